@@ -1,0 +1,22 @@
+/* attr.h - compiler attributes behind names, so that the code stays C11 elsewhere.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_ATTR_H
+#define MEN_ATTR_H
+
+#if defined(__GNUC__)
+#define ATTR_PRINTF(format, first) __attribute__((format(printf, format, first)))
+#define ATTR_NODISCARD __attribute__((warn_unused_result))
+#define ATTR_NORETURN __attribute__((noreturn))
+#define LIKELY(x) __builtin_expect(!!(x), 1)
+#define UNLIKELY(x) __builtin_expect(!!(x), 0)
+#else
+#define ATTR_PRINTF(format, first)
+#define ATTR_NODISCARD
+#define ATTR_NORETURN
+#define LIKELY(x) (x)
+#define UNLIKELY(x) (x)
+#endif
+
+#define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+
+#endif

@@ -1,0 +1,71 @@
+/* buf.c - the growing text buffer.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "base/buf.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void buf_clear(Buf *buf)
+{
+    free(buf->text);
+    *buf = (Buf){0};
+}
+
+static bool buf_reserve(Buf *buf, size_t more)
+{
+    if (buf->failed) return false;
+    if (more < buf->capacity - buf->length) return true;
+    size_t capacity = buf->capacity ? buf->capacity * 2 : 256;
+    while (capacity <= buf->length + more) capacity *= 2;
+    char *text = realloc(buf->text, capacity);
+    if (!text) {
+        buf->failed = true;
+        return false;
+    }
+    buf->text = text;
+    buf->capacity = capacity;
+    return true;
+}
+
+void buf_add_bytes(Buf *buf, const char *bytes, size_t length)
+{
+    if (!buf_reserve(buf, length)) return;
+    if (length) memcpy(buf->text + buf->length, bytes, length);
+    buf->length += length;
+    buf->text[buf->length] = 0;
+}
+
+void buf_add(Buf *buf, const char *text)
+{
+    buf_add_bytes(buf, text, strlen(text));
+}
+
+void buf_add_repeat(Buf *buf, char byte, size_t count)
+{
+    if (!buf_reserve(buf, count)) return;
+    memset(buf->text + buf->length, byte, count);
+    buf->length += count;
+    buf->text[buf->length] = 0;
+}
+
+void buf_format(Buf *buf, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    va_list again;
+    va_copy(again, args);
+    int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    if (length >= 0 && buf_reserve(buf, (size_t)length)) {
+        vsnprintf(buf->text + buf->length, (size_t)length + 1, format, again);
+        buf->length += (size_t)length;
+    }
+    va_end(again);
+}
+
+const char *buf_text(const Buf *buf)
+{
+    return buf->text ? buf->text : "";
+}

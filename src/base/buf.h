@@ -1,0 +1,26 @@
+/* buf.h - a growing text buffer. Never fails loudly: when memory ends, `failed` is set and the text
+ * stops growing, so that callers check once at the end.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BUF_H
+#define MEN_BUF_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/attr.h"
+
+typedef struct Buf {
+    char *text; /* terminated whenever it is not NULL */
+    size_t length, capacity;
+    bool failed;
+} Buf;
+
+void buf_clear(Buf *buf); /* frees; the Buf can be used again */
+void buf_add(Buf *buf, const char *text);
+void buf_add_bytes(Buf *buf, const char *bytes, size_t length);
+void buf_add_repeat(Buf *buf, char byte, size_t count);
+void buf_format(Buf *buf, const char *format, ...) ATTR_PRINTF(2, 3);
+/* The text, "" when empty. */
+const char *buf_text(const Buf *buf);
+
+#endif

@@ -1,0 +1,44 @@
+/* file.h - whole files in, atomic files out. Messages name the path and the system's reason.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_FILE_H
+#define MEN_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "base/status.h"
+
+/* Reads a whole file into malloc'd memory with a 0 byte behind it (not counted in *length).
+ * path "-" is standard input. STATUS_INPUT when it is missing, a directory, unreadable, or larger
+ * than limit bytes (0: no limit). */
+ATTR_NODISCARD Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error);
+
+bool file_exists(const char *path); /* and is no directory */
+
+/* A file that bears its name only once it is whole: written beside its place under a temporary
+ * name, flushed to disk, and renamed by file_commit. */
+typedef struct FileOut {
+    FILE *stream;
+    char *path, *temporary; /* owned */
+    bool plain;             /* "-", or a device such as /dev/full: written in place, no rename */
+} FileOut;
+
+ATTR_NODISCARD Status file_create(FileOut *out, const char *path, Error *error);
+/* Flush, sync, close, rename. On failure the temporary file is gone, and what stood under the name
+ * before is as it was. STATUS_OUTPUT. */
+ATTR_NODISCARD Status file_commit(FileOut *out, Error *error);
+void file_abandon(FileOut *out); /* close and delete; safe after a failed create or commit */
+
+/* The two halves for libraries that open files by name themselves: a malloc'd temporary path beside
+ * path (same folder), and the sync + rename at the end. For a device or "-" *temporary is a copy of
+ * path and the rename is left out. */
+ATTR_NODISCARD Status file_temporary_path(const char *path, char **temporary, Error *error);
+ATTR_NODISCARD Status file_rename_into_place(const char *temporary, const char *path, Error *error);
+
+/* malloc'd folder of path with the trailing '/', "" when it has none; NULL when memory ends */
+char *file_folder(const char *path);
+/* the extension without its dot, in the path's own letters; "" when it has none */
+const char *file_extension(const char *path);
+
+#endif

@@ -1,0 +1,63 @@
+/* lanes.h - four floats at once: the four wavelengths that a path carries.
+ * One SSE or NEON register with gcc and clang (vector extensions), a plain array elsewhere. All
+ * arithmetic goes through the functions below, so that nothing depends on which it is.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_LANES_H
+#define MEN_LANES_H
+
+#include <math.h>
+#include <stdbool.h>
+
+enum { LANES = 4 };
+
+#if defined(__GNUC__)
+typedef float LaneVector __attribute__((vector_size(16)));
+typedef struct Lanes {
+    LaneVector v;
+} Lanes;
+#define LANES_BINARY(name, operator)                                                               \
+    static inline Lanes name(Lanes a, Lanes b) { return (Lanes){a.v operator b.v}; }
+static inline Lanes lanes_all(float x) { return (Lanes){(LaneVector){x, x, x, x}}; }
+static inline Lanes lanes(float a, float b, float c, float d) { return (Lanes){(LaneVector){a, b, c, d}}; }
+#else
+typedef struct Lanes {
+    float v[LANES];
+} Lanes;
+#define LANES_BINARY(name, operator)                                                               \
+    static inline Lanes name(Lanes a, Lanes b)                                                     \
+    {                                                                                              \
+        for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] operator b.v[i];                           \
+        return a;                                                                                  \
+    }
+static inline Lanes lanes_all(float x) { return (Lanes){{x, x, x, x}}; }
+static inline Lanes lanes(float a, float b, float c, float d) { return (Lanes){{a, b, c, d}}; }
+#endif
+
+LANES_BINARY(lanes_add, +)
+LANES_BINARY(lanes_sub, -)
+LANES_BINARY(lanes_mul, *)
+LANES_BINARY(lanes_div, /)
+
+static inline Lanes lanes_scale(Lanes a, float s) { return lanes_mul(a, lanes_all(s)); }
+static inline float lanes_get(Lanes a, int lane) { return a.v[lane]; }
+static inline void lanes_set(Lanes *a, int lane, float x) { a->v[lane] = x; }
+static inline float lanes_sum(Lanes a) { return (a.v[0] + a.v[1]) + (a.v[2] + a.v[3]); }
+static inline float lanes_mean(Lanes a) { return lanes_sum(a) * 0.25f; }
+static inline float lanes_max(Lanes a) { return fmaxf(fmaxf(a.v[0], a.v[1]), fmaxf(a.v[2], a.v[3])); }
+static inline float lanes_min(Lanes a) { return fminf(fminf(a.v[0], a.v[1]), fminf(a.v[2], a.v[3])); }
+/* no lane differs from lane 0 */
+static inline bool lanes_uniform(Lanes a)
+{
+    return a.v[0] == a.v[1] && a.v[0] == a.v[2] && a.v[0] == a.v[3];
+}
+static inline bool lanes_zero(Lanes a) { return a.v[0] == 0 && a.v[1] == 0 && a.v[2] == 0 && a.v[3] == 0; }
+static inline bool lanes_finite(Lanes a)
+{
+    return isfinite(a.v[0]) && isfinite(a.v[1]) && isfinite(a.v[2]) && isfinite(a.v[3]);
+}
+static inline Lanes lanes_exp(Lanes a)
+{
+    return lanes(expf(a.v[0]), expf(a.v[1]), expf(a.v[2]), expf(a.v[3]));
+}
+
+#endif

@@ -1,0 +1,67 @@
+/* vec3.c - the affine maps that are too long to inline.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "base/vec3.h"
+
+#include <string.h>
+
+Affine affine_compose(const Affine *a, const Affine *b)
+{
+    Affine c;
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++)
+            c.m[row][column] = a->m[row][0] * b->m[0][column] + a->m[row][1] * b->m[1][column] +
+                               a->m[row][2] * b->m[2][column];
+    c.t = affine_point(a, b->t);
+    return c;
+}
+
+double affine_determinant(const Affine *a)
+{
+    return a->m[0][0] * (a->m[1][1] * a->m[2][2] - a->m[1][2] * a->m[2][1]) -
+           a->m[0][1] * (a->m[1][0] * a->m[2][2] - a->m[1][2] * a->m[2][0]) +
+           a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
+}
+
+double affine_max_stretch(const Affine *a)
+{
+    double sum = 0; /* the Frobenius norm bounds the largest singular value */
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++) sum += a->m[row][column] * a->m[row][column];
+    return sqrt(sum);
+}
+
+bool affine_invert(const Affine *a, Affine *inverse)
+{
+    double determinant = affine_determinant(a);
+    if (determinant == 0 || !isfinite(determinant) || !isfinite(1 / determinant) || !vec3_is_finite(a->t))
+        return false;
+    Affine b;
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++) {
+            int r1 = (column + 1) % 3, r2 = (column + 2) % 3, c1 = (row + 1) % 3, c2 = (row + 2) % 3;
+            b.m[row][column] = (a->m[r1][c1] * a->m[r2][c2] - a->m[r1][c2] * a->m[r2][c1]) / determinant;
+        }
+    b.t = vec3(0, 0, 0);
+    b.t = vec3_scale(affine_vector(&b, a->t), -1);
+    *inverse = b;
+    return true;
+}
+
+bool affine_is_identity(const Affine *a)
+{
+    Affine identity = affine_identity();
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++)
+            if (a->m[row][column] != identity.m[row][column]) return false;
+    return a->t.x == 0 && a->t.y == 0 && a->t.z == 0;
+}
+
+Box3 affine_box(const Affine *a, Box3 b)
+{
+    Box3 image = box3_empty();
+    for (int corner = 0; corner < 8; corner++)
+        image = box3_add_point(image, affine_point(a, vec3(corner & 1 ? b.max.x : b.min.x,
+                                                           corner & 2 ? b.max.y : b.min.y,
+                                                           corner & 4 ? b.max.z : b.min.z)));
+    return image;
+}

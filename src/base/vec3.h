@@ -1,0 +1,110 @@
+/* vec3.h - vectors and affine maps. Double (Vec3) for scene set-up and for every decision about
+ * which side of a surface a point is on; float (Vec3f) for what is stored in bulk and for shading.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_VEC3_H
+#define MEN_VEC3_H
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef struct Vec3 {
+    double x, y, z;
+} Vec3;
+
+typedef struct Vec3f {
+    float x, y, z;
+} Vec3f;
+
+static inline Vec3 vec3(double x, double y, double z) { return (Vec3){x, y, z}; }
+static inline Vec3 vec3_add(Vec3 a, Vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
+static inline Vec3 vec3_sub(Vec3 a, Vec3 b) { return vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
+static inline Vec3 vec3_scale(Vec3 a, double s) { return vec3(a.x * s, a.y * s, a.z * s); }
+/* a + s * b */
+static inline Vec3 vec3_along(Vec3 a, double s, Vec3 b)
+{
+    return vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+static inline double vec3_dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline Vec3 vec3_cross(Vec3 a, Vec3 b)
+{
+    return vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline double vec3_length(Vec3 a) { return sqrt(vec3_dot(a, a)); }
+static inline Vec3 vec3_normalize(Vec3 a) { return vec3_scale(a, 1 / vec3_length(a)); }
+static inline double vec3_max_abs(Vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
+static inline bool vec3_is_finite(Vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+static inline Vec3 vec3_from_f(Vec3f a) { return vec3((double)a.x, (double)a.y, (double)a.z); }
+
+static inline Vec3f vec3f(float x, float y, float z) { return (Vec3f){x, y, z}; }
+static inline Vec3f vec3f_add(Vec3f a, Vec3f b) { return vec3f(a.x + b.x, a.y + b.y, a.z + b.z); }
+static inline Vec3f vec3f_sub(Vec3f a, Vec3f b) { return vec3f(a.x - b.x, a.y - b.y, a.z - b.z); }
+static inline Vec3f vec3f_scale(Vec3f a, float s) { return vec3f(a.x * s, a.y * s, a.z * s); }
+static inline Vec3f vec3f_along(Vec3f a, float s, Vec3f b)
+{
+    return vec3f(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+static inline float vec3f_dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline Vec3f vec3f_cross(Vec3f a, Vec3f b)
+{
+    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline float vec3f_length(Vec3f a) { return sqrtf(vec3f_dot(a, a)); }
+static inline Vec3f vec3f_normalize(Vec3f a) { return vec3f_scale(a, 1 / vec3f_length(a)); }
+static inline Vec3f vec3f_negate(Vec3f a) { return vec3f(-a.x, -a.y, -a.z); }
+/* Rounds to the nearest float vector. */
+static inline Vec3f vec3f_from(Vec3 a) { return vec3f((float)a.x, (float)a.y, (float)a.z); }
+
+/* p -> m p + t; columns of m are the images of the axes: m[row][column]. */
+typedef struct Affine {
+    double m[3][3];
+    Vec3 t;
+} Affine;
+
+static inline Affine affine_identity(void)
+{
+    return (Affine){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
+}
+static inline Vec3 affine_vector(const Affine *a, Vec3 v)
+{
+    return vec3(a->m[0][0] * v.x + a->m[0][1] * v.y + a->m[0][2] * v.z,
+                a->m[1][0] * v.x + a->m[1][1] * v.y + a->m[1][2] * v.z,
+                a->m[2][0] * v.x + a->m[2][1] * v.y + a->m[2][2] * v.z);
+}
+static inline Vec3 affine_point(const Affine *a, Vec3 p) { return vec3_add(affine_vector(a, p), a->t); }
+/* The transposed linear part applied to v: with a the INVERSE map, this takes normals outward. */
+static inline Vec3 affine_normal(const Affine *inverse, Vec3 n)
+{
+    return vec3(inverse->m[0][0] * n.x + inverse->m[1][0] * n.y + inverse->m[2][0] * n.z,
+                inverse->m[0][1] * n.x + inverse->m[1][1] * n.y + inverse->m[2][1] * n.z,
+                inverse->m[0][2] * n.x + inverse->m[1][2] * n.y + inverse->m[2][2] * n.z);
+}
+/* first b, then a */
+Affine affine_compose(const Affine *a, const Affine *b);
+double affine_determinant(const Affine *a);
+/* The largest factor by which the map stretches a length, at most sqrt(3) too large. */
+double affine_max_stretch(const Affine *a);
+/* false when the map is singular or not finite. */
+bool affine_invert(const Affine *a, Affine *inverse);
+bool affine_is_identity(const Affine *a);
+
+/* An axis-aligned box; empty when min > max. */
+typedef struct Box3 {
+    Vec3 min, max;
+} Box3;
+
+static inline Box3 box3_empty(void)
+{
+    return (Box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+static inline Box3 box3_add_point(Box3 b, Vec3 p)
+{
+    b.min = vec3(fmin(b.min.x, p.x), fmin(b.min.y, p.y), fmin(b.min.z, p.z));
+    b.max = vec3(fmax(b.max.x, p.x), fmax(b.max.y, p.y), fmax(b.max.z, p.z));
+    return b;
+}
+static inline Box3 box3_union(Box3 a, Box3 b) { return box3_add_point(box3_add_point(a, b.min), b.max); }
+static inline bool box3_is_empty(Box3 b) { return !(b.min.x <= b.max.x); }
+/* The box around the image of b. */
+Box3 affine_box(const Affine *a, Box3 b);
+
+#endif

@@ -1,0 +1,82 @@
+/* diag.h - the sink for mistakes in a scene, and the one printer for them.
+ * Everything that checks a scene reports here and goes on, so that one run shows all mistakes.
+ * The codes stand in diags.def with severity, cause and cure; the literal message stays at the call.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_DIAG_H
+#define MEN_DIAG_H
+
+#include <stdarg.h>
+
+#include "base/buf.h"
+#include "diag/source.h"
+
+typedef enum DiagSeverity { DIAG_ERROR, DIAG_WARNING } DiagSeverity;
+
+typedef enum DiagCode {
+#define DIAG(name, severity, slug, cause, cure) D_##name,
+#include "diag/diags.def"
+#undef DIAG
+    D_COUNT
+} DiagCode;
+
+/* Where a node or a call came from besides its own place: the includes and macros around it. */
+typedef struct DiagChain DiagChain;
+struct DiagChain {
+    const DiagChain *outer;
+    Span span;        /* of the call or the include */
+    const char *what; /* "in def 'pour', called from", "included from" */
+};
+
+typedef struct DiagNote DiagNote;
+struct DiagNote {
+    DiagNote *next;
+    bool has_span;
+    Span span;
+    const char *text;
+};
+
+typedef struct Diagnostic Diagnostic;
+struct Diagnostic {
+    Diagnostic *next;
+    DiagCode code;
+    DiagSeverity severity;
+    bool has_span;
+    Span span;
+    const char *text;
+    const char *hint; /* NULL, or an edit: "did you mean 'ior'?" */
+    DiagNote *notes;
+    const DiagChain *chain;
+};
+
+typedef struct Diag {
+    Arena *arena;
+    SourceSet *sources;
+    Diagnostic *first, *last;
+    uint32_t n_errors, n_warnings;
+    uint32_t limit;              /* kept errors; more are counted only. 20 */
+    bool warnings_are_errors;    /* --werror */
+    const DiagChain *chain;      /* the present chain, set by the evaluator; copied into each report */
+} Diag;
+
+void diag_init(Diag *diag, Arena *arena, SourceSet *sources);
+/* Reports at a place; severity is the code's own. Returns the report so that hints and notes can
+ * be added; never NULL (past the limit it is a scratch report that is not kept). A second report of
+ * the same code at the same place and text is dropped. */
+Diagnostic *diag_report(Diag *diag, DiagCode code, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
+/* The same for mistakes without a place in a text. */
+Diagnostic *diag_report_nowhere(Diag *diag, DiagCode code, const char *format, ...) ATTR_PRINTF(3, 4);
+void diag_hint(Diag *diag, Diagnostic *report, const char *format, ...) ATTR_PRINTF(3, 4);
+void diag_note(Diag *diag, Diagnostic *report, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
+/* "did you mean 'X'?" when exactly one of the candidates is near enough to the wrong word. */
+void diag_suggest(Diag *diag, Diagnostic *report, const char *wrong, const char *const *candidates, size_t n);
+
+/* All reports as text, in order of place (source, byte): "file:line:col: error: text [slug]", the
+ * source line with a gutter, the caret line, hint, notes and chain; then "N errors, M warnings" is
+ * NOT part of it. Tabs are expanded, wide characters take two columns, long lines are cut around
+ * the caret. color adds SGR codes. */
+void diag_print(Diag *diag, Buf *out, bool color);
+/* The same facts as one JSON array. */
+void diag_print_json(Diag *diag, Buf *out);
+const char *diag_slug(DiagCode code);
+
+#endif

@@ -1,0 +1,119 @@
+/* eval.h - from scene text to a tree of checked nodes.
+ * The tree holds no expressions, loops or names any more: only nodes with property values that have
+ * the type, range and unit that the schema asks for. A NULL tree means that errors were reported.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_EVAL_H
+#define MEN_EVAL_H
+
+#include "base/status.h"
+#include "base/vec3.h"
+#include "diag/diag.h"
+#include "lang/schema.h"
+
+typedef struct EvalNode EvalNode;
+
+/* A colour is linear, in the scene's working space. */
+typedef struct EvalTerm {
+    const TermType *type;
+    unsigned n_args;
+    double args[8];
+    const char *text;
+} EvalTerm;
+
+typedef enum SpectrumForm { SPECTRUM_NUMBER, SPECTRUM_COLOR, SPECTRUM_VECTOR, SPECTRUM_TERM } SpectrumForm;
+
+/* A property after checking. Which member of the union holds depends on type->kind. */
+typedef struct EvalProp {
+    const PropType *type;
+    Span span; /* of the value's expression */
+    union {
+        double number; /* PROP_NUMBER, PROP_INTEGER */
+        bool truth;
+        const char *text;  /* PROP_STRING, PROP_CHOICE */
+        double vector[3];  /* PROP_VECTOR2, PROP_VECTOR3, PROP_COLOR */
+        struct {
+            SpectrumForm form;
+            double rgb[3]; /* NUMBER: rgb[0]; COLOR, VECTOR: all three */
+            EvalTerm term;
+        } spectrum; /* PROP_SPECTRUM, PROP_TERM */
+        const EvalNode *node;
+        struct {
+            size_t n;
+            const double *numbers;      /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */
+            const char *const *texts;   /* PROP_STRINGS */
+            const EvalNode *const *nodes;
+        } list;
+    } as;
+} EvalProp;
+
+struct EvalNode {
+    const NodeType *type;
+    const char *name;            /* as declared, NULL when it has none */
+    Span span;                   /* of the type's or prototype's word */
+    const DiagChain *chain;      /* includes and macros around it */
+    Affine transform;            /* to the parent; of an instance: the prototype's, then its own */
+    const EvalNode *prototype;   /* the node that this is an instance of, with PROP_SHAPE properties unchanged; else NULL */
+    EvalProp *props;             /* the ones that were set (an instance: the prototype's, overridden), in table order */
+    size_t n_props;
+    EvalNode **children;         /* in order of the text */
+    size_t n_children;
+};
+
+/* What a scene is evaluated with. Zero is a fair default for all but the schema. */
+typedef struct EvalOptions {
+    const Schema *schema;
+    const char *const *defines; /* "name=expression" of -D */
+    size_t n_defines;
+    const char *const *include_folders; /* -I */
+    size_t n_include_folders;
+    const char *confine; /* NULL, or the folder that every file must be under */
+    const char *preset;
+    double clock;
+    int frame, frames;
+    double srgb_to_working[9]; /* row-major, linear sRGB to the working space; all 0: identity */
+    /* Text of a built-in library file such as "std/glassware.mns", or NULL. */
+    const char *(*library)(const char *name);
+} EvalOptions;
+
+typedef struct EvalParam {
+    const char *name, *doc;
+    Span span;
+    const char *value; /* as text */
+} EvalParam;
+
+typedef struct EvalResult {
+    EvalNode **nodes; /* at top level, in order of the text: placed nodes, NODE_SINGLE settings (merged, one each), and named declarations */
+    size_t n_nodes;
+    double unit_m;    /* metres per scene unit */
+    const char *const *files; /* paths that were read, the scene first */
+    size_t n_files;
+    EvalParam *params;
+    size_t n_params;
+    Buf printed; /* what print() said; buf_clear it */
+} EvalResult;
+
+/* Reads path ("-": standard input) and everything it includes, parses, evaluates, checks.
+ * STATUS_OK, STATUS_SCENE with reports in diag, or STATUS_INPUT (the scene file itself cannot be
+ * read) with *error. All memory is the arena's of diag, which must be guarded by the caller. */
+ATTR_NODISCARD Status eval_scene(const char *path, const EvalOptions *options, Diag *diag,
+                                 EvalResult *result, Error *error);
+/* The same for text in memory (0-terminated), under a name for messages. */
+ATTR_NODISCARD Status eval_text(const char *name, const char *text, size_t length, const EvalOptions *options,
+                                Diag *diag, EvalResult *result, Error *error);
+
+/* The property of that name, NULL when it was not set. The name must be in the node's table. */
+const EvalProp *eval_prop(const EvalNode *node, const char *name);
+/* The property's value, or else the default text of its table row, read as a number or truth. */
+double eval_number(const EvalNode *node, const char *name);
+bool eval_truth(const EvalNode *node, const char *name);
+/* PROP_STRING, PROP_CHOICE: the value, else the default text, else NULL. */
+const char *eval_word(const EvalNode *node, const char *name);
+/* PROP_VECTOR2/3, PROP_COLOR: the value, else the default text ("<0, 0, 0>"). */
+Vec3 eval_vector(const EvalNode *node, const char *name);
+
+/* Resolves a file that a property names: beside the file in which span stands, then the include
+ * folders, then MENISCUS_PATH and the data directory; honours confinement. NULL when there is none,
+ * after reporting D_FILE_NOT_FOUND (or D_OUTSIDE_CONFINE) at span. The path is the arena's. */
+const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, const char *name);
+
+#endif
