@@ -1,0 +1,67 @@
+/* piece.h - analytic surfaces, intersected in double precision.
+ * A solid of revolution is made of pieces that share their edges exactly; together they are closed. A
+ * piece is in its solid's local frame: the axis of revolution is y. Rounding at shared edges is that of
+ * double precision, so that a ray meets one of two neighbours and not both or none.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PIECE_H
+#define MEN_PIECE_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+#include "base/vec3.h"
+
+typedef enum PieceKind {
+    PIECE_SPHERE, /* about the origin, radius r0 */
+    PIECE_BAND,   /* the line from (r0, y0) to (r1, y1) turned about y: cylinder, cone, disc or ring (y0 == y1) */
+    PIECE_RECT,   /* the rectangle |x| <= r0, |z| <= r1 in the plane y = 0, facing +y; open */
+    PIECE_PLANE   /* the plane y = 0, facing +y, without bounds (clipped to the scene by the caller); open */
+} PieceKind;
+
+typedef struct Piece {
+    PieceKind kind;
+    /* PIECE_BAND: in the half plane with r to the right and y up, walking from point 0 to point 1 the
+     * outside is on the right-hand side: the outward normal (in r, y) is (y1 - y0, r0 - r1) normalized. */
+    double r0, y0, r1, y1;
+    float nr0, ny0, nr1, ny1; /* PIECE_BAND: shading normals in the half plane at both ends */
+} Piece;
+
+/* One crossing of the line org + t dir with a piece. */
+typedef struct PieceRoot {
+    double t;
+    Vec3 normal;     /* geometric, outward, NOT normalized in world units: local frame, unit there */
+    Vec3 shading;    /* shading normal, local frame, unit */
+    double u, v;     /* surface coordinates, 0..1: around, along */
+} PieceRoot;
+
+/* All crossings with t_min < t <= t_max in increasing t, at most 2; returns how many. org and dir are in
+ * the piece's frame; dir need not be unit. Only t is filled. A tangent ray crosses twice or not at all. */
+int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[2]);
+/* The geometry at one of these crossings. */
+void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root);
+/* The point nearest to p (a point on the surface) that keeps at least `margin` from the piece's edges,
+ * along the surface; the middle when the piece is narrower than that. */
+Vec3 piece_inset(const Piece *piece, Vec3 p, double margin);
+Box3 piece_bounds(const Piece *piece);
+
+/* A closed solid made of pieces. Owns them. */
+typedef struct Solid {
+    Piece *pieces;
+    uint32_t n_pieces;
+    double volume; /* closed form */
+} Solid;
+
+void solid_free(Solid *solid);
+ATTR_NODISCARD Status solid_make_sphere(double radius, Solid **solid, Error *error);
+/* Between y = 0 and y = height about the y axis. radius0 at the bottom; either radius may be 0, not both. */
+ATTR_NODISCARD Status solid_make_cone(double radius0, double radius1, double height, Solid **solid, Error *error);
+/* profile: n points (r, y), r >= 0, a simple polygon (closed by its last edge, or open with both ends on
+ * the axis), in either sense. Corners between edges of `smooth` = false keep their edge. round[i] > 0
+ * rounds corner i by an arc of that radius (NULL: none); the arc is made of bands with exact normals, each
+ * turning at most 3 degrees. STATUS_SCENE with the reason when the profile crosses itself, has r < 0, has
+ * fewer than 3 points, or a rounding does not fit. smooth_all: normals are interpolated over all corners that turn less
+ * than 40 degrees. */
+ATTR_NODISCARD Status solid_make_lathe(const double (*profile)[2], uint32_t n, const double *round, bool smooth_all,
+                                       Solid **solid, Error *error);
+
+#endif

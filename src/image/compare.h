@@ -1,0 +1,19 @@
+/* compare.h - how much two pictures differ.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_COMPARE_H
+#define MEN_COMPARE_H
+
+#include "image/image.h"
+
+/* Over R, G, B of all pixels. relative: squared difference over (reference^2 + 0.01), meaned. */
+typedef struct Comparison {
+    double rmse, relative_mse, max_difference, mean_a[3], mean_b[3];
+    double flip;              /* mean of the FLIP map (Andersson et al. 2020) of the two under the sRGB view */
+    uint32_t max_x, max_y;    /* where the largest difference is */
+    uint64_t n_not_finite;    /* channels that are NaN or infinite in either; left out of the sums */
+} Comparison;
+
+/* STATUS_USAGE when the sizes or channels do not match, with both. flip only when asked for. */
+ATTR_NODISCARD Status image_compare(const Image *a, const Image *b, bool flip, Comparison *comparison, Error *error);
+
+#endif

@@ -1,0 +1,59 @@
+/* image.h - pictures in memory, EXR and PNG files.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_IMAGE_H
+#define MEN_IMAGE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* Interleaved float channels, row 0 at the top. Owns its arrays (malloc). */
+typedef struct Image {
+    uint32_t width, height, n_channels;
+    char (*names)[64]; /* "R", "G", "B", "A", "noise.Y", ... */
+    float *pixels;     /* width * height * n_channels */
+} Image;
+
+typedef enum AttributeType { ATTRIBUTE_TEXT, ATTRIBUTE_INT, ATTRIBUTE_FLOAT } AttributeType;
+typedef struct ImageAttribute {
+    const char *name;
+    AttributeType type;
+    const char *text;
+    int whole;
+    double number;
+} ImageAttribute;
+
+typedef struct ExrOptions {
+    bool half;                        /* R, G, B, A as half; all other channels are float in any case */
+    const float *chromaticities;      /* red xy, green xy, blue xy, white xy; NULL: Rec.709, D65 */
+    const ImageAttribute *attributes; /* the render's settings: "meniscus/samples", ... */
+    size_t n_attributes;
+    float pixel_aspect;               /* 0: 1 */
+} ExrOptions;
+
+/* Dimensions are 1..65536 each, channels 1..1024; STATUS_NOMEM otherwise fits memory or not. */
+ATTR_NODISCARD Status image_new(uint32_t width, uint32_t height, const char *const *names, uint32_t n_channels,
+                                Image *image, Error *error);
+void image_clear(Image *image);
+/* The index of a channel, -1 when there is none. */
+int image_channel(const Image *image, const char *name);
+
+/* Scan lines, ZIP or PIZ compression, chromaticities and attributes; written beside its place and renamed when whole.
+ * STATUS_OUTPUT with the reason; what stood there before is then untouched. "-" is standard output. */
+ATTR_NODISCARD Status exr_write(const char *path, const Image *image, const ExrOptions *options, Error *error);
+/* The first part, all channels as float; scan lines or tiles (full resolution), data window placed in the
+ * display window (outside of it 0). STATUS_INPUT. */
+ATTR_NODISCARD Status exr_read(const char *path, Image *image, Error *error);
+/* The attribute's text or number as text, into a malloc'd string; NULL text when it has none. */
+ATTR_NODISCARD Status exr_read_attribute(const char *path, const char *name, char **text, Error *error);
+
+/* 8 or 16 bits per channel; rgb or rgba display-referred floats in 0..1, quantized with rounding (16) or
+ * rounding plus a fixed ordered dither (8, so that gradients do not band). Atomic, as exr_write. */
+ATTR_NODISCARD Status png_write(const char *path, const Image *image, unsigned bits, Error *error);
+ATTR_NODISCARD Status png_read(const char *path, Image *image, Error *error);
+/* By content, then extension: EXR, PNG. */
+ATTR_NODISCARD Status image_read(const char *path, Image *image, Error *error);
+
+#endif

@@ -1,0 +1,35 @@
+/* view.h - colour management: from scene-linear pictures to what a display shows, and from the colour
+ * spaces of inputs to the working space. Behind it OpenColorIO (ocio.cpp).
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_VIEW_H
+#define MEN_VIEW_H
+
+#include "image/image.h"
+
+typedef struct ColorConfig ColorConfig;
+
+/* config: a path (--ocio), or NULL for $OCIO when it is set, else the built-in configuration, which needs
+ * no installation. STATUS_INPUT with OpenColorIO's reason. */
+ATTR_NODISCARD Status color_config_open(const char *config, ColorConfig **out, Error *error);
+void color_config_close(ColorConfig *config);
+
+/* Names, for checking and listing. index past the end: NULL. The strings are the config's. */
+const char *color_config_display(const ColorConfig *config, int index);
+const char *color_config_view(const ColorConfig *config, const char *display, int index);
+const char *color_config_default_display(const ColorConfig *config);
+const char *color_config_default_view(const ColorConfig *config, const char *display);
+const char *color_config_space(const ColorConfig *config, int index);
+/* The colour space of role scene_linear. */
+const char *color_config_scene_linear(const ColorConfig *config);
+
+/* Applies a display and view (NULL: the defaults) to R, G, B (and keeps A) of a scene-linear picture of the
+ * working space (linear Rec.709, D65); the result is display-referred in 0..1. Not-a-numbers become 0, values are held to
+ * 65504 first. Alpha is associated in the input; the output is over black. STATUS_USAGE names an unknown
+ * display or view and the nearest that there is. */
+ATTR_NODISCARD Status color_view(const ColorConfig *config, const char *display, const char *view, Image *image,
+                                 Error *error);
+/* In place: rgb triples from a named colour space to linear Rec.709 (D65), the working space. */
+ATTR_NODISCARD Status color_to_working(const ColorConfig *config, const char *space, float *rgb, size_t n_pixels,
+                                       Error *error);
+
+#endif

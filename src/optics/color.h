@@ -1,0 +1,56 @@
+/* color.h - the CIE 1931 observer, the working space, and RGB to spectra and back.
+ * The working space is linear with Rec.709 primaries and D65 white unless a configuration says
+ * otherwise; a light of RGB (1,1,1) has the spectrum of D65, normalized so that it resolves to exactly
+ * (1,1,1).
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_COLOR_H
+#define MEN_COLOR_H
+
+#include "optics/spectrum.h"
+
+/* The standard observer at one wavelength (tabulated at 5 nm, linear in between). */
+void color_matching(float wavelength_nm, float xyz[3]);
+
+/* Reflectance or any quantity in 0..1 of a colour: [JH19] W. Jakob, J. Hanika, "A Low-Dimensional
+ * Function Space for Efficient Spectral Upsampling" (2019). rgb is linear Rec.709 and is clamped to
+ * 0..1 in each channel (the caller has checked and reported). Equal channels give a constant. */
+Spectrum spectrum_from_reflectance(const double rgb[3]);
+/* Emission of a colour of any size: scale * sigmoid * D65; resolves to rgb again. */
+Spectrum spectrum_from_light(const double rgb[3]);
+/* The three [JH19] coefficients of a colour with channels in 0..1, for images: table look-up. */
+void upsample_coefficients(const float rgb[3], float coefficients[3]);
+/* Evaluates what upsample_coefficients gave; a reflectance, without illuminant. */
+Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm);
+/* The white illuminant (D65), scaled so that spectrum_from_light({1,1,1}) is exactly this. */
+Lanes white_at(Lanes wavelength_nm);
+
+/* Absorption per length such that white light that has gone `depth` takes the colour `tint`:
+ * sigma(w) = -ln T(w) / depth. Channels of 0 are raised to 1e-4. table: SPECTRUM_SAMPLES floats. */
+Spectrum spectrum_from_tint(const double tint[3], double depth, float *table);
+/* A non-negative quantity per length given as red, green, blue (absorption, scattering): a smooth
+ * spectrum that equals r, g, b at the primaries' dominant wavelengths, so that Beer-Lambert over
+ * a length gives about the colour exp(-rgb * length). table: SPECTRUM_SAMPLES floats. */
+Spectrum spectrum_from_coefficients(const double rgb[3], float *table);
+
+/* Four wavelengths of one path: the first by importance from u in [0,1), the others rotated evenly
+ * through the same distribution, so that each is sampled alike. pdf is per nm. */
+typedef struct WavelengthSample {
+    Lanes nm;
+    Lanes pdf;
+} WavelengthSample;
+WavelengthSample wavelengths_sample(float u);
+
+/* What a path's four radiances add to the pixel: the mean over the lanes of L(w) * cmf(w) / pdf(w),
+ * in linear working RGB, scaled so that white light of radiance 1 gives (1,1,1) in expectation. */
+void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float rgb[3]);
+
+/* luminance of linear Rec.709 */
+static inline float color_luminance(const float rgb[3])
+{
+    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
+/* Exact resolution of a whole spectrum (sum over the table), for set-up and tests. */
+void color_from_spectrum(const Spectrum *emission, double rgb[3]);
+
+#endif

@@ -1,0 +1,28 @@
+/* fresnel.h - what a smooth boundary between two dielectrics does to a wave.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_FRESNEL_H
+#define MEN_FRESNEL_H
+
+#include <stdbool.h>
+
+#include "base/lanes.h"
+#include "base/vec3.h"
+
+/* Unpolarized reflectance of light in a medium of index eta_i that meets one of eta_t at an angle of
+ * cosine cos_i (0..1) to the normal. 1 beyond the critical angle. Exact Fresnel equations. */
+float fresnel_dielectric(float cos_i, float eta_i, float eta_t);
+/* The same per wavelength. */
+Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t);
+/* Hemispherical mean reflectance for diffuse light coming from eta_i, 2 * integral F cos dcos;
+ * closed form of Walsh (1926) / Duntley, or a fit with the stated error. */
+float fresnel_dielectric_mean(float eta_i, float eta_t);
+
+/* direction travels towards the surface (unit), normal is on the side it comes from (unit). */
+static inline Vec3f reflect_direction(Vec3f direction, Vec3f normal)
+{
+    return vec3f_along(direction, -2 * vec3f_dot(direction, normal), normal);
+}
+/* false beyond the critical angle; *refracted is a unit vector. Snell's law in vector form. */
+bool refract_direction(Vec3f direction, Vec3f normal, float eta_i, float eta_t, Vec3f *refracted);
+
+#endif

@@ -1,0 +1,50 @@
+/* spectrum.h - quantities that depend on the wavelength, made once and evaluated at four wavelengths
+ * at a time.
+ * Wavelengths are in nm, 360 to 830, the range of the CIE 1931 observer's table.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SPECTRUM_H
+#define MEN_SPECTRUM_H
+
+#include <stdint.h>
+
+#include "base/lanes.h"
+#include "base/status.h"
+
+#define SPECTRUM_MIN_NM 360.0f
+#define SPECTRUM_MAX_NM 830.0f
+enum { SPECTRUM_STEP_NM = 5, SPECTRUM_SAMPLES = 95 }; /* (830 - 360) / 5 + 1 */
+
+typedef enum SpectrumKind {
+    SPECTRUM_CONSTANT, /* value[0] everywhere */
+    SPECTRUM_SIGMOID,  /* scale * S(c0 + c1 w + c2 w^2), w in 0..1 over the range; [JH19] */
+    SPECTRUM_LIGHT,    /* the same times the working space's white illuminant, for emission */
+    SPECTRUM_CAUCHY,   /* A + B / um^2 + C / um^4 */
+    SPECTRUM_SELLMEIER,/* n^2 = 1 + sum B_i um^2 / (um^2 - C_i) */
+    SPECTRUM_TABLE     /* SPECTRUM_SAMPLES values, linear in between */
+} SpectrumKind;
+
+typedef struct Spectrum {
+    SpectrumKind kind;
+    float scale;
+    float value[6];
+    const float *table; /* SPECTRUM_TABLE only; not owned */
+} Spectrum;
+
+Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm);
+float spectrum_at_one(const Spectrum *spectrum, float wavelength_nm);
+bool spectrum_is_constant(const Spectrum *spectrum); /* the same at all wavelengths */
+bool spectrum_is_zero(const Spectrum *spectrum);
+/* the largest value over the range, to within the sampling of 5 nm */
+float spectrum_max(const Spectrum *spectrum);
+
+Spectrum spectrum_constant(float value);
+/* Cauchy's A + B / um^2 + C / um^4 and Sellmeier's coefficients (C_i in um^2). */
+Spectrum spectrum_cauchy(double a, double b_um2, double c_um4);
+Spectrum spectrum_sellmeier(const double b[3], const double c_um2[3]);
+/* Planck's law at kelvin K, scaled so that its luminance is that of a light of RGB (1,1,1).
+ * table: SPECTRUM_SAMPLES floats of the caller's. */
+Spectrum spectrum_blackbody(double kelvin, float *table);
+/* Any function of the wavelength, tabulated. */
+Spectrum spectrum_tabulate(double (*function)(void *context, double wavelength_nm), void *context, float *table);
+
+#endif

@@ -1,0 +1,31 @@
+/* texture.h - images that light a scene: a latitude-longitude environment with importance sampling.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_TEXTURE_H
+#define MEN_TEXTURE_H
+
+#include "base/status.h"
+#include "base/vec3.h"
+#include "optics/color.h"
+
+typedef struct Environment Environment;
+
+/* rgb: width * height * 3 floats, linear Rec.709, row 0 at the top (direction +y), the middle column at
+ * direction -z turned so that u = 0.5 + atan2(x, -z) / (2 pi); negative and non-finite values are the
+ * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. */
+ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
+                                            Environment **environment, Error *error);
+/* The same radiance from everywhere. */
+ATTR_NODISCARD Status environment_new_constant(const Spectrum *radiance, Environment **environment, Error *error);
+void environment_free(Environment *environment);
+
+/* Radiance from a unit direction (the direction from the scene to the environment), in the environment's
+ * own frame. Bilinear in the image. */
+Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm);
+/* Picks a direction in proportion to luminance times solid angle; pdf_w per steradian, > 0. */
+Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w);
+float environment_pdf(const Environment *environment, Vec3f direction);
+/* Integral of luminance over the sphere, for choosing between lights. */
+float environment_power(const Environment *environment);
+bool environment_is_black(const Environment *environment);
+
+#endif
