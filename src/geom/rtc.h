@@ -1,0 +1,95 @@
+/* rtc.h - the scene as Embree geometry, and the two questions that a renderer asks of it: which surfaces
+ * stand nearest along a ray, and which stand anywhere along it.
+ *
+ * Embree proposes, double precision decides. Embree works in float and finds every triangle near the ray
+ * (robust mode); whether a triangle is in front of the ray's start, how far it is and which way it is
+ * crossed are then computed from the triangle's vertices in double. Analytic pieces are double
+ * throughout. So there is no epsilon that could lose a surface: a ray starts at its exact origin, and what
+ * counts is t > t_min, strictly, in double precision.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RTC_H
+#define MEN_RTC_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+#include "base/vec3.h"
+#include "geom/mesh.h"
+#include "geom/piece.h"
+
+typedef struct RtcScene RtcScene;
+
+/* One object of the scene: a mesh or a solid, placed. Meshes placed more than once (the same pointer) share their
+ * geometry as Embree instances; a mesh placed once is baked. Neither mesh nor solid is owned; both
+ * must live as long as the scene. */
+typedef struct RtcObject {
+    const Mesh *mesh;   /* or NULL */
+    const Solid *solid; /* or NULL */
+    Affine to_world;
+    bool opaque;        /* nothing is seen through it: a search for all surfaces along a ray may stop at it */
+} RtcObject;
+
+/* The objects keep their numbers. STATUS_SCENE when a transform is singular, STATUS_NOMEM. */
+ATTR_NODISCARD Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, unsigned n_threads,
+                                    RtcScene **scene, Error *error);
+void rtc_scene_free(RtcScene *scene);
+/* Around everything but unbounded planes; empty for an empty scene. */
+Box3 rtc_scene_bounds(const RtcScene *scene);
+/* Bytes that Embree holds for geometry and hierarchy. */
+size_t rtc_scene_bytes(const RtcScene *scene);
+/* "Embree 3.13.5 (isa ...)", for `version` and reports */
+const char *rtc_library_version(void);
+
+/* A ray. origin is exact as it stands. */
+typedef struct Ray {
+    Vec3f origin, direction; /* direction: unit to float precision */
+    double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
+} Ray;
+
+/* One surface met by a ray. */
+typedef struct Hit {
+    double t;
+    uint32_t object;
+    uint32_t primitive;    /* triangle of the mesh, or piece of the solid */
+    bool entering;         /* the ray goes against the geometric normal, into the object */
+    Vec3f normal;          /* geometric, unit, outward (not turned towards the ray) */
+    double cos_normal;     /* direction . normal, in double */
+    float u, v;            /* barycentric of the triangle; unused for pieces */
+} Hit;
+
+/* A growing list of hits, one per worker, reused from ray to ray. */
+typedef struct HitList {
+    Hit *items;
+    size_t n, capacity;
+    bool out_of_memory;
+} HitList;
+void hit_list_clear(HitList *list); /* frees */
+
+/* All surfaces that stand at the nearest distance, in increasing t: the first, and every further one that
+ * is nearer to the one before it than the rounding of coordinates can tell (along the normal; see
+ * rtc_rounding). Returns the number, 0 when the ray leaves the scene. */
+size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
+
+/* Every surface along the ray in increasing t. Stops at the first opaque object when stop_at_opaque; the
+ * list then ends with hits of that object or is cut behind them; returns false in that case and true when nothing opaque
+ * stood in the way. */
+bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
+
+/* The distance that the coordinates of a point can be off by rounding: four units in the last place of its
+ * largest coordinate in float. Surfaces nearer to each other than this stand at one place. */
+double rtc_rounding(Vec3 p);
+
+/* What shading needs beyond the hit. */
+typedef struct HitSurface {
+    Vec3 position;  /* on the surface, double */
+    Vec3f shading;  /* shading normal, unit, outward; on the geometric normal's side */
+    float uv[2];
+} HitSurface;
+void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
+
+/* A start for a new ray that leaves the cluster hits[0 .. n-1] (n >= 1) on the far side (through) or on the side that the ray came
+ * from. The point is moved off the surface by half of rtc_rounding, and off the edges of the primitive by
+ * as much, so that in exact arithmetic it is on the right side of the surface and of its neighbours. */
+Vec3f rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through);
+
+#endif

@@ -1,0 +1,45 @@
+/* cross.h - what crossing a hull does to the medium that a ray travels in.
+ * Pure bookkeeping on hulls, ranks and media: no geometry, no scene. One data structure (list.h), one
+ * operation, four policies (order.h).
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_CROSS_H
+#define MEN_CROSS_H
+
+#include "nest/list.h"
+#include "nest/order.h"
+
+#define NEST_WORLD UINT32_MAX /* "owner" of a point that no hull holds */
+
+/* The hull that owns the point: the top of the list, NEST_WORLD when it is empty. */
+static inline uint32_t nest_owner(const NestList *list)
+{
+    return list->n ? nest_list_items(list)[list->n - 1] : NEST_WORLD;
+}
+/* The medium there. */
+static inline uint32_t nest_medium(const NestOrder *order, const NestList *list)
+{
+    uint32_t owner = nest_owner(list);
+    return owner == NEST_WORLD ? order->world_medium : order->medium[owner];
+}
+
+/* One crossing of one hull's surface. */
+typedef struct NestPass {
+    uint32_t hull;
+    bool entering; /* from the geometric normal, never the shading normal */
+} NestPass;
+
+typedef struct NestCrossing {
+    uint32_t medium_from, medium_to; /* equal: the surface is not there, go on with the new list */
+    uint32_t owner_from, owner_to;   /* hulls, or NEST_WORLD */
+    uint32_t n_faults;               /* passes whose direction disagreed with the list; the list was healed */
+} NestCrossing;
+
+/* Crosses all n surfaces that stand at one distance, together, and leaves the list as it is behind them.
+ * Passes of one hull in both directions (a ray through an edge) cancel; repeated passes of one hull in one
+ * direction (an edge reported by both its triangles) count once. The order of the passes does not
+ * matter, except that under NEST_ENTERED hulls are entered in the order given.
+ * O(n * depth); no locks. On STATUS_NOMEM the list is as it was. */
+ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
+                                 NestCrossing *crossing);
+
+#endif

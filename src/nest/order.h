@@ -1,0 +1,79 @@
+/* order.h - which of two overlapping hulls is on top.
+ * A hull is a closed object with a medium inside. Hulls are numbered 0 .. n - 1 in order of declaration;
+ * media are numbered by the caller, the world's medium (outside of all hulls) among them. Where several
+ * hulls hold a point, the one on top owns it. Sources: [WR19] for the order of entry, [SB02] for priorities,
+ * the automatic order is ours; see meniscus-nesting(7).
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_ORDER_H
+#define MEN_ORDER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+typedef enum NestPolicy {
+    NEST_AUTOMATIC, /* an order computed from the scene: the same from every direction, no work for the artist */
+    NEST_ENTERED,   /* [WR19]: the hull entered last is on top */
+    NEST_PRIORITY,  /* [SB02]: the larger stated priority is on top */
+    NEST_NONE       /* no nesting at all: every surface lies between its medium and the world's */
+} NestPolicy;
+
+/* State of matter, larger on top. */
+typedef enum NestState { NEST_STATE_UNKNOWN, NEST_LIQUID, NEST_GAS, NEST_SOLID } NestState;
+
+typedef struct NestHull {
+    uint32_t medium;
+    int32_t priority; /* 0 unless stated; larger is on top */
+    NestState state;
+    double volume;    /* enclosed; INFINITY for a half-space */
+} NestHull;
+
+typedef enum NestRelation { NEST_PARTIAL, NEST_A_IN_B, NEST_B_IN_A } NestRelation;
+
+/* Two hulls that share volume. */
+typedef struct NestOverlap {
+    uint32_t a, b;
+    NestRelation relation;
+} NestOverlap;
+
+/* What decided between two hulls, first that applies. */
+typedef enum NestRule {
+    NEST_BY_PRIORITY,
+    NEST_BY_CONTAINMENT,
+    NEST_BY_STATE,
+    NEST_BY_VOLUME,
+    NEST_BY_DECLARATION /* the later one is on top, as with paint */
+} NestRule;
+
+typedef struct NestDecision {
+    uint32_t top, bottom;
+    NestRule rule;
+} NestDecision;
+
+/* The rules (a) to (e) applied to one pair. */
+NestDecision nest_decide(const NestHull *hulls, const NestOverlap *overlap);
+const char *nest_rule_text(NestRule rule);     /* "priority", "containment", ... */
+const char *nest_policy_text(NestPolicy policy);
+/* false when the word names no policy */
+bool nest_policy_from_text(const char *text, NestPolicy *policy);
+
+/* A strict total order of all hulls, ready for crossing. Immutable; shared by all threads. */
+typedef struct NestOrder {
+    NestPolicy policy;
+    uint32_t n_hulls, world_medium;
+    uint32_t *rank;   /* of each hull, 0 .. n - 1, larger on top; a permutation */
+    uint32_t *medium; /* of each hull */
+    uint32_t n_circles;      /* groups of hulls whose pairwise answers ran in a circle */
+    uint32_t *circle;        /* of each hull: 0, or the number of its circle from 1 */
+} NestOrder;
+
+/* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by
+ * volume, then declaration); inside a circle the smaller volume, then the later declaration, is on top.
+ * Under NEST_PRIORITY it is priority, then declaration; ENTERED and NONE need no ranks, which are then by
+ * declaration. overlaps may name a pair twice. O((n + m) log n). STATUS_NOMEM. */
+ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
+                                       uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error);
+void nest_order_clear(NestOrder *order);
+
+#endif

@@ -1,0 +1,57 @@
+/* render.h - renders a compiled scene to a film, pass by pass, and says how it goes.
+ * Nothing here prints: progress goes through a callback on the calling thread.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RENDER_H
+#define MEN_RENDER_H
+
+#include <signal.h>
+
+#include "base/pool.h"
+#include "image/image.h"
+#include "scene/compile.h"
+
+typedef struct RenderSettings {
+    uint32_t width, height;
+    uint32_t crop[4];           /* x0, y0, x1, y1; all 0: the whole frame */
+    uint32_t samples;           /* per pixel */
+    uint32_t first_sample;      /* for slices; 0 */
+    double noise;               /* stop at this mean relative error; 0: never */
+    double time_limit_s;        /* 0: none */
+    uint32_t bounces, seed, camera;
+    bool no_absorption;         /* media neither absorb nor emit: for tests */
+} RenderSettings;
+
+typedef struct RenderProgress {
+    uint32_t samples_done, samples_total; /* per pixel */
+    double fraction;                      /* 0..1 of the work */
+    double seconds;                       /* since the start */
+    double seconds_left_low, seconds_left_high; /* negative: not known yet */
+    double noise;                         /* mean relative standard error per pixel so far; < 0: not known */
+    uint64_t paths, rays;
+} RenderProgress;
+
+typedef struct RenderStats {
+    uint64_t paths, rays;       /* rays: calls of the ray tracer, closest and shadow */
+    uint64_t crossings;         /* surfaces of hulls crossed, silent ones included */
+    uint64_t silent_crossings;
+    uint64_t nesting_faults;    /* direction and list disagreed */
+    uint64_t silent_limit;      /* paths given up at the limit of silent crossings */
+    uint64_t bad_samples;       /* not finite; left out */
+    uint64_t saturated_samples; /* brighter than the film can hold; held at its limit */
+    double seconds, cpu_seconds;
+    uint32_t samples;           /* per pixel, done everywhere */
+    bool stopped;               /* by the stop flag or the time limit, before all samples */
+} RenderStats;
+
+typedef struct RenderEvents {
+    void *context;
+    void (*progress)(void *context, const RenderProgress *progress); /* some times a second; may be NULL */
+    const volatile sig_atomic_t *stop; /* not NULL and not 0: finish the tile, then return; may be NULL */
+} RenderEvents;
+
+/* Renders. *image gets channels R G B A and, with_noise, "noise.Y" (standard error of the luminance), by
+ * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */
+ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
+                                   const RenderEvents *events, Image *image, RenderStats *stats, Error *error);
+
+#endif

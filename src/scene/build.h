@@ -1,0 +1,32 @@
+/* build.h - from a file in the scene language to a scene description.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BUILD_H
+#define MEN_BUILD_H
+
+#include "lang/eval.h"
+#include "scene/scene.h"
+
+/* What images are read with: the layer below has no image files. rgb is malloc'd, linear Rec.709 (working
+ * space). space: name of the colour space, NULL by the file's kind. */
+typedef Status (*SceneImageLoader)(void *context, const char *path, const char *space, float **rgb,
+                                   uint32_t *width, uint32_t *height, Error *error);
+
+typedef struct SceneOptions {
+    EvalOptions eval; /* schema is filled in here */
+    SceneImageLoader load_image;
+    void *load_image_context;
+} SceneOptions;
+
+/* Reads, evaluates, checks and builds. Reports go to diag; STATUS_SCENE when there were errors,
+ * STATUS_INPUT when the scene file itself cannot be read, STATUS_NOMEM. *scene is NULL unless STATUS_OK.
+ * printed (may be NULL) receives what the scene's print() said. */
+ATTR_NODISCARD Status scene_build(const char *path, const SceneOptions *options, Diag *diag, Scene **scene,
+                                  Buf *printed, Error *error);
+/* The same for text in memory. */
+ATTR_NODISCARD Status scene_build_text(const char *name, const char *text, const SceneOptions *options, Diag *diag,
+                                       Scene **scene, Buf *printed, Error *error);
+
+/* The table of nodes and properties (nodes.def), for the manual and the tests. */
+const Schema *scene_schema(void);
+
+#endif

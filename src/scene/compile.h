@@ -1,0 +1,47 @@
+/* compile.h - from a scene description to what rays are traced in: Embree geometry and the order of the
+ * hulls, with all that was found out about how hulls lie to each other.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_COMPILE_H
+#define MEN_COMPILE_H
+
+#include "base/pool.h"
+#include "diag/diag.h"
+#include "geom/rtc.h"
+#include "nest/cross.h"
+#include "scene/scene.h"
+
+/* How two hulls that meet lie to each other, measured along lines through them. */
+typedef struct HullPair {
+    uint32_t a, b;            /* objects, a < b */
+    bool overlaps;            /* share volume */
+    NestRelation relation;    /* when they do */
+    double overlap_volume;    /* estimate, cubic scene units */
+    double overlap_volume_error; /* its standard error */
+    bool touches;             /* faces at one place, to within rounding */
+    double gap;               /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
+} HullPair;
+
+typedef struct CompiledScene {
+    const Scene *scene;
+    RtcScene *rtc;
+    uint32_t *hull_of_object;  /* SCENE_NONE for opaque objects */
+    uint32_t *object_of_hull;
+    NestHull *hulls;
+    uint32_t n_hulls;
+    HullPair *pairs;           /* every pair that meets: overlaps, touches or leaves a small gap */
+    size_t n_pairs;
+    NestOrder order;
+} CompiledScene;
+
+/* Builds geometry and order. Warnings about the order (circles) go to diag (may be NULL). The scene must outlive it. */
+ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool *pool, Diag *diag, CompiledScene **out,
+                                    Error *error);
+void compiled_scene_free(CompiledScene *compiled);
+
+/* The hulls that hold a point, found by tracing from outside of the scene to it along one direction, again along
+ * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the object
+ * whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */
+ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list,
+                                        uint32_t *on_surface);
+
+#endif

@@ -1,0 +1,17 @@
+/* report.h - what `check` says: closedness, the order and why, how hulls meet.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_REPORT_H
+#define MEN_REPORT_H
+
+#include "base/buf.h"
+#include "scene/compile.h"
+
+/* Adds warnings that only geometry shows (air gaps, hidden objects) to diag. */
+void report_warnings(const CompiledScene *compiled, Diag *diag);
+/* For people: media, hulls from top to bottom, and every pair that meets with the rule that decided. Pairs of
+ * many like objects (bubbles) are summed up in one line. */
+void report_print(const CompiledScene *compiled, SourceSet *sources, Buf *out);
+/* The same facts, every pair by itself, as JSON. */
+void report_print_json(const CompiledScene *compiled, SourceSet *sources, Buf *out);
+
+#endif

@@ -1,0 +1,128 @@
+/* scene.h - the scene description: what is where, of what, and how it is looked at. Immutable once built.
+ * It knows nothing of the language's text but the places (spans) that messages point at, so that another
+ * front end could write it. Lengths are in scene units throughout (absorption per scene unit), angles here in radians.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SCENE_H
+#define MEN_SCENE_H
+
+#include "base/arena.h"
+#include "diag/source.h"
+#include "geom/mesh.h"
+#include "geom/piece.h"
+#include "nest/order.h"
+#include "optics/spectrum.h"
+#include "optics/texture.h"
+
+#define SCENE_NONE UINT32_MAX
+
+typedef struct SceneMedium {
+    const char *name;
+    Span span;
+    Spectrum ior;
+    Spectrum absorption; /* per scene unit */
+    bool absorbs;        /* absorption is not zero */
+    bool disperses;      /* the index depends on the wavelength */
+    NestState state;
+    bool has_priority;
+    int32_t priority;
+} SceneMedium;
+
+/* What an opaque object is covered with. */
+typedef struct SceneSurface {
+    const char *name;
+    Spectrum albedo;     /* diffuse reflectance, 0..1 */
+    bool checkered;      /* albedo2 in every other square of a world-space checker in x and z (y for walls) */
+    Spectrum albedo2;
+    float check_size;
+} SceneSurface;
+
+typedef struct SceneShape { /* geometry that objects share; one of the two */
+    Mesh *mesh;
+    Solid *solid;
+} SceneShape;
+
+typedef struct SceneObject {
+    const char *name; /* as declared, or made up: "sphere 12" */
+    Span span;
+    uint32_t shape;
+    Affine to_world;
+    uint32_t medium;  /* of the interior: a hull; SCENE_NONE for an opaque object */
+    uint32_t surface; /* of an opaque object; SCENE_NONE for a hull */
+    uint32_t light;   /* SCENE_NONE when it does not shine */
+    int32_t priority; /* the object's own, or its medium's, or 0 */
+    double volume;    /* enclosed, in cubic scene units */
+} SceneObject;
+
+typedef enum LightKind {
+    LIGHT_RECT,   /* one-sided, |x| <= half_width, |z| <= half_height in the plane y = 0 of the object, shining to +y */
+    LIGHT_DISC,   /* one-sided, radius half_width, shining to +y */
+    LIGHT_SPHERE, /* radius half_width */
+    LIGHT_DISTANT /* from a cone of directions at infinity, as the sun */
+} LightKind;
+
+typedef struct SceneLight {
+    LightKind kind;
+    const char *name;
+    Span span;
+    Spectrum radiance;  /* W / (m^2 sr) up to the scene's common scale; the actual radiance in the light's own medium */
+    double half_width, half_height;
+    uint32_t object;    /* SCENE_NONE for LIGHT_DISTANT */
+    Affine to_world;    /* rigid: rotation and translation */
+    Vec3 towards;       /* LIGHT_DISTANT: unit, from the scene to the light */
+    double cos_angle;   /* LIGHT_DISTANT: of the cone's half angle */
+} SceneLight;
+
+typedef struct SceneCamera {
+    const char *name;
+    Span span;
+    Vec3 from;
+    Vec3 right, up, forward; /* orthonormal */
+    double tan_half_width;   /* tangent of half the horizontal angle of view */
+    double lens_radius;      /* 0: pinhole */
+    double focus_distance;   /* along forward */
+    const uint32_t *expect;  /* media, outermost first, that the camera must be inside of; NULL: not stated */
+    uint32_t n_expect;
+    Span expect_span;
+} SceneCamera;
+
+typedef struct SceneFilm {
+    uint32_t width, height;
+    const char *const *outputs;
+    uint32_t n_outputs;
+} SceneFilm;
+
+typedef struct SceneRender {
+    uint32_t samples;   /* per pixel */
+    double noise;       /* relative error per pixel at which to stop; 0: never */
+    uint32_t bounces;   /* real boundaries and scatterings, not silent crossings */
+    NestPolicy nesting;
+    uint32_t seed;
+} SceneRender;
+
+typedef struct Scene {
+    Arena arena; /* holds everything but meshes, solids and the environment, which scene_free frees too */
+    SceneMedium *media; /* [0] is the world's */
+    uint32_t n_media;
+    SceneSurface *surfaces;
+    uint32_t n_surfaces;
+    SceneShape *shapes;
+    uint32_t n_shapes;
+    SceneObject *objects;
+    uint32_t n_objects;
+    SceneLight *lights;
+    uint32_t n_lights;
+    SceneCamera *cameras;
+    uint32_t n_cameras;
+    Environment *environment; /* NULL: black */
+    Affine world_to_environment; /* rotation */
+    SceneFilm film;
+    SceneRender render;
+    double unit_m;
+    const char *const *files; /* everything that was read: scene files, meshes, images */
+    uint32_t n_files;
+    uint64_t hash;            /* of the meaning: equal for scenes that render the same */
+} Scene;
+
+void scene_free(Scene *scene); /* NULL is fine */
+
+#endif
