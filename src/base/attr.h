@@ -4,13 +4,13 @@
 #define MEN_ATTR_H
 
 #if defined(__GNUC__)
-#define ATTR_PRINTF(format, first) __attribute__((format(printf, format, first)))
+#define ATTR_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #define ATTR_NODISCARD __attribute__((warn_unused_result))
 #define ATTR_NORETURN __attribute__((noreturn))
 #define LIKELY(x) __builtin_expect(!!(x), 1)
 #define UNLIKELY(x) __builtin_expect(!!(x), 0)
 #else
-#define ATTR_PRINTF(format, first)
+#define ATTR_PRINTF(text, first)
 #define ATTR_NODISCARD
 #define ATTR_NORETURN
 #define LIKELY(x) (x)

@@ -34,8 +34,15 @@ static inline const uint32_t *nest_list_items(const NestList *list)
 }
 /* Makes *to equal to *from (each branch of a path has its own list). STATUS_NOMEM leaves *to empty. */
 ATTR_NODISCARD Status nest_list_copy(NestList *to, const NestList *from);
+/* Makes room for `more` further hulls, so that inserting them cannot fail. */
+ATTR_NODISCARD Status nest_list_grow(NestList *list, uint32_t more);
+static inline Status nest_list_reserve(NestList *list, uint32_t more)
+{
+    return LIKELY(more <= list->capacity - list->n) ? STATUS_OK : nest_list_grow(list, more);
+}
 bool nest_list_has(const NestList *list, uint32_t hull);
-ATTR_NODISCARD Status nest_list_insert(NestList *list, uint32_t place, uint32_t hull);
+/* There must be room. place 0 .. n; what stands there moves up. */
+void nest_list_insert(NestList *list, uint32_t place, uint32_t hull);
 void nest_list_remove(NestList *list, uint32_t place);
 
 #endif
