@@ -1,0 +1,105 @@
+# meniscus: build, install and test. `make help` lists the targets.
+# A variant (release, asan, tsan, debug) has its own folder under build/; `make` builds release.
+
+VERSION := $(shell cat VERSION)
+VARIANT ?= release
+BUILD := build/$(VARIANT)
+
+CC ?= gcc
+CXX ?= g++
+AR ?= ar
+PYTHON ?= python3
+PKG_CONFIG ?= pkg-config
+INSTALL ?= install
+INSTALL_PROGRAM ?= $(INSTALL)
+INSTALL_DATA ?= $(INSTALL) -m 644
+
+PREFIX ?= /usr/local
+prefix ?= $(PREFIX)
+exec_prefix ?= $(prefix)
+bindir ?= $(exec_prefix)/bin
+datarootdir ?= $(prefix)/share
+mandir ?= $(datarootdir)/man
+
+# Embree 3 and 4 have no .pc file on Debian; set EMBREE_VERSION=4 where that is installed.
+EMBREE_VERSION ?= 3
+EMBREE_LIBS ?= -lembree$(EMBREE_VERSION)
+EXR_CFLAGS ?= -isystem /usr/include/OpenEXR
+EXR_LIBS ?= -lOpenEXRCore
+PNG_LIBS ?= -lpng -lz
+OCIO_LIBS ?= -lOpenColorIO
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow \
+  -Wundef -Wformat=2 -Wcast-qual -Wpointer-arith -Wwrite-strings -Wimplicit-fallthrough -Wvla
+C_WARNINGS := -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
+# -ffp-contract=off: the same bits from every compiler; never -ffast-math.
+FLAGS_release := -O3
+FLAGS_debug := -O0 -g
+FLAGS_asan := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_tsan := -O1 -g -fsanitize=thread
+# every interior list grows at once
+FLAGS_hostile := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -DNEST_INLINE=1
+FLAGS := $(FLAGS_$(VARIANT)) -ffp-contract=off -fno-math-errno -fno-trapping-math
+WERROR ?=
+CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSION='"$(VERSION)"' -DMEN_EMBREE=$(EMBREE_VERSION) \
+  -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(CPPFLAGS)
+CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
+CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
+LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) -lstdc++ -lpthread -lm
+
+GENERATORS := src/optics/upsample_gen.c
+SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
+CXX_SOURCES := $(sort $(wildcard src/*/*.cpp))
+CLI_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter src/cli/%,$(SOURCES)))
+GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/ocio_config.c
+LIB_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter-out src/cli/%,$(SOURCES))) \
+  $(patsubst src/%.cpp,$(BUILD)/%.o,$(CXX_SOURCES)) $(GENERATED:.c=.o)
+UNIT_TESTS := $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/unit/*_test.c)))
+
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.PHONY: all help deps demo assets check check-unit check-cli check-truth lint format man install uninstall bench asan tsan \
+  hostile coverage dist clean
+
+all: $(BUILD)/meniscus build/meniscus ## build the program (build/meniscus)
+
+help: ## list the targets
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1	\2/p' Makefile | expand -t 16
+
+# The program's usual place, whatever the variant that was built last.
+build/meniscus: $(BUILD)/meniscus
+	@ln -sf $(VARIANT)/meniscus $@
+
+$(BUILD)/meniscus: $(CLI_OBJECTS) $(BUILD)/libmeniscus.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(CLI_OBJECTS) $(BUILD)/libmeniscus.a $(LIBS)
+
+$(BUILD)/libmeniscus.a: $(LIB_OBJECTS)
+	@rm -f $@
+	$(AR) rcs $@ $(LIB_OBJECTS)
+
+# Objects are made again when the compiler or its flags change.
+$(BUILD)/flags: force
+	@mkdir -p $(BUILD)
+	@echo '$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(CXX) $(CXXFLAGS_ALL)' | cmp -s - $@ || \
+	  echo '$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(CXX) $(CXXFLAGS_ALL)' > $@
+.PHONY: force
+
+$(BUILD)/%.o: src/%.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+$(BUILD)/%.o: src/%.cpp $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CXX) $(CPPFLAGS_ALL) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+$(BUILD)/generated/%.o: $(BUILD)/generated/%.c $(BUILD)/flags
+	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+$(BUILD)/tests/%: tests/unit/%.c $(BUILD)/libmeniscus.a
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS_ALL) -Itests/unit $(CFLAGS_ALL) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
+
+-include $(LIB_OBJECTS:.o=.d) $(CLI_OBJECTS:.o=.d) $(UNIT_TESTS:=.d)
+
+clean: ## remove everything that was built
+	rm -rf build
