@@ -24,6 +24,7 @@ typedef struct Piece {
      * outside is on the right-hand side: the outward normal (in r, y) is (y1 - y0, r0 - r1) normalized. */
     double r0, y0, r1, y1;
     float nr0, ny0, nr1, ny1; /* PIECE_BAND: shading normals in the half plane at both ends */
+    float v0, v1;             /* PIECE_BAND: the surface coordinate v at both ends */
 } Piece;
 
 /* One crossing of the line org + t dir with a piece. */
@@ -31,12 +32,16 @@ typedef struct PieceRoot {
     double t;
     Vec3 normal;     /* geometric, outward, NOT normalized in world units: local frame, unit there */
     Vec3 shading;    /* shading normal, local frame, unit */
-    double u, v;     /* surface coordinates, 0..1: around, along */
+    double u, v;     /* surface coordinates, 0..1: around from +x towards +z, along; PIECE_PLANE: x and z themselves */
 } PieceRoot;
 
 /* All crossings with t_min < t <= t_max in increasing t, at most 2; returns how many. org and dir are in
  * the piece's frame; dir need not be unit. Only t is filled. A tangent ray crosses twice or not at all. */
 int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[2]);
+/* The outward normal at one of these crossings, unit, as in PieceRoot, and nothing else (no trigonometry).
+ * The sign of its product with dir tells which way the surface is crossed, and never contradicts the order
+ * of crossings: at grazing incidence, where rounding could turn it over, it is tilted by about 1e-9. */
+Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t);
 /* The geometry at one of these crossings. */
 void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root);
 /* The point nearest to p (a point on the surface) that keeps at least `margin` from the piece's edges,
@@ -51,16 +56,27 @@ typedef struct Solid {
     double volume; /* closed form */
 } Solid;
 
-void solid_free(Solid *solid);
+void solid_free(Solid *solid); /* NULL is fine */
+/* A solid with room for n zeroed pieces, for makers. */
+ATTR_NODISCARD Status solid_new(uint32_t n_pieces, Solid **solid, Error *error);
+/* A band with the shading normals of its own surface at both ends; v runs from 0 to 1. The ends differ. */
+Piece piece_make_band(double r0, double y0, double r1, double y1);
+/* The volume between the band and the axis, positive where the band faces away from the axis; the sum over
+ * a closed solid is its volume. */
+double piece_band_volume(const Piece *piece);
 ATTR_NODISCARD Status solid_make_sphere(double radius, Solid **solid, Error *error);
 /* Between y = 0 and y = height about the y axis. radius0 at the bottom; either radius may be 0, not both. */
 ATTR_NODISCARD Status solid_make_cone(double radius0, double radius1, double height, Solid **solid, Error *error);
 /* profile: n points (r, y), r >= 0, a simple polygon (closed by its last edge, or open with both ends on
- * the axis), in either sense. Corners between edges of `smooth` = false keep their edge. round[i] > 0
- * rounds corner i by an arc of that radius (NULL: none); the arc is made of bands with exact normals, each
- * turning at most 3 degrees. STATUS_SCENE with the reason when the profile crosses itself, has r < 0, has
- * fewer than 3 points, or a rounding does not fit. smooth_all: normals are interpolated over all corners that turn less
- * than 40 degrees. */
+ * the axis), in either sense. Edges on the axis make no surface. Points equal to the one before them are
+ * dropped. round[i] > 0 rounds corner i by an arc of that radius (NULL: none), a corner on the axis by an
+ * arc that meets the axis at a right angle; the arc is made of bands with exact normals, each turning at
+ * most 3 degrees. Other corners keep their edge, unless smooth_all: then normals are interpolated over all
+ * corners that turn less than 40 degrees. STATUS_SCENE with the reason, the number and the coordinates of
+ * the point when a number is negative, not finite or beyond 1e15, the profile crosses or touches itself
+ * off the axis, has fewer than 3 or more than 100,000 points, makes more than 200,000 bands, encloses
+ * nothing, or a rounding does not fit. The search for crossings takes O(n log n) steps for
+ * profiles that are not contrived, and gives up with an error after 1e9, some seconds. */
 ATTR_NODISCARD Status solid_make_lathe(const double (*profile)[2], uint32_t n, const double *round, bool smooth_all,
                                        Solid **solid, Error *error);
 

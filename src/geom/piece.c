@@ -1,0 +1,320 @@
+/* piece.c - where a line meets a sphere, a band of revolution, a rectangle or a plane.
+ *
+ * Bands are the difficult ones, because neighbours must agree about their shared circle. So nothing is
+ * decided from the place of a rounded root. In the half plane (r, y) a line is the graph of a convex
+ * function r = h(y) (a branch of a hyperbola: its distance from the axis at height y). For each end
+ * (R, Y) of a band we ask whether the end lies above that graph, R > h(Y). The answer depends on the
+ * circle and the line alone and is computed in one place, so both neighbours get the same one. Then:
+ *   - ends on different sides: exactly one crossing, and its direction is known from the signs;
+ *   - both ends above: none, because what is above a convex graph is convex;
+ *   - both ends below: none or two, which is the band's own affair.
+ * Along a closed profile the number of crossings is therefore even, with as many entries as exits,
+ * whatever rounding does to the signs. Discs and rings follow the same rule with both ends at one height.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "geom/piece.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+/* The least cosine between a direction and the normal that piece_normal returns: far below what float can
+ * tell, far above the rounding of a change of frame in double. */
+static const double least_cosine = 1e-9;
+
+typedef struct BandRoots {
+    int n;
+    double t[2];
+    bool leaving[2]; /* the line goes along the outward normal there */
+} BandRoots;
+
+/* One end of a band against the line: where the line passes the end's height, and whether the end is
+ * farther from the axis than the line is there. A line at constant height passes other heights at
+ * infinity; its own height counts as below it, so that of two neighbours exactly one holds the line. */
+typedef struct BandEnd {
+    double t;
+    bool above;
+} BandEnd;
+
+static inline BandEnd band_end(double radius, double height, Vec3 org, Vec3 dir)
+{
+    if (UNLIKELY(dir.y == 0)) return (BandEnd){height > org.y ? HUGE_VAL : -HUGE_VAL, false};
+    double t = (height - org.y) / dir.y;
+    double x = org.x + t * dir.x;
+    double z = org.z + t * dir.z;
+    return (BandEnd){t, radius * radius > x * x + z * z};
+}
+
+/* F(t) = (ey r(t))^2 - (g + k t)^2 = A t^2 + 2 B t + C, negative where the line is nearer to the axis than
+ * the cone, and its discriminant. With r(t) the distance from the axis, o and d the horizontal parts:
+ * B^2 - A C = ey^2 (|g d - k o|^2 - ey^2 (o x d)^2), which has no cancellation but the unavoidable one. */
+typedef struct BandQuadratic {
+    double A, B, C, root; /* root: of the discriminant, 0 when that is negative */
+} BandQuadratic;
+
+static inline BandQuadratic band_quadratic(const Piece *piece, Vec3 org, Vec3 dir)
+{
+    double er = piece->r1 - piece->r0;
+    double ey = piece->y1 - piece->y0;
+    /* All cylinders of one radius get the same arithmetic, whatever their height: surfaces of two solids
+     * that coincide must be met at the same t, also where the line grazes them. */
+    if (er == 0) ey = copysign(1, ey);
+    double g = ey * piece->r0 + er * (org.y - piece->y0);
+    double k = er * dir.y;
+    double ey2 = ey * ey;
+    double ex = g * dir.x - k * org.x;
+    double ez = g * dir.z - k * org.z;
+    double moment = ey * (org.x * dir.z - org.z * dir.x);
+    double discriminant = (ex * ex + ez * ez) - moment * moment;
+    BandQuadratic f;
+    f.A = ey2 * (dir.x * dir.x + dir.z * dir.z) - k * k;
+    f.B = ey2 * (org.x * dir.x + org.z * dir.z) - g * k;
+    f.C = ey2 * (org.x * org.x + org.z * org.z) - g * g;
+    f.root = discriminant > 0 ? fabs(ey) * sqrt(discriminant) : 0;
+    return f;
+}
+
+/* The root at which F rises or falls. */
+static inline double band_root(const BandQuadratic *f, bool rising, double otherwise)
+{
+    double q = -(f->B + (f->B < 0 ? -f->root : f->root));
+    if (rising == (f->B < 0) && f->A != 0) return q / f->A;
+    return q != 0 ? f->C / q : otherwise;
+}
+
+static BandRoots band_roots(const Piece *piece, Vec3 org, Vec3 dir)
+{
+    BandRoots roots = {0, {0, 0}, {false, false}};
+    BandEnd p = band_end(piece->r0, piece->y0, org, dir);
+    BandEnd q = band_end(piece->r1, piece->y1, org, dir);
+    if (p.above != q.above) {
+        /* Both ends stand at finite t here. */
+        double t = p.t;
+        if (piece->y0 != piece->y1) {
+            BandQuadratic f = band_quadratic(piece, org, dir);
+            t = band_root(&f, p.above == (q.t > p.t), p.t);
+            t = fmax(fmin(p.t, q.t), fmin(t, fmax(p.t, q.t)));
+        }
+        roots.n = 1;
+        roots.t[0] = t;
+        roots.leaving[0] = p.above == (dir.y > 0);
+        return roots;
+    }
+    if (p.above || piece->y0 == piece->y1) return roots;
+    /* F is positive at both ends; so two roots stand between them if F opens upward, falls below zero, and
+     * has its least value between the ends. */
+    BandQuadratic f = band_quadratic(piece, org, dir);
+    if (!(f.A > 0) || !(f.root > 0)) return roots;
+    double middle = -f.B / f.A;
+    if ((p.t < middle) == (q.t < middle)) return roots;
+    double near = band_root(&f, false, middle);
+    double far = band_root(&f, true, middle);
+    if (!(near < middle && middle < far)) return roots; /* grazing: not met at all */
+    bool outer = piece->y1 > piece->y0;
+    roots.n = 2;
+    roots.t[0] = near;
+    roots.t[1] = far;
+    roots.leaving[0] = !outer;
+    roots.leaving[1] = outer;
+    return roots;
+}
+
+/* The discriminant from the distance between line and centre: E. Haines, J. Gunther, T. Akenine-Moeller,
+ * "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7 (2019). */
+static int sphere_roots(double radius, Vec3 org, Vec3 dir, double t[2], double *middle)
+{
+    double a = vec3_dot(dir, dir);
+    double b = -vec3_dot(org, dir);
+    *middle = b / a;
+    Vec3 nearest = vec3_along(org, *middle, dir);
+    double discriminant = radius * radius - vec3_dot(nearest, nearest);
+    if (!(discriminant > 0)) return 0;
+    double root = sqrt(a * discriminant);
+    double q = b + (b < 0 ? -root : root);
+    double c = vec3_dot(org, org) - radius * radius;
+    double t0 = c / q, t1 = q / a;
+    t[0] = fmin(t0, t1);
+    t[1] = fmax(t0, t1);
+    return t[0] < *middle && *middle < t[1] ? 2 : 0;
+}
+
+static int plane_root(const Piece *piece, Vec3 org, Vec3 dir, double t[2])
+{
+    if (dir.y == 0) return 0;
+    t[0] = -org.y / dir.y;
+    if (piece->kind == PIECE_PLANE) return 1;
+    double x = org.x + t[0] * dir.x;
+    double z = org.z + t[0] * dir.z;
+    return fabs(x) <= piece->r0 && fabs(z) <= piece->r1;
+}
+
+int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[2])
+{
+    double found[2] = {0, 0};
+    int n = 0;
+    if (LIKELY(piece->kind == PIECE_BAND)) {
+        BandRoots roots = band_roots(piece, org, dir);
+        n = roots.n;
+        found[0] = roots.t[0];
+        found[1] = roots.t[1];
+    } else if (piece->kind == PIECE_SPHERE) {
+        double middle;
+        n = sphere_roots(piece->r0, org, dir, found, &middle);
+    } else {
+        n = plane_root(piece, org, dir, found);
+    }
+    int kept = 0;
+    for (int i = 0; i < n; i++)
+        if (found[i] > t_min && found[i] <= t_max) t[kept++] = found[i];
+    return kept;
+}
+
+/* The unit vector away from the axis; any one on the axis itself. */
+static Vec3 away_from_axis(Vec3 p)
+{
+    double r = sqrt(p.x * p.x + p.z * p.z);
+    return r > 0 ? vec3(p.x / r, 0, p.z / r) : vec3(1, 0, 0);
+}
+
+/* Whether the line leaves at t, from the same signs that found the crossing. */
+static bool crossing_leaves(const Piece *piece, Vec3 org, Vec3 dir, double t, double cosine)
+{
+    if (piece->kind == PIECE_SPHERE) return t > -vec3_dot(org, dir) / vec3_dot(dir, dir);
+    if (piece->kind != PIECE_BAND) return dir.y > 0;
+    BandRoots roots = band_roots(piece, org, dir);
+    if (roots.n == 0) return cosine > 0;
+    return roots.leaving[roots.n == 2 && fabs(t - roots.t[1]) < fabs(t - roots.t[0])];
+}
+
+static Vec3 unaided_normal(const Piece *piece, Vec3 p)
+{
+    switch (piece->kind) {
+    case PIECE_SPHERE: return vec3_normalize(p);
+    case PIECE_BAND: {
+        double er = piece->r1 - piece->r0;
+        double ey = piece->y1 - piece->y0;
+        double scale = 1 / sqrt(er * er + ey * ey);
+        Vec3 out = away_from_axis(p);
+        return vec3(out.x * ey * scale, -er * scale, out.z * ey * scale);
+    }
+    case PIECE_RECT:
+    case PIECE_PLANE: break;
+    }
+    return vec3(0, 1, 0);
+}
+
+Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t)
+{
+    Vec3 p = vec3_along(org, t, dir);
+    Vec3 normal = unaided_normal(piece, p);
+    double squared = vec3_dot(dir, dir);
+    double length = sqrt(squared);
+    double cosine = vec3_dot(normal, dir) / length;
+    /* Rounding of p turns the normal by as much as it turns p about the axis. */
+    double reach = fabs(org.x) + fabs(org.z) + fabs(t) * (fabs(dir.x) + fabs(dir.z));
+    double across = fabs(p.x) + fabs(p.z);
+    if (LIKELY(fabs(cosine) * across > least_cosine * across + 1e-14 * reach)) return normal;
+    /* A graze, or a place where the normal is all rounding: what counts is which way the surface is crossed,
+     * and that is known. The normal is tilted to say the same. */
+    double side = crossing_leaves(piece, org, dir, t, cosine) ? 1 : -1;
+    if (cosine * side >= least_cosine) return normal;
+    return vec3_normalize(vec3_along(normal, (side * 2 * least_cosine - cosine) / length, dir));
+}
+
+static double clamp_unit(double x)
+{
+    return fmin(fmax(x, 0), 1);
+}
+
+/* How far along the band's generating line, 0..1, the point nearest to (r, y) is. */
+static double band_fraction(const Piece *piece, double r, double y)
+{
+    double er = piece->r1 - piece->r0;
+    double ey = piece->y1 - piece->y0;
+    return clamp_unit(((r - piece->r0) * er + (y - piece->y0) * ey) / (er * er + ey * ey));
+}
+
+/* The angle about the axis from +x towards +z, as a fraction of a turn in [0, 1). */
+static double turn_fraction(Vec3 p)
+{
+    double u = atan2(p.z, p.x) * 0.15915494309189535; /* 1 / (2 pi) */
+    u = u < 0 ? u + 1 : u;
+    return u < 1 ? u : 0;
+}
+
+void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root)
+{
+    Vec3 p = vec3_along(org, t, dir);
+    root->t = t;
+    root->normal = piece_normal(piece, org, dir, t);
+    root->shading = root->normal;
+    root->u = 0;
+    root->v = 0;
+    switch (piece->kind) {
+    case PIECE_SPHERE:
+        root->u = turn_fraction(p);
+        root->v = acos(fmin(fmax(-p.y / vec3_length(p), -1), 1)) * 0.3183098861837907; /* 1 / pi */
+        break;
+    case PIECE_BAND: {
+        double s = band_fraction(piece, sqrt(p.x * p.x + p.z * p.z), p.y);
+        double nr = (double)piece->nr0 + s * ((double)piece->nr1 - (double)piece->nr0);
+        double ny = (double)piece->ny0 + s * ((double)piece->ny1 - (double)piece->ny0);
+        double length = sqrt(nr * nr + ny * ny);
+        if (length > 0) {
+            Vec3 out = away_from_axis(p);
+            root->shading = vec3(out.x * nr / length, ny / length, out.z * nr / length);
+        }
+        root->u = turn_fraction(p);
+        root->v = (double)piece->v0 + s * ((double)piece->v1 - (double)piece->v0);
+        break;
+    }
+    case PIECE_RECT:
+        root->u = clamp_unit(0.5 + 0.5 * p.x / piece->r0);
+        root->v = clamp_unit(0.5 + 0.5 * p.z / piece->r1);
+        break;
+    case PIECE_PLANE:
+        root->u = p.x;
+        root->v = p.z;
+        break;
+    }
+}
+
+/* x moved into [low + margin, high - margin]; the middle when that is empty */
+static double keep_inside(double x, double low, double high, double margin)
+{
+    if (!(high - low > 2 * margin)) return 0.5 * (low + high);
+    return fmin(fmax(x, low + margin), high - margin);
+}
+
+Vec3 piece_inset(const Piece *piece, Vec3 p, double margin)
+{
+    if (piece->kind == PIECE_RECT)
+        return vec3(keep_inside(p.x, -piece->r0, piece->r0, margin), 0, keep_inside(p.z, -piece->r1, piece->r1, margin));
+    if (piece->kind != PIECE_BAND) return p;
+    double er = piece->r1 - piece->r0;
+    double ey = piece->y1 - piece->y0;
+    double length = sqrt(er * er + ey * ey);
+    double along = length * band_fraction(piece, sqrt(p.x * p.x + p.z * p.z), p.y);
+    double low = 0, high = length;
+    /* A disc has no edge at its centre; a cone's tip is one. */
+    if (ey == 0 && piece->r0 == 0) low = -length;
+    if (ey == 0 && piece->r1 == 0) high = 2 * length;
+    double kept = keep_inside(along, low, high, margin);
+    if (kept == along) return p;
+    double s = clamp_unit(kept / length);
+    double r = piece->r0 + s * er;
+    Vec3 out = away_from_axis(p);
+    return vec3(out.x * r, piece->y0 + s * ey, out.z * r);
+}
+
+Box3 piece_bounds(const Piece *piece)
+{
+    double r = piece->r0;
+    switch (piece->kind) {
+    case PIECE_SPHERE: break;
+    case PIECE_BAND:
+        r = fmax(piece->r0, piece->r1);
+        return (Box3){{-r, fmin(piece->y0, piece->y1), -r}, {r, fmax(piece->y0, piece->y1), r}};
+    case PIECE_RECT: return (Box3){{-piece->r0, 0, -piece->r1}, {piece->r0, 0, piece->r1}};
+    case PIECE_PLANE: return (Box3){{-HUGE_VAL, 0, -HUGE_VAL}, {HUGE_VAL, 0, HUGE_VAL}};
+    }
+    return (Box3){{-r, -r, -r}, {r, r, r}};
+}
