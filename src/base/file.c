@@ -1,0 +1,272 @@
+/* file.c - reading whole files, and writing files that appear under their name only when whole.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/array.h"
+
+enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 32 };
+
+/* ---- reading ---- */
+
+static Status too_large(Error *error, const char *path, size_t limit)
+{
+    return fail(error, STATUS_INPUT, "'%s' is larger than the limit of %zu bytes", path, limit);
+}
+
+static Status read_all(int descriptor, const char *path, size_t expected, size_t limit, char **bytes, size_t *length,
+                       Error *error)
+{
+    char *text = NULL;
+    size_t n = 0, capacity = 0;
+    if (!array_reserve(&text, &capacity, expected + 2, 1)) return fail_memory(error, expected + 2, path);
+    for (;;) {
+        if (!array_reserve(&text, &capacity, n + 2, 1)) {
+            free(text);
+            return fail_memory(error, n + 2, path);
+        }
+        ssize_t got = read(descriptor, text + n, capacity - n - 1);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) {
+            free(text);
+            return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+        }
+        if (got == 0) break;
+        n += (size_t)got;
+        if (limit && n > limit) {
+            free(text);
+            return too_large(error, path, limit);
+        }
+    }
+    text[n] = 0;
+    *bytes = text;
+    *length = n;
+    return STATUS_OK;
+}
+
+Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error)
+{
+    if (strcmp(path, "-") == 0)
+        return read_all(STDIN_FILENO, "<stdin>", FIRST_READ, limit, bytes, length, error);
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+    struct stat info;
+    Status status;
+    if (fstat(descriptor, &info) != 0)
+        status = fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+    else if (S_ISDIR(info.st_mode))
+        status = fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(EISDIR));
+    else if (limit && S_ISREG(info.st_mode) && (uintmax_t)info.st_size > limit)
+        status = too_large(error, path, limit);
+    else
+        status = read_all(descriptor, path, S_ISREG(info.st_mode) ? (size_t)info.st_size : FIRST_READ, limit, bytes,
+                          length, error);
+    close(descriptor);
+    return status;
+}
+
+bool file_exists(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
+}
+
+/* ---- names ---- */
+
+char *file_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    char *folder = malloc(length + 1);
+    if (!folder) return NULL;
+    memcpy(folder, path, length);
+    folder[length] = 0;
+    return folder;
+}
+
+const char *file_extension(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    return dot && dot != name ? dot + 1 : "";
+}
+
+/* ---- writing ---- */
+
+static Status cannot_write(Error *error, const char *path, int reason)
+{
+    return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
+}
+
+/* Devices, pipes and standard output have no name to be renamed to. */
+static bool is_plain(const char *path)
+{
+    struct stat info;
+    return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode));
+}
+
+static char *copy_of(const char *text)
+{
+    size_t size = strlen(text) + 1;
+    char *copy = malloc(size);
+    if (copy) memcpy(copy, text, size);
+    return copy;
+}
+
+/* The file that a symbolic link leads to, so that a commit replaces the file and not the link. */
+static char *followed(const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info) == 0 && S_ISLNK(info.st_mode)) {
+        char *target = realpath(path, NULL);
+        if (target) return target;
+    }
+    return copy_of(path);
+}
+
+/* Makes an empty file beside target under a name that nothing else has. */
+static Status create_beside(const char *target, const char *shown, char **temporary, int *descriptor, Error *error)
+{
+    size_t size = strlen(target) + TEMPORARY_SUFFIX_ROOM;
+    char *name = malloc(size);
+    if (!name) return fail_memory(error, size, "a file name");
+    for (int attempt = 0; attempt < TEMPORARY_TRIES; attempt++) {
+        snprintf(name, size, "%s.%ld-%d.tmp", target, (long)getpid(), attempt);
+        *descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (*descriptor >= 0) {
+            *temporary = name;
+            return STATUS_OK;
+        }
+        if (errno != EEXIST) break;
+    }
+    int reason = errno;
+    free(name);
+    return cannot_write(error, shown, reason);
+}
+
+Status file_temporary_path(const char *path, char **temporary, Error *error)
+{
+    *temporary = NULL;
+    if (is_plain(path)) {
+        *temporary = copy_of(path);
+        return *temporary ? STATUS_OK : fail_memory(error, strlen(path) + 1, "a file name");
+    }
+    char *target = followed(path);
+    if (!target) return fail_memory(error, strlen(path) + 1, "a file name");
+    int descriptor;
+    Status status = create_beside(target, path, temporary, &descriptor, error);
+    if (status == STATUS_OK) close(descriptor);
+    free(target);
+    return status;
+}
+
+/* The rename itself is on disk only when its folder is. A folder that cannot be opened is no failure: the file
+ * is there for every process, only not yet safe from a power cut. */
+static void sync_folder(const char *path)
+{
+    char *folder = file_folder(path);
+    if (!folder) return;
+    int descriptor = open(*folder ? folder : ".", O_RDONLY | O_CLOEXEC);
+    if (descriptor >= 0) {
+        fsync(descriptor);
+        close(descriptor);
+    }
+    free(folder);
+}
+
+static Status rename_followed(const char *temporary, const char *path, Error *error)
+{
+    char *target = followed(path);
+    if (!target) return fail_memory(error, strlen(path) + 1, "a file name");
+    Status status = STATUS_OK;
+    struct stat old;
+    if (stat(target, &old) == 0 && S_ISREG(old.st_mode) && chmod(temporary, old.st_mode & 07777) != 0)
+        status = cannot_write(error, path, errno);
+    else if (rename(temporary, target) != 0)
+        status = cannot_write(error, path, errno);
+    else
+        sync_folder(target);
+    free(target);
+    return status;
+}
+
+Status file_rename_into_place(const char *temporary, const char *path, Error *error)
+{
+    if (strcmp(temporary, path) == 0) return STATUS_OK;
+    int descriptor = open(temporary, O_RDONLY | O_CLOEXEC);
+    Status status = STATUS_OK;
+    if (descriptor < 0 || fsync(descriptor) != 0) status = cannot_write(error, path, errno);
+    if (descriptor >= 0) close(descriptor);
+    if (status == STATUS_OK) status = rename_followed(temporary, path, error);
+    if (status != STATUS_OK) unlink(temporary);
+    return status;
+}
+
+Status file_create(FileOut *out, const char *path, Error *error)
+{
+    *out = (FileOut){.plain = is_plain(path), .path = copy_of(path)};
+    if (!out->path) return fail_memory(error, strlen(path) + 1, "a file name");
+    int descriptor;
+    if (strcmp(path, "-") == 0) {
+        descriptor = dup(STDOUT_FILENO);
+    } else if (out->plain) {
+        descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    } else {
+        char *target = followed(path);
+        Status status = target ? create_beside(target, path, &out->temporary, &descriptor, error)
+                               : fail_memory(error, strlen(path) + 1, "a file name");
+        free(target);
+        if (status != STATUS_OK) {
+            file_abandon(out);
+            return status;
+        }
+    }
+    int reason = errno;
+    if (descriptor >= 0) {
+        out->stream = fdopen(descriptor, "wb");
+        reason = errno;
+        if (!out->stream) close(descriptor);
+    }
+    if (out->stream) return STATUS_OK;
+    file_abandon(out);
+    return cannot_write(error, path, reason);
+}
+
+Status file_commit(FileOut *out, Error *error)
+{
+    bool failed = ferror(out->stream) || fflush(out->stream) != 0;
+    if (!failed && !out->plain) failed = fsync(fileno(out->stream)) != 0;
+    int reason = errno ? errno : EIO;
+    if (fclose(out->stream) != 0 && !failed) {
+        failed = true;
+        reason = errno;
+    }
+    out->stream = NULL;
+    Status status = STATUS_OK;
+    if (failed)
+        status = cannot_write(error, out->path, reason);
+    else if (!out->plain)
+        status = rename_followed(out->temporary, out->path, error);
+    if (status == STATUS_OK) {
+        free(out->temporary);
+        out->temporary = NULL; /* it bears its name now: nothing to delete */
+    }
+    file_abandon(out);
+    return status;
+}
+
+void file_abandon(FileOut *out)
+{
+    if (out->stream) fclose(out->stream);
+    if (out->temporary) unlink(out->temporary);
+    free(out->temporary);
+    free(out->path);
+    *out = (FileOut){0};
+}

@@ -1,0 +1,22 @@
+/* num.h - doubles to and from text, without the C library's locale.
+ * Both ways are exact: reading rounds correctly (half to even) for any number of digits, and what is printed is
+ * the shortest text that reads back as the same double.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_NUM_H
+#define MEN_NUM_H
+
+#include <stddef.h>
+
+/* Room for any printed double and its final 0 byte. */
+enum { NUM_TEXT_SIZE = 32 };
+
+/* Reads [+-] (digits [. [digits]] | . digits) [(e|E) [+-] digits] from the start of text, of which length bytes
+ * are readable. Returns the number of bytes read, 0 (and *value as it was) where no number starts. A '.' that is
+ * followed by another '.' is not part of the number ("1..5" reads 1), and neither is an 'e' without digits.
+ * Too large gives INFINITY, too small 0. */
+size_t num_parse(const char *text, size_t length, double *value);
+
+/* Writes value, terminated, and returns its length: "0.1", "-3", "1e+20" is "1e20", "inf", "-inf", "nan". */
+size_t num_print(double value, char out[NUM_TEXT_SIZE]);
+
+#endif
