@@ -44,7 +44,10 @@ const char *rtc_library_version(void);
 typedef struct Ray {
     Vec3f origin, direction; /* direction: unit to float precision */
     double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
+    uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
 } Ray;
+
+#define RTC_NO_OBJECT UINT32_MAX
 
 /* One surface met by a ray. */
 typedef struct Hit {
@@ -54,6 +57,7 @@ typedef struct Hit {
     bool entering;         /* the ray goes against the geometric normal, into the object */
     Vec3f normal;          /* geometric, unit, outward (not turned towards the ray) */
     double cos_normal;     /* direction . normal, in double */
+    double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
     float u, v;            /* barycentric of the triangle; unused for pieces */
 } Hit;
 
@@ -70,9 +74,8 @@ void hit_list_clear(HitList *list); /* frees */
  * rtc_rounding). Returns the number, 0 when the ray leaves the scene. */
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
 
-/* Every surface along the ray in increasing t. Stops at the first opaque object when stop_at_opaque; the
- * list then ends with hits of that object or is cut behind them; returns false in that case and true when nothing opaque
- * stood in the way. */
+/* Every surface along the ray in increasing t. With stop_at_opaque the search ends as soon as any opaque object is
+ * found in the way, wherever: it returns false and the list holds nothing of use. Otherwise true. */
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
 
 /* The distance that the coordinates of a point can be off by rounding: four units in the last place of its

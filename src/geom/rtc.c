@@ -1,0 +1,421 @@
+/* rtc.c - tracing: Embree proposes, double precision decides.
+ *
+ * Each Embree call runs with a Query behind its context. Every candidate that Embree finds, in whatever order, goes
+ * through consider(), which computes its distance and direction in double and keeps it when it may belong
+ * to the answer. For the nearest cluster the search radius shrinks with the nearest candidate, but always
+ * stays wider than everything that could stand at the same place as it.
+ *
+ * The ray that Embree sees starts a little behind the true one, so that a triangle right at the start is
+ * proposed in spite of float rounding; whether it is in front of the start is then decided in double.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <float.h>
+#include <stdlib.h>
+
+#include "geom/rtc_scene.h"
+
+/* A float has 24 bits. Coordinates are trusted to 4 units in the last place; Embree's distances to 16,
+ * divided by the cosine; the start is moved back by 64. */
+#define UNIT_ROUNDING 0x1p-23
+#define TRUSTED_ULPS 4.0
+#define EMBREE_NOISE 0x1p-20
+#define START_BACK 0x1p-18
+/* Below this cosine the window for surfaces at one place grows no further. */
+#define LEAST_COSINE 1e-4
+
+typedef struct Query {
+    EmbreeContext context; /* first: Embree hands it back by this address */
+    const RtcScene *scene;
+    const Ray *ray;
+    Vec3 origin, direction;
+    double back;    /* how far Embree's ray starts behind the true one */
+    double scale;   /* coordinates of start and scene, for noise */
+    double reach;   /* nearest query: candidates beyond do not matter any more */
+    double least_window; /* nearest query: chains are followed at least that far */
+    bool all, stop_at_opaque, blocked;
+    HitList *hits;
+    uint32_t cached_object; /* whose local ray is cached: pieces of one solid come in a row */
+    Vec3 cached_origin, cached_direction;
+} Query;
+
+void hit_list_clear(HitList *list)
+{
+    free(list->items);
+    *list = (HitList){0};
+}
+
+static bool hit_list_room(HitList *list)
+{
+    if (LIKELY(list->n < list->capacity)) return true;
+    size_t capacity = list->capacity ? list->capacity * 2 : 16;
+    Hit *items = realloc(list->items, capacity * sizeof *items);
+    if (!items) {
+        list->out_of_memory = true;
+        return false;
+    }
+    list->items = items;
+    list->capacity = capacity;
+    return true;
+}
+
+double rtc_rounding(Vec3 p)
+{
+    return TRUSTED_ULPS * UNIT_ROUNDING * vec3_max_abs(p);
+}
+
+/* How far behind a surface at distance t and cosine c another one can be and still be proposed by
+ * Embree for a ray that must not lose it. */
+static double window_behind(const Query *query, const Hit *hit)
+{
+    double cosine = fmax(fabs(hit->cos_normal), LEAST_COSINE);
+    return fmax(query->least_window, (4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t)) / cosine);
+}
+
+/* The upper end of Embree's search, for what the true ray calls t. */
+static float embree_t(const Query *query, double t)
+{
+    double far = t + query->back;
+    far += EMBREE_NOISE * far;
+    return far < (double)FLT_MAX ? (float)far : INFINITY;
+}
+
+/* Takes up a candidate that lies within the ray's range. Returns whether the search may now end at
+ * query->reach (nearest) or at once (blocked). */
+static bool keep(Query *query, const Hit *hit)
+{
+    if (query->all) {
+        if (query->stop_at_opaque && query->scene->objects[hit->object].opaque) {
+            if (hit->object == query->ray->target) return false;
+            query->blocked = true;
+            return true;
+        }
+        if (hit_list_room(query->hits)) query->hits->items[query->hits->n++] = *hit;
+        return false;
+    }
+    if (hit->t > query->reach) return false;
+    if (hit_list_room(query->hits)) query->hits->items[query->hits->n++] = *hit;
+    query->reach = fmin(query->reach, hit->t + window_behind(query, hit));
+    return true;
+}
+
+static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
+{
+    return object->triangles ? object->triangles[primitive] : object->mesh->triangles[primitive];
+}
+
+/* World-space corners in double; a mirrored instance has two of them swapped, so that the
+ * counter-clockwise side is outside in any case. */
+static void triangle_corners(const RtcPlaced *object, uint32_t primitive, Vec3 corner[3])
+{
+    const uint32_t *triangle = triangle_of(object, primitive);
+    for (int i = 0; i < 3; i++)
+        corner[i] = object->baked ? vec3_from_f(object->baked[triangle[i]])
+                                  : affine_point(&object->to_world, vec3_from_f(object->mesh->positions[triangle[i]]));
+    if (!object->baked && object->mirrored) {
+        Vec3 swap = corner[1];
+        corner[1] = corner[2];
+        corner[2] = swap;
+    }
+}
+
+static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primitive, float u, float v)
+{
+    const RtcPlaced *object = &query->scene->objects[object_id];
+    Vec3 corner[3];
+    triangle_corners(object, primitive, corner);
+    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
+    if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
+    double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope;
+    if (!(t > query->ray->t_min && t <= query->ray->t_max)) return false;
+    double size = fmax(vec3_max_abs(corner[0]), fmax(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+    Hit hit = {.t = t, .object = object_id, .primitive = primitive, .entering = slope < 0,
+               .normal = vec3f_from(vec3_scale(normal, 1 / length)), .cos_normal = slope / length,
+               .rounding = TRUSTED_ULPS * UNIT_ROUNDING * size, .u = u, .v = v};
+    return keep(query, &hit);
+}
+
+static bool consider_piece(Query *query, RtcPiece which)
+{
+    const RtcPlaced *object = &query->scene->objects[which.object];
+    const Piece *piece = &object->solid->pieces[which.piece];
+    if (query->cached_object != which.object) {
+        query->cached_object = which.object;
+        query->cached_origin = affine_point(&object->to_local, query->origin);
+        query->cached_direction = affine_vector(&object->to_local, query->direction);
+    }
+    double t[2];
+    double t_max = query->all ? query->ray->t_max : fmin(query->ray->t_max, query->reach);
+    int n = piece_intersect(piece, query->cached_origin, query->cached_direction, query->ray->t_min, t_max, t);
+    bool shrink = false;
+    for (int i = 0; i < n; i++) {
+        PieceRoot root;
+        piece_surface(piece, query->cached_origin, query->cached_direction, t[i], &root);
+        Vec3 normal = vec3_normalize(affine_normal(&object->to_local, root.normal));
+        double slope = vec3_dot(root.normal, query->cached_direction); /* the sign that the piece itself sees */
+        Vec3 p = vec3_along(query->origin, t[i], query->direction);
+        Hit hit = {.t = t[i], .object = which.object, .primitive = which.piece, .entering = slope < 0,
+                   .normal = vec3f_from(normal), .cos_normal = vec3_dot(normal, query->direction),
+                   .rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + t[i])};
+        shrink |= keep(query, &hit);
+    }
+    return shrink;
+}
+
+/* Only single rays are traced, so that Embree's arrays of N are these plain structs. */
+static struct RTCRay *ray_of(struct RTCRayN *ray)
+{
+    return (struct RTCRay *)(void *)ray;
+}
+
+static bool consider_embree(Query *query, struct RTCHitN *embree_hit)
+{
+    const struct RTCHit *hit = (const struct RTCHit *)(const void *)embree_hit;
+    uint32_t object = hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
+    return consider_triangle(query, object, hit->primID, hit->u, hit->v);
+}
+
+void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
+{
+    Query *query = (Query *)(void *)arguments->context;
+    if (consider_embree(query, arguments->hit))
+        ray_of(arguments->ray)->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
+    else
+        arguments->valid[0] = 0;
+}
+
+void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
+{
+    if (!consider_embree((Query *)(void *)arguments->context, arguments->hit)) arguments->valid[0] = 0;
+}
+
+void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
+{
+    const RtcScene *scene = arguments->geometryUserPtr;
+    RtcPiece which = scene->pieces[arguments->primID];
+    const RtcPlaced *object = &scene->objects[which.object];
+    Box3 box = affine_box(&object->to_world, piece_bounds(&object->solid->pieces[which.piece]));
+    /* a little larger, as Embree tests float rays against it */
+    double margin = 8 * UNIT_ROUNDING * fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
+    arguments->bounds_o->lower_x = (float)(box.min.x - margin);
+    arguments->bounds_o->lower_y = (float)(box.min.y - margin);
+    arguments->bounds_o->lower_z = (float)(box.min.z - margin);
+    arguments->bounds_o->upper_x = (float)(box.max.x + margin);
+    arguments->bounds_o->upper_y = (float)(box.max.y + margin);
+    arguments->bounds_o->upper_z = (float)(box.max.z + margin);
+}
+
+void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
+{
+    Query *query = (Query *)(void *)arguments->context;
+    const RtcScene *scene = arguments->geometryUserPtr;
+    if (!arguments->valid[0]) return;
+    if (consider_piece(query, scene->pieces[arguments->primID])) {
+        struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
+        ray->tfar = fminf(ray->tfar, embree_t(query, query->reach));
+    } else {
+        arguments->valid[0] = 0;
+    }
+}
+
+void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
+{
+    Query *query = (Query *)(void *)arguments->context;
+    const RtcScene *scene = arguments->geometryUserPtr;
+    if (!arguments->valid[0]) return;
+    if (consider_piece(query, scene->pieces[arguments->primID]))
+        ray_of(arguments->ray)->tfar = -INFINITY;
+    else
+        arguments->valid[0] = 0;
+}
+
+/* Debian's Embree aborts on rays that are not finite or very far away. */
+static bool usable(const Ray *ray)
+{
+    const float limit = 1e18f;
+    const float values[] = {ray->origin.x, ray->origin.y, ray->origin.z, ray->direction.x, ray->direction.y, ray->direction.z};
+    for (size_t i = 0; i < COUNT_OF(values); i++)
+        if (!(fabsf(values[i]) < limit)) return false;
+    return ray->t_min >= 0 && ray->t_min < (double)limit;
+}
+
+static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits)
+{
+    embree_init_context(&query->context);
+    query->scene = scene;
+    query->ray = ray;
+    query->origin = vec3_from_f(ray->origin);
+    query->direction = vec3_from_f(ray->direction);
+    query->scale = fmax(vec3_max_abs(query->origin), scene->reach);
+    query->back = START_BACK * query->scale;
+    query->reach = INFINITY;
+    query->least_window = 0;
+    query->all = query->stop_at_opaque = query->blocked = false;
+    query->hits = hits;
+    query->cached_object = UINT32_MAX;
+    hits->n = 0;
+}
+
+static void embree_ray(const Query *query, struct RTCRay *ray)
+{
+    Vec3f start = vec3f_from(vec3_along(query->origin, -query->back, query->direction));
+    ray->org_x = start.x;
+    ray->org_y = start.y;
+    ray->org_z = start.z;
+    ray->dir_x = query->ray->direction.x;
+    ray->dir_y = query->ray->direction.y;
+    ray->dir_z = query->ray->direction.z;
+    double near = query->ray->t_min > 0 ? query->ray->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
+    ray->tnear = near > 0 ? (float)near : 0;
+    ray->tfar = embree_t(query, fmin(query->ray->t_max, query->reach));
+    ray->time = 0;
+    ray->mask = 0xffffffffU;
+    ray->id = ray->flags = 0;
+}
+
+static void sort_hits(HitList *hits)
+{
+    for (size_t i = 1; i < hits->n; i++) { /* few, and mostly in order already */
+        Hit hit = hits->items[i];
+        size_t place = i;
+        while (place > 0 && hits->items[place - 1].t > hit.t) {
+            hits->items[place] = hits->items[place - 1];
+            place--;
+        }
+        hits->items[place] = hit;
+    }
+}
+
+/* The number of hits that stand at one place with the first: each is nearer to the one before, along the
+ * normal, than coordinates can tell. */
+static size_t cluster_size(const HitList *hits)
+{
+    size_t n = hits->n ? 1 : 0;
+    for (; n < hits->n; n++) {
+        const Hit *a = &hits->items[n - 1], *b = &hits->items[n];
+        double cosine = fmax(fabs(a->cos_normal), fabs(b->cos_normal));
+        if ((b->t - a->t) * cosine > fmax(a->rounding, b->rounding)) break;
+    }
+    return n;
+}
+
+size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
+{
+    Query query;
+    query_init(&query, scene, ray, hits);
+    if (!usable(ray)) return 0;
+    for (;;) {
+        for (uint32_t i = 0; i < scene->n_planes; i++) consider_piece(&query, scene->planes[i]);
+        struct RTCRayHit embree;
+        embree_ray(&query, &embree.ray);
+        embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        embree_intersect(scene->world, &query.context, &embree);
+        sort_hits(hits);
+        size_t n = cluster_size(hits);
+        if (n == 0) return 0;
+        /* A chain of surfaces may come near the end of the window; then look further. */
+        const Hit *last = &hits->items[n - 1];
+        double cosine = fmax(fabs(last->cos_normal), LEAST_COSINE);
+        if (n == 1 || last->t + 2 * last->rounding / cosine <= query.reach) {
+            hits->n = n;
+            return n;
+        }
+        double span = last->t - hits->items[0].t;
+        query_init(&query, scene, ray, hits);
+        query.least_window = 4 * span;
+    }
+}
+
+bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits)
+{
+    Query query;
+    query_init(&query, scene, ray, hits);
+    query.all = true;
+    query.stop_at_opaque = stop_at_opaque;
+    if (!usable(ray)) return true;
+    for (uint32_t i = 0; i < scene->n_planes && !query.blocked; i++) consider_piece(&query, scene->planes[i]);
+    if (query.blocked) return false;
+    struct RTCRay embree;
+    embree_ray(&query, &embree);
+    embree_occluded(scene->world, &query.context, &embree);
+    if (query.blocked) return false;
+    sort_hits(hits);
+    return true;
+}
+
+/* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
+ * other side. */
+static Vec3f mesh_shading(const RtcPlaced *object, const Hit *hit)
+{
+    const Mesh *mesh = object->mesh;
+    if (!mesh->normals) return hit->normal;
+    const uint32_t *triangle = triangle_of(object, hit->primitive);
+    Vec3f a = mesh->normals[triangle[0]], b = mesh->normals[triangle[1]], c = mesh->normals[triangle[2]];
+    Vec3f local = vec3f_add(vec3f_scale(a, 1 - hit->u - hit->v), vec3f_add(vec3f_scale(b, hit->u), vec3f_scale(c, hit->v)));
+    Vec3 world = affine_normal(&object->to_local, vec3_from_f(local));
+    double length = vec3_length(world);
+    if (!(length > 0)) return hit->normal;
+    Vec3f shading = vec3f_from(vec3_scale(world, 1 / length));
+    return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
+}
+
+void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
+{
+    const RtcPlaced *object = &scene->objects[hit->object];
+    Vec3 origin = vec3_from_f(ray->origin), direction = vec3_from_f(ray->direction);
+    surface->position = vec3_along(origin, hit->t, direction);
+    if (object->mesh) {
+        surface->shading = mesh_shading(object, hit);
+        surface->uv[0] = hit->u;
+        surface->uv[1] = hit->v;
+        return;
+    }
+    PieceRoot root;
+    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&object->to_local, origin),
+                  affine_vector(&object->to_local, direction), hit->t, &root);
+    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&object->to_local, root.shading)));
+    surface->shading = vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
+    surface->uv[0] = (float)root.u;
+    surface->uv[1] = (float)root.v;
+}
+
+/* p moved towards the middle of the triangle until it is `margin` away from every edge. */
+static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, double margin)
+{
+    Vec3 corner[3];
+    triangle_corners(object, primitive, corner);
+    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    double area = vec3_dot(normal, normal), blend = 0;
+    for (int i = 0; i < 3; i++) {
+        Vec3 a = corner[(i + 1) % 3], edge = vec3_sub(corner[(i + 2) % 3], a);
+        double edge_length = vec3_length(edge);
+        double distance = vec3_dot(vec3_cross(edge, vec3_sub(p, a)), normal) / (edge_length * sqrt(area));
+        double middle = sqrt(area) / edge_length / 3; /* of the centroid from this edge */
+        if (distance >= margin) continue;
+        blend = fmax(blend, middle > margin ? (margin - distance) / (middle - distance) : 1);
+    }
+    if (!(blend > 0)) return p;
+    Vec3 centroid = vec3_scale(vec3_add(corner[0], vec3_add(corner[1], corner[2])), 1.0 / 3);
+    return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
+}
+
+static Vec3 hit_inset(const RtcScene *scene, const Hit *hit, Vec3 p, double margin)
+{
+    const RtcPlaced *object = &scene->objects[hit->object];
+    if (object->mesh) return triangle_inset(object, hit->primitive, p, margin);
+    const Piece *piece = &object->solid->pieces[hit->primitive];
+    if (piece->kind != PIECE_BAND) return p; /* the others have no neighbours */
+    Vec3 local = affine_point(&object->to_local, p);
+    Vec3 moved = piece_inset(piece, local, margin * affine_max_stretch(&object->to_local));
+    return vec3_add(p, affine_vector(&object->to_world, vec3_sub(moved, local)));
+}
+
+Vec3f rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through)
+{
+    const Hit *hit = through ? &hits[n - 1] : &hits[0];
+    Vec3 p = vec3_along(vec3_from_f(ray->origin), hit->t, vec3_from_f(ray->direction));
+    double margin = 0.5 * hit->rounding;
+    for (size_t i = 0; i < n; i++) p = hit_inset(scene, &hits[i], p, margin);
+    bool along_normal = through != hit->entering; /* out through a back face, or back off a front face */
+    return vec3f_from(vec3_along(p, along_normal ? margin : -margin, vec3_from_f(hit->normal)));
+}

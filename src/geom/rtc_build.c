@@ -1,0 +1,271 @@
+/* rtc_build.c - from meshes and solids to Embree's scene.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "geom/rtc_scene.h"
+
+static void on_error(void *context, enum RTCError code, const char *text)
+{
+    RtcScene *scene = context;
+    if (scene->error.status != STATUS_OK) return;
+    if (code == RTC_ERROR_OUT_OF_MEMORY)
+        fail(&scene->error, STATUS_NOMEM, "out of memory for Embree's hierarchy");
+    else
+        fail(&scene->error, STATUS_RENDER, "Embree: %s", text);
+}
+
+static bool on_memory(void *context, ssize_t bytes, bool post)
+{
+    RtcScene *scene = context;
+    (void)post;
+    atomic_fetch_add_explicit(&scene->bytes, (long long)bytes, memory_order_relaxed);
+    return true;
+}
+
+typedef struct MeshUse {
+    const Mesh *mesh;
+    uint32_t object;
+} MeshUse;
+
+static int compare_use(const void *left, const void *right)
+{
+    const MeshUse *a = left, *b = right;
+    uintptr_t pa = (uintptr_t)a->mesh, pb = (uintptr_t)b->mesh;
+    if (pa != pb) return pa < pb ? -1 : 1;
+    return a->object < b->object ? -1 : a->object > b->object ? 1 : 0;
+}
+
+static Status place_object(RtcPlaced *placed, const RtcObject *object, uint32_t i, Error *error)
+{
+    *placed = (RtcPlaced){.mesh = object->mesh, .solid = object->solid, .to_world = object->to_world, .opaque = object->opaque};
+    if (!affine_invert(&object->to_world, &placed->to_local))
+        return fail(error, STATUS_SCENE, "the transform of object %u is singular: it has no volume", i);
+    placed->mirrored = affine_determinant(&object->to_world) < 0;
+    placed->stretch = affine_max_stretch(&object->to_world);
+    return STATUS_OK;
+}
+
+/* World-space vertices (and turned triangles when mirrored) of a mesh that stands in one place only. */
+static Status bake_mesh(RtcPlaced *placed, Error *error)
+{
+    const Mesh *mesh = placed->mesh;
+    size_t bytes = (size_t)mesh->n_vertices * sizeof(Vec3f) + sizeof(float); /* Embree reads 4 bytes past the end */
+    placed->baked = malloc(bytes);
+    if (!placed->baked) return fail_memory(error, bytes, "a mesh");
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        placed->baked[i] = vec3f_from(affine_point(&placed->to_world, vec3_from_f(mesh->positions[i])));
+    if (!placed->mirrored) return STATUS_OK;
+    bytes = (size_t)mesh->n_triangles * sizeof *placed->triangles;
+    placed->triangles = malloc(bytes ? bytes : 1);
+    if (!placed->triangles) return fail_memory(error, bytes, "a mesh");
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        placed->triangles[i][0] = mesh->triangles[i][0];
+        placed->triangles[i][1] = mesh->triangles[i][2];
+        placed->triangles[i][2] = mesh->triangles[i][1];
+    }
+    return STATUS_OK;
+}
+
+static RTCGeometry triangle_geometry(RtcScene *scene, const Vec3f *positions, uint32_t n_vertices,
+                                     uint32_t (*triangles)[3], uint32_t n_triangles)
+{
+    RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, sizeof(Vec3f), n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles, 0, sizeof *triangles, n_triangles);
+    rtcSetGeometryMask(geometry, 0xffffffffU);
+    rtcSetGeometryIntersectFilterFunction(geometry, rtc_filter_nearest);
+    rtcSetGeometryOccludedFilterFunction(geometry, rtc_filter_any);
+    rtcCommitGeometry(geometry);
+    return geometry;
+}
+
+static RTCScene new_scene(RtcScene *scene)
+{
+    RTCScene rtc = rtcNewScene(scene->device);
+    rtcSetSceneFlags(rtc, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(rtc, RTC_BUILD_QUALITY_MEDIUM); /* HIGH is ignored in robust mode */
+    return rtc;
+}
+
+static void attach(RTCScene rtc, RTCGeometry geometry, uint32_t id)
+{
+    rtcAttachGeometryByID(rtc, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+/* Geometry number o of the world is object o; the pieces of all solids come after them. */
+static Status add_baked(RtcScene *scene, uint32_t object, Error *error)
+{
+    RtcPlaced *placed = &scene->objects[object];
+    TRY(bake_mesh(placed, error));
+    const Mesh *mesh = placed->mesh;
+    uint32_t (*triangles)[3] = placed->triangles ? placed->triangles : mesh->triangles;
+    attach(scene->world, triangle_geometry(scene, placed->baked, mesh->n_vertices, triangles, mesh->n_triangles), object);
+    return STATUS_OK;
+}
+
+static void add_instances(RtcScene *scene, const MeshUse *uses, uint32_t n)
+{
+    const Mesh *mesh = uses[0].mesh;
+    RTCScene shared = new_scene(scene);
+    attach(shared, triangle_geometry(scene, mesh->positions, mesh->n_vertices, mesh->triangles, mesh->n_triangles), 0);
+    rtcCommitScene(shared);
+    scene->shared[scene->n_shared++] = shared;
+    for (uint32_t i = 0; i < n; i++) {
+        const Affine *a = &scene->objects[uses[i].object].to_world;
+        float matrix[12]; /* three columns, then the translation */
+        for (int column = 0; column < 3; column++)
+            for (int row = 0; row < 3; row++) matrix[3 * column + row] = (float)a->m[row][column];
+        matrix[9] = (float)a->t.x;
+        matrix[10] = (float)a->t.y;
+        matrix[11] = (float)a->t.z;
+        RTCGeometry instance = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(instance, shared);
+        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix);
+        rtcSetGeometryMask(instance, 0xffffffffU);
+        rtcCommitGeometry(instance);
+        attach(scene->world, instance, uses[i].object);
+    }
+}
+
+static Status add_meshes(RtcScene *scene, Error *error)
+{
+    size_t bytes = (scene->n_objects + 1U) * sizeof(MeshUse);
+    MeshUse *uses = malloc(bytes);
+    scene->shared = calloc(scene->n_objects + 1U, sizeof *scene->shared);
+    if (!uses || !scene->shared) {
+        free(uses);
+        return fail_memory(error, bytes, "the scene's objects");
+    }
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->objects[i].mesh) uses[n++] = (MeshUse){scene->objects[i].mesh, i};
+    qsort(uses, n, sizeof *uses, compare_use);
+    Status status = STATUS_OK;
+    for (uint32_t i = 0; i < n && status == STATUS_OK;) {
+        uint32_t end = i + 1;
+        while (end < n && uses[end].mesh == uses[i].mesh) end++;
+        if (end - i == 1)
+            status = add_baked(scene, uses[i].object, error);
+        else
+            add_instances(scene, uses + i, end - i);
+        i = end;
+    }
+    free(uses);
+    return status;
+}
+
+static Status add_pieces(RtcScene *scene, Error *error)
+{
+    size_t n = 0, n_planes = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const Solid *solid = scene->objects[i].solid;
+        for (uint32_t k = 0; solid && k < solid->n_pieces; k++)
+            if (solid->pieces[k].kind == PIECE_PLANE)
+                n_planes++;
+            else
+                n++;
+    }
+    if (n > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n);
+    scene->pieces = malloc((n + n_planes + 1) * sizeof *scene->pieces);
+    if (!scene->pieces) return fail_memory(error, (n + n_planes) * sizeof *scene->pieces, "the scene's solids");
+    scene->planes = scene->pieces + n;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const Solid *solid = scene->objects[i].solid;
+        for (uint32_t k = 0; solid && k < solid->n_pieces; k++)
+            if (solid->pieces[k].kind == PIECE_PLANE)
+                scene->planes[scene->n_planes++] = (RtcPiece){i, k};
+            else
+                scene->pieces[scene->n_pieces++] = (RtcPiece){i, k};
+    }
+    if (!n) return STATUS_OK;
+    RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, scene->n_pieces);
+    rtcSetGeometryUserData(geometry, scene);
+    rtcSetGeometryMask(geometry, 0xffffffffU);
+    rtcSetGeometryBoundsFunction(geometry, rtc_piece_bounds, scene);
+    rtcSetGeometryIntersectFunction(geometry, rtc_piece_intersect);
+    rtcSetGeometryOccludedFunction(geometry, rtc_piece_occluded);
+    rtcCommitGeometry(geometry);
+    attach(scene->world, geometry, scene->n_objects);
+    return STATUS_OK;
+}
+
+static Box3 world_bounds(const RtcScene *scene)
+{
+    struct RTCBounds b;
+    rtcGetSceneBounds(scene->world, &b);
+    if (!(b.lower_x <= b.upper_x)) return box3_empty();
+    return (Box3){vec3((double)b.lower_x, (double)b.lower_y, (double)b.lower_z),
+                  vec3((double)b.upper_x, (double)b.upper_y, (double)b.upper_z)};
+}
+
+static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_threads, Error *error)
+{
+    char config[64];
+    snprintf(config, sizeof config, "threads=%u", n_threads);
+    scene->device = rtcNewDevice(config);
+    if (!scene->device) return fail(error, STATUS_RENDER, "Embree cannot be started (error %d)", (int)rtcGetDeviceError(NULL));
+    rtcSetDeviceErrorFunction(scene->device, on_error, scene);
+    rtcSetDeviceMemoryMonitorFunction(scene->device, on_memory, scene);
+    for (uint32_t i = 0; i < scene->n_objects; i++) TRY(place_object(&scene->objects[i], &objects[i], i, error));
+    scene->world = new_scene(scene);
+    TRY(add_meshes(scene, error));
+    TRY(add_pieces(scene, error));
+    rtcCommitScene(scene->world);
+    if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);
+    scene->bounds = world_bounds(scene);
+    scene->reach = box3_is_empty(scene->bounds) ? 0 : fmax(vec3_max_abs(scene->bounds.min), vec3_max_abs(scene->bounds.max));
+    return STATUS_OK;
+}
+
+Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, unsigned n_threads, RtcScene **out, Error *error)
+{
+    *out = NULL;
+    RtcScene *scene = calloc(1, sizeof *scene);
+    if (!scene) return fail_memory(error, sizeof *scene, "the scene");
+    scene->n_objects = n_objects;
+    scene->objects = calloc(n_objects + 1U, sizeof *scene->objects);
+    Status status = scene->objects ? build(scene, objects, n_threads, error)
+                                   : fail_memory(error, n_objects * sizeof *scene->objects, "the scene's objects");
+    if (status != STATUS_OK) {
+        rtc_scene_free(scene);
+        return status;
+    }
+    *out = scene;
+    return STATUS_OK;
+}
+
+void rtc_scene_free(RtcScene *scene)
+{
+    if (!scene) return;
+    if (scene->world) rtcReleaseScene(scene->world);
+    for (uint32_t i = 0; i < scene->n_shared; i++) rtcReleaseScene(scene->shared[i]);
+    if (scene->device) rtcReleaseDevice(scene->device);
+    for (uint32_t i = 0; scene->objects && i < scene->n_objects; i++) {
+        free(scene->objects[i].baked);
+        free(scene->objects[i].triangles);
+    }
+    free(scene->objects);
+    free(scene->shared);
+    free(scene->pieces);
+    free(scene);
+}
+
+Box3 rtc_scene_bounds(const RtcScene *scene)
+{
+    return scene->bounds;
+}
+
+size_t rtc_scene_bytes(const RtcScene *scene)
+{
+    long long bytes = atomic_load_explicit(&scene->bytes, memory_order_relaxed);
+    return bytes > 0 ? (size_t)bytes : 0;
+}
+
+const char *rtc_library_version(void)
+{
+    return "Embree " RTC_VERSION_STRING;
+}

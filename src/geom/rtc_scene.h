@@ -1,0 +1,52 @@
+/* rtc_scene.h - what rtc_build.c makes and rtc.c traces; private to these two.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RTC_SCENE_H
+#define MEN_RTC_SCENE_H
+
+#include <stdatomic.h>
+
+#include "geom/embree.h"
+#include "geom/rtc.h"
+
+/* One object, ready for tracing. */
+typedef struct RtcPlaced {
+    const Mesh *mesh;
+    const Solid *solid;
+    Affine to_world, to_local;
+    Vec3f *baked;               /* world-space vertices of a mesh placed once; NULL for instances and solids */
+    uint32_t (*triangles)[3];   /* of the baked mesh, turned round when the transform mirrors; NULL: the mesh's own */
+    bool opaque;
+    bool mirrored;              /* the transform turns orientation round (instances: normals must be turned too) */
+    double stretch;             /* largest local-to-world scale */
+} RtcPlaced;
+
+/* A piece in the one user geometry that holds the pieces of all solids. */
+typedef struct RtcPiece {
+    uint32_t object, piece;
+} RtcPiece;
+
+struct RtcScene {
+    RTCDevice device;
+    RTCScene world;
+    RTCScene *shared; /* the scenes of meshes that are placed more than once */
+    uint32_t n_shared;
+    RtcPlaced *objects;
+    uint32_t n_objects;
+    RtcPiece *pieces; /* bounded ones: primitive numbers of the user geometry */
+    uint32_t n_pieces;
+    RtcPiece *planes; /* unbounded ones, tested by themselves */
+    uint32_t n_planes;
+    Box3 bounds;
+    double reach; /* the largest coordinate of the bounds: the scale of Embree's rounding */
+    atomic_llong bytes;
+    Error error; /* the first that Embree reported */
+};
+
+/* The callbacks of rtc.c that rtc_build.c hands to Embree. */
+void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments);
+void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments);
+void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments);
+void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments);
+void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments);
+
+#endif
