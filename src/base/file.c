@@ -1,5 +1,6 @@
 /* file.c - reading whole files, and writing files that appear under their name only when whole.
  * SPDX-License-Identifier: Apache-2.0 */
+#define _XOPEN_SOURCE 700 /* realpath */
 #include "base/file.h"
 
 #include <errno.h>
@@ -98,6 +99,8 @@ const char *file_extension(const char *path)
     return dot && dot != name ? dot + 1 : "";
 }
 
+char *file_real_path(const char *path) { return realpath(path, NULL); }
+
 /* ---- writing ---- */
 
 static Status cannot_write(Error *error, const char *path, int reason)
@@ -125,7 +128,7 @@ static char *followed(const char *path)
 {
     struct stat info;
     if (lstat(path, &info) == 0 && S_ISLNK(info.st_mode)) {
-        char *target = realpath(path, NULL);
+        char *target = file_real_path(path);
         if (target) return target;
     }
     return copy_of(path);
@@ -241,6 +244,7 @@ Status file_create(FileOut *out, const char *path, Error *error)
 
 Status file_commit(FileOut *out, Error *error)
 {
+    errno = 0;
     bool failed = ferror(out->stream) || fflush(out->stream) != 0;
     if (!failed && !out->plain) failed = fsync(fileno(out->stream)) != 0;
     int reason = errno ? errno : EIO;

@@ -38,6 +38,8 @@ ATTR_NODISCARD Status file_rename_into_place(const char *temporary, const char *
 
 /* malloc'd folder of path with the trailing '/', "" when it has none; NULL when memory ends */
 char *file_folder(const char *path);
+/* malloc'd absolute path without symbolic links, "." and ".."; NULL when there is no such file */
+char *file_real_path(const char *path);
 /* the extension without its dot, in the path's own letters; "" when it has none */
 const char *file_extension(const char *path);
 

@@ -67,6 +67,7 @@ Diagnostic *diag_report(Diag *diag, DiagCode code, Span span, const char *format
 Diagnostic *diag_report_nowhere(Diag *diag, DiagCode code, const char *format, ...) ATTR_PRINTF(3, 4);
 void diag_hint(Diag *diag, Diagnostic *report, const char *format, ...) ATTR_PRINTF(3, 4);
 void diag_note(Diag *diag, Diagnostic *report, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
+void diag_note_nowhere(Diag *diag, Diagnostic *report, const char *format, ...) ATTR_PRINTF(3, 4);
 /* "did you mean 'X'?" when exactly one of the candidates is near enough to the wrong word. */
 void diag_suggest(Diag *diag, Diagnostic *report, const char *wrong, const char *const *candidates, size_t n);
 
@@ -77,6 +78,13 @@ void diag_suggest(Diag *diag, Diagnostic *report, const char *wrong, const char 
 void diag_print(Diag *diag, Buf *out, bool color);
 /* The same facts as one JSON array. */
 void diag_print_json(Diag *diag, Buf *out);
+/* Puts the reports in the order in which they are printed. */
+void diag_sort(Diag *diag);
+
+/* The columns of diags.def. */
 const char *diag_slug(DiagCode code);
+const char *diag_cause(DiagCode code);
+const char *diag_cure(DiagCode code);
+DiagSeverity diag_severity(DiagCode code);
 
 #endif

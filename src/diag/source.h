@@ -39,4 +39,10 @@ typedef struct SourcePosition {
 } SourcePosition;
 SourcePosition source_position(SourceSet *set, uint32_t source, uint32_t byte);
 
+/* The line that holds a byte: its number from 1, and where its text begins and ends (without the line end). */
+typedef struct SourceLine {
+    uint32_t number, begin, end;
+} SourceLine;
+SourceLine source_line(SourceSet *set, uint32_t source, uint32_t byte);
+
 #endif
