@@ -30,24 +30,27 @@ typedef struct BandRoots {
  * farther from the axis than the line is there. A line at constant height passes other heights at
  * infinity; its own height counts as below it, so that of two neighbours exactly one holds the line. */
 typedef struct BandEnd {
-    double t;
+    double t, x, z;
+    double excess; /* the line's squared distance from the axis there, less the end's */
     bool above;
 } BandEnd;
 
 static inline BandEnd band_end(double radius, double height, Vec3 org, Vec3 dir)
 {
-    if (UNLIKELY(dir.y == 0)) return (BandEnd){height > org.y ? HUGE_VAL : -HUGE_VAL, false};
+    if (UNLIKELY(dir.y == 0)) return (BandEnd){height > org.y ? HUGE_VAL : -HUGE_VAL, 0, 0, HUGE_VAL, false};
     double t = (height - org.y) / dir.y;
     double x = org.x + t * dir.x;
     double z = org.z + t * dir.z;
-    return (BandEnd){t, radius * radius > x * x + z * z};
+    double excess = (x * x + z * z) - radius * radius;
+    return (BandEnd){t, x, z, excess, excess < 0};
 }
 
 /* F(t) = (ey r(t))^2 - (g + k t)^2 = A t^2 + 2 B t + C, negative where the line is nearer to the axis than
- * the cone, and its discriminant. With r(t) the distance from the axis, o and d the horizontal parts:
- * B^2 - A C = ey^2 (|g d - k o|^2 - ey^2 (o x d)^2), which has no cancellation but the unavoidable one. */
+ * the cone. With r(t) the distance from the axis, o and d the horizontal parts, B^2 - A C is
+ * ey^2 (|g d - k o|^2 - ey^2 (o x d)^2), which has no cancellation but the unavoidable one. */
 typedef struct BandQuadratic {
     double A, B, C, root; /* root: of the discriminant, 0 when that is negative */
+    bool grazing;         /* so little is left of the discriminant that rounding shows in the roots */
 } BandQuadratic;
 
 static inline BandQuadratic band_quadratic(const Piece *piece, Vec3 org, Vec3 dir)
@@ -55,7 +58,7 @@ static inline BandQuadratic band_quadratic(const Piece *piece, Vec3 org, Vec3 di
     double er = piece->r1 - piece->r0;
     double ey = piece->y1 - piece->y0;
     /* All cylinders of one radius get the same arithmetic, whatever their height: surfaces of two solids
-     * that coincide must be met at the same t, also where the line grazes them. */
+     * that coincide must be met at the same t. */
     if (er == 0) ey = copysign(1, ey);
     double g = ey * piece->r0 + er * (org.y - piece->y0);
     double k = er * dir.y;
@@ -63,8 +66,10 @@ static inline BandQuadratic band_quadratic(const Piece *piece, Vec3 org, Vec3 di
     double ex = g * dir.x - k * org.x;
     double ez = g * dir.z - k * org.z;
     double moment = ey * (org.x * dir.z - org.z * dir.x);
-    double discriminant = (ex * ex + ez * ez) - moment * moment;
+    double squares = ex * ex + ez * ez;
+    double discriminant = squares - moment * moment;
     BandQuadratic f;
+    f.grazing = discriminant < 1e-10 * squares;
     f.A = ey2 * (dir.x * dir.x + dir.z * dir.z) - k * k;
     f.B = ey2 * (org.x * dir.x + org.z * dir.z) - g * k;
     f.C = ey2 * (org.x * org.x + org.z * org.z) - g * g;
@@ -75,9 +80,52 @@ static inline BandQuadratic band_quadratic(const Piece *piece, Vec3 org, Vec3 di
 /* The root at which F rises or falls. */
 static inline double band_root(const BandQuadratic *f, bool rising, double otherwise)
 {
+    if (f->root == 0 && f->A != 0) return -f->B / f->A;
     double q = -(f->B + (f->B < 0 ? -f->root : f->root));
     if (rising == (f->B < 0) && f->A != 0) return q / f->A;
     return q != 0 ? f->C / q : otherwise;
+}
+
+/* The one crossing between the end `in`, which is above the line, and the end `out`, which is not. F is
+ * developed about `in`: there its value is negative and is the same number for both bands that share the
+ * end. So where a line grazes a shared circle both neighbours find the same t and the order of crossings
+ * is kept. */
+static inline double band_single_root(const Piece *piece, Vec3 dir, const BandEnd *in, double radius, double t_out)
+{
+    double er = piece->r1 - piece->r0;
+    double ey = piece->y1 - piece->y0;
+    double k = er * dir.y;
+    double ey2 = ey * ey;
+    double sign = t_out > in->t ? 1 : -1;
+    double A = ey2 * (dir.x * dir.x + dir.z * dir.z) - k * k;
+    double B = sign * ey * (ey * (in->x * dir.x + in->z * dir.z) - k * radius);
+    double C = ey2 * in->excess;
+    double discriminant = B * B - A * C;
+    if (A <= 0) {
+        double ex = ey * radius * dir.x - k * in->x;
+        double ez = ey * radius * dir.z - k * in->z;
+        double moment = ey * (in->x * dir.z - in->z * dir.x);
+        discriminant = ey2 * ((ex * ex + ez * ez) - moment * moment);
+    }
+    double root = discriminant > 0 ? sqrt(discriminant) : 0;
+    /* the smallest u > 0 with A u^2 + 2 B u + C = 0, where C < 0 */
+    if (B >= 0 && B + root > 0) return in->t + sign * (-C / (B + root));
+    return A > 0 ? in->t + sign * ((root - B) / A) : t_out;
+}
+
+static double band_single(const Piece *piece, Vec3 org, Vec3 dir, const BandEnd *p, const BandEnd *q)
+{
+    if (piece->y0 == piece->y1) return p->t;
+    if (piece->r0 == piece->r1) {
+        BandQuadratic f = band_quadratic(piece, org, dir);
+        if (!f.grazing) return band_root(&f, p->above == (q->t > p->t), p->t);
+    }
+    return p->above ? band_single_root(piece, dir, p, piece->r0, q->t) : band_single_root(piece, dir, q, piece->r1, p->t);
+}
+
+static double keep_between(double t, double a, double b)
+{
+    return fmax(fmin(a, b), fmin(t, fmax(a, b)));
 }
 
 static BandRoots band_roots(const Piece *piece, Vec3 org, Vec3 dir)
@@ -86,21 +134,15 @@ static BandRoots band_roots(const Piece *piece, Vec3 org, Vec3 dir)
     BandEnd p = band_end(piece->r0, piece->y0, org, dir);
     BandEnd q = band_end(piece->r1, piece->y1, org, dir);
     if (p.above != q.above) {
-        /* Both ends stand at finite t here. */
-        double t = p.t;
-        if (piece->y0 != piece->y1) {
-            BandQuadratic f = band_quadratic(piece, org, dir);
-            t = band_root(&f, p.above == (q.t > p.t), p.t);
-            t = fmax(fmin(p.t, q.t), fmin(t, fmax(p.t, q.t)));
-        }
         roots.n = 1;
-        roots.t[0] = t;
+        roots.t[0] = keep_between(band_single(piece, org, dir, &p, &q), p.t, q.t);
         roots.leaving[0] = p.above == (dir.y > 0);
         return roots;
     }
     if (p.above || piece->y0 == piece->y1) return roots;
     /* F is positive at both ends; so two roots stand between them if F opens upward, falls below zero, and
-     * has its least value between the ends. */
+     * has its least value between the ends. (Where the line lies in the surface F is nothing but rounding;
+     * keeping the roots between the ends gives something sensible even then.) */
     BandQuadratic f = band_quadratic(piece, org, dir);
     if (!(f.A > 0) || !(f.root > 0)) return roots;
     double middle = -f.B / f.A;
@@ -110,8 +152,8 @@ static BandRoots band_roots(const Piece *piece, Vec3 org, Vec3 dir)
     if (!(near < middle && middle < far)) return roots; /* grazing: not met at all */
     bool outer = piece->y1 > piece->y0;
     roots.n = 2;
-    roots.t[0] = near;
-    roots.t[1] = far;
+    roots.t[0] = keep_between(near, p.t, q.t);
+    roots.t[1] = keep_between(far, p.t, q.t);
     roots.leaving[0] = !outer;
     roots.leaving[1] = outer;
     return roots;
