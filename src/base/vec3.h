@@ -94,7 +94,7 @@ typedef struct Box3 {
 
 static inline Box3 box3_empty(void)
 {
-    return (Box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    return (Box3){{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
 }
 static inline Box3 box3_add_point(Box3 b, Vec3 p)
 {

@@ -247,7 +247,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->direction = vec3_from_f(ray->direction);
     query->scale = fmax(vec3_max_abs(query->origin), scene->reach);
     query->back = START_BACK * query->scale;
-    query->reach = INFINITY;
+    query->reach = HUGE_VAL;
     query->least_window = 0;
     query->all = query->stop_at_opaque = query->blocked = false;
     query->hits = hits;
@@ -285,13 +285,12 @@ static void sort_hits(HitList *hits)
     }
 }
 
-/* The number of hits that stand at one place with the first: each is nearer to the one before, along the
- * normal, than coordinates can tell. */
-static size_t cluster_size(const HitList *hits)
+/* Each is nearer to the one before, along the normal, than coordinates can tell. */
+size_t rtc_cluster(const Hit *hits, size_t n_hits)
 {
-    size_t n = hits->n ? 1 : 0;
-    for (; n < hits->n; n++) {
-        const Hit *a = &hits->items[n - 1], *b = &hits->items[n];
+    size_t n = n_hits ? 1 : 0;
+    for (; n < n_hits; n++) {
+        const Hit *a = &hits[n - 1], *b = &hits[n];
         double cosine = fmax(fabs(a->cos_normal), fabs(b->cos_normal));
         if ((b->t - a->t) * cosine > fmax(a->rounding, b->rounding)) break;
     }
@@ -311,7 +310,7 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
         embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         embree_intersect(scene->world, &query.context, &embree);
         sort_hits(hits);
-        size_t n = cluster_size(hits);
+        size_t n = rtc_cluster(hits->items, hits->n);
         if (n == 0) return 0;
         /* A chain of surfaces may come near the end of the window; then look further. */
         const Hit *last = &hits->items[n - 1];

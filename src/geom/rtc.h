@@ -74,6 +74,9 @@ void hit_list_clear(HitList *list); /* frees */
  * rtc_rounding). Returns the number, 0 when the ray leaves the scene. */
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
 
+/* How many of n >= 1 hits in increasing t stand at one place with the first. */
+size_t rtc_cluster(const Hit *hits, size_t n);
+
 /* Every surface along the ray in increasing t. With stop_at_opaque the search ends as soon as any opaque object is
  * found in the way, wherever: it returns false and the list holds nothing of use. Otherwise true. */
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);

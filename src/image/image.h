@@ -39,6 +39,11 @@ ATTR_NODISCARD Status image_new(uint32_t width, uint32_t height, const char *con
 void image_clear(Image *image);
 /* The index of a channel, -1 when there is none. */
 int image_channel(const Image *image, const char *name);
+/* The channels that hold the colour: R, G, B; else those of the first layer that has them (layer.R ...); else
+ * Y three times. false when there is no colour. */
+bool image_rgb(const Image *image, int rgb[3]);
+/* sRGB's curve undone on the colour channels: from what png_read gives to linear Rec.709. */
+void image_decode_srgb(Image *image);
 
 /* Scan lines, ZIP or PIZ compression, chromaticities and attributes; written beside its place and renamed when whole.
  * STATUS_OUTPUT with the reason; what stood there before is then untouched. "-" is standard output. */
@@ -48,6 +53,11 @@ ATTR_NODISCARD Status exr_write(const char *path, const Image *image, const ExrO
 ATTR_NODISCARD Status exr_read(const char *path, Image *image, Error *error);
 /* The attribute's text or number as text, into a malloc'd string; NULL text when it has none. */
 ATTR_NODISCARD Status exr_read_attribute(const char *path, const char *name, char **text, Error *error);
+/* Every attribute of the first part in the file's order, as text: windows, channels with their types, compression,
+ * chromaticities and all that programs added. Attributes of types with no short text say their type and size. */
+ATTR_NODISCARD Status exr_visit_attributes(const char *path,
+                                           void (*visit)(void *context, const char *name, const char *text),
+                                           void *context, Error *error);
 
 /* 8 or 16 bits per channel; rgb or rgba display-referred floats in 0..1, quantized with rounding (16) or
  * rounding plus a fixed ordered dither (8, so that gradients do not band). Atomic, as exr_write. */

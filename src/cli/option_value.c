@@ -1,0 +1,176 @@
+/* option_value.c - reads the values of options, without the locale, and checks their form and range.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/num.h"
+#include "cli/options.h"
+#include "diag/suggest.h"
+
+enum { MOST_CHOICES = 16, CHOICE_SIZE = 32 };
+
+/* Digits only: a sign, blanks or a fraction make no count. Returns how many bytes were read, 0 for none. */
+static size_t read_whole(const char *text, uint32_t *whole)
+{
+    uint64_t value = 0;
+    size_t n = 0;
+    while (text[n] >= '0' && text[n] <= '9') {
+        value = value * 10 + (uint64_t)(text[n] - '0');
+        if (value > UINT32_MAX) return 0;
+        n++;
+    }
+    if (n) *whole = (uint32_t)value;
+    return n;
+}
+
+static bool in_range(const OptionRow *row, double number)
+{
+    return number >= row->low && number <= row->high;
+}
+
+static Status read_count(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    size_t n = read_whole(text, &value->whole[0]);
+    if (n == 0 || text[n] || !in_range(row, value->whole[0]))
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a whole number from %.0f to %.0f", spelled, text, row->low,
+                    row->high);
+    return STATUS_OK;
+}
+
+static Status read_number(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    size_t n = num_parse(text, strlen(text), &value->number);
+    if (n && row->kind == KIND_FRACTION && text[n] == '%') {
+        value->number /= 100;
+        n++;
+    }
+    if (n == 0 || text[n])
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a number%s", spelled, text,
+                    row->kind == KIND_FRACTION ? ", such as 0.5 or 50%" : "");
+    if (!in_range(row, value->number))
+        return fail(error, STATUS_USAGE, "option '%s': %s is outside of %g to %g", spelled, text, row->low, row->high);
+    return STATUS_OK;
+}
+
+/* 90, 90s, 10m, 1h30m, 1.5h: each unit once, in falling order. */
+static bool duration_from_text(const char *text, double *seconds)
+{
+    static const struct {
+        char unit;
+        double seconds;
+    } units[] = {{'h', 3600}, {'m', 60}, {'s', 1}};
+    size_t next = 0;
+    *seconds = 0;
+    if (!*text) return false;
+    while (*text) {
+        double number;
+        size_t n = num_parse(text, strlen(text), &number);
+        if (n == 0 || !isfinite(number) || number < 0) return false;
+        text += n;
+        if (!*text && next == 0) {
+            *seconds = number;
+            return true;
+        }
+        while (next < COUNT_OF(units) && units[next].unit != *text) next++;
+        if (next == COUNT_OF(units)) return false;
+        *seconds += number * units[next].seconds;
+        next++;
+        text++;
+    }
+    return true;
+}
+
+static Status read_duration(const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    if (!duration_from_text(text, &value->number) || value->number <= 0)
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a time, such as 90s, 10m or 1h30m", spelled, text);
+    return STATUS_OK;
+}
+
+static Status read_size(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    size_t n = read_whole(text, &value->whole[0]);
+    size_t m = n && (text[n] == 'x' || text[n] == 'X') ? read_whole(text + n + 1, &value->whole[1]) : 0;
+    if (m == 0 || text[n + 1 + m])
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a width and a height, such as 640x480", spelled, text);
+    for (int i = 0; i < 2; i++)
+        if (!in_range(row, value->whole[i]))
+            return fail(error, STATUS_USAGE, "option '%s': the %s of %s is outside of %.0f to %.0f", spelled,
+                        i ? "height" : "width", text, row->low, row->high);
+    return STATUS_OK;
+}
+
+static Status read_crop(const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    const char *p = text;
+    for (int i = 0; i < 4; i++) {
+        size_t n = read_whole(p, &value->whole[i]);
+        if (n == 0 || p[n] != (i < 3 ? ',' : 0))
+            return fail(error, STATUS_USAGE, "option '%s': '%s' is not four whole numbers, such as 10,20,110,120", spelled,
+                        text);
+        p += n + 1;
+    }
+    if (value->whole[0] >= value->whole[2] || value->whole[1] >= value->whole[3])
+        return fail(error, STATUS_USAGE, "option '%s': %s holds no pixel: X0 must be less than X1, and Y0 less than Y1",
+                    spelled, text);
+    return STATUS_OK;
+}
+
+const char *choice_next(const char **rest, char *word, size_t size)
+{
+    if (!*rest) return NULL;
+    const char *bar = strchr(*rest, '|');
+    size_t length = bar ? (size_t)(bar - *rest) : strlen(*rest);
+    snprintf(word, size, "%.*s", (int)length, *rest);
+    *rest = bar ? bar + 1 : NULL;
+    return word;
+}
+
+static Status read_choice(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    char words[MOST_CHOICES][CHOICE_SIZE], list[256] = "";
+    const char *pointers[MOST_CHOICES], *rest = row->choices;
+    size_t n = 0;
+    while (n < MOST_CHOICES && choice_next(&rest, words[n], CHOICE_SIZE)) {
+        if (strcmp(words[n], text) == 0) {
+            value->text = text;
+            return STATUS_OK;
+        }
+        size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", n ? (rest ? ", " : " or ") : "", words[n]);
+        pointers[n] = words[n];
+        n++;
+    }
+    const char *near = suggest_nearest(text, pointers, n);
+    return fail(error, STATUS_USAGE, "option '%s': '%s' is not one of %s%s%s%s", spelled, text, list,
+                near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+}
+
+static Status read_text(const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    if (!*text) return fail(error, STATUS_USAGE, "option '%s': the value is empty", spelled);
+    value->text = text;
+    return STATUS_OK;
+}
+
+Status option_value_read(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    switch (row->kind) {
+    case KIND_FLAG: break;
+    case KIND_COUNT: return read_count(row, spelled, text, value, error);
+    case KIND_NUMBER:
+    case KIND_FRACTION: return read_number(row, spelled, text, value, error);
+    case KIND_DURATION: return read_duration(spelled, text, value, error);
+    case KIND_SIZE: return read_size(row, spelled, text, value, error);
+    case KIND_CROP: return read_crop(spelled, text, value, error);
+    case KIND_CHOICE: return read_choice(row, spelled, text, value, error);
+    case KIND_TEXT:
+    case KIND_FILE:
+    case KIND_FOLDER:
+    case KIND_OPTIONAL_FILE:
+    case KIND_LIST:
+    case KIND_FOLDERS: return read_text(spelled, text, value, error);
+    }
+    return STATUS_OK;
+}

@@ -1,0 +1,194 @@
+/* options.c - reads a command line by the table of options.
+ * --name=value, --name value, -x value, -xvalue, clusters of letters (-qv), and -- before operands that start
+ * with a dash. An option given again replaces its value, but for lists, which grow.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "diag/suggest.h"
+
+typedef struct Parser {
+    Options *options;
+    char *const *words;
+    size_t n_words, next;
+    bool stop; /* -h or --help was read */
+    Error *error;
+} Parser;
+
+/* The option of that name, of the first length bytes; OPTION_COUNT when the command has none. */
+static OptionKey find_name(Command command, const char *name, size_t length)
+{
+    for (OptionKey key = 0; key < OPTION_COUNT; key++) {
+        const OptionRow *row = option_row(key);
+        if (command_has_option(command, key) && row->name && strlen(row->name) == length &&
+            memcmp(row->name, name, length) == 0)
+            return key;
+    }
+    return OPTION_COUNT;
+}
+
+static OptionKey find_letter(Command command, char letter)
+{
+    for (OptionKey key = 0; key < OPTION_COUNT; key++)
+        if (command_has_option(command, key) && option_row(key)->letter == letter) return key;
+    return OPTION_COUNT;
+}
+
+/* An option of another command is named with that command; else the nearest of this one. */
+static Status unknown_name(Parser *parser, const char *name, size_t length)
+{
+    Command command = parser->options->command;
+    for (Command other = 0; other < COMMAND_COUNT; other++) {
+        OptionKey key = find_name(other, name, length);
+        if (other != command && key != OPTION_COUNT && option_row(key)->help)
+            return fail(parser->error, STATUS_USAGE, "'%s' has no option '--%.*s'; '%s' has one", command_row(command)->name,
+                        (int)length, name, command_row(other)->name);
+    }
+    const char *names[OPTION_COUNT];
+    size_t n = 0;
+    for (OptionKey key = 0; key < OPTION_COUNT; key++)
+        if (command_has_option(command, key) && option_row(key)->name && option_row(key)->help)
+            names[n++] = option_row(key)->name;
+    char wrong[64];
+    snprintf(wrong, sizeof wrong, "%.*s", (int)length, name);
+    const char *near = suggest_nearest(wrong, names, n);
+    return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'%s%s%s", (int)length, name,
+                near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");
+}
+
+static Status add_item(Parser *parser, OptionValue *value, const char *text)
+{
+    if (!value->items) {
+        value->items = malloc(parser->n_words * sizeof *value->items); /* no list has more items than there are words */
+        if (!value->items) return fail_memory(parser->error, parser->n_words * sizeof *value->items, "the options");
+    }
+    value->items[value->n_items++] = text;
+    return STATUS_OK;
+}
+
+/* Stores one option; text is NULL where it takes no value or got none. */
+static Status set_option(Parser *parser, OptionKey key, const char *spelled, const char *text)
+{
+    const OptionRow *row = option_row(key);
+    OptionValue *value = &parser->options->values[key];
+    if (text) TRY(option_value_read(row, spelled, text, value, parser->error));
+    if (!text) value->text = NULL;
+    if (row->kind == KIND_LIST || row->kind == KIND_FOLDERS) TRY(add_item(parser, value, text));
+    value->place = (unsigned)parser->next;
+    if (key == OPTION_HELP || key == OPTION_SHORT_HELP) parser->stop = true;
+    return STATUS_OK;
+}
+
+static bool takes_value(const OptionRow *row)
+{
+    return row->kind != KIND_FLAG && row->kind != KIND_OPTIONAL_FILE;
+}
+
+/* The word behind an option is its value, whatever it looks like, as everywhere. */
+static Status next_value(Parser *parser, const OptionRow *row, const char *spelled, const char **text)
+{
+    if (parser->next >= parser->n_words)
+        return fail(parser->error, STATUS_USAGE, "option '%s' needs a value: %s", spelled, row->argument);
+    *text = parser->words[parser->next++];
+    return STATUS_OK;
+}
+
+static Status read_long(Parser *parser, const char *word)
+{
+    const char *name = word + 2, *equals = strchr(name, '=');
+    size_t length = equals ? (size_t)(equals - name) : strlen(name);
+    OptionKey key = find_name(parser->options->command, name, length);
+    if (key == OPTION_COUNT) return unknown_name(parser, name, length);
+    const OptionRow *row = option_row(key);
+    char spelled[64];
+    snprintf(spelled, sizeof spelled, "--%s", row->name);
+    const char *text = equals ? equals + 1 : NULL;
+    if (text && row->kind == KIND_FLAG) return fail(parser->error, STATUS_USAGE, "option '%s' takes no value", spelled);
+    if (!text && takes_value(row)) TRY(next_value(parser, row, spelled, &text));
+    return set_option(parser, key, spelled, text);
+}
+
+static Status read_cluster(Parser *parser, const char *word)
+{
+    Command command = parser->options->command;
+    if (word[2] && find_name(command, word + 1, strlen(word + 1)) != OPTION_COUNT)
+        return fail(parser->error, STATUS_USAGE, "unknown option '%s'; did you mean '-%s' (with two dashes)?", word, word);
+    for (const char *letter = word + 1; *letter && !parser->stop; letter++) {
+        OptionKey key = find_letter(command, *letter);
+        if (key == OPTION_COUNT && letter == word + 1)
+            return fail(parser->error, STATUS_USAGE, "unknown option '%s'", word);
+        if (key == OPTION_COUNT) return fail(parser->error, STATUS_USAGE, "unknown option '-%c' in '%s'", *letter, word);
+        const OptionRow *row = option_row(key);
+        const char spelled[] = {'-', *letter, 0}, *text = NULL;
+        if (takes_value(row)) {
+            if (letter[1])
+                text = letter + (letter[1] == '=' ? 2 : 1);
+            else
+                TRY(next_value(parser, row, spelled, &text));
+        }
+        TRY(set_option(parser, key, spelled, text));
+        if (text) break;
+    }
+    return STATUS_OK;
+}
+
+static Status check_operands(Parser *parser)
+{
+    const Options *options = parser->options;
+    const CommandRow *row = command_row(options->command);
+    if (options->n_operands > row->most)
+        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s", options->operands[row->most],
+                    row->name, row->most == 0 ? "none" : row->operands);
+    if (options->n_operands < row->fewest)
+        return fail(parser->error, STATUS_USAGE, "'%s' needs %s", row->name, row->operands);
+    return STATUS_OK;
+}
+
+Status options_parse(Options *options, Command command, char *const *words, size_t n_words, Error *error)
+{
+    *options = (Options){.command = command};
+    options->operands = malloc((n_words + 1) * sizeof *options->operands);
+    if (!options->operands) return fail_memory(error, (n_words + 1) * sizeof *options->operands, "the operands");
+    Parser parser = {.options = options, .words = words, .n_words = n_words, .error = error};
+    bool only_operands = false;
+    while (parser.next < n_words && !parser.stop) {
+        const char *word = words[parser.next++];
+        if (only_operands || word[0] != '-' || !word[1])
+            options->operands[options->n_operands++] = word;
+        else if (strcmp(word, "--") == 0)
+            only_operands = true;
+        else if (word[1] == '-')
+            TRY(read_long(&parser, word));
+        else
+            TRY(read_cluster(&parser, word));
+    }
+    options->operands[options->n_operands] = NULL;
+    return parser.stop ? STATUS_OK : check_operands(&parser);
+}
+
+void options_clear(Options *options)
+{
+    for (size_t key = 0; key < OPTION_COUNT; key++) free(options->values[key].items);
+    free(options->operands);
+    *options = (Options){0};
+}
+
+bool option_given(const Options *options, OptionKey key)
+{
+    return options->values[key].place != 0;
+}
+
+const char *option_text(const Options *options, OptionKey key, const char *otherwise)
+{
+    const char *text = options->values[key].text;
+    return text ? text : otherwise;
+}
+
+bool option_is(const Options *options, OptionKey key, const char *choice)
+{
+    const char *text = options->values[key].text;
+    return text && strcmp(text, choice) == 0;
+}

@@ -1,0 +1,424 @@
+/* lex.c - the lexer. One switch on the first byte of a token; everything that is not ASCII goes one way.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "lang/lex.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/num.h"
+#include "base/utf8.h"
+
+enum { LONGEST_NAME = 255, LONGEST_UNIT = 4, LONGEST_STRING = 1 << 20, DEEPEST_COMMENT = 1000 };
+
+static const UnitType unit_table[] = {
+    {"nm", UNIT_LENGTH, 1e-9},   {"um", UNIT_LENGTH, 1e-6}, {"mm", UNIT_LENGTH, 1e-3},  {"cm", UNIT_LENGTH, 1e-2},
+    {"m", UNIT_LENGTH, 1},       {"km", UNIT_LENGTH, 1e3},  {"in", UNIT_LENGTH, 25.4e-3}, {"ft", UNIT_LENGTH, 0.3048},
+    {"deg", UNIT_ANGLE, 1},      {"rad", UNIT_ANGLE, 57.29577951308232}, {"turn", UNIT_ANGLE, 360},
+    {"ms", UNIT_TIME, 1e-3},     {"s", UNIT_TIME, 1},       {"K", UNIT_KELVIN, 1},
+};
+
+const UnitType *unit_of(const char *text, size_t length)
+{
+    for (size_t i = 0; i < COUNT_OF(unit_table); i++)
+        if (strlen(unit_table[i].name) == length && memcmp(unit_table[i].name, text, length) == 0)
+            return &unit_table[i];
+    return NULL;
+}
+
+const char *unit_measure_text(PropUnit measure)
+{
+    static const char *const texts[] = {
+        [UNIT_NONE] = "a plain number", [UNIT_LENGTH] = "a length",          [UNIT_ANGLE] = "an angle",
+        [UNIT_TIME] = "a time",         [UNIT_PER_LENGTH] = "1 per length",  [UNIT_KELVIN] = "a temperature",
+    };
+    return texts[measure];
+}
+
+const char *token_text(TokenKind kind)
+{
+    static const char *const texts[] = {
+#define TOKEN(name, text) text,
+#define KEYWORD(name, word) "'" word "'",
+#include "lang/token.def"
+#undef TOKEN
+#undef KEYWORD
+    };
+    return texts[kind];
+}
+
+/* ---- character classes ---- */
+
+enum { CLASS_BLANK = 1, CLASS_LETTER = 2, CLASS_DIGIT = 4, CLASS_HIGH = 8 };
+
+static unsigned class_of(char character)
+{
+    unsigned char c = (unsigned char)character;
+    if (c == ' ' || c == '\t' || c == '\n' || c == '\r') return CLASS_BLANK;
+    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_') return CLASS_LETTER;
+    if (c >= '0' && c <= '9') return CLASS_DIGIT;
+    return c >= 0x80 ? CLASS_HIGH : 0;
+}
+
+/* Beyond ASCII every letter of every script may stand in a name, so whatever is no blank, punctuation or control is
+ * taken for one: a table of all scripts would say no more to a reader of a message. */
+static bool is_letter_code(uint32_t code)
+{
+    if (code == UTF8_INVALID || code < 0xc0) return code == 0xaa || code == 0xb5 || code == 0xba;
+    return !(code == 0xd7 || code == 0xf7 || (code >= 0x2000 && code <= 0x2bff) || (code >= 0x2e00 && code <= 0x2e7f) ||
+             (code >= 0x3000 && code <= 0x3004) || (code >= 0x3008 && code <= 0x3020) || code == 0xfeff ||
+             (code >= 0xe000 && code <= 0xf8ff) || (code >= 0xfe10 && code <= 0xfe6f) || (code >= 0xfff0 && code <= 0xffff) ||
+             (code >= 0xff01 && code <= 0xff0f) || (code >= 0x1f000 && code <= 0x1faff) || code >= 0xe0000);
+}
+
+static int hex_value(char c)
+{
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+static Diagnostic *lex_error_at(Lexer *lexer, DiagCode code, uint32_t begin, uint32_t end, const char *text)
+{
+    return diag_report(lexer->diag, code, (Span){lexer->source, begin, end}, "%s", text);
+}
+
+void lexer_init(Lexer *lexer, Diag *diag, SymbolTable *symbols, uint32_t source)
+{
+    const Source *from = &diag->sources->sources[source];
+    *lexer = (Lexer){.diag = diag, .symbols = symbols, .source = source, .text = from->text, .length = from->length};
+    if (lexer->length >= 3 && memcmp(lexer->text, "\xef\xbb\xbf", 3) == 0) lexer->at = 3;
+}
+
+/* ---- blanks and comments ---- */
+
+static void skip_block_comment(Lexer *lexer)
+{
+    uint32_t begin = lexer->at, at = begin + 2;
+    int depth = 1;
+    while (depth > 0 && at < lexer->length) {
+        const char *p = lexer->text + at;
+        if (p[0] == '*' && p[1] == '/') {
+            depth--;
+            at += 2;
+        } else if (p[0] == '/' && p[1] == '*') {
+            depth++;
+            at += 2;
+        } else {
+            at++;
+        }
+    }
+    lexer->at = at;
+    if (depth > 0)
+        lex_error_at(lexer, D_UNTERMINATED_COMMENT, begin, begin + 2, "this comment is not closed");
+}
+
+void lexer_skip_blanks(Lexer *lexer)
+{
+    for (;;) {
+        const char *p = lexer->text + lexer->at;
+        if (class_of(*p) == CLASS_BLANK) {
+            lexer->at++;
+        } else if (p[0] == '/' && p[1] == '/') {
+            const char *end = memchr(p, '\n', lexer->length - lexer->at);
+            lexer->at = end ? (uint32_t)(end - lexer->text) : lexer->length;
+        } else if (p[0] == '/' && p[1] == '*') {
+            skip_block_comment(lexer);
+        } else {
+            return;
+        }
+    }
+}
+
+/* ---- names ---- */
+
+/* the end of the name that starts at begin, begin itself when none does */
+static uint32_t name_end(const Lexer *lexer, uint32_t begin)
+{
+    uint32_t at = begin;
+    for (;;) {
+        unsigned class = class_of(lexer->text[at]);
+        if (class == CLASS_LETTER || (class == CLASS_DIGIT && at > begin)) {
+            at++;
+        } else if (class == CLASS_HIGH) {
+            uint32_t code;
+            size_t n = utf8_decode(lexer->text + at, lexer->length - at, &code);
+            if (!is_letter_code(code)) return at;
+            at += (uint32_t)n;
+        } else {
+            return at;
+        }
+    }
+}
+
+static void read_name(Lexer *lexer, Token *token)
+{
+    uint32_t end = name_end(lexer, lexer->at), length = end - lexer->at;
+    if (length > LONGEST_NAME) {
+        diag_report(lexer->diag, D_LIMIT, (Span){lexer->source, lexer->at, lexer->at + 1},
+                    "this name has %u bytes; the limit is %d", length, LONGEST_NAME);
+        length = LONGEST_NAME;
+    }
+    token->as.symbol = symbol_of(lexer->symbols, lexer->text + lexer->at, length);
+    token->kind = token->as.symbol->keyword ? (TokenKind)token->as.symbol->keyword : TOKEN_NAME;
+    lexer->at = end;
+}
+
+/* ---- numbers ---- */
+
+static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
+{
+    const char *names[COUNT_OF(unit_table)];
+    for (size_t i = 0; i < COUNT_OF(unit_table); i++) names[i] = unit_table[i].name;
+    const char *wrong = arena_copy_text(lexer->diag->arena, lexer->text + begin, end - begin);
+    Diagnostic *report =
+        diag_report(lexer->diag, D_UNKNOWN_UNIT, (Span){lexer->source, begin, end}, "unknown unit '%s'", wrong);
+    diag_suggest(lexer->diag, report, wrong, names, COUNT_OF(names));
+    if (!report->hint) diag_hint(lexer->diag, report, "the units are nm um mm cm m km in ft deg rad turn ms s K");
+}
+
+static void read_number(Lexer *lexer, Token *token)
+{
+    uint32_t begin = lexer->at;
+    token->kind = TOKEN_NUMBER;
+    lexer->at += (uint32_t)num_parse(lexer->text + begin, lexer->length - begin, &token->number);
+    if (isinf(token->number)) {
+        lex_error_at(lexer, D_INVALID_NUMBER, begin, lexer->at, "this number is too large");
+        token->number = 0;
+        token->bad = true;
+    }
+    uint32_t unit_begin = lexer->at, unit_end = name_end(lexer, unit_begin);
+    if (unit_end > unit_begin) {
+        token->unit = unit_of(lexer->text + unit_begin, unit_end - unit_begin);
+        if (!token->unit) {
+            report_unit(lexer, unit_begin, unit_end);
+            token->bad = true;
+        }
+        lexer->at = unit_end;
+    } else if (lexer->text[unit_begin] == '.' && class_of(lexer->text[unit_begin + 1]) == CLASS_DIGIT) {
+        double rest;
+        lexer->at += (uint32_t)num_parse(lexer->text + unit_begin, lexer->length - unit_begin, &rest);
+        lex_error_at(lexer, D_INVALID_NUMBER, begin, lexer->at, "this number has two points");
+        token->bad = true;
+    }
+}
+
+bool lexer_plain_number(Lexer *lexer, double *number, const UnitType **unit)
+{
+    const char *p = lexer->text + lexer->at;
+    char first = p[*p == '-' || *p == '+'];
+    if (class_of(first) != CLASS_DIGIT && first != '.') return false;
+    size_t n = num_parse(p, lexer->length - lexer->at, number);
+    if (n == 0 || isinf(*number)) return false;
+    *unit = NULL;
+    unsigned class = class_of(p[n]);
+    if (class == CLASS_LETTER || class == CLASS_HIGH) {
+        size_t length = name_end(lexer, lexer->at + (uint32_t)n) - lexer->at - n;
+        *unit = unit_of(p + n, length);
+        if (!*unit) return false;
+        n += length;
+    } else if (p[n] == '.' && p[n + 1] != '.') {
+        return false;
+    }
+    lexer->at += (uint32_t)n;
+    return true;
+}
+
+/* ---- strings and colours ---- */
+
+/* Decodes the escape at *at (behind the backslash); false after a report. */
+static bool read_escape(Lexer *lexer, uint32_t *at, Buf *out)
+{
+    uint32_t begin = *at - 1;
+    char c = lexer->text[(*at)++];
+    if (c == '"' || c == '\\') {
+        buf_add_bytes(out, &c, 1);
+        return true;
+    }
+    if (c == 'n' || c == 't') {
+        buf_add(out, c == 'n' ? "\n" : "\t");
+        return true;
+    }
+    if (c == 'u' && lexer->text[*at] == '{') {
+        uint32_t code = 0, digits = 0;
+        int value;
+        for (++*at; (value = hex_value(lexer->text[*at])) >= 0; ++*at, digits++)
+            if (code <= 0x10ffff) code = code * 16 + (uint32_t)value;
+        bool closed = lexer->text[*at] == '}';
+        if (closed) ++*at;
+        if (closed && digits > 0 && code > 0 && code <= 0x10ffff && !(code >= 0xd800 && code <= 0xdfff)) {
+            char bytes[4];
+            buf_add_bytes(out, bytes, utf8_encode(code, bytes));
+            return true;
+        }
+        lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at, "this is no code point; write \\u{1F378}");
+        return false;
+    }
+    if (c == '\n' || *at > lexer->length) --*at; /* the string itself is not closed: that is reported */
+    else lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at, "unknown escape; the escapes are \\\" \\\\ \\n \\t \\u{...}");
+    return false;
+}
+
+static void read_string(Lexer *lexer, Token *token)
+{
+    uint32_t begin = lexer->at, at = begin + 1;
+    Buf value = {0};
+    bool bad = false;
+    token->kind = TOKEN_STRING;
+    while (lexer->text[at] != '"') {
+        char c = lexer->text[at];
+        if (c == '\n' || (c == 0 && at >= lexer->length)) {
+            lex_error_at(lexer, D_UNTERMINATED_STRING, begin, at, "this string is not closed on its line");
+            bad = true;
+            break;
+        }
+        if (c == '\\') {
+            at++;
+            bad |= !read_escape(lexer, &at, &value);
+            continue;
+        }
+        uint32_t code;
+        uint32_t n = (uint32_t)utf8_decode(lexer->text + at, lexer->length - at, &code);
+        if (code == UTF8_INVALID || code == 0) {
+            if (!bad) lex_error_at(lexer, D_INVALID_UTF8, at, at + 1, "this byte is not text in UTF-8");
+            bad = true;
+        } else {
+            buf_add_bytes(&value, lexer->text + at, n);
+        }
+        at += n;
+    }
+    if (lexer->text[at] == '"') at++;
+    if (value.length > LONGEST_STRING && !bad) {
+        diag_report(lexer->diag, D_LIMIT, (Span){lexer->source, begin, begin + 1},
+                    "this string has %zu bytes; the limit is %d", value.length, LONGEST_STRING);
+        bad = true;
+    }
+    token->as.text = bad ? "" : arena_copy_text(lexer->diag->arena, buf_text(&value), value.length);
+    token->bad = bad || value.failed;
+    buf_clear(&value);
+    lexer->at = at;
+}
+
+static void read_color(Lexer *lexer, Token *token)
+{
+    uint32_t begin = lexer->at, end = name_end(lexer, begin + 1);
+    while (class_of(lexer->text[end]) == CLASS_DIGIT || name_end(lexer, end) > end) end = end + 1;
+    token->kind = TOKEN_COLOR;
+    uint32_t digits = end - begin - 1, rgb = 0;
+    bool hexadecimal = true;
+    for (uint32_t at = begin + 1; at < end; at++) {
+        int value = hex_value(lexer->text[at]);
+        hexadecimal &= value >= 0;
+        rgb = rgb << 4 | ((uint32_t)value & 0xf);
+        if (digits == 3) rgb = rgb << 4 | ((uint32_t)value & 0xf);
+    }
+    if (!hexadecimal || (digits != 3 && digits != 6)) {
+        lex_error_at(lexer, D_INVALID_COLOR, begin, end, "a colour is '#' with 3 or 6 hexadecimal digits");
+        token->bad = true;
+        rgb = 0;
+    }
+    token->as.rgb = rgb;
+    lexer->at = end;
+}
+
+/* ---- the rest ---- */
+
+/* A run of characters that mean nothing is one mistake. */
+static void skip_unknown(Lexer *lexer)
+{
+    uint32_t begin = lexer->at, code;
+    uint32_t n = (uint32_t)utf8_decode(lexer->text + begin, lexer->length - begin, &code);
+    Span span = {lexer->source, begin, begin + n};
+    lexer->at += n;
+    if (code == UTF8_INVALID) {
+        while (lexer->at < lexer->length && utf8_decode(lexer->text + lexer->at, lexer->length - lexer->at, &code) &&
+               code == UTF8_INVALID)
+            lexer->at++;
+        diag_report(lexer->diag, D_INVALID_UTF8, span, "this byte is not text in UTF-8");
+        return;
+    }
+    const char *shown = arena_copy_text(lexer->diag->arena, lexer->text + begin, n);
+    Diagnostic *report;
+    if (code < 0x20 || code == 0x7f)
+        report = diag_report(lexer->diag, D_INVALID_CHARACTER, span, "control character U+%04X", (unsigned)code);
+    else
+        report = diag_report(lexer->diag, D_INVALID_CHARACTER, span, "'%s' has no meaning here", shown);
+    if (code == 0x201c || code == 0x201d || code == '\'') diag_hint(lexer->diag, report, "strings stand in '\"'");
+    if (code == 0x2212 || code == 0x2013) diag_hint(lexer->diag, report, "write '-'");
+    if (code == 0xd7) diag_hint(lexer->diag, report, "write '*'");
+    if (code == '&') diag_hint(lexer->diag, report, "write 'and'");
+    if (code == '|') diag_hint(lexer->diag, report, "write 'or'");
+    if (code == '!') diag_hint(lexer->diag, report, "write 'not'");
+    while (code != 0 && lexer->at + n <= lexer->length && memcmp(lexer->text + lexer->at, shown, n) == 0) lexer->at += n;
+}
+
+static TokenKind punctuation(const char *p, uint32_t *n)
+{
+    *n = 1;
+    switch (p[0]) {
+    case '{': return TOKEN_BRACE_OPEN;
+    case '}': return TOKEN_BRACE_CLOSE;
+    case '(': return TOKEN_PAREN_OPEN;
+    case ')': return TOKEN_PAREN_CLOSE;
+    case '[': return TOKEN_BRACKET_OPEN;
+    case ']': return TOKEN_BRACKET_CLOSE;
+    case ';': return TOKEN_SEMICOLON;
+    case ',': return TOKEN_COMMA;
+    case '?': return TOKEN_QUESTION;
+    case '+': return TOKEN_PLUS;
+    case '-': return TOKEN_MINUS;
+    case '*': return TOKEN_STAR;
+    case '/': return TOKEN_SLASH;
+    case '%': return TOKEN_PERCENT;
+    case '^': return TOKEN_CARET;
+    case '<': *n += p[1] == '='; return p[1] == '=' ? TOKEN_LESS_EQUAL : TOKEN_LESS;
+    case '>': *n += p[1] == '='; return p[1] == '=' ? TOKEN_GREATER_EQUAL : TOKEN_GREATER;
+    case '=': *n += p[1] == '='; return p[1] == '=' ? TOKEN_EQUAL : TOKEN_ASSIGN;
+    case ':': *n += p[1] == '='; return p[1] == '=' ? TOKEN_CHANGE : TOKEN_COLON;
+    case '!': *n = 2; return p[1] == '=' ? TOKEN_NOT_EQUAL : TOKEN_END;
+    case '.':
+        if (p[1] != '.') return TOKEN_DOT;
+        *n = p[2] == '<' ? 3 : 2;
+        return p[2] == '<' ? TOKEN_RANGE_OPEN : TOKEN_RANGE;
+    default: return TOKEN_END;
+    }
+}
+
+Token lexer_next(Lexer *lexer)
+{
+    Token token = {.kind = TOKEN_END};
+    lexer->previous_end = lexer->last_end;
+    for (;;) {
+        lexer_skip_blanks(lexer);
+        token.begin = lexer->at;
+        if (lexer->at >= lexer->length) break;
+        const char *p = lexer->text + lexer->at;
+        unsigned class = class_of(*p);
+        if (class == CLASS_LETTER || (class == CLASS_HIGH && name_end(lexer, lexer->at) > lexer->at)) {
+            read_name(lexer, &token);
+            break;
+        }
+        if (class == CLASS_DIGIT || (*p == '.' && class_of(p[1]) == CLASS_DIGIT)) {
+            read_number(lexer, &token);
+            break;
+        }
+        if (*p == '"') {
+            read_string(lexer, &token);
+            break;
+        }
+        if (*p == '#') {
+            read_color(lexer, &token);
+            break;
+        }
+        uint32_t n;
+        token.kind = punctuation(p, &n);
+        if (token.kind != TOKEN_END) {
+            lexer->at += n;
+            break;
+        }
+        skip_unknown(lexer);
+    }
+    token.end = lexer->at;
+    lexer->last_end = token.kind == TOKEN_END ? lexer->last_end : token.end;
+    return token;
+}

@@ -1,0 +1,64 @@
+/* lex.h - from text to tokens, one at a time, with no copy of the text.
+ * A mistake in a token is reported here, once; the token is marked bad, and what is built from it stays silent.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_LEX_H
+#define MEN_LEX_H
+
+#include "diag/diag.h"
+#include "lang/schema.h"
+#include "lang/symbol.h"
+
+typedef enum TokenKind {
+#define TOKEN(name, text) TOKEN_##name,
+#define KEYWORD(name, word) TOKEN_##name,
+#include "lang/token.def"
+#undef TOKEN
+#undef KEYWORD
+    TOKEN_COUNT
+} TokenKind;
+
+/* A unit of the language: what it measures, and its size in metres, degrees, seconds or kelvin. */
+typedef struct UnitType {
+    const char *name;
+    PropUnit measure;
+    double size;
+} UnitType;
+
+typedef struct Token {
+    TokenKind kind;
+    bool bad;             /* its mistake has been reported */
+    uint32_t begin, end;  /* bytes of the source */
+    double number;        /* TOKEN_NUMBER as written, before its unit */
+    const UnitType *unit; /* NULL when there is none */
+    union {
+        Symbol *symbol;    /* TOKEN_NAME and keywords */
+        const char *text;  /* TOKEN_STRING */
+        uint32_t rgb;      /* TOKEN_COLOR, 0xrrggbb */
+    } as;
+} Token;
+
+typedef struct Lexer {
+    Diag *diag;
+    SymbolTable *symbols;
+    uint32_t source;
+    const char *text; /* a 0 byte stands at text[length] */
+    uint32_t length, at;
+    uint32_t previous_end; /* where the token before the last one read ends */
+    uint32_t last_end;
+} Lexer;
+
+void lexer_init(Lexer *lexer, Diag *diag, SymbolTable *symbols, uint32_t source);
+/* The next token; TOKEN_END for ever at the end. */
+Token lexer_next(Lexer *lexer);
+
+/* For the parser's short way through lists of plain numbers: */
+void lexer_skip_blanks(Lexer *lexer);
+/* Reads [-+] number [unit] at the present byte, moves behind it and returns true; else stays and returns false,
+ * with nothing reported. */
+bool lexer_plain_number(Lexer *lexer, double *number, const UnitType **unit);
+
+const UnitType *unit_of(const char *text, size_t length); /* NULL when there is no such unit */
+const char *token_text(TokenKind kind);                   /* "'{'", "a name", "'while'" */
+const char *unit_measure_text(PropUnit measure);          /* "a length" */
+
+#endif

@@ -1,0 +1,30 @@
+/* symbol.h - names made unique, so that two names are equal when their pointers are.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SYMBOL_H
+#define MEN_SYMBOL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/arena.h"
+
+typedef struct Symbol Symbol;
+struct Symbol {
+    Symbol *next_in_bucket;
+    uint32_t hash, length;
+    int keyword;             /* the TokenKind of a keyword, 0 for a name */
+    struct Binding *binding; /* the innermost declaration that is visible while names are resolved */
+    const char *text;
+};
+
+typedef struct SymbolTable {
+    Arena *arena;
+    Symbol **buckets;
+    uint32_t n_buckets, n_symbols;
+} SymbolTable;
+
+/* With the keywords of the language in it. */
+void symbol_table_init(SymbolTable *table, Arena *arena);
+Symbol *symbol_of(SymbolTable *table, const char *text, size_t length);
+
+#endif

@@ -1,0 +1,37 @@
+/* film.h - what the samples of a picture add up to.
+ * Sums are integers: every sample is rounded to a multiple of 2^-30 before it is added, so that the sum does not depend on
+ * the order, and slices of a render made apart add up to the same bits as the whole.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_FILM_H
+#define MEN_FILM_H
+
+#include "image/image.h"
+
+#define FILM_UNIT 0x1p-30
+/* A channel of one sample is held at this: 2^17 samples of it still fit. */
+#define FILM_LARGEST 0x1p16
+
+typedef struct FilmPixel {
+    int64_t rgb[3];
+    int64_t squares; /* of the luminance, in units of 2^-20, each held at FILM_LARGEST^2 / 2^4 */
+    uint32_t alpha;  /* samples that met something */
+    uint32_t n;
+} FilmPixel;
+
+typedef struct Film {
+    uint32_t width, height;
+    FilmPixel *pixels;
+} Film;
+
+ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Error *error);
+void film_clear(Film *film);
+/* Returns whether the sample was brighter than the film can hold (it is then held at its limit). */
+bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
+/* Mean luminance of a pixel and its standard error as estimated from its own samples; error < 0 with fewer than 2. */
+void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error);
+/* Mean over the pixels of standard error / (mean + 0.01); < 0 when not known. */
+double film_noise(const Film *film, const uint32_t crop[4]);
+/* Channels R G B A and noise.Y. */
+ATTR_NODISCARD Status film_resolve(const Film *film, Image *image, Error *error);
+
+#endif

@@ -1,0 +1,298 @@
+/* build.c - from the tree of checked nodes to the scene description: the walk, and what all builders use.
+ *
+ * The evaluator has seen to types, ranges and units. Here everything is checked that needs more than one
+ * property or the geometry itself, lengths stay in scene units, degrees become radians, and each node is
+ * turned into rows of the scene's tables.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/build.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "scene/build_parts.h"
+
+/* ---- tables ---- */
+
+static void map_grow(Arena *arena, Map *map)
+{
+    Map grown = {.capacity = map->capacity ? map->capacity * 2 : 64};
+    grown.slots = ARENA_ARRAY(arena, MapSlot, grown.capacity);
+    for (size_t i = 0; i < map->capacity; i++) {
+        if (!map->slots[i].key) continue;
+        size_t place = (size_t)map->slots[i].hash & (grown.capacity - 1);
+        while (grown.slots[place].key) place = (place + 1) & (grown.capacity - 1);
+        grown.slots[place] = map->slots[i];
+    }
+    grown.n = map->n;
+    *map = grown;
+}
+
+uint32_t *map_find(Arena *arena, Map *map, const void *key, size_t length, uint32_t value_if_new)
+{
+    if (2 * map->n >= map->capacity) map_grow(arena, map);
+    uint64_t hash = hash_u64(hash_bytes(key, length, 0));
+    size_t place = (size_t)hash & (map->capacity - 1);
+    for (MapSlot *slot; (slot = &map->slots[place])->key; place = (place + 1) & (map->capacity - 1))
+        if (slot->hash == hash && slot->length == length && memcmp(slot->key, key, length) == 0) return &slot->value;
+    map->slots[place] = (MapSlot){hash, key, length, value_if_new};
+    map->n++;
+    return &map->slots[place].value;
+}
+
+void *room_for_one(Arena *arena, void *items, uint32_t n, uint32_t *capacity, size_t size)
+{
+    if (n < *capacity) return items;
+    uint32_t more = n ? 2 * n : 16;
+    void *grown = arena_array(arena, more, size);
+    if (n) memcpy(grown, items, n * size);
+    *capacity = more;
+    return grown;
+}
+
+/* ---- what all builders use ---- */
+
+const char *build_name(Builder *b, const EvalNode *node, const char *word)
+{
+    const char *declared = node->name;
+    for (const EvalNode *p = node; !declared && p; p = p->prototype) declared = p->name;
+    bool own = node->name != NULL;
+    const char *base = declared ? declared : word;
+    char *kept = arena_copy_text(b->arena, base, strlen(base));
+    uint32_t *count = map_find(b->arena, &b->names, kept, strlen(kept), 0);
+    ++*count;
+    /* a name that was declared stays as it is unless it was declared in a loop or a macro before */
+    if (own && *count == 1) return kept;
+    return arena_format(b->arena, "%s %u", base, (unsigned)*count);
+}
+
+void build_note_file(Builder *b, const char *path)
+{
+    Scene *scene = b->scene;
+    const char *kept = arena_copy_text(b->arena, path, strlen(path));
+    size_t n_before = b->files.n;
+    map_find(b->arena, &b->files, kept, strlen(kept), 0);
+    if (b->files.n == n_before) return;
+    b->file_table = room_for_one(b->arena, b->file_table, scene->n_files, &b->files_capacity, sizeof *b->file_table);
+    b->file_table[scene->n_files++] = kept;
+    scene->files = b->file_table;
+}
+
+bool build_check_reach(Builder *b, Span span, const char *what, Box3 bounds)
+{
+    double largest = fmax(vec3_max_abs(bounds.min), vec3_max_abs(bounds.max));
+    if (vec3_is_finite(bounds.min) && vec3_is_finite(bounds.max) && largest <= SCENE_REACH) return true;
+    Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span,
+                                     "%s reaches to %g, and coordinates may not exceed %g", what, largest, SCENE_REACH);
+    diag_hint(b->diag, report, "for ground without end there is the node 'ground'");
+    return false;
+}
+
+bool build_check_transform(Builder *b, const EvalNode *node, const Affine *map)
+{
+    /* An axis that is flattened to a billionth of the others is flat as far as float coordinates go. */
+    const double flat = 1e-9;
+    Affine inverse;
+    double lengths = 1;
+    for (int column = 0; column < 3; column++)
+        lengths *= vec3_length(vec3(map->m[0][column], map->m[1][column], map->m[2][column]));
+    if (affine_invert(map, &inverse) && isfinite(lengths) && fabs(affine_determinant(map)) > flat * lengths) return true;
+    diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "the transforms of this %s squash it flat", node->type->name);
+    return false;
+}
+
+Span build_span(const EvalNode *node, const char *property)
+{
+    const EvalProp *prop = eval_prop(node, property);
+    return prop ? prop->span : node->span;
+}
+
+bool build_exclude(Builder *b, const EvalNode *node, const char *property, const char *other)
+{
+    const EvalProp *first = eval_prop(node, property);
+    const EvalProp *second = eval_prop(node, other);
+    if (!first || !second) return true;
+    Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, second->span,
+                                     "'%s' and '%s' exclude each other", property, other);
+    diag_note(b->diag, report, first->span, "'%s' is set here", property);
+    return false;
+}
+
+void build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed)
+{
+    const EvalProp *prop = eval_prop(node, property);
+    if (prop) diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "'%s' has no effect %s", property, needed);
+}
+
+/* ---- the walk ---- */
+
+static void visit(Builder *b, const EvalNode *node, const Affine *parent);
+
+static void visit_group(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    for (size_t i = 0; i < node->n_children; i++) visit(b, node->children[i], to_world);
+}
+
+static const struct {
+    const char *type;
+    void (*build)(Builder *b, const EvalNode *node, const Affine *to_world);
+} placed[] = {
+    {"sphere", build_sphere}, {"box", build_box},       {"cylinder", build_cylinder}, {"cone", build_cone},
+    {"lathe", build_lathe},   {"mesh", build_mesh},     {"ground", build_ground},     {"group", visit_group},
+    {"light", build_light},   {"camera", build_camera},
+};
+
+static void visit(Builder *b, const EvalNode *node, const Affine *parent)
+{
+    if (b->status != STATUS_OK) return;
+    for (size_t i = 0; i < COUNT_OF(placed); i++) {
+        if (strcmp(node->type->name, placed[i].type) != 0) continue;
+        Affine to_world = affine_compose(parent, &node->transform);
+        const DiagChain *outer = b->diag->chain;
+        b->diag->chain = node->chain;
+        if (build_check_transform(b, node, &to_world)) placed[i].build(b, node, &to_world);
+        b->diag->chain = outer;
+        return;
+    }
+}
+
+static const EvalNode *find_single(const Builder *b, const char *type)
+{
+    for (size_t i = 0; i < b->result.n_nodes; i++)
+        if (strcmp(b->result.nodes[i]->type->name, type) == 0) return b->result.nodes[i];
+    return NULL;
+}
+
+/* media[0] is the world's. Without a word about it that is the air of the prelude, which is the first of
+ * its name however a scene shadows it. */
+static void build_media(Builder *b)
+{
+    const EvalNode *world = find_single(b, "world");
+    const EvalProp *prop = world ? eval_prop(world, "medium") : NULL;
+    const EvalNode *medium = prop ? prop->as.node : NULL;
+    for (size_t i = 0; !medium && i < b->result.n_nodes; i++) {
+        const EvalNode *node = b->result.nodes[i];
+        if (strcmp(node->type->name, "medium") == 0 && node->name && strcmp(node->name, "air") == 0) medium = node;
+    }
+    if (medium) {
+        build_medium(b, medium);
+    } else {
+        b->scene->media = room_for_one(b->arena, NULL, 0, &b->media_capacity, sizeof *b->scene->media);
+        b->scene->media[b->scene->n_media++] =
+            (SceneMedium){.name = "air", .ior = spectrum_constant(1), .absorption = spectrum_constant(0), .state = NEST_GAS};
+    }
+    for (size_t i = 0; i < b->result.n_nodes; i++)
+        if (strcmp(b->result.nodes[i]->type->name, "medium") == 0) build_medium(b, b->result.nodes[i]);
+}
+
+static void build_settings(Builder *b)
+{
+    static const struct {
+        const char *type;
+        void (*build)(Builder *b, const EvalNode *node);
+    } settings[] = {{"environment", build_environment}, {"film", build_film}, {"render", build_render}};
+    b->scene->film = (SceneFilm){.width = 640, .height = 480};
+    b->scene->render = (SceneRender){.samples = 256, .bounces = 32};
+    for (size_t i = 0; i < COUNT_OF(settings) && b->status == STATUS_OK; i++) {
+        const EvalNode *node = find_single(b, settings[i].type);
+        if (node) settings[i].build(b, node);
+    }
+}
+
+static void check_whole(Builder *b)
+{
+    const Scene *scene = b->scene;
+    if (b->status != STATUS_OK || b->diag->n_errors) return;
+    bool distant = scene->environment != NULL;
+    for (uint32_t i = 0; i < scene->n_lights; i++) distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
+    if (!scene->n_objects && !scene->n_lights && !scene->environment)
+        diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
+    if (!scene->n_cameras) {
+        Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");
+        diag_hint(b->diag, report, "add one: camera { from = <0, 1, 5>  to = <0, 0, 0> }");
+    }
+    if (scene->media[0].absorbs && distant)
+        diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, scene->media[0].span,
+                    "the world's medium '%s' absorbs, so that no light from infinitely far arrives", scene->media[0].name);
+}
+
+static void build_all(Builder *b)
+{
+    Scene *scene = b->scene;
+    scene->unit_m = b->result.unit_m;
+    for (size_t i = 0; i < b->result.n_files; i++) build_note_file(b, b->result.files[i]);
+    build_media(b);
+    Affine world = affine_identity();
+    for (size_t i = 0; i < b->result.n_nodes; i++) visit(b, b->result.nodes[i], &world);
+    build_settings(b);
+    check_whole(b);
+    if (b->status == STATUS_OK) scene->hash = scene_hash(scene, b->environment_hash);
+}
+
+/* ---- the two guards, and what is left when all is done ---- */
+
+typedef struct Request {
+    Builder builder;
+    const char *path; /* or */
+    const char *name, *text;
+    bool scene_memory_ended;
+} Request;
+
+static void task_in_scene(void *context)
+{
+    build_all(&((Request *)context)->builder);
+}
+
+static void task_in_diag(void *context)
+{
+    Request *request = context;
+    Builder *b = &request->builder;
+    b->status = request->path ? eval_scene(request->path, &b->eval_options, b->diag, &b->result, b->error)
+                              : eval_text(request->name, request->text, strlen(request->text), &b->eval_options, b->diag,
+                                          &b->result, b->error);
+    if (b->status != STATUS_OK) return;
+    /* The scene's arena is guarded inside, so that a jump out of the other one leaves no guard behind in
+     * anything but the scene, which is then thrown away. */
+    if (!arena_guard(b->arena, task_in_scene, request)) request->scene_memory_ended = true;
+}
+
+static Status build_from(Request *request, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
+                         Error *error)
+{
+    *scene = NULL;
+    Scene *made = calloc(1, sizeof *made);
+    if (!made) return fail_memory(error, sizeof *made, "the scene");
+    arena_init(&made->arena);
+    Builder *b = &request->builder;
+    *b = (Builder){.scene = made, .arena = &made->arena, .diag = diag, .options = options,
+                   .eval_options = options->eval, .black = SCENE_NONE, .grey = SCENE_NONE, .error = error};
+    b->eval_options.schema = scene_schema();
+    const DiagChain *chain = diag->chain;
+    bool done = arena_guard(diag->arena, task_in_diag, request);
+    diag->chain = chain;
+    if (printed) buf_add_bytes(printed, buf_text(&b->result.printed), b->result.printed.length);
+    buf_clear(&b->result.printed);
+    Status status = b->status;
+    if (!done || request->scene_memory_ended) status = fail(error, STATUS_NOMEM, "out of memory while building the scene");
+    if (status == STATUS_OK && diag->n_errors) status = STATUS_SCENE;
+    if (status == STATUS_SCENE && diag->n_errors)
+        fail(error, STATUS_SCENE, "the scene has %u error%s", (unsigned)diag->n_errors, diag->n_errors == 1 ? "" : "s");
+    if (status == STATUS_OK)
+        *scene = made;
+    else
+        scene_free(made);
+    return status;
+}
+
+Status scene_build(const char *path, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed, Error *error)
+{
+    Request request = {.path = path};
+    return build_from(&request, options, diag, scene, printed, error);
+}
+
+Status scene_build_text(const char *name, const char *text, const SceneOptions *options, Diag *diag, Scene **scene,
+                        Buf *printed, Error *error)
+{
+    Request request = {.name = name, .text = text};
+    return build_from(&request, options, diag, scene, printed, error);
+}

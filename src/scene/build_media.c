@@ -1,0 +1,204 @@
+/* build_media.c - media, surfaces, and the spectra of colours.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <float.h>
+#include <string.h>
+
+#include "optics/color.h"
+#include "scene/build_parts.h"
+
+static bool is_term(const EvalProp *prop, const char *name)
+{
+    return prop->as.spectrum.form == SPECTRUM_TERM && strcmp(prop->as.spectrum.term.type->name, name) == 0;
+}
+
+static float *new_table(Builder *b)
+{
+    return ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES);
+}
+
+/* ---- media ---- */
+
+static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
+{
+    const double *args = prop->as.spectrum.term.args;
+    if (prop->as.spectrum.form == SPECTRUM_NUMBER) {
+        *out = spectrum_constant((float)prop->as.spectrum.rgb[0]);
+    } else if (is_term(prop, "cauchy")) {
+        *out = spectrum_cauchy(args[0], args[1], prop->as.spectrum.term.n_args > 2 ? args[2] : 0);
+    } else if (is_term(prop, "sellmeier")) {
+        *out = spectrum_sellmeier(args, args + 3);
+    } else {
+        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'ior' is a number, cauchy(a, b) or sellmeier(b1, b2, b3, c1, c2, c3)");
+        return false;
+    }
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
+        float ior = spectrum_at_one(out, nm);
+        if (ior >= 0.1f && ior <= 10) continue;
+        Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                                         "the index of refraction is %g at %g nm, outside of 0.1 .. 10", (double)ior,
+                                         (double)nm);
+        diag_hint(b->diag, report, "coefficients are for wavelengths in micrometres");
+        return false;
+    }
+    return true;
+}
+
+/* A medium's absorption per scene unit, from coefficients or from a tint and its depth. */
+static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    const EvalProp *absorption = eval_prop(node, "absorption");
+    const EvalProp *tint = eval_prop(node, "tint");
+    const EvalProp *depth = eval_prop(node, "depth");
+    medium->absorption = spectrum_constant(0);
+    build_exclude(b, node, "absorption", "tint");
+    if (tint && !depth) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, tint->span, "'tint' needs a 'depth'");
+        diag_hint(b->diag, report, "depth is the length of the medium after which white light has this colour");
+    } else if (depth && !tint) {
+        build_needs(b, node, "depth", "without a 'tint'");
+    } else if (tint) {
+        medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, new_table(b));
+    } else if (absorption && absorption->as.spectrum.form == SPECTRUM_TERM) {
+        diag_report(b->diag, D_WRONG_TYPE, absorption->span, "'absorption' is a number or a vector per length, not %s()",
+                    absorption->as.spectrum.term.type->name);
+    } else if (absorption) {
+        const double *rgb = absorption->as.spectrum.rgb;
+        bool grey = absorption->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
+        double largest = grey ? rgb[0] : fmax(rgb[0], fmax(rgb[1], rgb[2]));
+        if (largest > (double)FLT_MAX / 16)
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, absorption->span, "an absorption of %g is too large", largest);
+        else
+            medium->absorption = grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, new_table(b));
+    }
+    medium->absorbs = !spectrum_is_zero(&medium->absorption);
+}
+
+static NestState state_of(const EvalNode *node)
+{
+    const char *word = eval_word(node, "state");
+    if (!word) return NEST_STATE_UNKNOWN;
+    return strcmp(word, "solid") == 0 ? NEST_SOLID : strcmp(word, "gas") == 0 ? NEST_GAS : NEST_LIQUID;
+}
+
+/* The address of a node, kept as a key. */
+static const void *key_of(Builder *b, const EvalNode *node)
+{
+    const EvalNode **key = ARENA_NEW(b->arena, const EvalNode *);
+    *key = node;
+    return key;
+}
+
+uint32_t build_medium(Builder *b, const EvalNode *node)
+{
+    Scene *scene = b->scene;
+    uint32_t *known = map_find(b->arena, &b->media, key_of(b, node), sizeof node, SCENE_NONE);
+    if (*known != SCENE_NONE) return *known;
+    *known = scene->n_media;
+    SceneMedium medium = {.span = node->span, .ior = spectrum_constant(1), .state = state_of(node)};
+    medium.name = arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
+    const EvalProp *ior = eval_prop(node, "ior");
+    if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
+    absorption_of(b, node, &medium);
+    const EvalProp *priority = eval_prop(node, "priority");
+    if (priority) {
+        medium.has_priority = true;
+        medium.priority = (int32_t)priority->as.number;
+    }
+    scene->media = room_for_one(b->arena, scene->media, scene->n_media, &b->media_capacity, sizeof medium);
+    scene->media[scene->n_media] = medium;
+    return scene->n_media++;
+}
+
+/* ---- surfaces ---- */
+
+static uint32_t add_surface(Builder *b, SceneSurface surface)
+{
+    Scene *scene = b->scene;
+    scene->surfaces = room_for_one(b->arena, scene->surfaces, scene->n_surfaces, &b->surfaces_capacity, sizeof surface);
+    scene->surfaces[scene->n_surfaces] = surface;
+    return scene->n_surfaces++;
+}
+
+uint32_t build_surface(Builder *b, const EvalNode *node)
+{
+    uint32_t *known = map_find(b->arena, &b->surfaces, key_of(b, node), sizeof node, SCENE_NONE);
+    if (*known != SCENE_NONE) return *known;
+    *known = b->scene->n_surfaces;
+    const char *name = node->name ? node->name : "surface";
+    Vec3 albedo = eval_vector(node, "albedo");
+    double rgb[3] = {albedo.x, albedo.y, albedo.z};
+    SceneSurface surface = {.name = arena_copy_text(b->arena, name, strlen(name)), .albedo = spectrum_from_reflectance(rgb)};
+    surface.albedo2 = surface.albedo;
+    surface.check_size = (float)eval_number(node, "check_size");
+    if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
+        const EvalProp *albedo2 = eval_prop(node, "albedo2");
+        double other[3];
+        for (int i = 0; i < 3; i++) other[i] = albedo2 ? albedo2->as.vector[i] : rgb[i] / 4;
+        surface.checkered = true;
+        surface.albedo2 = spectrum_from_reflectance(other);
+        if (!(surface.check_size >= FLT_MIN && surface.check_size <= (float)SCENE_REACH))
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "check_size"), "squares of %g cannot be drawn",
+                        eval_number(node, "check_size"));
+    } else {
+        build_needs(b, node, "albedo2", "without pattern = checker");
+        build_needs(b, node, "check_size", "without pattern = checker");
+    }
+    return add_surface(b, surface);
+}
+
+uint32_t build_black_surface(Builder *b)
+{
+    if (b->black == SCENE_NONE)
+        b->black = add_surface(b, (SceneSurface){.name = "light", .albedo = spectrum_constant(0),
+                                                 .albedo2 = spectrum_constant(0), .check_size = 1});
+    return b->black;
+}
+
+uint32_t build_grey_surface(Builder *b)
+{
+    if (b->grey == SCENE_NONE)
+        b->grey = add_surface(b, (SceneSurface){.name = "grey", .albedo = spectrum_constant(0.5f),
+                                                .albedo2 = spectrum_constant(0.5f), .check_size = 1});
+    return b->grey;
+}
+
+/* ---- light ---- */
+
+bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out)
+{
+    /* beyond this the products along a path could leave the range of float */
+    const double brightest = 1e30;
+    const EvalProp *prop = eval_prop(node, property);
+    double rgb[3] = {1, 1, 1};
+    *out = spectrum_constant(0);
+    if (prop && prop->as.spectrum.form == SPECTRUM_TERM && !is_term(prop, "blackbody")) {
+        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a colour or blackbody(kelvin), not %s()", property,
+                    prop->as.spectrum.term.type->name);
+        return false;
+    }
+    bool blackbody = prop && prop->as.spectrum.form == SPECTRUM_TERM;
+    if (prop && !blackbody)
+        for (int i = 0; i < 3; i++)
+            rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
+    double largest = factor * fmax(rgb[0], fmax(rgb[1], rgb[2]));
+    if (!(largest <= brightest)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop ? prop->span : node->span,
+                    "a radiance of %g is beyond what can be rendered, %g", largest, brightest);
+        return false;
+    }
+    if (!blackbody) {
+        for (int i = 0; i < 3; i++) rgb[i] *= factor;
+        *out = spectrum_from_light(rgb);
+        return true;
+    }
+    double kelvin = prop->as.spectrum.term.args[0];
+    if (!(kelvin >= 500 && kelvin <= 1e6)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a black body of %g K is outside of 500 K .. 1e6 K", kelvin);
+        return false;
+    }
+    float *table = new_table(b);
+    *out = spectrum_blackbody(kelvin, table);
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] *= (float)factor;
+    return true;
+}

@@ -1,0 +1,261 @@
+/* build_mesh.c - meshes: from files and in place, and what must be mended before they can hold a medium.
+ *
+ * A mesh is inspected once per shape, in its own frame. Faces without extent and faces that occur twice are dropped,
+ * faces that disagree about the outside are turned; each is a warning. Whether the mesh is closed is decided after that,
+ * and is an error only for objects with an interior, or for a mesh that states that it is closed.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "scene/build_parts.h"
+
+static bool same_point(Vec3f a, Vec3f b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* Triangles with two corners in one place. Those with three corners on a line stay: they have no area either, but
+ * their edges can be what closes the mesh. */
+static uint32_t drop_collapsed(Mesh *mesh)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        Vec3f a = mesh->positions[mesh->triangles[i][0]], b = mesh->positions[mesh->triangles[i][1]],
+              c = mesh->positions[mesh->triangles[i][2]];
+        if (same_point(a, b) || same_point(b, c) || same_point(c, a)) continue;
+        memmove(mesh->triangles[kept++], mesh->triangles[i], sizeof mesh->triangles[i]);
+    }
+    uint32_t dropped = mesh->n_triangles - kept;
+    mesh->n_triangles = kept;
+    return dropped;
+}
+
+typedef struct SortedTriangle {
+    Vec3f corners[3]; /* from the least on, in the triangle's own sense */
+    uint32_t triangle;
+} SortedTriangle;
+
+static int compare_points(Vec3f a, Vec3f b)
+{
+    if (a.x != b.x) return a.x < b.x ? -1 : 1;
+    if (a.y != b.y) return a.y < b.y ? -1 : 1;
+    if (a.z != b.z) return a.z < b.z ? -1 : 1;
+    return 0;
+}
+
+static int compare_corners(const SortedTriangle *a, const SortedTriangle *b)
+{
+    for (int i = 0; i < 3; i++) {
+        int order = compare_points(a->corners[i], b->corners[i]);
+        if (order) return order;
+    }
+    return 0;
+}
+
+static int compare_triangles(const void *left, const void *right)
+{
+    const SortedTriangle *a = left, *b = right;
+    int order = compare_corners(a, b);
+    return order ? order : a->triangle < b->triangle ? -1 : a->triangle > b->triangle;
+}
+
+/* Keeps the first of triangles that are equal in place and sense. */
+static Status drop_duplicates(Mesh *mesh, uint32_t *dropped, Error *error)
+{
+    uint32_t n = mesh->n_triangles;
+    *dropped = 0;
+    SortedTriangle *sorted = malloc((n ? n : 1) * sizeof *sorted);
+    if (!sorted) return fail_memory(error, n * sizeof *sorted, "a mesh");
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t *t = mesh->triangles[i];
+        int least = 0;
+        for (int k = 1; k < 3; k++)
+            if (compare_points(mesh->positions[t[k]], mesh->positions[t[least]]) < 0) least = k;
+        sorted[i].triangle = i;
+        for (int k = 0; k < 3; k++) sorted[i].corners[k] = mesh->positions[t[(least + k) % 3]];
+    }
+    qsort(sorted, n, sizeof *sorted, compare_triangles);
+    for (uint32_t i = 1; i < n; i++)
+        if (compare_corners(&sorted[i], &sorted[i - 1]) == 0) {
+            uint32_t *t = mesh->triangles[sorted[i].triangle];
+            t[0] = t[1] = t[2] = UINT32_MAX;
+        }
+    free(sorted);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < n; i++)
+        if (mesh->triangles[i][0] != UINT32_MAX) memmove(mesh->triangles[kept++], mesh->triangles[i], sizeof mesh->triangles[i]);
+    *dropped = n - kept;
+    mesh->n_triangles = kept;
+    return STATUS_OK;
+}
+
+/* Drops what is of no use; the report is of what is left. */
+static Status clean(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *report, Error *error)
+{
+    TRY(mesh_inspect(mesh, report, error));
+    uint32_t collapsed = report->n_degenerate ? drop_collapsed(mesh) : 0, duplicates = 0;
+    if (report->n_duplicate) TRY(drop_duplicates(mesh, &duplicates, error));
+    if (collapsed)
+        diag_report(b->diag, D_MESH_MENDED, node->span, "%u of the mesh's triangles %s no extent and %s dropped",
+                    (unsigned)collapsed, collapsed == 1 ? "has" : "have", collapsed == 1 ? "is" : "are");
+    if (duplicates)
+        diag_report(b->diag, D_MESH_MENDED, node->span, "%u of the mesh's triangles %s twice; one of each is dropped",
+                    (unsigned)duplicates, duplicates == 1 ? "occurs" : "occur");
+    return collapsed || duplicates ? mesh_inspect(mesh, report, error) : STATUS_OK;
+}
+
+/* Turns triangles that face the wrong way. */
+static Status turn(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *report, Error *error)
+{
+    bool inside_out = report->closed && report->inside_out;
+    if (report->consistent && !inside_out) return STATUS_OK;
+    bool mended;
+    TRY(mesh_orient(mesh, &mended, error));
+    if (!mended) return STATUS_OK; /* open_mesh or the like will follow where it matters */
+    if (inside_out)
+        diag_report(b->diag, D_MESH_MENDED, node->span, "the mesh was inside out; all of its triangles are turned");
+    else
+        diag_report(b->diag, D_MESH_MENDED, node->span,
+                    "neighbouring triangles of the mesh disagreed about which side is out; some are turned");
+    return mesh_inspect(mesh, report, error);
+}
+
+bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape)
+{
+    Mesh *mesh = b->scene->shapes[shape].mesh;
+    ShapeFacts *facts = &b->facts[shape];
+    Error error;
+    MeshReport report;
+    Status status = clean(b, node, mesh, &report, &error);
+    if (status == STATUS_OK) status = turn(b, node, mesh, &report, &error);
+    if (!build_succeeded(b, status, &error, node->span)) return false;
+    facts->bounds = report.bounds;
+    facts->volume = report.volume;
+    facts->closed = report.closed;
+    facts->consistent = report.consistent;
+    facts->n_open_edges = report.n_open_edges;
+    for (size_t i = 0; i < COUNT_OF(facts->open); i++) {
+        facts->open[i].a = report.open[i].a;
+        facts->open[i].b = report.open[i].b;
+    }
+    facts->n_non_manifold = report.n_non_manifold_edges;
+    if (mesh->n_triangles) return true;
+    diag_report(b->diag, D_MESH_INVALID, node->span, "the mesh has no triangles");
+    return false;
+}
+
+void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
+{
+    ShapeFacts *facts = &b->facts[shape];
+    if (facts->reported_open) return; /* one report for all that share the mesh */
+    facts->reported_open = true;
+    if (!facts->consistent && facts->n_non_manifold) {
+        diag_report(b->diag, D_NON_MANIFOLD_MESH, span,
+                    "%s encloses nothing: %u of its edges have more than two faces, which contradict each other", name,
+                    (unsigned)facts->n_non_manifold);
+        return;
+    }
+    if (!facts->consistent) {
+        diag_report(b->diag, D_MESH_ORIENTATION, span,
+                    "%s encloses nothing: its faces cannot be turned so that neighbours agree about the outside", name);
+        return;
+    }
+    Diagnostic *report = diag_report(b->diag, D_OPEN_MESH, span, "%s is open and encloses nothing: %u edge%s a face on one side only",
+                                     name, (unsigned)facts->n_open_edges, facts->n_open_edges == 1 ? " has" : "s have");
+    for (uint32_t i = 0; i < facts->n_open_edges && i < COUNT_OF(facts->open); i++) {
+        Vec3f p = facts->open[i].a, q = facts->open[i].b;
+        diag_note(b->diag, report, span, "open edge from <%g, %g, %g> to <%g, %g, %g>", (double)p.x, (double)p.y, (double)p.z,
+                  (double)q.x, (double)q.y, (double)q.z);
+    }
+}
+
+/* ---- the node ---- */
+
+static bool load_file(Builder *b, const EvalProp *file, const char *path, bool smooth, uint32_t shape)
+{
+    Error error;
+    Mesh **mesh = &b->scene->shapes[shape].mesh;
+    Status status = mesh_load(path, mesh, &error);
+    if (status == STATUS_OK && !smooth) {
+        free((*mesh)->normals);
+        (*mesh)->normals = NULL;
+    }
+    if (status == STATUS_OK) status = mesh_weld(*mesh, &error);
+    if (status == STATUS_INPUT || status == STATUS_SCENE) {
+        diag_report(b->diag, file_exists(path) ? D_MESH_INVALID : D_FILE_UNREADABLE, file->span, "%s", error.text);
+        return false;
+    }
+    return build_succeeded(b, status, &error, file->span);
+}
+
+static bool fill_in_place(Builder *b, const EvalProp *positions, const EvalProp *triangles, uint32_t shape)
+{
+    Error error;
+    size_t n_vertices = positions->as.list.n, n_triangles = triangles->as.list.n;
+    if (n_vertices >= UINT32_MAX || n_triangles >= UINT32_MAX) {
+        diag_report(b->diag, D_LIMIT, positions->span, "a mesh of %zu vertices and %zu triangles is too large", n_vertices, n_triangles);
+        return false;
+    }
+    Mesh **mesh = &b->scene->shapes[shape].mesh;
+    Status status = mesh_new((uint32_t)n_vertices, (uint32_t)n_triangles, false, false, mesh, &error);
+    if (!build_succeeded(b, status, &error, positions->span)) return false;
+    for (size_t i = 0; i < n_vertices; i++) {
+        const double *p = &positions->as.list.numbers[3 * i];
+        if (!build_check_reach(b, positions->span, "a vertex", box3_add_point(box3_empty(), vec3(p[0], p[1], p[2])))) return false;
+        (*mesh)->positions[i] = vec3f_from(vec3(p[0], p[1], p[2]));
+    }
+    for (size_t i = 0; i < 3 * n_triangles; i++) {
+        double index = triangles->as.list.numbers[i];
+        if (!(index >= 0 && index < (double)n_vertices && index == floor(index))) {
+            diag_report(b->diag, D_BAD_INDEX, triangles->span, "triangle %zu names vertex %g, and there are the vertices 0 to %zu",
+                        i / 3, index, n_vertices - 1);
+            return false;
+        }
+        (*mesh)->triangles[i / 3][i % 3] = (uint32_t)index;
+    }
+    return true;
+}
+
+/* The shape of a mesh node: one for each file and each list in the text, however often it is placed. */
+static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
+{
+    const EvalProp *file = eval_prop(node, "file"), *positions = eval_prop(node, "positions"),
+                   *triangles = eval_prop(node, "triangles");
+    bool smooth = eval_truth(node, "smooth"), found;
+    if (file) {
+        const char *path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
+        if (!path) return false;
+        build_note_file(b, path);
+        const char *key = arena_format(b->arena, "mesh %d %s", smooth, path);
+        *shape = build_shape_of(b, key, strlen(key), &found);
+        if (!found) return load_file(b, file, path, smooth, *shape) && build_finish_mesh(b, node, *shape);
+    } else {
+        const EvalNode *origin = node;
+        while (origin->prototype) origin = origin->prototype;
+        const char *key = arena_format(b->arena, "mesh %p", (const void *)origin);
+        *shape = build_shape_of(b, key, strlen(key), &found);
+        if (!found) return fill_in_place(b, positions, triangles, *shape) && build_finish_mesh(b, node, *shape);
+    }
+    /* a shape that failed before has been reported before */
+    return b->scene->shapes[*shape].mesh && b->scene->shapes[*shape].mesh->n_triangles;
+}
+
+void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    const EvalProp *file = eval_prop(node, "file"), *positions = eval_prop(node, "positions"),
+                   *triangles = eval_prop(node, "triangles");
+    if (!build_exclude(b, node, "file", "positions") || !build_exclude(b, node, "file", "triangles")) return;
+    if (!file && (!positions || !triangles)) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "this mesh has no %s",
+                                         positions ? "'triangles'" : triangles ? "'positions'" : "'file'");
+        diag_hint(b->diag, report, "give a file, or positions and triangles");
+        return;
+    }
+    if (!file) build_needs(b, node, "smooth", "without a file");
+    uint32_t shape;
+    if (!mesh_shape(b, node, &shape)) return;
+    if (eval_truth(node, "closed") && !b->facts[shape].closed)
+        build_report_open(b, node->span, node->name ? node->name : "the mesh", shape);
+    build_object(b, node, shape, to_world);
+}

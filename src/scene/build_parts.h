@@ -1,0 +1,123 @@
+/* build_parts.h - what the files that build a scene share; private to src/scene/build*.c.
+ *
+ * A Builder lives for one call of scene_build. Everything that stays goes into the scene's arena or, for
+ * meshes and solids, into its table of shapes as soon as it exists, so that scene_free finds it whenever
+ * memory ends.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BUILD_PARTS_H
+#define MEN_BUILD_PARTS_H
+
+#include "scene/build.h"
+
+/* Coordinates and lengths beyond this are refused: Embree takes 1.8e18 at most, and squares of lengths must
+ * stay far inside of what a float can hold. */
+#define SCENE_REACH 1e15
+
+/* From bytes to numbers; open addressing. The keys belong to the caller. */
+typedef struct MapSlot {
+    uint64_t hash;
+    const void *key; /* NULL: free */
+    size_t length;
+    uint32_t value;
+} MapSlot;
+typedef struct Map {
+    MapSlot *slots;
+    size_t n, capacity;
+} Map;
+/* The value of the key; a new key gets the value given. */
+uint32_t *map_find(Arena *arena, Map *map, const void *key, size_t length, uint32_t value_if_new);
+/* An arena array with room for one more than n; the old one is left to the arena. */
+void *room_for_one(Arena *arena, void *items, uint32_t n, uint32_t *capacity, size_t size);
+
+/* What was found out about a shape, beside the SceneShape of the same number. */
+typedef struct ShapeFacts {
+    double volume; /* in the shape's own frame */
+    Box3 bounds;
+    bool closed, consistent;
+    bool reported_open;
+    uint32_t n_open_edges, n_non_manifold;
+    struct { Vec3f a, b; } open[4];
+} ShapeFacts;
+
+typedef struct Builder {
+    Scene *scene;
+    Arena *arena; /* the scene's */
+    Diag *diag;
+    const SceneOptions *options;
+    EvalOptions eval_options;
+    EvalResult result;
+    ShapeFacts *facts;
+    uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, objects_capacity, lights_capacity,
+        cameras_capacity, files_capacity;
+    const char **file_table; /* the scene's files, not const */
+    Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
+    uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
+    uint32_t grey;                             /* the surface of a ground that names none */
+    uint64_t environment_hash;
+    Status status; /* a failure that is no mistake in the scene */
+    Error *error;
+} Builder;
+
+/* build.c */
+/* A name of its own for every thing: as declared, or the word with a number. */
+const char *build_name(Builder *b, const EvalNode *node, const char *word);
+/* Notes a file that was read. */
+void build_note_file(Builder *b, const char *path);
+/* Reports unless every coordinate of the box is finite and within reach. */
+bool build_check_reach(Builder *b, Span span, const char *what, Box3 bounds);
+/* Reports a map that flattens or is not finite. */
+bool build_check_transform(Builder *b, const EvalNode *node, const Affine *map);
+/* The span of the property where it is set, else of the node. */
+Span build_span(const EvalNode *node, const char *property);
+/* Reports when both are set; word says what the pair means. Returns true when all is well. */
+bool build_exclude(Builder *b, const EvalNode *node, const char *property, const char *other);
+/* Reports a property that has no effect without another, or with another value of it. */
+void build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed);
+
+/* build_media.c */
+uint32_t build_medium(Builder *b, const EvalNode *node);
+uint32_t build_surface(Builder *b, const EvalNode *node);
+uint32_t build_black_surface(Builder *b);
+uint32_t build_grey_surface(Builder *b);
+/* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */
+bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out);
+
+/* build_shape.c */
+void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_box(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_cone(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_ground(Builder *b, const EvalNode *node, const Affine *to_world);
+/* Places a shape as a hull or as an opaque thing, whichever the node says. */
+void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
+/* An object without interior: opaque. */
+uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
+/* The shape of that key: *found says whether it exists already; else it is new and empty, to be filled. The key
+ * is copied. */
+uint32_t build_shape_of(Builder *b, const void *key, size_t length, bool *found);
+/* A solid from a single open piece, for grounds and lights. */
+uint32_t build_piece_shape(Builder *b, const Piece *piece);
+uint32_t build_sphere_shape(Builder *b, double radius);
+/* false (after reporting a scene mistake at span, or noting a failure) unless status is STATUS_OK. */
+bool build_succeeded(Builder *b, Status status, const Error *error, Span span);
+/* A right-handed frame at `origin` whose y axis is the unit vector y. */
+Affine build_frame(Vec3 origin, Vec3 y);
+
+/* build_mesh.c */
+void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world);
+/* Inspects and mends the mesh of a new shape, and fills in its facts; false after reporting. */
+bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape);
+void build_report_open(Builder *b, Span span, const char *name, uint32_t shape);
+
+/* build_light.c, build_view.c */
+void build_light(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_environment(Builder *b, const EvalNode *node);
+void build_camera(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_film(Builder *b, const EvalNode *node);
+void build_render(Builder *b, const EvalNode *node);
+
+/* scene_hash.c */
+uint64_t scene_hash(const Scene *scene, uint64_t environment_hash);
+
+#endif

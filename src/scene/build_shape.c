@@ -1,0 +1,351 @@
+/* build_shape.c - spheres, boxes, cylinders, cones, lathes, the ground; shapes that objects share; objects.
+ *
+ * What a shape's properties say about its place goes into the object's transform, so that equal shapes are
+ * one Solid or Mesh however many objects use it: all spheres share the unit sphere, for which a uniform scale is exact
+ * enough (the intersection is in double); cylinders and cones keep their true sizes, so that only a rigid map
+ * stands between a hull's edge and the numbers in the scene. Boxes keep their coordinates as well.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/build_parts.h"
+
+/* ---- shapes ---- */
+
+bool build_succeeded(Builder *b, Status status, const Error *error, Span span)
+{
+    if (status == STATUS_OK) return true;
+    if (status == STATUS_SCENE) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, span, "%s", error->text);
+    } else if (b->status == STATUS_OK) {
+        b->status = fail(b->error, status, "%s", error->text);
+    }
+    return false;
+}
+
+static uint32_t add_shape(Builder *b)
+{
+    Scene *scene = b->scene;
+    b->facts = room_for_one(b->arena, b->facts, scene->n_shapes, &b->facts_capacity, sizeof *b->facts);
+    scene->shapes = room_for_one(b->arena, scene->shapes, scene->n_shapes, &b->shapes_capacity, sizeof *scene->shapes);
+    b->facts[scene->n_shapes] = (ShapeFacts){.bounds = box3_empty()};
+    scene->shapes[scene->n_shapes] = (SceneShape){0};
+    return scene->n_shapes++;
+}
+
+uint32_t build_shape_of(Builder *b, const void *key, size_t length, bool *found)
+{
+    uint32_t next = b->scene->n_shapes;
+    const char *kept = arena_copy_text(b->arena, key, length);
+    uint32_t shape = *map_find(b->arena, &b->shapes, kept, length, next);
+    *found = shape != next;
+    return *found ? shape : add_shape(b);
+}
+
+/* Facts of a solid: its volume is known, its bounds are those of its pieces. */
+static void finish_solid(Builder *b, uint32_t shape)
+{
+    const Solid *solid = b->scene->shapes[shape].solid;
+    ShapeFacts *facts = &b->facts[shape];
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        if (solid->pieces[i].kind == PIECE_PLANE) {
+            facts->bounds = (Box3){{0, 0, 0}, {0, 0, 0}};
+            return;
+        }
+        facts->bounds = box3_union(facts->bounds, piece_bounds(&solid->pieces[i]));
+    }
+    facts->volume = solid->volume;
+    facts->closed = true;
+}
+
+/* A failed shape stays in the table, empty: the scene is thrown away in the end. */
+static bool keep_solid(Builder *b, uint32_t shape, Status status, const Error *error, Span span)
+{
+    if (!build_succeeded(b, status, error, span)) return false;
+    finish_solid(b, shape);
+    return true;
+}
+
+uint32_t build_sphere_shape(Builder *b, double radius)
+{
+    struct {
+        char kind[8];
+        double radius;
+    } key = {"sphere", radius};
+    bool found;
+    Error error;
+    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
+    if (!found)
+        keep_solid(b, shape, solid_make_sphere(radius, &b->scene->shapes[shape].solid, &error), &error, (Span){0});
+    return shape;
+}
+
+uint32_t build_piece_shape(Builder *b, const Piece *piece)
+{
+    Error error;
+    uint32_t shape = add_shape(b);
+    Solid **solid = &b->scene->shapes[shape].solid;
+    Status status = solid_new(1, solid, &error);
+    if (status == STATUS_OK) (*solid)->pieces[0] = *piece;
+    keep_solid(b, shape, status, &error, (Span){0});
+    return shape;
+}
+
+Affine build_frame(Vec3 origin, Vec3 y)
+{
+    /* x from the coordinate axis that y has the least of; of equals the first, so that y = +y is the identity */
+    double ax = fabs(y.x), ay = fabs(y.y), az = fabs(y.z);
+    Vec3 axis = ax <= ay && ax <= az ? vec3(1, 0, 0) : ay <= az ? vec3(0, 1, 0) : vec3(0, 0, 1);
+    Vec3 x = vec3_normalize(vec3_along(axis, -vec3_dot(axis, y), y));
+    Vec3 z = vec3_cross(x, y);
+    return (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, origin};
+}
+
+/* ---- objects ---- */
+
+static bool within_reach(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
+{
+    return build_check_reach(b, node->span, node->type->name, affine_box(to_world, b->facts[shape].bounds));
+}
+
+uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
+{
+    Scene *scene = b->scene;
+    scene->objects = room_for_one(b->arena, scene->objects, scene->n_objects, &b->objects_capacity, sizeof *scene->objects);
+    scene->objects[scene->n_objects] = (SceneObject){
+        .name = build_name(b, node, node->type->name),
+        .span = node->span,
+        .shape = shape,
+        .to_world = *to_world,
+        .medium = SCENE_NONE,
+        .surface = SCENE_NONE,
+        .light = SCENE_NONE,
+        .volume = b->facts[shape].volume * fabs(affine_determinant(to_world)),
+    };
+    return scene->n_objects++;
+}
+
+/* What an object is made of; false after reporting. */
+static bool matter_of(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface)
+{
+    *interior = eval_prop(node, "interior");
+    *surface = eval_prop(node, "surface");
+    if (*interior && *surface) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, (*surface)->span,
+                                         "this %s has an interior, and then its surface is smooth and clear: 'surface' is "
+                                         "for opaque objects only", node->type->name);
+        diag_note(b->diag, report, (*interior)->span, "'interior' is set here");
+        return false;
+    }
+    if (!*interior && !*surface) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
+                                         "this %s has neither an interior nor a surface", node->type->name);
+        diag_hint(b->diag, report, "clear: interior = a medium; opaque: surface = surface { albedo = .5 }");
+        return false;
+    }
+    return true;
+}
+
+void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
+{
+    const EvalProp *interior, *surface;
+    if (b->status != STATUS_OK || !within_reach(b, node, shape, to_world)) return;
+    if (!matter_of(b, node, &interior, &surface)) return;
+    uint32_t number = build_add_object(b, node, shape, to_world);
+    SceneObject *object = &b->scene->objects[number];
+    const EvalProp *priority = eval_prop(node, "priority");
+    if (surface) {
+        build_needs(b, node, "priority", "on an opaque object");
+        object->surface = build_surface(b, surface->as.node);
+        return;
+    }
+    object->medium = build_medium(b, interior->as.node);
+    object->priority = priority ? (int32_t)priority->as.number : b->scene->media[object->medium].priority;
+    if (!b->facts[shape].closed)
+        build_report_open(b, node->span, object->name, shape);
+    else if (!(object->volume > 0) || !isfinite(object->volume))
+        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "%s encloses a volume of %g", object->name, object->volume);
+}
+
+/* ---- node types ---- */
+
+void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Vec3 center = eval_vector(node, "center");
+    double radius = eval_number(node, "radius");
+    Affine place = {{{radius, 0, 0}, {0, radius, 0}, {0, 0, radius}}, center};
+    place = affine_compose(to_world, &place);
+    build_object(b, node, build_sphere_shape(b, 1), &place);
+}
+
+/* The corners of a box, sorted; false after reporting. */
+static bool box_corners(Builder *b, const EvalNode *node, Vec3 *low, Vec3 *high)
+{
+    const EvalProp *from = eval_prop(node, "from"), *to = eval_prop(node, "to"), *size = eval_prop(node, "size");
+    if (!build_exclude(b, node, "size", "from") || !build_exclude(b, node, "size", "to")) return false;
+    if (!size && (!from || !to)) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "this box has no %s",
+                                         from ? "'to'" : to ? "'from'" : "size");
+        diag_hint(b->diag, report, "give two corners, from and to, or a size about the origin");
+        return false;
+    }
+    Vec3 corners[2];
+    if (size) {
+        corners[1] = vec3_scale(vec3(size->as.vector[0], size->as.vector[1], size->as.vector[2]), 0.5);
+        corners[0] = vec3_scale(corners[1], -1);
+    } else {
+        corners[0] = eval_vector(node, "from");
+        corners[1] = eval_vector(node, "to");
+    }
+    Box3 box = box3_add_point(box3_add_point(box3_empty(), corners[0]), corners[1]);
+    *low = box.min;
+    *high = box.max;
+    if (!build_check_reach(b, node->span, "box", box)) return false;
+    /* the corners are stored as floats */
+    if ((float)low->x < (float)high->x && (float)low->y < (float)high->y && (float)low->z < (float)high->z) return true;
+    diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this box is flat: it measures %g x %g x %g", high->x - low->x,
+                high->y - low->y, high->z - low->z);
+    return false;
+}
+
+void build_box(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Vec3 low, high;
+    if (!box_corners(b, node, &low, &high)) return;
+    double bevel = eval_number(node, "bevel");
+    double shortest = fmin(high.x - low.x, fmin(high.y - low.y, high.z - low.z));
+    if (bevel == 0) build_needs(b, node, "bevel_segments", "without a bevel");
+    if (bevel > 0 && !(2 * bevel < shortest)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "bevel"),
+                    "a bevel of %g does not fit a box whose shortest edge is %g", bevel, shortest);
+        return;
+    }
+    unsigned segments = bevel > 0 ? (unsigned)eval_number(node, "bevel_segments") : 1;
+    struct {
+        char kind[8];
+        Vec3 low, high;
+        double bevel, segments;
+    } key = {"box", low, high, bevel, segments};
+    bool found;
+    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
+    if (!found) {
+        Error error;
+        Status status = mesh_make_box(low, high, bevel, segments, &b->scene->shapes[shape].mesh, &error);
+        if (!build_succeeded(b, status, &error, node->span) || !build_finish_mesh(b, node, shape)) return;
+    }
+    build_object(b, node, shape, to_world);
+}
+
+/* Cylinders are cones of two equal radii. */
+static void build_round(Builder *b, const EvalNode *node, const Affine *to_world, double radius_from, double radius_to)
+{
+    Vec3 from = eval_vector(node, "from"), to = eval_vector(node, "to");
+    Vec3 along = vec3_sub(to, from);
+    double height = vec3_length(along);
+    if (!(height > 0) || !isfinite(height)) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "'from' and 'to' of this %s are the same point",
+                    node->type->name);
+        return;
+    }
+    if (radius_from == 0 && radius_to == 0) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "radius_from"), "both radii of this cone are 0");
+        return;
+    }
+    struct {
+        char kind[8];
+        double radius_from, radius_to, height;
+    } key = {"cone", radius_from, radius_to, height};
+    bool found;
+    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
+    if (!found) {
+        Error error;
+        Status status = solid_make_cone(radius_from, radius_to, height, &b->scene->shapes[shape].solid, &error);
+        if (!keep_solid(b, shape, status, &error, node->span)) return;
+    }
+    Affine frame = build_frame(from, vec3_scale(along, 1 / height));
+    Affine place = affine_compose(to_world, &frame);
+    build_object(b, node, shape, &place);
+}
+
+void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    double radius = eval_number(node, "radius");
+    build_round(b, node, to_world, radius, radius);
+}
+
+void build_cone(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    build_round(b, node, to_world, eval_number(node, "radius_from"), eval_number(node, "radius_to"));
+}
+
+/* One radius for each corner, from a list or a single number; NULL when there is no rounding. *ok is false
+ * after reporting. */
+static const double *lathe_rounding(Builder *b, const EvalNode *node, const EvalProp *profile, bool *ok)
+{
+    const EvalProp *rounding = eval_prop(node, "rounding");
+    size_t n = profile->as.list.n;
+    *ok = true;
+    if (!rounding || rounding->as.list.n == n) return rounding ? rounding->as.list.numbers : NULL;
+    if (rounding->as.list.n != 1) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, rounding->span, "'rounding' has %zu numbers for %zu corners of the profile",
+                    rounding->as.list.n, n);
+        *ok = false;
+        return NULL;
+    }
+    double *all = ARENA_ARRAY(b->arena, double, n);
+    for (size_t i = 0; i < n; i++) /* the axis is no edge: there is nothing to round on it */
+        all[i] = profile->as.list.numbers[2 * i] > 0 ? rounding->as.list.numbers[0] : 0;
+    return all;
+}
+
+void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    const EvalProp *profile = eval_prop(node, "profile");
+    bool ok;
+    const double *round = lathe_rounding(b, node, profile, &ok);
+    if (!ok) return;
+    bool smooth = eval_truth(node, "smooth");
+    size_t n = profile->as.list.n;
+    if (n > 100000) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, profile->span, "a profile of %zu corners is too long; the limit is 100000", n);
+        return;
+    }
+    /* key: kind, smooth, profile, rounding */
+    size_t n_numbers = 2 + 2 * n + (round ? n : 0);
+    double *key = ARENA_ARRAY(b->arena, double, n_numbers);
+    memcpy(key, "lathe", 6);
+    key[1] = smooth;
+    if (n) memcpy(key + 2, profile->as.list.numbers, 2 * n * sizeof *key);
+    if (round) memcpy(key + 2 + 2 * n, round, n * sizeof *key);
+    bool found;
+    uint32_t shape = build_shape_of(b, key, n_numbers * sizeof *key, &found);
+    if (!found) {
+        double(*corners)[2] = arena_array(b->arena, n ? n : 1, sizeof *corners);
+        for (size_t i = 0; i < 2 * n; i++) corners[i / 2][i % 2] = profile->as.list.numbers[i];
+        Error error;
+        Status status = solid_make_lathe((const double(*)[2])corners, (uint32_t)n, round, smooth,
+                                         &b->scene->shapes[shape].solid, &error);
+        if (!keep_solid(b, shape, status, &error, profile->span)) return;
+    }
+    if (b->scene->shapes[shape].solid) build_object(b, node, shape, to_world);
+}
+
+void build_ground(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    const EvalProp *surface = eval_prop(node, "surface");
+    bool found;
+    uint32_t shape = build_shape_of(b, "ground", 7, &found);
+    if (!found) {
+        Error error;
+        Status status = solid_new(1, &b->scene->shapes[shape].solid, &error);
+        if (status == STATUS_OK) b->scene->shapes[shape].solid->pieces[0] = (Piece){.kind = PIECE_PLANE};
+        if (!keep_solid(b, shape, status, &error, node->span)) return;
+    }
+    Affine place = affine_identity();
+    place.t.y = eval_number(node, "y");
+    place = affine_compose(to_world, &place);
+    if (b->status != STATUS_OK || !within_reach(b, node, shape, &place)) return;
+    uint32_t number = build_add_object(b, node, shape, &place);
+    b->scene->objects[number].surface = surface ? build_surface(b, surface->as.node) : build_grey_surface(b);
+}

@@ -1,0 +1,69 @@
+/* nodes.c - the Schema that nodes.def spells out.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
+#include "base/attr.h"
+#include "scene/build.h"
+
+#define NO_MIN (-INFINITY)
+#define NO_MAX INFINITY
+#define SHAPE (NODE_PLACED | NODE_TRANSFORMS)
+
+/* What every object that can have an inside is made of. */
+#define MATTER                                                                                                         \
+    PROP(interior, NODE, UNIT_NONE, 0, NO_MIN, NO_MAX, "medium", NULL,                                                 \
+         "the medium that fills it; the object is then clear, and bounded by smooth surfaces")                         \
+    PROP(surface, NODE, UNIT_NONE, 0, NO_MIN, NO_MAX, "surface", NULL,                                                 \
+         "what it is covered with; the object is then opaque; instead of interior")                                    \
+    PROP(priority, INTEGER, UNIT_NONE, 0, -1000000, 1000000, NULL, NULL,                                               \
+         "instead of its medium's priority: where objects overlap, the larger is on top")
+
+/* First the tables of properties ... */
+#define NODE(name, flags, child_types, doc) static const PropType name##_props[] = {
+#define PROP(name, kind, unit, flags, min, max, choices, default_text, doc)                                            \
+    {#name, PROP_##kind, unit, flags, min, max, choices, default_text, doc},
+#define END(name)                                                                                                      \
+    }                                                                                                                  \
+    ;
+#define BARE(name, flags, child_types, doc)
+#define TERM(name, fewest, most, doc)
+#include "scene/nodes.def"
+#undef NODE
+#undef PROP
+#undef END
+#undef BARE
+#undef TERM
+
+/* ... then the table of nodes ... */
+#define NODE(name, flags, child_types, doc) {#name, name##_props, COUNT_OF(name##_props), flags, child_types, doc},
+#define PROP(name, kind, unit, flags, min, max, choices, default_text, doc)
+#define END(name)
+#define BARE(name, flags, child_types, doc) {#name, NULL, 0, flags, child_types, doc},
+#define TERM(name, fewest, most, doc)
+static const NodeType nodes[] = {
+#include "scene/nodes.def"
+};
+#undef NODE
+#undef BARE
+#undef TERM
+
+/* ... and that of terms. */
+#define NODE(name, flags, child_types, doc)
+#define BARE(name, flags, child_types, doc)
+#define TERM(name, fewest, most, doc) {#name, fewest, most, false, doc},
+static const TermType terms[] = {
+#include "scene/nodes.def"
+};
+
+static const Schema schema = {
+    .nodes = nodes,
+    .n_nodes = COUNT_OF(nodes),
+    .terms = terms,
+    .n_terms = COUNT_OF(terms),
+    .prelude = "medium air { ior = 1  state = gas }\n",
+};
+
+const Schema *scene_schema(void)
+{
+    return &schema;
+}

@@ -1,0 +1,453 @@
+/* path.c - the path integrator.
+ *
+ * A path goes from event to event: an opaque surface, a boundary between two media, or out of the scene.
+ * Between events it may pass any number of silent crossings, which change the interior list and nothing else.
+ *
+ * Wavelengths: lane 0 is the hero; the path is sampled for it alone. `beta` is the throughput of each lane
+ * over the hero's density, `ratio` the density with which the same path would have been sampled with that
+ * lane as the hero, over the hero's. A contribution counts beta / mean(ratio): the balance heuristic over
+ * the wavelengths ([WNDWH14] A. Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR 2014, eq. 5).
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/path.h"
+
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "optics/fresnel.h"
+#include "optics/sampling.h"
+#include "trace/light.h"
+
+/* A straight line that crosses more surfaces than this without any event is given up, and counted. */
+enum { SILENT_LIMIT = 100000 };
+/* Bounces before Russian roulette begins. */
+enum { ROULETTE_START = 4 };
+
+typedef struct Path {
+    Tracer *tracer;
+    Sampler sampler;
+    WavelengthSample wavelengths;
+    Lanes beta, ratio, radiance;
+    Ray ray;
+    Vec3 scatter_point; /* where the ray's direction was last sampled */
+    float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
+    uint32_t bounce;
+} Path;
+
+typedef enum EventKind { EVENT_LOST, EVENT_ESCAPE, EVENT_OPAQUE, EVENT_BOUNDARY, EVENT_GIVE_UP } EventKind;
+
+typedef struct Event {
+    EventKind kind;
+    Hit hit;            /* the surface to be shaded */
+    size_t n_cluster;   /* surfaces at that place: tracer->hits[0 .. n) */
+    NestCrossing crossing;
+} Event;
+
+void tracer_init(Tracer *tracer, const World *world)
+{
+    *tracer = (Tracer){.world = world};
+    nest_list_init(&tracer->list);
+    nest_list_init(&tracer->next);
+    nest_list_init(&tracer->shadow_list);
+}
+
+void tracer_clear(Tracer *tracer)
+{
+    hit_list_clear(&tracer->hits);
+    hit_list_clear(&tracer->shadow_hits);
+    nest_list_clear(&tracer->list);
+    nest_list_clear(&tracer->next);
+    nest_list_clear(&tracer->shadow_list);
+    free(tracer->passes);
+    tracer->passes = NULL;
+}
+
+static Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
+{
+    return spectrum_at(&world->scene->media[medium].ior, wavelength_nm);
+}
+
+/* Optical depth of a stretch of one medium. */
+static Lanes stretch_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!m->absorbs || world->no_absorption || !(length > 0)) return lanes_all(0);
+    return lanes_scale(spectrum_at(&m->absorption, wavelength_nm), (float)length);
+}
+
+static Lanes attenuation(Lanes depth)
+{
+    return lanes_zero(depth) ? lanes_all(1) : lanes_exp(lanes_sub(lanes_all(0), depth));
+}
+
+/* Crosses the hulls among hits[0 .. n), all at one place. */
+static bool cross_hits(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    if (UNLIKELY(!array_reserve(&tracer->passes, &tracer->passes_capacity, n, sizeof *tracer->passes))) return false;
+    uint32_t n_passes = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t hull = compiled->hull_of_object[hits[i].object];
+        if (hull != SCENE_NONE) tracer->passes[n_passes++] = (NestPass){hull, hits[i].entering};
+    }
+    *crossing = (NestCrossing){0};
+    if (!n_passes) return true;
+    if (nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) != STATUS_OK) return false;
+    tracer->counters.crossings += n_passes;
+    tracer->counters.nesting_faults += crossing->n_faults;
+    return true;
+}
+
+/* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
+static bool media_differ(const World *world, uint32_t a, uint32_t b, Lanes wavelength_nm)
+{
+    if (a == b) return false;
+    Lanes difference = lanes_sub(medium_ior(world, a, wavelength_nm), medium_ior(world, b, wavelength_nm));
+    return !lanes_zero(difference);
+}
+
+/* The hit of the cluster that stands for the boundary: the hull that begins or ends there, the upper one where
+ * two touch. */
+static const Hit *boundary_hit(const World *world, const Hit *hits, size_t n, const NestCrossing *crossing)
+{
+    const CompiledScene *compiled = world->compiled;
+    const Hit *best = &hits[0];
+    uint32_t best_rank = 0;
+    for (size_t i = 0; i < n && n > 1; i++) {
+        uint32_t hull = compiled->hull_of_object[hits[i].object];
+        if (hull == SCENE_NONE || hull != (hits[i].entering ? crossing->owner_to : crossing->owner_from)) continue;
+        uint32_t rank = compiled->order.rank[hull] + 1;
+        if (rank > best_rank) {
+            best_rank = rank;
+            best = &hits[i];
+        }
+    }
+    return best;
+}
+
+/* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
+ * tracer->list is the list before it and tracer->next the one behind it. */
+static void next_event(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    double t_done = 0; /* the ray's start, not t_min: lengths are measured from the origin */
+    Lanes depth = lanes_all(0);
+    for (uint32_t silent = 0;; silent++) {
+        size_t n = rtc_nearest(world->compiled->rtc, &path->ray, &tracer->hits);
+        tracer->counters.rays++;
+        const Hit *hits = tracer->hits.items;
+        uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+        double t = n ? hits[0].t : HUGE_VAL;
+        depth = lanes_add(depth, stretch_depth(world, medium, t - t_done, path->wavelengths.nm));
+        t_done = t;
+        event->kind = n ? EVENT_BOUNDARY : EVENT_ESCAPE;
+        event->n_cluster = n;
+        for (size_t i = 0; i < n && event->kind == EVENT_BOUNDARY; i++)
+            if (world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
+                event->kind = EVENT_OPAQUE;
+                event->hit = hits[i];
+            }
+        if (event->kind != EVENT_BOUNDARY) break;
+        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+            !cross_hits(tracer, &tracer->next, hits, n, &event->crossing) || tracer->hits.out_of_memory) {
+            event->kind = EVENT_LOST;
+            return;
+        }
+        if (media_differ(world, event->crossing.medium_from, event->crossing.medium_to, path->wavelengths.nm)) {
+            event->hit = *boundary_hit(world, hits, n, &event->crossing);
+            break;
+        }
+        /* Nothing is there: on along the same ray, with the new list. */
+        tracer->counters.silent_crossings++;
+        if (silent >= SILENT_LIMIT) {
+            tracer->counters.silent_limit++;
+            event->kind = EVENT_GIVE_UP;
+            return;
+        }
+        NestList swap = tracer->list;
+        tracer->list = tracer->next;
+        tracer->next = swap;
+        path->ray.t_min = hits[n - 1].t;
+    }
+    path->beta = lanes_mul(path->beta, attenuation(depth));
+}
+
+/* Transmittance of a straight shadow ray that starts inside of tracer->list; false when something blocks it. Opaque
+ * objects and visible boundaries block: light that crosses a boundary arrives by paths that are bent there. */
+static bool shadow_transmittance(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    tracer->counters.rays++;
+    if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
+    const Hit *hits = tracer->shadow_hits.items;
+    size_t n = tracer->shadow_hits.n;
+    uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+    Lanes depth = lanes_all(0);
+    double t_done = 0;
+    if (n && nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) {
+        tracer->out_of_memory = true;
+        return false;
+    }
+    for (size_t begin = 0; begin < n;) {
+        size_t end = begin + rtc_cluster(hits + begin, n - begin);
+        NestCrossing crossing;
+        if (!cross_hits(tracer, &tracer->shadow_list, hits + begin, end - begin, &crossing)) {
+            tracer->out_of_memory = true;
+            return false;
+        }
+        if (media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm)) return false;
+        depth = lanes_add(depth, stretch_depth(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
+        t_done = hits[begin].t;
+        medium = crossing.medium_to;
+        begin = end;
+    }
+    depth = lanes_add(depth, stretch_depth(world, medium, ray->t_max - t_done, path->wavelengths.nm));
+    *transmittance = attenuation(depth);
+    *medium_at_light = medium;
+    return true;
+}
+
+/* Radiance given in a medium, as basic radiance. */
+static Lanes basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
+{
+    Lanes ior = medium_ior(world, medium, wavelength_nm);
+    return lanes_div(radiance, lanes_mul(ior, ior));
+}
+
+/* Adds what reaches the camera of a radiance seen at the end of the path. */
+static void add_radiance(Path *path, Lanes factor, Lanes basic)
+{
+    float mean_ratio = lanes_mean(path->ratio);
+    path->radiance = lanes_add(path->radiance, lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio));
+}
+
+static Lanes surface_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm)
+{
+    if (surface->checkered) {
+        double cells = floor(p.x / (double)surface->check_size) + floor(p.y / (double)surface->check_size + 0.5) +
+                       floor(p.z / (double)surface->check_size);
+        if (fmod(cells, 2) != 0) return spectrum_at(&surface->albedo2, wavelength_nm);
+    }
+    return spectrum_at(&surface->albedo, wavelength_nm);
+}
+
+/* Light that a diffuse surface gets straight from a light source, weighted against finding it by scattering. */
+static void add_direct_light(Path *path, const HitSurface *at, Vec3f normal, Vec3f geometric, Vec3f start, Lanes albedo)
+{
+    const World *world = path->tracer->world;
+    float u[2];
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
+    float choice = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE));
+    LightSample light = light_sample(world, at->position, choice, u, path->wavelengths.nm);
+    if (!(light.pdf_w > 0)) return;
+    float cosine = vec3f_dot(light.direction, normal);
+    if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
+    Ray ray = {.origin = start, .direction = light.direction, .t_max = light.distance, .target = light.object};
+    Lanes transmittance;
+    uint32_t medium;
+    if (!shadow_transmittance(path, &ray, &transmittance, &medium)) return;
+    float scatter_pdf = cosine / 3.14159265f;
+    float weight = balance_heuristic(light.pdf_w, scatter_pdf);
+    Lanes factor = lanes_mul(lanes_scale(albedo, scatter_pdf / light.pdf_w * weight), transmittance);
+    add_radiance(path, factor, basic_radiance(world, light.radiance, medium, path->wavelengths.nm));
+}
+
+/* A hit of an opaque surface. Returns whether the path goes on. */
+static bool shade_opaque(Path *path, const Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const SceneObject *object = &world->scene->objects[event->hit.object];
+    if (object->light != SCENE_NONE) {
+        Lanes radiance = light_radiance_hit(world, object->light, &event->hit, path->wavelengths.nm);
+        float weight = 1;
+        if (path->scatter_pdf >= 0)
+            weight = balance_heuristic(path->scatter_pdf,
+                                       light_pdf_hit(world, object->light, path->scatter_point, &path->ray, &event->hit));
+        uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+        add_radiance(path, lanes_all(weight), basic_radiance(world, radiance, medium, path->wavelengths.nm));
+        return false;
+    }
+    if (object->surface == SCENE_NONE) return false;
+    HitSurface at;
+    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
+    bool front = event->hit.entering;
+    Vec3f geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal);
+    Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
+    if (!(vec3f_dot(path->ray.direction, normal) < 0)) normal = geometric;
+    Lanes albedo = surface_albedo(&world->scene->surfaces[object->surface], at.position, path->wavelengths.nm);
+    Vec3f start = rtc_leave(world->compiled->rtc, &path->ray, tracer->hits.items, event->n_cluster, false);
+    add_direct_light(path, &at, normal, geometric, start, albedo);
+
+    float u[2];
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    Vec3f direction = sample_cosine(u[0], u[1], normal);
+    float cosine = vec3f_dot(direction, normal);
+    if (!(cosine > 0) || !(vec3f_dot(direction, geometric) > 0)) return false; /* into the surface */
+    path->beta = lanes_mul(path->beta, albedo);
+    path->scatter_pdf = cosine / 3.14159265f;
+    path->scatter_point = at.position;
+    path->ray = (Ray){.origin = start, .direction = direction, .t_max = HUGE_VAL, .target = RTC_NO_OBJECT};
+    return true;
+}
+
+/* Reflection or refraction about one normal, which is on the side that the ray comes from. */
+typedef struct BoundaryChoice {
+    Vec3f direction;
+    Lanes reflectance;
+    bool reflected, total;
+} BoundaryChoice;
+
+static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, float u)
+{
+    BoundaryChoice choice;
+    float cosine = fminf(-vec3f_dot(direction, normal), 1);
+    choice.reflectance = fresnel_dielectric_lanes(cosine, eta_i, eta_t);
+    choice.reflected = u < lanes_get(choice.reflectance, 0);
+    if (!choice.reflected &&
+        !refract_direction(direction, normal, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &choice.direction))
+        choice.reflected = true; /* within rounding of the critical angle */
+    if (choice.reflected) choice.direction = reflect_direction(direction, normal);
+    return choice;
+}
+
+/* A smooth boundary between two dielectrics: one of the two ways is taken, with the probability of the hero's
+ * Fresnel reflectance. */
+static void cross_boundary(Path *path, const Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    Lanes eta_i = medium_ior(world, event->crossing.medium_from, path->wavelengths.nm);
+    Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
+    HitSurface at;
+    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
+    bool front = event->hit.entering;
+    Vec3f geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal);
+    Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
+    float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
+    bool usable = vec3f_dot(path->ray.direction, normal) < 0;
+    BoundaryChoice choice;
+    if (usable) {
+        choice = choose_at_boundary(path->ray.direction, normal, eta_i, eta_t, u);
+        /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
+         * in, or a refraction out, the surface is taken as flat. */
+        usable = (vec3f_dot(choice.direction, geometric) > 0) == choice.reflected;
+    }
+    if (!usable) choice = choose_at_boundary(path->ray.direction, geometric, eta_i, eta_t, u);
+
+    float hero = lanes_get(choice.reflectance, 0);
+    if (choice.reflected) {
+        Lanes factor = hero > 0 ? lanes_scale(choice.reflectance, 1 / hero) : lanes_all(1);
+        path->beta = lanes_mul(path->beta, factor);
+        path->ratio = lanes_mul(path->ratio, factor);
+    } else if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) {
+        /* each wavelength is bent another way: this path goes on for the hero alone */
+        Lanes hero_only = lanes(1, 0, 0, 0);
+        path->beta = lanes_mul(path->beta, hero_only);
+        path->ratio = lanes_mul(path->ratio, hero_only);
+    }
+    Vec3f start = rtc_leave(world->compiled->rtc, &path->ray, tracer->hits.items, event->n_cluster, !choice.reflected);
+    if (!choice.reflected) {
+        NestList swap = tracer->list;
+        tracer->list = tracer->next;
+        tracer->next = swap;
+    }
+    path->scatter_pdf = -1;
+    path->ray = (Ray){.origin = start, .direction = choice.direction, .t_max = HUGE_VAL, .target = RTC_NO_OBJECT};
+}
+
+/* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. */
+static bool survives(Path *path)
+{
+    if (lanes_zero(path->beta)) return false;
+    if (path->bounce < ROULETTE_START) return true;
+    float carried = lanes_max(path->beta) / lanes_mean(path->ratio) * 0.25f;
+    carried = fmaxf(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
+    if (carried >= 1) return true;
+    if (sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_ROULETTE)) >= carried) return false;
+    path->beta = lanes_scale(path->beta, 1 / carried);
+    return true;
+}
+
+/* The list at the ray's real origin: from the camera's centre on along the lens. */
+static bool start_list(Path *path)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    if (nest_list_copy(&tracer->list, &world->camera_list) != STATUS_OK) return false;
+    if (!world->lens_crosses) return true;
+    Vec3f centre = vec3f_from(world->camera->from);
+    Vec3f offset = vec3f_sub(path->ray.origin, centre);
+    float length = vec3f_length(offset);
+    if (!(length > 0)) return true;
+    Ray ray = {.origin = centre, .direction = vec3f_scale(offset, 1 / length), .t_max = (double)length, .target = RTC_NO_OBJECT};
+    tracer->counters.rays++;
+    rtc_all(world->compiled->rtc, &ray, false, &tracer->shadow_hits);
+    NestCrossing crossing;
+    for (size_t i = 0; i < tracer->shadow_hits.n; i++)
+        if (!cross_hits(tracer, &tracer->list, &tracer->shadow_hits.items[i], 1, &crossing)) return false;
+    return true;
+}
+
+/* A place in the pixel after a tent filter of radius 1: u in [0,1) to an offset in (-1, 1). */
+static double tent(float u)
+{
+    double v = 2 * (double)u;
+    return v < 1 ? sqrt(v) - 1 : 1 - sqrt(2 - v);
+}
+
+/* Returns whether the camera's ray met anything. */
+static bool follow(Path *path)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    for (bool first = true;; first = false) {
+        Event event;
+        next_event(path, &event);
+        if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
+        if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
+        if (event.kind == EVENT_ESCAPE) {
+            Lanes radiance = light_from_infinity(world, path->ray.direction, path->scatter_pdf, path->wavelengths.nm);
+            uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+            add_radiance(path, lanes_all(1), basic_radiance(world, radiance, medium, path->wavelengths.nm));
+            return !first;
+        }
+        if (path->bounce >= world->max_bounces) {
+            /* the last surface may still shine */
+            if (event.kind == EVENT_BOUNDARY || world->scene->objects[event.hit.object].light == SCENE_NONE) return true;
+        }
+        if (event.kind == EVENT_BOUNDARY)
+            cross_boundary(path, &event);
+        else if (!shade_opaque(path, &event))
+            return true;
+        path->bounce++;
+        if (!survives(path)) return true;
+    }
+}
+
+void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed, uint32_t index,
+                  float rgb[3], float *alpha)
+{
+    const World *world = tracer->world;
+    Path path = {.tracer = tracer, .sampler = sampler_make(seed, x, y, index), .beta = lanes_all(1), .ratio = lanes_all(1),
+                 .radiance = lanes_all(0), .scatter_pdf = -1};
+    float u[2], lens[2];
+    sampler_2d(&path.sampler, DIM_PIXEL, u);
+    sampler_2d(&path.sampler, DIM_LENS, lens);
+    path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
+    FilmPoint point = {(double)x + 0.5 + tent(u[0]), (double)y + 0.5 + tent(u[1]), width, height};
+    camera_ray(world->camera, point, lens, &path.ray);
+    tracer->counters.paths++;
+    bool met = true;
+    if (start_list(&path))
+        met = follow(&path);
+    else
+        tracer->out_of_memory = true;
+    *alpha = met || world->scene->environment ? 1 : 0;
+    color_from_lanes(path.radiance, &path.wavelengths, rgb);
+    if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
+        tracer->counters.bad_samples++;
+        rgb[0] = rgb[1] = rgb[2] = 0;
+    }
+}

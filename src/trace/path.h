@@ -1,0 +1,47 @@
+/* path.h - one path: from the film through the nested volumes to the lights, unidirectional, with next-event
+ * estimation and multiple importance sampling.
+ *
+ * Radiance is carried as basic radiance, L / n^2, which no boundary changes but by its Fresnel
+ * factors: the radiance scaling of refraction ([Veach97] section 5.2) is in the quantity itself. Light sources give
+ * their radiance in their own medium and are divided by its n^2; the camera measures basic radiance, as one behind a
+ * flat port would. So a closed uniform environment looks the same from everywhere, under water too.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PATH_H
+#define MEN_PATH_H
+
+#include "trace/sampler.h"
+#include "trace/world.h"
+
+typedef struct PathCounters {
+    uint64_t paths, rays, crossings, silent_crossings, nesting_faults, silent_limit, bad_samples;
+} PathCounters;
+
+/* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
+typedef struct Tracer {
+    const World *world;
+    HitList hits, shadow_hits;
+    NestList list, next, shadow_list;
+    NestPass *passes;
+    size_t passes_capacity;
+    PathCounters counters;
+    bool out_of_memory;
+} Tracer;
+
+void tracer_init(Tracer *tracer, const World *world);
+void tracer_clear(Tracer *tracer);
+
+/* Where on the film: pixels from the top left corner, of a frame of width x height. */
+typedef struct FilmPoint {
+    double x, y;
+    uint32_t width, height;
+} FilmPoint;
+
+/* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 unless the camera's
+ * ray met nothing and there is no environment. Faults of this path are added to *faults (may be NULL). */
+void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
+                  uint32_t index, float rgb[3], float *alpha);
+
+/* The camera's ray through a point of the film. lens: uniform in [0,1)^2. */
+void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray);
+
+#endif

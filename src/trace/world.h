@@ -1,0 +1,37 @@
+/* world.h - a compiled scene as the path tracer sees it: lights to choose from, the camera's own media.
+ * Immutable while rendering; shared by all threads.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_WORLD_H
+#define MEN_WORLD_H
+
+#include "optics/color.h"
+#include "scene/compile.h"
+
+/* A light to be chosen for next-event estimation: an entry of scene->lights, or the environment. */
+#define LIGHT_ENVIRONMENT UINT32_MAX
+
+typedef struct LightChoice {
+    uint32_t light;     /* index into scene->lights, or LIGHT_ENVIRONMENT */
+    float probability;  /* of being chosen */
+    float cumulative;   /* of this and all before */
+} LightChoice;
+
+typedef struct World {
+    const CompiledScene *compiled;
+    const Scene *scene;
+    const SceneCamera *camera;
+    LightChoice *choices;
+    uint32_t n_choices;
+    float *choice_of_light;     /* probability of each light of the scene */
+    float environment_choice;   /* probability of the environment */
+    NestList camera_list;       /* the hulls around the camera's centre */
+    bool lens_crosses;          /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool no_absorption;
+    uint32_t max_bounces;
+} World;
+
+ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
+                                 bool no_absorption, Error *error);
+void world_clear(World *world);
+
+#endif
