@@ -207,6 +207,8 @@ static void check_whole(Builder *b)
     for (uint32_t i = 0; i < scene->n_lights; i++) distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
         diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
+    else if (!scene->n_lights && (!scene->environment || environment_is_black(scene->environment)))
+        diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black");
     if (!scene->n_cameras) {
         Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");
         diag_hint(b->diag, report, "add one: camera { from = <0, 1, 5>  to = <0, 0, 0> }");
@@ -226,7 +228,7 @@ static void build_all(Builder *b)
     for (size_t i = 0; i < b->result.n_nodes; i++) visit(b, b->result.nodes[i], &world);
     build_settings(b);
     check_whole(b);
-    if (b->status == STATUS_OK) scene->hash = scene_hash(scene, b->environment_hash);
+    if (b->status == STATUS_OK) scene->hash = scene_hash(scene, b->environment_hash, b->arena);
 }
 
 /* ---- the two guards, and what is left when all is done ---- */

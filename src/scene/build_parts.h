@@ -118,6 +118,7 @@ void build_film(Builder *b, const EvalNode *node);
 void build_render(Builder *b, const EvalNode *node);
 
 /* scene_hash.c */
-uint64_t scene_hash(const Scene *scene, uint64_t environment_hash);
+/* Of everything that affects the picture; environment_hash: of what the environment was made from. */
+uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch);
 
 #endif

@@ -1,0 +1,252 @@
+/* build_light.c - lights and the environment.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "scene/build_parts.h"
+
+static const double pi = 3.14159265358979323846;
+static const double degree = 3.14159265358979323846 / 180;
+
+static Vec3 column(const Affine *map, int i)
+{
+    return vec3(map->m[0][i], map->m[1][i], map->m[2][i]);
+}
+
+/* Whether the map turns, moves, mirrors and scales evenly, and by how much it scales. */
+static bool is_similar(const Affine *map, double *scale)
+{
+    const double slack = 1e-6;
+    Vec3 x = column(map, 0), y = column(map, 1), z = column(map, 2);
+    double s = vec3_length(x);
+    *scale = s;
+    return fabs(vec3_length(y) - s) <= slack * s && fabs(vec3_length(z) - s) <= slack * s &&
+           fabs(vec3_dot(x, y)) <= slack * s * s && fabs(vec3_dot(y, z)) <= slack * s * s &&
+           fabs(vec3_dot(z, x)) <= slack * s * s;
+}
+
+static LightKind kind_of(const char *word)
+{
+    return strcmp(word, "disc") == 0     ? LIGHT_DISC
+           : strcmp(word, "sphere") == 0 ? LIGHT_SPHERE
+           : strcmp(word, "quad") == 0   ? LIGHT_RECT
+                                         : LIGHT_DISTANT;
+}
+
+/* Which properties each kind of light needs; the others it must not have. */
+static bool check_properties(Builder *b, const EvalNode *node, LightKind kind)
+{
+    static const struct {
+        const char *name;
+        bool needed_by[4], taken_by[4]; /* by LightKind */
+    } rules[] = {
+        {"size", {[LIGHT_RECT] = true}, {[LIGHT_RECT] = true}},
+        {"radius", {[LIGHT_DISC] = true, [LIGHT_SPHERE] = true}, {[LIGHT_DISC] = true, [LIGHT_SPHERE] = true}},
+        {"to",
+         {[LIGHT_RECT] = true, [LIGHT_DISC] = true, [LIGHT_DISTANT] = true},
+         {[LIGHT_RECT] = true, [LIGHT_DISC] = true, [LIGHT_DISTANT] = true}},
+        {"angle", {false}, {[LIGHT_DISTANT] = true}},
+    };
+    const char *word = eval_word(node, "shape");
+    bool fine = build_exclude(b, node, "radiance", "power");
+    for (size_t i = 0; i < COUNT_OF(rules); i++) {
+        const EvalProp *prop = eval_prop(node, rules[i].name);
+        if (prop && !rules[i].taken_by[kind]) {
+            diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "a light of shape '%s' has no '%s'", word, rules[i].name);
+            fine = false;
+        } else if (!prop && rules[i].needed_by[kind]) {
+            Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a light of shape '%s' needs '%s'", word,
+                                             rules[i].name);
+            if (kind == LIGHT_RECT && !eval_prop(node, "shape"))
+                diag_hint(b->diag, report, "'quad' is the default; the other shapes are disc, sphere and distant");
+            fine = false;
+        }
+    }
+    return fine;
+}
+
+/* The light's frame in its node's space, y towards where it shines, x level. */
+static bool local_frame(Builder *b, const EvalNode *node, LightKind kind, Affine *frame)
+{
+    Vec3 from = eval_vector(node, "from");
+    *frame = affine_identity();
+    frame->t = from;
+    if (kind == LIGHT_SPHERE) return true;
+    Vec3 along = vec3_sub(eval_vector(node, "to"), from);
+    double length = vec3_length(along);
+    if (!(length > 0) || !isfinite(length)) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "'from' and 'to' of this light are the same point");
+        return false;
+    }
+    Vec3 y = vec3_scale(along, 1 / length);
+    Vec3 level = vec3_cross(vec3(0, 1, 0), y);
+    Vec3 x = vec3_length(level) > 1e-9 ? vec3_normalize(level) : vec3(1, 0, 0);
+    Vec3 z = vec3_cross(x, y);
+    *frame = (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, from};
+    return true;
+}
+
+/* The frame in the world, made rigid and right-handed; the lights are symmetric, so that a mirrored z axis is the same light. */
+static Affine rigid_frame(const Affine *to_world, const Affine *local)
+{
+    Affine map = affine_compose(to_world, local);
+    Vec3 y = vec3_normalize(column(&map, 1));
+    Vec3 x = vec3_normalize(vec3_along(column(&map, 0), -vec3_dot(column(&map, 0), y), y));
+    Vec3 z = vec3_cross(x, y);
+    return (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, map.t};
+}
+
+static double area_of(const SceneLight *light)
+{
+    double w = light->half_width;
+    if (light->kind == LIGHT_RECT) return 4 * w * light->half_height;
+    return light->kind == LIGHT_DISC ? pi * w * w : 4 * pi * w * w;
+}
+
+/* Radiance per unit of colour. Power is in watts and lengths in metres, so that a light is as bright in
+ * whatever unit the scene is written. */
+static double radiance_factor(const Builder *b, const EvalNode *node, const SceneLight *light, double half_angle)
+{
+    const EvalProp *power = eval_prop(node, "power");
+    const EvalProp *radiance = eval_prop(node, "radiance");
+    if (light->kind == LIGHT_DISTANT) {
+        /* the irradiance of a cone of constant radiance L is pi L sin^2; white under an irradiance of pi looks like 1 */
+        double sine = sin(half_angle);
+        return radiance ? radiance->as.number : (power ? power->as.number : pi) / (pi * sine * sine);
+    }
+    double area_m2 = area_of(light) * b->scene->unit_m * b->scene->unit_m;
+    return power ? power->as.number / (pi * area_m2) : radiance ? radiance->as.number : 1;
+}
+
+static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light, double scale)
+{
+    double reach = hypot(light->half_width, light->half_height);
+    Box3 bounds = {vec3_sub(light->to_world.t, vec3(reach, reach, reach)), vec3_add(light->to_world.t, vec3(reach, reach, reach))};
+    if (!build_check_reach(b, node->span, "this light", bounds)) return false;
+    if (!(light->half_width > 0) || !(light->half_height > 0) || !isfinite(1 / area_of(light))) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this light has no area: its transforms scale it by %g", scale);
+        return false;
+    }
+    Piece piece = {.kind = PIECE_RECT, .r0 = light->half_width, .r1 = light->half_height};
+    if (light->kind == LIGHT_DISC) piece = piece_make_band(light->half_width, 0, 0, 0); /* inwards: facing +y */
+    uint32_t shape = light->kind == LIGHT_SPHERE ? build_sphere_shape(b, light->half_width) : build_piece_shape(b, &piece);
+    if (b->status != STATUS_OK) return false;
+    light->object = build_add_object(b, node, shape, &light->to_world);
+    SceneObject *object = &b->scene->objects[light->object];
+    object->surface = build_black_surface(b);
+    object->light = b->scene->n_lights;
+    object->volume = 0;
+    light->name = object->name;
+    return true;
+}
+
+void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    const double suns_angle = 0.53;
+    Scene *scene = b->scene;
+    SceneLight light = {.kind = kind_of(eval_word(node, "shape")), .span = node->span, .object = SCENE_NONE};
+    double scale = 1;
+    Affine frame;
+    if (!check_properties(b, node, light.kind) || !local_frame(b, node, light.kind, &frame)) return;
+    if (light.kind != LIGHT_DISTANT && !is_similar(to_world, &scale)) {
+        diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "a light can be turned, moved and scaled evenly, but not stretched or sheared");
+        return;
+    }
+    const EvalProp *angle = eval_prop(node, "angle");
+    double half_angle = (angle ? angle->as.number : suns_angle) / 2 * degree;
+    light.to_world = rigid_frame(to_world, &frame);
+    light.towards = vec3_scale(column(&light.to_world, 1), -1);
+    light.cos_angle = cos(half_angle);
+    if (light.kind == LIGHT_RECT) {
+        const EvalProp *size = eval_prop(node, "size");
+        light.half_width = size->as.vector[0] / 2 * scale;
+        light.half_height = size->as.vector[1] / 2 * scale;
+    } else if (light.kind != LIGHT_DISTANT) {
+        light.half_width = light.half_height = eval_number(node, "radius") * scale;
+    }
+    if (light.kind == LIGHT_DISTANT)
+        light.name = build_name(b, node, node->type->name);
+    else if (!place_area_light(b, node, &light, scale))
+        return;
+    if (!build_emission(b, node, "color", radiance_factor(b, node, &light, half_angle), &light.radiance)) return;
+    scene->lights = room_for_one(b->arena, scene->lights, scene->n_lights, &b->lights_capacity, sizeof light);
+    scene->lights[scene->n_lights++] = light;
+}
+
+/* ---- the environment ---- */
+
+/* Radiance must be a number, not negative, and far from the end of float's range. */
+static bool check_pixels(Builder *b, Span span, const char *name, const float *rgb, uint32_t width, uint32_t height)
+{
+    size_t n = (size_t)width * height * 3;
+    for (size_t i = 0; i < n; i++) {
+        if (rgb[i] >= 0 && rgb[i] <= 1e30f) continue;
+        diag_report(b->diag, D_IMAGE_INVALID, span, "'%s' cannot light a scene: the %s of pixel %zu,%zu is %g", name,
+                    i % 3 == 0   ? "red"
+                    : i % 3 == 1 ? "green"
+                                 : "blue",
+                    i / 3 % width, i / 3 / width, (double)rgb[i]);
+        return false;
+    }
+    return true;
+}
+
+static void environment_from_image(Builder *b, const EvalNode *node, const EvalProp *image)
+{
+    const char *path = eval_find_file(&b->eval_options, b->diag, image->span, image->as.text);
+    if (!path) return;
+    build_note_file(b, path);
+    float *rgb = NULL;
+    uint32_t width = 0, height = 0;
+    Error error;
+    double strength = eval_number(node, "strength");
+    Status status = b->options->load_image
+                        ? b->options->load_image(b->options->load_image_context, path, NULL, &rgb, &width, &height, &error)
+                        : fail(&error, STATUS_INPUT, "images cannot be read here");
+    if (status != STATUS_OK && status != STATUS_NOMEM) {
+        diag_report(b->diag, D_IMAGE_INVALID, image->span, "%s", error.text);
+    } else if (status == STATUS_OK && (width == 0 || height == 0)) {
+        diag_report(b->diag, D_IMAGE_INVALID, image->span, "'%s' has no pixels", path);
+    } else if (status == STATUS_OK && check_pixels(b, image->span, path, rgb, width, height)) {
+        status = environment_new_image(rgb, width, height, strength, &b->scene->environment, &error);
+        uint32_t size[2] = {width, height};
+        b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
+        b->environment_hash = hash_bytes(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
+        b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
+    }
+    free(rgb);
+    if (status == STATUS_NOMEM) build_succeeded(b, status, &error, image->span);
+}
+
+static void environment_from_color(Builder *b, const EvalNode *node)
+{
+    Spectrum radiance;
+    double strength = eval_number(node, "strength");
+    if (!build_emission(b, node, "color", strength, &radiance)) return;
+    Error error;
+    Status status = environment_new_constant(&radiance, &b->scene->environment, &error);
+    if (!build_succeeded(b, status, &error, node->span)) return;
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        float value = spectrum_at_one(&radiance, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM));
+        b->environment_hash = hash_bytes(&value, sizeof value, b->environment_hash);
+    }
+}
+
+void build_environment(Builder *b, const EvalNode *node)
+{
+    const EvalProp *image = eval_prop(node, "image");
+    double scale;
+    bool similar = is_similar(&node->transform, &scale);
+    if (!build_exclude(b, node, "color", "image")) return;
+    if (!similar || fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 || !affine_invert(&node->transform, &b->scene->world_to_environment)) {
+        diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "an environment can only be rotated");
+        return;
+    }
+    b->scene->world_to_environment.t = vec3(0, 0, 0);
+    if (image)
+        environment_from_image(b, node, image);
+    else
+        environment_from_color(b, node);
+}

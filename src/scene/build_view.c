@@ -1,0 +1,108 @@
+/* build_view.c - cameras, the film, and how to render.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <string.h>
+
+#include "scene/build_parts.h"
+
+static const double degree = 3.14159265358979323846 / 180;
+
+static void expectation(Builder *b, const EvalNode *node, SceneCamera *camera)
+{
+    const EvalProp *prop = eval_prop(node, "expect");
+    if (!prop) return;
+    uint32_t *media = ARENA_ARRAY(b->arena, uint32_t, prop->as.list.n + 1); /* never NULL, even for an empty list */
+    for (size_t i = 0; i < prop->as.list.n; i++) media[i] = build_medium(b, prop->as.list.nodes[i]);
+    camera->expect = media;
+    camera->n_expect = (uint32_t)prop->as.list.n;
+    camera->expect_span = prop->span;
+}
+
+/* The three axes. Right is forward x up: space is right-handed, as in mesh files. */
+static bool orient(Builder *b, const EvalNode *node, const Affine *to_world, SceneCamera *camera)
+{
+    Vec3 to = affine_point(to_world, eval_vector(node, "to"));
+    Vec3 up = affine_vector(to_world, eval_vector(node, "up"));
+    Vec3 along = vec3_sub(to, camera->from);
+    double distance = vec3_length(along);
+    if (!(distance > 0) || !isfinite(distance)) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "'from' and 'to' of this camera are the same point");
+        return false;
+    }
+    camera->forward = vec3_scale(along, 1 / distance);
+    camera->focus_distance = distance;
+    Vec3 right = vec3_cross(camera->forward, up);
+    const double parallel = 1e-9;
+    if (!(vec3_length(right) > parallel * vec3_length(up))) {
+        if (eval_prop(node, "up")) {
+            diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "up"), "'up' points along the view and does not say how to hold the camera");
+            return false;
+        }
+        /* straight up or down: north is at the top, as on a map with x to the right */
+        right = vec3_cross(camera->forward, affine_vector(to_world, vec3(0, 0, -1)));
+    }
+    camera->right = vec3_normalize(right);
+    camera->up = vec3_cross(camera->right, camera->forward);
+    return true;
+}
+
+static bool focus(Builder *b, const EvalNode *node, const Affine *to_world, SceneCamera *camera)
+{
+    const EvalProp *prop = eval_prop(node, "focus");
+    if (!prop) return true;
+    if (camera->lens_radius == 0) build_needs(b, node, "focus", "without an aperture");
+    Vec3 point = affine_point(to_world, vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]));
+    camera->focus_distance = vec3_dot(vec3_sub(point, camera->from), camera->forward);
+    if (camera->focus_distance > 0) return true;
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "the camera cannot focus on a point behind it");
+    return false;
+}
+
+void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Scene *scene = b->scene;
+    const EvalProp *from = eval_prop(node, "from");
+    SceneCamera camera = {.name = build_name(b, node, node->type->name), .span = node->span};
+    camera.from = affine_point(to_world, vec3(from->as.vector[0], from->as.vector[1], from->as.vector[2]));
+    /* the lens is round whatever the transforms: it grows with the mean scale */
+    camera.lens_radius = eval_number(node, "aperture") / 2 * cbrt(fabs(affine_determinant(to_world)));
+    camera.tan_half_width = tan(eval_number(node, "fov") / 2 * degree);
+    if (!build_check_reach(b, from->span, "the camera", box3_add_point(box3_empty(), camera.from))) return;
+    if (!orient(b, node, to_world, &camera) || !focus(b, node, to_world, &camera)) return;
+    if (!(camera.lens_radius <= SCENE_REACH)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "aperture"), "an aperture of %g is too large", 2 * camera.lens_radius);
+        return;
+    }
+    expectation(b, node, &camera);
+    scene->cameras = room_for_one(b->arena, scene->cameras, scene->n_cameras, &b->cameras_capacity, sizeof camera);
+    scene->cameras[scene->n_cameras++] = camera;
+}
+
+void build_film(Builder *b, const EvalNode *node)
+{
+    SceneFilm *film = &b->scene->film;
+    Vec3 size = eval_vector(node, "size");
+    if (size.x != floor(size.x) || size.y != floor(size.y))
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "size"), "a film of %g x %g pixels: pixels are whole", size.x, size.y);
+    film->width = (uint32_t)size.x;
+    film->height = (uint32_t)size.y;
+    const EvalProp *output = eval_prop(node, "output");
+    if (!output) return;
+    const char **outputs = ARENA_ARRAY(b->arena, const char *, output->as.list.n + 1);
+    for (size_t i = 0; i < output->as.list.n; i++) {
+        outputs[i] = arena_copy_text(b->arena, output->as.list.texts[i], strlen(output->as.list.texts[i]));
+        if (!*outputs[i]) diag_report(b->diag, D_BAD_OUTPUT, output->span, "an output has no name");
+    }
+    film->outputs = outputs;
+    film->n_outputs = (uint32_t)output->as.list.n;
+}
+
+void build_render(Builder *b, const EvalNode *node)
+{
+    SceneRender *render = &b->scene->render;
+    render->samples = (uint32_t)eval_number(node, "samples");
+    render->noise = eval_number(node, "noise");
+    render->bounces = (uint32_t)eval_number(node, "bounces");
+    render->seed = (uint32_t)eval_number(node, "seed");
+    if (!nest_policy_from_text(eval_word(node, "nesting"), &render->nesting)) render->nesting = NEST_AUTOMATIC;
+}

@@ -1,0 +1,182 @@
+/* scene_hash.c - one number for what a scene means.
+ *
+ * Two scenes with the same number render the same picture: everything that light meets goes in, names, places in the
+ * text and output paths do not, and neither does what nothing refers to. How long to render (samples,
+ * noise) is left out on purpose: a render that is resumed with more samples is the same render.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "base/hash.h"
+#include "scene/build_parts.h"
+
+typedef struct Hasher {
+    uint64_t state;
+} Hasher;
+
+static void add_bytes(Hasher *h, const void *bytes, size_t length)
+{
+    h->state = hash_u64(hash_bytes(bytes, length, h->state) + length);
+}
+
+static void add_integer(Hasher *h, uint64_t x)
+{
+    h->state = hash_u64(h->state ^ hash_u64(x));
+}
+
+static void add_number(Hasher *h, double x)
+{
+    uint64_t bits;
+    x += 0.0; /* -0 is 0 */
+    memcpy(&bits, &x, sizeof bits);
+    add_integer(h, bits);
+}
+
+static void add_vector(Hasher *h, Vec3 v)
+{
+    add_number(h, v.x);
+    add_number(h, v.y);
+    add_number(h, v.z);
+}
+
+static void add_map(Hasher *h, const Affine *map)
+{
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++) add_number(h, map->m[row][column]);
+    add_vector(h, map->t);
+}
+
+static void add_spectrum(Hasher *h, const Spectrum *spectrum)
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++)
+        add_number(h, (double)spectrum_at_one(spectrum, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM)));
+}
+
+static void add_mesh(Hasher *h, const Mesh *mesh)
+{
+    add_integer(h, mesh->n_vertices);
+    add_integer(h, mesh->n_triangles);
+    add_bytes(h, mesh->positions, mesh->n_vertices * sizeof *mesh->positions);
+    add_bytes(h, mesh->triangles, mesh->n_triangles * sizeof *mesh->triangles);
+    if (mesh->normals) add_bytes(h, mesh->normals, mesh->n_vertices * sizeof *mesh->normals);
+}
+
+static void add_solid(Hasher *h, const Solid *solid)
+{
+    add_integer(h, solid->n_pieces);
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *p = &solid->pieces[i];
+        add_integer(h, p->kind);
+        const double numbers[] = {p->r0, p->y0, p->r1, p->y1, (double)p->nr0, (double)p->ny0, (double)p->nr1, (double)p->ny1};
+        for (size_t k = 0; k < COUNT_OF(numbers); k++) add_number(h, numbers[k]);
+    }
+}
+
+/* Hashes of the tables' rows, each computed once however often it is used. */
+typedef struct Rows {
+    uint64_t *shapes, *media, *surfaces;
+} Rows;
+
+static uint64_t shape_hash(const SceneShape *shape)
+{
+    Hasher h = {1};
+    if (shape->mesh) add_mesh(&h, shape->mesh);
+    if (shape->solid) add_solid(&h, shape->solid);
+    return h.state;
+}
+
+static uint64_t medium_hash(const SceneMedium *medium)
+{
+    Hasher h = {2};
+    add_spectrum(&h, &medium->ior);
+    add_spectrum(&h, &medium->absorption);
+    add_integer(&h, medium->state);
+    return h.state;
+}
+
+static uint64_t surface_hash(const SceneSurface *surface)
+{
+    Hasher h = {3};
+    add_spectrum(&h, &surface->albedo);
+    add_integer(&h, surface->checkered);
+    if (surface->checkered) {
+        add_spectrum(&h, &surface->albedo2);
+        add_number(&h, (double)surface->check_size);
+    }
+    return h.state;
+}
+
+static Rows hash_rows(const Scene *scene, Arena *scratch)
+{
+    Rows rows = {ARENA_ARRAY(scratch, uint64_t, scene->n_shapes), ARENA_ARRAY(scratch, uint64_t, scene->n_media),
+                 ARENA_ARRAY(scratch, uint64_t, scene->n_surfaces)};
+    for (uint32_t i = 0; i < scene->n_shapes; i++) rows.shapes[i] = shape_hash(&scene->shapes[i]);
+    for (uint32_t i = 0; i < scene->n_media; i++) rows.media[i] = medium_hash(&scene->media[i]);
+    for (uint32_t i = 0; i < scene->n_surfaces; i++) rows.surfaces[i] = surface_hash(&scene->surfaces[i]);
+    return rows;
+}
+
+/* Which objects share a medium matters (they merge), the medium's number does not: so each medium counts by
+ * the object that used it first. */
+static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *scratch)
+{
+    uint32_t *first_use = ARENA_ARRAY(scratch, uint32_t, scene->n_media);
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        add_integer(h, rows->shapes[object->shape]);
+        add_map(h, &object->to_world);
+        if (object->medium != SCENE_NONE) {
+            add_integer(h, rows->media[object->medium]);
+            add_integer(h, (uint32_t)object->priority);
+            bool world = object->medium == 0;
+            if (!world && !first_use[object->medium]) first_use[object->medium] = i + 1;
+            add_integer(h, world ? 0 : first_use[object->medium]);
+        }
+        if (object->surface != SCENE_NONE) add_integer(h, rows->surfaces[object->surface]);
+    }
+}
+
+static void add_lights(Hasher *h, const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_lights; i++) {
+        const SceneLight *light = &scene->lights[i];
+        add_integer(h, light->kind);
+        add_integer(h, light->object);
+        add_spectrum(h, &light->radiance);
+        add_number(h, light->half_width);
+        add_number(h, light->half_height);
+        if (light->kind != LIGHT_DISTANT) continue;
+        add_vector(h, light->towards);
+        add_number(h, light->cos_angle);
+    }
+}
+
+static void add_cameras(Hasher *h, const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_cameras; i++) {
+        const SceneCamera *camera = &scene->cameras[i];
+        add_vector(h, camera->from);
+        add_vector(h, camera->forward);
+        add_vector(h, camera->up);
+        add_number(h, camera->tan_half_width);
+        add_number(h, camera->lens_radius);
+        if (camera->lens_radius > 0) add_number(h, camera->focus_distance);
+    }
+}
+
+uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch)
+{
+    Hasher h = {0};
+    Rows rows = hash_rows(scene, scratch);
+    add_integer(&h, rows.media[0]);
+    add_objects(&h, scene, &rows, scratch);
+    add_lights(&h, scene);
+    add_cameras(&h, scene);
+    add_integer(&h, environment_hash);
+    if (scene->environment) add_map(&h, &scene->world_to_environment);
+    add_integer(&h, scene->film.width);
+    add_integer(&h, scene->film.height);
+    add_integer(&h, scene->render.bounces);
+    add_integer(&h, scene->render.nesting);
+    add_integer(&h, scene->render.seed);
+    return h.state;
+}
