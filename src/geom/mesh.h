@@ -40,36 +40,51 @@ ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Error *error);
 /* Moves every vertex; a map that mirrors also turns the triangles round, so that outside stays outside. */
 void mesh_transform(Mesh *mesh, const Affine *transform);
 
+/* Makes the normals unit; one without length becomes the mean of its triangles' normals by area. */
+ATTR_NODISCARD Status mesh_normalize_normals(Mesh *mesh, Error *error);
+
 /* What closedness means: every undirected edge, by position, is used equally often in both directions. */
 typedef struct MeshReport {
-    uint32_t n_open_edges;          /* used in one direction more than in the other */
+    uint32_t n_open_edges;          /* edges used in one direction more than in the other */
     uint32_t n_non_manifold_edges;  /* used by more than two triangles */
     uint32_t n_degenerate;          /* triangles with two equal vertices or no area */
     uint32_t n_duplicate;           /* triangles that occur twice with the same orientation */
     uint32_t n_components;          /* connected by shared edges */
     uint32_t n_inverted;            /* components that enclose negative volume by themselves: cavities, or inside-out */
     bool inside_out;                /* the sum of the volumes is negative: the mesh as a whole is reversed */
-    bool consistent;                /* neighbouring triangles agree on the orientation */
-    bool closed;                    /* no open edge, consistent, no NaN */
+    bool consistent;                /* neighbouring triangles agree on the orientation: no edge is used two or more
+                                     * times more in one direction than in the other */
+    bool finite;                    /* no NaN, no infinity among the positions that triangles use */
+    bool closed;                    /* at least one triangle, no open edge, consistent, finite */
     struct { Vec3f a, b; } open[4]; /* the first open edges */
     double volume;                  /* signed, of the whole */
     double area;
     Box3 bounds;
 } MeshReport;
 
-/* Positions are compared bit by bit, so a mesh that splits its vertices for normals or uvs is closed all
- * the same. */
+/* Positions are compared bit by bit (-0 = 0), so a mesh that splits its vertices for normals or uvs is
+ * closed all the same. Triangles with two equal vertices have no part in edges and components. */
 ATTR_NODISCARD Status mesh_inspect(const Mesh *mesh, MeshReport *report, Error *error);
-/* Turns triangles so that neighbours agree, and the whole outward; false when it cannot be (a Moebius
- * band, non-manifold edges). Cavities stay: a component inside another keeps its opposite sense when it
- * had it relative to its own neighbours. */
+/* Turns triangles so that neighbours agree, and the whole outward; false, with the mesh as it was, when
+ * it cannot be (a Moebius band, edges of more than two triangles that do not come out even).
+ * The rule: triangles joined by edges of exactly two triangles are a sheet. In every sheet the fewest
+ * triangles are turned that make it agree with itself. If the mesh is then closed: when the sum of the
+ * volumes is negative, everything is turned; a sheet that still encloses negative volume is a cavity and
+ * stays so if it is inside the rest of the mesh (by winding number), and is turned outward if it is not. A
+ * sheet that encloses positive volume stays. Vertex normals that point against the triangles around them
+ * in the end are turned, if any triangle was. */
 ATTR_NODISCARD Status mesh_orient(Mesh *mesh, bool *mended, Error *error);
 /* Divergence theorem over the triangles, double precision, relative to the mesh's centre. */
 double mesh_volume(const Mesh *mesh);
 
 /* Makers of closed meshes. */
-/* A box with corners from and to whose edges are bevelled by `bevel` (0: a plain box of 12 triangles) in
- * `segments` steps (1: flat chamfers; more: rounded, with smooth normals on the rounds). */
+/* A box between two opposite corners, in any order, whose edges are bevelled by `bevel` (0: a plain box of
+ * 12 triangles) in `segments` steps, 1..256 (1: flat chamfers; more: rounded, with normals that are smooth
+ * on the rounds and meet the flat faces' own at their borders). STATUS_SCENE when the box has no volume or
+ * the bevel is more than half of its shortest side. */
 ATTR_NODISCARD Status mesh_make_box(Vec3 from, Vec3 to, double bevel, unsigned segments, Mesh **mesh, Error *error);
+/* A sphere about the origin: an icosahedron whose triangles were split in four `subdivisions` times (0..9),
+ * 20 * 4^subdivisions triangles, vertices on the sphere, with the sphere's normals. */
+ATTR_NODISCARD Status mesh_make_sphere(double radius, unsigned subdivisions, Mesh **mesh, Error *error);
 
 #endif

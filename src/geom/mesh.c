@@ -1,0 +1,211 @@
+/* mesh.c - storage of triangle meshes, welding, transformation, and the choice of a reader.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "geom/mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+
+enum { EMBREE_PADDING = 16 }; /* Embree reads 16 bytes at the last position's 12 */
+
+void mesh_free(Mesh *mesh)
+{
+    if (!mesh) return;
+    free(mesh->positions);
+    free(mesh->normals);
+    free(mesh->uvs);
+    free(mesh->triangles);
+    free(mesh);
+}
+
+Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool normals, bool uvs, Mesh **mesh, Error *error)
+{
+    Mesh *made = calloc(1, sizeof *made);
+    if (!made) return fail_memory(error, sizeof *made, "a mesh");
+    size_t position_bytes = n_vertices * sizeof(Vec3f) + EMBREE_PADDING;
+    size_t triangle_bytes = n_triangles * sizeof *made->triangles + EMBREE_PADDING;
+    made->positions = calloc(1, position_bytes);
+    made->triangles = calloc(1, triangle_bytes);
+    if (normals) made->normals = calloc(1, position_bytes);
+    if (uvs) made->uvs = calloc(2 * (size_t)n_vertices + 1, sizeof(float));
+    if (!made->positions || !made->triangles || (normals && !made->normals) || (uvs && !made->uvs)) {
+        mesh_free(made);
+        return fail_memory(error, position_bytes + triangle_bytes, "a mesh");
+    }
+    made->n_vertices = n_vertices;
+    made->n_triangles = n_triangles;
+    *mesh = made;
+    return STATUS_OK;
+}
+
+Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error)
+{
+    Mesh *made;
+    TRY(mesh_new(mesh->n_vertices, mesh->n_triangles, mesh->normals != NULL, mesh->uvs != NULL, &made, error));
+    memcpy(made->positions, mesh->positions, mesh->n_vertices * sizeof *made->positions);
+    memcpy(made->triangles, mesh->triangles, mesh->n_triangles * sizeof *made->triangles);
+    if (made->normals) memcpy(made->normals, mesh->normals, mesh->n_vertices * sizeof *made->normals);
+    if (made->uvs) memcpy(made->uvs, mesh->uvs, mesh->n_vertices * 2 * sizeof *made->uvs);
+    *copy = made;
+    return STATUS_OK;
+}
+
+static bool same_extension(const char *extension, const char *wanted)
+{
+    size_t i = 0;
+    for (; extension[i] && wanted[i]; i++) {
+        char letter = extension[i];
+        if (letter >= 'A' && letter <= 'Z') letter = (char)(letter - 'A' + 'a');
+        if (letter != wanted[i]) return false;
+    }
+    return extension[i] == wanted[i];
+}
+
+Status mesh_load(const char *path, Mesh **mesh, Error *error)
+{
+    const char *extension = file_extension(path);
+    if (same_extension(extension, "ply")) return mesh_load_ply(path, mesh, error);
+    if (same_extension(extension, "obj")) return mesh_load_obj(path, mesh, error);
+    return fail(error, STATUS_INPUT, "cannot tell what kind of mesh '%s' is; .ply and .obj can be read", path);
+}
+
+/* All that makes a vertex itself, as bits; -0 is 0. */
+enum { MAX_VERTEX_WORDS = 8 };
+typedef struct VertexKey {
+    uint32_t words[MAX_VERTEX_WORDS];
+} VertexKey;
+
+static uint32_t float_bits(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits == 0x80000000U ? 0 : bits;
+}
+
+static VertexKey vertex_key(const Mesh *mesh, size_t i)
+{
+    VertexKey key = {{0}};
+    const Vec3f *p = &mesh->positions[i];
+    key.words[0] = float_bits(p->x);
+    key.words[1] = float_bits(p->y);
+    key.words[2] = float_bits(p->z);
+    if (mesh->normals) {
+        const Vec3f *n = &mesh->normals[i];
+        key.words[3] = float_bits(n->x);
+        key.words[4] = float_bits(n->y);
+        key.words[5] = float_bits(n->z);
+    }
+    if (mesh->uvs) {
+        key.words[6] = float_bits(mesh->uvs[2 * i]);
+        key.words[7] = float_bits(mesh->uvs[2 * i + 1]);
+    }
+    return key;
+}
+
+static size_t key_hash(const VertexKey *key)
+{
+    uint64_t h = 0;
+    for (size_t k = 0; k < MAX_VERTEX_WORDS; k += 2)
+        h = hash_u64(h ^ (key->words[k] | (uint64_t)key->words[k + 1] << 32));
+    return (size_t)h;
+}
+
+Status mesh_weld(Mesh *mesh, Error *error)
+{
+    size_t room = 16;
+    while (room < 2 * (size_t)mesh->n_vertices) room *= 2;
+    uint32_t *table = calloc(room, sizeof *table); /* kept vertex + 1, 0: free */
+    uint32_t *moved_to = malloc(((size_t)mesh->n_vertices + 1) * sizeof *moved_to);
+    if (!table || !moved_to) {
+        free(table);
+        free(moved_to);
+        return fail_memory(error, room * sizeof *table, "the welding of a mesh");
+    }
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        VertexKey key = vertex_key(mesh, i);
+        size_t slot = key_hash(&key) & (room - 1);
+        for (; table[slot]; slot = (slot + 1) & (room - 1)) {
+            VertexKey other = vertex_key(mesh, table[slot] - 1);
+            if (memcmp(&key, &other, sizeof key) == 0) break;
+        }
+        if (table[slot]) {
+            moved_to[i] = table[slot] - 1;
+            continue;
+        }
+        mesh->positions[kept] = mesh->positions[i];
+        if (mesh->normals) mesh->normals[kept] = mesh->normals[i];
+        if (mesh->uvs) memmove(&mesh->uvs[2 * (size_t)kept], &mesh->uvs[2 * (size_t)i], 2 * sizeof(float));
+        moved_to[i] = kept;
+        table[slot] = ++kept;
+    }
+    for (uint32_t i = 0; i < mesh->n_triangles; i++)
+        for (int k = 0; k < 3; k++) mesh->triangles[i][k] = moved_to[mesh->triangles[i][k]];
+    mesh->n_vertices = kept;
+    free(table);
+    free(moved_to);
+    return STATUS_OK;
+}
+
+void mesh_transform(Mesh *mesh, const Affine *transform)
+{
+    /* Normals go with the matrix of cofactors, which is the transposed inverse times the determinant and
+     * exists for every map. */
+    const double(*m)[3] = transform->m;
+    double cofactor[3][3];
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++) {
+            int r1 = (row + 1) % 3, r2 = (row + 2) % 3, c1 = (column + 1) % 3, c2 = (column + 2) % 3;
+            cofactor[row][column] = m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
+        }
+    bool mirrors = affine_determinant(transform) < 0;
+    double sign = mirrors ? -1 : 1;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        mesh->positions[i] = vec3f_from(affine_point(transform, vec3_from_f(mesh->positions[i])));
+        if (!mesh->normals) continue;
+        Vec3 n = vec3_from_f(mesh->normals[i]);
+        Vec3 turned = vec3(cofactor[0][0] * n.x + cofactor[0][1] * n.y + cofactor[0][2] * n.z,
+                           cofactor[1][0] * n.x + cofactor[1][1] * n.y + cofactor[1][2] * n.z,
+                           cofactor[2][0] * n.x + cofactor[2][1] * n.y + cofactor[2][2] * n.z);
+        double length = vec3_length(turned);
+        if (length > 0) mesh->normals[i] = vec3f_from(vec3_scale(turned, sign / length));
+    }
+    if (!mirrors) return;
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        uint32_t keep = mesh->triangles[i][1];
+        mesh->triangles[i][1] = mesh->triangles[i][2];
+        mesh->triangles[i][2] = keep;
+    }
+}
+
+Status mesh_normalize_normals(Mesh *mesh, Error *error)
+{
+    if (!mesh->normals) return STATUS_OK;
+    bool missing = false;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        Vec3 n = vec3_from_f(mesh->normals[i]);
+        double length = vec3_length(n);
+        if (length > 0) mesh->normals[i] = vec3f_from(vec3_scale(n, 1 / length));
+        else missing = true;
+    }
+    if (!missing) return STATUS_OK;
+    Vec3 *sums = calloc((size_t)mesh->n_vertices + 1, sizeof *sums);
+    if (!sums) return fail_memory(error, mesh->n_vertices * sizeof *sums, "the normals of a mesh");
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        const uint32_t *t = mesh->triangles[i];
+        Vec3 a = vec3_from_f(mesh->positions[t[0]]);
+        Vec3 n = vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
+                            vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
+        for (int k = 0; k < 3; k++) sums[t[k]] = vec3_add(sums[t[k]], n);
+    }
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        Vec3f n = mesh->normals[i];
+        if (n.x != 0 || n.y != 0 || n.z != 0) continue;
+        double length = vec3_length(sums[i]);
+        mesh->normals[i] = length > 0 ? vec3f_from(vec3_scale(sums[i], 1 / length)) : vec3f(0, 1, 0);
+    }
+    free(sums);
+    return STATUS_OK;
+}
