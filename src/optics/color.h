@@ -52,5 +52,7 @@ static inline float color_luminance(const float rgb[3])
 
 /* Exact resolution of a whole spectrum (sum over the table), for set-up and tests. */
 void color_from_spectrum(const Spectrum *emission, double rgb[3]);
+/* Mean of the spectrum under the luminous efficiency y: 1 for white_at and for the constant 1. */
+double spectrum_luminance(const Spectrum *spectrum);
 
 #endif

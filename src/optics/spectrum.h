@@ -5,6 +5,7 @@
 #ifndef MEN_SPECTRUM_H
 #define MEN_SPECTRUM_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/lanes.h"
@@ -25,7 +26,7 @@ typedef enum SpectrumKind {
 
 typedef struct Spectrum {
     SpectrumKind kind;
-    float scale;
+    float scale; /* multiplies the value, whatever the kind */
     float value[6];
     const float *table; /* SPECTRUM_TABLE only; not owned */
 } Spectrum;

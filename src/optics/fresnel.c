@@ -1,0 +1,92 @@
+/* fresnel.c - reflectance and refraction at a smooth boundary between two dielectrics.
+ * The equations are Fresnel's as in any text (M. Born, E. Wolf, "Principles of Optics", 1.5.2), written
+ * so that nothing cancels. With
+ *     a = eta_i cos_i     b = eta_t cos_t     d = eta_t^2 - eta_i^2     b^2 = a^2 + d   (Snell's law)
+ * the amplitudes are, up to sign,
+ *     r_s = (a - b) / (a + b)                           = -d / (a + b)^2
+ *     r_p = (eta_t^2 a - eta_i^2 b) / (eta_t^2 a + eta_i^2 b)
+ *         = d (a b - eta_i^2 sin_i^2) / ((a + b) (eta_t^2 a + eta_i^2 b))
+ * whose right-hand sides go to zero with d without losing digits.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/fresnel.h"
+
+#include <float.h>
+
+/* b^2 above. Reflection is total where it is not above zero and d is not zero; fresnel_* and
+ * refract_direction both decide by this and so never disagree. In double: the products of floats are
+ * exact, and b is right up to the critical angle, where a^2 and d cancel. */
+static inline double transmitted_square(float cos_i, float eta_i, float eta_t)
+{
+    double a = (double)eta_i * (double)cos_i;
+    return a * a + ((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
+}
+
+/* A cosine from rounded vectors may lie outside 0..1. */
+static inline float clamp_cosine(float cos_i) { return fminf(fmaxf(cos_i, 0.0f), 1.0f); }
+
+/* Branch-free, for cos_i already in 0..1: both outcomes are made and one is chosen. */
+static inline float reflectance(float cos_i, float eta_i, float eta_t)
+{
+    float square_i = eta_i * eta_i, square_t = eta_t * eta_t;
+    double b_square = transmitted_square(cos_i, eta_i, eta_t);
+    float d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
+    float a = eta_i * cos_i, b = (float)sqrt(fmax(b_square, 0.0));
+    float sum = a + b + FLT_MIN; /* both vanish at a grazing ray between equal indices */
+    float r_s = d / (sum * sum + FLT_MIN);
+    float brewster = a * b - square_i * ((1 - cos_i) * (1 + cos_i));
+    float r_p = d * brewster / (sum * (square_t * a + square_i * b) + FLT_MIN);
+    float partial = fminf(0.5f * (r_s * r_s + r_p * r_p), 1.0f);
+    return d == 0 ? 0.0f : b_square > 0 ? partial : 1.0f;
+}
+
+float fresnel_dielectric(float cos_i, float eta_i, float eta_t) { return reflectance(clamp_cosine(cos_i), eta_i, eta_t); }
+
+Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t)
+{
+    cos_i = clamp_cosine(cos_i);
+    /* Media without dispersion are the rule. */
+    if (lanes_uniform(eta_i) && lanes_uniform(eta_t))
+        return lanes_all(reflectance(cos_i, lanes_get(eta_i, 0), lanes_get(eta_t, 0)));
+    Lanes result = lanes_all(0);
+    for (int i = 0; i < LANES; i++)
+        lanes_set(&result, i, reflectance(cos_i, lanes_get(eta_i, i), lanes_get(eta_t, i)));
+    return result;
+}
+
+/* J. W. T. Walsh (1926), as corrected in S. Q. Duntley, "The Optical Properties of Diffusing
+ * Materials", J. Opt. Soc. Am. 32 (1942): diffuse light on a medium n times as dense, n > 1. */
+static double mean_from_outside(double n)
+{
+    double s = n * n, t = s + 1, v = n + 1, u = (n - 1) * v * t; /* u is n^4 - 1 */
+    return 0.5 + (n - 1) * (3 * n + 1) / (6 * v * v) + s * (s - 1) * (s - 1) / (t * t * t) * log((n - 1) / v) -
+           2 * n * s * (s + 2 * n - 1) / (t * u) + 8 * s * s * (s * s + 1) / (t * u * u) * log(n);
+}
+
+float fresnel_dielectric_mean(float eta_i, float eta_t)
+{
+    /* Nearer to 1 the terms, which grow as (n - 1)^-2, cancel to noise; the mean goes to 0 there about
+     * in proportion to n - 1 (within 0.1 %). */
+    const double nearest = 1 + 1e-4;
+    bool inside = eta_i > eta_t;
+    double n = inside ? (double)eta_i / (double)eta_t : (double)eta_t / (double)eta_i;
+    double mean = n >= nearest ? mean_from_outside(n) : mean_from_outside(nearest) * (n - 1) / (nearest - 1);
+    /* Reciprocity: what a diffuse radiance passes is the same both ways, and inside it is spread over
+     * n^2 times the solid angle, so 1 - F_inside = (1 - F_outside) / n^2. */
+    return (float)(inside ? 1 - (1 - mean) / (n * n) : mean);
+}
+
+bool refract_direction(Vec3f direction, Vec3f normal, float eta_i, float eta_t, Vec3f *refracted)
+{
+    if (eta_i == eta_t) {
+        *refracted = direction;
+        return true;
+    }
+    float cos_i = clamp_cosine(-vec3f_dot(direction, normal));
+    double b_square = transmitted_square(cos_i, eta_i, eta_t);
+    if (!(b_square > 0)) return false;
+    /* Snell: eta_t t = eta_i d + (a - b) n, with a - b = -d / (a + b). */
+    float a = eta_i * cos_i, b = (float)sqrt(b_square);
+    float d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
+    *refracted = vec3f_normalize(vec3f_along(vec3f_scale(direction, eta_i), -d / (a + b + FLT_MIN), normal));
+    return true;
+}

@@ -1,0 +1,94 @@
+/* sampling.h - directions and discs from two uniform numbers, and weights for combining techniques.
+ * u and v are in [0,1). Maps without a seam where there is a choice, so that low-discrepancy points
+ * stay well spread.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SAMPLING_H
+#define MEN_SAMPLING_H
+
+#include "base/vec3.h"
+
+#define SAMPLING_PI 3.14159265358979323846f
+
+/* Two unit vectors that make a right-handed basis with the unit vector normal: T. Duff, J. Burgess,
+ * P. Christensen, C. Hery, A. Kensler, M. Liani, R. Villemin, "Building an Orthonormal Basis,
+ * Revisited", JCGT 6(1), 2017, listing 3. */
+static inline void sampling_basis(Vec3f normal, Vec3f *tangent, Vec3f *bitangent)
+{
+    float sign = copysignf(1.0f, normal.z);
+    float a = -1.0f / (sign + normal.z), b = normal.x * normal.y * a;
+    *tangent = vec3f(1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    *bitangent = vec3f(b, sign + normal.y * normal.y * a, -normal.y);
+}
+
+/* local (z along normal) to the space of normal */
+static inline Vec3f sampling_to_world(Vec3f local, Vec3f normal)
+{
+    Vec3f tangent, bitangent;
+    sampling_basis(normal, &tangent, &bitangent);
+    return vec3f_along(vec3f_along(vec3f_scale(tangent, local.x), local.y, bitangent), local.z, normal);
+}
+
+/* Uniform on the disc of radius 1: P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square",
+ * JGT 2(3), 1997, in the two-branch form of D. Cline. pdf 1/pi. */
+static inline void sampling_disc(float u, float v, float *x, float *y)
+{
+    float a = 2 * u - 1, b = 2 * v - 1, radius, angle;
+    if (a == 0 && b == 0) {
+        *x = *y = 0;
+        return;
+    }
+    if (fabsf(a) > fabsf(b)) {
+        radius = a;
+        angle = 0.25f * SAMPLING_PI * (b / a);
+    } else {
+        radius = b;
+        angle = 0.5f * SAMPLING_PI - 0.25f * SAMPLING_PI * (a / b);
+    }
+    *x = radius * cosf(angle);
+    *y = radius * sinf(angle);
+}
+
+/* In proportion to the cosine about the unit normal (N. Malley: the disc, projected up). Never below the
+ * surface; *pdf_w is cos/pi and above 0. */
+static inline Vec3f sampling_cosine_hemisphere(float u, float v, Vec3f normal, float *pdf_w)
+{
+    float x, y;
+    sampling_disc(u, v, &x, &y);
+    float z = sqrtf(fmaxf(1e-12f, 1 - x * x - y * y));
+    *pdf_w = z / SAMPLING_PI;
+    return sampling_to_world(vec3f(x, y, z), normal);
+}
+
+static inline Vec3f sampling_sphere(float u, float v)
+{
+    float z = 1 - 2 * u, radius = 2 * sqrtf(fmaxf(0.0f, u * (1 - u))), angle = 2 * SAMPLING_PI * v;
+    return vec3f(radius * cosf(angle), radius * sinf(angle), z);
+}
+
+/* Uniform in the cone about the unit axis. one_minus_cos: of the half angle, 0..2; taken so, and not as
+ * the cosine, because the sun's is 1e-5. pdf per steradian: sampling_cone_pdf. */
+static inline Vec3f sampling_cone(float u, float v, Vec3f axis, float one_minus_cos)
+{
+    /* the disc map keeps the sample set's shape: squared radius in the disc is u's share of the cap */
+    float x, y;
+    sampling_disc(u, v, &x, &y);
+    float height = one_minus_cos * (x * x + y * y); /* 1 - cos of the sample */
+    float stretch = sqrtf(fmaxf(0.0f, one_minus_cos * (2 - height)));
+    return sampling_to_world(vec3f(x * stretch, y * stretch, 1 - height), axis);
+}
+static inline float sampling_cone_pdf(float one_minus_cos) { return 1 / (2 * SAMPLING_PI * one_minus_cos); }
+
+/* Weights of a sample of density pdf_a where another technique has pdf_b there: E. Veach, "Robust Monte
+ * Carlo Methods for Light Transport Simulation" (1997), 9.2.2. Formed from the ratio, so that densities
+ * up to FLT_MAX do not overflow. pdf_a > 0. */
+static inline float sampling_balance(float pdf_a, float pdf_b)
+{
+    return 1 / (1 + pdf_b / pdf_a);
+}
+static inline float sampling_power(float pdf_a, float pdf_b) /* exponent 2 */
+{
+    float ratio = pdf_b / pdf_a;
+    return 1 / (1 + ratio * ratio);
+}
+
+#endif

@@ -1,0 +1,177 @@
+/* spectrum.c - evaluation of spectra at four wavelengths.
+ * This runs for every event of a path: no allocation, one branch per spectrum, none per lane.
+ * [JH19] W. Jakob, J. Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling",
+ * Computer Graphics Forum 38(2), 2019.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/spectrum.h"
+
+#include "optics/color.h"
+#include "optics/observer.h"
+
+static Lanes lanes_sqrt(Lanes a)
+{
+    for (int i = 0; i < LANES; i++) lanes_set(&a, i, sqrtf(lanes_get(a, i)));
+    return a;
+}
+
+/* The square of the wavelength in micrometres. */
+static Lanes square_um(Lanes wavelength_nm)
+{
+    Lanes um = lanes_scale(wavelength_nm, 1e-3f);
+    return lanes_mul(um, um);
+}
+
+static Lanes table_at(const float *table, Lanes wavelength_nm)
+{
+    Lanes result = lanes_all(0);
+    for (int i = 0; i < LANES; i++) {
+        float fraction;
+        int row = observer_row(lanes_get(wavelength_nm, i), SPECTRUM_STEP_NM, &fraction);
+        /* A table has no padding: at 830 nm the last interval is read at its end. */
+        if (row > SPECTRUM_SAMPLES - 2) {
+            row = SPECTRUM_SAMPLES - 2;
+            fraction = 1;
+        }
+        /* this form, and not a + f (b - a), is exact at both ends */
+        lanes_set(&result, i, (1 - fraction) * table[row] + fraction * table[row + 1]);
+    }
+    return result;
+}
+
+Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm)
+{
+    const float *value = spectrum->value;
+    Lanes result;
+    switch (spectrum->kind) {
+    case SPECTRUM_CONSTANT:
+        return lanes_all(spectrum->scale * value[0]);
+    case SPECTRUM_SIGMOID:
+        result = upsample_at(value, wavelength_nm);
+        break;
+    case SPECTRUM_LIGHT:
+        result = lanes_mul(upsample_at(value, wavelength_nm), white_at(wavelength_nm));
+        break;
+    case SPECTRUM_CAUCHY: {
+        Lanes inverse = lanes_div(lanes_all(1), square_um(wavelength_nm));
+        result = lanes_add(lanes_scale(inverse, value[2]), lanes_all(value[1]));
+        result = lanes_add(lanes_mul(result, inverse), lanes_all(value[0]));
+        break;
+    }
+    case SPECTRUM_SELLMEIER: {
+        Lanes square = square_um(wavelength_nm);
+        result = lanes_all(1);
+        for (int i = 0; i < 3; i++) {
+            Lanes distance = lanes_sub(square, lanes_all(value[3 + i]));
+            result = lanes_add(result, lanes_div(lanes_scale(square, value[i]), distance));
+        }
+        result = lanes_sqrt(result);
+        break;
+    }
+    case SPECTRUM_TABLE:
+    default:
+        result = table_at(spectrum->table, wavelength_nm);
+        break;
+    }
+    return lanes_scale(result, spectrum->scale);
+}
+
+float spectrum_at_one(const Spectrum *spectrum, float wavelength_nm)
+{
+    return lanes_get(spectrum_at(spectrum, lanes_all(wavelength_nm)), 0);
+}
+
+bool spectrum_is_constant(const Spectrum *spectrum)
+{
+    const float *value = spectrum->value;
+    if (spectrum_is_zero(spectrum)) return true;
+    switch (spectrum->kind) {
+    case SPECTRUM_CONSTANT:
+        return true;
+    case SPECTRUM_SIGMOID:
+    case SPECTRUM_CAUCHY:
+        return value[1] == 0 && value[2] == 0;
+    case SPECTRUM_SELLMEIER:
+        return value[0] == 0 && value[1] == 0 && value[2] == 0;
+    case SPECTRUM_TABLE:
+        for (int i = 1; i < SPECTRUM_SAMPLES; i++)
+            if (spectrum->table[i] != spectrum->table[0]) return false;
+        return true;
+    case SPECTRUM_LIGHT:
+    default:
+        return false;
+    }
+}
+
+bool spectrum_is_zero(const Spectrum *spectrum)
+{
+    if (spectrum->scale == 0) return true;
+    if (spectrum->kind == SPECTRUM_CONSTANT) return spectrum->value[0] == 0;
+    if (spectrum->kind != SPECTRUM_TABLE) return false;
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++)
+        if (spectrum->table[i] != 0) return false;
+    return true;
+}
+
+float spectrum_max(const Spectrum *spectrum)
+{
+    float largest = -HUGE_VALF;
+    for (int i = 0; i < SPECTRUM_SAMPLES; i += LANES) {
+        float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM), step = (float)SPECTRUM_STEP_NM;
+        /* the last group reaches past 830 nm */
+        Lanes wavelength_nm = lanes(nm, fminf(nm + step, SPECTRUM_MAX_NM), fminf(nm + 2 * step, SPECTRUM_MAX_NM),
+                                    fminf(nm + 3 * step, SPECTRUM_MAX_NM));
+        largest = fmaxf(largest, lanes_max(spectrum_at(spectrum, wavelength_nm)));
+    }
+    return largest;
+}
+
+Spectrum spectrum_constant(float value)
+{
+    return (Spectrum){.kind = SPECTRUM_CONSTANT, .scale = 1, .value = {value}};
+}
+
+Spectrum spectrum_cauchy(double a, double b_um2, double c_um4)
+{
+    return (Spectrum){.kind = SPECTRUM_CAUCHY, .scale = 1, .value = {(float)a, (float)b_um2, (float)c_um4}};
+}
+
+Spectrum spectrum_sellmeier(const double b[3], const double c_um2[3])
+{
+    return (Spectrum){.kind = SPECTRUM_SELLMEIER,
+                      .scale = 1,
+                      .value = {(float)b[0], (float)b[1], (float)b[2], (float)c_um2[0], (float)c_um2[1], (float)c_um2[2]}};
+}
+
+Spectrum spectrum_tabulate(double (*function)(void *context, double wavelength_nm), void *context, float *table)
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++)
+        table[i] = (float)function(context, (double)SPECTRUM_MIN_NM + i * SPECTRUM_STEP_NM);
+    return (Spectrum){.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
+}
+
+/* Planck's law relative to its value at 830 nm: (830 / w)^5 (e^(c/830) - 1) / (e^(c/w) - 1) with c the
+ * second radiation constant over the temperature. Written with negative exponents only, so that nothing
+ * overflows at any temperature. */
+static double planck_relative(double kelvin, double wavelength_nm)
+{
+    const double second_constant_nm = 1.438776877e7; /* h c / k, in nm K; CODATA 2018, exact */
+    double c = second_constant_nm / kelvin, end = (double)SPECTRUM_MAX_NM, ratio = end / wavelength_nm;
+    double square = ratio * ratio;
+    return square * square * ratio * exp(c / end - c / wavelength_nm) * expm1(-c / end) / expm1(-c / wavelength_nm);
+}
+
+Spectrum spectrum_blackbody(double kelvin, float *table)
+{
+    double shape[SPECTRUM_SAMPLES], largest = 0;
+    if (!(kelvin >= 1)) kelvin = 1; /* colder is black in any float */
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        shape[i] = planck_relative(kelvin, (double)SPECTRUM_MIN_NM + i * SPECTRUM_STEP_NM);
+        largest = fmax(largest, shape[i]);
+    }
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)(shape[i] / largest);
+    Spectrum blackbody = {.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
+    /* White has luminance 1, and so must this. */
+    double luminance = spectrum_luminance(&blackbody);
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)(shape[i] / largest / luminance);
+    return blackbody;
+}
