@@ -248,53 +248,52 @@ static Status check_header(Ply *ply)
     return STATUS_OK;
 }
 
-static uint64_t load_bytes(const char *at, size_t size, bool swap)
+static inline uint16_t load_u16(const char *at, bool swap)
 {
-    unsigned char bytes[8] = {0};
-    for (size_t i = 0; i < size; i++) bytes[i] = (unsigned char)at[swap ? size - 1 - i : i];
-    switch (size) {
-    case 1: return bytes[0];
-    case 2: {
-        uint16_t x;
-        memcpy(&x, bytes, sizeof x);
-        return x;
-    }
-    case 4: {
-        uint32_t x;
-        memcpy(&x, bytes, sizeof x);
-        return x;
-    }
-    default: break;
-    }
-    uint64_t x;
-    memcpy(&x, bytes, sizeof x);
+    uint16_t x;
+    memcpy(&x, at, sizeof x);
+    return swap ? (uint16_t)(x << 8 | x >> 8) : x;
+}
+
+static inline uint32_t load_u32(const char *at, bool swap)
+{
+    uint32_t x;
+    memcpy(&x, at, sizeof x);
+    return swap ? x << 24 | (x << 8 & 0xff0000U) | (x >> 8 & 0xff00U) | x >> 24 : x;
+}
+
+static inline double load_float(const char *at, bool swap)
+{
+    uint32_t bits = load_u32(at, swap);
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return (double)x;
+}
+
+static inline double load_double(const char *at, bool swap)
+{
+    uint32_t first = load_u32(at, swap);
+    uint32_t second = load_u32(at + 4, swap);
+    uint32_t words[2] = {swap ? second : first, swap ? first : second};
+    double x;
+    memcpy(&x, words, sizeof x);
     return x;
 }
 
-static double load_value(const char *at, PlyType type, bool swap)
+static inline double load_value(const char *at, PlyType type, bool swap)
 {
-    uint64_t bits = load_bytes(at, ply_types[type].size, swap);
     switch (type) {
-    case PLY_I8: return (int8_t)(uint8_t)bits;
-    case PLY_I16: return (int16_t)(uint16_t)bits;
-    case PLY_I32: return (int32_t)(uint32_t)bits;
-    case PLY_F32: {
-        uint32_t word = (uint32_t)bits;
-        float x;
-        memcpy(&x, &word, sizeof x);
-        return (double)x;
-    }
-    case PLY_F64: {
-        double x;
-        memcpy(&x, &bits, sizeof x);
-        return x;
-    }
-    case PLY_U8:
-    case PLY_U16:
-    case PLY_U32:
+    case PLY_I8: return (signed char)*at;
+    case PLY_U8: return (unsigned char)*at;
+    case PLY_I16: return (int16_t)load_u16(at, swap);
+    case PLY_U16: return load_u16(at, swap);
+    case PLY_I32: return (int32_t)load_u32(at, swap);
+    case PLY_U32: return load_u32(at, swap);
+    case PLY_F32: return load_float(at, swap);
+    case PLY_F64: return load_double(at, swap);
     case PLY_NO_TYPE: break;
     }
-    return (double)bits;
+    return 0;
 }
 
 static Status ends_inside(const Ply *ply, const PlyElement *element, uint64_t index)
@@ -331,7 +330,7 @@ static inline Status next_value(Ply *ply, const PlyElement *element, uint64_t in
     return STATUS_OK;
 }
 
-static Status list_length(Ply *ply, const PlyElement *element, uint64_t index, PlyType type, uint64_t *length)
+static inline Status list_length(Ply *ply, const PlyElement *element, uint64_t index, PlyType type, uint64_t *length)
 {
     double value = 0;
     TRY(next_value(ply, element, index, type, &value));
@@ -410,12 +409,12 @@ static Status read_vertices(Ply *ply, const PlyElement *element)
     return STATUS_OK;
 }
 
-static Status add_triangle(Ply *ply, uint32_t a, uint32_t b, uint32_t c)
+static inline Status add_triangle(Ply *ply, uint32_t a, uint32_t b, uint32_t c)
 {
     Mesh *mesh = ply->mesh;
     if (ply->n_triangles == UINT32_MAX - 1)
         return fail(ply->error, STATUS_INPUT, "'%s' has more than 4294967294 triangles", ply->path);
-    if (!ARRAY_ROOM(mesh->triangles, ply->triangle_capacity, ply->n_triangles))
+    if (ply->n_triangles >= ply->triangle_capacity && !ARRAY_ROOM(mesh->triangles, ply->triangle_capacity, ply->n_triangles))
         return fail_memory(ply->error, ply->n_triangles * 2 * sizeof *mesh->triangles, "the triangles of a mesh");
     uint32_t *t = mesh->triangles[ply->n_triangles++];
     t[0] = a;
@@ -432,11 +431,19 @@ static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, cons
     if (n < 3 || n > MAX_CORNERS)
         return fail(ply->error, STATUS_INPUT, "'%s': face %llu of %llu has %llu corners; 3 to %d can be read", ply->path,
                     (unsigned long long)i, (unsigned long long)element->count, (unsigned long long)n, MAX_CORNERS);
+    size_t size = ply_types[property->type].size;
+    bool text = ply->format == PLY_TEXT;
+    if (!text && (size_t)(ply->end - ply->at) < n * size) return ends_inside(ply, element, i);
     uint32_t first = 0, last = 0;
     for (uint64_t k = 0; k < n; k++) {
         double value = 0;
-        TRY(next_value(ply, element, i, property->type, &value));
-        if (!(value >= 0) || value >= (double)ply->n_vertices || value != floor(value))
+        if (text) {
+            TRY(text_value(ply, element, i, &value));
+        } else {
+            value = load_value(ply->at, property->type, ply->swap);
+            ply->at += size;
+        }
+        if (UNLIKELY(!(value >= 0) || value >= (double)ply->n_vertices || (text && value != floor(value))))
             return fail(ply->error, STATUS_INPUT, "'%s': face %llu of %llu uses vertex %.10g; there are %llu, from 0", ply->path,
                         (unsigned long long)i, (unsigned long long)element->count, value, (unsigned long long)ply->n_vertices);
         uint32_t vertex = (uint32_t)value;
