@@ -28,6 +28,7 @@ typedef struct CompiledScene {
     uint32_t *object_of_hull;
     NestHull *hulls;
     uint32_t n_hulls;
+    Box3 *hull_bounds;         /* in the world */
     HullPair *pairs;           /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
     NestOrder order;
@@ -43,5 +44,8 @@ void compiled_scene_free(CompiledScene *compiled);
  * whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */
 ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list,
                                         uint32_t *on_surface);
+
+/* Reports a camera that is on a surface, or in other media than its `expect` says; STATUS_SCENE after that. */
+ATTR_NODISCARD Status compile_check_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag, Error *error);
 
 #endif

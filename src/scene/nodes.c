@@ -5,8 +5,8 @@
 #include "base/attr.h"
 #include "scene/build.h"
 
-#define NO_MIN (-INFINITY)
-#define NO_MAX INFINITY
+#define NO_MIN (-HUGE_VAL)
+#define NO_MAX HUGE_VAL
 #define SHAPE (NODE_PLACED | NODE_TRANSFORMS)
 
 /* What every object that can have an inside is made of. */

@@ -1,0 +1,182 @@
+/* lines.c - evenly spread lines through a box, and where along a line each hull begins and ends.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/lines.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/hash.h"
+
+Vec3 line_direction(int i)
+{
+    /* the columns of a rotation by an irrational angle about an irrational axis */
+    static const double d[LINE_DIRECTIONS][3] = {
+        {0.6253688769553447, 0.7041620779661303, -0.33625813847404845},
+        {-0.33867251874299803, 0.6331422255500111, 0.6960113844427063},
+        {0.703004048910022, -0.3213824671322321, 0.6344277870933107},
+    };
+    return vec3(d[i][0], d[i][1], d[i][2]);
+}
+
+/* ---- lines through a box ---- */
+
+static double get(Vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+static void put(Vec3 *v, int axis, double x)
+{
+    *(axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z) = x;
+}
+
+void line_set_begin(LineSet *set, Box3 box, int direction, uint32_t n, uint64_t seed)
+{
+    Vec3 size = vec3_sub(box.max, box.min);
+    *set = (LineSet){.box = box, .direction = line_direction(direction)};
+    double whole = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        set->face_area[axis] = get(size, (axis + 1) % 3) * get(size, (axis + 2) % 3) * fabs(get(set->direction, axis));
+        whole += set->face_area[axis];
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        double share = whole > 0 ? set->face_area[axis] / whole * n : 0;
+        set->n_face[axis] = share > 1 ? (uint32_t)(share + 0.5) : 1;
+    }
+    uint64_t hash = hash_u64(seed * LINE_DIRECTIONS + (uint64_t)direction);
+    set->offset[0] = hash_to_unit(hash);
+    set->offset[1] = hash_to_unit(hash_u64(hash));
+}
+
+/* How far it is from a point on the box to where the direction leaves it. */
+static double length_inside(const Box3 *box, Vec3 start, Vec3 direction)
+{
+    double length = HUGE_VAL;
+    for (int axis = 0; axis < 3; axis++) {
+        double along = get(direction, axis);
+        double wall = along > 0 ? get(box->max, axis) : get(box->min, axis);
+        length = fmin(length, (wall - get(start, axis)) / along);
+    }
+    return fmax(length, 0);
+}
+
+bool line_set_next(LineSet *set, Line *line)
+{
+    while (set->face < 3 && set->i == set->n_face[set->face]) {
+        set->face++;
+        set->i = 0;
+    }
+    if (set->face == 3) return false;
+    /* the additive recurrence of the plastic number fills a rectangle evenly for any count (M. Roberts, 2018) */
+    const double step[2] = {0.7548776662466927, 0.5698402909980532};
+    int axis = (int)set->face;
+    Vec3 start, size = vec3_sub(set->box.max, set->box.min);
+    put(&start, axis, get(set->direction, axis) > 0 ? get(set->box.min, axis) : get(set->box.max, axis));
+    for (int k = 0; k < 2; k++) {
+        int other = (axis + 1 + k) % 3;
+        double u = set->offset[k] + step[k] * (set->i + 1.0);
+        put(&start, other, get(set->box.min, other) + (u - floor(u)) * get(size, other));
+    }
+    line->start = vec3f_from(start);
+    line->direction = vec3f_from(set->direction);
+    line->length = length_inside(&set->box, vec3_from_f(line->start), vec3_from_f(line->direction));
+    line->area = set->face_area[axis] / set->n_face[axis];
+    set->i++;
+    return true;
+}
+
+/* ---- what stands on a line ---- */
+
+Status probe_init(Probe *probe, uint32_t n_hulls, Error *error)
+{
+    *probe = (Probe){0};
+    probe->depth = calloc(n_hulls ? n_hulls : 1, sizeof *probe->depth);
+    return probe->depth ? STATUS_OK : fail_memory(error, n_hulls * sizeof *probe->depth, "how the hulls lie");
+}
+
+void probe_clear(Probe *probe)
+{
+    hit_list_clear(&probe->forward);
+    hit_list_clear(&probe->backward);
+    free(probe->intervals);
+    free(probe->depth);
+    *probe = (Probe){0};
+}
+
+bool hit_repeats(const HitList *hits, size_t i)
+{
+    const Hit *hit = &hits->items[i];
+    for (size_t k = i; k-- > 0;) {
+        const Hit *before = &hits->items[k];
+        if ((hit->t - before->t) * fabs(hit->cos_normal) > hit->rounding) return false;
+        if (before->object == hit->object) return before->entering == hit->entering;
+    }
+    return false;
+}
+
+/* All surfaces of hulls along a ray. */
+static void trace(Probe *probe, const CompiledScene *compiled, Vec3f start, Vec3f direction, double length, HitList *hits)
+{
+    Ray ray = {.origin = start, .direction = direction, .t_min = 0, .t_max = length, .target = RTC_NO_OBJECT};
+    rtc_all(compiled->rtc, &ray, false, hits);
+    if (hits->out_of_memory) probe->out_of_memory = true;
+    size_t kept = 0;
+    for (size_t i = 0; i < hits->n; i++)
+        if (compiled->hull_of_object[hits->items[i].object] != SCENE_NONE) hits->items[kept++] = hits->items[i];
+    hits->n = kept;
+}
+
+bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *line, uint32_t must)
+{
+    trace(probe, compiled, line->start, line->direction, line->length, &probe->forward);
+    if (must == SCENE_NONE) return probe->forward.n > 0;
+    for (size_t i = 0; i < probe->forward.n; i++)
+        if (compiled->hull_of_object[probe->forward.items[i].object] == must) return true;
+    return false;
+}
+
+static Interval *add_interval(Probe *probe, uint32_t hull, double begin, const Hit *enter)
+{
+    if (!ARRAY_ROOM(probe->intervals, probe->intervals_capacity, probe->n_intervals)) {
+        probe->out_of_memory = true;
+        return NULL;
+    }
+    Interval *interval = &probe->intervals[probe->n_intervals++];
+    *interval = (Interval){.hull = hull, .begin = begin, .end = HUGE_VAL, .enter = enter};
+    return interval;
+}
+
+static Interval *open_interval(Probe *probe, uint32_t hull)
+{
+    for (size_t i = probe->n_intervals; i-- > 0;)
+        if (probe->intervals[i].hull == hull) return isinf(probe->intervals[i].end) ? &probe->intervals[i] : NULL;
+    return NULL;
+}
+
+void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line)
+{
+    Vec3f back = vec3f_negate(line->direction);
+    trace(probe, compiled, line->start, back, HUGE_VAL, &probe->backward);
+    probe->n_intervals = 0;
+    const HitList *behind = &probe->backward, *ahead = &probe->forward;
+    for (size_t i = 0; i < behind->n; i++)
+        if (!hit_repeats(behind, i)) probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
+    for (size_t i = 0; i < behind->n; i++) {
+        uint32_t hull = compiled->hull_of_object[behind->items[i].object];
+        if (probe->depth[hull] > 0) add_interval(probe, hull, 0, NULL);
+        probe->depth[hull] = 0;
+    }
+    for (size_t i = 0; i < ahead->n; i++) {
+        const Hit *hit = &ahead->items[i];
+        uint32_t hull = compiled->hull_of_object[hit->object];
+        Interval *open = open_interval(probe, hull);
+        /* an edge reported by both its triangles enters twice or leaves twice: the second says nothing new */
+        if (hit->entering && !open) add_interval(probe, hull, hit->t, hit);
+        if (hit->entering || !open) continue;
+        open->end = hit->t;
+        open->leave = hit;
+    }
+    for (size_t i = 0; i < probe->n_intervals; i++)
+        if (isinf(probe->intervals[i].end)) probe->intervals[i].end = line->length;
+}

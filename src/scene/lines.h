@@ -1,0 +1,63 @@
+/* lines.h - finding out how hulls lie by looking along lines: evenly spread lines through a box, and where
+ * along a line each hull begins and ends. Private to compile.c, relations.c and report.c.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_LINES_H
+#define MEN_LINES_H
+
+#include "scene/compile.h"
+
+enum { LINE_DIRECTIONS = 3 };
+/* Three unit vectors at right angles to each other, none of them near an axis or a diagonal, where scenes
+ * have edges and faces in line. */
+Vec3 line_direction(int i);
+
+/* A stretch of a line: from start along the direction, as far as length. */
+typedef struct Line {
+    Vec3f start, direction;
+    double length;
+    double area; /* of the cross-section that this line stands for */
+} Line;
+
+/* Lines of one direction through a box, evenly spread over the box's silhouette: about n, at least one for each of the three
+ * faces where they enter. */
+typedef struct LineSet {
+    Box3 box;
+    Vec3 direction;
+    double face_area[3]; /* seen along the direction */
+    uint32_t n_face[3];
+    uint32_t face, i;    /* the next line */
+    double offset[2];
+} LineSet;
+void line_set_begin(LineSet *set, Box3 box, int direction, uint32_t n, uint64_t seed);
+/* false when there are no more */
+bool line_set_next(LineSet *set, Line *line);
+
+/* Whether hit i is the same crossing as one before it: the edge of a hull, reported by both its faces. */
+bool hit_repeats(const HitList *hits, size_t i);
+
+/* Where a hull lies on a line. */
+typedef struct Interval {
+    uint32_t hull;
+    double begin, end;
+    const Hit *enter, *leave; /* NULL where the line itself begins or ends inside */
+} Interval;
+
+/* The memory of one worker. */
+typedef struct Probe {
+    HitList forward, backward;
+    Interval *intervals;
+    size_t n_intervals, intervals_capacity;
+    int32_t *depth;     /* of each hull at the start of a line: 0 in between */
+    bool out_of_memory; /* sticks */
+} Probe;
+ATTR_NODISCARD Status probe_init(Probe *probe, uint32_t n_hulls, Error *error);
+void probe_clear(Probe *probe);
+
+/* Collects the surfaces of hulls along the line into probe->forward; false when there are none of hull
+ * `must` (SCENE_NONE: any). */
+bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *line, uint32_t must);
+/* After that: looks back from the line's start for what the start is inside of, and fills in the intervals, in order
+ * of their beginnings. */
+void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line);
+
+#endif

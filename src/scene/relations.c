@@ -1,0 +1,640 @@
+/* relations.c - how the hulls of a scene lie to each other, found along lines.
+ *
+ * First, lines through each hull, over its whole silhouette: what they meet says whether the hull lies inside of another
+ * one, overlaps it, touches it, or leaves a thin gap. A pair is judged along the lines of its smaller hull. Second, lines
+ * through the common part of the bounds of pairs where that is much smaller than the hull. Third, where a pair's
+ * surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place where
+ * the two are nearest. Spheres need none of this: two of them are judged by formula.
+ *
+ * All lines are fixed by the scene, each task writes to its own place, and the results are put together in
+ * order, so that the answer does not depend on threads.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/relations.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/hash.h"
+#include "scene/lines.h"
+
+enum {
+    LINES_IN_ALL = 200000,  /* of the first stage, shared by the hulls: about half a second */
+    LINES_OF_HULL_MAX = 600,
+    LINES_OF_HULL_MIN = 15,
+    LINES_OF_PAIR_MAX = 600,
+    LINES_OF_PAIR_MIN = 24,
+    SEARCH_LINES_IN_ALL = 500000,
+    SEARCH_STEPS_MAX = 10,
+    SEARCH_STEPS_MIN = 3,
+    SEARCH_LINES = 45
+};
+static const double pi = 3.14159265358979323846;
+static const double gap_part = 0.02;     /* of the smaller hull's least extent: wider gaps are no mistake */
+static const double gap_lines_part = 0.05; /* of the lines that meet the hull: fewer are a near miss, not a gap */
+/* Cosines between normals: faces that run along each other, not a ball that rests on a plate. */
+static const double opposite = -0.998, parallel = 0.99;
+
+/* What is known of one pair. `own` is the hull whose lines or bounds were used. */
+typedef struct PairFacts {
+    uint32_t own, other;
+    bool overlaps, touches, own_out, other_out, seen;
+    uint32_t n_inside; /* lines that meet own and find it inside of other */
+    uint32_t n_gap;
+    double gap;
+    double sum, sum_face, squares_face; /* of overlap volume: whole, and of the present face */
+    double variance;
+    double nearest;    /* distance along a line between the two, the least so far */
+    Vec3 nearest_place;
+} PairFacts;
+
+typedef struct FactList {
+    PairFacts *items;
+    size_t n, capacity;
+    uint32_t n_lines; /* that met the hull */
+} FactList;
+
+typedef struct Candidate {
+    uint32_t a, b;
+    Box3 region;       /* common part of the bounds, a little widened */
+    bool region_small; /* much smaller than the smaller hull: worth lines of its own */
+    FactList facts;    /* of the second and third stage; at most one */
+} Candidate;
+
+typedef struct Finder {
+    const CompiledScene *compiled;
+    Probe *probes; /* per worker */
+    double *extent; /* half the area of the bounds, by which hulls are small or large */
+    Vec3 *center;
+    double *radius; /* of spheres; 0: no sphere */
+    FactList *hull_facts;
+    Candidate *candidates;
+    size_t n_candidates, candidates_capacity;
+    uint32_t lines_of_hull, lines_of_pair;
+    int search_steps;
+} Finder;
+
+/* ---- hulls by size ---- */
+
+static double half_area(Box3 box)
+{
+    Vec3 s = vec3_sub(box.max, box.min);
+    return s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
+static double least_extent(Box3 box)
+{
+    Vec3 s = vec3_sub(box.max, box.min);
+    return fmin(s.x, fmin(s.y, s.z));
+}
+
+static Box3 widened(Box3 box, double by)
+{
+    Vec3 margin = vec3(by, by, by);
+    return (Box3){vec3_sub(box.min, margin), vec3_add(box.max, margin)};
+}
+
+static bool smaller(const Finder *f, uint32_t a, uint32_t b)
+{
+    return f->extent[a] != f->extent[b] ? f->extent[a] < f->extent[b] : a < b;
+}
+
+/* How far beyond a hull's bounds its gaps are looked for. */
+static double margin_of(const Finder *f, uint32_t hull)
+{
+    Box3 box = f->compiled->hull_bounds[hull];
+    double largest = fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
+    return gap_part * least_extent(box) + 2 * rtc_rounding(vec3(largest, largest, largest));
+}
+
+/* A hull that is a ball in the world: its radius, else 0. */
+static double sphere_radius(const SceneShape *shape, const Affine *map)
+{
+    if (!shape->solid || shape->solid->n_pieces != 1 || shape->solid->pieces[0].kind != PIECE_SPHERE) return 0;
+    Vec3 x = vec3(map->m[0][0], map->m[1][0], map->m[2][0]), y = vec3(map->m[0][1], map->m[1][1], map->m[2][1]),
+         z = vec3(map->m[0][2], map->m[1][2], map->m[2][2]);
+    double s = vec3_length(x), slack = 1e-9 * s;
+    bool even = fabs(vec3_length(y) - s) <= slack && fabs(vec3_length(z) - s) <= slack && fabs(vec3_dot(x, y)) <= slack * s &&
+                fabs(vec3_dot(y, z)) <= slack * s && fabs(vec3_dot(z, x)) <= slack * s;
+    return even ? shape->solid->pieces[0].r0 * s : 0;
+}
+
+/* ---- what one line says about one pair ---- */
+
+static double cosine(const Hit *hit)
+{
+    return hit ? fabs(hit->cos_normal) : 1;
+}
+
+static double rounding_of(const Hit *a, const Hit *b)
+{
+    return fmax(a ? a->rounding : 0, b ? b->rounding : 0);
+}
+
+/* Whether a stretch between two surfaces is more than what rounding can make or hide. */
+static bool is_real(double length, const Hit *a, const Hit *b)
+{
+    return length > 0 && length * fmin(cosine(a), cosine(b)) > rounding_of(a, b);
+}
+
+static double normals_dot(const Hit *a, const Hit *b)
+{
+    return (double)vec3f_dot(a->normal, b->normal);
+}
+
+/* Faces of both at one place. */
+static bool coincide(const Hit *a, const Hit *b)
+{
+    return a && b && fabs(a->t - b->t) * fmax(cosine(a), cosine(b)) <= rounding_of(a, b) && fabs(normals_dot(a, b)) > parallel;
+}
+
+/* Nothing but the world stands at t. */
+static bool is_empty_at(const Probe *probe, double t)
+{
+    for (size_t i = 0; i < probe->n_intervals; i++)
+        if (probe->intervals[i].begin < t && t < probe->intervals[i].end) return false;
+    return true;
+}
+
+static void note_gap(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Hit *leave, const Hit *enter,
+                     bool *gap_here)
+{
+    if (!leave || !enter || enter->t <= leave->t) return;
+    double along = enter->t - leave->t, middle = leave->t + along / 2;
+    if (along < facts->nearest) {
+        facts->nearest = along;
+        facts->nearest_place = vec3_along(vec3_from_f(line->start), middle, vec3_from_f(line->direction));
+    }
+    double across = along * fmax(cosine(leave), cosine(enter));
+    double widest = gap_part * fmin(least_extent(f->compiled->hull_bounds[facts->own]),
+                                    least_extent(f->compiled->hull_bounds[facts->other]));
+    if (across > widest || across <= rounding_of(leave, enter) || normals_dot(leave, enter) > opposite) return;
+    if (!is_empty_at(probe, middle)) return;
+    *gap_here = true;
+    facts->gap = fmin(facts->gap, across);
+}
+
+/* The parts of an interval of one hull that the intervals of the other do not cover: whether one is real. */
+static bool sticks_out(const Probe *probe, const Interval *of, uint32_t other)
+{
+    double reached = of->begin;
+    const Hit *from = of->enter;
+    for (size_t i = 0; i < probe->n_intervals; i++) {
+        const Interval *cover = &probe->intervals[i];
+        if (cover->hull != other || cover->end <= reached) continue;
+        if (cover->begin >= of->end) break;
+        if (is_real(cover->begin - reached, from, cover->enter)) return true;
+        reached = cover->end;
+        from = cover->leave;
+        if (reached >= of->end) return false;
+    }
+    return is_real(of->end - reached, from, of->leave);
+}
+
+/* Judges a pair on the line whose intervals are in the probe. */
+static void judge(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts)
+{
+    double shared = 0;
+    bool own_out = false, gap_here = false, own_here = false;
+    for (size_t i = 0; i < probe->n_intervals; i++) {
+        const Interval *own = &probe->intervals[i];
+        if (own->hull == facts->other && sticks_out(probe, own, facts->own)) facts->other_out = true;
+        if (own->hull != facts->own) continue;
+        own_here = true;
+        if (sticks_out(probe, own, facts->other)) own_out = true;
+        for (size_t k = 0; k < probe->n_intervals; k++) {
+            const Interval *other = &probe->intervals[k];
+            if (other->hull != facts->other) continue;
+            bool own_last = own->begin > other->begin, own_first = own->end < other->end;
+            double begin = own_last ? own->begin : other->begin, end = own_first ? own->end : other->end;
+            if (is_real(end - begin, own_last ? own->enter : other->enter, own_first ? own->leave : other->leave))
+                shared += end - begin;
+            if (coincide(own->enter, other->enter) || coincide(own->enter, other->leave) || coincide(own->leave, other->enter) ||
+                coincide(own->leave, other->leave))
+                facts->touches = true;
+            note_gap(f, probe, line, facts, own->leave, other->enter, &gap_here);
+            note_gap(f, probe, line, facts, other->leave, own->enter, &gap_here);
+        }
+    }
+    if (shared > 0) facts->overlaps = true;
+    if (own_out) facts->own_out = true;
+    if (own_here && !own_out) facts->n_inside++;
+    if (gap_here) facts->n_gap++;
+    facts->sum_face += shared * line->area;
+    facts->squares_face += shared * line->area * shared * line->area;
+}
+
+/* Lines are spread over each face by themselves, so the variance adds up over the faces. */
+static void end_face(PairFacts *facts, uint32_t n)
+{
+    double mean_square = facts->squares_face - facts->sum_face * facts->sum_face / n;
+    facts->sum += facts->sum_face;
+    facts->variance += n > 1 ? fmax(mean_square, 0) * n / (n - 1.0) : facts->squares_face;
+    facts->sum_face = facts->squares_face = 0;
+}
+
+static PairFacts *facts_of(FactList *list, uint32_t own, uint32_t other)
+{
+    for (size_t i = 0; i < list->n; i++)
+        if (list->items[i].other == other) return &list->items[i];
+    if (!ARRAY_ROOM(list->items, list->capacity, list->n)) return NULL;
+    list->items[list->n] = (PairFacts){.own = own, .other = other, .gap = HUGE_VAL, .nearest = HUGE_VAL};
+    return &list->items[list->n++];
+}
+
+/* ---- the first stage: lines through a hull ---- */
+
+/* Whether the hull has more on the line than an edge, about which the surfaces of others may disagree. */
+static bool meets_really(const Probe *probe, uint32_t hull)
+{
+    for (size_t i = 0; i < probe->n_intervals; i++) {
+        const Interval *interval = &probe->intervals[i];
+        if (interval->hull == hull && is_real(interval->end - interval->begin, interval->enter, interval->leave)) return true;
+    }
+    return false;
+}
+
+/* A pair is judged along the lines of its smaller hull, and two balls by formula. */
+static bool is_judged_by(const Finder *f, uint32_t hull, uint32_t other)
+{
+    return other != hull && smaller(f, hull, other) && !(f->radius[hull] > 0 && f->radius[other] > 0);
+}
+
+static void judge_hull_line(const Finder *f, Probe *probe, FactList *list, uint32_t hull, const Line *line)
+{
+    const CompiledScene *compiled = f->compiled;
+    bool met = probe_surfaces(probe, compiled, line, hull);
+    for (size_t i = 0; i < probe->forward.n; i++) { /* whose surface comes near the hull, even if this line misses it */
+        uint32_t other = compiled->hull_of_object[probe->forward.items[i].object];
+        if (!is_judged_by(f, hull, other)) continue;
+        PairFacts *facts = facts_of(list, hull, other);
+        if (facts)
+            facts->seen = true;
+        else
+            probe->out_of_memory = true;
+    }
+    if (!met) return;
+    probe_intervals(probe, compiled, line);
+    if (!meets_really(probe, hull)) return;
+    list->n_lines++;
+    for (size_t i = 0; i < probe->n_intervals; i++) {
+        uint32_t other = probe->intervals[i].hull;
+        bool seen_before = false;
+        for (size_t k = 0; k < i && !seen_before; k++) seen_before = probe->intervals[k].hull == other;
+        if (seen_before || !is_judged_by(f, hull, other)) continue;
+        PairFacts *facts = facts_of(list, hull, other);
+        if (facts)
+            judge(f, probe, line, facts);
+        else
+            probe->out_of_memory = true;
+    }
+}
+
+static void task_of_hull(void *context, uint32_t hull, unsigned worker)
+{
+    Finder *f = context;
+    FactList *list = &f->hull_facts[hull];
+    Box3 box = widened(f->compiled->hull_bounds[hull], margin_of(f, hull));
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        LineSet set;
+        Line line;
+        uint32_t face = 0;
+        line_set_begin(&set, box, direction, f->lines_of_hull / LINE_DIRECTIONS, hull);
+        while (line_set_next(&set, &line)) {
+            if (set.face != face)
+                for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
+            face = set.face;
+            judge_hull_line(f, &f->probes[worker], list, hull, &line);
+        }
+        for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
+    }
+}
+
+/* ---- the second and third stage: lines through a pair ---- */
+
+static void judge_pair_in(const Finder *f, Probe *probe, PairFacts *facts, Box3 box, uint32_t n, uint64_t seed)
+{
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        LineSet set;
+        Line line;
+        uint32_t face = 0;
+        line_set_begin(&set, box, direction, n / LINE_DIRECTIONS, seed);
+        while (line_set_next(&set, &line)) {
+            if (set.face != face) end_face(facts, set.n_face[face]);
+            face = set.face;
+            probe_surfaces(probe, f->compiled, &line, SCENE_NONE); /* none: the line may still be inside of both */
+            probe_intervals(probe, f->compiled, &line);
+            judge(f, probe, &line, facts);
+        }
+        end_face(facts, set.n_face[face]);
+    }
+}
+
+static Box3 common(Box3 a, Box3 b)
+{
+    return (Box3){vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),
+                  vec3(fmin(a.max.x, b.max.x), fmin(a.max.y, b.max.y), fmin(a.max.z, b.max.z))};
+}
+
+static const PairFacts *hull_facts_of(const Finder *f, uint32_t own, uint32_t other)
+{
+    const FactList *list = &f->hull_facts[own];
+    for (size_t i = 0; i < list->n; i++)
+        if (list->items[i].other == other) return &list->items[i];
+    return NULL;
+}
+
+/* The smaller hull of the pair first. */
+static void by_size(const Finder *f, const Candidate *candidate, uint32_t *own, uint32_t *other)
+{
+    bool a_first = smaller(f, candidate->a, candidate->b);
+    *own = a_first ? candidate->a : candidate->b;
+    *other = a_first ? candidate->b : candidate->a;
+}
+
+static uint64_t pair_seed(const Candidate *candidate)
+{
+    return ((uint64_t)candidate->a << 32 | candidate->b) + 1;
+}
+
+/* The second stage. */
+static void task_of_pair(void *context, uint32_t number, unsigned worker)
+{
+    Finder *f = context;
+    Candidate *candidate = &f->candidates[number];
+    uint32_t own, other;
+    by_size(f, candidate, &own, &other);
+    if (!candidate->region_small || !is_judged_by(f, own, other)) return;
+    PairFacts *facts = facts_of(&candidate->facts, own, other);
+    if (facts)
+        judge_pair_in(f, &f->probes[worker], facts, candidate->region, f->lines_of_pair, pair_seed(candidate));
+    else
+        f->probes[worker].out_of_memory = true;
+}
+
+/* Whether no overlap has been seen where there could be one. */
+static bool needs_search(const Finder *f, const Candidate *candidate)
+{
+    uint32_t own, other;
+    by_size(f, candidate, &own, &other);
+    if (!is_judged_by(f, own, other)) return false;
+    const PairFacts *known = hull_facts_of(f, own, other);
+    if (known && known->overlaps) return false;
+    if (candidate->facts.n) return !candidate->facts.items[0].overlaps;
+    return known && known->seen;
+}
+
+/* The third stage closes in on the place where the two come nearest, until they overlap or are seen not to. The volume that
+ * a late step finds is that of its box alone: small, but then so is the overlap. */
+static void task_of_search(void *context, uint32_t number, unsigned worker)
+{
+    const double shrink = 0.45; /* of the box from step to step; the nearest place may lie somewhat off the place found */
+    Finder *f = context;
+    Candidate *candidate = &f->candidates[number];
+    if (!needs_search(f, candidate)) return;
+    uint32_t own, other;
+    by_size(f, candidate, &own, &other);
+    Probe *probe = &f->probes[worker];
+    PairFacts *facts = facts_of(&candidate->facts, own, other);
+    if (!facts) {
+        probe->out_of_memory = true;
+        return;
+    }
+    Box3 region = candidate->region;
+    Vec3 half = vec3_scale(vec3_sub(region.max, region.min), 0.5);
+    for (int step = 0; step < f->search_steps && !facts->overlaps; step++) {
+        Box3 box = region;
+        if (isfinite(facts->nearest)) {
+            half = vec3_scale(half, shrink);
+            box = common(region, (Box3){vec3_sub(facts->nearest_place, half), vec3_add(facts->nearest_place, half)});
+        } else if (step > 1) {
+            return; /* no line meets both */
+        }
+        facts->sum = facts->variance = 0;
+        judge_pair_in(f, probe, facts, box, SEARCH_LINES, pair_seed(candidate) + hash_u64((uint64_t)step));
+    }
+}
+
+/* ---- pairs whose bounds meet ---- */
+
+typedef struct Edge {
+    double begin;
+    uint32_t hull;
+} Edge;
+
+static int compare_edges(const void *left, const void *right)
+{
+    const Edge *a = left, *b = right;
+    if (a->begin != b->begin) return a->begin < b->begin ? -1 : 1;
+    return a->hull < b->hull ? -1 : a->hull > b->hull;
+}
+
+static Status add_candidate(Finder *f, uint32_t a, uint32_t b, Error *error)
+{
+    Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
+    double margin = fmin(margin_of(f, a), margin_of(f, b));
+    Box3 region = common(widened(box_a, margin), widened(box_b, margin));
+    if (!(region.min.x < region.max.x && region.min.y < region.max.y && region.min.z < region.max.z)) return STATUS_OK;
+    if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
+        return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
+    uint32_t least = smaller(f, a, b) ? a : b;
+    f->candidates[f->n_candidates++] = (Candidate){
+        .a = a < b ? a : b,
+        .b = a < b ? b : a,
+        .region = region,
+        .region_small = half_area(region) < 0.6 * half_area(widened(f->compiled->hull_bounds[least], margin)),
+    };
+    return STATUS_OK;
+}
+
+static int compare_candidates(const void *left, const void *right)
+{
+    const Candidate *a = left, *b = right;
+    if (a->a != b->a) return a->a < b->a ? -1 : 1;
+    return a->b < b->b ? -1 : a->b > b->b;
+}
+
+/* Sweeps along x. */
+static Status find_candidates(Finder *f, Error *error)
+{
+    uint32_t n = f->compiled->n_hulls, n_active = 0;
+    Edge *edges = malloc((n ? n : 1) * sizeof *edges);
+    uint32_t *active = malloc((n ? n : 1) * sizeof *active);
+    Status status = edges && active ? STATUS_OK : fail_memory(error, n * sizeof *edges, "pairs of hulls");
+    for (uint32_t h = 0; status == STATUS_OK && h < n; h++)
+        edges[h] = (Edge){f->compiled->hull_bounds[h].min.x - margin_of(f, h), h};
+    if (status == STATUS_OK) qsort(edges, n, sizeof *edges, compare_edges);
+    for (uint32_t i = 0; status == STATUS_OK && i < n; i++) {
+        uint32_t kept = 0;
+        for (uint32_t k = 0; k < n_active; k++) {
+            uint32_t other = active[k];
+            if (f->compiled->hull_bounds[other].max.x + margin_of(f, other) < edges[i].begin) continue;
+            active[kept++] = other;
+            if (status == STATUS_OK) status = add_candidate(f, other, edges[i].hull, error);
+        }
+        active[kept++] = edges[i].hull;
+        n_active = kept;
+    }
+    free(edges);
+    free(active);
+    if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
+    if (f->n_candidates > UINT32_MAX) status = fail(error, STATUS_NOMEM, "too many pairs of hulls");
+    return status;
+}
+
+/* ---- putting it together ---- */
+
+/* Two balls, by formula. */
+static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
+{
+    HullPair pair = {.a = a, .b = b, .gap = HUGE_VAL};
+    double small = fmin(f->radius[a], f->radius[b]), large = fmax(f->radius[a], f->radius[b]);
+    double d = vec3_length(vec3_sub(f->center[a], f->center[b]));
+    double rounding = fmax(rtc_rounding(f->center[a]), rtc_rounding(f->center[b]));
+    rounding = fmax(rounding, rtc_rounding(vec3(large, large, large)));
+    bool a_small = f->radius[a] < f->radius[b];
+    pair.touches = fabs(d - (small + large)) <= rounding || fabs(d + small - large) <= rounding;
+    pair.overlaps = d < small + large - rounding;
+    if (!pair.overlaps) return pair;
+    if (d + small <= large + rounding) {
+        pair.relation = small == large ? NEST_PARTIAL : a_small ? NEST_A_IN_B : NEST_B_IN_A;
+        pair.overlap_volume = 4 * pi / 3 * small * small * small;
+    } else { /* a lens of two caps */
+        double depth = small + large - d;
+        pair.overlap_volume = pi * depth * depth *
+                              (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
+    }
+    return pair;
+}
+
+static bool box_inside(Box3 a, Box3 b, double slack)
+{
+    Box3 w = widened(b, slack);
+    return a.min.x >= w.min.x && a.min.y >= w.min.y && a.min.z >= w.min.z && a.max.x <= w.max.x && a.max.y <= w.max.y &&
+           a.max.z <= w.max.z;
+}
+
+static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, HullPair *pair)
+{
+    const Box3 *bounds = f->compiled->hull_bounds;
+    if (!first || !pair->overlaps) return;
+    double largest = fmax(vec3_max_abs(bounds[first->other].min), vec3_max_abs(bounds[first->other].max));
+    double slack = rtc_rounding(vec3(largest, largest, largest));
+    bool own_inside = !first->own_out && first->n_inside == n_lines && box_inside(bounds[first->own], bounds[first->other], slack);
+    bool other_inside = !first->other_out && box_inside(bounds[first->other], bounds[first->own], slack);
+    if (own_inside == other_inside) return; /* both: the same hull twice */
+    uint32_t inner = own_inside ? first->own : first->other;
+    pair->relation = inner == pair->a ? NEST_A_IN_B : NEST_B_IN_A;
+    pair->overlap_volume = f->compiled->hulls[inner].volume;
+    pair->overlap_volume_error = 0;
+}
+
+static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
+{
+    uint32_t own, other;
+    by_size(f, candidate, &own, &other);
+    if (f->radius[own] > 0 && f->radius[other] > 0) return judge_spheres(f, candidate->a, candidate->b);
+    HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL};
+    const PairFacts *first = hull_facts_of(f, own, other), *second = candidate->facts.n ? candidate->facts.items : NULL;
+    uint32_t n_lines = f->hull_facts[own].n_lines;
+    const PairFacts *volume = second && (candidate->region_small || !first || !first->overlaps) ? second : first;
+    const PairFacts *facts[2] = {first, second};
+    for (int i = 0; i < 2; i++) {
+        if (!facts[i]) continue;
+        pair.overlaps = pair.overlaps || facts[i]->overlaps;
+        pair.touches = pair.touches || facts[i]->touches;
+    }
+    if (volume && pair.overlaps) {
+        const NestHull *hulls = f->compiled->hulls;
+        pair.overlap_volume = fmin(volume->sum / LINE_DIRECTIONS, fmin(hulls[own].volume, hulls[other].volume));
+        pair.overlap_volume_error = sqrt(volume->variance) / LINE_DIRECTIONS;
+    }
+    relate(f, first, n_lines, &pair);
+    if (first && first->n_gap >= 2 && first->n_gap >= gap_lines_part * n_lines) pair.gap = first->gap;
+    return pair;
+}
+
+static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, Error *error)
+{
+    HullPair *list = malloc((f->n_candidates ? f->n_candidates : 1) * sizeof *list);
+    if (!list) return fail_memory(error, f->n_candidates * sizeof *list, "pairs of hulls");
+    size_t n = 0;
+    for (size_t i = 0; i < f->n_candidates; i++) {
+        HullPair pair = judge_candidate(f, &f->candidates[i]);
+        if (pair.overlaps || pair.touches || isfinite(pair.gap)) list[n++] = pair;
+    }
+    *pairs = list;
+    *n_pairs = n;
+    return STATUS_OK;
+}
+
+static uint32_t clamped(double x, uint32_t low, uint32_t high)
+{
+    return x < low ? low : x > high ? high : (uint32_t)x;
+}
+
+static Status prepare(Finder *f, unsigned n_workers, Error *error)
+{
+    const CompiledScene *compiled = f->compiled;
+    size_t n = compiled->n_hulls ? compiled->n_hulls : 1;
+    f->probes = calloc(n_workers, sizeof *f->probes);
+    f->extent = calloc(n, sizeof *f->extent);
+    f->center = calloc(n, sizeof *f->center);
+    f->radius = calloc(n, sizeof *f->radius);
+    f->hull_facts = calloc(n, sizeof *f->hull_facts);
+    if (!f->probes || !f->extent || !f->center || !f->radius || !f->hull_facts)
+        return fail_memory(error, n * sizeof *f->hull_facts, "how the hulls lie");
+    for (unsigned i = 0; i < n_workers; i++) TRY(probe_init(&f->probes[i], compiled->n_hulls, error));
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) {
+        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
+        f->extent[h] = half_area(compiled->hull_bounds[h]);
+        f->center[h] = object->to_world.t;
+        f->radius[h] = sphere_radius(&compiled->scene->shapes[object->shape], &object->to_world);
+    }
+    TRY(find_candidates(f, error));
+    f->lines_of_hull = clamped((double)LINES_IN_ALL / (double)n, LINES_OF_HULL_MIN, LINES_OF_HULL_MAX);
+    size_t n_pairs = f->n_candidates ? f->n_candidates : 1;
+    f->lines_of_pair = clamped((double)LINES_IN_ALL / (double)n_pairs, LINES_OF_PAIR_MIN, LINES_OF_PAIR_MAX);
+    return STATUS_OK;
+}
+
+static void finder_clear(Finder *f, unsigned n_workers)
+{
+    for (unsigned i = 0; f->probes && i < n_workers; i++) probe_clear(&f->probes[i]);
+    for (uint32_t h = 0; f->hull_facts && h < f->compiled->n_hulls; h++) free(f->hull_facts[h].items);
+    for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
+    free(f->probes);
+    free(f->extent);
+    free(f->center);
+    free(f->radius);
+    free(f->hull_facts);
+    free(f->candidates);
+}
+
+static void run(Pool *pool, uint32_t n, void (*task)(void *context, uint32_t index, unsigned worker), void *context)
+{
+    if (pool)
+        pool_run(pool, n, task, context);
+    else
+        for (uint32_t i = 0; i < n; i++) task(context, i, 0);
+}
+
+Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs, Error *error)
+{
+    unsigned n_workers = pool ? pool_threads(pool) : 1;
+    Finder f = {.compiled = compiled};
+    Status status = prepare(&f, n_workers, error);
+    if (status == STATUS_OK && compiled->n_hulls > 1) {
+        run(pool, compiled->n_hulls, task_of_hull, &f);
+        run(pool, (uint32_t)f.n_candidates, task_of_pair, &f);
+        double n_searches = 1;
+        for (size_t i = 0; i < f.n_candidates; i++) n_searches += needs_search(&f, &f.candidates[i]);
+        f.search_steps = (int)fmin(SEARCH_LINES_IN_ALL / (SEARCH_LINES * n_searches), SEARCH_STEPS_MAX);
+        if (f.search_steps >= SEARCH_STEPS_MIN) run(pool, (uint32_t)f.n_candidates, task_of_search, &f);
+    }
+    for (unsigned i = 0; status == STATUS_OK && i < n_workers; i++)
+        if (f.probes[i].out_of_memory) status = fail(error, STATUS_NOMEM, "out of memory while finding out how the hulls lie");
+    if (status == STATUS_OK) status = put_together(&f, pairs, n_pairs, error);
+    finder_clear(&f, n_workers);
+    return status;
+}

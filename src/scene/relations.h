@@ -1,0 +1,13 @@
+/* relations.h - how the hulls of a scene lie to each other. Private to src/scene.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RELATIONS_H
+#define MEN_RELATIONS_H
+
+#include "scene/compile.h"
+
+/* Every pair of hulls that overlaps, touches or leaves a thin gap of world between them, in order of (a, b); a and b
+ * are hulls here. compiled needs its rtc, hulls and hull_bounds. *pairs is malloc'd. The same for any number of threads. */
+ATTR_NODISCARD Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs,
+                                     Error *error);
+
+#endif
