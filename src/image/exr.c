@@ -37,13 +37,16 @@ typedef struct ExrBytes {
     char reason[512];
 } ExrBytes;
 
+/* Where this thread's errors go. The library reports on the calling thread, sometimes with the context locked,
+ * so that asking the context for its user data would wait for ever. */
+static _Thread_local ExrBytes *reporting;
+
 /* The library prefixes "path: (EXR_ERR_NAME) ", which our messages say in their own way. */
 static void keep_reason(exr_const_context_t context, exr_result_t code, const char *message)
 {
-    void *user_data = NULL;
-    if (!context || exr_get_user_data(context, &user_data) != EXR_ERR_SUCCESS || !user_data) return;
-    ExrBytes *bytes = user_data;
-    if (bytes->reason[0]) return;
+    (void)context;
+    ExrBytes *bytes = reporting;
+    if (!bytes || bytes->reason[0]) return;
     const char *text = message ? message : exr_get_default_error_message(code);
     const char *name = strstr(text, "(EXR_ERR_");
     const char *end = name ? strstr(name, ") ") : NULL;
@@ -94,6 +97,7 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
     return (int64_t)size;
 }
 
+/* And sends the thread's errors to bytes, until the caller sets reporting to NULL. */
 static exr_context_initializer_t initializer_of(ExrBytes *bytes)
 {
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -107,6 +111,7 @@ static exr_context_initializer_t initializer_of(ExrBytes *bytes)
     initializer.zip_level = ZIP_LEVEL;
     /* a file cut short is refused at once, not searched for what is left of it */
     initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    reporting = bytes;
     return initializer;
 }
 
@@ -163,6 +168,15 @@ static bool needs_long_names(const Image *image, const ExrOptions *options)
     return false;
 }
 
+/* The library would add a second channel of a name and then write for ever. */
+static Status check_names(const char *path, const Image *image, Error *error)
+{
+    for (uint32_t i = 0; i < image->n_channels; i++)
+        if (image_channel(image, image->names[i]) != (int)i)
+            return fail(error, STATUS_OUTPUT, "cannot write '%s': two channels are named '%s'", path, image->names[i]);
+    return STATUS_OK;
+}
+
 static exr_result_t write_header(exr_context_t context, const Image *image, const ExrOptions *options)
 {
     static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
@@ -202,28 +216,60 @@ static void stage_lines(const Image *image, const ExrOptions *options, uint32_t 
     }
 }
 
-/* One chunk of lines from staging; the pipeline is set up by the first. */
-static exr_result_t encode_chunk(exr_context_t context, exr_encode_pipeline_t *pipeline, const Image *image,
-                                 uint32_t y, const float *staging)
+/* The encoding of chunks, one after another, from the image. */
+typedef struct ExrEncoder {
+    exr_context_t context;
+    const Image *image;
+    exr_encode_pipeline_t pipeline;
+    exr_result_t (*compress)(exr_encode_pipeline_t *pipeline); /* the library's, while ours stands in its place */
+    float *staging;                                            /* one chunk, interleaved as the image is */
+} ExrEncoder;
+
+/* A chunk whose stored size is its full size is read as not compressed, but OpenEXR 3.1 also writes it so when
+ * the compressed bytes happen to be exactly that many; such a chunk is stored plain. */
+static exr_result_t compress_or_store(exr_encode_pipeline_t *pipeline)
 {
-    exr_chunk_info_t chunk;
-    exr_result_t result = exr_write_scanline_chunk_info(context, 0, (int)y, &chunk);
-    if (result != EXR_ERR_SUCCESS) return result;
-    bool first = y == 0;
-    result = first ? exr_encoding_initialize(context, 0, &chunk, pipeline)
-                   : exr_encoding_update(context, 0, &chunk, pipeline);
-    if (result != EXR_ERR_SUCCESS) return result;
-    for (int c = 0; c < pipeline->channel_count; c++) {
-        exr_coding_channel_info_t *channel = &pipeline->channels[c];
-        const float *source = staging + image_channel(image, channel->channel_name);
+    const ExrEncoder *encoder = pipeline->encoding_user_data;
+    exr_result_t result = encoder->compress(pipeline);
+    if (result == EXR_ERR_SUCCESS && pipeline->compressed_buffer && pipeline->compressed_bytes == pipeline->packed_bytes)
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->compressed_bytes);
+    return result;
+}
+
+static void point_at_staging(ExrEncoder *encoder)
+{
+    const Image *image = encoder->image;
+    for (int c = 0; c < encoder->pipeline.channel_count; c++) {
+        exr_coding_channel_info_t *channel = &encoder->pipeline.channels[c];
+        const float *source = encoder->staging + image_channel(image, channel->channel_name);
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_bytes_per_element = sizeof(float);
         channel->user_pixel_stride = (int32_t)(image->n_channels * sizeof(float));
         channel->user_line_stride = (int32_t)(image->width * image->n_channels * sizeof(float));
         channel->encode_from_ptr = (const uint8_t *)source;
     }
-    if (first) result = exr_encoding_choose_default_routines(context, 0, pipeline);
-    return result == EXR_ERR_SUCCESS ? exr_encoding_run(context, 0, pipeline) : result;
+}
+
+/* The lines of staging as the chunk that begins with line y; the pipeline is set up by the first. */
+static exr_result_t encode_chunk(ExrEncoder *encoder, uint32_t y)
+{
+    exr_context_t context = encoder->context;
+    exr_encode_pipeline_t *pipeline = &encoder->pipeline;
+    exr_chunk_info_t chunk;
+    exr_result_t result = exr_write_scanline_chunk_info(context, 0, (int)y, &chunk);
+    if (result != EXR_ERR_SUCCESS) return result;
+    result = y == 0 ? exr_encoding_initialize(context, 0, &chunk, pipeline)
+                    : exr_encoding_update(context, 0, &chunk, pipeline);
+    if (result != EXR_ERR_SUCCESS) return result;
+    point_at_staging(encoder);
+    if (y == 0) {
+        result = exr_encoding_choose_default_routines(context, 0, pipeline);
+        if (result != EXR_ERR_SUCCESS) return result;
+        encoder->compress = pipeline->compress_fn;
+        pipeline->encoding_user_data = encoder;
+        pipeline->compress_fn = compress_or_store;
+    }
+    return exr_encoding_run(context, 0, pipeline);
 }
 
 static exr_result_t write_pixels(exr_context_t context, const Image *image, const ExrOptions *options)
@@ -231,16 +277,16 @@ static exr_result_t write_pixels(exr_context_t context, const Image *image, cons
     int32_t lines;
     exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
     if (result != EXR_ERR_SUCCESS) return result;
-    float *staging = malloc((size_t)lines * image->width * image->n_channels * sizeof(float));
-    if (!staging) return EXR_ERR_OUT_OF_MEMORY;
-    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+    ExrEncoder encoder = {.context = context, .image = image};
+    encoder.staging = malloc((size_t)lines * image->width * image->n_channels * sizeof(float));
+    if (!encoder.staging) return EXR_ERR_OUT_OF_MEMORY;
     for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < image->height; y += (uint32_t)lines) {
         uint32_t n_lines = image->height - y < (uint32_t)lines ? image->height - y : (uint32_t)lines;
-        stage_lines(image, options, y, n_lines, staging);
-        result = encode_chunk(context, &pipeline, image, y, staging);
+        stage_lines(image, options, y, n_lines, encoder.staging);
+        result = encode_chunk(&encoder, y);
     }
-    exr_encoding_destroy(context, &pipeline);
-    free(staging);
+    exr_encoding_destroy(context, &encoder.pipeline);
+    free(encoder.staging);
     return result;
 }
 
@@ -258,6 +304,7 @@ static Status write_stream(const char *path, const Image *image, const ExrOption
         exr_result_t finished = exr_finish(&context); /* writes the table of chunks */
         if (result == EXR_ERR_SUCCESS) result = finished;
     }
+    reporting = NULL;
     return result == EXR_ERR_SUCCESS ? STATUS_OK : fail_write(path, &bytes, result, error);
 }
 
@@ -291,6 +338,7 @@ Status exr_write(const char *path, const Image *image, const ExrOptions *options
     static const ExrOptions defaults = {0};
     if (!options) options = &defaults;
     FileOut out;
+    TRY(check_names(path, image, error));
     TRY(file_create(&out, path, error));
     Status status = out.plain ? write_through_spool(path, image, options, out.stream, error)
                               : write_stream(path, image, options, out.stream, error);
@@ -313,6 +361,7 @@ typedef struct ExrFile {
 static void close_file(ExrFile *file)
 {
     if (file->context) exr_finish(&file->context);
+    reporting = NULL;
     if (file->bytes.file >= 0) close(file->bytes.file);
     free(file->memory);
     *file = (ExrFile){.bytes.file = -1};
