@@ -48,6 +48,8 @@ Command command_named(const char *name)
 const char *command_nearest(const char *wrong)
 {
     const char *names[COMMAND_COUNT];
-    for (size_t i = 0; i < COMMAND_COUNT; i++) names[i] = command_table[i].name;
-    return suggest_nearest(wrong, names, COMMAND_COUNT);
+    size_t n = 0;
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        if (command_table[i].summary) names[n++] = command_table[i].name;
+    return suggest_nearest(wrong, names, n);
 }

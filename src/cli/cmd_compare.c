@@ -1,0 +1,77 @@
+/* cmd_compare.c - the command compare: how much two pictures differ.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
+#include "cli/commands.h"
+#include "cli/scene_input.h"
+#include "image/compare.h"
+
+static void print_text(const Comparison *c, bool flip, Buf *out)
+{
+    buf_format(out, "rmse            %.6g\n", c->rmse);
+    buf_format(out, "relative mse    %.6g\n", c->relative_mse);
+    buf_format(out, "largest         %.6g at %u,%u\n", c->max_difference, c->max_x, c->max_y);
+    buf_format(out, "mean of A       %.6g %.6g %.6g\n", c->mean_a[0], c->mean_a[1], c->mean_a[2]);
+    buf_format(out, "mean of B       %.6g %.6g %.6g\n", c->mean_b[0], c->mean_b[1], c->mean_b[2]);
+    if (flip) buf_format(out, "flip            %.6g\n", c->flip);
+    if (c->n_not_finite) buf_format(out, "not finite      %llu\n", (unsigned long long)c->n_not_finite);
+}
+
+static void add_numbers(JsonWriter *json, const char *key, const double numbers[3])
+{
+    json_key(json, key);
+    json_begin_array(json);
+    for (int i = 0; i < 3; i++) json_number(json, numbers[i]);
+    json_end(json);
+}
+
+static void print_json(const Comparison *c, bool flip, Buf *out)
+{
+    JsonWriter json = json_writer(out, true);
+    json_begin_object(&json);
+    json_add_number(&json, "rmse", c->rmse);
+    json_add_number(&json, "relativeMse", c->relative_mse);
+    json_add_number(&json, "maxDifference", c->max_difference);
+    json_add_whole(&json, "maxX", c->max_x);
+    json_add_whole(&json, "maxY", c->max_y);
+    add_numbers(&json, "meanA", c->mean_a);
+    add_numbers(&json, "meanB", c->mean_b);
+    if (flip) json_add_number(&json, "flip", c->flip);
+    json_add_whole(&json, "notFinite", c->n_not_finite);
+    json_end(&json);
+    buf_add(out, "\n");
+}
+
+static Status judge(const Options *options, const Comparison *comparison, Error *error)
+{
+    if (!option_given(options, OPTION_MAX_RMSE)) return STATUS_OK;
+    double limit = options->values[OPTION_MAX_RMSE].number;
+    if (comparison->n_not_finite)
+        return fail(error, STATUS_RENDER, "%llu values are not finite", (unsigned long long)comparison->n_not_finite);
+    if (comparison->rmse <= limit) return STATUS_OK;
+    return fail(error, STATUS_RENDER, "the root mean square error %.6g is above %.6g", comparison->rmse, limit);
+}
+
+Status cmd_compare(const Options *options, const Talk *talk, Error *error)
+{
+    (void)talk;
+    Image a = {0}, b = {0};
+    Comparison comparison = {0};
+    Buf out = {0};
+    bool flip = option_given(options, OPTION_FLIP);
+    Status status = image_read_linear(options->operands[0], &a, error);
+    if (status == STATUS_OK) status = image_read_linear(options->operands[1], &b, error);
+    if (status == STATUS_OK) status = image_compare(&a, &b, flip, &comparison, error);
+    if (status == STATUS_OK) {
+        if (option_given(options, OPTION_JSON))
+            print_json(&comparison, flip, &out);
+        else
+            print_text(&comparison, flip, &out);
+        status = print_out(&out, error);
+    }
+    if (status == STATUS_OK) status = judge(options, &comparison, error);
+    buf_clear(&out);
+    image_clear(&a);
+    image_clear(&b);
+    return status;
+}

@@ -1,0 +1,115 @@
+/* cmd_info.c - the command info: what a picture or a mesh file holds.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+#include <strings.h>
+
+#include "base/file.h"
+#include "base/num.h"
+#include "cli/commands.h"
+#include "geom/mesh.h"
+#include "image/image.h"
+
+/* Facts go out as "name  text" or as members of one JSON object. */
+typedef struct Facts {
+    bool as_json;
+    JsonWriter json;
+    Buf *out;
+} Facts;
+
+enum { NAME_COLUMNS = 28 };
+
+static void add_fact(void *context, const char *name, const char *text)
+{
+    Facts *facts = context;
+    if (facts->as_json)
+        json_add_text(&facts->json, name, text);
+    else
+        buf_format(facts->out, "%-*s %s\n", NAME_COLUMNS, name, text);
+}
+
+static void add_number(Facts *facts, const char *name, double number)
+{
+    char text[NUM_TEXT_SIZE];
+    num_print(number, text);
+    if (facts->as_json)
+        json_add_number(&facts->json, name, number);
+    else
+        add_fact(facts, name, text);
+}
+
+static void add_truth(Facts *facts, const char *name, bool truth)
+{
+    if (facts->as_json)
+        json_add_truth(&facts->json, name, truth);
+    else
+        add_fact(facts, name, truth ? "yes" : "no");
+}
+
+static Status describe_mesh(const char *path, Facts *facts, Error *error)
+{
+    Mesh *mesh = NULL;
+    MeshReport report;
+    TRY(mesh_load(path, &mesh, error));
+    Status status = mesh_inspect(mesh, &report, error);
+    if (status == STATUS_OK) {
+        add_number(facts, "vertices", mesh->n_vertices);
+        add_number(facts, "triangles", mesh->n_triangles);
+        add_truth(facts, "normals", mesh->normals != NULL);
+        add_truth(facts, "closed", report.closed);
+        add_number(facts, "open edges", report.n_open_edges);
+        add_number(facts, "edges of more than two faces", report.n_non_manifold_edges);
+        add_truth(facts, "faces agree on outside", report.consistent);
+        add_truth(facts, "inside out", report.inside_out);
+        add_number(facts, "connected parts", report.n_components);
+        add_number(facts, "faces without area", report.n_degenerate);
+        add_number(facts, "faces that occur twice", report.n_duplicate);
+        add_number(facts, "volume", report.volume);
+        add_number(facts, "area", report.area);
+        add_number(facts, "x from", report.bounds.min.x);
+        add_number(facts, "x to", report.bounds.max.x);
+        add_number(facts, "y from", report.bounds.min.y);
+        add_number(facts, "y to", report.bounds.max.y);
+        add_number(facts, "z from", report.bounds.min.z);
+        add_number(facts, "z to", report.bounds.max.z);
+    }
+    mesh_free(mesh);
+    return status;
+}
+
+static Status describe_picture(const char *path, Facts *facts, Error *error)
+{
+    Image image = {0};
+    TRY(image_read(path, &image, error));
+    add_number(facts, "width", image.width);
+    add_number(facts, "height", image.height);
+    Buf channels = {0};
+    for (uint32_t i = 0; i < image.n_channels; i++) buf_format(&channels, "%s%s", i ? " " : "", image.names[i]);
+    add_fact(facts, "channels", buf_text(&channels));
+    buf_clear(&channels);
+    image_clear(&image);
+    return STATUS_OK;
+}
+
+static Status describe(const char *path, Facts *facts, Error *error)
+{
+    const char *extension = file_extension(path);
+    if (strcasecmp(extension, "ply") == 0 || strcasecmp(extension, "obj") == 0) return describe_mesh(path, facts, error);
+    if (strcasecmp(extension, "exr") == 0) return exr_visit_attributes(path, add_fact, facts, error);
+    return describe_picture(path, facts, error);
+}
+
+Status cmd_info(const Options *options, const Talk *talk, Error *error)
+{
+    (void)talk;
+    Buf out = {0};
+    Facts facts = {.as_json = option_given(options, OPTION_JSON), .json = json_writer(&out, true), .out = &out};
+    if (facts.as_json) json_begin_object(&facts.json);
+    Status status = describe(options->operands[0], &facts, error);
+    if (facts.as_json) {
+        json_end(&facts.json);
+        buf_add(&out, "\n");
+    }
+    if (status == STATUS_OK) status = print_out(&out, error);
+    buf_clear(&out);
+    return status;
+}

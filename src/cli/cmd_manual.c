@@ -1,0 +1,268 @@
+/* cmd_manual.c - the hidden command manual: prints a manual page with its generated sections made anew.
+ * A section stands between the lines
+ *     .\" generated: KIND [ARGUMENT]
+ *     .\" end
+ * and comes from the tables of commands, options, exit statuses, nodes and diagnostics; all else in a page is
+ * written by hand and stays as it is.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "cli/commands.h"
+#include "cli/mdoc.h"
+#include "cli/reference.h"
+#include "scene/build.h"
+
+#define BEGIN_MARK ".\\\" generated: "
+#define END_MARK ".\\\" end\n"
+
+/* ---- options ---- */
+
+static void print_item(const OptionRow *row, Buf *out)
+{
+    buf_add(out, ".It");
+    if (row->letter) buf_format(out, " Fl %c%s", row->letter, row->name ? " ," : "");
+    if (row->name) buf_format(out, " Fl -%s", row->name);
+    if (row->kind == KIND_OPTIONAL_FILE)
+        buf_format(out, " Ns Op = Ns Ar %s", row->argument);
+    else if (row->argument)
+        buf_format(out, " Ar %s", row->argument);
+    buf_add(out, "\n");
+}
+
+static void print_option(const OptionRow *row, Buf *out)
+{
+    print_item(row, out);
+    mdoc_sentence(out, row->help);
+    if (row->manual) mdoc_text(out, row->manual);
+    if (row->default_text && row->kind != KIND_FLAG) {
+        buf_add(out, ".br\nDefault: ");
+        mdoc_escape(out, row->default_text, strlen(row->default_text), true);
+        buf_add(out, ".\n");
+    }
+    if (row->example) mdoc_example(out, row->example, strlen(row->example));
+}
+
+static void print_options(Command command, Buf *out)
+{
+    const char *group = "";
+    for (OptionKey key = 0; key < OPTION_COUNT; key++) {
+        const OptionRow *row = option_row(key);
+        if (!command_has_option(command, key) || !row->help) continue;
+        if (strcmp(group, row->group) != 0) buf_format(out, "%s.Ss %s\n.Bl -tag -width Ds\n", *group ? ".El\n" : "", row->group);
+        group = row->group;
+        print_option(row, out);
+    }
+    buf_add(out, ".El\n");
+}
+
+/* ---- commands ---- */
+
+static void print_command_examples(const char *examples, Buf *out)
+{
+    while (*examples) {
+        size_t line = strcspn(examples, "\n"), code = line;
+        const char *comment = strstr(examples, "  # ");
+        if (comment && comment < examples + line) {
+            code = (size_t)(comment - examples);
+            Buf text = {0};
+            buf_add_bytes(&text, comment + 4, line - code - 4);
+            if (text.text && text.length) {
+                text.text[0] = (char)(text.text[0] >= 'a' && text.text[0] <= 'z' ? text.text[0] - 'a' + 'A' : text.text[0]);
+                buf_add(&text, ":");
+                mdoc_text(out, text.text);
+            }
+            buf_clear(&text);
+        }
+        mdoc_example(out, examples, code);
+        examples += line + (examples[line] ? 1 : 0);
+    }
+}
+
+static Status print_command(const char *name, Buf *out, Error *error)
+{
+    Command command = command_named(name);
+    if (command == COMMAND_COUNT) return fail(error, STATUS_USAGE, "there is no command '%s'", name);
+    const CommandRow *row = command_row(command);
+    buf_format(out, ".Sh NAME\n.Nm meniscus-%s\n.Nd ", row->name);
+    mdoc_escape(out, row->summary, strlen(row->summary), true);
+    buf_format(out, "\n.Sh SYNOPSIS\n.Nm meniscus %s\n.Op options\n", row->name);
+    const char *operands = row->operands;
+    while (*operands) { /* A B, [TOPIC] */
+        size_t length = strcspn(operands, " ");
+        if (*operands == '[')
+            buf_format(out, ".Op Ar %.*s\n", (int)length - 2, operands + 1);
+        else
+            buf_format(out, ".Ar %.*s\n", (int)length, operands);
+        operands += length + (operands[length] ? 1 : 0);
+    }
+    buf_add(out, ".Sh DESCRIPTION\n");
+    mdoc_text(out, row->manual);
+    buf_add(out, ".Sh OPTIONS\n");
+    print_options(command, out);
+    buf_add(out, ".Sh EXAMPLES\n");
+    print_command_examples(row->examples, out);
+    return STATUS_OK;
+}
+
+static void print_command_list(Buf *out)
+{
+    buf_add(out, ".Bl -tag -width Ds\n");
+    for (Command command = 0; command < COMMAND_COUNT; command++) {
+        const CommandRow *row = command_row(command);
+        if (!row->summary) continue;
+        buf_format(out, ".It Xr meniscus-%s 1\n", row->name);
+        mdoc_sentence(out, row->summary);
+    }
+    buf_add(out, ".El\n");
+}
+
+static void print_exit_statuses(Buf *out)
+{
+    static const struct {
+        int exit_status;
+        const char *name, *text;
+    } rows[] = {
+#define STATUS(name, exit_status, text) {exit_status, #name, text},
+#include "base/status.def"
+#undef STATUS
+    };
+    buf_add(out, ".Bl -tag -width Ds -compact\n");
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        if (strcmp(rows[i].name, "STOPPED") == 0) continue; /* goes with checkpoints */
+        bool same = i > 0 && rows[i].exit_status == rows[i - 1].exit_status;
+        if (!same) buf_format(out, ".It %d\n", rows[i].exit_status);
+        mdoc_sentence(out, rows[i].text);
+    }
+    buf_add(out, ".El\n");
+}
+
+/* ---- the language ---- */
+
+static void print_node_flags(const NodeType *node, Buf *out)
+{
+    if (node->flags & NODE_NAMED) buf_add(out, "It needs a name to be used by.\n");
+    if (node->flags & NODE_SINGLE) buf_add(out, "Settings: a later one adds to and overrides an earlier one.\n");
+    if (node->flags & NODE_TRANSFORMS) buf_add(out, "It can be transformed.\n");
+    if (node->flags & NODE_CHILDREN) buf_add(out, "It holds other nodes.\n");
+}
+
+static void print_property(const PropType *type, Buf *out)
+{
+    Buf text = {0};
+    buf_format(out, ".It Va %s\n", type->name);
+    mdoc_sentence(out, type->doc);
+    reference_print_type(type, &text);
+    buf_format(out, ".br\nType: ");
+    mdoc_escape(out, buf_text(&text), text.length, false);
+    if (type->flags & PROP_REQUIRED) buf_add(out, "; required");
+    buf_add(out, ".\n");
+    if (type->default_text) {
+        buf_add(out, "Default: ");
+        mdoc_escape(out, type->default_text, strlen(type->default_text), true);
+        buf_add(out, ".\n");
+    }
+    buf_clear(&text);
+}
+
+static void print_nodes(Buf *out)
+{
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++) {
+        const NodeType *node = &schema->nodes[i];
+        buf_format(out, ".Ss %s\n", node->name);
+        mdoc_sentence(out, node->doc);
+        print_node_flags(node, out);
+        if (node->n_props) buf_add(out, ".Bl -tag -width Ds\n");
+        for (size_t j = 0; j < node->n_props; j++) print_property(&node->props[j], out);
+        if (node->n_props) buf_add(out, ".El\n");
+    }
+}
+
+static void print_terms(Buf *out)
+{
+    const Schema *schema = scene_schema();
+    buf_add(out, ".Bl -tag -width Ds\n");
+    for (size_t i = 0; i < schema->n_terms; i++) {
+        const TermType *term = &schema->terms[i];
+        buf_format(out, ".It Fn %s\n", term->name);
+        mdoc_sentence(out, term->doc);
+        if (term->takes_text)
+            buf_add(out, "It takes a string.\n");
+        else if (term->min_args == term->max_args)
+            buf_format(out, "It takes %u number%s.\n", term->min_args, term->min_args == 1 ? "" : "s");
+        else
+            buf_format(out, "It takes %u to %u numbers.\n", term->min_args, term->max_args);
+    }
+    buf_add(out, ".El\n");
+}
+
+static void print_diagnostics(DiagSeverity severity, Buf *out)
+{
+    buf_add(out, ".Bl -tag -width Ds\n");
+    for (DiagCode code = 0; code < D_COUNT; code++) {
+        if (diag_severity(code) != severity) continue;
+        buf_format(out, ".It Li %s\n", diag_slug(code));
+        mdoc_text(out, diag_cause(code));
+        mdoc_text(out, diag_cure(code));
+    }
+    buf_add(out, ".El\n");
+}
+
+/* ---- pages ---- */
+
+static Status print_section(const char *kind, Buf *out, Error *error)
+{
+    static const char command[] = "command ";
+    if (strncmp(kind, command, sizeof command - 1) == 0) return print_command(kind + sizeof command - 1, out, error);
+    if (strcmp(kind, "commands") == 0)
+        print_command_list(out);
+    else if (strcmp(kind, "exit statuses") == 0)
+        print_exit_statuses(out);
+    else if (strcmp(kind, "nodes") == 0)
+        print_nodes(out);
+    else if (strcmp(kind, "terms") == 0)
+        print_terms(out);
+    else if (strcmp(kind, "errors") == 0)
+        print_diagnostics(DIAG_ERROR, out);
+    else if (strcmp(kind, "warnings") == 0)
+        print_diagnostics(DIAG_WARNING, out);
+    else
+        return fail(error, STATUS_USAGE, "there is no generated section '%s'", kind);
+    return STATUS_OK;
+}
+
+static Status renew(const char *page, Buf *out, Error *error)
+{
+    const char *mark;
+    while ((mark = strstr(page, BEGIN_MARK))) {
+        const char *kind = mark + sizeof BEGIN_MARK - 1, *line_end = strchr(kind, '\n');
+        const char *end = line_end ? strstr(line_end, END_MARK) : NULL;
+        if (!end) return fail(error, STATUS_INPUT, "a generated section has no end");
+        char name[64] = "";
+        size_t length = (size_t)(line_end - kind);
+        if (length < sizeof name) memcpy(name, kind, length);
+        buf_add_bytes(out, page, (size_t)(line_end + 1 - page));
+        TRY(print_section(name, out, error));
+        page = end;
+        buf_add_bytes(out, page, sizeof END_MARK - 1);
+        page += sizeof END_MARK - 1;
+    }
+    buf_add(out, page);
+    return STATUS_OK;
+}
+
+Status cmd_manual(const Options *options, const Talk *talk, Error *error)
+{
+    (void)talk;
+    char *page = NULL;
+    size_t length;
+    Buf out = {0};
+    TRY(file_read(options->operands[0], 0, &page, &length, error));
+    Status status = renew(page, &out, error);
+    if (status == STATUS_OK) status = print_out(&out, error);
+    buf_clear(&out);
+    free(page);
+    return status;
+}

@@ -1,0 +1,178 @@
+/* cmd_render.c - the command render: from a scene to pictures.
+ * Everything that can be found wrong cheaply is found before the first ray: options, outputs, display and view.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "cli/commands.h"
+#include "cli/progress.h"
+#include "cli/render_run.h"
+#include "cli/signals.h"
+
+enum { MOST_ATTRIBUTES = 16, NUMBER_SIZE = 32 };
+
+static const char *display_of(const RenderRun *run)
+{
+    return option_text(run->options, OPTION_DISPLAY, NULL);
+}
+
+static const char *view_of(const RenderRun *run)
+{
+    return option_text(run->options, OPTION_VIEW, NULL);
+}
+
+/* Opens the colour configuration and tries display and view on one pixel. */
+static Status probe_view(RenderRun *run, Error *error)
+{
+    static const char *const names[] = {"R", "G", "B"};
+    Image pixel;
+    TRY(color_source_open(&run->input.color, error));
+    TRY(image_new(1, 1, names, 3, &pixel, error));
+    Status status = color_view(run->input.color.config, display_of(run), view_of(run), &pixel, error);
+    image_clear(&pixel);
+    return status;
+}
+
+static Status prepare(RenderRun *run, Error *error)
+{
+    const Options *options = run->options;
+    TRY(scene_input_build(&run->input, error));
+    TRY(render_settings_merge(run, error));
+    TRY(outputs_collect(&run->outputs, options, run->input.scene, 1, error));
+    if (run->outputs.has_png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
+        TRY(probe_view(run, error));
+    TRY(outputs_probe(&run->outputs, error));
+    const char *stats = option_text(options, OPTION_STATS, NULL);
+    if (stats) TRY(output_probe(stats, error));
+    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
+    return scene_input_compile(&run->input, run->pool, error);
+}
+
+static void note_scene(const RenderRun *run)
+{
+    const Scene *scene = run->input.scene;
+    char time[32];
+    seconds_print(clock_now_s() - run->start_s, time);
+    talk_note(run->talk, "%u objects (%u with an inside), %u media, %u lights; read and built in %s", scene->n_objects,
+              run->input.compiled->n_hulls, scene->n_media, scene->n_lights, time);
+    talk_note(run->talk, "%u x %u, %u samples per pixel, nesting %s, %u threads", run->settings.width, run->settings.height,
+              run->settings.samples, nest_policy_text(run->input.compiled->order.policy), pool_threads(run->pool));
+}
+
+static Status render(RenderRun *run, Error *error)
+{
+    const RenderSettings *settings = &run->settings;
+    Progress progress;
+    progress_init(&progress, run->options, run->talk, signals_flag());
+    RenderEvents events = {.context = &progress, .progress = progress_show, .stop = signals_flag()};
+    Status status =
+        render_image(run->input.compiled, settings, run->pool, &events, &run->image, &run->stats, error);
+    progress_end(&progress, status == STATUS_OK && !run->stats.stopped);
+    if (status == STATUS_OK) run->noise = render_noise_of(&run->image, settings);
+    return status;
+}
+
+/* ---- writing ---- */
+
+typedef struct Attributes {
+    ImageAttribute items[MOST_ATTRIBUTES];
+    size_t n;
+    char hash[NUMBER_SIZE], seed[NUMBER_SIZE], crossings[NUMBER_SIZE], faults[NUMBER_SIZE];
+} Attributes;
+
+static void add_text(Attributes *attributes, const char *name, const char *text)
+{
+    if (text) attributes->items[attributes->n++] = (ImageAttribute){.name = name, .type = ATTRIBUTE_TEXT, .text = text};
+}
+
+/* Counts that can be beyond the format's 32-bit integers are text. No times: two renders of one scene are one file,
+ * byte for byte; --stats has the times. */
+static void describe(const RenderRun *run, Attributes *attributes)
+{
+    const Scene *scene = run->input.scene;
+    *attributes = (Attributes){0};
+    snprintf(attributes->hash, NUMBER_SIZE, "%016llx", (unsigned long long)scene->hash);
+    snprintf(attributes->seed, NUMBER_SIZE, "%u", run->settings.seed);
+    snprintf(attributes->crossings, NUMBER_SIZE, "%llu", (unsigned long long)run->stats.crossings);
+    snprintf(attributes->faults, NUMBER_SIZE, "%llu", (unsigned long long)run->stats.nesting_faults);
+    add_text(attributes, "software", "meniscus " MEN_VERSION);
+    add_text(attributes, "meniscus/version", MEN_VERSION);
+    add_text(attributes, "meniscus/scene", run->input.path);
+    add_text(attributes, "meniscus/sceneHash", attributes->hash);
+    add_text(attributes, "meniscus/camera", scene->cameras[run->settings.camera].name);
+    add_text(attributes, "meniscus/nesting", nest_policy_text(run->input.compiled->order.policy));
+    add_text(attributes, "meniscus/seed", attributes->seed);
+    add_text(attributes, "meniscus/crossings", attributes->crossings);
+    add_text(attributes, "meniscus/nestingFaults", attributes->faults);
+    attributes->items[attributes->n++] =
+        (ImageAttribute){.name = "meniscus/samples", .type = ATTRIBUTE_INT, .whole = (int)run->stats.samples};
+    if (run->noise >= 0)
+        attributes->items[attributes->n++] =
+            (ImageAttribute){.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = run->noise};
+}
+
+/* Writes every output, also when one of them fails: each is worth the time that the render took. */
+static Status write_outputs(const RenderRun *run, Error *error)
+{
+    Attributes attributes;
+    describe(run, &attributes);
+    unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
+    ExrOptions exr = {.half = half > full, .attributes = attributes.items, .n_attributes = attributes.n};
+    Status first = STATUS_OK;
+    for (size_t i = 0; i < run->outputs.n; i++) {
+        Error own = {0};
+        Status status = output_write(&run->outputs.items[i], &run->image, &exr, run->input.color.config, display_of(run),
+                                     view_of(run), &own);
+        if (status == STATUS_OK) continue;
+        if (first == STATUS_OK)
+            *error = own;
+        else
+            talk_error(run->talk, &own);
+        first = first == STATUS_OK ? status : first;
+    }
+    return first;
+}
+
+static Status render_and_write(RenderRun *run, Error *error)
+{
+    size_t n = run->outputs.n;
+    const char **paths = malloc((n + 1) * sizeof *paths);
+    if (!paths) return fail_memory(error, (n + 1) * sizeof *paths, "the names of outputs");
+    for (size_t i = 0; i < n; i++) paths[i] = run->outputs.items[i].path;
+    const char *stats = option_text(run->options, OPTION_STATS, NULL);
+    if (stats) paths[n++] = stats;
+    Status status = signals_begin(paths, n, run->talk->json, error);
+    free(paths);
+    if (status == STATUS_OK) status = render(run, error);
+    if (status == STATUS_OK) {
+        render_warn(run);
+        status = write_outputs(run, error);
+    }
+    if (status == STATUS_OK) status = render_print_stats(run, error);
+    if (status == STATUS_OK) render_summarize(run);
+    signals_end();
+    return status;
+}
+
+Status cmd_render(const Options *options, const Talk *talk, Error *error)
+{
+    RenderRun run = {.options = options, .talk = talk, .noise = -1, .start_s = clock_now_s()};
+    scene_input_init(&run.input, options, talk);
+    Status status = prepare(&run, error);
+    Error report_error = {0};
+    Status reported = scene_input_print_reports(&run.input, &report_error);
+    if (status == STATUS_OK && reported != STATUS_OK) {
+        status = reported;
+        *error = report_error;
+    }
+    if (status == STATUS_OK) {
+        note_scene(&run);
+        status = render_and_write(&run, error);
+    }
+    image_clear(&run.image);
+    outputs_clear(&run.outputs);
+    scene_input_close(&run.input);
+    pool_free(run.pool);
+    return status;
+}

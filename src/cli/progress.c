@@ -1,0 +1,143 @@
+/* progress.c - the forms of progress.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define GREEN "\033[32m"
+#define PLAIN "\033[0m"
+#define TO_LINE_START "\r"
+#define CLEAR_TO_LINE_END "\033[K"
+
+enum { WIDEST_BAR = 30, NARROWEST_BAR = 8, LINE_SIZE = 256 };
+static const double plain_interval_s = 60;
+
+void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop)
+{
+    *progress = (Progress){.form = terminal_is_capable() ? PROGRESS_BAR : PROGRESS_PLAIN, .color = talk->color, .stop = stop};
+    if (talk->json) progress->form = PROGRESS_JSON;
+    if (talk->quiet || option_is(options, OPTION_PROGRESS, "none")) progress->form = PROGRESS_NONE;
+    if (option_is(options, OPTION_PROGRESS, "plain")) progress->form = PROGRESS_PLAIN;
+    if (option_is(options, OPTION_PROGRESS, "json")) progress->form = PROGRESS_JSON;
+}
+
+static void add(char *line, const char *text)
+{
+    size_t used = strlen(line);
+    snprintf(line + used, LINE_SIZE - used, "%s", text);
+}
+
+static void add_rays(char *line, const RenderProgress *state)
+{
+    char text[48];
+    if (state->seconds <= 0 || state->rays == 0) return;
+    double rate = (double)state->rays / state->seconds;
+    if (rate >= 1e6)
+        snprintf(text, sizeof text, "  %.2f Mrays/s", rate * 1e-6);
+    else
+        snprintf(text, sizeof text, "  %.0f krays/s", rate * 1e-3);
+    add(line, text);
+}
+
+static void add_time_left(char *line, const RenderProgress *state)
+{
+    char low[32], high[32], text[96];
+    if (state->seconds_left_low < 0 || state->seconds_left_high < 0) return;
+    seconds_print(state->seconds_left_low, low);
+    seconds_print(state->seconds_left_high, high);
+    if (strcmp(low, high) == 0)
+        snprintf(text, sizeof text, "  %s left", low);
+    else
+        snprintf(text, sizeof text, "  %s to %s left", low, high);
+    add(line, text);
+}
+
+/* [=====     ]  42%  107/256 samples  3.21 Mrays/s  noise 1.2%  1m10s to 1m25s left */
+static void show_bar(Progress *progress, const RenderProgress *state)
+{
+    char facts[LINE_SIZE] = "", text[64];
+    snprintf(text, sizeof text, " %3d%%  %u/%u samples", (int)(100 * state->fraction), state->samples_done,
+             state->samples_total);
+    add(facts, text);
+    add_rays(facts, state);
+    if (state->noise >= 0) {
+        snprintf(text, sizeof text, "  noise %.2g%%", 100 * state->noise);
+        add(facts, text);
+    }
+    add_time_left(facts, state);
+    int columns = (int)terminal_columns() - 1, width = columns - (int)strlen(facts) - 2;
+    if (width > WIDEST_BAR) width = WIDEST_BAR;
+    Buf line = {0};
+    buf_add(&line, TO_LINE_START);
+    if (width >= NARROWEST_BAR) {
+        int done = (int)(state->fraction * width);
+        buf_add(&line, "[");
+        if (progress->color) buf_add(&line, GREEN);
+        buf_add_repeat(&line, '=', (size_t)done);
+        if (progress->color) buf_add(&line, PLAIN);
+        buf_add_repeat(&line, ' ', (size_t)(width - done));
+        buf_add(&line, "]");
+    }
+    buf_format(&line, "%.*s%s", columns > 0 ? columns : 0, facts, CLEAR_TO_LINE_END);
+    talk_write(&line);
+    buf_clear(&line);
+    progress->bar_is_shown = true;
+}
+
+static void print_percent(int percent)
+{
+    fprintf(stderr, "Progress: %d%%\n", percent);
+    fflush(stderr);
+}
+
+static void show_plain(Progress *progress, const RenderProgress *state)
+{
+    int tenths = (int)floor(state->fraction * 10);
+    bool minute = state->seconds - progress->last_line_s >= plain_interval_s;
+    if (tenths <= progress->tenths_printed && !minute) return;
+    int percent = (int)floor(state->fraction * 100);
+    if (tenths > progress->tenths_printed) progress->tenths_printed = tenths;
+    if (percent >= 100) return; /* progress_end says so */
+    progress->last_line_s = state->seconds;
+    print_percent(percent);
+}
+
+static void show_json(const RenderProgress *state)
+{
+    Buf line = {0};
+    JsonWriter json = talk_event_begin(&line, "progress");
+    json_add_number(&json, "fraction", state->fraction);
+    json_add_whole(&json, "samples", state->samples_done);
+    json_add_whole(&json, "samplesTotal", state->samples_total);
+    json_add_number(&json, "seconds", state->seconds);
+    json_add_number(&json, "secondsLeftLow", state->seconds_left_low < 0 ? (double)NAN : state->seconds_left_low);
+    json_add_number(&json, "secondsLeftHigh", state->seconds_left_high < 0 ? (double)NAN : state->seconds_left_high);
+    json_add_number(&json, "noise", state->noise < 0 ? (double)NAN : state->noise);
+    json_add_whole(&json, "paths", state->paths);
+    json_add_whole(&json, "rays", state->rays);
+    talk_event_end(&json);
+}
+
+void progress_show(void *context, const RenderProgress *state)
+{
+    Progress *progress = context;
+    if (progress->stop && *progress->stop) return;
+    switch (progress->form) {
+    case PROGRESS_NONE: break;
+    case PROGRESS_BAR: show_bar(progress, state); break;
+    case PROGRESS_PLAIN: show_plain(progress, state); break;
+    case PROGRESS_JSON: show_json(state); break;
+    }
+}
+
+void progress_end(Progress *progress, bool complete)
+{
+    if (progress->bar_is_shown && !(progress->stop && *progress->stop)) {
+        fputs(TO_LINE_START CLEAR_TO_LINE_END, stderr);
+        fflush(stderr);
+    }
+    if (progress->form == PROGRESS_PLAIN && complete) print_percent(100);
+    *progress = (Progress){.form = PROGRESS_NONE};
+}

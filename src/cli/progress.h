@@ -1,0 +1,25 @@
+/* progress.h - shows how a render goes: a bar on a terminal, plain lines, JSON lines, or nothing.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PROGRESS_H
+#define MEN_PROGRESS_H
+
+#include "cli/talk.h"
+#include "render/render.h"
+
+typedef enum ProgressForm { PROGRESS_NONE, PROGRESS_BAR, PROGRESS_PLAIN, PROGRESS_JSON } ProgressForm;
+
+typedef struct Progress {
+    ProgressForm form;
+    bool color, bar_is_shown;
+    int tenths_printed;   /* of the work, for plain lines */
+    double last_line_s;   /* when the last plain line was printed */
+    const volatile sig_atomic_t *stop; /* nothing is drawn over what the signal handler says */
+} Progress;
+
+void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop);
+/* For RenderEvents; context is a Progress. */
+void progress_show(void *context, const RenderProgress *state);
+/* Takes the bar off the terminal; with all of the work done, plain progress says so. */
+void progress_end(Progress *progress, bool complete);
+
+#endif

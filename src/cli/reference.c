@@ -1,0 +1,131 @@
+/* reference.c - nodes, properties and diagnostics in words.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/reference.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/num.h"
+#include "cli/commands.h"
+#include "scene/build.h"
+
+enum { PROPERTY_COLUMN = 18 };
+
+static const char *kind_text(PropKind kind)
+{
+    static const char *const texts[] = {
+        [PROP_NUMBER] = "number",
+        [PROP_INTEGER] = "whole number",
+        [PROP_BOOL] = "true or false",
+        [PROP_STRING] = "string",
+        [PROP_CHOICE] = "one of",
+        [PROP_VECTOR2] = "vector of 2",
+        [PROP_VECTOR3] = "vector of 3",
+        [PROP_COLOR] = "colour",
+        [PROP_SPECTRUM] = "number, colour, vector of 3 or spectrum",
+        [PROP_TERM] = "term",
+        [PROP_NODE] = "a",
+        [PROP_NUMBERS] = "list of numbers",
+        [PROP_VECTORS2] = "list of vectors of 2",
+        [PROP_VECTORS3] = "list of vectors of 3",
+        [PROP_STRINGS] = "string or list of strings",
+        [PROP_NODES] = "list of",
+    };
+    return texts[kind];
+}
+
+static const char *unit_text(PropUnit unit)
+{
+    static const char *const texts[] = {
+        [UNIT_NONE] = "",
+        [UNIT_LENGTH] = "length",
+        [UNIT_ANGLE] = "angle in degrees",
+        [UNIT_TIME] = "time",
+        [UNIT_PER_LENGTH] = "per length",
+        [UNIT_KELVIN] = "temperature in kelvin",
+    };
+    return texts[unit];
+}
+
+static void print_words(const char *words, const char *last_joint, Buf *out)
+{
+    while (*words) {
+        size_t length = strcspn(words, "|");
+        buf_add_bytes(out, words, length);
+        words += length;
+        if (!*words) break;
+        words++;
+        buf_add(out, strchr(words, '|') ? ", " : last_joint);
+    }
+}
+
+static void print_range(const PropType *type, Buf *out)
+{
+    char low[NUM_TEXT_SIZE], high[NUM_TEXT_SIZE];
+    num_print(type->min, low);
+    num_print(type->max, high);
+    bool has_low = isfinite(type->min), has_high = isfinite(type->max);
+    if (has_low && has_high)
+        buf_format(out, ", %s%s to %s%s", type->flags & PROP_OPEN_MIN ? "above " : "", low,
+                   type->flags & PROP_OPEN_MAX ? "below " : "", high);
+    else if (has_low)
+        buf_format(out, type->flags & PROP_OPEN_MIN ? ", above %s" : ", at least %s", low);
+    else if (has_high)
+        buf_format(out, type->flags & PROP_OPEN_MAX ? ", below %s" : ", at most %s", high);
+}
+
+void reference_print_type(const PropType *type, Buf *out)
+{
+    buf_add(out, kind_text(type->kind));
+    if (type->choices) {
+        buf_add(out, " ");
+        print_words(type->choices, " or ", out);
+        if (type->kind == PROP_NODE || type->kind == PROP_NODES) buf_add(out, type->kind == PROP_NODE ? "" : " nodes");
+    }
+    if (type->unit != UNIT_NONE) buf_format(out, ", %s", unit_text(type->unit));
+    print_range(type, out);
+}
+
+const NodeType *reference_node(const char *name)
+{
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        if (strcmp(schema->nodes[i].name, name) == 0) return &schema->nodes[i];
+    return NULL;
+}
+
+DiagCode reference_diagnostic(const char *slug)
+{
+    DiagCode code = 0;
+    while (code < D_COUNT && strcmp(diag_slug(code), slug) != 0) code++;
+    return code;
+}
+
+void reference_print_node(const NodeType *node, Buf *out)
+{
+    buf_format(out, "%s - %s\n", node->name, node->doc);
+    if (node->n_props) buf_add(out, "\nProperties:\n");
+    for (size_t i = 0; i < node->n_props; i++) {
+        const PropType *type = &node->props[i];
+        Buf text = {0};
+        buf_format(&text, "%s (", type->doc);
+        reference_print_type(type, &text);
+        if (type->flags & PROP_REQUIRED)
+            buf_add(&text, "; required");
+        else if (type->default_text)
+            buf_format(&text, "; default: %s", type->default_text);
+        buf_add(&text, ")");
+        buf_format(out, "  %s", type->name);
+        help_wrap(out, buf_text(&text), PROPERTY_COLUMN, 2 + strlen(type->name));
+        buf_clear(&text);
+    }
+    buf_add(out, "\nManual: meniscus-scene(5)\n");
+}
+
+void reference_print_diagnostic(DiagCode code, Buf *out)
+{
+    buf_format(out, "%s (%s)\n\n", diag_slug(code), diag_severity(code) == DIAG_ERROR ? "error" : "warning");
+    help_wrap(out, diag_cause(code), 0, 0);
+    help_wrap(out, diag_cure(code), 0, 0);
+    buf_add(out, "\nManual: meniscus-diagnostics(7)\n");
+}

@@ -1,0 +1,196 @@
+/* render_report.c - what is said of a finished render: warnings, statistics, and the closing line.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "cli/render_run.h"
+
+double render_noise_of(const Image *image, const RenderSettings *settings)
+{
+    int noise = image_channel(image, "noise.Y"), rgb[3];
+    if (noise < 0 || !image_rgb(image, rgb)) return -1;
+    const uint32_t *crop = settings->crop;
+    uint32_t x1 = crop[2] ? crop[2] : image->width, y1 = crop[3] ? crop[3] : image->height;
+    double sum = 0;
+    /* as the stop rule of the renderer has it: the floor keeps black pixels from dividing by nothing */
+    for (uint32_t y = crop[1]; y < y1; y++)
+        for (uint32_t x = crop[0]; x < x1; x++) {
+            const float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+            double luminance = 0.2126 * (double)pixel[rgb[0]] + 0.7152 * (double)pixel[rgb[1]] + 0.0722 * (double)pixel[rgb[2]];
+            sum += (double)pixel[noise] / (fabs(luminance) + 0.01);
+        }
+    return sum / ((double)(x1 - crop[0]) * (y1 - crop[1]));
+}
+
+static double per_million(uint64_t n, uint64_t of)
+{
+    return of ? 1e6 * (double)n / (double)of : 0;
+}
+
+static const char *plural(uint64_t n)
+{
+    return n == 1 ? "" : "s";
+}
+
+void render_warn(const RenderRun *run)
+{
+    const RenderStats *stats = &run->stats;
+    const Talk *talk = run->talk;
+    unsigned long long faults = stats->nesting_faults, limit = stats->silent_limit, bad = stats->bad_samples,
+                       saturated = stats->saturated_samples;
+    if (faults)
+        talk_warning(talk,
+                     "%llu nesting fault%s, %.3g per million crossings: a surface was left that was never entered, or entered "
+                     "twice; look for meshes that cross themselves with `meniscus check`",
+                     faults, plural(faults), per_million(faults, stats->crossings));
+    if (limit)
+        talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
+    if (bad) talk_warning(talk, "%llu sample%s had no finite value and were left out", bad, plural(bad));
+    if (saturated)
+        talk_warning(talk, "%llu sample%s were brighter than the film can hold, and are held at its limit", saturated,
+                     plural(saturated));
+}
+
+static void list_outputs(const OutputList *outputs, Buf *text)
+{
+    for (size_t i = 0; i < outputs->n; i++) {
+        const char *path = outputs->items[i].path;
+        buf_add(text, i == 0 ? "" : i + 1 == outputs->n ? " and " : ", ");
+        buf_add(text, strcmp(path, "-") == 0 ? "standard output" : path);
+    }
+}
+
+static void summarize_as_json(const RenderRun *run, double seconds)
+{
+    Buf line = {0};
+    JsonWriter json = talk_event_begin(&line, "done");
+    json_key(&json, "outputs");
+    json_begin_array(&json);
+    for (size_t i = 0; i < run->outputs.n; i++) json_text(&json, run->outputs.items[i].path);
+    json_end(&json);
+    json_add_whole(&json, "width", run->settings.width);
+    json_add_whole(&json, "height", run->settings.height);
+    json_add_whole(&json, "samples", run->stats.samples);
+    json_add_truth(&json, "stopped", run->stats.stopped);
+    json_add_whole(&json, "nestingFaults", run->stats.nesting_faults);
+    json_add_number(&json, "seconds", seconds);
+    talk_event_end(&json);
+}
+
+void render_summarize(const RenderRun *run)
+{
+    const RenderStats *stats = &run->stats;
+    double seconds = clock_now_s() - run->start_s;
+    if (run->talk->quiet) return;
+    if (run->talk->json) {
+        summarize_as_json(run, seconds);
+        return;
+    }
+    Buf line = {0};
+    char time[32], total[32] = "";
+    seconds_print(seconds, time);
+    if (stats->stopped) snprintf(total, sizeof total, " of %u", run->settings.samples);
+    buf_add(&line, "wrote ");
+    list_outputs(&run->outputs, &line);
+    buf_format(&line, " (%u x %u, %u%s sample%s, %llu nesting fault%s) in %s\n", run->settings.width, run->settings.height,
+               stats->samples, total, plural(stats->samples), (unsigned long long)stats->nesting_faults,
+               plural(stats->nesting_faults), time);
+    talk_write(&line);
+    buf_clear(&line);
+}
+
+/* ---- --stats ---- */
+
+static void print_stats_json(const RenderRun *run, Buf *out)
+{
+    const RenderStats *stats = &run->stats;
+    const SceneInput *input = &run->input;
+    JsonWriter json = json_writer(out, true);
+    json_begin_object(&json);
+    json_add_text(&json, "version", MEN_VERSION);
+    json_add_text(&json, "scene", input->path);
+    json_add_whole(&json, "width", run->settings.width);
+    json_add_whole(&json, "height", run->settings.height);
+    json_add_whole(&json, "seed", run->settings.seed);
+    json_add_text(&json, "nesting", nest_policy_text(input->compiled->order.policy));
+    json_add_whole(&json, "samples", stats->samples);
+    json_add_whole(&json, "samplesWanted", run->settings.samples);
+    json_add_truth(&json, "stopped", stats->stopped);
+    json_add_number(&json, "noise", run->noise < 0 ? (double)NAN : run->noise);
+    json_add_whole(&json, "objects", input->scene->n_objects);
+    json_add_whole(&json, "hulls", input->compiled->n_hulls);
+    json_add_whole(&json, "media", input->scene->n_media);
+    json_add_whole(&json, "lights", input->scene->n_lights);
+    json_add_whole(&json, "geometryBytes", rtc_scene_bytes(input->compiled->rtc));
+    json_add_whole(&json, "threads", pool_threads(run->pool));
+    json_add_whole(&json, "paths", stats->paths);
+    json_add_whole(&json, "rays", stats->rays);
+    json_add_whole(&json, "crossings", stats->crossings);
+    json_add_whole(&json, "silentCrossings", stats->silent_crossings);
+    json_add_whole(&json, "nestingFaults", stats->nesting_faults);
+    json_add_number(&json, "nestingFaultsPerMillionCrossings", per_million(stats->nesting_faults, stats->crossings));
+    json_add_whole(&json, "silentLimit", stats->silent_limit);
+    json_add_whole(&json, "badSamples", stats->bad_samples);
+    json_add_whole(&json, "saturatedSamples", stats->saturated_samples);
+    json_add_number(&json, "renderSeconds", stats->seconds);
+    json_add_number(&json, "cpuSeconds", stats->cpu_seconds);
+    json_add_number(&json, "totalSeconds", clock_now_s() - run->start_s);
+    json_end(&json);
+    buf_add(out, "\n");
+}
+
+static void print_stats_text(const RenderRun *run, Buf *out)
+{
+    const RenderStats *stats = &run->stats;
+    double crossings = stats->crossings ? (double)stats->crossings : 1, seconds = fmax(stats->seconds, 1e-9);
+    buf_format(out, "paths              %llu\n", (unsigned long long)stats->paths);
+    buf_format(out, "rays               %llu, %.3g million a second\n", (unsigned long long)stats->rays,
+               (double)stats->rays / seconds * 1e-6);
+    buf_format(out, "crossings          %llu, %.1f %% of them silent\n", (unsigned long long)stats->crossings,
+               100 * (double)stats->silent_crossings / crossings);
+    buf_format(out, "nesting faults     %llu, %.3g per million crossings\n", (unsigned long long)stats->nesting_faults,
+               per_million(stats->nesting_faults, stats->crossings));
+    if (run->noise >= 0) buf_format(out, "noise              %.3g %%\n", 100 * run->noise);
+    buf_format(out, "geometry           %.1f MiB\n", (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
+    buf_format(out, "time               %.2f s to render, %.2f s of processors, %u thread%s\n", stats->seconds,
+               stats->cpu_seconds, pool_threads(run->pool), plural(pool_threads(run->pool)));
+}
+
+static Status write_stats_file(const char *path, const Buf *text, Error *error)
+{
+    FileOut file;
+    if (text->failed) return fail(error, STATUS_NOMEM, "out of memory for the statistics");
+    TRY(file_create(&file, path, error));
+    fwrite(text->text, 1, text->length, file.stream); /* a failure shows in the commit */
+    return file_commit(&file, error);
+}
+
+Status render_print_stats(const RenderRun *run, Error *error)
+{
+    if (!option_given(run->options, OPTION_STATS)) return STATUS_OK;
+    const char *path = option_text(run->options, OPTION_STATS, NULL);
+    Buf text = {0};
+    Status status = STATUS_OK;
+    if (path) {
+        print_stats_json(run, &text);
+        status = write_stats_file(path, &text, error);
+    } else if (run->talk->json) {
+        Buf stats = {0};
+        print_stats_json(run, &stats);
+        for (size_t i = 0; i < stats.length; i++)
+            if (stats.text[i] == '\n') stats.text[i] = ' '; /* one line per event */
+        JsonWriter json = talk_event_begin(&text, "stats");
+        json_key(&json, "stats");
+        json_raw(&json, buf_text(&stats));
+        talk_event_end(&json);
+        buf_clear(&stats);
+    } else {
+        print_stats_text(run, &text);
+        talk_write(&text);
+    }
+    buf_clear(&text);
+    return status;
+}

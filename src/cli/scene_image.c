@@ -1,0 +1,59 @@
+/* scene_image.c - reads the images that a scene names, as linear colours of the working space.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/scene_input.h"
+
+static bool is_png(const char *path)
+{
+    static const char signature[] = "\x89PNG\r\n\x1a\n";
+    char start[sizeof signature - 1];
+    FILE *file = fopen(path, "rb");
+    if (!file) return false;
+    bool same = fread(start, 1, sizeof start, file) == sizeof start && memcmp(start, signature, sizeof start) == 0;
+    fclose(file);
+    return same;
+}
+
+static Status copy_colors(const char *path, const Image *image, float **rgb, Error *error)
+{
+    int channels[3];
+    if (!image_rgb(image, channels)) return fail(error, STATUS_INPUT, "'%s' has no colour channels", path);
+    size_t n = (size_t)image->width * image->height, size = n * 3 * sizeof **rgb;
+    *rgb = malloc(size);
+    if (!*rgb) return fail_memory(error, size, path);
+    for (size_t i = 0; i < n; i++)
+        for (int c = 0; c < 3; c++) (*rgb)[3 * i + (size_t)c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
+    return STATUS_OK;
+}
+
+Status image_read_linear(const char *path, Image *image, Error *error)
+{
+    TRY(image_read(path, image, error));
+    if (is_png(path)) image_decode_srgb(image);
+    return STATUS_OK;
+}
+
+/* Without a named space an EXR file is linear in the working space already, and a PNG file is sRGB. */
+Status load_scene_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                        uint32_t *height, Error *error)
+{
+    ColorSource *color = context;
+    Image image = {0};
+    *rgb = NULL;
+    Status status = space ? image_read(path, &image, error) : image_read_linear(path, &image, error);
+    if (status == STATUS_OK) status = copy_colors(path, &image, rgb, error);
+    if (status == STATUS_OK && space) status = color_source_open(color, error);
+    if (status == STATUS_OK && space)
+        status = color_to_working(color->config, space, *rgb, (size_t)image.width * image.height, error);
+    *width = image.width;
+    *height = image.height;
+    image_clear(&image);
+    if (status != STATUS_OK) {
+        free(*rgb);
+        *rgb = NULL;
+    }
+    return status;
+}

@@ -1,0 +1,196 @@
+/* scene_input.c - reads, builds and compiles the scene of a command.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/scene_input.h"
+
+#include <stdio.h>
+#include <string.h>
+
+Status color_source_open(ColorSource *color, Error *error)
+{
+    return color->config ? STATUS_OK : color_config_open(color->path, &color->config, error);
+}
+
+void scene_input_init(SceneInput *input, const Options *options, const Talk *talk)
+{
+    *input = (SceneInput){.options = options, .talk = talk, .path = options->operands[0]};
+    arena_init(&input->arena);
+    input->sources = (SourceSet){.arena = &input->arena};
+    diag_init(&input->diag, &input->arena, &input->sources);
+    input->diag.warnings_are_errors = option_given(options, OPTION_WERROR);
+    input->color.path = option_text(options, OPTION_OCIO, NULL);
+    const OptionValue *defines = &options->values[OPTION_DEFINE], *folders = &options->values[OPTION_INCLUDE];
+    input->scene_options = (SceneOptions){
+        .eval = {.schema = scene_schema(),
+                 .defines = defines->items,
+                 .n_defines = defines->n_items,
+                 .include_folders = folders->items,
+                 .n_include_folders = folders->n_items,
+                 /* a scene that comes through a pipe may be anybody's */
+                 .confine = option_text(options, OPTION_CONFINE, strcmp(input->path, "-") == 0 ? "." : NULL),
+                 .preset = option_text(options, OPTION_PRESET, NULL),
+                 .frame = 1,
+                 .frames = 1},
+        .load_image = load_scene_image,
+        .load_image_context = &input->color,
+    };
+}
+
+void scene_input_close(SceneInput *input)
+{
+    compiled_scene_free(input->compiled);
+    scene_free(input->scene);
+    color_config_close(input->color.config);
+    buf_clear(&input->printed);
+    arena_clear(&input->arena);
+    *input = (SceneInput){0};
+}
+
+Status scene_input_guard(SceneInput *input, void (*task)(void *context), void *context, Error *error)
+{
+    if (arena_guard(&input->arena, task, context)) return STATUS_OK;
+    return fail(error, STATUS_NOMEM, "out of memory: the scene took %zu bytes so far", input->arena.total);
+}
+
+/* ---- stages, each with the arena guarded ---- */
+
+typedef struct Stage {
+    SceneInput *input;
+    Error *error;
+    Status status;
+    EvalResult *result;
+    Pool *pool;
+    NestPolicy policy;
+    Buf text;
+} Stage;
+
+static Status run_stage(Stage *stage, void (*task)(void *context))
+{
+    TRY(scene_input_guard(stage->input, task, stage, stage->error));
+    if (stage->status == STATUS_SCENE && stage->input->diag.n_errors) stage->error->text[0] = 0; /* the reports say it */
+    return stage->status;
+}
+
+static void print_said(SceneInput *input)
+{
+    if (input->printed.length == 0) return;
+    if (input->talk->json) {
+        Buf line = {0};
+        JsonWriter json = talk_event_begin(&line, "print");
+        json_add_text(&json, "text", buf_text(&input->printed));
+        talk_event_end(&json);
+    } else {
+        talk_write(&input->printed);
+    }
+}
+
+static void build(void *context)
+{
+    Stage *stage = context;
+    SceneInput *input = stage->input;
+    stage->status = scene_build(input->path, &input->scene_options, &input->diag, &input->scene, &input->printed, stage->error);
+}
+
+Status scene_input_build(SceneInput *input, Error *error)
+{
+    Stage stage = {.input = input, .error = error};
+    Status status = run_stage(&stage, build);
+    print_said(input);
+    return status;
+}
+
+static void evaluate(void *context)
+{
+    Stage *stage = context;
+    SceneInput *input = stage->input;
+    stage->status = eval_scene(input->path, &input->scene_options.eval, &input->diag, stage->result, stage->error);
+}
+
+Status scene_input_evaluate(SceneInput *input, EvalResult *result, Error *error)
+{
+    Stage stage = {.input = input, .error = error, .result = result};
+    Status status = run_stage(&stage, evaluate);
+    return status;
+}
+
+static void compile(void *context)
+{
+    Stage *stage = context;
+    SceneInput *input = stage->input;
+    stage->status = compile_scene(input->scene, stage->policy, stage->pool, &input->diag, &input->compiled, stage->error);
+}
+
+Status scene_input_compile(SceneInput *input, Pool *pool, Error *error)
+{
+    Stage stage = {.input = input, .error = error, .pool = pool, .policy = input->scene->render.nesting};
+    const char *policy = option_text(input->options, OPTION_NESTING, NULL);
+    if (policy && !nest_policy_from_text(policy, &stage.policy))
+        return fail(error, STATUS_USAGE, "option '--nesting': there is no policy '%s'", policy);
+    TRY(run_stage(&stage, compile));
+    if (input->diag.n_errors == 0) return STATUS_OK;
+    error->text[0] = 0;
+    return STATUS_SCENE;
+}
+
+/* ---- reports ---- */
+
+static void count_print(Buf *out, uint32_t n, const char *what)
+{
+    buf_format(out, "%u %s%s", n, what, n == 1 ? "" : "s");
+}
+
+static void print_counts(const SceneInput *input, Buf *out)
+{
+    const Diag *diag = &input->diag;
+    buf_format(out, "%s: ", strcmp(input->path, "-") == 0 ? "<stdin>" : input->path);
+    if (diag->n_errors) count_print(out, diag->n_errors, "error");
+    if (diag->n_errors && diag->n_warnings) buf_add(out, ", ");
+    if (diag->n_warnings) count_print(out, diag->n_warnings, "warning");
+    if (diag->n_errors > diag->limit || diag->n_warnings > diag->limit)
+        buf_format(out, " (%u of a kind are shown)", diag->limit);
+    buf_add(out, "\n");
+}
+
+static void print_json_line(Diag *diag, Buf *out)
+{
+    Buf array = {0};
+    diag_print_json(diag, &array);
+    JsonWriter json = talk_event_begin(out, "diagnostics");
+    json_add_whole(&json, "errors", diag->n_errors);
+    json_add_whole(&json, "warnings", diag->n_warnings);
+    /* One line per event: blanks and texts hold no line breaks in JSON, so each one is only layout. */
+    for (size_t i = 0; i < array.length; i++)
+        if (array.text[i] == '\n') array.text[i] = ' ';
+    json_key(&json, "diagnostics");
+    json_raw(&json, buf_text(&array));
+    json_end(&json);
+    buf_add(out, "\n");
+    out->failed = out->failed || array.failed;
+    buf_clear(&array);
+}
+
+static void print_reports(void *context)
+{
+    Stage *stage = context;
+    SceneInput *input = stage->input;
+    if (input->talk->json) {
+        print_json_line(&input->diag, &stage->text);
+        return;
+    }
+    diag_print(&input->diag, &stage->text, input->talk->color);
+    print_counts(input, &stage->text);
+}
+
+Status scene_input_print_reports(SceneInput *input, Error *error)
+{
+    Stage stage = {.input = input, .error = error};
+    Status status = STATUS_OK;
+    if (!input->diag_printed && (input->diag.n_errors || input->diag.n_warnings)) {
+        status = scene_input_guard(input, print_reports, &stage, error);
+        talk_write(&stage.text);
+        buf_clear(&stage.text);
+    }
+    input->diag_printed = true;
+    if (status != STATUS_OK || input->diag.n_errors == 0) return status;
+    error->text[0] = 0;
+    return STATUS_SCENE;
+}

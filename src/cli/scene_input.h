@@ -1,0 +1,54 @@
+/* scene_input.h - from the words of a command line to a scene: options for the language, the image loader,
+ * building and compiling, and the printing of what they report.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SCENE_INPUT_H
+#define MEN_SCENE_INPUT_H
+
+#include "cli/talk.h"
+#include "image/view.h"
+#include "scene/build.h"
+#include "scene/compile.h"
+
+/* The colour configuration, opened when it is first needed. */
+typedef struct ColorSource {
+    const char *path; /* of --ocio, or NULL */
+    ColorConfig *config;
+} ColorSource;
+
+ATTR_NODISCARD Status color_source_open(ColorSource *color, Error *error);
+
+typedef struct SceneInput {
+    const Options *options;
+    const Talk *talk;
+    const char *path;
+    SceneOptions scene_options;
+    Arena arena;
+    SourceSet sources;
+    Diag diag;
+    bool diag_printed;
+    ColorSource color;
+    Scene *scene;
+    CompiledScene *compiled;
+    Buf printed; /* what print() said */
+} SceneInput;
+
+void scene_input_init(SceneInput *input, const Options *options, const Talk *talk);
+void scene_input_close(SceneInput *input);
+/* Builds the scene, and prints what print() said. STATUS_SCENE leaves the reports in diag. */
+ATTR_NODISCARD Status scene_input_build(SceneInput *input, Error *error);
+/* Compiles it, with the policy of --nesting, else the scene's own. */
+ATTR_NODISCARD Status scene_input_compile(SceneInput *input, Pool *pool, Error *error);
+/* Only evaluates, for what the language alone knows. */
+ATTR_NODISCARD Status scene_input_evaluate(SceneInput *input, EvalResult *result, Error *error);
+/* Runs a task with the arena guarded. STATUS_NOMEM when memory ran out in it. */
+ATTR_NODISCARD Status scene_input_guard(SceneInput *input, void (*task)(void *context), void *context, Error *error);
+/* Prints the reports, once; STATUS_SCENE without a text when there are errors among them. */
+ATTR_NODISCARD Status scene_input_print_reports(SceneInput *input, Error *error);
+
+/* Reads a picture; one that is a PNG file is taken for sRGB and made linear. */
+ATTR_NODISCARD Status image_read_linear(const char *path, Image *image, Error *error);
+/* The SceneImageLoader of all commands; context is a ColorSource. */
+Status load_scene_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                        uint32_t *height, Error *error);
+
+#endif

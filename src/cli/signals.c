@@ -1,0 +1,111 @@
+/* signals.c - the handler, and the names of the temporary files that a second signal has to remove.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/signals.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+
+enum { TEMPORARY_TRIES = 4, NAME_ROOM = 32 };
+
+static const int handled[] = {SIGINT, SIGTERM, SIGHUP};
+
+static volatile sig_atomic_t received;
+static struct sigaction before[COUNT_OF(handled)];
+static bool begun;
+static const char *announcement;
+/* Names under which base/file.c may write; only those that nobody else had when the render began. */
+static char **temporaries;
+static volatile sig_atomic_t n_temporaries;
+
+static void write_text(const char *text)
+{
+    ssize_t n = write(STDERR_FILENO, text, strlen(text));
+    (void)n; /* there is nobody left to tell */
+}
+
+static void end_by(int number)
+{
+    struct sigaction plain = {.sa_handler = SIG_DFL};
+    sigset_t set;
+    sigaction(number, &plain, NULL);
+    sigemptyset(&set);
+    sigaddset(&set, number);
+    sigprocmask(SIG_UNBLOCK, &set, NULL);
+    raise(number);
+    _exit(128 + number); /* not reached */
+}
+
+static void handle(int number)
+{
+    if (!received) {
+        received = number;
+        write_text(announcement);
+        return;
+    }
+    for (sig_atomic_t i = 0; i < n_temporaries; i++) unlink(temporaries[i]);
+    end_by(number);
+}
+
+/* base/file.c names a temporary file PATH.PROCESS-ATTEMPT.tmp, beside what a symbolic link leads to. */
+static void remember_temporaries(const char *output)
+{
+    char *target = file_real_path(output);
+    const char *path = target ? target : output;
+    size_t size = strlen(path) + NAME_ROOM;
+    for (int attempt = 0; attempt < TEMPORARY_TRIES; attempt++) {
+        char *name = malloc(size);
+        if (!name) break; /* only tidiness after a second signal is lost */
+        snprintf(name, size, "%s.%ld-%d.tmp", path, (long)getpid(), attempt);
+        struct stat info;
+        if (stat(name, &info) == 0)
+            free(name);
+        else
+            temporaries[n_temporaries++] = name;
+    }
+    free(target);
+}
+
+Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Error *error)
+{
+    announcement = json ? "{\"event\": \"stopping\", \"message\": \"writing what there is; again to stop at once\"}\n"
+                        : "\nmeniscus: stopping; writing what there is (again to stop at once)\n";
+    size_t size = (n_outputs * TEMPORARY_TRIES + 1) * sizeof *temporaries;
+    temporaries = malloc(size);
+    if (!temporaries) return fail_memory(error, size, "the names of outputs");
+    for (size_t i = 0; i < n_outputs; i++) remember_temporaries(outputs[i]);
+    struct sigaction action = {.sa_handler = handle, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < COUNT_OF(handled); i++) {
+        sigaction(handled[i], NULL, &before[i]);
+        if (before[i].sa_handler != SIG_IGN) sigaction(handled[i], &action, NULL);
+    }
+    begun = true;
+    return STATUS_OK;
+}
+
+const volatile sig_atomic_t *signals_flag(void)
+{
+    return &received;
+}
+
+void signals_end(void)
+{
+    if (begun)
+        for (size_t i = 0; i < COUNT_OF(handled); i++) sigaction(handled[i], &before[i], NULL);
+    begun = false;
+    sig_atomic_t n = n_temporaries;
+    n_temporaries = 0;
+    for (sig_atomic_t i = 0; i < n; i++) free(temporaries[i]);
+    free(temporaries);
+    temporaries = NULL;
+}
+
+void signals_raise_again(void)
+{
+    if (received) end_by(received);
+}

@@ -1,0 +1,25 @@
+/* signals.h - stopping a render by a signal without losing what was rendered.
+ * The first INT, TERM or HUP says so at once and sets a flag; the second one ends the process at once, and the
+ * temporary files of the outputs with it. In both cases the process ends by the signal, so that the shell sees it.
+ * Signals that were ignored when the process began (nohup) stay ignored.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SIGNALS_H
+#define MEN_SIGNALS_H
+
+#include <signal.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+/* From here on signals are held. outputs: paths that will be written; not needed afterwards. json: the form of
+ * what is said. */
+ATTR_NODISCARD Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Error *error);
+/* Not 0 after the first signal: its number. */
+const volatile sig_atomic_t *signals_flag(void);
+/* Signals act as they did before; what signals_begin keeps is freed. Safe without signals_begin. */
+void signals_end(void);
+/* Ends the process by the signal that was received; returns when there was none. */
+void signals_raise_again(void);
+
+#endif
