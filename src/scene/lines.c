@@ -33,6 +33,10 @@ static void put(Vec3 *v, int axis, double x)
 
 void line_set_begin(LineSet *set, Box3 box, int direction, uint32_t n, uint64_t seed)
 {
+    /* faces of hulls often lie in the box's own: the lines start beyond what rounding can confuse */
+    double largest = fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
+    double by = 4 * rtc_rounding(vec3(largest, largest, largest));
+    box = (Box3){vec3_sub(box.min, vec3(by, by, by)), vec3_add(box.max, vec3(by, by, by))};
     Vec3 size = vec3_sub(box.max, box.min);
     *set = (LineSet){.box = box, .direction = line_direction(direction)};
     double whole = 0;

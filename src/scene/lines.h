@@ -18,7 +18,7 @@ typedef struct Line {
     double area; /* of the cross-section that this line stands for */
 } Line;
 
-/* Lines of one direction through a box, evenly spread over the box's silhouette: about n, at least one for each of the three
+/* Lines of one direction through a box (made wider by what rounding needs), evenly spread over the box's silhouette: about n, at least one for each of the three
  * faces where they enter. */
 typedef struct LineSet {
     Box3 box;
