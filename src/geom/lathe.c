@@ -231,12 +231,14 @@ static bool add_arc(Outline *outline, const Corner *corner, Dir2 in, Dir2 out)
 /* Where roundings leave nothing of an edge, the arc's end and the next point are one. */
 static void merge_points(Outline *outline)
 {
+    double size = 0;
+    for (size_t i = 0; i < outline->n; i++)
+        size = fmax(size, fmax(fabs(outline->points[i].r), fabs(outline->points[i].y)));
     size_t kept = 0;
     for (size_t i = 0; i < outline->n; i++) {
         const OutlinePoint *point = &outline->points[i];
         OutlinePoint *last = kept ? &outline->points[kept - 1] : &outline->points[outline->n - 1];
-        double scale = fmax(fabs(point->r), fabs(point->y));
-        bool same = outline->n > 3 && fmax(fabs(last->r - point->r), fabs(last->y - point->y)) <= 1e-12 * scale &&
+        bool same = outline->n > 3 && fmax(fabs(last->r - point->r), fabs(last->y - point->y)) <= 1e-12 * size &&
                     (last->given_out || point->given_in);
         if (!same) {
             outline->points[kept++] = *point;

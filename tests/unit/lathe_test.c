@@ -1,0 +1,273 @@
+/* lathe_test.c - profiles turned about an axis: volumes by Pappus and by frusta, arcs and their normals, the
+ * sense of the profile, and every way in which a profile can be wrong.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "near.h"
+
+#include "geom/piece.h"
+
+static const double pi = 3.14159265358979323846;
+
+typedef const double (*Profile)[2];
+
+static Solid *make(Profile profile, uint32_t n, const double *round, bool smooth)
+{
+    Solid *solid = NULL;
+    Error error = {STATUS_OK, ""};
+    if (solid_make_lathe(profile, n, round, smooth, &solid, &error) != STATUS_OK) fail_msg("%s", error.text);
+    return solid;
+}
+
+/* The profile must be refused, for a reason that holds this text. */
+static void refuse(Profile profile, uint32_t n, const double *round, const char *reason)
+{
+    Solid *solid = NULL;
+    Error error = {STATUS_OK, ""};
+    assert_int_equal(solid_make_lathe(profile, n, round, false, &solid, &error), STATUS_SCENE);
+    assert_null(solid);
+    if (!strstr(error.text, reason)) fail_msg("'%s' does not say '%s'", error.text, reason);
+}
+
+static const double tumbler[][2] = {{0, 0}, {38, 0}, {40, 2}, {40, 92}, {37, 92}, {37, 10}, {0, 10}};
+static const double tumbler_volume = 3.14159265358979323846 *
+                                     (2.0 / 3 * (38.0 * 38 + 38 * 40 + 40 * 40) + 40.0 * 40 * 90 - 37.0 * 37 * 82);
+
+/* Pieces follow each other, the chain closes on the axis, and every edge lies as its normals say. */
+static void check_chain(const Solid *solid)
+{
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *here = &solid->pieces[i];
+        const Piece *next = &solid->pieces[(i + 1) % solid->n_pieces];
+        bool linked = here->r1 == next->r0 && here->y1 == next->y0;
+        bool axis = here->r1 == 0 && next->r0 == 0;
+        assert_true(linked || axis);
+        assert_near(hypot((double)here->nr0, (double)here->ny0), 1, 1e-6);
+        assert_near(hypot((double)here->nr1, (double)here->ny1), 1, 1e-6);
+    }
+}
+
+static void test_volume_in_either_sense(void **state)
+{
+    (void)state;
+    Solid *solid = make(tumbler, 7, NULL, false);
+    assert_int_equal(solid->n_pieces, 6);
+    assert_near(solid->volume, tumbler_volume, 1e-9);
+    check_chain(solid);
+    solid_free(solid);
+    double reversed[7][2];
+    for (int i = 0; i < 7; i++) memcpy(reversed[i], tumbler[6 - i], sizeof reversed[i]);
+    solid = make((Profile)reversed, 7, NULL, false);
+    assert_near(solid->volume, tumbler_volume, 1e-9);
+    check_chain(solid);
+    solid_free(solid);
+    /* beginning elsewhere, with points said twice and the axis written out */
+    const double other[][2] = {{40, 2}, {40, 2}, {40, 92}, {37, 92}, {37, 10}, {0, 10}, {0, 5}, {0, 0}, {38, 0}, {40, 2}};
+    solid = make(other, 10, NULL, false);
+    assert_int_equal(solid->n_pieces, 6);
+    assert_near(solid->volume, tumbler_volume, 1e-9);
+    check_chain(solid);
+    solid_free(solid);
+}
+
+static void test_pappus(void **state)
+{
+    (void)state;
+    /* A polygon's area times the way of its centroid: a regular 90-gon about (5, 1). */
+    double ring[90][2];
+    for (int i = 0; i < 90; i++) {
+        ring[i][0] = 5 + 2 * cos(2 * pi * i / 90);
+        ring[i][1] = 1 + 2 * sin(2 * pi * i / 90);
+    }
+    Solid *solid = make((Profile)ring, 90, NULL, true);
+    double area = 0.5 * 90 * 4 * sin(2 * pi / 90);
+    assert_near(solid->volume, area * 2 * pi * 5, 1e-9);
+    check_chain(solid);
+    /* smooth: the corner's normal points away from the ring's centre, on both sides */
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *p = &solid->pieces[i];
+        assert_near((double)p->nr0, (p->r0 - 5) / 2, 1e-6);
+        assert_near((double)p->ny1, (p->y1 - 1) / 2, 1e-6);
+        assert_true(p->v0 < p->v1);
+    }
+    solid_free(solid);
+}
+
+static void test_hollow(void **state)
+{
+    (void)state;
+    /* a ball of cones with a bubble: the inner part counts off */
+    const double shell[][2] = {{0, -2}, {2, 0}, {0, 2}, {0, 1}, {1, 0}, {0, -1}};
+    Solid *solid = make(shell, 6, NULL, false);
+    assert_int_equal(solid->n_pieces, 4);
+    assert_near(solid->volume, 2 * pi / 3 * (8 - 1), 1e-12);
+    check_chain(solid);
+    solid_free(solid);
+}
+
+static void test_rounded_corner(void **state)
+{
+    (void)state;
+    const double can[][2] = {{0, 0}, {5, 0}, {5, 10}, {0, 10}};
+    const double round[] = {0, 2, 0, 0};
+    Solid *solid = make(can, 4, round, false);
+    /* a disc, 30 bands of 3 degrees, the side, the lid */
+    assert_int_equal(solid->n_pieces, 33);
+    check_chain(solid);
+    double exact = pi * 250;
+    /* what a quarter round takes: the ring between a square and a quarter disc, by Pappus, in the limit */
+    double square = 4.0 * 2 * pi * 4;
+    double quarter = pi * 2 * pi * (3 + 4 * 2.0 / (3 * pi)) * 1.0;
+    exact -= square - quarter;
+    assert_true(fabs(solid->volume - exact) < 1e-3 * (square - quarter) + 0.02);
+    for (uint32_t i = 1; i <= 30; i++) {
+        const Piece *p = &solid->pieces[i];
+        assert_near(hypot(p->r0 - 3, p->y0 - 2), 2, 1e-12);
+        assert_near((double)p->nr0, (p->r0 - 3) / 2, 1e-6);
+        assert_near((double)p->ny0, (p->y0 - 2) / 2, 1e-6);
+        assert_near((double)p->nr1, (p->r1 - 3) / 2, 1e-6);
+        assert_near((double)p->ny1, (p->y1 - 2) / 2, 1e-6);
+    }
+    /* it starts and ends as its neighbours do */
+    assert_near((double)solid->pieces[1].ny0, -1, 0);
+    assert_near((double)solid->pieces[0].ny1, -1, 0);
+    assert_near((double)solid->pieces[30].nr1, 1, 0);
+    assert_near((double)solid->pieces[31].nr0, 1, 0);
+    assert_near(solid->pieces[1].r0, 3, 1e-12);
+    assert_near(solid->pieces[31].y0, 2, 1e-12);
+    solid_free(solid);
+}
+
+static void test_rounds_that_meet(void **state)
+{
+    (void)state;
+    /* two roundings use up the side between them; a tip on the axis becomes part of a sphere */
+    const double pill[][2] = {{0, 0}, {2, 0}, {2, 4}, {0, 4}};
+    const double round[] = {0, 2, 2, 0};
+    Solid *solid = make(pill, 4, round, false);
+    assert_int_equal(solid->n_pieces, 60);
+    check_chain(solid);
+    assert_true(fabs(solid->volume / (32 * pi / 3) - 1) < 2e-3);
+    solid_free(solid);
+    const double cone[][2] = {{0, 0}, {3, 0}, {0, 4}};
+    const double tip[] = {0, 0, 1};
+    solid = make(cone, 3, tip, false);
+    check_chain(solid);
+    const Piece *top = &solid->pieces[solid->n_pieces - 1];
+    assert_near(top->r1, 0, 0);
+    assert_near((double)top->ny1, 1, 0);
+    /* the inscribed sphere of radius 1 touches the slope 4/3 from its tip and tops out 5/3 - 1 below it */
+    assert_near(top->y1, 4 - (5.0 / 3 - 1), 1e-12);
+    solid_free(solid);
+    /* concave: the inside of a tumbler's floor */
+    const double floor_round[] = {0, 0, 0, 0, 0, 8, 0};
+    solid = make(tumbler, 7, floor_round, false);
+    check_chain(solid);
+    assert_true(solid->volume > tumbler_volume);
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *p = &solid->pieces[i];
+        if (p->r1 >= 37 || p->r1 <= 29 || p->y1 <= 10) continue;
+        assert_near((double)p->nr1, (29 - p->r1) / 8, 1e-6);
+        assert_near((double)p->ny1, (18 - p->y1) / 8, 1e-6);
+    }
+    solid_free(solid);
+}
+
+static void test_smooth_limit(void **state)
+{
+    (void)state;
+    /* turns of 30 and of 60 degrees: only the first is smoothed */
+    const double profile[][2] = {{0, 0}, {1, 0}, {1 + 0.86602540378443865, 0.5}, {1 + 0.86602540378443865, 2}, {0, 2}};
+    Solid *solid = make(profile, 5, NULL, true);
+    assert_int_equal(solid->n_pieces, 4);
+    assert_near((double)solid->pieces[0].nr1, sin(pi / 12), 1e-6);
+    assert_near((double)solid->pieces[1].nr0, sin(pi / 12), 1e-6);
+    assert_near((double)solid->pieces[1].nr1, 0.5, 1e-6);
+    assert_near((double)solid->pieces[2].nr0, 1, 1e-6);
+    solid_free(solid);
+    solid = make(profile, 5, NULL, false);
+    assert_near((double)solid->pieces[0].nr1, 0, 0);
+    solid_free(solid);
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    const double two[][2] = {{0, 0}, {1, 0}};
+    refuse(two, 2, NULL, "at least 3 points");
+    const double same[][2] = {{0, 0}, {1, 0}, {1, 0}, {0, 0}};
+    refuse(same, 4, NULL, "3 different points");
+    const double left[][2] = {{0, 0}, {1, 0}, {-0.5, 2}};
+    refuse(left, 3, NULL, "profile[2] = <-0.5, 2> is left of the axis");
+    const double nothing[][2] = {{0, 0}, {1, NAN}, {0, 2}};
+    refuse(nothing, 3, NULL, "profile[1]");
+    const double far[][2] = {{0, 0}, {1e300, 0}, {0, 2}};
+    refuse(far, 3, NULL, "profile[1]");
+    const double bow[][2] = {{1, 0}, {2, 1}, {2, 0}, {1, 1}};
+    refuse(bow, 4, NULL, "crosses or touches itself");
+    const double touching[][2] = {{1, 0}, {3, 0}, {3, 2}, {2, 0}, {1, 2}};
+    refuse(touching, 5, NULL, "crosses or touches itself");
+    const double doubled[][2] = {{1, 0}, {3, 0}, {3, 2}, {2, 2}, {2, 0}, {1.5, 0}, {1.5, 1}, {1, 1}};
+    refuse(doubled, 8, NULL, "crosses or touches itself");
+    const double spike[][2] = {{1, 0}, {3, 0}, {2, 0}, {2, 2}};
+    refuse(spike, 4, NULL, "turns back on itself at profile[1] = <3, 0>");
+    const double can[][2] = {{0, 0}, {5, 0}, {5, 10}, {0, 10}};
+    const double wide[] = {0, 6, 0, 0};
+    refuse(can, 4, wide, "rounding takes");
+    const double both[] = {0, 5, 5.001, 0};
+    refuse(can, 4, both, "rounding takes");
+    const double negative[] = {0, -1, 0, 0};
+    refuse(can, 4, negative, "the rounding -1 of profile[1]");
+    const double line[][2] = {{0, 0}, {0, 1}, {0, 3}};
+    refuse(line, 3, NULL, "encloses no volume");
+    const double pinched[][2] = {{0, 0}, {1, 1}, {1, -1}};
+    const double on_axis[] = {0.1, 0, 0};
+    refuse(pinched, 3, on_axis, "cannot be rounded");
+}
+
+static void test_beads_may_touch_on_the_axis(void **state)
+{
+    (void)state;
+    const double beads[][2] = {{0, 0}, {1, 1}, {0, 2}, {1, 3}, {0, 4}};
+    Solid *solid = make(beads, 5, NULL, false);
+    assert_near(solid->volume, 4 * pi / 3, 1e-12);
+    check_chain(solid);
+    solid_free(solid);
+}
+
+static void test_many_points(void **state)
+{
+    (void)state;
+    enum { N = 100000 };
+    double(*profile)[2] = malloc(N * sizeof *profile);
+    assert_non_null(profile);
+    for (int i = 0; i < N; i++) {
+        double angle = 2 * pi * i / N;
+        double radius = 2 + 0.3 * sin(997 * angle);
+        profile[i][0] = 5 + radius * cos(angle);
+        profile[i][1] = radius * sin(angle);
+    }
+    Solid *solid = make((Profile)profile, N, NULL, true);
+    assert_int_equal(solid->n_pieces, N);
+    solid_free(solid);
+    profile[N / 2][0] = 8; /* one point goes astray, across the whole ring */
+    refuse((Profile)profile, N, NULL, "crosses or touches itself");
+    refuse((Profile)profile, N + 1, NULL, "at most 100000 points");
+    free(profile);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_volume_in_either_sense),
+        cmocka_unit_test(test_pappus),
+        cmocka_unit_test(test_hollow),
+        cmocka_unit_test(test_rounded_corner),
+        cmocka_unit_test(test_rounds_that_meet),
+        cmocka_unit_test(test_smooth_limit),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_beads_may_touch_on_the_axis),
+        cmocka_unit_test(test_many_points),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
