@@ -16,13 +16,13 @@ void color_matching(float wavelength_nm, float xyz[3])
 
 Lanes white_at(Lanes wavelength_nm)
 {
-    Lanes result = lanes_all(0);
+    float value[LANES];
     for (int i = 0; i < LANES; i++) {
         float fraction;
         int row = observer_row(lanes_get(wavelength_nm, i), 2 * SPECTRUM_STEP_NM, &fraction);
-        lanes_set(&result, i, (1 - fraction) * observer_d65[row] + fraction * observer_d65[row + 1]);
+        value[i] = (1 - fraction) * observer_d65[row] + fraction * observer_d65[row + 1];
     }
-    return lanes_scale(result, (float)OBSERVER_WHITE_SCALE);
+    return lanes_scale(lanes(value[0], value[1], value[2], value[3]), (float)OBSERVER_WHITE_SCALE);
 }
 
 /* The inverse of the distribution is a table over equal steps of u, so a look-up needs no search, and

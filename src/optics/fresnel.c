@@ -21,8 +21,9 @@ static inline double transmitted_square(float cos_i, float eta_i, float eta_t)
     return a * a + ((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
 }
 
-/* A cosine from rounded vectors may lie outside 0..1. */
-static inline float clamp_cosine(float cos_i) { return fminf(fmaxf(cos_i, 0.0f), 1.0f); }
+/* A cosine from rounded vectors may lie outside 0..1. Comparisons, here and below, because fmaxf is a
+ * call with gcc. */
+static inline float clamp_cosine(float cos_i) { return cos_i < 1 ? (cos_i > 0 ? cos_i : 0) : 1; }
 
 /* Branch-free, for cos_i already in 0..1: both outcomes are made and one is chosen. */
 static inline float reflectance(float cos_i, float eta_i, float eta_t)
@@ -30,13 +31,14 @@ static inline float reflectance(float cos_i, float eta_i, float eta_t)
     float square_i = eta_i * eta_i, square_t = eta_t * eta_t;
     double b_square = transmitted_square(cos_i, eta_i, eta_t);
     float d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
-    float a = eta_i * cos_i, b = (float)sqrt(fmax(b_square, 0.0));
+    float a = eta_i * cos_i, b = (float)sqrt(b_square > 0 ? b_square : 0);
     float sum = a + b + FLT_MIN; /* both vanish at a grazing ray between equal indices */
     float r_s = d / (sum * sum + FLT_MIN);
     float brewster = a * b - square_i * ((1 - cos_i) * (1 + cos_i));
     float r_p = d * brewster / (sum * (square_t * a + square_i * b) + FLT_MIN);
-    float partial = fminf(0.5f * (r_s * r_s + r_p * r_p), 1.0f);
-    return d == 0 ? 0.0f : b_square > 0 ? partial : 1.0f;
+    float partial = 0.5f * (r_s * r_s + r_p * r_p);
+    bool passes = b_square > 0 && partial < 1;
+    return d == 0 ? 0.0f : passes ? partial : 1.0f;
 }
 
 float fresnel_dielectric(float cos_i, float eta_i, float eta_t) { return reflectance(clamp_cosine(cos_i), eta_i, eta_t); }

@@ -37,7 +37,10 @@ extern const float observer_wavelengths[OBSERVER_WAVELENGTH_CELLS + 1];
 static inline int observer_row(float wavelength_nm, float step_nm, float *fraction)
 {
     float limit = (SPECTRUM_MAX_NM - SPECTRUM_MIN_NM) / step_nm;
-    float position = fminf(fmaxf((wavelength_nm - SPECTRUM_MIN_NM) / step_nm, 0.0f), limit);
+    float position = (wavelength_nm - SPECTRUM_MIN_NM) * (1 / step_nm);
+    /* comparisons, because fmaxf is a call with gcc; NaN gives 0 */
+    position = position > 0 ? position : 0;
+    position = position < limit ? position : limit;
     int row = (int)position;
     *fraction = position - (float)row;
     return row;

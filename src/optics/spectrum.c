@@ -23,7 +23,7 @@ static Lanes square_um(Lanes wavelength_nm)
 
 static Lanes table_at(const float *table, Lanes wavelength_nm)
 {
-    Lanes result = lanes_all(0);
+    float value[LANES];
     for (int i = 0; i < LANES; i++) {
         float fraction;
         int row = observer_row(lanes_get(wavelength_nm, i), SPECTRUM_STEP_NM, &fraction);
@@ -33,9 +33,9 @@ static Lanes table_at(const float *table, Lanes wavelength_nm)
             fraction = 1;
         }
         /* this form, and not a + f (b - a), is exact at both ends */
-        lanes_set(&result, i, (1 - fraction) * table[row] + fraction * table[row + 1]);
+        value[i] = (1 - fraction) * table[row] + fraction * table[row + 1];
     }
-    return result;
+    return lanes(value[0], value[1], value[2], value[3]);
 }
 
 Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm)

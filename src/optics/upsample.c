@@ -9,11 +9,15 @@
 
 /* S(x) = 1/2 + x / (2 sqrt(1 + x^2)), [JH19] (4). Written so that dark colours keep their digits: with
  * s = sqrt(1 + x^2), 1 - S(|x|) = S(-|x|) = 1 / (2 s (s + |x|)). */
-static inline float sigmoid(float x)
+static inline Lanes sigmoid(Lanes x)
 {
-    float s = sqrtf(1 + x * x);
-    float tail = 0.5f / (s * (s + fabsf(x)));
-    return x < 0 ? tail : 1 - tail;
+    Lanes square = lanes_add(lanes_mul(x, x), lanes_all(1)), s = lanes_all(0), sum = lanes_all(0);
+    for (int i = 0; i < LANES; i++) lanes_set(&s, i, sqrtf(lanes_get(square, i)));
+    for (int i = 0; i < LANES; i++) lanes_set(&sum, i, fabsf(lanes_get(x, i)));
+    sum = lanes_mul(lanes_add(sum, s), s);
+    Lanes tail = lanes_div(lanes_all(0.5f), sum), rest = lanes_sub(lanes_all(1), tail);
+    for (int i = 0; i < LANES; i++) lanes_set(&x, i, lanes_get(x, i) < 0 ? lanes_get(tail, i) : lanes_get(rest, i));
+    return x;
 }
 
 Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm)
@@ -22,8 +26,7 @@ Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm)
     Lanes w = lanes_scale(lanes_sub(wavelength_nm, lanes_all(SPECTRUM_MIN_NM)), per_nm);
     Lanes x = lanes_add(lanes_scale(w, coefficients[2]), lanes_all(coefficients[1]));
     x = lanes_add(lanes_mul(x, w), lanes_all(coefficients[0]));
-    for (int i = 0; i < LANES; i++) lanes_set(&x, i, sigmoid(lanes_get(x, i)));
-    return x;
+    return sigmoid(x);
 }
 
 static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
