@@ -35,7 +35,7 @@ static uint32_t add_vertex(BoxMaker *maker, const unsigned side[3], const double
     for (int axis = 0; axis < 3; axis++) {
         double reach = lean[axis] == 1 ? 0 : maker->bevel - maker->bevel * lean[axis];
         position[axis] = (float)(side[axis] ? maker->high[axis] - reach : maker->low[axis] + reach);
-        normal[axis] = (float)(side[axis] ? lean[axis] : -lean[axis]);
+        normal[axis] = (float)(side[axis] ? lean[axis] : 0 - lean[axis]); /* never -0 */
     }
     uint32_t i = maker->n_vertices++;
     maker->mesh->positions[i] = vec3f(position[0], position[1], position[2]);
