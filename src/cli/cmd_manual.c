@@ -12,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/mdoc.h"
 #include "cli/reference.h"
+#include "lang/builtin.h"
 #include "scene/build.h"
 
 #define BEGIN_MARK ".\\\" generated: "
@@ -101,8 +102,15 @@ static Status print_command(const char *name, Buf *out, Error *error)
     mdoc_text(out, row->manual);
     buf_add(out, ".Sh OPTIONS\n");
     print_options(command, out);
+    return STATUS_OK;
+}
+
+static Status print_examples_of(const char *name, Buf *out, Error *error)
+{
+    Command command = command_named(name);
+    if (command == COMMAND_COUNT) return fail(error, STATUS_USAGE, "there is no command '%s'", name);
     buf_add(out, ".Sh EXAMPLES\n");
-    print_command_examples(row->examples, out);
+    print_command_examples(command_row(command)->examples, out);
     return STATUS_OK;
 }
 
@@ -198,6 +206,17 @@ static void print_terms(Buf *out)
     buf_add(out, ".El\n");
 }
 
+static void print_functions(Buf *out)
+{
+    buf_add(out, ".Bl -tag -width Ds\n");
+    for (size_t i = 0; i < builtin_count(); i++) {
+        const Builtin *builtin = builtin_at(i);
+        buf_format(out, ".It Fn %s\n", builtin->name);
+        mdoc_sentence(out, builtin->doc);
+    }
+    buf_add(out, ".El\n");
+}
+
 static void print_diagnostics(DiagSeverity severity, Buf *out)
 {
     buf_add(out, ".Bl -tag -width Ds\n");
@@ -214,8 +233,9 @@ static void print_diagnostics(DiagSeverity severity, Buf *out)
 
 static Status print_section(const char *kind, Buf *out, Error *error)
 {
-    static const char command[] = "command ";
+    static const char command[] = "command ", examples[] = "examples ";
     if (strncmp(kind, command, sizeof command - 1) == 0) return print_command(kind + sizeof command - 1, out, error);
+    if (strncmp(kind, examples, sizeof examples - 1) == 0) return print_examples_of(kind + sizeof examples - 1, out, error);
     if (strcmp(kind, "commands") == 0)
         print_command_list(out);
     else if (strcmp(kind, "exit statuses") == 0)
@@ -224,6 +244,8 @@ static Status print_section(const char *kind, Buf *out, Error *error)
         print_nodes(out);
     else if (strcmp(kind, "terms") == 0)
         print_terms(out);
+    else if (strcmp(kind, "functions") == 0)
+        print_functions(out);
     else if (strcmp(kind, "errors") == 0)
         print_diagnostics(DIAG_ERROR, out);
     else if (strcmp(kind, "warnings") == 0)

@@ -13,6 +13,18 @@ static void add_word(Buf *out, const char *word, size_t length)
     for (size_t i = 0; i < length; i++) buf_add_bytes(out, word[i] == '`' ? "'" : &word[i], 1);
 }
 
+/* Words are divided by blanks, but what stands between two backticks stays together. */
+static size_t word_length(const char *text)
+{
+    size_t n = 0;
+    bool within = false;
+    while (text[n] && text[n] != '\n' && (within || text[n] != ' ')) {
+        if (text[n] == '`') within = !within;
+        n++;
+    }
+    return n;
+}
+
 void help_wrap(Buf *out, const char *text, size_t indent, size_t column)
 {
     bool line_is_empty = true;
@@ -21,7 +33,7 @@ void help_wrap(Buf *out, const char *text, size_t indent, size_t column)
         column = indent;
     }
     while (*text) {
-        size_t length = strcspn(text, " \n");
+        size_t length = word_length(text);
         if (length && !line_is_empty && column + 1 + length > COLUMNS) {
             buf_add(out, "\n");
             buf_add_repeat(out, ' ', indent);

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { LINE = 90 };
+enum { LINE = 78 };
 
 /* A text under way: what stands on the present line. */
 typedef struct Writer {

@@ -113,7 +113,7 @@ void reference_print_node(const NodeType *node, Buf *out)
         if (type->flags & PROP_REQUIRED)
             buf_add(&text, "; required");
         else if (type->default_text)
-            buf_format(&text, "; default: %s", type->default_text);
+            buf_format(&text, "; default: `%s`", type->default_text);
         buf_add(&text, ")");
         buf_format(out, "  %s", type->name);
         help_wrap(out, buf_text(&text), PROPERTY_COLUMN, 2 + strlen(type->name));
