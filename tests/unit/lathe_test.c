@@ -199,7 +199,7 @@ static void test_refusals(void **state)
     refuse(same, 4, NULL, "3 different points");
     const double left[][2] = {{0, 0}, {1, 0}, {-0.5, 2}};
     refuse(left, 3, NULL, "profile[2] = <-0.5, 2> is left of the axis");
-    const double nothing[][2] = {{0, 0}, {1, NAN}, {0, 2}};
+    const double nothing[][2] = {{0, 0}, {1, (double)NAN}, {0, 2}};
     refuse(nothing, 3, NULL, "profile[1]");
     const double far[][2] = {{0, 0}, {1e300, 0}, {0, 2}};
     refuse(far, 3, NULL, "profile[1]");

@@ -375,7 +375,7 @@ static void test_volumes_and_errors(void **state)
     solid_free(solid);
     Error error;
     assert_int_equal(solid_make_sphere(0, &solid, &error), STATUS_SCENE);
-    assert_int_equal(solid_make_sphere(NAN, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_sphere((double)NAN, &solid, &error), STATUS_SCENE);
     assert_int_equal(solid_make_cone(0, 0, 1, &solid, &error), STATUS_SCENE);
     assert_int_equal(solid_make_cone(1, -1, 1, &solid, &error), STATUS_SCENE);
     assert_int_equal(solid_make_cone(1, 1, 0, &solid, &error), STATUS_SCENE);

@@ -1,0 +1,153 @@
+/* obj_test.c - OBJ files as writers make them, and as nobody should.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "near.h"
+
+#include <unistd.h>
+
+#include "base/hash.h"
+#include "geom/mesh.h"
+
+static char path[64];
+
+static int make_path(void **state)
+{
+    (void)state;
+    strcpy(path, "/tmp/obj_test_XXXXXX");
+    int descriptor = mkstemp(path);
+    return descriptor < 0 ? -1 : close(descriptor);
+}
+
+static int remove_path(void **state)
+{
+    (void)state;
+    return unlink(path);
+}
+
+static void write_file(const char *bytes, size_t length)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, length, file), length);
+    assert_int_equal(fclose(file), 0);
+}
+
+static Mesh *load(const char *text)
+{
+    write_file(text, strlen(text));
+    Mesh *mesh = NULL;
+    Error error = {STATUS_OK, ""};
+    if (mesh_load_obj(path, &mesh, &error) != STATUS_OK) fail_msg("%s", error.text);
+    return mesh;
+}
+
+static void refuse(const char *text, const char *reason)
+{
+    write_file(text, strlen(text));
+    Mesh *mesh = NULL;
+    Error error = {STATUS_OK, ""};
+    assert_int_equal(mesh_load_obj(path, &mesh, &error), STATUS_INPUT);
+    assert_null(mesh);
+    if (!strstr(error.text, path) || !strstr(error.text, reason)) fail_msg("'%s' does not say '%s'", error.text, reason);
+}
+
+static const char cube[] = "# a cube\nmtllib none.mtl\no cube\n"
+                           "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1 1.0\nv 1 0 1\nv 1 1 1\nv 0 1 1 .5 .5 .5\n"
+                           "g sides\nusemtl none\ns off\n"
+                           "f 4 3 2 1\nf 5 6 7 8\nf -8 -7 -3 -4\nf 2 3 7 6\nf 3 4 8 7 # the back\nf 4 1 5 8\n";
+
+static void test_cube(void **state)
+{
+    (void)state;
+    Mesh *mesh = load(cube);
+    assert_int_equal(mesh->n_vertices, 8);
+    assert_int_equal(mesh->n_triangles, 12);
+    MeshReport report;
+    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_true(report.closed);
+    assert_near(report.volume, 1, 1e-12);
+    mesh_free(mesh);
+}
+
+static void test_corners_of_all_kinds(void **state)
+{
+    (void)state;
+    Mesh *mesh = load("v 0 0 0\r\nv 2 0 0\r\n\tv 0 2 0\r\nv 0 0 2\r\n"
+                      "vt .5\r\nvt 1 0.25 0\r\nvn 0 0 3\r\nvn 0 4 3\r\n"
+                      "f 1/1/1 2/2/1 \\\r\n 3/-1/1\r\nf 1//2 3//2 4//2\r\nf 1 2 3\r\nf 1/1 3/2 4/2\r\nf 1/1/1 2/2/1 3/2/1");
+    assert_int_equal(mesh->n_triangles, 5);
+    assert_int_equal(mesh->n_vertices, 3 + 3 + 3 + 3); /* the last face's corners are the first's */
+    assert_memory_equal(mesh->triangles[4], mesh->triangles[0], sizeof mesh->triangles[0]);
+    const uint32_t *t = mesh->triangles[0];
+    assert_near((double)mesh->uvs[2 * t[0]], 0.5, 0);
+    assert_near((double)mesh->uvs[2 * t[1] + 1], 0.25, 0);
+    assert_near((double)mesh->normals[t[0]].z, 1, 0);
+    t = mesh->triangles[1];
+    assert_near((double)mesh->normals[t[2]].y, 0.8, 1e-7);
+    assert_near((double)mesh->positions[t[2]].z, 2, 0);
+    t = mesh->triangles[2]; /* corners without a normal get the face's */
+    assert_near((double)mesh->normals[t[0]].z, 1, 0);
+    mesh_free(mesh);
+}
+
+static void test_numbers_ahead(void **state)
+{
+    (void)state;
+    Mesh *mesh = load("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    assert_int_equal(mesh->n_vertices, 3);
+    mesh_free(mesh);
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    refuse("", "has no faces");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "has no faces");
+    refuse("v 0 0\n", ":1: the line ends where a number");
+    refuse("\nv 0 0 x\n", ":2: 'x' stands where a number");
+    refuse("v 0 0 1e99\n", ":1: the number");
+    refuse("v 0 nan 0\n", "'nan'");
+    refuse("v 0 0 0\nf 1 1\n", ":2: a face has 2 corners");
+    refuse("v 0 0 0\nf\nf 1 1 1\nf \n", ":4: a face has 0 corners");
+    refuse("v 0 0 0\nf 1 1 0\n", ":2: '0' stands where");
+    refuse("v 0 0 0\nf 1 1 a\n", ":2: 'a' stands where");
+    refuse("v 0 0 0\nf 1 1 1/\n", ":2:");
+    refuse("v 0 0 0\nf 1 1 1x\n", ":2: 'x' stands where");
+    refuse("v 0 0 0\nf 1 1 -2\n", ":2: the vertex number -2 is out of range");
+    refuse("v 0 0 0\nf 1 1 99999999999999999999999999999\n", ":2: the vertex number 99999999999999999999 is out of range");
+    refuse("v 0 0 0\n\nf 1 1 2\n", ":3: a face uses position 2; there are 1");
+    refuse("v 0 0 0\nf 1/1 1/1 1/1\n", ":2: a face uses texture coordinate 1; there are 0");
+    refuse("v 0 0 0\nf 1//1 1//1 1//7\nvn 0 0 1\n", ":2: a face uses normal 7; there are 1");
+}
+
+static void test_noise(void **state)
+{
+    (void)state;
+    for (uint32_t round = 0; round < 3000; round++) {
+        char text[sizeof cube];
+        memcpy(text, cube, sizeof cube);
+        for (uint32_t k = 0; k < 1 + round % 4; k++) {
+            uint32_t h = hash_u32(round * 4 + k);
+            static const char bytes[] = "0123456789 -/.\\\n\r#vfntes\0\xff";
+            text[h % (sizeof cube - 1)] = bytes[(h >> 16) % sizeof bytes];
+        }
+        write_file(text, sizeof cube - 1 - round % 50);
+        Mesh *mesh = NULL;
+        Error error;
+        if (mesh_load_obj(path, &mesh, &error) == STATUS_OK) {
+            MeshReport report;
+            assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+            mesh_free(mesh);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cube),     cmocka_unit_test(test_corners_of_all_kinds), cmocka_unit_test(test_numbers_ahead),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_noise),
+    };
+    return cmocka_run_group_tests(tests, make_path, remove_path);
+}
