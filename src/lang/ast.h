@@ -89,6 +89,8 @@ struct NodeExpr {
     bool has_prototype;
     Slot prototype;       /* resolved: the slot that may hold a prototype */
     Def *def;             /* resolved: the macro that is used like a node */
+    uint32_t def_hops;
+    Slot name_slot;       /* resolved: of the declared name */
     bool has_defaults;
     Slot defaults;        /* resolved: the slot of the defaults that are in force for type */
 };

@@ -59,6 +59,16 @@ struct EvalNode {
     size_t n_children;
 };
 
+/* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default. */
+typedef struct EvalLimits {
+    uint64_t steps;       /* turns of loops and calls; 200 million */
+    uint64_t nodes;       /* 20 million */
+    uint64_t memory;      /* bytes; 8 GiB */
+    uint64_t file_bytes;  /* of one text; 1 GiB */
+    uint32_t files;       /* that a scene reads as scene text; 1000 */
+    uint32_t calls;       /* nested; 1000 */
+} EvalLimits;
+
 /* What a scene is evaluated with. Zero is a fair default for all but the schema. */
 typedef struct EvalOptions {
     const Schema *schema;
@@ -69,10 +79,12 @@ typedef struct EvalOptions {
     const char *confine; /* NULL, or the folder that every file must be under */
     const char *preset;
     double clock;
-    int frame, frames;
+    int frame, frames; /* from 1; 0 counts as 1 */
+    double time;       /* seconds */
     double srgb_to_working[9]; /* row-major, linear sRGB to the working space; all 0: identity */
     /* Text of a built-in library file such as "std/glassware.mns", or NULL. */
     const char *(*library)(const char *name);
+    EvalLimits limits;
 } EvalOptions;
 
 typedef struct EvalParam {

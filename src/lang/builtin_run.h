@@ -1,0 +1,23 @@
+/* builtin_run.h - what the files of builtin functions share.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BUILTIN_RUN_H
+#define MEN_BUILTIN_RUN_H
+
+#include "lang/evaluator.h"
+
+/* Reports that argument index has a wrong type; the result becomes poison. */
+void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, Value *result);
+/* Are all arguments numbers, and is the result finite? false after a report. */
+bool builtin_numbers(const BuiltinCall *call, Value *result);
+bool builtin_finite(const BuiltinCall *call, Value *result);
+
+/* builtin_transform.c */
+void run_rotate(const BuiltinCall *call, Value *result);
+void run_translate(const BuiltinCall *call, Value *result);
+void run_scale(const BuiltinCall *call, Value *result);
+void run_matrix(const BuiltinCall *call, Value *result);
+void run_transform(const BuiltinCall *call, Value *result);
+void run_inverse(const BuiltinCall *call, Value *result);
+void run_apply(const BuiltinCall *call, Value *result);
+
+#endif

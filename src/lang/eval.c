@@ -1,0 +1,437 @@
+/* eval.c - from files to the checked tree: reads a scene and what it imports, parses all of it, resolves names, runs it.
+ * All texts are parsed before anything runs, so that all mistakes in the writing come out together.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "lang/eval.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/file.h"
+#include "lang/evaluator.h"
+#include "lang/parse.h"
+#include "lang/resolve.h"
+
+enum {
+    DEFAULT_STEPS = 200000000,
+    DEFAULT_NODES = 20000000,
+    DEFAULT_FILES = 1000,
+    DEFAULT_CALLS = 1000,
+    DEEPEST_IMPORT = 64,
+    STACK_BYTES = 6 * 1024 * 1024,  /* of the C stack; systems give 8 MiB */
+    MEMORY_CHECK_MASK = 0xfff,      /* memory is looked at every so many steps */
+    GIVE_UP_AFTER = 10000           /* errors */
+};
+static const uint64_t default_memory = (uint64_t)8 << 30, default_file_bytes = (uint64_t)1 << 30;
+
+/* Reading: what is needed before there is anything to run. */
+typedef struct Loader {
+    Diag *diag;
+    Arena *arena;
+    const EvalOptions *options;
+    EvalLimits limits;
+    SymbolTable symbols;
+    File *files;
+    uint32_t n_files;
+    double unit_m; /* of the scene, 0 until its header is read */
+    const char **paths;
+    size_t n_paths, path_capacity;
+} Loader;
+
+/* ---- reports ---- */
+
+static const char *call_text(Evaluator *evaluator, const Def *def)
+{
+    return arena_format(evaluator->arena, "in def '%s', called from", def->name->text);
+}
+
+const DiagChain *frame_chain(Evaluator *evaluator, Frame *frame)
+{
+    if (frame->has_chain) return frame->chain;
+    frame->has_chain = true;
+    frame->chain = frame->caller ? frame_chain(evaluator, frame->caller) : NULL;
+    if (frame->def) {
+        DiagChain *link = ARENA_NEW(evaluator->arena, DiagChain);
+        *link = (DiagChain){frame->chain, frame->call_span, call_text(evaluator, frame->def)};
+        frame->chain = link;
+    }
+    return frame->chain;
+}
+
+static Diagnostic *report_text(Evaluator *evaluator, DiagCode code, Span span, const char *format, va_list args)
+    ATTR_PRINTF(4, 0);
+
+static Diagnostic *report_text(Evaluator *evaluator, DiagCode code, Span span, const char *format, va_list args)
+{
+    char text[1024];
+    vsnprintf(text, sizeof text, format, args);
+    evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
+    Diagnostic *report = diag_report(evaluator->diag, code, span, "%s", text);
+    evaluator->diag->chain = NULL;
+    if (evaluator->diag->n_errors > GIVE_UP_AFTER) evaluator->stop = true;
+    return report;
+}
+
+Diagnostic *eval_report(Evaluator *evaluator, DiagCode code, Span span, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    Diagnostic *report = report_text(evaluator, code, span, format, args);
+    va_end(args);
+    return report;
+}
+
+Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const char *format, ...)
+{
+    if (expr->reported) {
+        evaluator->scratch = (Diagnostic){0};
+        return &evaluator->scratch;
+    }
+    expr->reported = true;
+    va_list args;
+    va_start(args, format);
+    Diagnostic *report = report_text(evaluator, code, expr->span, format, args);
+    va_end(args);
+    return report;
+}
+
+/* ---- limits ---- */
+
+static bool over_limit(Evaluator *evaluator, Span span)
+{
+    bool memory = evaluator->arena->total > evaluator->limits.memory;
+    if (evaluator->steps <= evaluator->limits.steps && !memory) return false;
+    if (!evaluator->stop && memory)
+        eval_report(evaluator, D_LIMIT, span, "the scene needs more than %.0f MB of memory",
+                    (double)evaluator->limits.memory / 1e6);
+    else if (!evaluator->stop)
+        eval_report(evaluator, D_LIMIT, span, "the scene takes more than %.0f steps", (double)evaluator->limits.steps);
+    evaluator->stop = true;
+    return true;
+}
+
+bool eval_step(Evaluator *evaluator, Span span)
+{
+    if (UNLIKELY(evaluator->stop)) return false;
+    if (LIKELY(++evaluator->steps <= evaluator->limits.steps && (evaluator->steps & MEMORY_CHECK_MASK) != 0)) return true;
+    return !over_limit(evaluator, span);
+}
+
+bool eval_stack_is_deep(Evaluator *evaluator, Span span)
+{
+    char here;
+    uintptr_t at = (uintptr_t)&here, base = evaluator->stack_base;
+    if (LIKELY((at < base ? base - at : at - base) < STACK_BYTES)) return false;
+    if (!evaluator->stop) eval_report(evaluator, D_TOO_DEEP, span, "nested too deeply to be evaluated");
+    evaluator->stop = true;
+    return true;
+}
+
+/* ---- reading ---- */
+
+static EvalLimits limits_of(const EvalOptions *options)
+{
+    EvalLimits limits = options->limits;
+    if (!limits.steps) limits.steps = DEFAULT_STEPS;
+    if (!limits.nodes) limits.nodes = DEFAULT_NODES;
+    if (!limits.memory) limits.memory = default_memory;
+    if (!limits.file_bytes || limits.file_bytes > default_file_bytes) limits.file_bytes = default_file_bytes;
+    if (!limits.files) limits.files = DEFAULT_FILES;
+    if (!limits.calls) limits.calls = DEFAULT_CALLS;
+    return limits;
+}
+
+static File *new_file(Loader *loader, uint32_t source, const char *path)
+{
+    File *file = ARENA_NEW(loader->arena, File);
+    file->source = source;
+    file->path = path;
+    file->next = loader->files;
+    loader->files = file;
+    loader->n_files++;
+    if (path && ARRAY_ROOM(loader->paths, loader->path_capacity, loader->n_paths)) loader->paths[loader->n_paths++] = path;
+    return file;
+}
+
+/* A whole file into the arena, where the reports can quote it. */
+static Status read_text(Loader *loader, const char *path, const char **text, size_t *length, Error *error)
+{
+    char *bytes;
+    Status status = file_read(path, (size_t)loader->limits.file_bytes, &bytes, length, error);
+    if (status != STATUS_OK) return status;
+    *text = arena_copy_text(loader->arena, bytes, *length);
+    free(bytes);
+    return STATUS_OK;
+}
+
+static void load_imports(Loader *loader, File *file, int depth);
+
+static void check_unit_of(Loader *loader, const File *file)
+{
+    if (!file->has_unit || file->unit_m == loader->unit_m) return;
+    Diagnostic *report = diag_report(loader->diag, D_UNIT_MISMATCH, file->unit_span,
+                                     "this file is in another unit than the scene that uses it");
+    diag_hint(loader->diag, report, "leave the unit out here, and give each length its own: 5mm");
+}
+
+static File *find_loaded(const Loader *loader, const char *path, const char *library_name)
+{
+    for (File *file = loader->files; file; file = file->next) {
+        if (path && file->path && strcmp(path, file->path) == 0) return file;
+        const char *name = loader->diag->sources->sources[file->source].name;
+        if (!path && !file->path && library_name && strcmp(name, library_name) == 0) return file;
+    }
+    return NULL;
+}
+
+static File *parse_import(Loader *loader, const Stmt *stmt, const char *path, const char *library, int depth)
+{
+    Diag *diag = loader->diag;
+    Span span = stmt->as.import.text_span;
+    const char *text = library;
+    size_t length = library ? strlen(library) : 0;
+    Error error;
+    if (!library && read_text(loader, path, &text, &length, &error) != STATUS_OK) {
+        diag_report(diag, D_FILE_UNREADABLE, span, "%s", error.text);
+        return NULL;
+    }
+    uint32_t source = source_add(diag->sources, library ? stmt->as.import.text : path, path, text, length);
+    File *file = new_file(loader, source, path);
+    DiagChain *chain = ARENA_NEW(loader->arena, DiagChain);
+    *chain = (DiagChain){diag->chain, span, stmt->as.import.include ? "included from" : "used from"};
+    const DiagChain *outer = diag->chain;
+    file->chain = diag->chain = chain;
+    parse_file(file, true, loader->unit_m, diag, &loader->symbols);
+    check_unit_of(loader, file);
+    load_imports(loader, file, depth + 1);
+    diag->chain = outer;
+    return file;
+}
+
+static void load_import(Loader *loader, Stmt *stmt, int depth)
+{
+    Diag *diag = loader->diag;
+    Span span = stmt->as.import.text_span;
+    const char *library, *path = find_import(loader->options, diag, span, stmt->as.import.text, &library);
+    if (!path && !library) return;
+    File *file = find_loaded(loader, path, stmt->as.import.text);
+    if (file && file->state == FILE_OPEN) {
+        diag_report(diag, D_IMPORT_CIRCLE, span, "'%s' comes to itself again", stmt->as.import.text);
+        return;
+    }
+    if (!file && depth >= DEEPEST_IMPORT) {
+        diag_report(diag, D_TOO_DEEP, span, "files are nested deeper than %d levels", DEEPEST_IMPORT);
+        return;
+    }
+    if (!file && loader->n_files >= loader->limits.files) {
+        diag_report(diag, D_LIMIT, span, "the scene reads more than %u files", loader->limits.files);
+        return;
+    }
+    stmt->as.import.file = file ? file : parse_import(loader, stmt, path, library, depth);
+}
+
+static void load_imports(Loader *loader, File *file, int depth)
+{
+    file->state = FILE_OPEN;
+    for (uint32_t i = 0; i < file->n_imports; i++) load_import(loader, file->imports[i], depth);
+    file->state = FILE_NEW;
+}
+
+static File *load_prelude(Loader *loader)
+{
+    const char *text = loader->options->schema->prelude;
+    if (!text) return NULL;
+    File *file = new_file(loader, source_add(loader->diag->sources, "prelude", NULL, text, strlen(text)), NULL);
+    parse_file(file, false, loader->unit_m, loader->diag, &loader->symbols);
+    return file;
+}
+
+/* "name=expression" */
+static bool parse_define(Loader *loader, const char *text, Define *define)
+{
+    Diag *diag = loader->diag;
+    const char *equal = strchr(text, '=');
+    size_t length = equal ? (size_t)(equal - text) : strlen(text);
+    uint32_t source = source_add(diag->sources, "-D", NULL, text, strlen(text));
+    *define = (Define){.name = arena_copy_text(loader->arena, text, length), .span = {source, 0, (uint32_t)length}};
+    if (!equal) {
+        Diagnostic *report = diag_report(diag, D_SYNTAX, define->span, "-D takes NAME=VALUE");
+        diag_hint(diag, report, "write -D %s=VALUE", define->name);
+        return false;
+    }
+    /* the name is blanked out, so that places in the expression stay right */
+    char *expression = arena_copy_text(loader->arena, text, strlen(text));
+    memset(expression, ' ', length + 1);
+    diag->sources->sources[source].text = expression;
+    define->expr = parse_expression(source, loader->unit_m, diag, &loader->symbols);
+    diag->sources->sources[source].text = text;
+    return true;
+}
+
+/* ---- running ---- */
+
+static void set_predeclared(Evaluator *evaluator)
+{
+    const EvalOptions *options = evaluator->options;
+    double frames = options->frames > 0 ? options->frames : 1, frame = options->frame > 0 ? options->frame : 1;
+    Value *globals = evaluator->globals;
+    globals[PREDECLARED_CLOCK] = value_number(options->clock);
+    globals[PREDECLARED_FRAME] = value_number(frame);
+    globals[PREDECLARED_FRAMES] = value_number(frames);
+    globals[PREDECLARED_TIME] = value_number(options->time);
+    globals[PREDECLARED_X] = value_vector3(1, 0, 0);
+    globals[PREDECLARED_Y] = value_vector3(0, 1, 0);
+    globals[PREDECLARED_Z] = value_vector3(0, 0, 1);
+    globals[PREDECLARED_PI] = value_number(3.141592653589793);
+}
+
+static void run_defines(Evaluator *evaluator)
+{
+    for (size_t i = 0; i < evaluator->n_defines; i++) {
+        Define *define = &evaluator->defines[i];
+        if (define->expr->kind == EXPR_NAME)
+            define->value = value_none(); /* a bare word: the parameter decides what it is */
+        else
+            eval_value(evaluator, define->expr, &define->value);
+    }
+}
+
+static void report_unused_defines(Evaluator *evaluator)
+{
+    const char **names = ARENA_ARRAY(evaluator->arena, const char *, evaluator->n_params);
+    for (size_t i = 0; i < evaluator->n_params; i++) names[i] = evaluator->params[i].name;
+    for (size_t i = 0; i < evaluator->n_defines && !evaluator->stop; i++) {
+        const Define *define = &evaluator->defines[i];
+        if (define->used) continue;
+        Diagnostic *report = eval_report(evaluator, D_UNKNOWN_PARAM, define->span, "the scene has no parameter '%s'", define->name);
+        diag_suggest(evaluator->diag, report, define->name, names, evaluator->n_params);
+    }
+}
+
+static void run_preset(Evaluator *evaluator)
+{
+    const char *wanted = evaluator->options->preset;
+    if (!wanted || evaluator->stop) return;
+    const char **names = ARENA_ARRAY(evaluator->arena, const char *, evaluator->n_presets);
+    for (size_t i = 0; i < evaluator->n_presets; i++) {
+        const NodeExpr *node = evaluator->presets[i].node;
+        names[i] = node->name->text;
+        if (strcmp(names[i], wanted) != 0) continue;
+        evaluator->in_preset = true;
+        eval_block(evaluator, node->block);
+        return;
+    }
+    Diagnostic *report = diag_report_nowhere(evaluator->diag, D_UNKNOWN_PRESET, "the scene has no preset '%s'", wanted);
+    diag_suggest(evaluator->diag, report, wanted, names, evaluator->n_presets);
+}
+
+static void run_scene(Evaluator *evaluator, File *prelude, File *scene)
+{
+    char here;
+    Frame frame = {.has_chain = true};
+    evaluator->stack_base = (uintptr_t)&here;
+    evaluator->frame = &frame;
+    set_predeclared(evaluator);
+    if (prelude) eval_block(evaluator, prelude->block);
+    run_defines(evaluator);
+    eval_block(evaluator, scene->block);
+    run_preset(evaluator);
+    report_unused_defines(evaluator);
+    evaluator->frame = NULL;
+}
+
+static void give_result(const Loader *loader, Evaluator *evaluator, const File *scene, EvalResult *result)
+{
+    Arena *arena = loader->arena;
+    result->nodes = evaluator->top.items;
+    result->n_nodes = evaluator->top.n;
+    result->unit_m = scene->unit_m;
+    result->n_params = evaluator->n_params;
+    result->params = ARENA_ARRAY(arena, EvalParam, evaluator->n_params);
+    if (evaluator->n_params) memcpy(result->params, evaluator->params, evaluator->n_params * sizeof(EvalParam));
+    const char **files = ARENA_ARRAY(arena, const char *, loader->n_paths);
+    if (loader->n_paths) memcpy(files, loader->paths, loader->n_paths * sizeof *files);
+    result->files = files;
+    result->n_files = loader->n_paths;
+    result->printed = evaluator->printed;
+}
+
+/* Everything that is not the arena's. A jump out of the arena when memory ends leaks it, once, before the end. */
+static void evaluator_clear(Evaluator *evaluator)
+{
+    free(evaluator->params);
+    free(evaluator->presets);
+}
+
+static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defines, EvalResult *result)
+{
+    Diag *diag = loader->diag;
+    const EvalOptions *options = loader->options;
+    Resolver resolver;
+    resolver_init(&resolver, diag, &loader->symbols, options->schema, options->srgb_to_working);
+    if (prelude) resolve_prelude(&resolver, prelude);
+    for (size_t i = 0; i < options->n_defines; i++) resolve_define(&resolver, defines[i].expr);
+    resolve_file(&resolver, scene, true);
+    Evaluator evaluator = {.diag = diag, .arena = loader->arena, .options = options, .schema = options->schema,
+                           .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .defines = defines,
+                           .n_defines = options->n_defines};
+    evaluator.globals = ARENA_ARRAY(loader->arena, Value, resolver.n_globals);
+    evaluator.singles = ARENA_ARRAY(loader->arena, EvalNode *, options->schema->n_nodes);
+    evaluator.single_sources = ARENA_ARRAY(loader->arena, uint32_t, options->schema->n_nodes);
+    run_scene(&evaluator, prelude, scene);
+    give_result(loader, &evaluator, scene, result);
+    evaluator_clear(&evaluator);
+    if (diag->n_errors == 0) return STATUS_OK;
+    result->nodes = NULL;
+    result->n_nodes = 0;
+    return STATUS_SCENE;
+}
+
+static Status load_and_evaluate(Loader *loader, const char *name, const char *path, const char *text, size_t length,
+                                EvalResult *result)
+{
+    Diag *diag = loader->diag;
+    const EvalOptions *options = loader->options;
+    symbol_table_init(&loader->symbols, loader->arena);
+    File *scene = new_file(loader, source_add(diag->sources, name, path, text, length), path);
+    parse_file(scene, true, 0, diag, &loader->symbols);
+    loader->unit_m = scene->unit_m;
+    load_imports(loader, scene, 0);
+    File *prelude = load_prelude(loader);
+    Define *defines = ARENA_ARRAY(loader->arena, Define, options->n_defines);
+    for (size_t i = 0; i < options->n_defines; i++) parse_define(loader, options->defines[i], &defines[i]);
+    result->unit_m = scene->unit_m;
+    return diag->n_errors ? STATUS_SCENE : evaluate(loader, prelude, scene, defines, result);
+}
+
+static Loader new_loader(const EvalOptions *options, Diag *diag, EvalResult *result)
+{
+    *result = (EvalResult){0};
+    return (Loader){.diag = diag, .arena = diag->arena, .options = options, .limits = limits_of(options)};
+}
+
+Status eval_text(const char *name, const char *text, size_t length, const EvalOptions *options, Diag *diag,
+                 EvalResult *result, Error *error)
+{
+    Loader loader = new_loader(options, diag, result);
+    if (length > loader.limits.file_bytes)
+        return fail(error, STATUS_INPUT, "'%s' has %zu bytes; the limit is %.0f", name, length,
+                    (double)loader.limits.file_bytes);
+    Status status = load_and_evaluate(&loader, name, NULL, text, length, result);
+    free(loader.paths);
+    return status == STATUS_SCENE ? fail(error, status, "the scene has errors") : status;
+}
+
+Status eval_scene(const char *path, const EvalOptions *options, Diag *diag, EvalResult *result, Error *error)
+{
+    Loader loader = new_loader(options, diag, result);
+    const char *text;
+    size_t length;
+    bool standard_input = strcmp(path, "-") == 0;
+    TRY(read_text(&loader, path, &text, &length, error));
+    Status status = load_and_evaluate(&loader, standard_input ? "<stdin>" : path, standard_input ? NULL : path, text,
+                                      length, result);
+    free(loader.paths);
+    return status == STATUS_SCENE ? fail(error, status, "the scene has errors") : status;
+}

@@ -1,0 +1,307 @@
+/* eval_call.c - calls of defs, builtin functions and terms.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "lang/evaluator.h"
+
+/* ---- memory of frames: a stack in chunks that never move ---- */
+
+struct SlotChunk {
+    SlotChunk *below, *above;
+    size_t used, capacity;
+    Value values[];
+};
+
+enum { CHUNK_SLOTS = 4096 };
+
+static SlotChunk *new_chunk(Evaluator *evaluator, size_t n)
+{
+    size_t capacity = n > CHUNK_SLOTS ? n : CHUNK_SLOTS;
+    SlotChunk *chunk = arena_alloc(evaluator->arena, sizeof(SlotChunk) + capacity * sizeof(Value));
+    chunk->capacity = capacity;
+    return chunk;
+}
+
+static Value *take_slots(Evaluator *evaluator, size_t n)
+{
+    SlotChunk *chunk = evaluator->chunks;
+    if (!chunk || chunk->capacity - chunk->used < n) {
+        SlotChunk *next = chunk ? chunk->above : NULL;
+        if (!next || next->capacity < n) {
+            next = new_chunk(evaluator, n);
+            next->below = chunk;
+            if (chunk) chunk->above = next;
+        }
+        next->used = 0;
+        evaluator->chunks = chunk = next;
+    }
+    Value *slots = chunk->values + chunk->used;
+    chunk->used += n;
+    memset(slots, 0, n * sizeof *slots); /* VALUE_UNSET */
+    return slots;
+}
+
+static void give_slots_back(Evaluator *evaluator, size_t n)
+{
+    SlotChunk *chunk = evaluator->chunks;
+    chunk->used -= n;
+    if (chunk->used == 0 && chunk->below) evaluator->chunks = chunk->below;
+}
+
+/* ---- types by name ---- */
+
+static const struct {
+    const char *name;
+    ValueKind kind;
+} type_names[] = {
+    {"number", VALUE_NUMBER}, {"bool", VALUE_BOOL},   {"string", VALUE_STRING},       {"vec2", VALUE_VECTOR2},
+    {"vec3", VALUE_VECTOR3},  {"vec4", VALUE_VECTOR4}, {"color", VALUE_COLOR},         {"transform", VALUE_TRANSFORM},
+    {"list", VALUE_LIST},     {"range", VALUE_RANGE},  {"node", VALUE_NODE},
+};
+
+static void report_unknown_type(Evaluator *evaluator, const Symbol *type, Span type_span)
+{
+    const char *words[COUNT_OF(type_names)];
+    for (size_t i = 0; i < COUNT_OF(type_names); i++) words[i] = type_names[i].name;
+    Diagnostic *report = eval_report(evaluator, D_UNKNOWN_NAME, type_span, "unknown type '%s'", type->text);
+    diag_suggest(evaluator->diag, report, type->text, words, COUNT_OF(words));
+    if (!report->hint)
+        diag_hint(evaluator->diag, report,
+                  "the types are number bool string vec2 vec3 vec4 color transform list range node, and the node types");
+}
+
+bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span, const char *name)
+{
+    if (!type || value->kind == VALUE_POISON) return true;
+    bool fits = false, known = false;
+    for (size_t i = 0; i < COUNT_OF(type_names); i++)
+        if (strcmp(type->text, type_names[i].name) == 0) {
+            known = true;
+            fits = value->kind == type_names[i].kind || (value->kind == VALUE_RANGE && type_names[i].kind == VALUE_LIST) ||
+                   (value->kind == VALUE_NUMBER && type_names[i].kind == VALUE_COLOR);
+        }
+    const NodeType *node = known ? NULL : schema_node(evaluator->schema, type->text);
+    if (node) fits = value->kind == VALUE_NODE && value->as.node->type == node;
+    if (!known && !node)
+        report_unknown_type(evaluator, type, type_span);
+    else if (!fits)
+        eval_report(evaluator, D_WRONG_TYPE, span, "'%s' is declared as %s, not %s", name, type->text,
+                    value_describe(evaluator->arena, value));
+    return fits;
+}
+
+/* ---- defs ---- */
+
+static int formal_of(const Def *def, const Symbol *name)
+{
+    for (uint32_t i = 0; i < def->n_formals; i++)
+        if (def->formals[i].name == name) return (int)i;
+    return -1;
+}
+
+static void report_formal(Evaluator *evaluator, const Def *def, const Arg *arg)
+{
+    const char *words[BUILTIN_MAX_ARGS];
+    size_t n = 0;
+    for (; n < def->n_formals && n < COUNT_OF(words); n++) words[n] = def->formals[n].name->text;
+    Diagnostic *report = eval_report(evaluator, D_WRONG_ARGUMENT, arg->name_span, "'%s' has no parameter '%s'",
+                                     def->name->text, arg->name->text);
+    diag_suggest(evaluator->diag, report, arg->name->text, words, n);
+    diag_note(evaluator->diag, report, def->span, "declared here");
+}
+
+/* Puts the arguments into the slots of the new frame; they are evaluated in the caller's. */
+static bool bind_args(Evaluator *evaluator, Expr *expr, const Def *def, Value *slots)
+{
+    const Args *args = &expr->as.call.args;
+    bool fine = true;
+    uint32_t position = 0;
+    for (uint32_t i = 0; i < args->n; i++) {
+        const Arg *arg = &args->items[i];
+        int index = arg->name ? formal_of(def, arg->name) : (int)position++;
+        if (index < 0 && !expr->reported) report_formal(evaluator, def, arg);
+        if (index >= (int)def->n_formals) {
+            Diagnostic *report = eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' takes %u argument%s, not %u",
+                                            def->name->text, def->n_formals, def->n_formals == 1 ? "" : "s", args->n);
+            diag_note(evaluator->diag, report, def->span, "declared here");
+        }
+        if (index < 0 || index >= (int)def->n_formals) {
+            expr->reported = true;
+            return false;
+        }
+        Value *slot = &slots[def->formals[index].slot.index];
+        if (slot->kind != VALUE_UNSET) {
+            eval_error(evaluator, expr, D_DUPLICATE_ARGUMENT, "'%s' is given twice", def->formals[index].name->text);
+            fine = false;
+        }
+        eval_value(evaluator, arg->value, slot);
+    }
+    return fine;
+}
+
+/* in the new frame: what was not given takes its default */
+static bool bind_fallbacks(Evaluator *evaluator, const Def *def, Span call_span, bool *reported)
+{
+    bool fine = true;
+    for (uint32_t i = 0; i < def->n_formals; i++) {
+        const Formal *formal = &def->formals[i];
+        Value *slot = &evaluator->frame->slots[formal->slot.index];
+        if (slot->kind == VALUE_UNSET && formal->fallback) {
+            Value value;
+            eval_value(evaluator, formal->fallback, &value);
+            *slot = value;
+        }
+        if (slot->kind == VALUE_UNSET) {
+            slot->kind = VALUE_POISON;
+            fine = false;
+            if (*reported) continue;
+            *reported = true;
+            Frame *callee = evaluator->frame;
+            evaluator->frame = callee->caller;
+            Diagnostic *report = eval_report(evaluator, D_MISSING_ARGUMENT, call_span, "'%s' needs an argument '%s'",
+                                             def->name->text, formal->name->text);
+            diag_note(evaluator->diag, report, formal->span, "declared here");
+            evaluator->frame = callee;
+        } else if (formal->type &&
+                   !eval_type_allows(evaluator, formal->type, formal->type_span, slot, call_span, formal->name->text)) {
+            slot->kind = VALUE_POISON;
+        }
+    }
+    return fine;
+}
+
+static bool call_begin(Evaluator *evaluator, const Def *def, Span span)
+{
+    if (!eval_step(evaluator, span) || eval_stack_is_deep(evaluator, span)) return false;
+    if (evaluator->calls >= evaluator->limits.calls) {
+        eval_report(evaluator, D_TOO_DEEP, span, "more than %u calls within each other", evaluator->limits.calls);
+        evaluator->stop = true;
+        return false;
+    }
+    (void)def;
+    evaluator->calls++;
+    return true;
+}
+
+static Frame frame_of_call(Evaluator *evaluator, const Def *def, uint32_t hops, Span span)
+{
+    Frame frame = {.def = def, .caller = evaluator->frame, .call_span = span};
+    frame.slots = take_slots(evaluator, def->n_slots);
+    frame.lexical = def->level ? eval_lexical(evaluator, hops) : NULL;
+    return frame;
+}
+
+static void call_end(Evaluator *evaluator, const Frame *frame)
+{
+    give_slots_back(evaluator, frame->def->n_slots);
+    evaluator->calls--;
+}
+
+void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
+{
+    const Def *def = expr->as.call.to.def;
+    result->kind = VALUE_POISON;
+    if (!def->body) {
+        Diagnostic *report =
+            eval_error(evaluator, expr, D_NOT_A_MACRO, "'%s' is a macro: it places nodes and has no value", def->name->text);
+        diag_note(evaluator->diag, report, def->span, "declared here");
+        return;
+    }
+    if (!call_begin(evaluator, def, expr->span)) return;
+    Frame frame = frame_of_call(evaluator, def, expr->as.call.hops, expr->span);
+    if (bind_args(evaluator, expr, def, frame.slots)) {
+        evaluator->frame = &frame;
+        if (bind_fallbacks(evaluator, def, expr->span, &expr->reported)) eval_value(evaluator, def->body, result);
+        evaluator->frame = frame.caller;
+    }
+    call_end(evaluator, &frame);
+}
+
+static void run_macro(Evaluator *evaluator, Frame *frame)
+{
+    bool reported = false;
+    evaluator->frame = frame;
+    if (bind_fallbacks(evaluator, frame->def, frame->call_span, &reported)) eval_block(evaluator, frame->def->block);
+    evaluator->frame = frame->caller;
+}
+
+void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block)
+{
+    const Def *def = expr->as.call.to.def;
+    if (block && !def->calls_children) {
+        Diagnostic *report = eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' places no children()", def->name->text);
+        diag_note(evaluator->diag, report, def->span, "declared here");
+    }
+    if (!call_begin(evaluator, def, expr->span)) return;
+    Frame frame = frame_of_call(evaluator, def, expr->as.call.hops, expr->span);
+    frame.children = block;
+    frame.children_frame = evaluator->frame;
+    if (bind_args(evaluator, expr, def, frame.slots)) run_macro(evaluator, &frame);
+    call_end(evaluator, &frame);
+}
+
+void eval_call_macro_values(Evaluator *evaluator, const Def *def, uint32_t hops, const Value *args, Span span)
+{
+    if (!call_begin(evaluator, def, span)) return;
+    Frame frame = frame_of_call(evaluator, def, hops, span);
+    for (uint32_t i = 0; i < def->n_formals; i++) frame.slots[def->formals[i].slot.index] = args[i];
+    run_macro(evaluator, &frame);
+    call_end(evaluator, &frame);
+}
+
+/* ---- builtins and terms ---- */
+
+void eval_call_builtin(Evaluator *evaluator, Expr *expr, Value *result)
+{
+    const Builtin *builtin = expr->as.call.to.builtin;
+    const Args *args = &expr->as.call.args;
+    if (builtin->unary) {
+        Value room;
+        const Value *value = eval_operand(evaluator, args->items[0].value, &room);
+        if (LIKELY(value->kind == VALUE_NUMBER)) {
+            *result = value_number(builtin->unary(value->as.number));
+            if (UNLIKELY(!value_is_finite(result))) {
+                eval_error(evaluator, expr, D_BAD_NUMBER, "%s(%g) is no finite number", builtin->name, value->as.number);
+                result->kind = VALUE_POISON;
+            }
+            return;
+        }
+    }
+    Value values[BUILTIN_MAX_ARGS];
+    bool poison = eval_stack_is_deep(evaluator, expr->span);
+    for (uint32_t i = 0; i < args->n && !evaluator->stop; i++) {
+        eval_value(evaluator, args->items[i].value, &values[i]);
+        poison |= values[i].kind == VALUE_POISON;
+    }
+    result->kind = VALUE_POISON;
+    if (poison || evaluator->stop) return;
+    builtin->run(&(BuiltinCall){evaluator, expr, values, args->n}, result);
+}
+
+void eval_call_term(Evaluator *evaluator, Expr *expr, Value *result)
+{
+    const TermType *type = expr->as.call.to.term;
+    EvalTerm term = {.type = type, .n_args = 0};
+    bool poison = false;
+    for (uint32_t i = 0; i < expr->as.call.args.n; i++) {
+        Expr *arg = expr->as.call.args.items[i].value;
+        Value room;
+        const Value *value = eval_operand(evaluator, arg, &room);
+        if (value->kind == (type->takes_text ? VALUE_STRING : VALUE_NUMBER)) {
+            if (type->takes_text)
+                term.text = value->as.text;
+            else
+                term.args[term.n_args++] = value->as.number;
+            continue;
+        }
+        if (value->kind != VALUE_POISON)
+            eval_error(evaluator, arg, D_WRONG_TYPE, "'%s' takes %s, not %s", type->name,
+                       type->takes_text ? "a string" : "numbers", value_describe(evaluator->arena, value));
+        poison = true;
+    }
+    result->kind = VALUE_POISON;
+    if (poison) return;
+    EvalTerm *kept = ARENA_NEW(evaluator->arena, EvalTerm);
+    *kept = term;
+    *result = (Value){.kind = VALUE_TERM, .as.term = kept};
+}

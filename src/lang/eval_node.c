@@ -1,0 +1,391 @@
+/* eval_node.c - making and placing nodes.
+ * While the block of a node runs, its values are collected in a Target by row of the type's table; when it ends they
+ * are packed in table order. An instance that sets nothing shares the prototype's values.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "lang/evaluator.h"
+
+void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node)
+{
+    if (list->n == list->capacity) {
+        size_t capacity = list->capacity ? list->capacity * 2 : 4;
+        EvalNode **items = ARENA_ARRAY(evaluator->arena, EvalNode *, capacity);
+        if (list->n) memcpy(items, list->items, list->n * sizeof(EvalNode *));
+        list->items = items;
+        list->capacity = capacity;
+    }
+    list->items[list->n++] = node;
+}
+
+/* ---- properties ---- */
+
+static size_t row_of(const NodeType *type, const PropType *prop) { return (size_t)(prop - type->props); }
+
+/* Room for the values of one node in the making, by row; used again for the next one. */
+struct PropRoom {
+    PropRoom *next;
+    EvalProp *props;
+    PropState *states;
+    Span *set_spans;
+};
+
+static PropRoom *take_room(Evaluator *evaluator, size_t n)
+{
+    PropRoom *room = evaluator->rooms;
+    if (room) {
+        evaluator->rooms = room->next;
+        memset(room->states, 0, n * sizeof *room->states);
+        return room;
+    }
+    size_t largest = 0;
+    for (size_t i = 0; i < evaluator->schema->n_nodes; i++)
+        if (evaluator->schema->nodes[i].n_props > largest) largest = evaluator->schema->nodes[i].n_props;
+    room = ARENA_NEW(evaluator->arena, PropRoom);
+    room->props = ARENA_ARRAY(evaluator->arena, EvalProp, largest);
+    room->states = ARENA_ARRAY(evaluator->arena, PropState, largest);
+    room->set_spans = ARENA_ARRAY(evaluator->arena, Span, largest);
+    return room;
+}
+
+static void open_props(Evaluator *evaluator, Target *target)
+{
+    if (target->room) return;
+    target->room = take_room(evaluator, target->type->n_props);
+    target->props = target->room->props;
+    target->states = target->room->states;
+    target->set_spans = target->room->set_spans;
+    for (size_t i = 0; target->base && i < target->base->n_props; i++) {
+        size_t row = row_of(target->type, target->base->props[i].type);
+        target->props[row] = target->base->props[i];
+        target->states[row] = PROP_INHERITED;
+    }
+}
+
+static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
+{
+    const PropType *prop = stmt->as.prop.prop;
+    if (stmt->as.prop.node_type != target->type) {
+        prop = schema_prop(target->type, stmt->as.prop.name->text);
+        stmt->as.prop.node_type = target->type;
+        stmt->as.prop.prop = prop;
+        if (!prop) {
+            evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
+            report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text);
+        }
+    }
+    if (!prop) return;
+    open_props(evaluator, target);
+    size_t row = row_of(target->type, prop);
+    if (target->states[row] >= PROP_SET && !stmt->reported) {
+        stmt->reported = true;
+        Diagnostic *report =
+            eval_report(evaluator, D_DUPLICATE_PROPERTY, stmt->span, "property '%s' is set twice", prop->name);
+        diag_note(evaluator->diag, report, target->set_spans[row], "first set here");
+    }
+    target->set_spans[row] = stmt->span;
+    target->states[row] = prop_check(evaluator, prop, stmt->as.prop.value, &target->props[row]) ? PROP_SET : PROP_BAD;
+    if (prop->flags & PROP_SHAPE) target->shape_changed = true;
+}
+
+static void set_macro_arg(Evaluator *evaluator, Stmt *stmt, Target *target)
+{
+    const Def *def = target->def;
+    for (uint32_t i = 0; i < def->n_formals; i++) {
+        if (def->formals[i].name != stmt->as.prop.name) continue;
+        if (target->args[i].kind != VALUE_UNSET && !stmt->reported) {
+            stmt->reported = true;
+            eval_report(evaluator, D_DUPLICATE_ARGUMENT, stmt->span, "'%s' is given twice", stmt->as.prop.name->text);
+        }
+        eval_value(evaluator, stmt->as.prop.value, &target->args[i]);
+        return;
+    }
+    if (stmt->reported) return;
+    stmt->reported = true;
+    const char *words[BUILTIN_MAX_ARGS];
+    size_t n = 0;
+    for (; n < def->n_formals && n < COUNT_OF(words); n++) words[n] = def->formals[n].name->text;
+    const char *wrong = stmt->as.prop.name->text;
+    Diagnostic *report =
+        eval_report(evaluator, D_WRONG_ARGUMENT, stmt->span, "'%s' has no parameter '%s'", def->name->text, wrong);
+    diag_suggest(evaluator->diag, report, wrong, words, n);
+    diag_note(evaluator->diag, report, def->span, "declared here");
+}
+
+void eval_prop_stmt(Evaluator *evaluator, Stmt *stmt)
+{
+    Target *target = evaluator->target;
+    if (target && target->type)
+        set_prop(evaluator, stmt, target);
+    else if (target && target->def)
+        set_macro_arg(evaluator, stmt, target);
+}
+
+/* ---- making ---- */
+
+static void check_required(Evaluator *evaluator, const Target *target)
+{
+    const NodeType *type = target->type;
+    for (size_t row = 0; row < type->n_props; row++) {
+        const PropType *prop = &type->props[row];
+        if (!(prop->flags & PROP_REQUIRED) || (target->states && target->states[row] != PROP_UNSET)) continue;
+        bool inherited = false;
+        for (size_t i = 0; target->base && i < target->base->n_props; i++)
+            inherited |= target->base->props[i].type == prop;
+        if (!inherited)
+            eval_report(evaluator, D_MISSING_PROPERTY, target->span, "%s lacks its property '%s'",
+                        with_article(evaluator->arena, type->name), prop->name);
+    }
+}
+
+static void pack_props(Evaluator *evaluator, Target *target, EvalNode *node)
+{
+    if (!target->room) {
+        if (target->base) {
+            node->props = target->base->props;
+            node->n_props = target->base->n_props;
+        }
+        return;
+    }
+    size_t n = 0;
+    for (size_t row = 0; row < target->type->n_props; row++) {
+        PropState state = target->states[row];
+        if (state == PROP_INHERITED || state == PROP_SET) target->props[n++] = target->props[row];
+    }
+    node->n_props = n;
+    node->props = ARENA_ARRAY(evaluator->arena, EvalProp, n);
+    memcpy(node->props, target->props, n * sizeof(EvalProp));
+    target->room->next = evaluator->rooms;
+    evaluator->rooms = target->room;
+    target->room = NULL;
+}
+
+static void join_children(Evaluator *evaluator, const NodeList *own, const EvalNode *prototype, EvalNode *node)
+{
+    node->children = own->items;
+    node->n_children = own->n;
+    if (!prototype || prototype->n_children == 0) return;
+    node->children = prototype->children;
+    node->n_children = prototype->n_children;
+    if (own->n == 0) return;
+    node->n_children += own->n;
+    node->children = ARENA_ARRAY(evaluator->arena, EvalNode *, node->n_children);
+    memcpy(node->children, prototype->children, prototype->n_children * sizeof(EvalNode *));
+    memcpy(node->children + prototype->n_children, own->items, own->n * sizeof(EvalNode *));
+}
+
+static bool count_node(Evaluator *evaluator, Span span)
+{
+    if (++evaluator->n_nodes <= evaluator->limits.nodes) return true;
+    if (!evaluator->stop)
+        eval_report(evaluator, D_LIMIT, span, "the scene makes more than %.0f nodes", (double)evaluator->limits.nodes);
+    evaluator->stop = true;
+    return false;
+}
+
+static EvalNode *new_node(Evaluator *evaluator, const NodeType *type, Span span)
+{
+    EvalNode *node = ARENA_NEW(evaluator->arena, EvalNode);
+    node->type = type;
+    node->span = span;
+    node->chain = frame_chain(evaluator, evaluator->frame);
+    node->transform = affine_identity();
+    return node;
+}
+
+static EvalNode *finish_node(Evaluator *evaluator, Target *target, const EvalNode *prototype, const char *name)
+{
+    EvalNode *node = new_node(evaluator, target->type, target->span);
+    node->name = name;
+    pack_props(evaluator, target, node);
+    join_children(evaluator, &target->children, prototype, node);
+    node->transform = target->transform;
+    if (prototype) {
+        node->transform = affine_compose(&target->transform, &prototype->transform);
+        if (!target->shape_changed && target->children.n == 0) node->prototype = prototype;
+    }
+    return node;
+}
+
+/* The prototype that a node's word names; NULL (and no report) when it is a built-in type. */
+static bool find_prototype(Evaluator *evaluator, NodeExpr *expr, const EvalNode **prototype)
+{
+    *prototype = NULL;
+    if (!expr->has_prototype) return expr->type != NULL;
+    const Value *value = eval_slot(evaluator, expr->prototype);
+    if (value->kind == VALUE_NODE) {
+        *prototype = value->as.node;
+        return true;
+    }
+    if (expr->type) return true;
+    const char *word = expr->path.names[expr->path.n - 1]->text;
+    if (value->kind == VALUE_UNSET)
+        eval_report(evaluator, D_UNSET_NAME, expr->path.span, "'%s' is used before it has its value", word);
+    else if (value->kind != VALUE_POISON)
+        eval_report(evaluator, D_WRONG_TYPE, expr->path.span, "'%s' is %s, not a node", word,
+                    value_describe(evaluator->arena, value));
+    return false;
+}
+
+/* NULL after a report. partial: defaults, which need not be complete. */
+static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *name, bool partial)
+{
+    const EvalNode *prototype;
+    if (!find_prototype(evaluator, expr, &prototype) || !count_node(evaluator, expr->path.span)) return NULL;
+    const NodeType *type = prototype ? prototype->type : expr->type;
+    Target target = {.type = type, .base = prototype, .name = type->name, .span = expr->path.span};
+    target.transform = affine_identity();
+    if (!prototype && expr->has_defaults) {
+        const Value *defaults = eval_slot(evaluator, expr->defaults);
+        if (defaults->kind == VALUE_NODE) target.base = defaults->as.node;
+    }
+    Target *outer = evaluator->target;
+    evaluator->target = &target;
+    eval_block(evaluator, expr->block);
+    evaluator->target = outer;
+    if (evaluator->stop) return NULL;
+    if (!partial) check_required(evaluator, &target);
+    return finish_node(evaluator, &target, prototype, name);
+}
+
+void eval_node_expr(Evaluator *evaluator, Expr *expr, Value *result)
+{
+    EvalNode *node = make_node(evaluator, expr->as.node, NULL, false);
+    *result = value_poison();
+    if (node) *result = (Value){.kind = VALUE_NODE, .as.node = node};
+}
+
+void eval_defaults_stmt(Evaluator *evaluator, Stmt *stmt)
+{
+    EvalNode *node = make_node(evaluator, stmt->as.node, NULL, true);
+    Value value = {.kind = node ? VALUE_NODE : VALUE_POISON, .as.node = node};
+    *eval_slot(evaluator, stmt->as.node->prototype) = value;
+}
+
+/* ---- placing ---- */
+
+static void merge_single(Evaluator *evaluator, EvalNode *node)
+{
+    size_t row = (size_t)(node->type - evaluator->schema->nodes);
+    EvalNode *first = evaluator->singles[row];
+    if (!first) {
+        evaluator->singles[row] = node;
+        evaluator->single_sources[row] = evaluator->in_preset ? UINT32_MAX : node->span.source;
+        node_list_add(evaluator, &evaluator->top, node);
+        return;
+    }
+    if (!evaluator->in_preset && evaluator->single_sources[row] == node->span.source) {
+        Diagnostic *report =
+            eval_report(evaluator, D_DUPLICATE_NODE, node->span, "'%s' stands in this file twice", node->type->name);
+        diag_note(evaluator->diag, report, first->span, "first here");
+        return;
+    }
+    evaluator->single_sources[row] = evaluator->in_preset ? UINT32_MAX : node->span.source;
+    Target merged = {.type = node->type, .base = first};
+    open_props(evaluator, &merged);
+    for (size_t i = 0; i < node->n_props; i++) {
+        size_t prop = row_of(node->type, node->props[i].type);
+        merged.props[prop] = node->props[i];
+        merged.states[prop] = PROP_SET;
+    }
+    pack_props(evaluator, &merged, first);
+    first->span = node->span;
+    first->chain = node->chain;
+}
+
+static void place(Evaluator *evaluator, EvalNode *node)
+{
+    Target *target = evaluator->target;
+    if (!target) {
+        if (!evaluator->discard) node_list_add(evaluator, &evaluator->top, node);
+    } else if (target->collects) {
+        node_list_add(evaluator, &target->children, node);
+    } else if (!target->type) {
+        Diagnostic *report = eval_report(evaluator, D_MISPLACED, node->span,
+                                         "a node among the arguments of '%s'", target->name);
+        diag_hint(evaluator->diag, report, "give it as children: %s(...) { ... }", target->name);
+    } else if (!(target->type->flags & NODE_CHILDREN)) {
+        eval_report(evaluator, D_MISPLACED, node->span, "%s holds no other nodes",
+                    with_article(evaluator->arena, target->type->name));
+    } else if (target->type->child_types && !choice_allows(target->type->child_types, node->type->name)) {
+        eval_report(evaluator, D_MISPLACED, node->span, "%s holds %s, not %s",
+                    with_article(evaluator->arena, target->type->name),
+                    choice_text(evaluator->arena, target->type->child_types),
+                    with_article(evaluator->arena, node->type->name));
+    } else {
+        node_list_add(evaluator, &target->children, node);
+    }
+}
+
+/* Puts a finished node where the statement stands. */
+static void settle(Evaluator *evaluator, EvalNode *node)
+{
+    unsigned flags = node->type->flags;
+    if (flags & NODE_SINGLE) {
+        if (evaluator->target && !evaluator->target->collects)
+            eval_report(evaluator, D_MISPLACED, node->span, "'%s' belongs at the top of the scene", node->type->name);
+        else if (!evaluator->discard)
+            merge_single(evaluator, node);
+    } else if (flags & NODE_PLACED) {
+        place(evaluator, node);
+    } else if (!node->name) {
+        Diagnostic *report = eval_report(evaluator, D_MISSING_NAME, node->span, "%s without a name does nothing",
+                                         with_article(evaluator->arena, node->type->name));
+        diag_hint(evaluator->diag, report, "name it: %s NAME { ... }", node->type->name);
+    } else if (!evaluator->target && !evaluator->discard) {
+        node_list_add(evaluator, &evaluator->top, node);
+    }
+}
+
+void eval_place_value(Evaluator *evaluator, const EvalNode *prototype, Span span)
+{
+    if (!count_node(evaluator, span)) return;
+    Target target = {.type = prototype->type, .base = prototype, .span = span};
+    target.transform = affine_identity();
+    settle(evaluator, finish_node(evaluator, &target, prototype, NULL));
+}
+
+/* A macro in the form of a node: its properties are the arguments, its transforms apply to all that it places. */
+static void macro_node(Evaluator *evaluator, NodeExpr *expr)
+{
+    Target args = {.def = expr->def, .name = expr->def->name->text, .span = expr->path.span};
+    args.args = ARENA_ARRAY(evaluator->arena, Value, expr->def->n_formals);
+    args.transform = affine_identity();
+    Target *outer = evaluator->target;
+    evaluator->target = &args;
+    eval_block(evaluator, expr->block);
+    Target placed = {.collects = true, .name = args.name};
+    evaluator->target = &placed;
+    if (!evaluator->stop)
+        eval_call_macro_values(evaluator, expr->def, expr->def_hops, args.args, expr->path.span);
+    evaluator->target = outer;
+    for (size_t i = 0; i < placed.children.n; i++) {
+        EvalNode *node = placed.children.items[i];
+        node->transform = affine_compose(&args.transform, &node->transform);
+        if (expr->name && placed.children.n == 1) node->name = expr->name->text;
+        place(evaluator, node);
+    }
+    if (!expr->name) return;
+    Value value = value_poison();
+    if (placed.children.n == 1)
+        value = (Value){.kind = VALUE_NODE, .as.node = placed.children.items[0]};
+    else if (!evaluator->stop)
+        eval_report(evaluator, D_WRONG_TYPE, expr->name_span, "'%s' places %zu nodes: a name can stand for one only",
+                    args.name, placed.children.n);
+    *eval_slot(evaluator, expr->name_slot) = value;
+}
+
+void eval_node_stmt(Evaluator *evaluator, Stmt *stmt)
+{
+    NodeExpr *expr = stmt->as.node;
+    if (expr->def) {
+        macro_node(evaluator, expr);
+        return;
+    }
+    EvalNode *node = make_node(evaluator, expr, expr->name ? expr->name->text : NULL, false);
+    if (expr->name) {
+        Value value = {.kind = node ? VALUE_NODE : VALUE_POISON, .as.node = node};
+        *eval_slot(evaluator, expr->name_slot) = value;
+    }
+    if (node) settle(evaluator, node);
+}

@@ -1,0 +1,187 @@
+/* evaluator.h - the state of an evaluation, and what the files of the evaluator share.
+ * A frame holds the slots of one running def; code at the top of files uses the globals. Frames never outlive their
+ * calls, because functions are not values: a block given to a macro is run in the frame of its text while that frame
+ * waits below.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_EVALUATOR_H
+#define MEN_EVALUATOR_H
+
+#include "lang/ast.h"
+#include "lang/builtin.h"
+#include "lang/schema_find.h"
+
+typedef struct Frame Frame;
+struct Frame {
+    Value *slots;
+    Frame *lexical;         /* of the def around this one in the text; NULL at the top of a file */
+    Frame *caller;
+    const Def *def;         /* NULL: the top of a file */
+    Span call_span;
+    Block *children;        /* the block behind the call; NULL */
+    Frame *children_frame;  /* in which it runs */
+    const DiagChain *chain; /* made when first needed */
+    bool has_chain;
+};
+
+/* How a property of the node in the making came to its value. */
+typedef enum PropState { PROP_UNSET, PROP_INHERITED, PROP_SET, PROP_BAD } PropState;
+
+typedef struct NodeList {
+    EvalNode **items;
+    size_t n, capacity;
+} NodeList;
+
+/* What statements add to: a node in the making, the arguments of a macro that is used like a node, or just a list. */
+typedef struct Target Target;
+typedef struct PropRoom PropRoom;
+struct Target {
+    const NodeType *type;      /* NULL: no node */
+    const Def *def;            /* the macro whose arguments are collected; NULL */
+    const EvalNode *base;      /* prototype or defaults that values are inherited from; NULL */
+    const char *name;          /* for messages */
+    Span span;
+    PropRoom *room;            /* NULL until a property is set; holds the next three */
+    EvalProp *props;           /* by row of the type's table */
+    PropState *states;
+    Span *set_spans;
+    Value *args;               /* of def, by formal */
+    Affine transform;
+    NodeList children;
+    bool shape_changed;
+    bool collects;             /* takes any placed node: the nodes that a macro places */
+};
+
+typedef struct Define {
+    const char *name;
+    Span span;
+    Expr *expr;
+    Value value;
+    bool used;
+} Define;
+
+typedef struct Preset {
+    NodeExpr *node;
+    Frame *frame;
+} Preset;
+
+typedef struct SlotChunk SlotChunk;
+
+typedef struct Evaluator {
+    Diag *diag;
+    Arena *arena;
+    const EvalOptions *options;
+    const Schema *schema;
+    EvalLimits limits;
+    const double *srgb_to_working;
+    Value *globals;
+    Frame *frame;
+    Target *target;             /* NULL: the top of the scene */
+    SlotChunk *chunks;          /* memory of frames */
+    PropRoom *rooms;            /* free ones */
+    uint64_t steps, n_nodes;
+    uint32_t calls;             /* now running */
+    uintptr_t stack_base;
+    bool stop;                  /* a limit was reached: unwind */
+    bool discard;               /* a file in use is run for its names: its nodes are not placed */
+    bool in_preset;
+    NodeList top;
+    EvalNode **singles;         /* by row of the schema */
+    uint32_t *single_sources;
+    Define *defines;
+    size_t n_defines;
+    Preset *presets;
+    size_t n_presets, preset_capacity;
+    EvalParam *params;
+    size_t n_params, param_capacity;
+    Buf printed;
+    Diagnostic scratch;         /* takes the hints of reports that are not made */
+} Evaluator;
+
+/* ---- reports (eval.c) ---- */
+
+Diagnostic *eval_report(Evaluator *evaluator, DiagCode code, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
+/* The same at an expression: once for each, however often it runs. */
+Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const char *format, ...) ATTR_PRINTF(4, 5);
+const DiagChain *frame_chain(Evaluator *evaluator, Frame *frame);
+/* Counts n steps; false, with evaluator->stop, when there were too many or memory is used up. */
+bool eval_step(Evaluator *evaluator, Span span);
+bool eval_stack_is_deep(Evaluator *evaluator, Span span);
+
+/* ---- expressions (eval_expr.c) ---- */
+
+typedef void EvalFunction(Evaluator *evaluator, Expr *expr, Value *result);
+extern EvalFunction *const eval_functions[];
+
+static inline void eval_value(Evaluator *evaluator, Expr *expr, Value *result)
+{
+    eval_functions[expr->kind](evaluator, expr, result);
+}
+
+static inline Frame *eval_lexical(const Evaluator *evaluator, uint32_t hops)
+{
+    Frame *frame = evaluator->frame;
+    for (; hops > 0; hops--) frame = frame->lexical;
+    return frame;
+}
+
+static inline Value *eval_slot(const Evaluator *evaluator, Slot slot)
+{
+    if (slot.kind == EXPR_GLOBAL) return &evaluator->globals[slot.index];
+    return &eval_lexical(evaluator, slot.hops)->slots[slot.index];
+}
+
+/* The value of expr without a copy where it stands somewhere already; else in *room. */
+static inline const Value *eval_operand(Evaluator *evaluator, Expr *expr, Value *room)
+{
+    const Value *value = NULL;
+    if (expr->kind == EXPR_CONSTANT) return &expr->as.constant.value;
+    if (expr->kind == EXPR_LOCAL)
+        value = &evaluator->frame->slots[expr->as.variable.slot.index];
+    else if (expr->kind == EXPR_GLOBAL)
+        value = &evaluator->globals[expr->as.variable.slot.index];
+    if (value && value->kind != VALUE_UNSET) return value;
+    eval_value(evaluator, expr, room);
+    return room;
+}
+
+/* A condition; false (and *poison) when it has no truth. */
+bool eval_condition(Evaluator *evaluator, Expr *expr, bool *poison);
+/* The list or range to loop over; false after a report. */
+bool eval_sequence(Evaluator *evaluator, Expr *expr, Value *value);
+
+/* ---- calls (eval_call.c) ---- */
+
+EvalFunction eval_call_def, eval_call_builtin, eval_call_term;
+/* Calls a macro with the arguments of expr; block: its children. */
+void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block);
+/* Calls a macro with ready arguments (VALUE_UNSET: not given). */
+void eval_call_macro_values(Evaluator *evaluator, const Def *def, uint32_t hops, const Value *args, Span span);
+/* Does value have the type that a formal or param asks for? type: its name. Reports when not. */
+bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span, const char *name);
+
+/* ---- statements (eval_stmt.c) ---- */
+
+void eval_block(Evaluator *evaluator, const Block *block);
+void eval_apply_transform(Evaluator *evaluator, const Affine *transform, Span span);
+
+/* ---- nodes (eval_node.c) ---- */
+
+EvalFunction eval_node_expr;
+void eval_node_stmt(Evaluator *evaluator, Stmt *stmt);
+void eval_defaults_stmt(Evaluator *evaluator, Stmt *stmt);
+void eval_prop_stmt(Evaluator *evaluator, Stmt *stmt);
+/* Places an instance of a node that a function returned. */
+void eval_place_value(Evaluator *evaluator, const EvalNode *node, Span span);
+void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node);
+
+/* ---- properties (schema.c) ---- */
+
+/* Checks the value of expr for a property and converts it. False after a report, or for poison. */
+bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp *prop);
+
+/* ---- files (find.c) ---- */
+
+/* Like eval_find_file, but also finds built-in library files, whose text goes to *library. */
+const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const char **library);
+
+#endif

@@ -1,0 +1,640 @@
+/* parse_expr.c - expressions: one function per nonterminal, its line of the grammar above it.
+ * Literal vectors and lists of numbers become constants here; long lists of plain numbers do not even become tokens.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "lang/parser.h"
+
+Expr *expr_new(Parser *parser, ExprKind kind, Span span)
+{
+    Expr *expr = ARENA_NEW(parser->arena, Expr);
+    expr->kind = kind;
+    expr->span = span;
+    return expr;
+}
+
+static Expr *poison_expr(Parser *parser) { return expr_new(parser, EXPR_POISON, token_span(parser)); }
+
+static Expr *constant_expr(Parser *parser, Span span, Value value, const UnitType *unit)
+{
+    Expr *expr = expr_new(parser, EXPR_CONSTANT, span);
+    expr->literal = true;
+    expr->as.constant.value = value;
+    expr->as.constant.unit = unit;
+    return expr;
+}
+
+static double in_scene_units(const Parser *parser, double number, const UnitType *unit)
+{
+    if (!unit) return number;
+    if (unit->measure != UNIT_LENGTH) return number * unit->size;
+    return unit->size == parser->unit_m ? number : number * (unit->size / parser->unit_m);
+}
+
+static Expr *binary_expr(Parser *parser, ExprKind kind, Expr *a, Span operator_span, Expr *b)
+{
+    Expr *expr = expr_new(parser, kind, span_from(parser, a->span));
+    expr->as.op.a = a;
+    expr->as.op.b = b;
+    expr->as.op.operator_span = operator_span;
+    return expr;
+}
+
+/* ---- lists of plain numbers ---- */
+
+typedef struct PlainList {
+    double *numbers;
+    size_t n, capacity; /* doubles */
+    unsigned width;     /* per element, 0 before the first */
+    const UnitType *unit;
+    uint32_t rest;      /* where the first element that is not plain begins */
+    bool complete;
+} PlainList;
+
+static bool plain_number(Parser *parser, PlainList *list)
+{
+    double number;
+    const UnitType *unit;
+    if (!lexer_plain_number(&parser->lexer, &number, &unit)) return false;
+    if (unit && !list->unit) list->unit = unit;
+    if (list->n == list->capacity && !ARRAY_ROOM(list->numbers, list->capacity, list->n)) return false;
+    list->numbers[list->n++] = in_scene_units(parser, number, unit);
+    return true;
+}
+
+/* number, or "<" number "," number [ "," number [ "," number ] ] ">" */
+static bool plain_element(Parser *parser, PlainList *list)
+{
+    Lexer *lexer = &parser->lexer;
+    unsigned width = 1;
+    if (lexer->text[lexer->at] != '<') {
+        if (!plain_number(parser, list)) return false;
+    } else {
+        lexer->at++;
+        for (width = 0; width < 4;) {
+            lexer_skip_blanks(lexer);
+            if (!plain_number(parser, list)) return false;
+            width++;
+            lexer_skip_blanks(lexer);
+            char c = lexer->text[lexer->at++];
+            if (c == '>') break;
+            if (c != ',' || width == 4) return false;
+        }
+        if (width < 2) return false;
+    }
+    if (!list->width) list->width = width;
+    return list->width == width;
+}
+
+/* Reads as many plain elements as there are behind a '['. */
+static PlainList plain_list(Parser *parser)
+{
+    Lexer *lexer = &parser->lexer;
+    PlainList list = {.rest = lexer->at};
+    for (;;) {
+        size_t n = list.n;
+        lexer_skip_blanks(lexer);
+        if (list.n > 0 && lexer->text[lexer->at] == ']') { /* behind a last comma */
+            list.complete = true;
+            break;
+        }
+        list.rest = lexer->at;
+        if (!plain_element(parser, &list)) {
+            list.n = n;
+            break;
+        }
+        lexer_skip_blanks(lexer);
+        char c = lexer->text[lexer->at];
+        if (c != ',' && c != ']') {
+            list.n = n;
+            break;
+        }
+        if (c == ']') {
+            list.complete = true;
+            break;
+        }
+        list.rest = ++lexer->at;
+    }
+    if (!list.complete) lexer->at = list.rest;
+    return list;
+}
+
+static Expr *plain_list_expr(Parser *parser, Span opening, const PlainList *plain)
+{
+    List *list = ARENA_NEW(parser->arena, List);
+    double *numbers = ARENA_ARRAY(parser->arena, double, plain->n);
+    memcpy(numbers, plain->numbers, plain->n * sizeof *numbers);
+    list->n = plain->n / plain->width;
+    list->width = plain->width;
+    list->element = plain->width == 1 ? VALUE_NUMBER : value_vector_kind(plain->width);
+    list->numbers = numbers;
+    opening.end = parser->lexer.at + 1;
+    return constant_expr(parser, opening, (Value){.kind = VALUE_LIST, .as.list = list}, plain->unit);
+}
+
+typedef struct ExprList {
+    Expr **items;
+    uint32_t n, capacity;
+} ExprList;
+
+static void expr_list_add(Parser *parser, ExprList *list, Expr *expr)
+{
+    if (list->n == list->capacity) {
+        uint32_t capacity = list->capacity ? list->capacity * 2 : 4;
+        Expr **items = ARENA_ARRAY(parser->arena, Expr *, capacity);
+        if (list->n) memcpy(items, list->items, list->n * sizeof(Expr *));
+        list->items = items;
+        list->capacity = capacity;
+    }
+    list->items[list->n++] = expr;
+}
+
+static void add_plain_elements(Parser *parser, ExprList *list, Span span, const PlainList *plain)
+{
+    for (size_t i = 0; i < plain->n; i += plain->width) {
+        Value value = {.kind = plain->width == 1 ? VALUE_NUMBER : value_vector_kind(plain->width)};
+        for (unsigned k = 0; k < plain->width; k++) value.as.v[k] = plain->numbers[i + k];
+        expr_list_add(parser, list, constant_expr(parser, span, value, plain->unit));
+    }
+}
+
+/* elem = "for" "(" name "in" expr ")" elem | "if" "(" expr ")" elem | expr ; */
+static Expr *parse_elem(Parser *parser)
+{
+    Span begin = token_span(parser);
+    bool each = parser->token.kind == TOKEN_FOR;
+    if (!each && parser->token.kind != TOKEN_IF) return parse_expr(parser);
+    if (!enter(parser)) return poison_expr(parser);
+    advance(parser);
+    Expr *expr = expr_new(parser, each ? EXPR_EACH : EXPR_WHEN, begin);
+    Span opening = token_span(parser);
+    expect(parser, TOKEN_PAREN_OPEN, each ? "behind 'for'" : "behind 'if'");
+    parser->brackets++;
+    if (each) {
+        expect_name(parser, "of the loop", &expr->as.each.name, &expr->as.each.name_span);
+        expect(parser, TOKEN_IN, "behind the name of the loop");
+    }
+    expr->as.each.source = parse_expr(parser);
+    expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
+    parser->brackets--;
+    expr->as.each.body = parse_elem(parser);
+    expr->span = span_from(parser, begin);
+    leave(parser);
+    return expr;
+}
+
+/* "[" [ elem { "," elem } [ "," ] ] "]" */
+static Expr *parse_list(Parser *parser)
+{
+    Span opening = token_span(parser);
+    PlainList plain = plain_list(parser);
+    if (plain.complete) {
+        Expr *expr = plain_list_expr(parser, opening, &plain);
+        free(plain.numbers);
+        advance(parser); /* the ']' becomes the next token */
+        advance(parser);
+        return expr;
+    }
+    ExprList list = {0};
+    add_plain_elements(parser, &list, opening, &plain);
+    free(plain.numbers);
+    advance(parser);
+    parser->brackets++;
+    while (!parser->panic && parser->token.kind != TOKEN_BRACKET_CLOSE) {
+        expr_list_add(parser, &list, parse_elem(parser));
+        if (!accept(parser, TOKEN_COMMA)) break;
+    }
+    expect_close(parser, TOKEN_BRACKET_CLOSE, opening, "',' or ']'");
+    parser->brackets--;
+    Expr *expr = expr_new(parser, EXPR_LIST, span_from(parser, opening));
+    expr->as.list.items = list.items;
+    expr->as.list.n = list.n;
+    return expr;
+}
+
+/* ---- operands ---- */
+
+static Expr *parse_add(Parser *parser);
+
+static Expr *fold_vector(Parser *parser, Span span, const ExprList *list)
+{
+    Value value = {.kind = value_vector_kind(list->n)};
+    const UnitType *unit = NULL;
+    for (uint32_t i = 0; i < list->n; i++) {
+        const Expr *item = list->items[i];
+        if (item->kind != EXPR_CONSTANT || !item->literal || item->as.constant.value.kind != VALUE_NUMBER) return NULL;
+        value.as.v[i] = item->as.constant.value.as.number;
+        if (!unit) unit = item->as.constant.unit;
+    }
+    return constant_expr(parser, span, value, unit);
+}
+
+/* "<" add "," add [ "," add [ "," add ] ] ">" */
+static Expr *parse_vector(Parser *parser)
+{
+    Span opening = token_span(parser);
+    ExprList list = {0};
+    advance(parser);
+    parser->brackets++;
+    do expr_list_add(parser, &list, parse_add(parser));
+    while (!parser->panic && accept(parser, TOKEN_COMMA) && list.n < 64);
+    expect_close(parser, TOKEN_GREATER, opening, "',' or '>'");
+    parser->brackets--;
+    Span span = span_from(parser, opening);
+    if (!parser->panic && (list.n < 2 || list.n > 4)) {
+        diag_report(parser->diag, D_SYNTAX, span, "a vector has 2 to 4 elements, not %u", list.n);
+        return expr_new(parser, EXPR_POISON, span);
+    }
+    if (parser->panic) return expr_new(parser, EXPR_POISON, span);
+    Expr *constant = fold_vector(parser, span, &list);
+    if (constant) return constant;
+    Expr *expr = expr_new(parser, EXPR_VECTOR, span);
+    expr->as.list.items = list.items;
+    expr->as.list.n = list.n;
+    return expr;
+}
+
+static Expr *parse_number(Parser *parser)
+{
+    Token token = parser->token;
+    Span span = token_span(parser);
+    advance(parser);
+    if (token.bad) return expr_new(parser, EXPR_POISON, span);
+    return constant_expr(parser, span, value_number(in_scene_units(parser, token.number, token.unit)), token.unit);
+}
+
+static Expr *parse_string(Parser *parser)
+{
+    Token token = parser->token;
+    Span span = token_span(parser);
+    advance(parser);
+    if (token.bad) return expr_new(parser, EXPR_POISON, span);
+    return constant_expr(parser, span, value_text(token.as.text), NULL);
+}
+
+/* Kept encoded as sRGB; the resolver converts it once the working space is known. */
+static Expr *parse_color(Parser *parser)
+{
+    Token token = parser->token;
+    Span span = token_span(parser);
+    advance(parser);
+    if (token.bad) return expr_new(parser, EXPR_POISON, span);
+    uint32_t rgb = token.as.rgb;
+    return constant_expr(parser, span,
+                         value_color((rgb >> 16 & 0xff) / 255.0, (rgb >> 8 & 0xff) / 255.0, (rgb & 0xff) / 255.0), NULL);
+}
+
+static Expr *parse_word(Parser *parser, Value value)
+{
+    Span span = token_span(parser);
+    advance(parser);
+    return constant_expr(parser, span, value, NULL);
+}
+
+/* "(" expr ")" */
+static Expr *parse_parens(Parser *parser)
+{
+    Span opening = token_span(parser);
+    advance(parser);
+    parser->brackets++;
+    Expr *expr = parse_expr(parser);
+    expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
+    parser->brackets--;
+    return expr;
+}
+
+/* path block | name ; the names behind dots are taken here as far as a block may still follow them */
+static Expr *parse_name(Parser *parser)
+{
+    Span begin = token_span(parser);
+    Path path = {.names = {parser->token.as.symbol}, .n = 1, .span = begin};
+    Expr *expr = expr_new(parser, EXPR_NAME, begin);
+    expr->as.name.symbol = parser->token.as.symbol;
+    advance(parser);
+    while (parser->token.kind == TOKEN_DOT && path.n < LONGEST_PATH) {
+        advance(parser);
+        Expr *member = expr_new(parser, EXPR_MEMBER, begin);
+        member->as.member.base = expr;
+        if (!expect_name(parser, "behind '.'", &member->as.member.name, &member->as.member.name_span)) return poison_expr(parser);
+        path.names[path.n++] = member->as.member.name;
+        path.span = member->span = span_from(parser, begin);
+        expr = member;
+    }
+    if (parser->token.kind != TOKEN_BRACE_OPEN) return expr;
+    Expr *node = expr_new(parser, EXPR_NODE, path.span);
+    node->as.node = ARENA_NEW(parser->arena, NodeExpr);
+    node->as.node->path = path;
+    node->as.node->block = parse_block(parser);
+    return node;
+}
+
+/* prim = number | string | hexcol | "true" | "false" | "none" | "(" expr ")" | path block | name
+        | "<" add "," add [ "," add [ "," add ] ] ">" | "[" [ elem { "," elem } [ "," ] ] "]" ; */
+static Expr *parse_prim(Parser *parser)
+{
+    switch (parser->token.kind) {
+    case TOKEN_NUMBER: return parse_number(parser);
+    case TOKEN_STRING: return parse_string(parser);
+    case TOKEN_COLOR: return parse_color(parser);
+    case TOKEN_TRUE: return parse_word(parser, value_truth(true));
+    case TOKEN_FALSE: return parse_word(parser, value_truth(false));
+    case TOKEN_NONE: return parse_word(parser, value_none());
+    case TOKEN_PAREN_OPEN: return parse_parens(parser);
+    case TOKEN_NAME: return parse_name(parser);
+    case TOKEN_LESS: return parse_vector(parser);
+    case TOKEN_BRACKET_OPEN: return parse_list(parser);
+    default: expected_error(parser, "an expression"); return poison_expr(parser);
+    }
+}
+
+/* arg = [ name "=" ] expr ; */
+static Arg parse_arg(Parser *parser)
+{
+    Arg arg = {0};
+    if (parser->token.kind == TOKEN_NAME && peek(parser).kind == TOKEN_ASSIGN) {
+        arg.name = parser->token.as.symbol;
+        arg.name_span = token_span(parser);
+        advance(parser);
+        advance(parser);
+    }
+    arg.value = parse_expr(parser);
+    return arg;
+}
+
+/* args = [ arg { "," arg } [ "," ] ] ; */
+Args parse_args(Parser *parser, Span opening)
+{
+    Args args = {0};
+    uint32_t capacity = 0;
+    parser->brackets++;
+    while (!parser->panic && parser->token.kind != TOKEN_PAREN_CLOSE) {
+        Arg arg = parse_arg(parser);
+        if (args.n == capacity) {
+            capacity = capacity ? capacity * 2 : 4;
+            Arg *items = ARENA_ARRAY(parser->arena, Arg, capacity);
+            if (args.n) memcpy(items, args.items, args.n * sizeof *items);
+            args.items = items;
+        }
+        args.items[args.n++] = arg;
+        if (!accept(parser, TOKEN_COMMA)) break;
+    }
+    expect_close(parser, TOKEN_PAREN_CLOSE, opening, "',' or ')'");
+    parser->brackets--;
+    return args;
+}
+
+static Expr *parse_member(Parser *parser, Expr *base)
+{
+    Expr *expr = expr_new(parser, EXPR_MEMBER, base->span);
+    advance(parser);
+    expr->as.member.base = base;
+    if (!expect_name(parser, "behind '.'", &expr->as.member.name, &expr->as.member.name_span)) return poison_expr(parser);
+    expr->span = span_from(parser, base->span);
+    return expr;
+}
+
+static Expr *parse_index(Parser *parser, Expr *base)
+{
+    Span opening = token_span(parser);
+    Expr *expr = expr_new(parser, EXPR_INDEX, base->span);
+    advance(parser);
+    parser->brackets++;
+    expr->as.op.a = base;
+    expr->as.op.b = parse_expr(parser);
+    expect_close(parser, TOKEN_BRACKET_CLOSE, opening, "']'");
+    parser->brackets--;
+    expr->span = span_from(parser, base->span);
+    return expr;
+}
+
+static Expr *parse_call(Parser *parser, Expr *callee)
+{
+    Span opening = token_span(parser);
+    Expr *expr = expr_new(parser, EXPR_CALL, callee->span);
+    advance(parser);
+    expr->as.call.callee = callee;
+    expr->as.call.args = parse_args(parser, opening);
+    expr->span = span_from(parser, callee->span);
+    return expr;
+}
+
+/* post = prim { "." name | "[" expr "]" | "(" args ")" } ; */
+static Expr *parse_post(Parser *parser)
+{
+    Expr *expr = parse_prim(parser);
+    for (int links = 0; !parser->panic; links++) {
+        TokenKind kind = parser->token.kind;
+        if (kind != TOKEN_DOT && kind != TOKEN_BRACKET_OPEN && kind != TOKEN_PAREN_OPEN) break;
+        if (links == DEEPEST_NESTING) { /* the chain is walked by recursion later */
+            syntax_error(parser, token_span(parser), "more than %d '.', '[' or '(' in a row", DEEPEST_NESTING);
+            break;
+        }
+        expr = kind == TOKEN_DOT            ? parse_member(parser, expr)
+               : kind == TOKEN_BRACKET_OPEN ? parse_index(parser, expr)
+                                            : parse_call(parser, expr);
+    }
+    return expr;
+}
+
+/* ---- operators, from the tightest to the loosest ---- */
+
+/* unary = ( "-" | "+" ) unary | post [ "^" unary ] ; */
+static Expr *parse_unary(Parser *parser)
+{
+    Span begin = token_span(parser);
+    if (!enter(parser)) return poison_expr(parser);
+    Expr *expr;
+    TokenKind kind = parser->token.kind;
+    if (kind == TOKEN_MINUS || kind == TOKEN_PLUS) {
+        advance(parser);
+        Expr *operand = parse_unary(parser);
+        if (operand->kind == EXPR_CONSTANT && operand->literal && operand->as.constant.value.kind == VALUE_NUMBER) {
+            if (kind == TOKEN_MINUS) operand->as.constant.value.as.number *= -1;
+            expr = operand;
+        } else {
+            expr = expr_new(parser, kind == TOKEN_MINUS ? EXPR_NEGATE : EXPR_PLUS, begin);
+            expr->as.op.a = operand;
+            expr->as.op.operator_span = begin;
+        }
+        expr->span = span_from(parser, begin);
+    } else {
+        expr = parse_post(parser);
+        Span operator_span = token_span(parser);
+        if (accept(parser, TOKEN_CARET)) expr = binary_expr(parser, EXPR_POWER, expr, operator_span, parse_unary(parser));
+    }
+    leave(parser);
+    return expr;
+}
+
+/* A chain of operators is a tree that leans left; deeper than this the walks over it would use too much stack. */
+enum { LONGEST_CHAIN = 2000 };
+
+static bool chain_too_long(Parser *parser, int links)
+{
+    if (links < LONGEST_CHAIN) return false;
+    syntax_error(parser, token_span(parser), "more than %d operators in a row", LONGEST_CHAIN);
+    return true;
+}
+
+/* mul = unary { ( "*" | "/" | "%" ) unary } ; */
+static Expr *parse_mul(Parser *parser)
+{
+    Expr *expr = parse_unary(parser);
+    for (int links = 0; !parser->panic; links++) {
+        TokenKind kind = parser->token.kind;
+        Span operator_span = token_span(parser);
+        if (kind != TOKEN_STAR && kind != TOKEN_SLASH && kind != TOKEN_PERCENT) break;
+        if (chain_too_long(parser, links)) break;
+        advance(parser);
+        expr = binary_expr(parser,
+                           kind == TOKEN_STAR    ? EXPR_MULTIPLY
+                           : kind == TOKEN_SLASH ? EXPR_DIVIDE
+                                                 : EXPR_MODULO,
+                           expr, operator_span, parse_unary(parser));
+        expr->span = span_from(parser, expr->as.op.a->span);
+    }
+    return expr;
+}
+
+/* add = mul { ( "+" | "-" ) mul } ; */
+static Expr *parse_add(Parser *parser)
+{
+    Expr *expr = parse_mul(parser);
+    for (int links = 0; !parser->panic; links++) {
+        TokenKind kind = parser->token.kind;
+        Span operator_span = token_span(parser);
+        if (kind != TOKEN_PLUS && kind != TOKEN_MINUS) break;
+        if (chain_too_long(parser, links)) break;
+        advance(parser);
+        expr = binary_expr(parser, kind == TOKEN_PLUS ? EXPR_ADD : EXPR_SUBTRACT, expr, operator_span, parse_mul(parser));
+        expr->span = span_from(parser, expr->as.op.a->span);
+    }
+    return expr;
+}
+
+static bool comparison_kind(TokenKind token, ExprKind *kind)
+{
+    switch (token) {
+    case TOKEN_EQUAL: *kind = EXPR_EQUAL; return true;
+    case TOKEN_NOT_EQUAL: *kind = EXPR_NOT_EQUAL; return true;
+    case TOKEN_LESS: *kind = EXPR_LESS; return true;
+    case TOKEN_LESS_EQUAL: *kind = EXPR_LESS_EQUAL; return true;
+    case TOKEN_GREATER: *kind = EXPR_GREATER; return true;
+    case TOKEN_GREATER_EQUAL: *kind = EXPR_GREATER_EQUAL; return true;
+    default: return false;
+    }
+}
+
+/* not = "not" not | add [ ( "==" | "!=" | "<" | "<=" | ">" | ">=" ) add ] ; */
+static Expr *parse_not(Parser *parser)
+{
+    Span begin = token_span(parser);
+    if (parser->token.kind == TOKEN_NOT) {
+        if (!enter(parser)) return poison_expr(parser);
+        advance(parser);
+        Expr *expr = expr_new(parser, EXPR_NOT, begin);
+        expr->as.op.a = parse_not(parser);
+        expr->as.op.operator_span = begin;
+        expr->span = span_from(parser, begin);
+        leave(parser);
+        return expr;
+    }
+    Expr *expr = parse_add(parser);
+    ExprKind kind, second;
+    if (parser->panic || !comparison_kind(parser->token.kind, &kind)) return expr;
+    Span operator_span = token_span(parser);
+    advance(parser);
+    Expr *b = parse_add(parser);
+    expr = binary_expr(parser, kind, expr, operator_span, b);
+    if (!parser->panic && comparison_kind(parser->token.kind, &second)) {
+        Diagnostic *report = syntax_error(parser, token_span(parser), "comparisons do not chain");
+        if (report) diag_hint(parser->diag, report, "write a < b and b < c");
+    }
+    return expr;
+}
+
+/* and = not { "and" not } ; */
+static Expr *parse_and(Parser *parser)
+{
+    Expr *expr = parse_not(parser);
+    for (int links = 0; !parser->panic && parser->token.kind == TOKEN_AND && !chain_too_long(parser, links); links++) {
+        Span operator_span = token_span(parser);
+        advance(parser);
+        expr = binary_expr(parser, EXPR_AND, expr, operator_span, parse_not(parser));
+    }
+    return expr;
+}
+
+/* or = and { "or" and } ; */
+static Expr *parse_or(Parser *parser)
+{
+    Expr *expr = parse_and(parser);
+    for (int links = 0; !parser->panic && parser->token.kind == TOKEN_OR && !chain_too_long(parser, links); links++) {
+        Span operator_span = token_span(parser);
+        advance(parser);
+        expr = binary_expr(parser, EXPR_OR, expr, operator_span, parse_and(parser));
+    }
+    return expr;
+}
+
+/* tern = or [ "?" expr ":" expr ] ; */
+Expr *parse_tern(Parser *parser)
+{
+    Expr *condition = parse_or(parser);
+    if (parser->panic || parser->token.kind != TOKEN_QUESTION) return condition;
+    if (!enter(parser)) return poison_expr(parser);
+    advance(parser);
+    Expr *expr = expr_new(parser, EXPR_CONDITION, condition->span);
+    expr->as.op.a = condition;
+    expr->as.op.b = parse_expr(parser);
+    expect(parser, TOKEN_COLON, "between the two values of '?'");
+    expr->as.op.c = parse_expr(parser);
+    expr->span = span_from(parser, condition->span);
+    leave(parser);
+    return expr;
+}
+
+static Expr *parse_let(Parser *parser)
+{
+    Span begin = token_span(parser);
+    if (!enter(parser)) return poison_expr(parser);
+    advance(parser);
+    Expr *expr = expr_new(parser, EXPR_LET, begin);
+    Span opening = token_span(parser);
+    if (expect(parser, TOKEN_PAREN_OPEN, "behind 'let' in an expression"))
+        expr->as.let.bindings = parse_args(parser, opening);
+    for (uint32_t i = 0; i < expr->as.let.bindings.n; i++)
+        if (!expr->as.let.bindings.items[i].name && !parser->panic)
+            syntax_error(parser, expr->as.let.bindings.items[i].value->span, "expected name = value in 'let (...)'");
+    expr->as.let.body = parse_expr(parser);
+    expr->span = span_from(parser, begin);
+    leave(parser);
+    return expr;
+}
+
+/* expr = "let" "(" args ")" expr | tern [ ( ".." | "..<" ) tern [ "by" tern ] ] ; */
+Expr *parse_expr(Parser *parser)
+{
+    if (parser->token.kind == TOKEN_LET) return parse_let(parser);
+    Expr *first = parse_tern(parser);
+    bool open = parser->token.kind == TOKEN_RANGE_OPEN;
+    if (parser->panic || (!open && parser->token.kind != TOKEN_RANGE)) return first;
+    Span operator_span = token_span(parser);
+    advance(parser);
+    Expr *expr = binary_expr(parser, EXPR_RANGE, first, operator_span, parse_tern(parser));
+    expr->as.op.open = open;
+    if (accept(parser, TOKEN_BY)) expr->as.op.c = parse_tern(parser);
+    expr->span = span_from(parser, first->span);
+    return expr;
+}
+
+Expr *parse_expression(uint32_t source, double unit_m, Diag *diag, SymbolTable *symbols)
+{
+    Parser parser;
+    parser_init(&parser, NULL, source, unit_m, diag, symbols);
+    Expr *expr = parse_expr(&parser);
+    if (!parser.panic && parser.token.kind != TOKEN_END) expected_error(&parser, "the end of the expression");
+    return parser.panic ? poison_expr(&parser) : expr;
+}

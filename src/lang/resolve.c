@@ -1,0 +1,440 @@
+/* resolve.c - scopes, files and statements.
+ * A scope is a stack of declarations; each symbol points at its innermost one, so that looking a name up takes no
+ * search. Files are resolved one after the other, those that a file imports before itself, each seeing only the
+ * predeclared names and those of the prelude from outside.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "lang/resolve.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lang/schema_find.h"
+
+const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "frames", "time", "x", "y", "z", "pi"};
+
+struct Scope {
+    Scope *outer;
+    Binding *bindings;
+};
+
+/* ---- scopes ---- */
+
+void scope_begin(Resolver *resolver)
+{
+    Scope *scope = ARENA_NEW(resolver->arena, Scope);
+    scope->outer = resolver->scope;
+    resolver->scope = scope;
+}
+
+void scope_end(Resolver *resolver)
+{
+    for (Binding *binding = resolver->scope->bindings; binding; binding = binding->next_in_scope) {
+        binding->symbol->binding = binding->shadowed;
+        if (binding->warns && !binding->used && binding->symbol->text[0] != '_')
+            diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "'%s' is never used", binding->symbol->text);
+    }
+    resolver->scope = resolver->scope->outer;
+}
+
+Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
+{
+    Binding *old = symbol->binding;
+    if (old && old->scope == resolver->scope) {
+        Diagnostic *report =
+            diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block", symbol->text);
+        if (old->has_span) diag_note(resolver->diag, report, old->span, "first declared here");
+        old->used = true;
+    }
+    Binding *binding = ARENA_NEW(resolver->arena, Binding);
+    *binding = (Binding){.shadowed = old, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
+                         .symbol = symbol, .kind = kind, .has_span = true, .span = span, .level = resolver->level};
+    resolver->scope->bindings = binding;
+    symbol->binding = binding;
+    return binding;
+}
+
+static uint32_t new_slot(Resolver *resolver)
+{
+    return resolver->level == 0 ? resolver->n_globals++ : resolver->n_slots++;
+}
+
+Slot slot_of(const Resolver *resolver, const Binding *binding)
+{
+    Slot slot = {.kind = EXPR_GLOBAL, .index = binding->index};
+    if (binding->level == 0) return slot;
+    slot.hops = resolver->level - binding->level;
+    slot.kind = slot.hops ? EXPR_OUTER : EXPR_LOCAL;
+    return slot;
+}
+
+Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span)
+{
+    Binding *binding = scope_declare(resolver, symbol, BINDING_SLOT, span);
+    binding->index = new_slot(resolver);
+    return slot_of(resolver, binding);
+}
+
+/* ---- statements ---- */
+
+static void resolve_stmts(Resolver *resolver, Stmt *first);
+
+static void declare_defs(Resolver *resolver, Stmt *first)
+{
+    for (Stmt *stmt = first; stmt; stmt = stmt->next) {
+        if (stmt->kind != STMT_DEF) continue;
+        Binding *binding = scope_declare(resolver, stmt->as.def->name, BINDING_DEF, stmt->as.def->span);
+        binding->def = stmt->as.def;
+        stmt->as.def->level = resolver->level;
+    }
+}
+
+void resolve_block(Resolver *resolver, Block *block)
+{
+    if (!block) return;
+    scope_begin(resolver);
+    resolve_stmts(resolver, block->first);
+    scope_end(resolver);
+}
+
+static void resolve_bind(Resolver *resolver, Stmt *stmt)
+{
+    if (stmt->as.bind.value) resolve_expr(resolver, stmt->as.bind.value);
+    if (stmt->as.bind.range) resolve_expr(resolver, stmt->as.bind.range);
+    stmt->as.bind.slot = scope_declare_slot(resolver, stmt->as.bind.name, stmt->as.bind.name_span);
+    Binding *binding = stmt->as.bind.name->binding;
+    binding->variable = stmt->as.bind.variable;
+    binding->warns = stmt->kind == STMT_BIND && (resolver->scope->outer->outer || resolver->warns_unused);
+}
+
+static void resolve_assign(Resolver *resolver, Stmt *stmt)
+{
+    resolve_expr(resolver, stmt->as.bind.value);
+    const Symbol *symbol = stmt->as.bind.name;
+    Binding *binding = symbol->binding;
+    Diag *diag = resolver->diag;
+    if (!binding) {
+        Diagnostic *report = diag_report(diag, D_UNKNOWN_NAME, stmt->span, "unknown name '%s'", symbol->text);
+        suggest_visible(resolver, report, symbol, false, false);
+        stmt->kind = STMT_EMPTY;
+    } else if (binding->kind != BINDING_SLOT || !binding->variable) {
+        Diagnostic *report = diag_report(diag, D_NOT_ASSIGNABLE, stmt->span, "'%s' is no var", symbol->text);
+        if (binding->has_span) diag_note(diag, report, binding->span, "declared here");
+        stmt->kind = STMT_EMPTY;
+    } else {
+        stmt->as.bind.slot = slot_of(resolver, binding);
+    }
+}
+
+/* May the property hold bare words? Then they stay names until it is checked. */
+static bool takes_words(const PropType *prop)
+{
+    return !prop || prop->kind == PROP_CHOICE || (prop->kind == PROP_STRINGS && prop->choices);
+}
+
+static void resolve_word(Resolver *resolver, Expr *expr)
+{
+    Symbol *symbol = expr->as.name.symbol;
+    if (symbol->binding && symbol->binding->kind == BINDING_SLOT)
+        resolve_expr(resolver, expr);
+    else
+        expr->as.name.nearest = nearest_visible(resolver, symbol);
+}
+
+static void resolve_prop(Resolver *resolver, Stmt *stmt)
+{
+    Expr *value = stmt->as.prop.value;
+    const NodeType *type = resolver->context_type;
+    const PropType *prop = NULL;
+    if (resolver->context == CONTEXT_FREE) {
+        diag_report(resolver->diag, D_MISPLACED, stmt->span, "property '%s' outside of a node", stmt->as.prop.name->text);
+    } else if (resolver->context == CONTEXT_NODE && type) {
+        prop = schema_prop(type, stmt->as.prop.name->text);
+        if (!prop) report_unknown_property(resolver->diag, stmt->span, type, stmt->as.prop.name->text);
+    }
+    bool misplaced = resolver->context == CONTEXT_FREE || (type && !prop);
+    bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);
+    if (words && value->kind == EXPR_NAME) {
+        resolve_word(resolver, value);
+    } else if (words && value->kind == EXPR_LIST) {
+        for (uint32_t i = 0; i < value->as.list.n; i++) {
+            Expr *item = value->as.list.items[i];
+            if (item->kind == EXPR_NAME)
+                resolve_word(resolver, item);
+            else
+                resolve_expr(resolver, item);
+        }
+    } else {
+        resolve_expr(resolver, value);
+    }
+    if (misplaced) stmt->kind = STMT_EMPTY;
+}
+
+static void resolve_call_stmt(Resolver *resolver, Stmt *stmt)
+{
+    resolve_expr(resolver, stmt->as.call.call);
+    if (!stmt->as.call.block) return;
+    NodeContext context = resolver->context;
+    const NodeType *type = resolver->context_type;
+    resolver->context = CONTEXT_FREE;
+    resolver->context_type = NULL;
+    resolve_block(resolver, stmt->as.call.block);
+    resolver->context = context;
+    resolver->context_type = type;
+}
+
+static void resolve_formals(Resolver *resolver, Def *def)
+{
+    for (uint32_t i = 0; i < def->n_formals; i++) {
+        Formal *formal = &def->formals[i];
+        if (formal->fallback) resolve_expr(resolver, formal->fallback);
+        formal->slot = scope_declare_slot(resolver, formal->name, formal->span);
+    }
+}
+
+static void resolve_def(Resolver *resolver, Def *def)
+{
+    Resolver outer = *resolver;
+    resolver->level++;
+    resolver->n_slots = 0;
+    resolver->def = def;
+    resolver->context = CONTEXT_FREE;
+    resolver->context_type = NULL;
+    scope_begin(resolver);
+    resolve_formals(resolver, def);
+    if (def->body) resolve_expr(resolver, def->body);
+    if (def->block) resolve_stmts(resolver, def->block->first);
+    scope_end(resolver);
+    def->n_slots = resolver->n_slots;
+    resolver->level = outer.level;
+    resolver->n_slots = outer.n_slots;
+    resolver->def = outer.def;
+    resolver->context = outer.context;
+    resolver->context_type = outer.context_type;
+}
+
+static void resolve_for(Resolver *resolver, Stmt *stmt)
+{
+    resolve_expr(resolver, stmt->as.loop.source);
+    scope_begin(resolver);
+    stmt->as.loop.slot = scope_declare_slot(resolver, stmt->as.loop.name, stmt->as.loop.name_span);
+    resolve_stmts(resolver, stmt->as.loop.block->first);
+    scope_end(resolver);
+}
+
+/* A chain of else-ifs is walked in a loop: it may be long. */
+static void resolve_branch(Resolver *resolver, Stmt *stmt)
+{
+    for (;;) {
+        resolve_expr(resolver, stmt->as.branch.condition);
+        resolve_block(resolver, stmt->as.branch.then);
+        Block *otherwise = stmt->as.branch.otherwise;
+        if (!otherwise) return;
+        if (!otherwise->first || otherwise->first->kind != STMT_IF || otherwise->first->next) {
+            resolve_block(resolver, otherwise);
+            return;
+        }
+        stmt = otherwise->first;
+    }
+}
+
+static Symbol *defaults_symbol(Resolver *resolver, const char *type_name)
+{
+    const char *name = arena_format(resolver->arena, "defaults %s", type_name);
+    return symbol_of(resolver->symbols, name, strlen(name));
+}
+
+void resolve_defaults_of(Resolver *resolver, NodeExpr *node)
+{
+    Binding *binding = defaults_symbol(resolver, node->type->name)->binding;
+    if (!binding) return;
+    node->has_defaults = true;
+    node->defaults = slot_of(resolver, binding);
+}
+
+/* The values are kept in a slot of a name that no scene can write; each later node of the type in the block refers
+ * to it. A second defaults in the same block starts from the first. */
+static void resolve_defaults(Resolver *resolver, Stmt *stmt)
+{
+    NodeExpr *node = stmt->as.node;
+    Symbol *type = node->path.names[0];
+    if (!schema_node(resolver->schema, type->text)) {
+        Diagnostic *report =
+            diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node type '%s'", type->text);
+        suggest_visible(resolver, report, type, false, true);
+        stmt->kind = STMT_EMPTY;
+        return;
+    }
+    resolve_node(resolver, node, true);
+    Symbol *symbol = defaults_symbol(resolver, type->text);
+    Binding *binding = ARENA_NEW(resolver->arena, Binding);
+    *binding = (Binding){.shadowed = symbol->binding, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
+                         .symbol = symbol, .kind = BINDING_SLOT, .level = resolver->level, .used = true};
+    binding->index = new_slot(resolver);
+    resolver->scope->bindings = binding;
+    symbol->binding = binding;
+    node->prototype = slot_of(resolver, binding);
+}
+
+static void declare_alias(Resolver *resolver, const Export *export, Span span)
+{
+    const Binding *target = export->binding;
+    const Binding *old = export->symbol->binding;
+    bool same = old && old->scope == resolver->scope && old->kind == target->kind && old->index == target->index &&
+                old->def == target->def && old->module == target->module && old->level == target->level;
+    if (same) return; /* by two ways, but the same thing */
+    Binding *binding = scope_declare(resolver, export->symbol, target->kind, span);
+    binding->level = target->level;
+    binding->index = target->index;
+    binding->variable = target->variable;
+    binding->def = target->def;
+    binding->module = target->module;
+}
+
+static void resolve_import(Resolver *resolver, Stmt *stmt)
+{
+    File *file = stmt->as.import.file;
+    if (!file) {
+        stmt->kind = STMT_EMPTY;
+        return;
+    }
+    if (stmt->as.import.name) {
+        Binding *binding = scope_declare(resolver, stmt->as.import.name, BINDING_MODULE, stmt->as.import.name_span);
+        binding->module = file;
+        return;
+    }
+    for (uint32_t i = 0; i < file->n_exports; i++) declare_alias(resolver, &file->exports[i], stmt->as.import.text_span);
+}
+
+static void resolve_kids(Resolver *resolver, Stmt *stmt)
+{
+    if (!resolver->def || !resolver->def->block) {
+        diag_report(resolver->diag, D_MISPLACED, stmt->span, "children() outside of a macro");
+        stmt->kind = STMT_EMPTY;
+    } else if (stmt->as.kids.n) {
+        diag_report(resolver->diag, D_WRONG_ARGUMENT, stmt->as.kids.items[0].value->span, "children() takes no arguments");
+    } else {
+        resolver->def->calls_children = true;
+    }
+}
+
+static void resolve_preset(Resolver *resolver, Stmt *stmt)
+{
+    if (resolver->level > 0 || resolver->scope->outer->outer) {
+        diag_report(resolver->diag, D_MISPLACED, stmt->span, "a preset stands at the top of a file");
+        stmt->kind = STMT_EMPTY;
+    }
+    resolve_block(resolver, stmt->as.node->block);
+}
+
+static void resolve_node_stmt(Resolver *resolver, Stmt *stmt)
+{
+    NodeExpr *node = stmt->as.node;
+    resolve_node(resolver, node, false);
+    if (node->name) { /* declared behind its own block: it cannot contain itself */
+        Slot slot = scope_declare_slot(resolver, node->name, node->name_span);
+        stmt->as.node->name->binding->used = true;
+        stmt->as.node = node;
+        node->name_slot = slot;
+    }
+}
+
+static void resolve_stmt(Resolver *resolver, Stmt *stmt)
+{
+    switch (stmt->kind) {
+    case STMT_EMPTY: break;
+    case STMT_BIND:
+    case STMT_PARAM: resolve_bind(resolver, stmt); break;
+    case STMT_ASSIGN: resolve_assign(resolver, stmt); break;
+    case STMT_PROP: resolve_prop(resolver, stmt); break;
+    case STMT_CALL: resolve_call_stmt(resolver, stmt); break;
+    case STMT_NODE: resolve_node_stmt(resolver, stmt); break;
+    case STMT_KIDS: resolve_kids(resolver, stmt); break;
+    case STMT_DEF: resolve_def(resolver, stmt->as.def); break;
+    case STMT_DEFAULTS: resolve_defaults(resolver, stmt); break;
+    case STMT_IF: resolve_branch(resolver, stmt); break;
+    case STMT_FOR: resolve_for(resolver, stmt); break;
+    case STMT_WHILE:
+        resolve_expr(resolver, stmt->as.branch.condition);
+        resolve_block(resolver, stmt->as.branch.then);
+        break;
+    case STMT_IMPORT: resolve_import(resolver, stmt); break;
+    case STMT_PRESET: resolve_preset(resolver, stmt); break;
+    }
+}
+
+static void resolve_stmts(Resolver *resolver, Stmt *first)
+{
+    declare_defs(resolver, first);
+    for (Stmt *stmt = first; stmt; stmt = stmt->next) resolve_stmt(resolver, stmt);
+}
+
+/* ---- files ---- */
+
+void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,
+                   const double *srgb_to_working)
+{
+    *resolver = (Resolver){.diag = diag, .arena = diag->arena, .symbols = symbols, .schema = schema};
+    for (int i = 0; i < 9; i++)
+        if (srgb_to_working[i] != 0) resolver->srgb_to_working = srgb_to_working;
+    scope_begin(resolver);
+    for (int i = 0; i < PREDECLARED_COUNT; i++) {
+        Symbol *symbol = symbol_of(symbols, predeclared_names[i], strlen(predeclared_names[i]));
+        scope_declare_slot(resolver, symbol, (Span){0, 0, 0});
+        symbol->binding->has_span = false;
+    }
+}
+
+void resolve_prelude(Resolver *resolver, File *prelude)
+{
+    resolve_stmts(resolver, prelude->block->first);
+    prelude->state = FILE_RESOLVED;
+}
+
+static void collect_exports(Resolver *resolver, File *file)
+{
+    uint32_t n = 0;
+    for (const Binding *binding = resolver->scope->bindings; binding; binding = binding->next_in_scope) n++;
+    file->exports = ARENA_ARRAY(resolver->arena, Export, n);
+    for (Binding *binding = resolver->scope->bindings; binding; binding = binding->next_in_scope)
+        if (!strchr(binding->symbol->text, ' ')) /* defaults do not reach beyond their file */
+            file->exports[file->n_exports++] = (Export){binding->symbol, binding};
+}
+
+void resolve_file(Resolver *resolver, File *file, bool warns_unused)
+{
+    if (file->state == FILE_RESOLVED) return;
+    file->state = FILE_RESOLVED;
+    for (uint32_t i = 0; i < file->n_imports; i++)
+        if (file->imports[i]->as.import.file) resolve_file(resolver, file->imports[i]->as.import.file, false);
+    const DiagChain *chain = resolver->diag->chain;
+    resolver->diag->chain = file->chain;
+    resolver->warns_unused = warns_unused;
+    scope_begin(resolver);
+    resolve_stmts(resolver, file->block->first);
+    collect_exports(resolver, file);
+    scope_end(resolver);
+    resolver->diag->chain = chain;
+}
+
+void resolve_define(Resolver *resolver, Expr *expr)
+{
+    if (expr->kind == EXPR_NAME && !expr->as.name.symbol->binding) return;
+    resolve_expr(resolver, expr);
+}
+
+/* ---- colours ---- */
+
+/* IEC 61966-2-1 */
+double srgb_decode(double encoded)
+{
+    double magnitude = fabs(encoded);
+    double linear = magnitude <= 0.04045 ? magnitude / 12.92 : pow((magnitude + 0.055) / 1.055, 2.4);
+    return encoded < 0 ? -linear : linear;
+}
+
+void color_from_srgb(const double *m, double rgb[3])
+{
+    if (!m) return;
+    double r = rgb[0], g = rgb[1], b = rgb[2];
+    for (int row = 0; row < 3; row++) rgb[row] = m[row * 3] * r + m[row * 3 + 1] * g + m[row * 3 + 2] * b;
+}

@@ -1,0 +1,90 @@
+/* resolve.h - names to slots, before anything runs. After this no name is looked up by its letters any more.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RESOLVE_H
+#define MEN_RESOLVE_H
+
+#include "lang/ast.h"
+
+typedef enum BindingKind { BINDING_SLOT, BINDING_DEF, BINDING_MODULE } BindingKind;
+
+typedef struct Binding Binding;
+typedef struct Scope Scope;
+
+/* One declaration while names are resolved. */
+struct Binding {
+    Binding *shadowed;      /* what the symbol meant before */
+    Binding *next_in_scope;
+    const Scope *scope;
+    Symbol *symbol;
+    BindingKind kind;
+    bool has_span, variable, used, warns;
+    Span span;
+    uint32_t level, index;  /* BINDING_SLOT */
+    Def *def;
+    File *module;
+};
+
+/* Which slots the predeclared names have: the first of the globals. */
+enum {
+    PREDECLARED_CLOCK,
+    PREDECLARED_FRAME,
+    PREDECLARED_FRAMES,
+    PREDECLARED_TIME,
+    PREDECLARED_X,
+    PREDECLARED_Y,
+    PREDECLARED_Z,
+    PREDECLARED_PI,
+    PREDECLARED_COUNT
+};
+extern const char *const predeclared_names[PREDECLARED_COUNT];
+
+/* What a statement stands in, as far as the text says. */
+typedef enum NodeContext { CONTEXT_FREE, CONTEXT_NODE, CONTEXT_MACRO } NodeContext;
+
+typedef struct Resolver {
+    Diag *diag;
+    Arena *arena;
+    SymbolTable *symbols;
+    const Schema *schema;
+    const double *srgb_to_working; /* 9, or NULL for the identity */
+    Scope *scope;
+    uint32_t level;         /* how many defs around */
+    uint32_t n_slots;       /* of the def being resolved */
+    uint32_t n_globals;
+    Def *def;               /* the innermost macro or function */
+    NodeContext context;
+    const NodeType *context_type; /* CONTEXT_NODE: NULL when it is not known before running */
+    const Def *context_def;       /* CONTEXT_MACRO */
+    bool warns_unused;      /* of names at the top of the present file */
+} Resolver;
+
+void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,
+                   const double *srgb_to_working);
+/* The prelude first; its names stay visible for all files. */
+void resolve_prelude(Resolver *resolver, File *prelude);
+/* Files that it imports first. warns_unused: the file itself is the scene. */
+void resolve_file(Resolver *resolver, File *file, bool warns_unused);
+/* An expression outside of all files (-D): only predeclared names and the prelude's. A bare word that is no name
+ * stays EXPR_NAME. */
+void resolve_define(Resolver *resolver, Expr *expr);
+
+/* Linear sRGB (decoded) to the working space of the scene, in place. */
+void color_from_srgb(const double *srgb_to_working, double rgb[3]);
+double srgb_decode(double encoded);
+
+/* resolve_expr.c, for resolve.c */
+void resolve_expr(Resolver *resolver, Expr *expr);
+void resolve_args(Resolver *resolver, Args *args);
+void resolve_node(Resolver *resolver, NodeExpr *node, bool expression);
+void resolve_block(Resolver *resolver, Block *block);
+Binding *resolve_path(Resolver *resolver, const Path *path);
+void scope_begin(Resolver *resolver);
+void scope_end(Resolver *resolver);
+Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span);
+Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span);
+Slot slot_of(const Resolver *resolver, const Binding *binding);
+void resolve_defaults_of(Resolver *resolver, NodeExpr *node);
+void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes);
+const char *nearest_visible(Resolver *resolver, const Symbol *wrong);
+
+#endif

@@ -1,0 +1,411 @@
+/* resolve_expr.c - names within expressions and nodes, and did-you-mean for those that are not known.
+ * Operands on the left are followed in a loop, because chains of operators lean that way and may be long.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "diag/suggest.h"
+#include "lang/builtin.h"
+#include "lang/resolve.h"
+#include "lang/schema_find.h"
+
+/* ---- did you mean ---- */
+
+typedef struct Words {
+    const char **items;
+    size_t n, capacity;
+} Words;
+
+static void add_word(Words *words, const char *word)
+{
+    if (ARRAY_ROOM(words->items, words->capacity, words->n)) words->items[words->n++] = word;
+}
+
+/* All names that are visible, by walking the buckets: only done for a message. */
+static Words visible_words(const Resolver *resolver, bool functions, bool nodes)
+{
+    Words words = {0};
+    const SymbolTable *table = resolver->symbols;
+    for (uint32_t i = 0; i < table->n_buckets; i++)
+        for (const Symbol *symbol = table->buckets[i]; symbol; symbol = symbol->next_in_bucket)
+            if (symbol->binding && !strchr(symbol->text, ' ')) add_word(&words, symbol->text);
+    for (size_t i = 0; functions && i < builtin_count(); i++) add_word(&words, builtin_at(i)->name);
+    for (size_t i = 0; functions && i < resolver->schema->n_terms; i++) add_word(&words, resolver->schema->terms[i].name);
+    for (size_t i = 0; nodes && i < resolver->schema->n_nodes; i++) add_word(&words, resolver->schema->nodes[i].name);
+    return words;
+}
+
+void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes)
+{
+    Words words = visible_words(resolver, functions, nodes);
+    diag_suggest(resolver->diag, report, wrong->text, words.items, words.n);
+    free(words.items);
+}
+
+const char *nearest_visible(Resolver *resolver, const Symbol *wrong)
+{
+    Words words = visible_words(resolver, false, false);
+    const char *nearest = suggest_nearest(wrong->text, words.items, words.n);
+    free(words.items);
+    return nearest;
+}
+
+/* ---- names ---- */
+
+static const Binding *find_export(const File *file, const Symbol *symbol)
+{
+    for (uint32_t i = 0; i < file->n_exports; i++)
+        if (file->exports[i].symbol == symbol) return file->exports[i].binding;
+    return NULL;
+}
+
+static void report_not_exported(Resolver *resolver, Span span, const File *file, const Symbol *symbol)
+{
+    Words words = {0};
+    for (uint32_t i = 0; i < file->n_exports; i++) add_word(&words, file->exports[i].symbol->text);
+    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, span, "'%s' has no '%s'",
+                                     resolver->diag->sources->sources[file->source].name, symbol->text);
+    diag_suggest(resolver->diag, report, symbol->text, words.items, words.n);
+    free(words.items);
+}
+
+/* What a path with dots leads to through modules; NULL after a report, or for a single name that is not known. */
+Binding *resolve_path(Resolver *resolver, const Path *path)
+{
+    Binding *binding = path->names[0]->binding;
+    if (binding) binding->used = true;
+    for (uint32_t i = 1; i < path->n; i++) {
+        if (!binding || binding->kind != BINDING_MODULE) {
+            Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, path->span, "'%s' is no file in use",
+                                             path->names[i - 1]->text);
+            if (!binding) suggest_visible(resolver, report, path->names[0], false, false);
+            return NULL;
+        }
+        const Binding *found = find_export(binding->module, path->names[i]);
+        if (!found) {
+            report_not_exported(resolver, path->span, binding->module, path->names[i]);
+            return NULL;
+        }
+        Binding *copy = ARENA_NEW(resolver->arena, Binding);
+        *copy = *found;
+        binding = copy;
+    }
+    return binding;
+}
+
+static void make_variable(const Resolver *resolver, Expr *expr, const Binding *binding, Symbol *symbol)
+{
+    Slot slot = slot_of(resolver, binding);
+    expr->kind = slot.kind;
+    expr->as.variable.slot = slot;
+    expr->as.variable.symbol = symbol;
+}
+
+static void resolve_name(Resolver *resolver, Expr *expr)
+{
+    Symbol *symbol = expr->as.name.symbol;
+    Binding *binding = symbol->binding;
+    if (binding && binding->kind == BINDING_SLOT) {
+        binding->used = true;
+        make_variable(resolver, expr, binding, symbol);
+        return;
+    }
+    expr->kind = EXPR_POISON;
+    if (binding) {
+        binding->used = true;
+        diag_report(resolver->diag, D_WRONG_TYPE, expr->span, "'%s' is %s, not a value", symbol->text,
+                    binding->kind == BINDING_MODULE ? "a file in use"
+                    : binding->def->body            ? "a function"
+                                                    : "a macro");
+        return;
+    }
+    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->span, "unknown name '%s'", symbol->text);
+    if (builtin_find(symbol->text))
+        diag_hint(resolver->diag, report, "'%s' is a function: write '%s(...)'", symbol->text, symbol->text);
+    else
+        suggest_visible(resolver, report, symbol, false, false);
+}
+
+/* ---- members ---- */
+
+/* The module that an expression names, or NULL. */
+static const File *module_of(Resolver *resolver, const Expr *expr)
+{
+    if (expr->kind == EXPR_NAME) {
+        Binding *binding = expr->as.name.symbol->binding;
+        if (!binding || binding->kind != BINDING_MODULE) return NULL;
+        binding->used = true;
+        return binding->module;
+    }
+    if (expr->kind != EXPR_MEMBER) return NULL;
+    const File *outer = module_of(resolver, expr->as.member.base);
+    const Binding *found = outer ? find_export(outer, expr->as.member.name) : NULL;
+    return found && found->kind == BINDING_MODULE ? found->module : NULL;
+}
+
+static int component_of(char c, const char *set)
+{
+    const char *found = c ? strchr(set, c) : NULL;
+    return found ? (int)(found - set) : -1;
+}
+
+static bool read_swizzle(Expr *expr)
+{
+    const char *text = expr->as.member.name->text;
+    size_t n = strlen(text);
+    if (n < 1 || n > 4) return false;
+    const char *set = component_of(text[0], "xyzw") >= 0 ? "xyzw" : "rgb";
+    for (size_t i = 0; i < n; i++) {
+        int component = component_of(text[i], set);
+        if (component < 0) return false;
+        expr->as.member.component[i] = (uint8_t)component;
+    }
+    expr->as.member.n = (uint8_t)n;
+    return true;
+}
+
+/* returns the base that is left to be resolved, or NULL */
+static Expr *resolve_member(Resolver *resolver, Expr *expr)
+{
+    const File *module = module_of(resolver, expr->as.member.base);
+    Symbol *name = expr->as.member.name;
+    if (module) {
+        const Binding *found = find_export(module, name);
+        if (found && found->kind == BINDING_SLOT) {
+            make_variable(resolver, expr, found, name);
+            return NULL;
+        }
+        if (!found)
+            report_not_exported(resolver, expr->as.member.name_span, module, name);
+        else
+            diag_report(resolver->diag, D_WRONG_TYPE, expr->as.member.name_span, "'%s' is no value", name->text);
+        expr->kind = EXPR_POISON;
+        return NULL;
+    }
+    if (!read_swizzle(expr)) {
+        Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span,
+                                         "'.%s' is no component", name->text);
+        diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
+        Expr *base = expr->as.member.base;
+        expr->kind = EXPR_POISON;
+        return base;
+    }
+    return expr->as.member.base;
+}
+
+/* ---- calls ---- */
+
+void resolve_args(Resolver *resolver, Args *args)
+{
+    for (uint32_t i = 0; i < args->n; i++) resolve_expr(resolver, args->items[i].value);
+}
+
+static void no_names(Resolver *resolver, const Args *args, const char *function)
+{
+    for (uint32_t i = 0; i < args->n; i++)
+        if (args->items[i].name)
+            diag_report(resolver->diag, D_WRONG_ARGUMENT, args->items[i].name_span,
+                        "the arguments of '%s' have no names", function);
+}
+
+static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned max)
+{
+    const Args *args = &expr->as.call.args;
+    const char *name = expr->as.call.name;
+    no_names(resolver, args, name);
+    if (args->n >= min && args->n <= max) return;
+    const char *wanted = min == max                ? arena_format(resolver->arena, "%u", min)
+                         : max >= BUILTIN_MAX_ARGS ? arena_format(resolver->arena, "at least %u", min)
+                                                   : arena_format(resolver->arena, "%u to %u", min, max);
+    diag_report(resolver->diag, args->n < min ? D_MISSING_ARGUMENT : D_WRONG_ARGUMENT, expr->span,
+                "'%s' takes %s argument%s, not %u", name, wanted, min == max && min == 1 ? "" : "s", args->n);
+    expr->kind = EXPR_POISON;
+}
+
+static void report_no_function(Resolver *resolver, const Expr *callee, const Binding *binding)
+{
+    if (callee->kind != EXPR_NAME) {
+        diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "this cannot be called");
+        return;
+    }
+    const Symbol *symbol = callee->as.name.symbol;
+    if (binding) {
+        Diagnostic *report =
+            diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "'%s' is no function", symbol->text);
+        if (binding->has_span) diag_note(resolver->diag, report, binding->span, "declared here");
+        return;
+    }
+    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "unknown function '%s'", symbol->text);
+    if (schema_node(resolver->schema, symbol->text))
+        diag_hint(resolver->diag, report, "'%s' is a node: write '%s { ... }'", symbol->text, symbol->text);
+    else
+        suggest_visible(resolver, report, symbol, true, false);
+}
+
+/* The binding that a callee names, through modules; *silent when a mistake has been reported. */
+static const Binding *callee_binding(Resolver *resolver, const Expr *callee, bool *silent)
+{
+    *silent = false;
+    if (callee->kind == EXPR_NAME) {
+        Binding *binding = callee->as.name.symbol->binding;
+        if (binding && binding->kind == BINDING_DEF) binding->used = true;
+        return binding;
+    }
+    if (callee->kind != EXPR_MEMBER) return NULL;
+    const File *module = module_of(resolver, callee->as.member.base);
+    if (!module) return NULL;
+    const Binding *found = find_export(module, callee->as.member.name);
+    if (!found) {
+        report_not_exported(resolver, callee->span, module, callee->as.member.name);
+        *silent = true;
+    }
+    return found;
+}
+
+static void resolve_call(Resolver *resolver, Expr *expr)
+{
+    Expr *callee = expr->as.call.callee;
+    resolve_args(resolver, &expr->as.call.args);
+    bool silent;
+    const Binding *binding = callee_binding(resolver, callee, &silent);
+    if (binding && binding->kind == BINDING_DEF) {
+        expr->kind = EXPR_CALL_DEF;
+        expr->as.call.name = binding->def->name->text;
+        expr->as.call.to.def = binding->def;
+        expr->as.call.hops = binding->def->level ? resolver->level - binding->def->level : 0;
+        return;
+    }
+    const char *name = callee->kind == EXPR_NAME ? callee->as.name.symbol->text : NULL;
+    const Builtin *builtin = name ? builtin_find(name) : NULL;
+    const TermType *term = name ? schema_term(resolver->schema, name) : NULL;
+    expr->as.call.name = name;
+    if (builtin) {
+        expr->kind = EXPR_CALL_BUILTIN;
+        expr->as.call.to.builtin = builtin;
+        check_count(resolver, expr, builtin->min_args, builtin->max_args);
+    } else if (term) {
+        expr->kind = EXPR_CALL_TERM;
+        expr->as.call.to.term = term;
+        check_count(resolver, expr, term->takes_text ? 1 : term->min_args, term->takes_text ? 1 : term->max_args);
+    } else {
+        expr->kind = EXPR_POISON;
+        if (!silent) report_no_function(resolver, callee, binding);
+    }
+}
+
+/* ---- nodes ---- */
+
+static void report_no_node(Resolver *resolver, const NodeExpr *node)
+{
+    const Symbol *symbol = node->path.names[0];
+    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node '%s'", symbol->text);
+    suggest_visible(resolver, report, symbol, false, true);
+}
+
+static void find_node(Resolver *resolver, NodeExpr *node)
+{
+    const Binding *binding = resolve_path(resolver, &node->path);
+    if (node->path.n == 1) node->type = schema_node(resolver->schema, node->path.names[0]->text);
+    if (binding && binding->kind == BINDING_SLOT) {
+        node->has_prototype = true;
+        node->prototype = slot_of(resolver, binding);
+    } else if (binding && binding->kind == BINDING_DEF) {
+        node->def = binding->def;
+        node->type = NULL;
+        node->def_hops = binding->def->level ? resolver->level - binding->def->level : 0;
+    } else if (!node->type && (node->path.n == 1 || binding)) {
+        report_no_node(resolver, node);
+    }
+    if (node->type) resolve_defaults_of(resolver, node);
+}
+
+void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
+{
+    find_node(resolver, node);
+    if (node->def && (expression || !node->def->block)) {
+        diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
+                    expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro",
+                    node->def->name->text);
+        node->def = NULL;
+    }
+    NodeContext context = resolver->context;
+    const NodeType *type = resolver->context_type;
+    resolver->context = node->def ? CONTEXT_MACRO : CONTEXT_NODE;
+    /* a name in scope may turn out to be a prototype of another type */
+    resolver->context_type = node->has_prototype ? NULL : node->type;
+    resolve_block(resolver, node->block);
+    resolver->context = context;
+    resolver->context_type = type;
+}
+
+/* ---- expressions ---- */
+
+static void resolve_let(Resolver *resolver, Expr *expr)
+{
+    Args *bindings = &expr->as.let.bindings;
+    expr->as.let.slots = ARENA_ARRAY(resolver->arena, Slot, bindings->n);
+    scope_begin(resolver);
+    for (uint32_t i = 0; i < bindings->n; i++) {
+        resolve_expr(resolver, bindings->items[i].value);
+        expr->as.let.slots[i] = scope_declare_slot(resolver, bindings->items[i].name, bindings->items[i].name_span);
+        bindings->items[i].name->binding->warns = true;
+    }
+    resolve_expr(resolver, expr->as.let.body);
+    scope_end(resolver);
+}
+
+static void resolve_each(Resolver *resolver, Expr *expr)
+{
+    resolve_expr(resolver, expr->as.each.source);
+    scope_begin(resolver);
+    if (expr->kind == EXPR_EACH)
+        expr->as.each.slot = scope_declare_slot(resolver, expr->as.each.name, expr->as.each.name_span);
+    resolve_expr(resolver, expr->as.each.body);
+    scope_end(resolver);
+}
+
+/* '#rrggbb' was kept as written, because the parser does not know the working space. */
+static void resolve_color(const Resolver *resolver, Expr *expr)
+{
+    if (!expr->literal || expr->as.constant.value.kind != VALUE_COLOR) return;
+    double *rgb = expr->as.constant.value.as.v;
+    for (int i = 0; i < 3; i++) rgb[i] = srgb_decode(rgb[i]);
+    color_from_srgb(resolver->srgb_to_working, rgb);
+    expr->literal = false;
+}
+
+/* Resolves expr but for one operand on its left, which is returned to go on with. */
+static Expr *resolve_step(Resolver *resolver, Expr *expr)
+{
+    switch (expr->kind) {
+    case EXPR_NAME: resolve_name(resolver, expr); return NULL;
+    case EXPR_CONSTANT: resolve_color(resolver, expr); return NULL;
+    case EXPR_VECTOR:
+    case EXPR_LIST:
+        for (uint32_t i = 0; i < expr->as.list.n; i++) resolve_expr(resolver, expr->as.list.items[i]);
+        return NULL;
+    case EXPR_CALL: resolve_call(resolver, expr); return NULL;
+    case EXPR_MEMBER: return resolve_member(resolver, expr);
+    case EXPR_LET: resolve_let(resolver, expr); return NULL;
+    case EXPR_EACH:
+    case EXPR_WHEN: resolve_each(resolver, expr); return NULL;
+    case EXPR_NODE: resolve_node(resolver, expr->as.node, true); return NULL;
+    case EXPR_POISON:
+    case EXPR_GLOBAL:
+    case EXPR_LOCAL:
+    case EXPR_OUTER:
+    case EXPR_CALL_DEF:
+    case EXPR_CALL_BUILTIN:
+    case EXPR_CALL_TERM: return NULL;
+    default:
+        if (expr->as.op.b) resolve_expr(resolver, expr->as.op.b);
+        if (expr->as.op.c) resolve_expr(resolver, expr->as.op.c);
+        return expr->as.op.a;
+    }
+}
+
+void resolve_expr(Resolver *resolver, Expr *expr)
+{
+    while (expr) expr = resolve_step(resolver, expr);
+}

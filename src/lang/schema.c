@@ -1,0 +1,388 @@
+/* schema.c - rows of the node tables, and the check of a value against its row.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <string.h>
+
+#include "base/num.h"
+#include "lang/evaluator.h"
+
+/* ---- looking up ---- */
+
+const NodeType *schema_node(const Schema *schema, const char *name)
+{
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        if (strcmp(schema->nodes[i].name, name) == 0) return &schema->nodes[i];
+    return NULL;
+}
+
+const PropType *schema_prop(const NodeType *type, const char *name)
+{
+    for (size_t i = 0; i < type->n_props; i++)
+        if (strcmp(type->props[i].name, name) == 0) return &type->props[i];
+    return NULL;
+}
+
+const TermType *schema_term(const Schema *schema, const char *name)
+{
+    for (size_t i = 0; i < schema->n_terms; i++)
+        if (strcmp(schema->terms[i].name, name) == 0) return &schema->terms[i];
+    return NULL;
+}
+
+bool choice_allows(const char *choices, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = choices; at; at = strchr(at, '|') ? strchr(at, '|') + 1 : NULL)
+        if (length > 0 && strncmp(at, word, length) == 0 && (at[length] == '|' || at[length] == 0)) return true;
+    return false;
+}
+
+size_t choice_words(Arena *arena, const char *choices, const char **words, size_t max)
+{
+    size_t n = 0;
+    for (const char *at = choices; at;) {
+        const char *end = strchr(at, '|');
+        if (n < max) words[n++] = arena_copy_text(arena, at, end ? (size_t)(end - at) : strlen(at));
+        at = end ? end + 1 : NULL;
+    }
+    return n;
+}
+
+enum { MAX_CHOICES = 64 };
+
+const char *choice_text(Arena *arena, const char *choices)
+{
+    const char *words[MAX_CHOICES];
+    size_t n = choice_words(arena, choices, words, MAX_CHOICES);
+    const char *text = words[0];
+    for (size_t i = 1; i < n; i++) text = arena_format(arena, "%s%s%s", text, i + 1 < n ? ", " : " or ", words[i]);
+    return text;
+}
+
+const char *with_article(Arena *arena, const char *name)
+{
+    return arena_format(arena, "%s %s", *name && strchr("aeiou", *name) ? "an" : "a", name);
+}
+
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name)
+{
+    const char **words = ARENA_ARRAY(diag->arena, const char *, type->n_props);
+    for (size_t i = 0; i < type->n_props; i++) words[i] = type->props[i].name;
+    Diagnostic *report = diag_report(diag, D_UNKNOWN_PROPERTY, span, "'%s' has no property '%s'", type->name, name);
+    diag_suggest(diag, report, name, words, type->n_props);
+}
+
+/* ---- messages ---- */
+
+static const char *kind_text(Arena *arena, const PropType *type)
+{
+    switch (type->kind) {
+    case PROP_NUMBER: return "a number";
+    case PROP_INTEGER: return "a whole number";
+    case PROP_BOOL: return "true or false";
+    case PROP_STRING: return "a string";
+    case PROP_CHOICE: return choice_text(arena, type->choices);
+    case PROP_VECTOR2: return "a vector of 2";
+    case PROP_VECTOR3: return "a vector of 3";
+    case PROP_COLOR: return "a colour";
+    case PROP_SPECTRUM: return "a number, a colour, a vector of 3 or a term";
+    case PROP_TERM: return "a term";
+    case PROP_NODE: return type->choices ? with_article(arena, choice_text(arena, type->choices)) : "a node";
+    case PROP_NUMBERS: return "a list of numbers";
+    case PROP_VECTORS2: return "a list of vectors of 2";
+    case PROP_VECTORS3: return "a list of vectors of 3";
+    case PROP_STRINGS: return "a list of strings";
+    case PROP_NODES: break;
+    }
+    return type->choices ? arena_format(arena, "a list of %s nodes", choice_text(arena, type->choices)) : "a list of nodes";
+}
+
+/* One property at one place while it is checked. */
+typedef struct Check {
+    Evaluator *evaluator;
+    const PropType *type;
+    Expr *expr;
+    size_t element; /* from 1, of a list; 0: the value itself */
+} Check;
+
+static bool wrong_type(const Check *check, const Value *value)
+{
+    Arena *arena = check->evaluator->arena;
+    const char *found = value_describe(arena, value);
+    if (check->element)
+        eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", check->type->name,
+                   kind_text(arena, check->type), check->element - 1, found);
+    else
+        eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", check->type->name,
+                   kind_text(arena, check->type), found);
+    return false;
+}
+
+static const char *number_text(Arena *arena, double number)
+{
+    char text[NUM_TEXT_SIZE];
+    return arena_copy_text(arena, text, num_print(number, text));
+}
+
+static const char *bounds_text(Arena *arena, const PropType *type)
+{
+    bool has_min = isfinite(type->min), has_max = isfinite(type->max);
+    const char *min = number_text(arena, type->min), *max = number_text(arena, type->max);
+    bool open_min = type->flags & PROP_OPEN_MIN, open_max = type->flags & PROP_OPEN_MAX;
+    if (!has_max) return arena_format(arena, "is not %s %s", open_min ? "greater than" : "at least", min);
+    if (!has_min) return arena_format(arena, "is not %s %s", open_max ? "less than" : "at most", max);
+    return arena_format(arena, "is outside %s..%s%s", min, max,
+                        open_min && open_max ? ", without both ends"
+                        : open_min           ? ", without its lower end"
+                        : open_max           ? ", without its upper end"
+                                             : "");
+}
+
+static bool number_allowed(const PropType *type, double number)
+{
+    if (!isfinite(number)) return false;
+    if (type->flags & PROP_OPEN_MIN ? number <= type->min : number < type->min) return false;
+    return !(type->flags & PROP_OPEN_MAX ? number >= type->max : number > type->max);
+}
+
+static bool check_numbers(const Check *check, const double *numbers, size_t n)
+{
+    const PropType *type = check->type;
+    for (size_t i = 0; i < n; i++) {
+        if (number_allowed(type, numbers[i]) && (type->kind != PROP_INTEGER || numbers[i] == floor(numbers[i]))) continue;
+        Arena *arena = check->evaluator->arena;
+        const char *text = number_text(arena, numbers[i]);
+        if (!isfinite(numbers[i]))
+            eval_error(check->evaluator, check->expr, D_BAD_NUMBER, "'%s' is not finite", type->name);
+        else if (!number_allowed(type, numbers[i]))
+            eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name, text,
+                       bounds_text(arena, type));
+        else
+            eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name, text);
+        return false;
+    }
+    return true;
+}
+
+/* ---- units of literals ---- */
+
+/* A literal says what it measures; the language does not follow units through computations. */
+static bool check_unit(const Check *check, Expr *expr)
+{
+    PropUnit wanted = check->type->unit;
+    if (expr->kind == EXPR_VECTOR || expr->kind == EXPR_LIST) {
+        for (uint32_t i = 0; i < expr->as.list.n; i++)
+            if (!check_unit(check, expr->as.list.items[i])) return false;
+        return true;
+    }
+    if (expr->kind != EXPR_CONSTANT || !expr->as.constant.unit) return true;
+    PropUnit found = expr->as.constant.unit->measure;
+    if (found == wanted) return true;
+    eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not %s", check->type->name, unit_measure_text(wanted),
+               unit_measure_text(found));
+    return false;
+}
+
+/* ---- one value ---- */
+
+static bool check_choice(const Check *check, const char *word, EvalProp *prop)
+{
+    Evaluator *evaluator = check->evaluator;
+    const PropType *type = check->type;
+    if (!choice_allows(type->choices, word)) {
+        const char *words[MAX_CHOICES];
+        size_t n = choice_words(evaluator->arena, type->choices, words, MAX_CHOICES);
+        Diagnostic *report = eval_error(evaluator, check->expr, D_UNKNOWN_CHOICE, "'%s' is %s, not '%s'", type->name,
+                                        choice_text(evaluator->arena, type->choices), word);
+        diag_suggest(evaluator->diag, report, word, words, n);
+        return false;
+    }
+    prop->as.text = word;
+    return true;
+}
+
+static bool check_vector(const Check *check, const Value *value, unsigned width, EvalProp *prop)
+{
+    if (value->kind != value_vector_kind(width)) return wrong_type(check, value);
+    memcpy(prop->as.vector, value->as.v, width * sizeof(double));
+    return check_numbers(check, value->as.v, width);
+}
+
+static bool check_color(const Check *check, const Value *value, EvalProp *prop)
+{
+    if (value->kind != VALUE_NUMBER && value->kind != VALUE_COLOR) return wrong_type(check, value);
+    for (int i = 0; i < 3; i++) prop->as.vector[i] = value->as.v[value->kind == VALUE_NUMBER ? 0 : i];
+    return check_numbers(check, prop->as.vector, 3);
+}
+
+static bool check_spectrum(const Check *check, const Value *value, EvalProp *prop)
+{
+    unsigned width = value_width(value->kind);
+    if (value->kind == VALUE_TERM) {
+        prop->as.spectrum.form = SPECTRUM_TERM;
+        prop->as.spectrum.term = *value->as.term;
+        return true;
+    }
+    if (check->type->kind == PROP_TERM || (width != 1 && width != 3)) return wrong_type(check, value);
+    prop->as.spectrum.form = value->kind == VALUE_NUMBER  ? SPECTRUM_NUMBER
+                             : value->kind == VALUE_COLOR ? SPECTRUM_COLOR
+                                                          : SPECTRUM_VECTOR;
+    memcpy(prop->as.spectrum.rgb, value->as.v, width * sizeof(double));
+    return check_numbers(check, value->as.v, width);
+}
+
+static bool node_allowed(const PropType *type, const Value *value)
+{
+    return value->kind == VALUE_NODE && (!type->choices || choice_allows(type->choices, value->as.node->type->name));
+}
+
+/* ---- lists ---- */
+
+static bool check_number_list(const Check *check, const Value *value, EvalProp *prop)
+{
+    Check element = *check;
+    unsigned width = check->type->kind == PROP_NUMBERS ? 1 : check->type->kind == PROP_VECTORS2 ? 2 : 3;
+    ValueKind wanted = width == 1 ? VALUE_NUMBER : value_vector_kind(width);
+    if (value->kind != VALUE_LIST && value->kind != VALUE_RANGE) return wrong_type(check, value);
+    size_t n = value_count(value);
+    if (value->kind == VALUE_LIST && value->as.list->element == wanted) {
+        prop->as.list.n = n;
+        prop->as.list.numbers = value->as.list->numbers;
+        return check_numbers(check, prop->as.list.numbers, n * width);
+    }
+    double *numbers = ARENA_ARRAY(check->evaluator->arena, double, n * width);
+    for (size_t i = 0; i < n; i++) {
+        if (!eval_step(check->evaluator, check->expr->span)) return false;
+        Value item = value_element(value, i);
+        element.element = i + 1;
+        if (item.kind == VALUE_POISON) return false;
+        if (item.kind != wanted) return wrong_type(&element, &item);
+        memcpy(numbers + i * width, item.as.v, width * sizeof(double));
+    }
+    prop->as.list.n = n;
+    prop->as.list.numbers = numbers;
+    return check_numbers(check, numbers, n * width);
+}
+
+static bool check_string_list(const Check *check, const Value *value, EvalProp *prop)
+{
+    bool single = value->kind == VALUE_STRING;
+    if (!single && value->kind != VALUE_LIST) return wrong_type(check, value);
+    size_t n = single ? 1 : value_count(value);
+    const char **texts = ARENA_ARRAY(check->evaluator->arena, const char *, n);
+    Check element = *check;
+    for (size_t i = 0; i < n; i++) {
+        Value item = single ? *value : value_element(value, i);
+        element.element = single ? 0 : i + 1;
+        if (item.kind == VALUE_POISON) return false;
+        if (item.kind != VALUE_STRING) return wrong_type(&element, &item);
+        EvalProp word = {0};
+        if (check->type->choices && !check_choice(&element, item.as.text, &word)) return false;
+        texts[i] = item.as.text;
+    }
+    prop->as.list.n = n;
+    prop->as.list.texts = texts;
+    return true;
+}
+
+static bool check_node_list(const Check *check, const Value *value, EvalProp *prop)
+{
+    bool single = value->kind == VALUE_NODE;
+    if (!single && value->kind != VALUE_LIST) return wrong_type(check, value);
+    size_t n = single ? 1 : value_count(value);
+    const EvalNode **nodes = ARENA_ARRAY(check->evaluator->arena, const EvalNode *, n);
+    Check element = *check;
+    for (size_t i = 0; i < n; i++) {
+        Value item = single ? *value : value_element(value, i);
+        element.element = single ? 0 : i + 1;
+        if (item.kind == VALUE_POISON) return false;
+        if (!node_allowed(check->type, &item)) return wrong_type(&element, &item);
+        nodes[i] = item.as.node;
+    }
+    prop->as.list.n = n;
+    prop->as.list.nodes = nodes;
+    return true;
+}
+
+/* ---- all ---- */
+
+static bool check_value(const Check *check, const Value *value, EvalProp *prop)
+{
+    const PropType *type = check->type;
+    switch (type->kind) {
+    case PROP_NUMBER:
+    case PROP_INTEGER:
+        if (value->kind != VALUE_NUMBER) return wrong_type(check, value);
+        prop->as.number = value->as.number;
+        return check_numbers(check, &value->as.number, 1);
+    case PROP_BOOL:
+        if (value->kind != VALUE_BOOL) return wrong_type(check, value);
+        prop->as.truth = value->as.truth;
+        return true;
+    case PROP_STRING:
+        if (value->kind != VALUE_STRING) return wrong_type(check, value);
+        prop->as.text = value->as.text;
+        return true;
+    case PROP_CHOICE: return value->kind == VALUE_STRING ? check_choice(check, value->as.text, prop) : wrong_type(check, value);
+    case PROP_VECTOR2: return check_vector(check, value, 2, prop);
+    case PROP_VECTOR3: return check_vector(check, value, 3, prop);
+    case PROP_COLOR: return check_color(check, value, prop);
+    case PROP_SPECTRUM:
+    case PROP_TERM: return check_spectrum(check, value, prop);
+    case PROP_NODE:
+        if (!node_allowed(type, value)) return wrong_type(check, value);
+        prop->as.node = value->as.node;
+        return true;
+    case PROP_NUMBERS:
+    case PROP_VECTORS2:
+    case PROP_VECTORS3: return check_number_list(check, value, prop);
+    case PROP_STRINGS: return check_string_list(check, value, prop);
+    case PROP_NODES: break;
+    }
+    return check_node_list(check, value, prop);
+}
+
+/* The word that an expression consists of, if it is one. */
+static const char *word_of(const Expr *expr)
+{
+    if (expr->kind == EXPR_NAME) return expr->as.name.symbol->text;
+    bool variable = expr->kind == EXPR_GLOBAL || expr->kind == EXPR_LOCAL || expr->kind == EXPR_OUTER;
+    return variable ? expr->as.variable.symbol->text : NULL;
+}
+
+/* A list that may hold bare words: those of the choices are strings, whatever else bears the name. */
+static void words_to_strings(const PropType *type, Expr *expr)
+{
+    if (expr->kind != EXPR_LIST) return;
+    for (uint32_t i = 0; i < expr->as.list.n; i++) {
+        Expr *item = expr->as.list.items[i];
+        const char *word = word_of(item);
+        if (!word || !choice_allows(type->choices, word)) continue;
+        item->kind = EXPR_CONSTANT;
+        item->as.constant.value = value_text(word);
+        item->as.constant.unit = NULL;
+    }
+}
+
+bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp *prop)
+{
+    Check check = {.evaluator = evaluator, .type = type, .expr = expr};
+    *prop = (EvalProp){.type = type, .span = expr->span};
+    if (type->kind == PROP_CHOICE) {
+        const char *word = word_of(expr);
+        if (word && (expr->kind == EXPR_NAME || choice_allows(type->choices, word)))
+            return check_choice(&check, word, prop);
+    }
+    if (type->kind == PROP_STRINGS && type->choices) {
+        const char *word = word_of(expr);
+        if (word && choice_allows(type->choices, word)) {
+            Value value = value_text(word);
+            return check_string_list(&check, &value, prop);
+        }
+        words_to_strings(type, expr);
+    }
+    if (!check_unit(&check, expr)) return false;
+    Value room;
+    const Value *value = eval_operand(evaluator, expr, &room);
+    return value->kind != VALUE_POISON && check_value(&check, value, prop);
+}

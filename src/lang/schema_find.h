@@ -1,0 +1,26 @@
+/* schema_find.h - looking up rows of a Schema, and what messages say about them.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SCHEMA_FIND_H
+#define MEN_SCHEMA_FIND_H
+
+#include "diag/diag.h"
+#include "lang/schema.h"
+
+const NodeType *schema_node(const Schema *schema, const char *name);
+const PropType *schema_prop(const NodeType *type, const char *name);
+const TermType *schema_term(const Schema *schema, const char *name);
+
+/* Is word one of "a|b|c"? */
+bool choice_allows(const char *choices, const char *word);
+/* "a|b|c" as words, for suggestions and messages; returns how many of them there are (at most max are kept). */
+size_t choice_words(Arena *arena, const char *choices, const char **words, size_t max);
+/* "a, b or c" */
+const char *choice_text(Arena *arena, const char *choices);
+
+/* Reports an unknown property with the nearest one. */
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name);
+
+/* "sphere" -> "a sphere", "environment" -> "an environment" */
+const char *with_article(Arena *arena, const char *name);
+
+#endif

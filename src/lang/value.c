@@ -1,0 +1,265 @@
+/* value.c - lists, equality and text of values.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "lang/value.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/num.h"
+
+const char *value_kind_text(ValueKind kind)
+{
+    static const char *const texts[] = {
+        [VALUE_UNSET] = "nothing yet",        [VALUE_POISON] = "a mistake",        [VALUE_NONE] = "none",
+        [VALUE_NUMBER] = "a number",          [VALUE_BOOL] = "true or false",      [VALUE_STRING] = "a string",
+        [VALUE_VECTOR2] = "a vector of 2",    [VALUE_VECTOR3] = "a vector of 3",   [VALUE_VECTOR4] = "a vector of 4",
+        [VALUE_COLOR] = "a colour",           [VALUE_TRANSFORM] = "a transform",   [VALUE_LIST] = "a list",
+        [VALUE_RANGE] = "a range",            [VALUE_NODE] = "a node",             [VALUE_TERM] = "a term",
+    };
+    return texts[kind];
+}
+
+static bool starts_with_vowel(const char *word) { return *word && strchr("aeiou", *word); }
+
+const char *value_describe(Arena *arena, const Value *value)
+{
+    const char *name = NULL;
+    if (value->kind == VALUE_NODE) name = value->as.node->type->name;
+    if (value->kind == VALUE_TERM) return arena_format(arena, "%s(...)", value->as.term->type->name);
+    if (!name) return value_kind_text(value->kind);
+    return arena_format(arena, "%s %s", starts_with_vowel(name) ? "an" : "a", name);
+}
+
+/* ---- lists ---- */
+
+size_t value_count(const Value *value)
+{
+    if (value->kind == VALUE_RANGE) return value->as.range.n;
+    return value->kind == VALUE_LIST ? value->as.list->n : 0;
+}
+
+Value value_element(const Value *value, size_t index)
+{
+    if (value->kind == VALUE_RANGE)
+        return value_number(value->as.range.first + (double)index * value->as.range.step);
+    const List *list = value->as.list;
+    if (list->element == VALUE_NONE) return list->items[index];
+    Value element = {.kind = list->element};
+    memcpy(element.as.v, list->numbers + index * list->width, list->width * sizeof(double));
+    return element;
+}
+
+/* plain doubles become values, because an element of another kind came */
+static void make_general(ListBuilder *builder)
+{
+    List *list = &builder->list;
+    Value *items = ARENA_ARRAY(builder->arena, Value, builder->capacity);
+    Value whole = {.kind = VALUE_LIST, .as.list = list};
+    list->numbers = builder->numbers;
+    for (size_t i = 0; i < list->n; i++) items[i] = value_element(&whole, i);
+    list->element = VALUE_NONE;
+    list->width = 0;
+    builder->items = items;
+}
+
+static void grow_list(ListBuilder *builder)
+{
+    List *list = &builder->list;
+    size_t capacity = builder->capacity ? builder->capacity * 2 : 8;
+    if (list->element == VALUE_NONE) {
+        Value *items = ARENA_ARRAY(builder->arena, Value, capacity);
+        if (list->n) memcpy(items, builder->items, list->n * sizeof *items);
+        builder->items = items;
+    } else {
+        double *numbers = ARENA_ARRAY(builder->arena, double, capacity * list->width);
+        if (list->n) memcpy(numbers, builder->numbers, list->n * list->width * sizeof *numbers);
+        builder->numbers = numbers;
+    }
+    builder->capacity = capacity;
+}
+
+void list_builder_add(ListBuilder *builder, const Value *value)
+{
+    List *list = &builder->list;
+    if (list->n == 0) {
+        list->width = value_width(value->kind);
+        list->element = list->width ? value->kind : VALUE_NONE;
+    }
+    if (list->n == builder->capacity) grow_list(builder);
+    if (list->element != VALUE_NONE && list->element != value->kind) make_general(builder);
+    if (list->element == VALUE_NONE)
+        builder->items[list->n++] = *value;
+    else
+        memcpy(builder->numbers + list->n++ * list->width, value->as.v, list->width * sizeof(double));
+}
+
+Value list_builder_finish(ListBuilder *builder)
+{
+    List *list = ARENA_NEW(builder->arena, List);
+    *list = builder->list;
+    list->numbers = builder->numbers;
+    list->items = builder->items;
+    return (Value){.kind = VALUE_LIST, .as.list = list};
+}
+
+/* ---- comparison ---- */
+
+static bool equal_numbers(const double *a, const double *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!(a[i] == b[i])) return false;
+    return true;
+}
+
+static bool equal_affine(const Affine *a, const Affine *b)
+{
+    return equal_numbers(&a->m[0][0], &b->m[0][0], 9) && a->t.x == b->t.x && a->t.y == b->t.y && a->t.z == b->t.z;
+}
+
+static bool equal_terms(const EvalTerm *a, const EvalTerm *b)
+{
+    if (a->type != b->type || a->n_args != b->n_args || !equal_numbers(a->args, b->args, a->n_args)) return false;
+    return !a->text || strcmp(a->text, b->text) == 0;
+}
+
+static bool equal_lists(const Value *a, const Value *b)
+{
+    size_t n = value_count(a);
+    if (n != value_count(b)) return false;
+    for (size_t i = 0; i < n; i++) {
+        Value element_a = value_element(a, i), element_b = value_element(b, i);
+        if (!value_equal(&element_a, &element_b)) return false;
+    }
+    return true;
+}
+
+bool value_equal(const Value *a, const Value *b)
+{
+    bool sequences = (a->kind == VALUE_LIST || a->kind == VALUE_RANGE) && (b->kind == VALUE_LIST || b->kind == VALUE_RANGE);
+    if (sequences) return equal_lists(a, b);
+    if (a->kind != b->kind) return false;
+    switch (a->kind) {
+    case VALUE_BOOL: return a->as.truth == b->as.truth;
+    case VALUE_STRING: return strcmp(a->as.text, b->as.text) == 0;
+    case VALUE_TRANSFORM: return equal_affine(a->as.transform, b->as.transform);
+    case VALUE_NODE: return a->as.node == b->as.node;
+    case VALUE_TERM: return equal_terms(a->as.term, b->as.term);
+    case VALUE_NONE: return true;
+    default: return equal_numbers(a->as.v, b->as.v, value_width(a->kind));
+    }
+}
+
+bool value_is_finite(const Value *value)
+{
+    unsigned width = value_width(value->kind);
+    for (unsigned i = 0; i < width; i++)
+        if (!isfinite(value->as.v[i])) return false;
+    return true;
+}
+
+/* ---- text ---- */
+
+static void print_number(Buf *out, double number)
+{
+    char text[NUM_TEXT_SIZE];
+    buf_add_bytes(out, text, num_print(number, text));
+}
+
+static void print_numbers(Buf *out, const char *opening, const double *numbers, size_t n, const char *closing)
+{
+    buf_add(out, opening);
+    for (size_t i = 0; i < n; i++) {
+        if (i) buf_add(out, ", ");
+        print_number(out, numbers[i]);
+    }
+    buf_add(out, closing);
+}
+
+static void print_quoted(Buf *out, const char *text)
+{
+    buf_add(out, "\"");
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\') buf_add(out, "\\");
+        if (*text == '\n')
+            buf_add(out, "\\n");
+        else if (*text == '\t')
+            buf_add(out, "\\t");
+        else
+            buf_add_bytes(out, text, 1);
+    }
+    buf_add(out, "\"");
+}
+
+static void print_transform(Buf *out, const Affine *a)
+{
+    double numbers[12];
+    for (int column = 0; column < 3; column++)
+        for (int row = 0; row < 3; row++) numbers[column * 3 + row] = a->m[row][column];
+    numbers[9] = a->t.x;
+    numbers[10] = a->t.y;
+    numbers[11] = a->t.z;
+    print_numbers(out, "matrix(", numbers, 12, ")");
+}
+
+static void print_term(Buf *out, const EvalTerm *term)
+{
+    buf_add(out, term->type->name);
+    if (term->text) {
+        buf_add(out, "(");
+        print_quoted(out, term->text);
+        buf_add(out, ")");
+    } else {
+        print_numbers(out, "(", term->args, term->n_args, ")");
+    }
+}
+
+static void print_list(Buf *out, const Value *value)
+{
+    size_t n = value_count(value);
+    buf_add(out, "[");
+    for (size_t i = 0; i < n; i++) {
+        Value element = value_element(value, i);
+        if (i) buf_add(out, ", ");
+        value_print(out, &element, true);
+    }
+    buf_add(out, "]");
+}
+
+void value_print(Buf *out, const Value *value, bool quoted)
+{
+    switch (value->kind) {
+    case VALUE_UNSET:
+    case VALUE_POISON: buf_add(out, "?"); break;
+    case VALUE_NONE: buf_add(out, "none"); break;
+    case VALUE_NUMBER: print_number(out, value->as.number); break;
+    case VALUE_BOOL: buf_add(out, value->as.truth ? "true" : "false"); break;
+    case VALUE_STRING:
+        if (quoted)
+            print_quoted(out, value->as.text);
+        else
+            buf_add(out, value->as.text);
+        break;
+    case VALUE_VECTOR2:
+    case VALUE_VECTOR3:
+    case VALUE_VECTOR4: print_numbers(out, "<", value->as.v, value_width(value->kind), ">"); break;
+    case VALUE_COLOR: print_numbers(out, "rgb(", value->as.v, 3, ")"); break;
+    case VALUE_TRANSFORM: print_transform(out, value->as.transform); break;
+    case VALUE_LIST: print_list(out, value); break;
+    case VALUE_RANGE: {
+        const Range *range = &value->as.range;
+        print_number(out, range->first);
+        buf_add(out, "..");
+        print_number(out, range->n ? range->first + (double)(range->n - 1) * range->step : range->first);
+        if (range->step != 1) {
+            buf_add(out, " by ");
+            print_number(out, range->step);
+        }
+        break;
+    }
+    case VALUE_NODE:
+        buf_add(out, value->as.node->type->name);
+        if (value->as.node->name) buf_format(out, " %s", value->as.node->name);
+        break;
+    case VALUE_TERM: print_term(out, value->as.term); break;
+    }
+}
