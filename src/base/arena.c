@@ -79,7 +79,8 @@ char *arena_format(Arena *arena, const char *format, ...)
     va_start(args, format);
     va_list again;
     va_copy(again, args);
-    int length = vsnprintf(NULL, 0, format, args);
+    char probe[1];
+    int length = vsnprintf(probe, sizeof probe, format, args);
     va_end(args);
     char *text = arena_alloc(arena, (size_t)(length < 0 ? 0 : length) + 1);
     vsnprintf(text, (size_t)(length < 0 ? 0 : length) + 1, format, again);

@@ -14,11 +14,13 @@
 #include "geom/rtc_scene.h"
 
 /* A float has 24 bits. Coordinates are trusted to 4 units in the last place; Embree's distances to 16,
- * divided by the cosine; the start is moved back by 64. */
+ * divided by the cosine; the start is moved back by 4,096, for surfaces that are left at a grazing angle. */
 #define UNIT_ROUNDING 0x1p-23
 #define TRUSTED_ULPS 4.0
 #define EMBREE_NOISE 0x1p-20
-#define START_BACK 0x1p-18
+#define START_BACK 0x1p-12
+/* What double precision makes of a point on a surface. */
+#define DOUBLE_NOISE 0x1p-42
 /* Below this cosine the window for surfaces at one place grows no further. */
 #define LEAST_COSINE 1e-4
 
@@ -97,6 +99,27 @@ static bool keep(Query *query, const Hit *hit)
     return true;
 }
 
+/* Whether a crossing of an object that the ray has just left in this way contradicts that: it enters where the ray
+ * is inside already, or leaves where it is outside. */
+static bool contradicts(const Ray *ray, const Hit *left, bool entering)
+{
+    bool inside = ray->through == left->entering;
+    return entering == inside;
+}
+
+/* Whether a candidate is the surface that the ray starts on: the same primitive, at the start to within the rounding of
+ * double. The two crossings of a curved piece are told apart by their direction, however close they are. */
+static bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)
+{
+    for (size_t i = 0; i < query->ray->n_left; i++) {
+        const Hit *left = &query->ray->left[i];
+        if (left->object != object || left->primitive != primitive) continue;
+        if (fabs(t * cos_normal) > DOUBLE_NOISE * (query->scale + t)) continue;
+        if (contradicts(query->ray, left, cos_normal < 0)) return true;
+    }
+    return false;
+}
+
 static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
 {
     return object->triangles ? object->triangles[primitive] : object->mesh->triangles[primitive];
@@ -117,6 +140,18 @@ static void triangle_corners(const RtcPlaced *object, uint32_t primitive, Vec3 c
     }
 }
 
+/* Whether p, in the triangle's plane, is inside of it, edges included. */
+static bool is_inside(const Vec3 corner[3], Vec3 normal, Vec3 p)
+{
+    for (int i = 0; i < 3; i++) {
+        Vec3 edge = vec3_sub(corner[(i + 1) % 3], corner[i]);
+        if (vec3_dot(vec3_cross(edge, vec3_sub(p, corner[i])), normal) < 0) return false;
+    }
+    return true;
+}
+
+/* Right at the ray's start Embree's word for which triangle is met is not enough: its float ray runs a little
+ * beside the exact one, and in a face's own plane that makes a difference. */
 static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primitive, float u, float v)
 {
     const RtcPlaced *object = &query->scene->objects[object_id];
@@ -127,10 +162,15 @@ static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primiti
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
     double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope;
     if (!(t > query->ray->t_min && t <= query->ray->t_max)) return false;
-    double size = fmax(vec3_max_abs(corner[0]), fmax(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+    if (query->ray->n_left && is_left(query, object_id, primitive, t, slope / length)) return false;
+    double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
+                      fmax(vec3_max_abs(corner[0]), fmax(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+    if (query->ray->n_left && t * fabs(slope / length) <= 2 * rounding &&
+        !is_inside(corner, normal, vec3_along(query->origin, t, query->direction)))
+        return false;
     Hit hit = {.t = t, .object = object_id, .primitive = primitive, .entering = slope < 0,
                .normal = vec3f_from(vec3_scale(normal, 1 / length)), .cos_normal = slope / length,
-               .rounding = TRUSTED_ULPS * UNIT_ROUNDING * size, .u = u, .v = v};
+               .rounding = rounding, .u = u, .v = v};
     return keep(query, &hit);
 }
 
@@ -152,9 +192,11 @@ static bool consider_piece(Query *query, RtcPiece which)
         piece_surface(piece, query->cached_origin, query->cached_direction, t[i], &root);
         Vec3 normal = vec3_normalize(affine_normal(&object->to_local, root.normal));
         double slope = vec3_dot(root.normal, query->cached_direction); /* the sign that the piece itself sees */
+        double cosine = vec3_dot(normal, query->direction);
+        if (query->ray->n_left && is_left(query, which.object, which.piece, t[i], slope > 0 ? fabs(cosine) : -fabs(cosine))) continue;
         Vec3 p = vec3_along(query->origin, t[i], query->direction);
         Hit hit = {.t = t[i], .object = which.object, .primitive = which.piece, .entering = slope < 0,
-                   .normal = vec3f_from(normal), .cos_normal = vec3_dot(normal, query->direction),
+                   .normal = vec3f_from(normal), .cos_normal = cosine,
                    .rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + t[i])};
         shrink |= keep(query, &hit);
     }
@@ -231,11 +273,9 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 /* Debian's Embree aborts on rays that are not finite or very far away. */
 static bool usable(const Ray *ray)
 {
-    const float limit = 1e18f;
-    const float values[] = {ray->origin.x, ray->origin.y, ray->origin.z, ray->direction.x, ray->direction.y, ray->direction.z};
-    for (size_t i = 0; i < COUNT_OF(values); i++)
-        if (!(fabsf(values[i]) < limit)) return false;
-    return ray->t_min >= 0 && ray->t_min < (double)limit;
+    const double limit = 1e18;
+    return vec3_max_abs(ray->origin) < limit && vec3_max_abs(vec3_from_f(ray->direction)) < limit &&
+           vec3_is_finite(ray->origin) && vec3_is_finite(vec3_from_f(ray->direction)) && ray->t_min >= 0 && ray->t_min < limit;
 }
 
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits)
@@ -243,7 +283,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     embree_init_context(&query->context);
     query->scene = scene;
     query->ray = ray;
-    query->origin = vec3_from_f(ray->origin);
+    query->origin = ray->origin;
     query->direction = vec3_from_f(ray->direction);
     query->scale = fmax(vec3_max_abs(query->origin), scene->reach);
     query->back = START_BACK * query->scale;
@@ -257,7 +297,8 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
 
 static void embree_ray(const Query *query, struct RTCRay *ray)
 {
-    Vec3f start = vec3f_from(vec3_along(query->origin, -query->back, query->direction));
+    Vec3 origin = vec3_add(query->origin, query->ray->nudge);
+    Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction));
     ray->org_x = start.x;
     ray->org_y = start.y;
     ray->org_z = start.z;
@@ -297,10 +338,26 @@ size_t rtc_cluster(const Hit *hits, size_t n_hits)
     return n;
 }
 
+/* Whether a hit is the crossing that the ray has just made, reported again by a neighbouring triangle: Embree's
+ * float ray may pass on the other side of an edge than the exact one. It is within rounding of the plane that the ray
+ * starts on, or the start is within rounding of its plane, and it enters (leaves) an object that the ray is already
+ * inside (outside) of. To be asked of an object's first hit only: the next crossing goes the other way. */
+static bool repeats_start(const Ray *ray, const Hit *hit)
+{
+    for (size_t i = 0; i < ray->n_left; i++) {
+        const Hit *left = &ray->left[i];
+        if (left->object != hit->object || !contradicts(ray, left, hit->entering)) continue;
+        double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
+        if (hit->t * fmin(fabs(slope), fabs(hit->cos_normal)) <= 2 * hit->rounding) return true;
+    }
+    return false;
+}
+
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
 {
+    Ray searched = *ray;
     Query query;
-    query_init(&query, scene, ray, hits);
+    query_init(&query, scene, &searched, hits);
     if (!usable(ray)) return 0;
     for (;;) {
         for (uint32_t i = 0; i < scene->n_planes; i++) consider_piece(&query, scene->planes[i]);
@@ -312,16 +369,31 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
         sort_hits(hits);
         size_t n = rtc_cluster(hits->items, hits->n);
         if (n == 0) return 0;
+        if (UNLIKELY(ray->n_left && ray->t_min == 0 && repeats_start(ray, &hits->items[0]))) {
+            searched.t_min = hits->items[0].t; /* look behind it */
+            query_init(&query, scene, &searched, hits);
+            continue;
+        }
         /* A chain of surfaces may come near the end of the window; then look further. */
         const Hit *last = &hits->items[n - 1];
         double cosine = fmax(fabs(last->cos_normal), LEAST_COSINE);
-        if (n == 1 || last->t + 2 * last->rounding / cosine <= query.reach) {
+        double end = last->t + 2 * last->rounding / cosine;
+        if (n == 1 || end <= query.reach) {
             hits->n = n;
             return n;
         }
-        double span = last->t - hits->items[0].t;
-        query_init(&query, scene, ray, hits);
-        query.least_window = 4 * span;
+        double window = end - hits->items[0].t;
+        query_init(&query, scene, &searched, hits);
+        query.least_window = window;
+    }
+}
+
+/* Takes the repeated crossing of the start out of a sorted list. */
+static void drop_repeats(const Ray *ray, HitList *hits)
+{
+    while (hits->n && ray->n_left && ray->t_min == 0 && repeats_start(ray, &hits->items[0])) {
+        hits->n--;
+        for (size_t i = 0; i < hits->n; i++) hits->items[i] = hits->items[i + 1];
     }
 }
 
@@ -339,6 +411,7 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
     sort_hits(hits);
+    drop_repeats(ray, hits);
     return true;
 }
 
@@ -361,8 +434,7 @@ static Vec3f mesh_shading(const RtcPlaced *object, const Hit *hit)
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    Vec3 origin = vec3_from_f(ray->origin), direction = vec3_from_f(ray->direction);
-    surface->position = vec3_along(origin, hit->t, direction);
+    surface->position = ray_point(ray, hit->t);
     if (object->mesh) {
         surface->shading = mesh_shading(object, hit);
         surface->uv[0] = hit->u;
@@ -370,8 +442,8 @@ void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurfa
         return;
     }
     PieceRoot root;
-    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&object->to_local, origin),
-                  affine_vector(&object->to_local, direction), hit->t, &root);
+    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&object->to_local, ray->origin),
+                  affine_vector(&object->to_local, vec3_from_f(ray->direction)), hit->t, &root);
     Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&object->to_local, root.shading)));
     surface->shading = vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
     surface->uv[0] = (float)root.u;
@@ -384,12 +456,12 @@ static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, 
     Vec3 corner[3];
     triangle_corners(object, primitive, corner);
     Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    double area = vec3_dot(normal, normal), blend = 0;
+    double area = vec3_length(normal), blend = 0;
     for (int i = 0; i < 3; i++) {
         Vec3 a = corner[(i + 1) % 3], edge = vec3_sub(corner[(i + 2) % 3], a);
         double edge_length = vec3_length(edge);
-        double distance = vec3_dot(vec3_cross(edge, vec3_sub(p, a)), normal) / (edge_length * sqrt(area));
-        double middle = sqrt(area) / edge_length / 3; /* of the centroid from this edge */
+        double distance = vec3_dot(vec3_cross(edge, vec3_sub(p, a)), normal) / (edge_length * area);
+        double middle = area / edge_length / 3; /* of the centroid from this edge */
         if (distance >= margin) continue;
         blend = fmax(blend, middle > margin ? (margin - distance) / (middle - distance) : 1);
     }
@@ -398,23 +470,21 @@ static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, 
     return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
 }
 
-static Vec3 hit_inset(const RtcScene *scene, const Hit *hit, Vec3 p, double margin)
-{
-    const RtcPlaced *object = &scene->objects[hit->object];
-    if (object->mesh) return triangle_inset(object, hit->primitive, p, margin);
-    const Piece *piece = &object->solid->pieces[hit->primitive];
-    if (piece->kind != PIECE_BAND) return p; /* the others have no neighbours */
-    Vec3 local = affine_point(&object->to_local, p);
-    Vec3 moved = piece_inset(piece, local, margin * affine_max_stretch(&object->to_local));
-    return vec3_add(p, affine_vector(&object->to_world, vec3_sub(moved, local)));
-}
-
-Vec3f rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through)
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through, Vec3f direction)
 {
     const Hit *hit = through ? &hits[n - 1] : &hits[0];
-    Vec3 p = vec3_along(vec3_from_f(ray->origin), hit->t, vec3_from_f(ray->direction));
+    Ray next = ray_make(ray_point(ray, hit->t), direction);
+    next.left = hits;
+    next.through = through;
+    next.n_left = n;
+    /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
+     * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;
-    for (size_t i = 0; i < n; i++) p = hit_inset(scene, &hits[i], p, margin);
+    for (size_t i = 0; i < n; i++) {
+        const RtcPlaced *object = &scene->objects[hits[i].object];
+        if (object->mesh) next.origin = triangle_inset(object, hits[i].primitive, next.origin, margin);
+    }
     bool along_normal = through != hit->entering; /* out through a back face, or back off a front face */
-    return vec3f_from(vec3_along(p, along_normal ? margin : -margin, vec3_from_f(hit->normal)));
+    next.nudge = vec3_scale(vec3_from_f(hit->normal), along_normal ? margin : -margin);
+    return next;
 }

@@ -3,9 +3,10 @@
  *
  * Embree proposes, double precision decides. Embree works in float and finds every triangle near the ray
  * (robust mode); whether a triangle is in front of the ray's start, how far it is and which way it is
- * crossed are then computed from the triangle's vertices in double. Analytic pieces are double
- * throughout. So there is no epsilon that could lose a surface: a ray starts at its exact origin, and what
- * counts is t > t_min, strictly, in double precision.
+ * crossed are then computed from the triangle's vertices in double. Analytic pieces are double throughout. A ray's
+ * origin is double, too, and is the very point where the ray before it ended: nothing is moved off a surface. What
+ * must not be hit again is known by its identity, the surfaces that the ray starts on. So there is no epsilon that
+ * could lose a surface, and none that could jump over another one.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_RTC_H
 #define MEN_RTC_H
@@ -40,17 +41,31 @@ size_t rtc_scene_bytes(const RtcScene *scene);
 /* "Embree 3.13.5 (isa ...)", for `version` and reports */
 const char *rtc_library_version(void);
 
-/* A ray. origin is exact as it stands. */
+typedef struct Hit Hit;
+
+/* A ray. One that starts at a surface is made by rtc_leave. */
 typedef struct Ray {
-    Vec3f origin, direction; /* direction: unit to float precision */
+    Vec3 origin;
+    Vec3f direction;         /* unit to float precision */
     double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
+    const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
+    size_t n_left;
+    bool through;            /* left by crossing them; else by turning away */
+    Vec3 nudge;              /* a step of rounding's size from the origin to the side that the ray is on */
 } Ray;
+
+/* A ray that starts in free space. */
+static inline Ray ray_make(Vec3 origin, Vec3f direction)
+{
+    return (Ray){.origin = origin, .direction = direction, .t_max = HUGE_VAL, .target = UINT32_MAX};
+}
+static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->origin, t, vec3_from_f(ray->direction)); }
 
 #define RTC_NO_OBJECT UINT32_MAX
 
 /* One surface met by a ray. */
-typedef struct Hit {
+struct Hit {
     double t;
     uint32_t object;
     uint32_t primitive;    /* triangle of the mesh, or piece of the solid */
@@ -59,7 +74,7 @@ typedef struct Hit {
     double cos_normal;     /* direction . normal, in double */
     double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
     float u, v;            /* barycentric of the triangle; unused for pieces */
-} Hit;
+};
 
 /* A growing list of hits, one per worker, reused from ray to ray. */
 typedef struct HitList {
@@ -93,9 +108,10 @@ typedef struct HitSurface {
 } HitSurface;
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
 
-/* A start for a new ray that leaves the cluster hits[0 .. n-1] (n >= 1) on the far side (through) or on the side that the ray came
- * from. The point is moved off the surface by half of rtc_rounding, and off the edges of the primitive by
- * as much, so that in exact arithmetic it is on the right side of the surface and of its neighbours. */
-Vec3f rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through);
+/* A new ray in the given direction from the place where ray met the cluster hits[0 .. n-1] (n >= 1): from its far side (through)
+ * or from the side that ray came from. hits must live as long as the new ray. The origin is the exact point of the last (first)
+ * surface; only within rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both
+ * neighbours. */
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through, Vec3f direction);
 
 #endif

@@ -1,0 +1,329 @@
+/* rtc_test.c - tracing without losing a surface: random walks through overlapping, coincident, nested and instanced
+ * objects, in which every crossing must agree with the interior list.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "base/hash.h"
+#include "geom/rtc.h"
+#include "nest/cross.h"
+
+/* ---- makers ---- */
+
+static Mesh *box_mesh(Vec3 from, Vec3 to)
+{
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    Mesh *mesh;
+    assert_int_equal(mesh_new(8, 12, false, false, &mesh, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < 8; i++)
+        mesh->positions[i] = vec3f((float)(i & 1 ? to.x : from.x), (float)(i & 2 ? to.y : from.y), (float)(i & 4 ? to.z : from.z));
+    memcpy(mesh->triangles, faces, sizeof faces);
+    return mesh;
+}
+
+static Affine turned(double degrees, Vec3 axis, Vec3 move)
+{
+    Vec3 k = vec3_normalize(axis);
+    double a = degrees * acos(-1) / 180, c = cos(a), s = sin(a);
+    Affine m = {{{c + k.x * k.x * (1 - c), k.x * k.y * (1 - c) - k.z * s, k.x * k.z * (1 - c) + k.y * s},
+                 {k.y * k.x * (1 - c) + k.z * s, c + k.y * k.y * (1 - c), k.y * k.z * (1 - c) - k.x * s},
+                 {k.z * k.x * (1 - c) - k.y * s, k.z * k.y * (1 - c) + k.x * s, c + k.z * k.z * (1 - c)}},
+                move};
+    return m;
+}
+
+typedef struct TestScene {
+    RtcObject objects[64];
+    uint32_t n;
+    Mesh *meshes[16];
+    uint32_t n_meshes;
+    Solid *solids[16];
+    uint32_t n_solids;
+    RtcScene *rtc;
+} TestScene;
+
+static void add(TestScene *s, const Mesh *mesh, const Solid *solid, Affine to_world)
+{
+    s->objects[s->n++] = (RtcObject){.mesh = mesh, .solid = solid, .to_world = to_world};
+}
+
+static Mesh *keep_mesh(TestScene *s, Mesh *mesh)
+{
+    return s->meshes[s->n_meshes++] = mesh;
+}
+
+static Solid *keep_solid(TestScene *s, Status status, Solid *solid)
+{
+    assert_int_equal(status, STATUS_OK);
+    return s->solids[s->n_solids++] = solid;
+}
+
+static Solid *sphere(TestScene *s, double radius)
+{
+    Solid *solid;
+    Status status = solid_make_sphere(radius, &solid, NULL);
+    return keep_solid(s, status, solid);
+}
+
+static void build(TestScene *s)
+{
+    assert_int_equal(rtc_scene_new(s->objects, s->n, 1, &s->rtc, NULL), STATUS_OK);
+}
+
+static void destroy(TestScene *s)
+{
+    rtc_scene_free(s->rtc);
+    for (uint32_t i = 0; i < s->n_meshes; i++) mesh_free(s->meshes[i]);
+    for (uint32_t i = 0; i < s->n_solids; i++) solid_free(s->solids[i]);
+}
+
+/* ---- the walk ---- */
+
+static double unit(uint64_t *random)
+{
+    *random = hash_u64(*random);
+    return hash_to_unit(*random);
+}
+
+static Vec3 random_direction(uint64_t *random)
+{
+    for (;;) {
+        Vec3 v = vec3(2 * unit(random) - 1, 2 * unit(random) - 1, 2 * unit(random) - 1);
+        double length = vec3_length(v);
+        if (length > 0.05 && length < 1) return vec3_scale(v, 1 / length);
+    }
+}
+
+typedef struct WalkResult {
+    uint64_t crossings, faults, escapes_inside;
+} WalkResult;
+
+/* Walks that start far outside, cross or reflect at random in random directions, and end outside. At an escape the
+ * list must be empty, too. */
+static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64_t seed)
+{
+    WalkResult result = {0};
+    NestHull hulls[64];
+    for (uint32_t h = 0; h < s->n; h++) hulls[h] = (NestHull){h + 1, (int32_t)h, NEST_STATE_UNKNOWN, 1};
+    NestOrder order;
+    assert_int_equal(nest_order_build(&order, NEST_PRIORITY, 0, hulls, s->n, NULL, 0, NULL), STATUS_OK);
+    HitList hits = {0}, left = {0};
+    NestList list, next;
+    nest_list_init(&list);
+    nest_list_init(&next);
+    for (uint64_t w = 0; w < n_walks; w++) {
+        uint64_t random = hash_u64(seed + w);
+        list.n = 0;
+        Vec3 aim = vec3_scale(vec3(unit(&random) - 0.5, unit(&random) - 0.5, unit(&random) - 0.5), size);
+        Vec3 from = vec3_scale(random_direction(&random), 4 * size);
+        Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
+        for (int bounce = 0; bounce < 40; bounce++) {
+            size_t n = rtc_nearest(s->rtc, &ray, &hits);
+            if (!n) {
+                result.escapes_inside += list.n != 0;
+                break;
+            }
+            NestPass passes[64];
+            for (size_t i = 0; i < n; i++) passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
+            NestCrossing crossing;
+            assert_int_equal(nest_list_copy(&next, &list), STATUS_OK);
+            assert_int_equal(nest_cross(&next, &order, passes, (uint32_t)n, &crossing), STATUS_OK);
+            result.crossings += n;
+            result.faults += crossing.n_faults;
+            if (hits.items[0].t - ray.t_min < 1e-10 * size) break; /* run into a corner, as far as double can tell */
+            double choice = unit(&random);
+            if (choice < 0.2) { /* silent: the same ray goes on */
+                ray.t_min = hits.items[n - 1].t;
+                assert_int_equal(nest_list_copy(&list, &next), STATUS_OK);
+                continue;
+            }
+            bool through = choice < 0.6;
+            const Hit *hit = through ? &hits.items[n - 1] : &hits.items[0];
+            Vec3 direction = random_direction(&random);
+            if (unit(&random) < 0.3) { /* grazing, within a thousandth */
+                double along = vec3_dot(direction, vec3_from_f(hit->normal));
+                direction = vec3_normalize(vec3_along(direction, -along * (1 - 1e-3), vec3_from_f(hit->normal)));
+            }
+            bool outward = through != hit->entering;
+            if ((vec3_dot(direction, vec3_from_f(hit->normal)) > 0) != outward) direction = vec3_scale(direction, -1);
+            ray = rtc_leave(s->rtc, &ray, hits.items, n, through, vec3f_from(direction));
+            HitList swap = hits;
+            hits = left;
+            left = swap;
+            if (through) assert_int_equal(nest_list_copy(&list, &next), STATUS_OK);
+        }
+    }
+    nest_list_clear(&list);
+    nest_list_clear(&next);
+    hit_list_clear(&hits);
+    hit_list_clear(&left);
+    nest_order_clear(&order);
+    return result;
+}
+
+static void expect_no_faults(TestScene *s, const char *name, double size)
+{
+    const char *wanted = getenv("MENISCUS_WALKS"); /* more of them, by hand */
+    build(s);
+    WalkResult r = walk(s, size, wanted ? strtoull(wanted, NULL, 10) : 60000, 1);
+    printf("%s: %llu faults, %llu escapes from inside in %llu crossings\n", name, (unsigned long long)r.faults,
+           (unsigned long long)r.escapes_inside, (unsigned long long)r.crossings);
+    assert_int_equal(r.faults, 0);
+    assert_int_equal(r.escapes_inside, 0);
+    destroy(s);
+}
+
+static void test_boxes(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    for (int i = 0; i < 8; i++)
+        add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(10, 10, 10))), NULL,
+            turned(17.0 * i, vec3(1, 0.3 * i, 0.7), vec3(3 * i - 12, 2 * (i % 3), i % 2)));
+    expect_no_faults(&s, "overlapping turned boxes", 40);
+}
+
+static void test_coincident_boxes(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    Affine t = turned(31, vec3(1, 2, 3), vec3(100, -30, 7));
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(0, 10, 10))), NULL, t);
+    add(&s, keep_mesh(&s, box_mesh(vec3(0, -10, -10), vec3(10, 10, 10))), NULL, t);
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, 10, -10), vec3(10, 20, 10))), NULL, t);
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(10, 20, 10))), NULL, t); /* the three together */
+    t.t = vec3(0, 0, 0);
+    for (uint32_t i = 0; i < s.n; i++) s.objects[i].to_world = t;
+    expect_no_faults(&s, "touching boxes with shared faces", 40);
+}
+
+static void test_solids(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    Solid *ball = sphere(&s, 1);
+    for (int i = 0; i < 12; i++) {
+        Affine scaled = turned(0, vec3(1, 0, 0), vec3(4 * cos(i), 3 * sin(2 * i), i - 6));
+        for (int k = 0; k < 3; k++) scaled.m[k][k] = 2 + 0.5 * i;
+        add(&s, NULL, ball, scaled);
+    }
+    Solid *drink, *tumbler;
+    static const double profile[][2] = {{0, 0}, {8, 0}, {8.5, 1}, {9, 18}, {8.4, 18}, {7.4, 3}, {0, 3}};
+    static const double rounding[] = {0, 0, 0.4, 0.2, 0.2, 0.6, 0};
+    Status status = solid_make_lathe(profile, 7, rounding, false, &tumbler, NULL);
+    tumbler = keep_solid(&s, status, tumbler);
+    status = solid_make_cone(7.45, 8, 8, &drink, NULL);
+    drink = keep_solid(&s, status, drink);
+    add(&s, NULL, tumbler, turned(20, vec3(0, 0, 1), vec3(0, -9, 0)));
+    add(&s, NULL, drink, turned(20, vec3(0, 0, 1), vec3(-1, -6.1, 0)));
+    expect_no_faults(&s, "spheres, a turned glass and a cone", 40);
+}
+
+static void test_coincident_solids(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    Solid *outer = NULL, *inner = NULL, *glass = NULL;
+    static const double profile[][2] = {{0, 0}, {9, 0}, {9, 20}, {7, 20}, {7, 2}, {0, 2}};
+    Status status = solid_make_lathe(profile, 6, NULL, false, &glass, NULL);
+    glass = keep_solid(&s, status, glass);
+    status = solid_make_cone(7, 7, 10, &inner, NULL);
+    inner = keep_solid(&s, status, inner);
+    status = solid_make_cone(9, 9, 20, &outer, NULL);
+    outer = keep_solid(&s, status, outer);
+    add(&s, NULL, glass, turned(0, vec3(0, 1, 0), vec3(0, 0, 0)));
+    add(&s, NULL, inner, turned(0, vec3(0, 1, 0), vec3(0, 2, 0))); /* fills the glass exactly */
+    add(&s, NULL, outer, turned(45, vec3(0, 1, 0), vec3(0, 0, 0)));
+    add(&s, keep_mesh(&s, box_mesh(vec3(-12, -5, -12), vec3(12, 0, 12))), NULL, affine_identity()); /* a plate it stands on */
+    expect_no_faults(&s, "glass filled to the wall, faces shared", 40);
+}
+
+static void test_instances(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    Mesh *box = keep_mesh(&s, box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2)));
+    for (int i = 0; i < 24; i++) {
+        Affine t = turned(23.0 * i, vec3(i % 5, 1, i % 3), vec3(3 * cos(i), 5 * sin(3 * i), i - 12));
+        if (i % 4 == 1) /* mirrored */
+            for (int row = 0; row < 3; row++) t.m[row][0] = -t.m[row][0];
+        if (i % 4 == 2) /* stretched */
+            for (int row = 0; row < 3; row++) t.m[row][1] *= 2.5;
+        add(&s, box, NULL, t);
+    }
+    expect_no_faults(&s, "instances, mirrored and stretched", 40);
+}
+
+/* Two faces 20 units in the last place apart are two; faces at one place are one cluster. */
+static void test_gap_is_kept(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    double gap = 20 * 0x1p-23 * 100;
+    add(&s, keep_mesh(&s, box_mesh(vec3(90, -10, -10), vec3(100, 10, 10))), NULL, affine_identity());
+    add(&s, keep_mesh(&s, box_mesh(vec3(100 + gap, -10, -10), vec3(110, 10, 10))), NULL, affine_identity());
+    add(&s, keep_mesh(&s, box_mesh(vec3(110, -10, -10), vec3(120, 10, 10))), NULL, affine_identity());
+    build(&s);
+    HitList hits = {0};
+    Ray ray = ray_make(vec3(0, 1, 2), vec3f(1, 0, 0));
+    static const size_t expected[] = {1, 1, 1, 2, 1};
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), expected[i]);
+        ray.t_min = hits.items[hits.n - 1].t;
+    }
+    assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), 0);
+    hit_list_clear(&hits);
+    destroy(&s);
+}
+
+/* A thousand faces at one place are all found. */
+static void test_many_at_one_place(void **state)
+{
+    (void)state;
+    enum { N = 1000 };
+    static RtcObject objects[N];
+    Mesh *meshes[N];
+    for (int i = 0; i < N; i++) {
+        meshes[i] = box_mesh(vec3(0, -10, -10), vec3(10 + i * 0.01, 10, 10));
+        objects[i] = (RtcObject){.mesh = meshes[i], .to_world = turned(0, vec3(1, 0, 0), vec3(0, 0, 0))};
+    }
+    RtcScene *rtc;
+    assert_int_equal(rtc_scene_new(objects, N, 1, &rtc, NULL), STATUS_OK);
+    HitList hits = {0};
+    Ray ray = ray_make(vec3(-50, 1, 2), vec3f(1, 0, 0));
+    assert_int_equal(rtc_nearest(rtc, &ray, &hits), N);
+    Ray back = ray_make(vec3(50, 1, 2), vec3f(-1, 0, 0));
+    assert_true(rtc_all(rtc, &back, false, &hits));
+    assert_int_equal(hits.n, 2 * N);
+    hit_list_clear(&hits);
+    rtc_scene_free(rtc);
+    for (int i = 0; i < N; i++) mesh_free(meshes[i]);
+}
+
+static void test_hostile_rays(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add(&s, keep_mesh(&s, box_mesh(vec3(-1, -1, -1), vec3(1, 1, 1))), NULL, affine_identity());
+    build(&s);
+    HitList hits = {0};
+    const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f};
+    for (size_t i = 0; i < COUNT_OF(bad); i++) {
+        Ray ray = ray_make(vec3((double)bad[i], 0, 0), vec3f(1, 0, 0));
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), 0);
+        ray = ray_make(vec3(0, 0, 0), vec3f(0, bad[i], 0));
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), 0);
+    }
+    hit_list_clear(&hits);
+    destroy(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_boxes), cmocka_unit_test(test_coincident_boxes), cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_coincident_solids), cmocka_unit_test(test_instances), cmocka_unit_test(test_gap_is_kept),
+        cmocka_unit_test(test_many_at_one_place), cmocka_unit_test(test_hostile_rays),
+    };
+    return cmocka_run_group_tests_name("rtc", tests, NULL, NULL);
+}
