@@ -156,8 +156,8 @@ static Status check_box(const double from[3], const double to[3], double bevel, 
                         to[axis]);
         double side = fabs(to[axis] - from[axis]);
         if (!(bevel >= 0) || bevel > 0.5 * side * (1 + 1e-12)) /* half of a side that was rounded is still half */
-            return fail(error, STATUS_SCENE, "the bevel %g is not within 0..%g, half of the box's extent in %c", bevel, 0.5 * side,
-                        names[axis]);
+            return fail(error, STATUS_SCENE, "the bevel %g is not within 0..%g, half of the box's extent in %c", bevel,
+                        0.5 * side, names[axis]);
     }
     if (bevel > 0 && (segments < 1 || segments > MAX_SEGMENTS))
         return fail(error, STATUS_SCENE, "the bevel's %u segments are not within 1..%d", segments, MAX_SEGMENTS);

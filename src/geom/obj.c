@@ -75,8 +75,10 @@ static Status bad_word(const Obj *obj, const char *wanted)
 {
     int shown = 0;
     while (shown < 20 && obj->at + shown < obj->end && (unsigned char)obj->at[shown] > ' ' && obj->at[shown] != 0x7f) shown++;
-    if (shown == 0) return fail(obj->error, STATUS_INPUT, "'%s':%u: the line ends where %s should be", obj->path, obj->line, wanted);
-    return fail(obj->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", obj->path, obj->line, shown, obj->at, wanted);
+    if (shown == 0)
+        return fail(obj->error, STATUS_INPUT, "'%s':%u: the line ends where %s should be", obj->path, obj->line, wanted);
+    return fail(obj->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", obj->path, obj->line, shown, obj->at,
+                wanted);
 }
 
 /* n floats, of which the last n - n_needed may be left out and are 0. */

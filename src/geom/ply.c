@@ -130,7 +130,9 @@ static Status header_element(Ply *ply)
     header_word(ply, element->name);
     header_word(ply, count);
     element->first = ply->n_properties;
-    element->kind = strcmp(element->name, "vertex") == 0 ? PLY_VERTEX : strcmp(element->name, "face") == 0 ? PLY_FACE : PLY_OTHER;
+    element->kind = strcmp(element->name, "vertex") == 0 ? PLY_VERTEX
+                    : strcmp(element->name, "face") == 0 ? PLY_FACE
+                                                         : PLY_OTHER;
     uint64_t n = 0;
     const char *digit = count;
     for (; *digit >= '0' && *digit <= '9' && n < UINT64_MAX / 16; digit++) n = n * 10 + (uint64_t)(*digit - '0');
@@ -138,8 +140,9 @@ static Status header_element(Ply *ply)
         return fail(ply->error, STATUS_INPUT, "'%s': the number of elements '%s' in the PLY header is '%s'", ply->path,
                     element->name, count);
     if (element->kind != PLY_OTHER && n >= UINT32_MAX)
-        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header promises %s of element '%s'; more than 4294967294 cannot be read",
-                    ply->path, count, element->name);
+        return fail(ply->error, STATUS_INPUT,
+                    "'%s': the PLY header promises %s of element '%s'; more than 4294967294 cannot be read", ply->path, count,
+                    element->name);
     for (uint32_t i = 0; i + 1 < ply->n_elements; i++)
         if (element->kind != PLY_OTHER && ply->elements[i].kind == element->kind)
             return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has element '%s' twice", ply->path, element->name);
@@ -167,8 +170,8 @@ static Status header_property(Ply *ply)
     property->type = type_named(word);
     header_word(ply, name);
     if (property->type == PLY_NO_TYPE || (list && (property->count_type == PLY_NO_TYPE || property->count_type >= PLY_F32)))
-        return fail(ply->error, STATUS_INPUT, "'%s': property '%s' of element '%s' in the PLY header has an unknown type '%s%s%s'",
-                    ply->path, name, element->name, count_word, list ? " " : "", word);
+        return fail(ply->error, STATUS_INPUT,
+                    "'%s': property '%s' of element '%s' in the PLY header has an unknown type '%s%s%s'", ply->path, name, element->name, count_word, list ? " " : "", word);
     element->n++;
     element->has_lists |= list;
     element->least_size += ply_types[list ? property->count_type : property->type].size;
@@ -252,7 +255,8 @@ static inline uint16_t load_u16(const char *at, bool swap)
 {
     uint16_t x;
     memcpy(&x, at, sizeof x);
-    return swap ? (uint16_t)(x << 8 | x >> 8) : x;
+    if (swap) x = (uint16_t)(x << 8 | x >> 8);
+    return x;
 }
 
 static inline uint32_t load_u32(const char *at, bool swap)
