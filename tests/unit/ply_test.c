@@ -179,7 +179,7 @@ static void test_noise(void **state)
     (void)state;
     Buf buf = {0};
     add_binary(&buf, false);
-    for (uint32_t round = 0; round < 3000; round++) {
+    for (uint32_t round = 0; round < 1000; round++) {
         char bytes[1024];
         assert_true(buf.length < sizeof bytes);
         memcpy(bytes, buf.text, buf.length);
