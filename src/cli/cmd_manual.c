@@ -38,9 +38,11 @@ static void print_option(const OptionRow *row, Buf *out)
     mdoc_sentence(out, row->help);
     if (row->manual) mdoc_text(out, row->manual);
     if (row->default_text && row->kind != KIND_FLAG) {
-        buf_add(out, ".br\nDefault: ");
-        mdoc_escape(out, row->default_text, strlen(row->default_text), true);
-        buf_add(out, ".\n");
+        Buf text = {0};
+        buf_format(&text, "Default: %s.", row->default_text);
+        buf_add(out, ".br\n");
+        mdoc_text(out, buf_text(&text));
+        buf_clear(&text);
     }
     if (row->example) mdoc_example(out, row->example, strlen(row->example));
 }
@@ -206,14 +208,35 @@ static void print_terms(Buf *out)
     buf_add(out, ".El\n");
 }
 
+/* A doc can begin with the call, "mix(a, b, t): ...": then the arguments go to the name. */
+static void print_function(const Builtin *builtin, Buf *out)
+{
+    const char *doc = builtin->doc;
+    size_t length = strlen(builtin->name), n = length + 1;
+    buf_format(out, ".It Fn %s", builtin->name);
+    if (strncmp(doc, builtin->name, length) == 0 && doc[length] == '(') {
+        n += strspn(doc + n, "abcdefghijklmnopqrstuvwxyz., ");
+        if (doc[n] == ')' && doc[n + 1] == ':') {
+            const char *argument = doc + length + 1, *end = doc + n;
+            while (argument < end) {
+                size_t size = strcspn(argument, ",)");
+                buf_format(out, " \"%.*s\"", (int)size, argument);
+                argument += size + 1 + strspn(argument + size + 1, " ");
+            }
+            doc = end + 2 + strspn(end + 2, " ");
+        }
+    }
+    Buf text = {0};
+    buf_format(&text, "%s.", doc);
+    buf_add(out, "\n");
+    mdoc_text(out, buf_text(&text));
+    buf_clear(&text);
+}
+
 static void print_functions(Buf *out)
 {
     buf_add(out, ".Bl -tag -width Ds\n");
-    for (size_t i = 0; i < builtin_count(); i++) {
-        const Builtin *builtin = builtin_at(i);
-        buf_format(out, ".It Fn %s\n", builtin->name);
-        mdoc_sentence(out, builtin->doc);
-    }
+    for (size_t i = 0; i < builtin_count(); i++) print_function(builtin_at(i), out);
     buf_add(out, ".El\n");
 }
 

@@ -77,6 +77,23 @@ static void add_span(Writer *writer, const char *span, size_t length, const char
     writer->after_sentence = false;
 }
 
+/* The length of a function's name when the word is name() and perhaps punctuation, else 0. */
+static size_t function_name(const char *word, size_t length)
+{
+    size_t n = strspn(word, "abcdefghijklmnopqrstuvwxyz_0123456789");
+    if (n == 0 || n + 2 > length || word[n] != '(' || word[n + 1] != ')') return 0;
+    return strspn(word + n + 2, ".,;:") >= length - n - 2 ? n : 0;
+}
+
+static void add_function(Writer *writer, const char *word, size_t n, size_t length)
+{
+    end_line(writer);
+    buf_format(writer->out, ".Fn %.*s", (int)n, word);
+    for (size_t i = n + 2; i < length; i++) buf_format(writer->out, " %c", word[i]);
+    buf_add(writer->out, "\n");
+    writer->after_sentence = false;
+}
+
 /* Words are divided by blanks, but a blank within `...` is part of its word. */
 static size_t word_length(const char *text)
 {
@@ -98,6 +115,8 @@ void mdoc_text(Buf *out, const char *text)
         size_t span = close ? (size_t)(close - text) - 1 : 0, marks = close ? length - span - 2 : 0;
         if (close && strspn(close + 1, ".,;:") >= marks)
             add_span(&writer, text + 1, span, close + 1, marks);
+        else if (function_name(text, length))
+            add_function(&writer, text, function_name(text, length), length);
         else if (length)
             add_word(&writer, text, length);
         text += length;

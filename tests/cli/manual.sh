@@ -1,0 +1,95 @@
+# manual.sh - help, tables and manual pages agree.
+# SPDX-License-Identifier: Apache-2.0
+
+begin "help --json is JSON, and --help and the pages name every option in it"
+run help --json
+exits 0
+is_json out
+"$python" - "$program" "$root/man" <<'PYTHON' > problems 2>&1 || flunk "$(cat problems)"
+import json, re, subprocess, sys
+program, pages = sys.argv[1:]
+problems = []
+for command in json.load(open("out"))["commands"]:
+    name = command["name"]
+    full = subprocess.run([program, name, "--help"], capture_output=True, text=True).stdout
+    short = subprocess.run([program, name, "-h"], capture_output=True, text=True).stdout
+    page = open(f"{pages}/meniscus-{name}.1").read()
+    seen = set()
+    for option in command["options"]:
+        key = option["name"] or option["letter"]
+        if key in seen:
+            problems.append(f"{name}: {key} twice")
+        seen.add(key)
+        spelled = f"--{option['name']}" if option["name"] else f"-{option['letter']}"
+        for text, where in (full, "--help"), (short, "-h"):
+            if not re.search(rf"^ +(-\w, )?{re.escape(spelled)}([ =\[]|$)", text, re.M):
+                problems.append(f"{name}: {spelled} is not in {where}")
+        if not re.search(rf"^\.It.* Fl {re.escape(spelled[1:])}( |$)", page, re.M):
+            problems.append(f"{name}: {spelled} is not in the page")
+        for field in "help", "manual", "default", "example":
+            if not option[field]:
+                problems.append(f"{name}: {spelled} has no {field}")
+        if option["help"] and (option["help"].endswith(".") or len(option["help"]) > 80):
+            problems.append(f"{name}: the help of {spelled} is long or ends in a full stop")
+    letters = [option["letter"] for option in command["options"] if option["letter"]]
+    if len(letters) != len(set(letters)):
+        problems.append(f"{name}: a letter twice")
+    for text in re.findall(r"^\.It Fl -?(\S+)", page, re.M):
+        if text not in seen and text not in letters:
+            problems.append(f"{name}: the page has {text}, which is no option")
+print("\n".join(problems))
+sys.exit(bool(problems))
+PYTHON
+end
+
+begin "the examples of the options are read without complaint"
+run help --json
+small_scene
+"$python" - "$program" <<'PYTHON' > problems 2>&1 || flunk "$(cat problems)"
+import json, shlex, subprocess, sys
+bad = []
+for command in json.load(open("out"))["commands"]:
+    for option in command["options"]:
+        words = shlex.split(option["example"])
+        # -h stops after all has been read up to it: what stands before is checked, nothing is done
+        if "--list" in words or "--help" in words:
+            continue
+        run = subprocess.run([sys.argv[1]] + words[1:] + ["-h"], capture_output=True, text=True)
+        if words[0] != "meniscus" or run.returncode != 0:
+            bad.append(f"{option['example']}: {run.stderr}")
+print("\n".join(bad))
+sys.exit(bool(bad))
+PYTHON
+end
+
+begin "the manual pages are fresh"
+"$root/man/refresh.sh" "$program" --check > out 2> err || flunk "run make man"
+end
+
+begin "the manual pages are well-formed"
+if command -v mandoc > /dev/null; then
+    mandoc -Tlint -Wwarning "$root"/man/*.[157] > out 2>&1 || flunk "mandoc has complaints"
+fi
+end
+
+# The scenes in the manual are the blocks that begin with the header.
+begin "the scenes in the manual have no mistakes"
+"$python" - "$root/man" <<'PYTHON' || flunk "no scenes found"
+import glob, re, sys
+n = 0
+for page in sorted(glob.glob(sys.argv[1] + "/*.[157]")):
+    for block in re.findall(r"^\.Bd -literal[^\n]*\n(.*?)^\.Ed", open(page).read(), re.S | re.M):
+        lines = [line for line in block.replace("\\-", "-").replace("\\e", "\\").replace("\\(dq", '"').split("\n")
+                 if not line.startswith("$ ")]
+        if len(lines) > 3 and lines[0].startswith("meniscus 1.0"):
+            n += 1
+            open(f"manual{n}.mns", "w").write("\n".join(lines))
+sys.exit(n == 0)
+PYTHON
+for scene in manual*.mns; do
+    run check "$scene" --werror
+    exits 0
+    run render "$scene" --size 16x12 -s 1 -q -o manual.exr
+    exits 0
+done
+end

@@ -1,0 +1,163 @@
+# outputs.sh - what is written, where, and what happens when it cannot be.
+# SPDX-License-Identifier: Apache-2.0
+
+begin "the default output: the scene's name in the current folder"
+mkdir scenes
+small_scene
+mv small.mns scenes/
+run render scenes/small.mns
+exits 0
+there small.exr
+matches err '^wrote small\.exr \(16 x 16, 4 samples, 0 nesting faults\) in [0-9.]+ s$'
+no_leftovers
+end
+
+begin "the film's output, and its frames"
+small_scene
+sed -i 's/size = <16, 16>/size = <16, 16> output = ["f.####.exr", "g.png"]/' small.mns
+run render small.mns
+exits 0
+there f.0001.exr
+there g.png
+matches err '^wrote f\.0001\.exr and g\.png '
+end
+
+begin "EXR and PNG at once, view and display"
+small_scene
+run render small.mns -o a.exr -o a.png
+exits 0
+[ "$(head -c 4 a.exr | od -An -tx1 | tr -d ' ')" = 762f3101 ] || flunk "a.exr is no EXR file"
+[ "$(head -c 4 a.png | od -An -tx1 | tr -d ' ')" = 89504e47 ] || flunk "a.png is no PNG file"
+end
+
+begin "EXR on standard output"
+small_scene
+"$program" render small.mns -o - > a.exr 2> err
+status=$?
+exits 0
+[ "$(head -c 4 a.exr | od -An -tx1 | tr -d ' ')" = 762f3101 ] || flunk "no EXR file"
+run render small.mns -o b.exr
+cmp -s a.exr b.exr || flunk "not the file that is written by name"
+end
+
+begin "half is smaller than float; of the two the last one counts"
+small_scene
+run render small.mns -o float.exr --size 64x64
+run render small.mns -o half.exr --half --size 64x64
+run render small.mns -o last.exr --half --float --size 64x64
+[ "$(wc -c < half.exr)" -lt "$(wc -c < float.exr)" ] || flunk "half.exr is not smaller"
+cmp -s float.exr last.exr || flunk "--float does not override --half"
+run compare half.exr float.exr --max-rmse 0.002
+exits 0
+end
+
+begin "attributes say how it was made"
+small_scene
+run render small.mns -o a.exr --seed 4294967295 --nesting entered
+run info a.exr
+for fact in 'version ' 'scene +small' 'sceneHash +[0-9a-f]{16}' 'seed +4294967295' 'nesting +entered' 'samples +4' 'noise ' \
+    'crossings +[0-9]+' 'nestingFaults +0'; do
+    matches out "^meniscus/$fact"
+done
+run info a.exr --json
+is_json out
+end
+
+begin "any number of threads gives the same bytes"
+small_scene
+run render small.mns -o one.exr -j 1 --size 40x30
+run render small.mns -o two.exr -j 2 --size 40x30
+run render small.mns -o five.exr -j 5 --size 40x30
+cmp -s one.exr two.exr || flunk "one and two threads differ"
+cmp -s one.exr five.exr || flunk "one and five threads differ"
+run render small.mns -o seed.exr --seed 1 --size 40x30
+cmp -s one.exr seed.exr && flunk "another seed gives the same bytes"
+end
+
+begin "size, scale and crop"
+small_scene
+run render small.mns -o whole.exr --size 40x30 --scale 50%
+says err "(20 x 15,"
+run render small.mns -o part.exr --size 20x15 --crop 5,5,10,10
+exits 0
+says err "(20 x 15,"
+run compare whole.exr part.exr
+exits 0
+end
+
+# cannot TEXT OUTPUT...: status 5 before anything is rendered
+cannot() {
+    expected=$1
+    begin "an output that cannot be written: $2"
+    long_scene
+    mkdir folder.exr
+    shift
+    run render long.mns -q "$@"
+    exits 5
+    says err "$expected"
+    no_leftovers
+    end
+}
+cannot "cannot write 'folder.exr': it is a folder" -o folder.exr
+cannot "cannot write 'missing/a.exr': No such file or directory" -o missing/a.exr
+cannot "cannot write 'long.mns/a.exr': Not a directory" -o long.mns/a.exr
+cannot "cannot write 'missing/s.json'" -o a.exr --stats=missing/s.json
+
+begin "a full disk: status 5"
+small_scene
+run render small.mns -o /dev/full
+exits 5
+says err "cannot write '/dev/full': No space left on device"
+end
+
+begin "a full disk does not keep the other output from being written"
+small_scene
+run render small.mns -o /dev/full -o b.exr
+exits 5
+there b.exr
+end
+
+begin "a closed pipe: status 5"
+small_scene
+{ "$program" render small.mns -o - --size 256x256 -s 1 2> err; echo $? > status; } | true
+status=$(cat status)
+exits 5
+says err "Broken pipe"
+end
+
+begin "a failed write leaves the old file"
+small_scene
+echo old > a.exr
+mkdir sub
+run render small.mns -o a.exr --spp 0
+exits 2
+[ "$(cat a.exr)" = old ] || flunk "a.exr was changed"
+end
+
+begin "statistics"
+small_scene
+run render small.mns --stats=stats.json -o a.exr
+exits 0
+is_json stats.json
+says stats.json '"nestingFaults": 0'
+run render small.mns --stats -o a.exr
+matches err '^rays +[0-9]+'
+run render small.mns --stats -o a.exr --log-format json
+while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
+says err '"event": "done"'
+end
+
+begin "a time limit ends a render with status 0"
+long_scene
+run render long.mns -o a.exr -t 0.3s --progress none
+exits 0
+there a.exr
+matches err 'samples? of|[0-9]+ of 16777216 samples'
+end
+
+begin "noise ends a render"
+long_scene
+run render long.mns -o a.exr -n 50% --progress none
+exits 0
+there a.exr
+end

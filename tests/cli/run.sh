@@ -1,0 +1,82 @@
+#!/bin/sh
+# Runs the tests of the command line against one binary, in a scratch folder.
+# usage: tests/cli/run.sh MENISCUS [NAME...]     names of the test files, without .sh; default: all
+# Each test prints "ok N - name" or "not ok N - name" with what went wrong; the last line is "N passed, N failed".
+# SPDX-License-Identifier: Apache-2.0
+set -u
+[ $# -ge 1 ] || { echo "usage: $0 MENISCUS [NAME...]" >&2; exit 2; }
+case $1 in /*) program=$1 ;; *) program=$PWD/$1 ;; esac
+shift
+[ -x "$program" ] || { echo "$0: no program '$program'" >&2; exit 2; }
+folder=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$folder/../.." && pwd)
+scratch=$(mktemp -d) || exit 2
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 2
+unset OCIO MENISCUS_PATH NO_COLOR CLICOLOR
+TERM=dumb
+LC_ALL=C
+export TERM LC_ALL
+
+n_passed=0 n_failed=0 name='' failed=''
+
+# begin NAME: a test; what follows up to end belongs to it
+begin() { name=$1 failed=''; rm -rf "$scratch/work"; mkdir "$scratch/work"; cd "$scratch/work" || exit 2; }
+flunk() { failed="$failed
+# $*"; }
+end() {
+    if [ -z "$failed" ]; then
+        n_passed=$((n_passed + 1))
+        echo "ok $((n_passed + n_failed)) - $name"
+    else
+        n_failed=$((n_failed + 1))
+        echo "not ok $((n_passed + n_failed)) - $name$failed"
+        [ -s out ] && sed 's/^/#   out: /' out | head -20
+        [ -s err ] && sed 's/^/#   err: /' err | head -20
+    fi
+}
+# run ARGUMENT...: the program; leaves the files out and err, and $status
+run() {
+    "$program" "$@" > out 2> err < /dev/null
+    status=$?
+    [ $status -lt 129 ] || flunk "died with status $status: meniscus $*"
+}
+exits() { [ "$status" -eq "$1" ] || flunk "exit status $status, not $1"; }
+# says FILE TEXT: FILE (out, err, ...) holds TEXT; says_not: it does not
+says() { grep -qF -e "$2" "$1" || flunk "$1 does not say: $2"; }
+says_not() { ! grep -qF -e "$2" "$1" || flunk "$1 says: $2"; }
+# matches FILE EXPRESSION: a line of FILE matches
+matches() { grep -qE -e "$2" "$1" || flunk "$1 has no line like: $2"; }
+empty() { [ ! -s "$1" ] || flunk "$1 is not empty"; }
+there() { [ -s "$1" ] || flunk "$1 was not written"; }
+gone() { [ ! -e "$1" ] || flunk "$1 is there"; }
+no_leftovers() { for f in *.tmp; do [ "$f" = '*.tmp' ] || flunk "left behind: $f"; done; }
+is_json() { "$python" -m json.tool < "$1" > /dev/null 2>&1 || flunk "$1 is not JSON"; }
+python=$(command -v python3 || echo false)
+
+# a scene that renders in no time, and one that renders for ever
+small_scene() {
+    cat > small.mns <<'SCENE'
+meniscus 1.0 unit cm
+param level = 3 in 1..5 "radius of the water"
+medium glass { ior = 1.5  state = solid }
+medium water { ior = 1.333  state = liquid }
+sphere { center = <0, 5, 0>  radius = 4  interior = glass }
+sphere { center = <0, 5, 0>  radius = level  interior = water }
+ground { surface = surface { albedo = .5 } }
+environment { color = 1 }
+camera { from = <0, 10, -30>  to = <0, 5, 0>  fov = 30 }
+camera side { from = <30, 10, 0>  to = <0, 5, 0>  fov = 30 }
+film { size = <16, 16> }
+render { samples = 4 }
+SCENE
+}
+long_scene() {
+    small_scene
+    sed -e 's/samples = 4/samples = 16777216/' small.mns > long.mns
+}
+
+if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual; fi
+for part; do . "$folder/$part.sh"; done
+echo "$n_passed passed, $n_failed failed"
+[ $n_failed -eq 0 ]

@@ -1,0 +1,127 @@
+# scenes.sh - scenes that cannot be read or have mistakes, and standard input.
+# SPDX-License-Identifier: Apache-2.0
+
+begin "a missing scene: status 4"
+run render missing.mns
+exits 4
+says err "cannot read 'missing.mns': No such file or directory"
+end
+
+begin "a folder as a scene: status 4"
+mkdir folder.mns
+run render folder.mns
+exits 4
+says err "'folder.mns'"
+end
+
+begin "syntax errors: place, line, caret, code, count; status 3"
+printf 'meniscus 1.0 unit mm\nsphere { radius = }\nmedium glass { iorr = 1.5 }\n' > bad.mns
+run render bad.mns
+exits 3
+matches err '^bad\.mns:2:[0-9]+: error: .*\[[a-z-]+\]$'
+matches err '^ +2 \| sphere \{ radius = \}$'
+matches err '^ +\| +\^'
+matches err '^bad\.mns: [0-9]+ errors?'
+gone bad.exr
+end
+
+begin "a wrong property: did you mean"
+small_scene
+sed -i 's/fov = 30/fow = 30/' small.mns
+run check small.mns
+exits 3
+says err "[unknown-property]"
+says err "did you mean 'fov'?"
+end
+
+begin "mistakes as JSON, each line an object"
+small_scene
+sed -i 's/fov = 30/fow = 30/' small.mns
+run render small.mns --log-format json
+exits 3
+while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
+says err '"code": "unknown-property"'
+run check small.mns --json
+exits 3
+is_json out
+says out '"report": null'
+end
+
+begin "an unknown camera, parameter or preset: status 3"
+small_scene
+run render small.mns --camera sid
+exits 3
+says err "did you mean 'side'?"
+run render small.mns -D levle=3
+exits 3
+run render small.mns --preset draft
+exits 3
+run render small.mns -D level=9
+exits 3
+end
+
+begin "parameters, cameras and defines"
+small_scene
+run params small.mns
+exits 0
+matches out '^level = 3 +radius of the water'
+run params small.mns --json
+is_json out
+run params small.mns -D level=2
+matches out '^level = 2'
+run render small.mns --camera side -o side.exr -D level=2
+exits 0
+run info side.exr
+matches out 'meniscus/camera +side'
+end
+
+begin "a scene on standard input"
+small_scene
+"$program" render - -o a.exr < small.mns > out 2> err
+status=$?
+exits 0
+there a.exr
+"$program" - < small.mns > out 2> err
+status=$?
+exits 0
+there scene.exr
+end
+
+begin "mistakes on standard input quote their line"
+printf 'meniscus 1.0 unit mm\nsphere { radius = }\n' | "$program" render - > out 2> err
+status=$?
+exits 3
+matches err '^<stdin>:2:'
+says err "sphere { radius = }"
+end
+
+begin "a scene on standard input is confined to the current folder"
+small_scene
+sed -e 's/environment { color = 1 }/environment { image = "..\/outside.exr" }/' small.mns > inner.mns
+mkdir inner
+run render small.mns -o ../work/outside.exr
+(cd inner && "$program" render - -o a.exr < ../inner.mns > ../out 2> ../err)
+status=$?
+exits 3
+says err "[outside-confine]"
+end
+
+begin "check: the report, and warnings as errors"
+small_scene
+run check small.mns
+exits 0
+says out glass
+says out water
+run check small.mns --json
+exits 0
+is_json out
+sed -i 's/^film/let unused = 1\nfilm/' small.mns
+run check small.mns
+exits 0
+says err "[unused-name]"
+run check small.mns --werror
+exits 3
+run check small.mns -q
+exits 0
+empty out
+end

@@ -1,0 +1,46 @@
+# signals.sh - a render that is stopped.
+# SPDX-License-Identifier: Apache-2.0
+
+begin "INT writes the picture and ends by INT"
+long_scene
+timeout -s INT --preserve-status 1 "$program" render long.mns -o a.exr > out 2> err
+status=$?
+exits 130
+there a.exr
+says err "stopping"
+matches err '^wrote a\.exr \(16 x 16, [0-9]+ of 16777216 samples'
+no_leftovers
+run info a.exr
+exits 0
+end
+
+begin "TERM and HUP as well"
+long_scene
+for signal in TERM:143 HUP:129; do
+    timeout -s "${signal%:*}" --preserve-status 1 "$program" render long.mns -o "$signal.exr" -q > out 2> err
+    status=$?
+    exits "${signal#*:}"
+    there "$signal.exr"
+done
+end
+
+begin "a second signal leaves nothing behind"
+long_scene
+"$program" render long.mns --size 2048x2048 -o a.exr 2> err &
+child=$!
+sleep 1
+kill -TERM $child
+kill -TERM $child
+wait $child
+status=$?
+exits 143
+no_leftovers
+end
+
+begin "an ignored signal stays ignored"
+small_scene
+(trap '' HUP; "$program" render small.mns -o a.exr -t 1 -s 16777216 2> err & child=$!; sleep 0.4; kill -HUP $child; wait $child)
+status=$?
+exits 0
+there a.exr
+end

@@ -1,0 +1,122 @@
+# usage.sh - options and commands: what is refused, and how it is said.
+# SPDX-License-Identifier: Apache-2.0
+
+# refuses TEXT ARGUMENT...: status 2, nothing on standard output, TEXT on standard error
+refuses() {
+    expected=$1
+    shift
+    begin "refuses: meniscus $*"
+    small_scene
+    run "$@"
+    exits 2
+    empty out
+    says err "$expected"
+    end
+}
+
+begin "no arguments: a summary, status 2"
+run
+exits 2
+says err "usage: meniscus COMMAND"
+end
+
+refuses "unknown command 'rendr'; did you mean 'render'?" rendr small.mns
+refuses "unknown command 'xyzzy'" xyzzy
+refuses "unknown option '--sp'; did you mean '--spp'?" render --sp 3 small.mns
+refuses "unknown option '--bogus'" small.mns --bogus
+refuses "unknown option '-Z'" render -Z small.mns
+refuses "unknown option '-Z' in '-qZ'" render -qZ small.mns
+refuses "did you mean '--spp' (with two dashes)?" render -spp 3 small.mns
+refuses "'render' has no option '--flip'; 'compare' has one" render --flip small.mns
+refuses "'render' needs SCENE" render
+refuses "'other.mns' is one word too many" render small.mns other.mns
+refuses "option '--spp' needs a value" render small.mns --spp
+refuses "option '--half' takes no value" render small.mns --half=yes
+refuses "'0' is not a whole number from 1 to 16777216" render small.mns --spp 0
+refuses "'-3' is not a whole number" render small.mns -s -3
+refuses "'1e3' is not a whole number" render small.mns -s 1e3
+refuses "the width of 0x10 is outside of 1 to 65536" render small.mns --size 0x10
+refuses "the height of 10x65537 is outside" render small.mns --size 10x65537
+refuses "'640' is not a width and a height" render small.mns --size 640
+refuses "'10x' is not a time" render small.mns -t 10x
+refuses "'0s' is not a time" render small.mns -t 0s
+refuses "is not four whole numbers" render small.mns --crop 1,2,3
+refuses "holds no pixel" render small.mns --crop 4,0,4,8
+refuses "16,17 is outside of the picture of 16 x 16" render small.mns --crop 0,0,16,17
+refuses "did you mean 'automatic'?" render small.mns --nesting automtic
+refuses "150% is outside of 0 to 1" render small.mns --noise 150%
+refuses "must end in .exr or .png" render small.mns -o small.jpg
+refuses "is named twice" render small.mns -o a.exr -o a.exr
+refuses "option '-o': the value is empty" render small.mns -o ''
+refuses "display 'nowhere'" render small.mns -o a.png --display nowhere
+refuses "there is no completion for 'tcsh'" completion tcsh
+refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-mesh
+
+begin "a file without dot or slash: a hint"
+small_scene
+cp small.mns scene
+run scene
+exits 2
+says err "meniscus render scene"
+end
+
+begin "the shorthand renders"
+small_scene
+run ./small.mns -o a.exr
+exits 0
+there a.exr
+end
+
+begin "options before the scene, too"
+small_scene
+run -s 1 small.mns -o a.exr
+exits 0
+there a.exr
+end
+
+begin "clusters, joined and separate values, --name=value, last one wins"
+small_scene
+run render -qs2 -j 1 --spp=3 --size 99x99 --size=8x8 -oa.exr small.mns
+exits 0
+empty err
+run info a.exr
+matches out 'meniscus/samples +3$'
+matches out 'dataWindow.*7'
+end
+
+begin "-- ends the options"
+small_scene
+cp small.mns ./-small.mns
+run render -o a.exr -- -small.mns
+exits 0
+there a.exr
+end
+
+begin "help goes to standard output, status 0"
+for command in render check params view compare info completion help version; do
+    run $command -h
+    exits 0
+    says out "usage: meniscus $command"
+    [ "$(grep -c '^  meniscus ' out)" -ge 1 ] || flunk "$command -h has no example"
+    run $command --help
+    exits 0
+    says out "Manual: meniscus-$command(1)"
+    empty err
+done
+run -h
+exits 0
+run --version
+exits 0
+matches out '^meniscus [0-9]+\.[0-9]+'
+run help cylinder
+says out radius
+run help open-mesh
+says out interior
+end
+
+begin "help that cannot be written: status 5"
+"$program" help render > /dev/full 2> err
+status=$?
+exits 5
+says err "cannot write to standard output"
+end
