@@ -1,0 +1,321 @@
+/* texture.c - environments: radiance from every direction, and directions in proportion to it.
+ *
+ * An image is bilinear between texel centres, so the sphere falls into cells whose corners are four
+ * centres: width * (height + 1) of them, the seam wrapping round and the first and last row reaching
+ * to the poles with the nearest row's values. A direction is drawn by choosing a row of cells, a cell in
+ * the row, and a place in the cell by the bilinear luminance itself, so that radiance over density is
+ * nearly constant also where a bright texel fades into dark ones. Within a cell the vertical coordinate
+ * of the density is the cosine of the polar angle and not the angle: then a flat cell is uniform in
+ * solid angle, and an image of one colour has exactly the density of the sphere.
+ * The inversion of tables is that of M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th
+ * edition, 12.5 and A.5; the bilinear cells (rather than constant texels) follow from A.5.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/texture.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "optics/sampling.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* This share of a cell's density is spread evenly over it. It keeps the density well above zero where
+ * the luminance comes near zero, and rounding in the look-ups would otherwise decide their ratio. */
+static const float even_share = 0.02f;
+
+/* A pixel as a spectrum: scale * sigmoid * white. */
+typedef struct Texel {
+    float coefficients[3];
+    float scale;
+} Texel;
+
+struct Environment {
+    bool is_image;
+    Spectrum constant;
+    float power;
+
+    unsigned width, height;
+    Texel *texels;
+    float *luminance;  /* of the texels */
+    float *row_cdf;    /* height + 2: of the height + 1 rows of cells */
+    float *cell_cdf;   /* (height + 1) * (width + 1): within each row */
+    double *edge;      /* height + 2: sin^2 of half the polar angle at the rows' edges */
+};
+
+/* Where a direction lies: the cell, and the place in it. */
+typedef struct Place {
+    unsigned row, column;  /* of the cell */
+    unsigned above, below; /* rows of texels */
+    unsigned left, right;  /* columns of texels */
+    float across, down;    /* 0..1, down in the polar angle */
+} Place;
+
+static Place place_at(const Environment *environment, unsigned row, unsigned column)
+{
+    unsigned last = environment->height - 1;
+    Place place = {.row = row, .column = column, .left = column};
+    place.right = column + 1 < environment->width ? column + 1 : 0;
+    place.above = row > 0 ? row - 1 : 0;
+    place.below = row < last ? row : last;
+    return place;
+}
+
+static Place place_of(const Environment *environment, Vec3f direction)
+{
+    float width = (float)environment->width, height = (float)environment->height;
+    float radius = sqrtf(direction.x * direction.x + direction.z * direction.z);
+    /* atan2 and not acos, which knows nothing near the poles */
+    float polar = atan2f(radius, direction.y) / (float)pi;
+    float turn = 0.5f + atan2f(direction.x, -direction.z) / (float)(2 * pi);
+    float y = polar * height + 0.5f, x = turn * width - 0.5f;
+    if (x < 0) x += width;
+    if (!(x >= 0)) x = 0; /* no direction at all */
+    if (!(y >= 0)) y = 0;
+    unsigned column = (unsigned)x, row = (unsigned)y;
+    float across = x - (float)column, down = y - (float)row;
+    if (column >= environment->width) {
+        column = environment->width - 1;
+        across = 1;
+    }
+    if (row > environment->height) {
+        row = environment->height;
+        down = 1;
+    }
+    Place place = place_at(environment, row, column);
+    place.across = across;
+    place.down = down;
+    return place;
+}
+
+/* The luminances of a cell's corners: left and right above, left and right below. */
+static void cell_corners(const Environment *environment, const Place *place, float corner[4])
+{
+    const float *above = environment->luminance + (size_t)place->above * environment->width;
+    const float *below = environment->luminance + (size_t)place->below * environment->width;
+    corner[0] = above[place->left];
+    corner[1] = above[place->right];
+    corner[2] = below[place->left];
+    corner[3] = below[place->right];
+    float mean = 0.25f * (corner[0] + corner[1] + corner[2] + corner[3]);
+    for (int i = 0; i < 4; i++) corner[i] = (1 - even_share) * corner[i] + even_share * mean;
+}
+
+static float mix(float a, float b, float t) { return (1 - t) * a + t * b; }
+
+/* The place's depth in its cell by solid angle. sin^2 of half the polar angle, (1 - cos) / 2, straight
+ * from the direction, without the cancellation at the poles. */
+static float depth_by_solid_angle(const Environment *environment, unsigned row, Vec3f direction)
+{
+    double x = (double)direction.x, y = (double)direction.y, z = (double)direction.z;
+    double square = x * x + z * z, length = sqrt(square + y * y);
+    double far = square / (2 * length * (length + fabs(y)));
+    double half = y >= 0 ? far : 1 - far;
+    double top = environment->edge[row], bottom = environment->edge[row + 1];
+    double depth = (half - top) / (bottom - top);
+    return (float)(depth > 0 ? (depth < 1 ? depth : 1) : 0);
+}
+
+static float sphere_pdf(void) { return (float)(1 / (4 * pi)); }
+
+float environment_pdf(const Environment *environment, Vec3f direction)
+{
+    if (!environment->is_image || !(environment->power > 0)) return sphere_pdf();
+    Place place = place_of(environment, direction);
+    float corner[4], depth = depth_by_solid_angle(environment, place.row, direction);
+    cell_corners(environment, &place, corner);
+    float luminance = mix(mix(corner[0], corner[1], place.across), mix(corner[2], corner[3], place.across), depth);
+    return luminance / environment->power;
+}
+
+/* The last entry that is not above u; its step is not empty. cdf[0] is 0, cdf[n] is 1, u < 1. *rest is
+ * where in the step u lies. */
+static unsigned invert_cdf(const float *cdf, unsigned n, float u, float *rest)
+{
+    unsigned low = 0, high = n; /* cdf[low] <= u < cdf[high] */
+    while (high - low > 1) {
+        unsigned middle = low + (high - low) / 2;
+        if (cdf[middle] <= u)
+            low = middle;
+        else
+            high = middle;
+    }
+    *rest = (u - cdf[low]) / (cdf[high] - cdf[low]);
+    return low;
+}
+
+/* Inverts the distribution of a density linear from a at 0 to b at 1. */
+static float invert_linear(float a_float, float b_float, float u)
+{
+    /* in double, where the squares of floats neither overflow nor vanish */
+    double a = (double)a_float, b = (double)b_float, t = (double)u;
+    t = t * (a + b) / (a + sqrt((1 - t) * a * a + t * b * b));
+    return (float)(t < 1 ? t : 1);
+}
+
+Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w)
+{
+    if (!environment->is_image || !(environment->power > 0)) {
+        *pdf_w = sphere_pdf();
+        return sampling_sphere(u, v);
+    }
+    float corner[4];
+    unsigned row = invert_cdf(environment->row_cdf, environment->height + 1, v, &v);
+    const float *cells = environment->cell_cdf + (size_t)row * (environment->width + 1);
+    unsigned column = invert_cdf(cells, environment->width, u, &u);
+    Place place = place_at(environment, row, column);
+    cell_corners(environment, &place, corner);
+    float depth = invert_linear(corner[0] + corner[1], corner[2] + corner[3], v);
+    float across = invert_linear(mix(corner[0], corner[2], depth), mix(corner[1], corner[3], depth), u);
+
+    double half = environment->edge[row] + (double)depth * (environment->edge[row + 1] - environment->edge[row]);
+    double radius = 2 * sqrt(half * (1 - half));
+    /* turn of 0.5 is towards -z */
+    double angle = 2 * pi * (((double)column + 0.5 + (double)across) / environment->width - 0.5);
+    Vec3f direction = vec3f((float)(radius * sin(angle)), (float)(1 - 2 * half), (float)(-radius * cos(angle)));
+    /* of the direction as it was rounded, which is what environment_radiance will see */
+    *pdf_w = environment_pdf(environment, direction);
+    /* Rounded over the edge into a black cell. Nothing comes from there, so any density will do. */
+    if (!(*pdf_w > 0)) *pdf_w = sphere_pdf();
+    return direction;
+}
+
+static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_nm)
+{
+    return lanes_scale(upsample_at(texel->coefficients, wavelength_nm), texel->scale * weight);
+}
+
+Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm)
+{
+    if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
+    Place place = place_of(environment, direction);
+    const Texel *above = environment->texels + (size_t)place.above * environment->width;
+    const Texel *below = environment->texels + (size_t)place.below * environment->width;
+    float up = 1 - place.down, back = 1 - place.across;
+    Lanes sum = lanes_add(texel_radiance(&above[place.left], up * back, wavelength_nm),
+                          texel_radiance(&above[place.right], up * place.across, wavelength_nm));
+    sum = lanes_add(sum, texel_radiance(&below[place.left], place.down * back, wavelength_nm));
+    sum = lanes_add(sum, texel_radiance(&below[place.right], place.down * place.across, wavelength_nm));
+    return lanes_mul(sum, white_at(wavelength_nm));
+}
+
+float environment_power(const Environment *environment) { return environment->power; }
+
+bool environment_is_black(const Environment *environment) { return !(environment->power > 0); }
+
+void environment_free(Environment *environment)
+{
+    if (!environment) return;
+    free(environment->texels);
+    free(environment->luminance);
+    free(environment->row_cdf);
+    free(environment->cell_cdf);
+    free(environment->edge);
+    free(environment);
+}
+
+Status environment_new_constant(const Spectrum *radiance, Environment **environment, Error *error)
+{
+    Environment *made = calloc(1, sizeof *made);
+    if (!made) return fail_memory(error, sizeof *made, "an environment");
+    made->constant = *radiance;
+    made->power = (float)(4 * pi * spectrum_luminance(radiance));
+    *environment = made;
+    return STATUS_OK;
+}
+
+/* false when a pixel is too bright for its integral to be a float. */
+static bool fill_texels(Environment *environment, const float *rgb, double scale)
+{
+    const double brightest = 1e30;
+    size_t n = (size_t)environment->width * environment->height;
+    for (size_t i = 0; i < n; i++) {
+        Texel *texel = &environment->texels[i];
+        float scaled[3], largest = 0;
+        for (int c = 0; c < 3; c++) {
+            double value = scale * (double)rgb[3 * i + (size_t)c];
+            if (!(value < brightest)) return false;
+            scaled[c] = (float)value;
+            if (scaled[c] > largest) largest = scaled[c];
+        }
+        environment->luminance[i] = color_luminance(scaled);
+        /* as in spectrum_from_light: grey is white exactly, a colour has its largest channel at 1/2 */
+        bool grey = scaled[0] == scaled[1] && scaled[0] == scaled[2];
+        texel->scale = grey ? largest : 2 * largest;
+        if (texel->scale > 0)
+            for (int c = 0; c < 3; c++) scaled[c] = scaled[c] / texel->scale;
+        upsample_coefficients(scaled, texel->coefficients);
+    }
+    return true;
+}
+
+/* Divides the sums up to n by the last, so that the table ends in 1; a table of zeros becomes even. */
+static void normalize_cdf(float *cdf, const double *sums, unsigned n)
+{
+    for (unsigned i = 0; i <= n; i++) cdf[i] = (float)(sums[n] > 0 ? sums[i] / sums[n] : (double)i / n);
+}
+
+/* sums: room for the larger of width + 1 and height + 2 doubles, twice. */
+static void fill_tables(Environment *environment, double *sums, double *row_sums)
+{
+    unsigned width = environment->width, height = environment->height;
+    for (unsigned row = 0; row <= height + 1; row++) {
+        double polar = row == 0 ? 0 : row > height ? pi : pi * (row - 0.5) / height, half = sin(0.5 * polar);
+        environment->edge[row] = half * half;
+    }
+    environment->edge[height + 1] = 1;
+    row_sums[0] = 0;
+    for (unsigned row = 0; row <= height; row++) {
+        double solid_angle = 4 * pi * (environment->edge[row + 1] - environment->edge[row]) / width;
+        sums[0] = 0;
+        for (unsigned column = 0; column < width; column++) {
+            Place place = place_at(environment, row, column);
+            float corner[4];
+            cell_corners(environment, &place, corner);
+            /* the mean of a bilinear function is that of its corners */
+            double mean = 0.25 * ((double)corner[0] + (double)corner[1] + (double)corner[2] + (double)corner[3]);
+            sums[column + 1] = sums[column] + mean * solid_angle;
+        }
+        row_sums[row + 1] = row_sums[row] + sums[width];
+        normalize_cdf(environment->cell_cdf + (size_t)row * (width + 1), sums, width);
+    }
+    normalize_cdf(environment->row_cdf, row_sums, height + 1);
+    environment->power = (float)row_sums[height + 1];
+}
+
+Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale, Environment **environment,
+                             Error *error)
+{
+    const unsigned largest = 1u << 17; /* keeps the products below in 64 bits */
+    if (width == 0 || height == 0 || width > largest || height > largest)
+        return fail(error, STATUS_INPUT, "an environment of %u by %u pixels; 1 to %u are possible each way", width, height,
+                    largest);
+    size_t n = (size_t)width * height, n_cells = ((size_t)width + 1) * ((size_t)height + 1);
+    size_t longest = (width > height ? (size_t)width : (size_t)height) + 2;
+    Environment *made = calloc(1, sizeof *made);
+    double *sums = malloc(2 * longest * sizeof *sums);
+    if (made) {
+        made->is_image = true;
+        made->width = width;
+        made->height = height;
+        made->texels = malloc(n * sizeof *made->texels);
+        made->luminance = malloc(n * sizeof *made->luminance);
+        made->row_cdf = malloc(((size_t)height + 2) * sizeof *made->row_cdf);
+        made->cell_cdf = malloc(n_cells * sizeof *made->cell_cdf);
+        made->edge = malloc(((size_t)height + 2) * sizeof *made->edge);
+    }
+    if (!sums || !made || !made->texels || !made->luminance || !made->row_cdf || !made->cell_cdf || !made->edge) {
+        environment_free(made);
+        free(sums);
+        return fail_memory(error, n * (sizeof *made->texels + 2 * sizeof(float)), "an environment");
+    }
+    bool filled = fill_texels(made, rgb, scale);
+    if (filled) fill_tables(made, sums, sums + longest);
+    free(sums);
+    if (!filled) {
+        environment_free(made);
+        return fail(error, STATUS_INPUT, "an environment with a pixel of 1e30 or more");
+    }
+    *environment = made;
+    return STATUS_OK;
+}
