@@ -243,8 +243,9 @@ static bool check_number_list(const Check *check, const Value *value, EvalProp *
     Check element = *check;
     unsigned width = check->type->kind == PROP_NUMBERS ? 1 : check->type->kind == PROP_VECTORS2 ? 2 : 3;
     ValueKind wanted = width == 1 ? VALUE_NUMBER : value_vector_kind(width);
-    if (value->kind != VALUE_LIST && value->kind != VALUE_RANGE) return wrong_type(check, value);
-    size_t n = value_count(value);
+    bool single = width == 1 && value->kind == VALUE_NUMBER; /* as good as a list of one */
+    if (!single && value->kind != VALUE_LIST && value->kind != VALUE_RANGE) return wrong_type(check, value);
+    size_t n = single ? 1 : value_count(value);
     if (value->kind == VALUE_LIST && value->as.list->element == wanted) {
         prop->as.list.n = n;
         prop->as.list.numbers = value->as.list->numbers;
@@ -253,8 +254,8 @@ static bool check_number_list(const Check *check, const Value *value, EvalProp *
     double *numbers = ARENA_ARRAY(check->evaluator->arena, double, n * width);
     for (size_t i = 0; i < n; i++) {
         if (!eval_step(check->evaluator, check->expr->span)) return false;
-        Value item = value_element(value, i);
-        element.element = i + 1;
+        Value item = single ? *value : value_element(value, i);
+        element.element = single ? 0 : i + 1;
         if (item.kind == VALUE_POISON) return false;
         if (item.kind != wanted) return wrong_type(&element, &item);
         memcpy(numbers + i * width, item.as.v, width * sizeof(double));
@@ -323,7 +324,9 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
         if (value->kind != VALUE_STRING) return wrong_type(check, value);
         prop->as.text = value->as.text;
         return true;
-    case PROP_CHOICE: return value->kind == VALUE_STRING ? check_choice(check, value->as.text, prop) : wrong_type(check, value);
+    case PROP_CHOICE: /* none is a keyword, and yet a good word for a choice */
+        if (value->kind == VALUE_NONE && choice_allows(type->choices, "none")) return check_choice(check, "none", prop);
+        return value->kind == VALUE_STRING ? check_choice(check, value->as.text, prop) : wrong_type(check, value);
     case PROP_VECTOR2: return check_vector(check, value, 2, prop);
     case PROP_VECTOR3: return check_vector(check, value, 3, prop);
     case PROP_COLOR: return check_color(check, value, prop);
