@@ -5,8 +5,13 @@ VERSION := $(shell cat VERSION)
 VARIANT ?= release
 BUILD := build/$(VARIANT)
 
-CC ?= gcc
-CXX ?= g++
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
+
 AR ?= ar
 PYTHON ?= python3
 PKG_CONFIG ?= pkg-config
@@ -91,6 +96,18 @@ $(BUILD)/%.o: src/%.c $(BUILD)/flags
 $(BUILD)/%.o: src/%.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS_ALL) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+# The table of RGB to spectra is solved once, at build time (about a second).
+$(BUILD)/upsample_gen: src/optics/upsample_gen.c src/optics/upsample_solve.c src/optics/observer.c $(wildcard src/optics/*.h) $(BUILD)/flags
+	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c,$^) -lm
+
+$(BUILD)/generated/upsample_table.c: $(BUILD)/upsample_gen
+	@mkdir -p $(@D)
+	$(BUILD)/upsample_gen $@
+
+$(BUILD)/generated/ocio_config.c: src/image/meniscus.ocio src/image/embed.awk
+	@mkdir -p $(@D)
+	awk -f src/image/embed.awk $< > $@
 
 $(BUILD)/generated/%.o: $(BUILD)/generated/%.c $(BUILD)/flags
 	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<

@@ -12,12 +12,11 @@ void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2],
     Vec3 origin = camera->from;
     if (camera->lens_radius > 0) {
         float lens_x, lens_y;
-        sample_disc(lens[0], lens[1], &lens_x, &lens_y);
+        sampling_disc(lens[0], lens[1], &lens_x, &lens_y);
         Vec3 focus = vec3_along(camera->from, camera->focus_distance, direction);
         origin = vec3_along(origin, (double)lens_x * camera->lens_radius, camera->right);
         origin = vec3_along(origin, (double)lens_y * camera->lens_radius, camera->up);
         direction = vec3_sub(focus, origin);
     }
-    *ray = (Ray){.origin = vec3f_from(origin), .direction = vec3f_from(vec3_normalize(direction)), .t_max = HUGE_VAL,
-                 .target = RTC_NO_OBJECT};
+    *ray = ray_make(origin, vec3f_from(vec3_normalize(direction)));
 }

@@ -4,8 +4,6 @@
 
 #include "optics/sampling.h"
 
-static const float pi_f = 3.14159265f;
-
 /* A point on an area light, and its normal there. Uniform in area; a sphere is sampled by its visible
  * cone instead (sample_sphere). */
 static Vec3 area_point(const SceneLight *light, const float u[2], Vec3 *normal, double *area)
@@ -13,9 +11,9 @@ static Vec3 area_point(const SceneLight *light, const float u[2], Vec3 *normal, 
     Vec3 local = vec3(0, 0, 0);
     if (light->kind == LIGHT_DISC) {
         float x, z;
-        sample_disc(u[0], u[1], &x, &z);
+        sampling_disc(u[0], u[1], &x, &z);
         local = vec3((double)x * light->half_width, 0, (double)z * light->half_width);
-        *area = (double)pi_f * light->half_width * light->half_width;
+        *area = (double)SAMPLING_PI * light->half_width * light->half_width;
     } else {
         local = vec3((2 * (double)u[0] - 1) * light->half_width, 0, (2 * (double)u[1] - 1) * light->half_height);
         *area = 4 * light->half_width * light->half_height;
@@ -38,9 +36,9 @@ static LightSample sample_sphere(const SceneLight *light, Vec3 from, const float
     if (cone >= 2) return (LightSample){.pdf_w = 0}; /* from inside, the light's own surface is opaque */
     Vec3 to = vec3_sub(light->to_world.t, from);
     double distance = vec3_length(to);
-    Vec3f direction = sample_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / distance)), (float)cone);
+    Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / distance)), (float)cone);
     return (LightSample){.direction = direction, .distance = distance + light->half_width, .object = light->object,
-                         .pdf_w = (float)(1 / (2 * (double)pi_f * cone))};
+                         .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
 static LightSample sample_area(const SceneLight *light, Vec3 from, const float u[2])
@@ -59,8 +57,8 @@ static LightSample sample_area(const SceneLight *light, Vec3 from, const float u
 static LightSample sample_distant(const SceneLight *light, const float u[2])
 {
     double cone = 1 - light->cos_angle;
-    return (LightSample){.direction = sample_cone(u[0], u[1], vec3f_from(light->towards), (float)cone), .distance = HUGE_VAL,
-                         .object = RTC_NO_OBJECT, .pdf_w = (float)(1 / (2 * (double)pi_f * cone))};
+    return (LightSample){.direction = sampling_cone(u[0], u[1], vec3f_from(light->towards), (float)cone), .distance = HUGE_VAL,
+                         .object = RTC_NO_OBJECT, .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
 static Vec3f to_environment(const World *world, Vec3f direction)
@@ -107,12 +105,12 @@ float light_pdf_hit(const World *world, uint32_t index, Vec3 from, const Ray *ra
     float choice = world->choice_of_light[index];
     if (light->kind == LIGHT_SPHERE) {
         double cone = sphere_cone(light, from);
-        return cone < 2 ? choice * (float)(1 / (2 * (double)pi_f * cone)) : 0;
+        return cone < 2 ? choice * sampling_cone_pdf((float)cone) : 0;
     }
     if (!hit->entering) return 0;
-    double area = light->kind == LIGHT_DISC ? (double)pi_f * light->half_width * light->half_width
+    double area = light->kind == LIGHT_DISC ? (double)SAMPLING_PI * light->half_width * light->half_width
                                             : 4 * light->half_width * light->half_height;
-    Vec3 to = vec3_sub(vec3_along(vec3_from_f(ray->origin), hit->t, vec3_from_f(ray->direction)), from);
+    Vec3 to = vec3_sub(ray_point(ray, hit->t), from);
     return choice * (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area));
 }
 
@@ -123,7 +121,7 @@ Lanes light_radiance_hit(const World *world, uint32_t index, const Hit *hit, Lan
 
 static float weight_against(float weight_pdf, float light_pdf)
 {
-    return weight_pdf < 0 ? 1 : balance_heuristic(weight_pdf, light_pdf);
+    return weight_pdf < 0 ? 1 : sampling_balance(weight_pdf, light_pdf);
 }
 
 Lanes light_from_infinity(const World *world, Vec3f direction, float weight_pdf, Lanes wavelength_nm)
@@ -138,7 +136,7 @@ Lanes light_from_infinity(const World *world, Vec3f direction, float weight_pdf,
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
         if (light->kind != LIGHT_DISTANT || vec3_dot(vec3_from_f(direction), light->towards) < light->cos_angle) continue;
-        float pdf = world->choice_of_light[i] / (2 * pi_f * (float)(1 - light->cos_angle));
+        float pdf = world->choice_of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
         sum = lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));
     }
     return sum;

@@ -54,6 +54,7 @@ void tracer_clear(Tracer *tracer)
 {
     hit_list_clear(&tracer->hits);
     hit_list_clear(&tracer->shadow_hits);
+    hit_list_clear(&tracer->left);
     nest_list_clear(&tracer->list);
     nest_list_clear(&tracer->next);
     nest_list_clear(&tracer->shadow_list);
@@ -232,8 +233,23 @@ static Lanes surface_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelengt
     return spectrum_at(&surface->albedo, wavelength_nm);
 }
 
+/* Sends the path on from the surfaces that it has come to: through them, or back. */
+static void leave(Path *path, const Event *event, bool through, Vec3f direction)
+{
+    Tracer *tracer = path->tracer;
+    HitList reached = tracer->hits;
+    path->ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, event->n_cluster, through, direction);
+    tracer->hits = tracer->left; /* the ray refers to what it has left until its end */
+    tracer->left = reached;
+    if (through) {
+        NestList swap = tracer->list;
+        tracer->list = tracer->next;
+        tracer->next = swap;
+    }
+}
+
 /* Light that a diffuse surface gets straight from a light source, weighted against finding it by scattering. */
-static void add_direct_light(Path *path, const HitSurface *at, Vec3f normal, Vec3f geometric, Vec3f start, Lanes albedo)
+static void add_direct_light(Path *path, const Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
 {
     const World *world = path->tracer->world;
     float u[2];
@@ -243,12 +259,14 @@ static void add_direct_light(Path *path, const HitSurface *at, Vec3f normal, Vec
     if (!(light.pdf_w > 0)) return;
     float cosine = vec3f_dot(light.direction, normal);
     if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
-    Ray ray = {.origin = start, .direction = light.direction, .t_max = light.distance, .target = light.object};
+    Ray ray = rtc_leave(world->compiled->rtc, &path->ray, path->tracer->hits.items, event->n_cluster, false, light.direction);
+    ray.t_max = light.distance;
+    ray.target = light.object;
     Lanes transmittance;
     uint32_t medium;
     if (!shadow_transmittance(path, &ray, &transmittance, &medium)) return;
-    float scatter_pdf = cosine / 3.14159265f;
-    float weight = balance_heuristic(light.pdf_w, scatter_pdf);
+    float scatter_pdf = cosine / SAMPLING_PI;
+    float weight = sampling_balance(light.pdf_w, scatter_pdf);
     Lanes factor = lanes_mul(lanes_scale(albedo, scatter_pdf / light.pdf_w * weight), transmittance);
     add_radiance(path, factor, basic_radiance(world, light.radiance, medium, path->wavelengths.nm));
 }
@@ -263,7 +281,7 @@ static bool shade_opaque(Path *path, const Event *event)
         Lanes radiance = light_radiance_hit(world, object->light, &event->hit, path->wavelengths.nm);
         float weight = 1;
         if (path->scatter_pdf >= 0)
-            weight = balance_heuristic(path->scatter_pdf,
+            weight = sampling_balance(path->scatter_pdf,
                                        light_pdf_hit(world, object->light, path->scatter_point, &path->ray, &event->hit));
         uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
         add_radiance(path, lanes_all(weight), basic_radiance(world, radiance, medium, path->wavelengths.nm));
@@ -277,18 +295,15 @@ static bool shade_opaque(Path *path, const Event *event)
     Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
     if (!(vec3f_dot(path->ray.direction, normal) < 0)) normal = geometric;
     Lanes albedo = surface_albedo(&world->scene->surfaces[object->surface], at.position, path->wavelengths.nm);
-    Vec3f start = rtc_leave(world->compiled->rtc, &path->ray, tracer->hits.items, event->n_cluster, false);
-    add_direct_light(path, &at, normal, geometric, start, albedo);
+    add_direct_light(path, event, &at, normal, geometric, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    Vec3f direction = sample_cosine(u[0], u[1], normal);
-    float cosine = vec3f_dot(direction, normal);
-    if (!(cosine > 0) || !(vec3f_dot(direction, geometric) > 0)) return false; /* into the surface */
+    Vec3f direction = sampling_cosine_hemisphere(u[0], u[1], normal, &path->scatter_pdf);
+    if (!(vec3f_dot(direction, geometric) > 0)) return false; /* into the surface */
     path->beta = lanes_mul(path->beta, albedo);
-    path->scatter_pdf = cosine / 3.14159265f;
     path->scatter_point = at.position;
-    path->ray = (Ray){.origin = start, .direction = direction, .t_max = HUGE_VAL, .target = RTC_NO_OBJECT};
+    leave(path, event, false, direction);
     return true;
 }
 
@@ -347,14 +362,8 @@ static void cross_boundary(Path *path, const Event *event)
         path->beta = lanes_mul(path->beta, hero_only);
         path->ratio = lanes_mul(path->ratio, hero_only);
     }
-    Vec3f start = rtc_leave(world->compiled->rtc, &path->ray, tracer->hits.items, event->n_cluster, !choice.reflected);
-    if (!choice.reflected) {
-        NestList swap = tracer->list;
-        tracer->list = tracer->next;
-        tracer->next = swap;
-    }
     path->scatter_pdf = -1;
-    path->ray = (Ray){.origin = start, .direction = choice.direction, .t_max = HUGE_VAL, .target = RTC_NO_OBJECT};
+    leave(path, event, !choice.reflected, choice.direction);
 }
 
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. */
@@ -377,11 +386,11 @@ static bool start_list(Path *path)
     const World *world = tracer->world;
     if (nest_list_copy(&tracer->list, &world->camera_list) != STATUS_OK) return false;
     if (!world->lens_crosses) return true;
-    Vec3f centre = vec3f_from(world->camera->from);
-    Vec3f offset = vec3f_sub(path->ray.origin, centre);
-    float length = vec3f_length(offset);
+    Vec3 offset = vec3_sub(path->ray.origin, world->camera->from);
+    double length = vec3_length(offset);
     if (!(length > 0)) return true;
-    Ray ray = {.origin = centre, .direction = vec3f_scale(offset, 1 / length), .t_max = (double)length, .target = RTC_NO_OBJECT};
+    Ray ray = ray_make(world->camera->from, vec3f_from(vec3_scale(offset, 1 / length)));
+    ray.t_max = length;
     tracer->counters.rays++;
     rtc_all(world->compiled->rtc, &ray, false, &tracer->shadow_hits);
     NestCrossing crossing;

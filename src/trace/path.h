@@ -20,6 +20,7 @@ typedef struct PathCounters {
 typedef struct Tracer {
     const World *world;
     HitList hits, shadow_hits;
+    HitList left; /* the surfaces that the path's ray starts on */
     NestList list, next, shadow_list;
     NestPass *passes;
     size_t passes_capacity;
