@@ -150,9 +150,9 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
     ShapeFacts *facts = &b->facts[shape];
     if (facts->reported_open) return; /* one report for all that share the mesh */
     facts->reported_open = true;
-    if (!facts->consistent && facts->n_non_manifold) {
+    if (facts->n_non_manifold && (!facts->consistent || facts->n_open_edges <= facts->n_non_manifold)) {
         diag_report(b->diag, D_NON_MANIFOLD_MESH, span,
-                    "%s encloses nothing: %u of its edges have more than two faces, which contradict each other", name,
+                    "%s encloses nothing: %u of its edges have more than two faces, with no sense of inside and outside", name,
                     (unsigned)facts->n_non_manifold);
         return;
     }

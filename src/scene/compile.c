@@ -196,10 +196,9 @@ static int compare_farthest_first(const void *left, const void *right)
 
 /* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than they
  * are entered. They come in the order in which a ray from outside enters them: the one that is left last first. */
-static Status interior_along(const CompiledScene *compiled, Vec3f point, int direction, HitList *hits, NestList *list)
+static Status interior_along(const CompiledScene *compiled, Vec3 point, int direction, HitList *hits, NestList *list)
 {
-    Ray ray = {.origin = point, .direction = vec3f_from(line_direction(direction)), .t_min = 0, .t_max = HUGE_VAL,
-               .target = RTC_NO_OBJECT};
+    Ray ray = ray_make(point, vec3f_from(line_direction(direction)));
     rtc_all(compiled->rtc, &ray, false, hits);
     if (hits->out_of_memory) return STATUS_NOMEM;
     size_t n = 0, n_inside = 0;
@@ -274,18 +273,18 @@ static void sort_list(const CompiledScene *compiled, NestList *list)
 
 /* The object whose surface is at the point. Of three directions at right angles at least one is within 55 degrees of the
  * normal, so that a surface within the rounding along the normal shows within twice the rounding along it. */
-static uint32_t surface_at(const CompiledScene *compiled, Vec3f point, HitList *hits)
+static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, HitList *hits)
 {
-    double rounding = rtc_rounding(vec3_from_f(point));
+    double rounding = rtc_rounding(point);
     for (int i = 0; i < LINE_DIRECTIONS; i++) {
-        Vec3 direction = line_direction(i), center = vec3_from_f(point);
-        Ray ray = {.origin = vec3f_from(vec3_along(center, -4 * rounding, direction)), .direction = vec3f_from(direction),
-                   .t_min = 0, .t_max = 8 * rounding, .target = RTC_NO_OBJECT};
+        Vec3f direction = vec3f_from(line_direction(i));
+        Ray ray = ray_make(vec3_along(point, -2 * rounding, vec3_from_f(direction)), direction);
+        ray.t_max = 4 * rounding;
         rtc_all(compiled->rtc, &ray, false, hits);
         for (size_t k = 0; k < hits->n; k++) {
             const Hit *hit = &hits->items[k];
-            Vec3 at = vec3_along(vec3_from_f(ray.origin), hit->t, vec3_from_f(ray.direction));
-            if (fabs(vec3_dot(vec3_sub(at, center), vec3_from_f(hit->normal))) <= rounding) return hit->object;
+            Vec3 from_point = vec3_sub(ray_point(&ray, hit->t), point);
+            if (fabs(vec3_dot(from_point, vec3_from_f(hit->normal))) <= rounding) return hit->object;
         }
     }
     return SCENE_NONE;
@@ -294,19 +293,20 @@ static uint32_t surface_at(const CompiledScene *compiled, Vec3f point, HitList *
 Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list, uint32_t *on_surface)
 {
     NestList lists[3];
+    Vec3 at = vec3_from_f(point);
     for (int i = 0; i < 3; i++) nest_list_init(&lists[i]);
-    Status status = interior_along(compiled, point, 0, hits, &lists[0]);
-    if (status == STATUS_OK) status = interior_along(compiled, point, 1, hits, &lists[1]);
+    Status status = interior_along(compiled, at, 0, hits, &lists[0]);
+    if (status == STATUS_OK) status = interior_along(compiled, at, 1, hits, &lists[1]);
     if (status == STATUS_OK && same_set(&lists[0], &lists[1])) {
         status = nest_list_copy(list, &lists[0]);
     } else if (status == STATUS_OK) {
-        status = interior_along(compiled, point, 2, hits, &lists[2]);
+        status = interior_along(compiled, at, 2, hits, &lists[2]);
         if (status == STATUS_OK) status = majority(lists, list);
     }
     for (int i = 0; i < 3; i++) nest_list_clear(&lists[i]);
     if (status != STATUS_OK) return status;
     sort_list(compiled, list);
-    if (on_surface) *on_surface = surface_at(compiled, point, hits);
+    if (on_surface) *on_surface = surface_at(compiled, at, hits);
     return hits->out_of_memory ? STATUS_NOMEM : STATUS_OK;
 }
 

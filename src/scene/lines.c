@@ -82,9 +82,9 @@ bool line_set_next(LineSet *set, Line *line)
         double u = set->offset[k] + step[k] * (set->i + 1.0);
         put(&start, other, get(set->box.min, other) + (u - floor(u)) * get(size, other));
     }
-    line->start = vec3f_from(start);
+    line->start = start;
     line->direction = vec3f_from(set->direction);
-    line->length = length_inside(&set->box, vec3_from_f(line->start), vec3_from_f(line->direction));
+    line->length = length_inside(&set->box, start, vec3_from_f(line->direction));
     line->area = set->face_area[axis] / set->n_face[axis];
     set->i++;
     return true;
@@ -120,9 +120,10 @@ bool hit_repeats(const HitList *hits, size_t i)
 }
 
 /* All surfaces of hulls along a ray. */
-static void trace(Probe *probe, const CompiledScene *compiled, Vec3f start, Vec3f direction, double length, HitList *hits)
+static void trace(Probe *probe, const CompiledScene *compiled, Vec3 start, Vec3f direction, double length, HitList *hits)
 {
-    Ray ray = {.origin = start, .direction = direction, .t_min = 0, .t_max = length, .target = RTC_NO_OBJECT};
+    Ray ray = ray_make(start, direction);
+    ray.t_max = length;
     rtc_all(compiled->rtc, &ray, false, hits);
     if (hits->out_of_memory) probe->out_of_memory = true;
     size_t kept = 0;

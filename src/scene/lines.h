@@ -13,7 +13,8 @@ Vec3 line_direction(int i);
 
 /* A stretch of a line: from start along the direction, as far as length. */
 typedef struct Line {
-    Vec3f start, direction;
+    Vec3 start;
+    Vec3f direction;
     double length;
     double area; /* of the cross-section that this line stands for */
 } Line;

@@ -56,8 +56,9 @@ typedef struct FactList {
 
 typedef struct Candidate {
     uint32_t a, b;
-    Box3 region;       /* common part of the bounds, a little widened */
-    bool region_small; /* much smaller than the smaller hull: worth lines of its own */
+    Box3 region;       /* common part of the bounds */
+    bool meet;         /* there is one */
+    bool region_small; /* and it is much smaller than the smaller hull: worth lines of its own */
     FactList facts;    /* of the second and third stage; at most one */
 } Candidate;
 
@@ -99,12 +100,17 @@ static bool smaller(const Finder *f, uint32_t a, uint32_t b)
     return f->extent[a] != f->extent[b] ? f->extent[a] < f->extent[b] : a < b;
 }
 
+static double box_rounding(Box3 box)
+{
+    double largest = fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
+    return rtc_rounding(vec3(largest, largest, largest));
+}
+
 /* How far beyond a hull's bounds its gaps are looked for. */
 static double margin_of(const Finder *f, uint32_t hull)
 {
     Box3 box = f->compiled->hull_bounds[hull];
-    double largest = fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
-    return gap_part * least_extent(box) + 2 * rtc_rounding(vec3(largest, largest, largest));
+    return gap_part * least_extent(box) + 2 * box_rounding(box);
 }
 
 /* A hull that is a ball in the world: its radius, else 0. */
@@ -163,7 +169,7 @@ static void note_gap(const Finder *f, const Probe *probe, const Line *line, Pair
     double along = enter->t - leave->t, middle = leave->t + along / 2;
     if (along < facts->nearest) {
         facts->nearest = along;
-        facts->nearest_place = vec3_along(vec3_from_f(line->start), middle, vec3_from_f(line->direction));
+        facts->nearest_place = vec3_along(line->start, middle, vec3_from_f(line->direction));
     }
     double across = along * fmax(cosine(leave), cosine(enter));
     double widest = gap_part * fmin(least_extent(f->compiled->hull_bounds[facts->own]),
@@ -377,7 +383,7 @@ static bool needs_search(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
-    if (!is_judged_by(f, own, other)) return false;
+    if (!candidate->meet || !is_judged_by(f, own, other)) return false;
     const PairFacts *known = hull_facts_of(f, own, other);
     if (known && known->overlaps) return false;
     if (candidate->facts.n) return !candidate->facts.items[0].overlaps;
@@ -429,20 +435,27 @@ static int compare_edges(const void *left, const void *right)
     return a->hull < b->hull ? -1 : a->hull > b->hull;
 }
 
+static bool has_room(Box3 box)
+{
+    return box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
+}
+
+/* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
 static Status add_candidate(Finder *f, uint32_t a, uint32_t b, Error *error)
 {
     Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
-    double margin = fmin(margin_of(f, a), margin_of(f, b));
-    Box3 region = common(widened(box_a, margin), widened(box_b, margin));
-    if (!(region.min.x < region.max.x && region.min.y < region.max.y && region.min.z < region.max.z)) return STATUS_OK;
+    double margin = fmin(margin_of(f, a), margin_of(f, b)), rounding = fmax(box_rounding(box_a), box_rounding(box_b));
+    if (!has_room(common(widened(box_a, margin), widened(box_b, margin)))) return STATUS_OK;
     if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
         return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
-    uint32_t least = smaller(f, a, b) ? a : b;
+    Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
+    bool meet = has_room(region);
     f->candidates[f->n_candidates++] = (Candidate){
         .a = a < b ? a : b,
         .b = a < b ? b : a,
         .region = region,
-        .region_small = half_area(region) < 0.6 * half_area(widened(f->compiled->hull_bounds[least], margin)),
+        .meet = meet,
+        .region_small = meet && half_area(region) < 0.6 * fmin(f->extent[a], f->extent[b]),
     };
     return STATUS_OK;
 }
@@ -518,8 +531,7 @@ static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, Hu
 {
     const Box3 *bounds = f->compiled->hull_bounds;
     if (!first || !pair->overlaps) return;
-    double largest = fmax(vec3_max_abs(bounds[first->other].min), vec3_max_abs(bounds[first->other].max));
-    double slack = rtc_rounding(vec3(largest, largest, largest));
+    double slack = box_rounding(bounds[first->other]);
     bool own_inside = !first->own_out && first->n_inside == n_lines && box_inside(bounds[first->own], bounds[first->other], slack);
     bool other_inside = !first->other_out && box_inside(bounds[first->other], bounds[first->own], slack);
     if (own_inside == other_inside) return; /* both: the same hull twice */

@@ -1,0 +1,537 @@
+/* build_test.c - scenes from text: what is accepted and what it becomes, what is refused and why.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+#include <unistd.h>
+
+#include "near.h"
+#include "optics/color.h"
+#include "scene_fixture.h"
+
+static const double pi = 3.14159265358979323846;
+
+#define M FIXTURE_MEDIA
+#define V FIXTURE_VIEW
+#define GOOD(f, text) fixture_good(f, M text V)
+#define REFUSED(text, code) fixture_refused(M text V, code)
+
+static void assert_vector(Vec3 v, double x, double y, double z)
+{
+    assert_near(v.x, x, 1e-12);
+    assert_near(v.y, y, 1e-12);
+    assert_near(v.z, z, 1e-12);
+}
+
+/* ---- media and surfaces ---- */
+
+static const SceneMedium *medium_of(const Fixture *f, const char *object)
+{
+    return &f->scene->media[f->scene->objects[fixture_object(f, object)].medium];
+}
+
+static void media_keep_their_properties(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "medium m { ior = cauchy(1.3239, 3.1e-3)  absorption = <.4, .1, 0> / 1cm  state = liquid  priority = 3 }"
+             "medium t { ior = sellmeier(1.03961212, .231792344, 1.01046945, .00600069867, .0200179144, 103.560653) "
+             "tint = rgb(.5, .25, .125)  depth = 2cm }"
+             "sphere a { interior = m } sphere b { interior = t } sphere c { interior = m  priority = -2 }");
+    const SceneMedium *m = medium_of(&f, "a"), *t = medium_of(&f, "b");
+    assert_string_equal(m->name, "m");
+    assert_true(m->disperses && m->absorbs && m->has_priority);
+    assert_int_equal(m->state, NEST_LIQUID);
+    assert_int_equal(t->state, NEST_STATE_UNKNOWN);
+    assert_near((double)spectrum_at_one(&m->ior, 500), 1.3239 + 3.1e-3 / .25, 1e-5);
+    assert_near((double)spectrum_at_one(&t->ior, 587.6f), 1.5168, 1e-4); /* BK7 */
+    assert_true(t->absorbs);
+    assert_true(spectrum_at_one(&m->absorption, 620) > 0.02f); /* per mm */
+    assert_true(spectrum_at_one(&m->absorption, 620) < 0.06f);
+    assert_int_equal(f.scene->objects[fixture_object(&f, "a")].priority, 3);
+    assert_int_equal(f.scene->objects[fixture_object(&f, "c")].priority, -2);
+    fixture_clear(&f);
+}
+
+static void the_world_is_air_unless_it_is_not(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "sphere a { interior = air } sphere b { interior = water }");
+    assert_int_equal(f.scene->objects[0].medium, 0);
+    assert_string_equal(f.scene->media[0].name, "air");
+    assert_int_equal(f.scene->media[0].state, NEST_GAS);
+    fixture_clear(&f);
+    GOOD(&f, "world { medium = water } sphere a { interior = air } sphere b { interior = water }");
+    assert_string_equal(f.scene->media[0].name, "water");
+    assert_int_equal(f.scene->objects[1].medium, 0);
+    assert_int_not_equal(f.scene->objects[0].medium, 0);
+    fixture_clear(&f);
+}
+
+static void wrong_media_are_refused(void **state)
+{
+    (void)state;
+    REFUSED("medium m { }", D_MISSING_PROPERTY);
+    REFUSED("medium m { ior = 0 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("medium m { ior = cauchy(1.5, -5) }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("medium m { ior = sellmeier(1, 0, 0, .3, 1, 1) }", D_VALUE_OUT_OF_RANGE); /* a pole at 548 nm */
+    REFUSED("medium m { ior = blackbody(5000) }", D_WRONG_TYPE);
+    REFUSED("medium m { ior = 1.5 absorption = blackbody(5000) }", D_WRONG_TYPE);
+    REFUSED("medium m { ior = 1.5 absorption = -1 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("medium m { ior = 1.5 absorption = 1e38 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("medium m { ior = 1.5 tint = .5 }", D_MISSING_PROPERTY);
+    REFUSED("medium m { ior = 1.5 depth = 5 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("medium m { ior = 1.5 tint = .5 depth = 5 absorption = 1 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("medium m { ior = 1.5 tint = rgb(2, 0, 0) depth = 5 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("medium m { ior = 1.5 absorption = 1 } world { medium = m }", D_UNBOUNDED_ENVIRONMENT);
+}
+
+static void surfaces_are_diffuse_or_checkered(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "surface s { albedo = rgb(.2, .4, .6) } sphere { surface = s } sphere { surface = s }"
+             "sphere { surface = surface { pattern = checker albedo = .8 check_size = 3 } }");
+    assert_int_equal(f.scene->objects[0].surface, f.scene->objects[1].surface);
+    const SceneSurface *s = &f.scene->surfaces[f.scene->objects[2].surface];
+    assert_true(s->checkered && s->check_size == 3);
+    assert_near((double)spectrum_at_one(&s->albedo, 550), .8, 1e-4);
+    assert_near((double)spectrum_at_one(&s->albedo2, 550), .2, 1e-4);
+    assert_int_equal(f.scene->objects[0].medium, SCENE_NONE);
+    fixture_clear(&f);
+    REFUSED("surface s { albedo2 = .5 }sphere { surface = s }", D_CONFLICTING_PROPERTIES);
+    REFUSED("surface s { check_size = 5 }sphere { surface = s }", D_CONFLICTING_PROPERTIES);
+    REFUSED("surface s { albedo = 1.5 }sphere { surface = s }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("sphere { }", D_MISSING_PROPERTY);
+    REFUSED("sphere { interior = glass surface = surface { } }", D_CONFLICTING_PROPERTIES);
+    REFUSED("sphere { surface = surface { } priority = 1 }", D_CONFLICTING_PROPERTIES);
+}
+
+/* ---- shapes ---- */
+
+static void volumes_are_exact(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double volume;
+    } cases[] = {
+        {"sphere { interior = glass radius = 2 }", 32 / 3.0},
+        {"sphere { interior = glass radius = 2 scale(<1, 2, 3>) }", 64},
+        {"sphere { interior = glass scale(<-1, 1, 1>) }", 4 / 3.0},
+        {"cylinder { interior = glass from = <1, 2, 3> to = <1, 2, 7> radius = 3 }", 36},
+        {"cone { interior = glass from = <0, 0, 0> to = <3, 4, 0> radius_from = 2 }", 20 / 3.0},
+        {"cone { interior = glass to = <0, 3, 0> radius_from = 1 radius_to = 2 }", 7},
+        {"lathe { interior = glass profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] }", 20},
+        {"lathe { interior = glass profile = [<1, 0>, <2, 0>, <2, 1>, <1, 1>] }", 3},
+        {"group { scale(2) sphere { interior = glass } }", 32 / 3.0},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture f;
+        char text[600];
+        snprintf(text, sizeof text, "%s%s%s", M, cases[i].text, V);
+        fixture_good(&f, text);
+        assert_near(f.scene->objects[0].volume, cases[i].volume * pi, 1e-9 * cases[i].volume);
+        fixture_clear(&f);
+    }
+    Fixture f;
+    GOOD(&f, "box { interior = glass from = <3, 0, 0> to = <1, 4, 5> } box { interior = glass size = <1, 2, 3> }"
+             "box { interior = glass size = <10, 10, 10> bevel = 1 bevel_segments = 1 scale(<1, 1, -1>) }");
+    assert_near(f.scene->objects[0].volume, 40, 1e-5);
+    assert_near(f.scene->objects[1].volume, 6, 1e-6);
+    assert_true(f.scene->objects[2].volume < 1000 && f.scene->objects[2].volume > 900);
+    fixture_clear(&f);
+}
+
+static void shapes_are_shared(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "for (i in 1..50) { sphere { interior = glass radius = i center = <0, i, 0> } }"
+             "for (i in 1..50) { cylinder { interior = glass from = <i, 0, 0> to = <i, 2, 0> } }"
+             "let c = box { size = <1, 2, 3> interior = ice } for (i in 1..50) { c { translate(<i, 0, 0>) } }"
+             "let l = lathe { interior = ice profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] rounding = .1 } l { } l { rotate(x, 10) }"
+             "let m = mesh { interior = ice positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>] "
+             "triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>] } m { } m { scale(2) } m { interior = glass }");
+    assert_int_equal(f.scene->n_objects, 155);
+    assert_int_equal(f.scene->n_shapes, 5);
+    assert_near(f.scene->objects[fixture_object(&f, "m 2")].volume, 8 / 6.0, 1e-6);
+    assert_string_equal(f.scene->objects[49].name, "sphere 50");
+    assert_vector(f.scene->objects[49].to_world.t, 0, 50, 0);
+    fixture_clear(&f);
+}
+
+static void a_cylinder_lies_between_its_ends(void **state)
+{
+    (void)state;
+    static const char *const ends[] = {"<0, 9.9, 0>", "<0, 44, 0>", "<1, 2, 3>", "<-4, 5, 6>", "<1, 0, 0>", "<0, 0, 0>"};
+    for (size_t i = 0; i < COUNT_OF(ends); i += 2) {
+        Fixture f;
+        char text[900];
+        snprintf(text, sizeof text, "%scylinder { interior = water from = %s to = %s radius = 2 } %s", M, ends[i], ends[i + 1], V);
+        fixture_good(&f, text);
+        const SceneObject *o = &f.scene->objects[0];
+        double a[3], b[3];
+        sscanf(ends[i], "<%lf, %lf, %lf>", a, a + 1, a + 2);
+        sscanf(ends[i + 1], "<%lf, %lf, %lf>", b, b + 1, b + 2);
+        double height = o->volume / (4 * pi);
+        assert_vector(affine_point(&o->to_world, vec3(0, 0, 0)), a[0], a[1], a[2]);
+        assert_vector(affine_point(&o->to_world, vec3(0, height, 0)), b[0], b[1], b[2]);
+        assert_near(affine_determinant(&o->to_world), 1, 1e-12);
+        fixture_clear(&f);
+    }
+}
+
+static void wrong_shapes_are_refused(void **state)
+{
+    (void)state;
+    REFUSED("sphere { interior = glass radius = 0 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("sphere { interior = glass radius = 1e-200 }", D_DEGENERATE_SHAPE);
+    REFUSED("sphere { interior = glass scale(<1, 0, 1>) }", D_SINGULAR_TRANSFORM);
+    REFUSED("group { scale(<1, 0, 1>) sphere { interior = glass } }", D_SINGULAR_TRANSFORM);
+    REFUSED("sphere { interior = glass center = <1e16, 0, 0> }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("group { scale(1e10) sphere { interior = glass translate(<1e6, 0, 0>) } }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("box { interior = glass }", D_MISSING_PROPERTY);
+    REFUSED("box { interior = glass from = <0, 0, 0> }", D_MISSING_PROPERTY);
+    REFUSED("box { interior = glass from = <0, 0, 0> to = <1, 1, 0> }", D_DEGENERATE_SHAPE);
+    REFUSED("box { interior = glass size = <1, 1, 1> to = <1, 1, 0> }", D_CONFLICTING_PROPERTIES);
+    REFUSED("box { interior = glass size = <1, 1, 1> bevel = .5 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("box { interior = glass size = <1, 1, 1> bevel_segments = 3 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("cylinder { interior = glass to = <0, 0, 0> }", D_DEGENERATE_SHAPE);
+    REFUSED("cone { interior = glass radius_from = 0 }", D_DEGENERATE_SHAPE);
+    REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 1>] }", D_DEGENERATE_SHAPE);
+    REFUSED("lathe { interior = glass profile = [<0, 0>, <-1, 1>, <1, 1>] }", D_DEGENERATE_SHAPE);
+    REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 0>, <0, 1>] rounding = [.1, .1] }", D_VALUE_OUT_OF_RANGE);
+}
+
+/* ---- meshes ---- */
+
+#define TETRAHEDRON "positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>]"
+
+static void meshes_are_checked_and_mended(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>] }");
+    assert_null(fixture_find(&f, D_MESH_MENDED));
+    assert_near(f.scene->objects[0].volume, 1 / 6.0, 1e-7);
+    fixture_clear(&f);
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 2>, <0, 3, 1>, <0, 2, 3>, <1, 3, 2>] }"); /* inside out */
+    assert_non_null(fixture_find(&f, D_MESH_MENDED));
+    assert_near(f.scene->objects[0].volume, 1 / 6.0, 1e-7);
+    fixture_clear(&f);
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 3, 1>, <0, 3, 2>, <1, 2, 3>] }"); /* one turned */
+    assert_non_null(fixture_find(&f, D_MESH_MENDED));
+    assert_near(f.scene->objects[0].volume, 1 / 6.0, 1e-7);
+    fixture_clear(&f);
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>, <2, 3, 1>, <0, 0, 1>] }");
+    assert_non_null(fixture_find(&f, D_MESH_MENDED)); /* one twice, one without extent */
+    assert_int_equal(f.scene->shapes[0].mesh->n_triangles, 4);
+    fixture_clear(&f);
+    GOOD(&f, "mesh { surface = surface { } " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>] }"); /* open and opaque */
+    fixture_clear(&f);
+}
+
+static void open_meshes_enclose_nothing(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_text(&f, M "mesh bowl { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>] }" V);
+    const Diagnostic *open = fixture_find(&f, D_OPEN_MESH);
+    assert_non_null(open);
+    assert_non_null(strstr(open->text, "bowl"));
+    assert_non_null(strstr(open->text, "3 edges"));
+    assert_non_null(open->notes);
+    assert_non_null(strstr(open->notes->text, "from <"));
+    fixture_clear(&f);
+    REFUSED("mesh { surface = surface { } closed = true " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>] }", D_OPEN_MESH);
+    REFUSED("mesh { interior = glass }", D_MISSING_PROPERTY);
+    REFUSED("mesh { interior = glass " TETRAHEDRON " }", D_MISSING_PROPERTY);
+    REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 4>] }", D_BAD_INDEX);
+    REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 1.5>] }", D_BAD_INDEX);
+    REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 1>] }", D_MESH_INVALID);
+    REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 2>] file = \"x.ply\" }", D_CONFLICTING_PROPERTIES);
+    REFUSED("mesh { interior = glass file = \"there-is-no-such.ply\" }", D_FILE_NOT_FOUND);
+    /* two tetrahedra that share a face between them: three faces at each of its edges */
+    REFUSED("mesh { interior = glass positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>, <0, 0, -1>] "
+            "triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>, <0, 4, 1>, <1, 4, 2>, <2, 4, 0>] }", D_NON_MANIFOLD_MESH);
+}
+
+static void meshes_come_from_files(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/meniscus-build-XXXXXX", path[200], text[2000];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/t.obj", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", file);
+    fclose(file);
+    Fixture f;
+    snprintf(text, sizeof text, "%s for (i in 1..3) { mesh { file = \"%s\" interior = glass translate(<i, 0, 0>) } } %s", M, path, V);
+    fixture_good(&f, text);
+    assert_int_equal(f.scene->n_shapes, 1);
+    assert_int_equal(f.scene->n_objects, 3);
+    bool listed = false;
+    for (uint32_t i = 0; i < f.scene->n_files; i++) listed = listed || strcmp(f.scene->files[i], path) == 0;
+    assert_true(listed);
+    uint64_t hash = f.scene->hash;
+    fixture_clear(&f);
+    file = fopen(path, "w");
+    fputs("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", file);
+    fclose(file);
+    fixture_good(&f, text);
+    assert_true(f.scene->hash != hash); /* what is in the file counts */
+    fixture_clear(&f);
+    file = fopen(path, "w");
+    fputs("v 0 0 0\nf 1 2 3\n", file);
+    fclose(file);
+    fixture_refused(text, D_MESH_INVALID);
+    remove(path);
+    rmdir(folder);
+}
+
+/* ---- lights ---- */
+
+static void lights_shine_where_they_are_told(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "light q { from = <0, 10, 0> to = <0, 0, 0> size = <4, 2> power = 5 }"
+             "light d { shape = disc from = <5, 0, 0> to = <0, 0, 0> radius = 2 radiance = 3 }"
+             "light s { shape = sphere from = <1, 2, 3> radius = 2 translate(<1, 0, 0>) scale(2) }"
+             "light sun { shape = distant from = <0, 3, 4> to = <0, 0, 0> power = 8 }");
+    const SceneLight *l = f.scene->lights;
+    assert_int_equal(f.scene->n_lights, 4);
+    assert_int_equal(l[0].kind, LIGHT_RECT);
+    assert_vector(affine_vector(&l[0].to_world, vec3(0, 1, 0)), 0, -1, 0);
+    assert_near(l[0].half_width, 2, 0);
+    assert_near(l[0].half_height, 1, 0);
+    assert_int_equal(f.scene->objects[l[0].object].light, 0);
+    assert_true(spectrum_is_zero(&f.scene->surfaces[f.scene->objects[l[0].object].surface].albedo));
+    double white = (double)lanes_get(white_at(lanes_all(560)), 0);
+    assert_near((double)spectrum_at_one(&l[0].radiance, 560) / white, 5 / (pi * 8e-6), 1e-3 * 2e5);
+    assert_near((double)spectrum_at_one(&l[1].radiance, 560) / white, 3, 1e-3);
+    assert_near((double)spectrum_at_one(&l[2].radiance, 560) / white, 1, 1e-3);
+    assert_vector(affine_vector(&l[1].to_world, vec3(0, 1, 0)), -1, 0, 0);
+    assert_vector(l[2].to_world.t, 4, 4, 6);
+    assert_near(l[2].half_width, 4, 1e-12);
+    assert_near(affine_determinant(&l[2].to_world), 1, 1e-12);
+    assert_vector(l[3].towards, 0, .6, .8);
+    assert_int_equal(l[3].object, SCENE_NONE);
+    double sine2 = 1 - l[3].cos_angle * l[3].cos_angle;
+    assert_near((double)spectrum_at_one(&l[3].radiance, 560) / white * pi * sine2, 8, 8e-3);
+    fixture_clear(&f);
+    GOOD(&f, "light { size = <1, 1> to = <1, 0, 0> color = blackbody(3000K) radiance = 4 }");
+    assert_true(spectrum_at_one(&f.scene->lights[0].radiance, 700) > 2 * spectrum_at_one(&f.scene->lights[0].radiance, 450));
+    fixture_clear(&f);
+}
+
+static void wrong_lights_are_refused(void **state)
+{
+    (void)state;
+    REFUSED("light { to = <1, 0, 0> }", D_MISSING_PROPERTY);
+    REFUSED("light { size = <1, 1> }", D_MISSING_PROPERTY);
+    REFUSED("light { shape = sphere }", D_MISSING_PROPERTY);
+    REFUSED("light { shape = sphere radius = 1 to = <1, 0, 0> }", D_CONFLICTING_PROPERTIES);
+    REFUSED("light { shape = disc radius = 1 size = <1, 1> to = <1, 0, 0> }", D_CONFLICTING_PROPERTIES);
+    REFUSED("light { size = <1, 1> to = <1, 0, 0> angle = 3 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("light { size = <1, 1> to = <1, 0, 0> power = 1 radiance = 1 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("light { size = <1, 1> to = <0, 0, 0> }", D_DEGENERATE_SHAPE);
+    REFUSED("light { size = <1, 1> to = <1, 0, 0> scale(<1, 2, 1>) }", D_SINGULAR_TRANSFORM);
+    REFUSED("light { size = <1, 1> to = <1, 0, 0> color = cauchy(1, 2) }", D_WRONG_TYPE);
+    REFUSED("light { size = <1, 1> to = <1, 0, 0> color = blackbody(3) }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("light { size = <1, 1> to = <1, 0, 0> radiance = 1e38 }", D_VALUE_OUT_OF_RANGE);
+}
+
+/* ---- environment ---- */
+
+static float image_pixel;
+
+static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height, Error *error)
+{
+    (void)context, (void)path, (void)space, (void)error;
+    *rgb = malloc(24 * sizeof **rgb);
+    if (!*rgb) return STATUS_NOMEM;
+    for (int i = 0; i < 24; i++) (*rgb)[i] = 1;
+    (*rgb)[13] = image_pixel;
+    *width = 4;
+    *height = 2;
+    return STATUS_OK;
+}
+
+static void environments_are_colours_or_images(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/meniscus-env-XXXXXX", text[1000];
+    int descriptor = mkstemp(path);
+    assert_true(descriptor >= 0);
+    close(descriptor);
+    SceneOptions options = {.load_image = load_image};
+    snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { image = \"%s\" strength = 2 rotate(y, 90) } camera { from = <0, 0, 1> }", path);
+    Fixture f;
+    uint64_t hash[2];
+    for (int i = 0; i < 2; i++) {
+        image_pixel = (float)i;
+        fixture_build(&f, text, &options);
+        assert_int_equal(f.status, STATUS_OK);
+        hash[i] = f.scene->hash;
+        assert_non_null(f.scene->environment);
+        assert_near(affine_determinant(&f.scene->world_to_environment), 1, 1e-12);
+        fixture_clear(&f);
+    }
+    assert_true(hash[0] != hash[1]);
+    const float bad[] = {-1, NAN, INFINITY};
+    for (size_t i = 0; i < COUNT_OF(bad); i++) {
+        image_pixel = bad[i];
+        fixture_build(&f, text, &options);
+        assert_int_equal(f.status, STATUS_SCENE);
+        assert_non_null(strstr(fixture_find(&f, D_IMAGE_INVALID)->text, "green of pixel 0,1"));
+        fixture_clear(&f);
+    }
+    remove(path);
+    const char *const refused[] = {"scale(2)", "scale(<-1, 1, 1>)", "color = 1 image = \"x.exr\"", "image = \"there-is-none.exr\""};
+    const DiagCode codes[] = {D_SINGULAR_TRANSFORM, D_SINGULAR_TRANSFORM, D_CONFLICTING_PROPERTIES, D_FILE_NOT_FOUND};
+    for (size_t i = 0; i < COUNT_OF(refused); i++) {
+        snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { %s } camera { from = <0, 0, 1> }", refused[i]);
+        fixture_refused(text, codes[i]);
+    }
+}
+
+/* ---- cameras, film, render ---- */
+
+static void cameras_look_where_they_should(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_good(&f, M "sphere { interior = glass } environment { }"
+                       "camera a { from = <0, 0, 5> to = <0, 0, 0> fov = 90 aperture = 2 focus = <3, 0, 1> }"
+                       "camera b { from = <0, 5, 0> expect = [] } camera c { from = <0, 0, 5> expect = [water, glass] }"
+                       "group { translate(<1, 0, 0>) camera d { from = <0, 0, 5> } }");
+    const SceneCamera *c = f.scene->cameras;
+    assert_int_equal(f.scene->n_cameras, 4);
+    assert_vector(c[0].right, 1, 0, 0);
+    assert_vector(c[0].up, 0, 1, 0);
+    assert_vector(c[0].forward, 0, 0, -1);
+    assert_near(c[0].tan_half_width, 1, 1e-12);
+    assert_near(c[0].lens_radius, 1, 1e-12);
+    assert_near(c[0].focus_distance, 4, 1e-12);
+    assert_vector(c[1].forward, 0, -1, 0);
+    assert_vector(c[1].right, 1, 0, 0);
+    assert_non_null(c[1].expect);
+    assert_int_equal(c[1].n_expect, 0);
+    assert_int_equal(c[2].n_expect, 2);
+    assert_string_equal(f.scene->media[c[2].expect[0]].name, "water");
+    assert_null(c[0].expect);
+    assert_vector(c[3].from, 1, 0, 5);
+    assert_near(c[3].focus_distance, 5, 1e-12);
+    fixture_clear(&f);
+    REFUSED("camera { from = <1, 1, 1> to = <1, 1, 1> }", D_DEGENERATE_SHAPE);
+    REFUSED("camera { from = <0, 1, 0> up = <0, 1, 0> }", D_DEGENERATE_SHAPE);
+    REFUSED("camera { from = <0, 1, 0> fov = 180 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 1, 0> aperture = 1 focus = <0, 2, 0> }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 1, 0> focus = <0, 0, 0> }", D_CONFLICTING_PROPERTIES);
+    REFUSED("camera { to = <0, 1, 0> }", D_MISSING_PROPERTY);
+    fixture_refused(M "sphere { interior = glass } environment { }", D_NO_CAMERA);
+    fixture_refused("meniscus 1.0 unit mm camera { from = <0, 0, 1> }", D_NOTHING_TO_RENDER);
+    fixture_text(&f, "meniscus 1.0 unit mm camera { from = <0, 0, 1> } ground { y = -1 }");
+    assert_int_equal(f.status, STATUS_OK);
+    assert_non_null(fixture_find(&f, D_NO_LIGHT));
+    fixture_clear(&f);
+}
+
+static void settings_reach_the_scene(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "film { size = <320, 200> output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 nesting = entered seed = 9 }");
+    assert_int_equal(f.scene->film.width, 320);
+    assert_int_equal(f.scene->film.height, 200);
+    assert_int_equal(f.scene->film.n_outputs, 1);
+    assert_string_equal(f.scene->film.outputs[0], "a.exr");
+    assert_int_equal(f.scene->render.samples, 7);
+    assert_int_equal(f.scene->render.bounces, 3);
+    assert_int_equal(f.scene->render.seed, 9);
+    assert_int_equal(f.scene->render.nesting, NEST_ENTERED);
+    fixture_clear(&f);
+    GOOD(&f, "film { output = [\"a.exr\", \"b.png\"] } render { nesting = none }");
+    assert_int_equal(f.scene->film.n_outputs, 2);
+    assert_int_equal(f.scene->film.width, 640);
+    assert_int_equal(f.scene->render.nesting, NEST_NONE);
+    assert_int_equal(f.scene->render.samples, 256);
+    fixture_clear(&f);
+    REFUSED("film { size = <10.5, 10> }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("film { size = <0, 10> }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("render { samples = 0 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("render { nesting = sideways }", D_UNKNOWN_CHOICE);
+}
+
+/* ---- names and hashes ---- */
+
+static void things_have_names(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "sphere { interior = glass } sphere drop { interior = glass } sphere { interior = glass } box { size = <1, 1, 1> interior = glass }"
+             "def bead(i) { sphere bead { interior = glass center = <i, 0, 0> } } bead(3) bead(6)");
+    static const char *const names[] = {"sphere 1", "drop", "sphere 2", "box 1", "bead", "bead 2"};
+    for (uint32_t i = 0; i < COUNT_OF(names); i++) assert_string_equal(f.scene->objects[i].name, names[i]);
+    fixture_clear(&f);
+}
+
+static uint64_t hash_of(const char *body)
+{
+    char text[1000];
+    Fixture f;
+    snprintf(text, sizeof text, "%s%s%s", M, body, V);
+    fixture_good(&f, text);
+    uint64_t hash = f.scene->hash;
+    fixture_clear(&f);
+    return hash;
+}
+
+static void the_hash_is_of_the_meaning(void **state)
+{
+    (void)state;
+    uint64_t hash = hash_of("sphere { interior = glass }");
+    assert_true(hash == hash_of(" /* note */ sphere ball { interior = glass } film { output = \"x.exr\" } render { samples = 3 }"));
+    assert_true(hash == hash_of("medium unused { ior = 2 } sphere { interior = glass }"));
+    assert_true(hash == hash_of("medium g { ior = 3 / 2 state = solid } sphere { interior = g }"));
+    static const char *const others[] = {
+        "sphere { interior = water }", "sphere { interior = glass radius = 1.001 }", "sphere { interior = glass priority = 1 }",
+        "sphere { surface = surface { } }", "sphere { interior = glass } render { bounces = 3 }",
+        "sphere { interior = glass } render { seed = 1 }", "sphere { interior = glass } render { nesting = priority }",
+        "sphere { interior = glass } film { size = <641, 480> }", "sphere { interior = glass } ground { y = -5 }",
+        "sphere { interior = glass } light { shape = distant to = <1, 0, 0> }", "world { medium = water } sphere { interior = glass }",
+        "sphere { interior = glass translate(<0, 1e-9, 0>) }", "sphere { interior = glass } sphere { interior = glass }"};
+    for (size_t i = 0; i < COUNT_OF(others); i++) assert_true(hash != hash_of(others[i]));
+    /* one medium or two of equal properties: overlapping objects merge or they do not */
+    assert_true(hash_of("medium g { ior = 1.5 state = solid } sphere { interior = glass } sphere { interior = g center = <1, 0, 0> }") !=
+                hash_of("sphere { interior = glass } sphere { interior = glass center = <1, 0, 0> }"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(media_keep_their_properties),
+        cmocka_unit_test(the_world_is_air_unless_it_is_not),
+        cmocka_unit_test(wrong_media_are_refused),
+        cmocka_unit_test(surfaces_are_diffuse_or_checkered),
+        cmocka_unit_test(volumes_are_exact),
+        cmocka_unit_test(shapes_are_shared),
+        cmocka_unit_test(a_cylinder_lies_between_its_ends),
+        cmocka_unit_test(wrong_shapes_are_refused),
+        cmocka_unit_test(meshes_are_checked_and_mended),
+        cmocka_unit_test(open_meshes_enclose_nothing),
+        cmocka_unit_test(meshes_come_from_files),
+        cmocka_unit_test(lights_shine_where_they_are_told),
+        cmocka_unit_test(wrong_lights_are_refused),
+        cmocka_unit_test(environments_are_colours_or_images),
+        cmocka_unit_test(cameras_look_where_they_should),
+        cmocka_unit_test(settings_reach_the_scene),
+        cmocka_unit_test(things_have_names),
+        cmocka_unit_test(the_hash_is_of_the_meaning),
+    };
+    return cmocka_run_group_tests_name("build", tests, NULL, NULL);
+}

@@ -1,0 +1,360 @@
+/* compile_test.c - how hulls lie to each other, the order that follows, and which hulls hold a point.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "near.h"
+#include "scene/report.h"
+#include "scene_fixture.h"
+
+static const double pi = 3.14159265358979323846;
+
+#define M FIXTURE_MEDIA
+#define V FIXTURE_VIEW
+#define COMPILE(f, text) fixture_compile(f, M text V, 1)
+
+/* What text says of its two named objects a and b. */
+static HullPair pair_in(const char *text)
+{
+    char whole[4000];
+    snprintf(whole, sizeof whole, "%s%s%s", M, text, V);
+    Fixture f;
+    fixture_compile(&f, whole, 1);
+    const HullPair *found = fixture_pair(&f, "a", "b");
+    HullPair pair = found ? *found : (HullPair){.gap = HUGE_VAL};
+    fixture_clear(&f);
+    return pair;
+}
+
+static void assert_overlap(const char *text, NestRelation relation, double volume)
+{
+    HullPair pair = pair_in(text);
+    if (!pair.overlaps || pair.relation != relation) fail_msg("%s: overlaps %d, relation %d", text, pair.overlaps, pair.relation);
+    double slack = 4 * pair.overlap_volume_error + 1e-6 * volume;
+    if (!(fabs(pair.overlap_volume - volume) <= slack) || !(pair.overlap_volume_error <= 0.2 * volume))
+        fail_msg("%s: %g +- %g, not %g", text, pair.overlap_volume, pair.overlap_volume_error, volume);
+}
+
+/* ---- pairs ---- */
+
+static void contained_hulls_are_seen_to_be(void **state)
+{
+    (void)state;
+    assert_overlap("box a { interior = glass size = <10, 10, 10> } sphere b { interior = gas radius = 2 }", NEST_B_IN_A, 32 * pi / 3);
+    assert_overlap("sphere a { interior = gas radius = 2 } box b { interior = glass size = <4, 4, 4> }", NEST_A_IN_B, 32 * pi / 3);
+    assert_overlap("sphere a { interior = gas radius = 2 } sphere b { interior = glass radius = 3 center = <1, 0, 0> }",
+                   NEST_A_IN_B, 32 * pi / 3);
+    /* faces in one plane, inside all the same */
+    assert_overlap("box a { interior = glass from = <0, 0, 0> to = <4, 4, 4> } box b { interior = water from = <0, 0, 0> to = <4, 2, 1> }",
+                   NEST_B_IN_A, 8);
+    assert_overlap("cylinder a { interior = glass to = <0, 9, 0> radius = 3 } cylinder b { interior = water to = <0, 9, 0> radius = 2 }",
+                   NEST_B_IN_A, 36 * pi);
+    /* the same hull twice is in neither */
+    assert_overlap("box a { interior = glass size = <1, 2, 3> } box b { interior = water size = <1, 2, 3> }", NEST_PARTIAL, 6);
+    assert_overlap("sphere a { interior = glass } sphere b { interior = water }", NEST_PARTIAL, 4 * pi / 3);
+    /* mirrored, turned and instanced */
+    assert_overlap("group { scale(<-1, 1, 1>) rotate(<10, 20, 30>) box a { interior = glass size = <10, 10, 10> bevel = 1 } "
+                   "sphere b { interior = gas radius = 2 center = <1, 1, 1> } }", NEST_B_IN_A, 32 * pi / 3);
+    /* a hair's breadth sticks out */
+    assert_overlap("box a { interior = glass size = <10, 10, 10> } cylinder b { interior = water from = <0, -5.001, 0> to = <0, 0, 0> radius = 2 }",
+                   NEST_PARTIAL, 20 * pi);
+}
+
+static void overlaps_are_measured(void **state)
+{
+    (void)state;
+    assert_overlap("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <0, 0, 0> to = <3, 3, 3> }", NEST_PARTIAL, 1);
+    assert_overlap("sphere a { interior = glass } sphere b { interior = water center = <1, 0, 0> }", NEST_PARTIAL, 5 * pi / 12);
+    assert_overlap("cylinder a { interior = glass from = <0, -9, 0> to = <0, 9, 0> radius = 1 } box b { interior = water size = <30, 2, 30> }",
+                   NEST_PARTIAL, 2 * pi);
+    /* two thick rods that cross: no surface of either in the middle */
+    assert_overlap("box a { interior = glass size = <90, 9, 9> } box b { interior = water size = <9, 9.5, 90> }", NEST_PARTIAL, 729);
+    /* a drink that reaches a tenth of a millimetre into its tumbler */
+    assert_overlap("lathe a { interior = glass profile = [<0, 0>, <38, 0>, <40, 2>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                   "cylinder b { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }",
+                   NEST_PARTIAL, pi * (37 * 37 * .1 + (37.1 * 37.1 - 37 * 37) * 34.1));
+    /* panes of a tank */
+    assert_overlap("box a { interior = glass from = <-51, -1, -26> to = <51, 0, 26> } box b { interior = glass from = <49.8, -.1, -26> to = <51, 45, 26> }",
+                   NEST_PARTIAL, 1.2 * .1 * 52);
+}
+
+static void small_overlaps_are_not_missed(void **state)
+{
+    (void)state;
+    /* corners */
+    assert_true(pair_in("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <.999, .999, .999> to = <9, 9, 9> }").overlaps);
+    /* the top of a ball, 0.01 deep into a large plate: a cap 0.28 wide, 1 part in 5,000 of the ball's silhouette */
+    assert_true(pair_in("sphere a { interior = gas radius = 2 center = <0, 2, 0> scale(<1, 1, 1.001>) } "
+                        "box b { interior = glass from = <-50, 3.99, -50> to = <50, 9, 50> }").overlaps);
+    /* an ellipsoid that bites into a cylinder's side by 0.002 of its size, off any axis */
+    assert_true(pair_in("sphere a { interior = gas scale(<1, 1.5, 1>) translate(<1.41, .3, 1.41>) } "
+                        "cylinder b { interior = glass from = <0, -5, 0> to = <0, 5, 0> radius = .996 }").overlaps);
+    /* and these do not overlap */
+    assert_false(pair_in("sphere a { interior = gas scale(<1, 1.5, 1>) translate(<1.42, .3, 1.42>) } "
+                         "cylinder b { interior = glass from = <0, -5, 0> to = <0, 5, 0> radius = .996 }").overlaps);
+    assert_false(pair_in("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <1.001, .999, .999> to = <9, 9, 9> }").overlaps);
+    assert_false(pair_in("sphere a { interior = glass } sphere b { interior = water center = <1.2, 1.2, 1.2> }").overlaps);
+}
+
+static void touching_and_gaps_are_told_apart(void **state)
+{
+    (void)state;
+    HullPair pair = pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = water from = <0, 1, 0> to = <4, 3, 4> }");
+    assert_true(pair.touches && !pair.overlaps && isinf(pair.gap));
+    pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                   "cylinder b { interior = water from = <0, 10.1, 0> to = <0, 44, 0> radius = 36.9 }");
+    assert_true(!pair.touches && !pair.overlaps);
+    assert_near(pair.gap, .1, 1e-4);
+    /* a gap at the side and an overlap at the bottom */
+    pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                   "cylinder b { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 36.9 }");
+    assert_true(pair.overlaps);
+    assert_near(pair.gap, .1, 1e-4);
+    /* a gap that is filled is none; a ball that rests on a plate is no gap; a wide gap is meant */
+    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from = <0, 1.01, 0> to = <4, 3, 4> }"
+                              "box { interior = water from = <-1, -1, -1> to = <9, 9, 9> }").gap));
+    assert_true(isinf(pair_in("box a { interior = glass from = <-9, -2, -9> to = <9, -1, 9> } sphere b { interior = ice }").gap));
+    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from = <0, 1.5, 0> to = <4, 3, 4> }").gap));
+}
+
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    const char *text = M "lathe { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                         "cylinder { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }"
+                         "for (i in 1..40) { box { interior = ice size = <9, 9, 9> rotate(<i, 2 * i, 3 * i>) "
+                         "translate(<25 * cos(77 * i), 10 + i, 25 * sin(77 * i)>) } }" V;
+    Fixture one, many;
+    fixture_compile(&one, text, 1);
+    fixture_compile(&many, text, 3);
+    assert_int_equal(one.compiled->n_pairs, many.compiled->n_pairs);
+    assert_true(one.compiled->n_pairs > 40);
+    for (size_t i = 0; i < one.compiled->n_pairs; i++) {
+        const HullPair *a = &one.compiled->pairs[i], *b = &many.compiled->pairs[i];
+        assert_true(a->a == b->a && a->b == b->b && a->relation == b->relation && a->overlap_volume == b->overlap_volume);
+    }
+    for (uint32_t h = 0; h < one.compiled->n_hulls; h++) assert_int_equal(one.compiled->order.rank[h], many.compiled->order.rank[h]);
+    fixture_clear(&one);
+    fixture_clear(&many);
+}
+
+/* ---- order ---- */
+
+static uint32_t rank_of(const Fixture *f, const char *name)
+{
+    return f->compiled->order.rank[f->compiled->hull_of_object[fixture_object(f, name)]];
+}
+
+static void the_order_follows_the_rules(void **state)
+{
+    (void)state;
+    Fixture f;
+    /* state of matter: glass over the larger and the smaller drink; the ice over the drink; the bubble inside */
+    COMPILE(&f, "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 90, 0> radius = 37.1 }"
+                "box cube { interior = ice size = <24, 24, 24> translate(<0, 85, 0>) } sphere bead { interior = gas center = <0, 40, 0> }");
+    assert_true(rank_of(&f, "tumbler") > rank_of(&f, "drink"));
+    assert_true(rank_of(&f, "cube") > rank_of(&f, "drink"));
+    assert_true(rank_of(&f, "bead") > rank_of(&f, "drink"));
+    fixture_clear(&f);
+    COMPILE(&f, "sphere a { interior = oil radius = 2 } sphere b { interior = glass center = <2, 0, 0> }");
+    assert_true(rank_of(&f, "b") > rank_of(&f, "a"));
+    fixture_clear(&f);
+    COMPILE(&f, "sphere a { interior = oil radius = 2 priority = 1 } sphere b { interior = glass center = <2, 0, 0> }");
+    assert_true(rank_of(&f, "a") > rank_of(&f, "b"));
+    fixture_clear(&f);
+}
+
+static void circles_are_reported(void **state)
+{
+    (void)state;
+    Fixture f;
+    /* inner is in outer: on top. outer (gas) is over wet (liquid) by state. wet is over inner by volume, for inner's state is unknown. */
+    COMPILE(&f, "box outer { interior = gas from = <0, 0, 0> to = <10, 10, 10> } box inner { interior = oil from = <1, 1, 1> to = <9, 9, 9> }"
+                "box wet { interior = water from = <8, 4, 4> to = <14, 6, 6> }");
+    const Diagnostic *circle = fixture_find(&f, D_ORDER_CIRCLE);
+    assert_non_null(circle);
+    assert_int_equal(f.compiled->order.n_circles, 1);
+    assert_non_null(circle->notes);
+    fixture_clear(&f);
+}
+
+static void hidden_objects_are_reported(void **state)
+{
+    (void)state;
+    Fixture f;
+    COMPILE(&f, "box { interior = glass size = <9, 9, 9> priority = 1 } sphere lost { interior = gas }"
+                "sphere half { interior = gas center = <4.5, 0, 0> }");
+    report_warnings(f.compiled, &f.diag);
+    const Diagnostic *hidden = fixture_find(&f, D_HIDDEN_OBJECT);
+    assert_non_null(hidden);
+    assert_non_null(strstr(hidden->text, "lost"));
+    assert_int_equal(f.diag.n_warnings, 1);
+    fixture_clear(&f);
+    /* between two that hide it together */
+    COMPILE(&f, "box a { interior = glass from = <0, 0, 0> to = <5, 9, 9> priority = 1 } box b { interior = ice from = <4, 0, 0> to = <9, 9, 9> priority = 1 }"
+                "box c { interior = water from = <1, 1, 1> to = <8, 8, 8> }");
+    report_warnings(f.compiled, &f.diag);
+    assert_non_null(fixture_find(&f, D_HIDDEN_OBJECT));
+    fixture_clear(&f);
+}
+
+/* ---- points ---- */
+
+/* Names of the hulls that hold a point, the owner last. */
+static void assert_inside(const Fixture *f, Vec3f point, const char *expected)
+{
+    HitList hits = {0};
+    NestList list;
+    nest_list_init(&list);
+    uint32_t on_surface;
+    char names[500] = "";
+    assert_int_equal(compiled_interior(f->compiled, point, &hits, &list, &on_surface), STATUS_OK);
+    for (uint32_t i = 0; i < list.n; i++) {
+        strcat(names, i ? " " : "");
+        strcat(names, f->scene->objects[f->compiled->object_of_hull[nest_list_items(&list)[i]]].name);
+    }
+    assert_string_equal(names, expected);
+    assert_int_equal(on_surface, SCENE_NONE);
+    nest_list_clear(&list);
+    hit_list_clear(&hits);
+}
+
+static void points_know_where_they_are(void **state)
+{
+    (void)state;
+    Fixture f;
+    const char *scene = "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                        "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }"
+                        "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> bevel = 2 } "
+                        "sphere bead { interior = gas center = <0, 40, 0> } ground { y = -1 }";
+    static const char *const policies[] = {"automatic", "priority", "entered"};
+    for (size_t i = 0; i < COUNT_OF(policies); i++) {
+        char text[2000];
+        snprintf(text, sizeof text, "%s%s render { nesting = %s } %s", M, scene, policies[i], V);
+        fixture_compile(&f, text, 1);
+        assert_inside(&f, vec3f(0, 70, 0), "");
+        assert_inside(&f, vec3f(0, 1e6f, 0), "");
+        assert_inside(&f, vec3f(1e6f, 20, 0), "");
+        assert_inside(&f, vec3f(20, 20, 0), "drink");
+        assert_inside(&f, vec3f(0, 5, 0), "tumbler");
+        assert_inside(&f, vec3f(39, 20, 0), "tumbler");
+        assert_inside(&f, vec3f(0, 50, 0), "cube");
+        if (i == 0) {
+            assert_inside(&f, vec3f(0, 9.95f, 0), "drink tumbler");
+            assert_inside(&f, vec3f(0, 40, 0), "drink cube bead");
+            assert_inside(&f, vec3f(5, 40, 5), "drink cube");
+        }
+        fixture_clear(&f);
+    }
+}
+
+static void hulls_are_found_through_a_thousand_shells(void **state)
+{
+    (void)state;
+    Fixture f;
+    COMPILE(&f, "for (i in 1..1000) { sphere { interior = i % 2 == 1 ? glass : water radius = i } }");
+    HitList hits = {0};
+    NestList list;
+    nest_list_init(&list);
+    assert_int_equal(compiled_interior(f.compiled, vec3f(0, 0, 0), &hits, &list, NULL), STATUS_OK);
+    assert_int_equal(list.n, 1000);
+    for (uint32_t i = 0; i < list.n; i++) assert_int_equal(nest_list_items(&list)[i], 999 - i);
+    assert_int_equal(compiled_interior(f.compiled, vec3f(500.5f, 0, 0), &hits, &list, NULL), STATUS_OK);
+    assert_int_equal(list.n, 500);
+    nest_list_clear(&list);
+    hit_list_clear(&hits);
+    fixture_clear(&f);
+}
+
+/* Random points against formulas. */
+static void random_points_agree_with_formulas(void **state)
+{
+    (void)state;
+    Fixture f;
+    COMPILE(&f, "sphere a { interior = glass radius = 2 } box b { interior = water from = <-1, -3, -1> to = <3, 1, 1> }"
+                "group { rotate(<30, 40, 50>) scale(<-1, 1, 1>) box c { interior = ice size = <3, 3, 3> bevel = .1 } }");
+    HitList hits = {0};
+    NestList list;
+    nest_list_init(&list);
+    const Affine *to_world = &f.scene->objects[2].to_world;
+    Affine inverse;
+    assert_true(affine_invert(to_world, &inverse));
+    uint32_t seed = 1;
+    for (int i = 0; i < 20000; i++) {
+        float x[3];
+        for (int k = 0; k < 3; k++) {
+            seed = seed * 1664525u + 1013904223u;
+            x[k] = (float)(seed >> 8) * 0x1p-24f * 8 - 4;
+        }
+        Vec3 p = vec3((double)x[0], (double)x[1], (double)x[2]), q = affine_point(&inverse, p);
+        bool in_a = vec3_length(p) < 2, in_b = p.x > -1 && p.x < 3 && p.y > -3 && p.y < 1 && fabs(p.z) < 1;
+        assert_int_equal(compiled_interior(f.compiled, vec3f(x[0], x[1], x[2]), &hits, &list, NULL), STATUS_OK);
+        assert_int_equal(nest_list_has(&list, 0), in_a);
+        assert_int_equal(nest_list_has(&list, 1), in_b);
+        double most = vec3_max_abs(q);
+        if (most < 1.4 || most > 1.5) assert_int_equal(nest_list_has(&list, 2), most < 1.4); /* away from the bevels */
+    }
+    nest_list_clear(&list);
+    hit_list_clear(&hits);
+    fixture_clear(&f);
+}
+
+/* ---- cameras ---- */
+
+static void check_cameras(const char *text, DiagCode expected, const char *word)
+{
+    Fixture f;
+    char whole[2000];
+    snprintf(whole, sizeof whole, "%s environment { } cylinder pond { interior = water from = <0, -5, 0> to = <0, 0, 0> radius = 9 } "
+             "box pane { interior = glass from = <0, -9, 20> to = <1, 9, 30> } %s", M, text);
+    fixture_compile(&f, whole, 1);
+    Status status = compile_check_camera(f.compiled, 0, &f.diag, &f.error);
+    const Diagnostic *report = f.diag.first;
+    if (expected == D_COUNT) {
+        if (status != STATUS_OK || report) {
+            fixture_print(&f);
+            fail_msg("refused: %s", text);
+        }
+    } else {
+        assert_int_equal(status, STATUS_SCENE);
+        assert_non_null(report);
+        assert_int_equal(report->code, expected);
+        assert_non_null(strstr(report->text, word));
+    }
+    fixture_clear(&f);
+}
+
+static void cameras_are_where_they_are_expected(void **state)
+{
+    (void)state;
+    check_cameras("camera { from = <0, -2, 0> to = <0, -2, 9> expect = [water] }", D_COUNT, "");
+    check_cameras("camera { from = <0, -2, 0> to = <0, -2, 9> }", D_COUNT, "");
+    check_cameras("camera { from = <0, 2, 0> expect = [] }", D_COUNT, "");
+    check_cameras("camera { from = <0, 2, 0> expect = [air] }", D_COUNT, "");
+    check_cameras("camera eye { from = <0, 2, 0> expect = [water] }", D_CAMERA_EXPECTATION, "eye is in only the world's air");
+    check_cameras("camera eye { from = <0, -2, 0> to = <0, 1, 1> expect = [glass] }", D_CAMERA_EXPECTATION, "is in water, not in [glass]");
+    check_cameras("camera eye { from = <0, -2, 0> to = <0, 1, 1> expect = [] }", D_CAMERA_EXPECTATION, "is in water");
+    check_cameras("camera eye { from = <3, 0, 2> to = <0, 1, 1> }", D_CAMERA_ON_SURFACE, "pond");
+    check_cameras("camera eye { from = <1, 1, 25> }", D_CAMERA_ON_SURFACE, "pane");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(contained_hulls_are_seen_to_be),
+        cmocka_unit_test(overlaps_are_measured),
+        cmocka_unit_test(small_overlaps_are_not_missed),
+        cmocka_unit_test(touching_and_gaps_are_told_apart),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(the_order_follows_the_rules),
+        cmocka_unit_test(circles_are_reported),
+        cmocka_unit_test(hidden_objects_are_reported),
+        cmocka_unit_test(points_know_where_they_are),
+        cmocka_unit_test(hulls_are_found_through_a_thousand_shells),
+        cmocka_unit_test(random_points_agree_with_formulas),
+        cmocka_unit_test(cameras_are_where_they_are_expected),
+    };
+    return cmocka_run_group_tests_name("compile", tests, NULL, NULL);
+}

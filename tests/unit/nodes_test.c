@@ -1,0 +1,91 @@
+/* nodes_test.c - the table of nodes is in order: what the checker and the manual are made from.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <ctype.h>
+#include <math.h>
+
+#include "base/num.h"
+#include "scene_fixture.h"
+
+static void check_doc(const char *what, const char *doc)
+{
+    if (!doc || !*doc) fail_msg("%s has no documentation", what);
+    if (doc[strlen(doc) - 1] == '.') fail_msg("the documentation of %s ends in a full stop", what);
+    if (isupper((unsigned char)doc[0])) fail_msg("the documentation of %s starts with a capital", what);
+}
+
+static bool is_choice(const char *choices, const char *word)
+{
+    size_t n = strlen(word);
+    for (const char *p = choices; p; p = strchr(p, '|') ? strchr(p, '|') + 1 : NULL)
+        if (strncmp(p, word, n) == 0 && (p[n] == '|' || p[n] == 0)) return true;
+    return false;
+}
+
+static bool is_node(const char *name)
+{
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        if (strcmp(schema->nodes[i].name, name) == 0) return true;
+    return false;
+}
+
+static void names_are_unique_and_documented(void **state)
+{
+    (void)state;
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++) {
+        const NodeType *node = &schema->nodes[i];
+        check_doc(node->name, node->doc);
+        for (size_t k = 0; k < i; k++) assert_string_not_equal(node->name, schema->nodes[k].name);
+        for (size_t p = 0; p < node->n_props; p++) {
+            check_doc(node->props[p].name, node->props[p].doc);
+            for (size_t q = 0; q < p; q++) assert_string_not_equal(node->props[p].name, node->props[q].name);
+        }
+    }
+    for (size_t i = 0; i < schema->n_terms; i++) check_doc(schema->terms[i].name, schema->terms[i].doc);
+}
+
+static void defaults_are_in_range(void **state)
+{
+    (void)state;
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        for (size_t p = 0; p < schema->nodes[i].n_props; p++) {
+            const PropType *prop = &schema->nodes[i].props[p];
+            assert_true(prop->min <= prop->max);
+            if (prop->flags & PROP_REQUIRED) assert_null(prop->default_text);
+            if (prop->kind == PROP_CHOICE) assert_non_null(prop->choices);
+            if (prop->kind == PROP_CHOICE && prop->default_text) assert_true(is_choice(prop->choices, prop->default_text));
+            if (prop->kind == PROP_NODE || prop->kind == PROP_NODES) assert_true(is_node(prop->choices));
+            if ((prop->kind != PROP_NUMBER && prop->kind != PROP_INTEGER) || !prop->default_text) continue;
+            double value;
+            assert_int_equal(num_parse(prop->default_text, strlen(prop->default_text), &value), strlen(prop->default_text));
+            assert_true(value >= prop->min && value <= prop->max);
+            if (prop->kind == PROP_INTEGER) assert_true(value == floor(value));
+        }
+}
+
+/* Every node can be written with nothing but what it must have. */
+static void bare_nodes_are_accepted(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_good(&f, "meniscus 1.0 unit mm medium m { ior = 1.5 } surface s { } world { } sphere { surface = s } "
+                     "cylinder { interior = m } cone { interior = m } box { size = <1, 1, 1> interior = m } "
+                     "lathe { profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>] interior = m } ground { } group { } "
+                     "mesh { positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>] triangles = [<0, 1, 2>] surface = s } "
+                     "light { to = <1, 0, 0> size = <1, 1> } environment { } camera { from = <9, 9, 9> } film { } render { }");
+    fixture_clear(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_are_unique_and_documented),
+        cmocka_unit_test(defaults_are_in_range),
+        cmocka_unit_test(bare_nodes_are_accepted),
+    };
+    return cmocka_run_group_tests_name("nodes", tests, NULL, NULL);
+}
