@@ -34,11 +34,11 @@ Lanes white_at(Lanes wavelength_nm)
  * peak the next one enters it, and the same for green and red. Standard deviation of R, G, B per path
  * for white light of radiance 1 (measured; tests/unit/color_test.c prints the last line again), and
  * of a lone dispersed wavelength (root mean square of the three; here less means rather little):
- *     uniform                                      0.774 0.414 0.814    2.92
- *     sech^2((w - 538 nm) 0.0072), as in pbrt-v4   0.151 0.031 0.579    2.41
- *     x + y + z times D65, plus a floor            0.385 0.249 0.285    2.18
- *     root of r^2 + g^2 + b^2, times D65           0.303 0.162 0.299    2.06
- *     this table                                   0.025 0.015 0.027    2.12 */
+ *     uniform                                      0.774 0.414 0.814    2.74
+ *     sech^2((w - 538 nm) 0.0072), as in pbrt-v4   0.151 0.031 0.579    2.19
+ *     x + y + z times D65, plus a floor            0.385 0.249 0.285    1.94
+ *     root of r^2 + g^2 + b^2, times D65           0.303 0.162 0.299    1.80
+ *     this table                                   0.026 0.015 0.028    1.87 */
 WavelengthSample wavelengths_sample(float u)
 {
     WavelengthSample sample = {lanes_all(0), lanes_all(0)};

@@ -17,7 +17,8 @@ void color_matching(float wavelength_nm, float xyz[3]);
 Spectrum spectrum_from_reflectance(const double rgb[3]);
 /* Emission of a colour of any size: scale * sigmoid * D65; resolves to rgb again. */
 Spectrum spectrum_from_light(const double rgb[3]);
-/* The three [JH19] coefficients of a colour with channels in 0..1, for images: table look-up. */
+/* The three [JH19] coefficients of a colour with channels in 0..1, for images: table look-up, right to 0.002 in
+ * linear RGB (spectrum_from_reflectance: 1e-5). */
 void upsample_coefficients(const float rgb[3], float coefficients[3]);
 /* Evaluates what upsample_coefficients gave; a reflectance, without illuminant. */
 Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm);
@@ -33,7 +34,8 @@ Spectrum spectrum_from_tint(const double tint[3], double depth, float *table);
 Spectrum spectrum_from_coefficients(const double rgb[3], float *table);
 
 /* Four wavelengths of one path: the first by importance from u in [0,1), the others rotated evenly
- * through the same distribution, so that each is sampled alike. pdf is per nm. */
+ * through the same distribution, so that each is sampled alike. pdf is per nm, above 0 from 360 to 830. Where only
+ * the first lane goes on (dispersion), its radiance times 4 and 0 in the others is as right. */
 typedef struct WavelengthSample {
     Lanes nm;
     Lanes pdf;

@@ -9,7 +9,8 @@
 #include "base/vec3.h"
 
 /* Unpolarized reflectance of light in a medium of index eta_i that meets one of eta_t at an angle of
- * cosine cos_i (0..1) to the normal. 1 beyond the critical angle. Exact Fresnel equations. */
+ * cosine cos_i (0..1) to the normal. Exact Fresnel equations, to 1e-6. Exactly 1 beyond the critical angle, where
+ * refract_direction gives false (for the same float cosine), and exactly 0 between equal indices, at any angle. */
 float fresnel_dielectric(float cos_i, float eta_i, float eta_t);
 /* The same per wavelength. */
 Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t);
@@ -22,7 +23,8 @@ static inline Vec3f reflect_direction(Vec3f direction, Vec3f normal)
 {
     return vec3f_along(direction, -2 * vec3f_dot(direction, normal), normal);
 }
-/* false beyond the critical angle; *refracted is a unit vector. Snell's law in vector form. */
+/* false beyond the critical angle; *refracted is a unit vector, between equal indices direction itself. Snell's law in
+ * vector form. The cosine is -vec3f_dot(direction, normal). */
 bool refract_direction(Vec3f direction, Vec3f normal, float eta_i, float eta_t, Vec3f *refracted);
 
 #endif

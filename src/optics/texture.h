@@ -11,10 +11,11 @@ typedef struct Environment Environment;
 
 /* rgb: width * height * 3 floats, linear Rec.709, row 0 at the top (direction +y), the middle column at
  * direction -z turned so that u = 0.5 + atan2(x, -z) / (2 pi); negative and non-finite values are the
- * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. */
+ * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. STATUS_INPUT when
+ * a side is 0 or above 131072, or when a pixel times scale is 1e30 or more; STATUS_NOMEM. */
 ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
                                             Environment **environment, Error *error);
-/* The same radiance from everywhere. */
+/* The same radiance from everywhere. The spectrum is copied; a table that it points to must live as long. */
 ATTR_NODISCARD Status environment_new_constant(const Spectrum *radiance, Environment **environment, Error *error);
 void environment_free(Environment *environment);
 
@@ -24,7 +25,8 @@ Lanes environment_radiance(const Environment *environment, Vec3f direction, Lane
 /* Picks a direction in proportion to luminance times solid angle; pdf_w per steradian, > 0. */
 Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w);
 float environment_pdf(const Environment *environment, Vec3f direction);
-/* Integral of luminance over the sphere, for choosing between lights. */
+/* Integral of luminance over the sphere, for choosing between lights (a coarse image's is off by a few percent
+ * beside the poles). */
 float environment_power(const Environment *environment);
 bool environment_is_black(const Environment *environment);
 

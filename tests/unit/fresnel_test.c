@@ -21,6 +21,13 @@ static float random_unit(uint32_t *state)
     return hash_to_unit_f(hash_u32(*state));
 }
 
+/* Drawn one after the other: the order of a call's arguments is the compiler's. */
+static Vec3f random_direction(uint32_t *state)
+{
+    float u = random_unit(state), v = random_unit(state);
+    return sampling_sphere(u, v);
+}
+
 static long double reference(long double cos_i, long double eta_i, long double eta_t)
 {
     long double a = eta_i * cos_i, square = a * a + eta_t * eta_t - eta_i * eta_i;
@@ -112,9 +119,9 @@ static void refraction_agrees_with_reflectance(void **unused)
     int total = 0;
     double worst_snell = 0, worst_length = 0;
     for (int i = 0; i < 1000000; i++) {
-        Vec3f normal = sampling_sphere(random_unit(&state), random_unit(&state));
-        float pdf;
-        Vec3f direction = vec3f_negate(sampling_cosine_hemisphere(random_unit(&state), random_unit(&state), normal, &pdf));
+        Vec3f normal = random_direction(&state);
+        float pdf, u = random_unit(&state), v = random_unit(&state);
+        Vec3f direction = vec3f_negate(sampling_cosine_hemisphere(u, v, normal, &pdf));
         float eta_i = 1 + random_unit(&state), eta_t = 1 + random_unit(&state);
         if (i % 3 == 1) eta_t = eta_i + (random_unit(&state) - 0.5f) * 1e-6f;
         if (i % 3 == 2) {
@@ -187,7 +194,7 @@ static void samples_are_where_they_should(void **unused)
     enum { N = 200000 };
     const float cap = 1e-3f;
     for (int i = 0; i < N; i++) {
-        Vec3f normal = sampling_sphere(random_unit(&state), random_unit(&state)), tangent, bitangent;
+        Vec3f normal = random_direction(&state), tangent, bitangent;
         if (i == 0) normal = vec3f(0, 0, -1);
         sampling_basis(normal, &tangent, &bitangent);
         assert_float_equal(vec3f_length(tangent), 1, 1e-6f);

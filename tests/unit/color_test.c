@@ -1,0 +1,206 @@
+/* color_test.c - the standard data, what is derived from it, and colours from sampled wavelengths.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* before cmocka, which makes a macro of fail */
+#include "base/hash.h"
+#include "optics/color.h"
+#include "optics/observer.h"
+
+#include <cmocka.h>
+
+static void observer_adds_up(void **unused)
+{
+    (void)unused;
+    double whole[3] = {0}, short_range[3] = {0};
+    for (int nm = 360; nm <= 830; nm += 5) {
+        float xyz[3];
+        color_matching((float)nm, xyz);
+        for (int k = 0; k < 3; k++) {
+            whole[k] += (double)xyz[k];
+            if (nm >= 380 && nm <= 780) short_range[k] += (double)xyz[k];
+        }
+        assert_true(xyz[1] < 1 || nm == 555);
+    }
+    /* The standard's sums: a fifth of those at 1 nm (106.865, 106.857, 106.892) over the whole range, and
+     * those of CIE 15's 5 nm table over 380 to 780 nm. */
+    assert_float_equal((float)whole[0], 21.3731f, 1e-3f);
+    assert_float_equal((float)whole[1], 21.3714f, 1e-3f);
+    assert_float_equal((float)whole[2], 21.3785f, 1e-3f);
+    assert_float_equal((float)short_range[0], 21.3714f, 1e-3f);
+    assert_float_equal((float)short_range[1], 21.3711f, 1e-3f);
+    assert_float_equal((float)short_range[2], 21.3715f, 1e-3f);
+    float xyz[3];
+    color_matching(555, xyz);
+    assert_float_equal(xyz[1], 1, 0);
+    color_matching(602.5f, xyz); /* half way between 1.0622, 0.631 at 600 and 1.0456, 0.5668 at 605 */
+    assert_float_equal(xyz[0], 1.0539f, 1e-6f);
+    assert_float_equal(xyz[1], 0.5989f, 1e-6f);
+}
+
+/* The integral of tables that are linear in between, of the product of two. */
+static double integral(const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i + 1 < SPECTRUM_SAMPLES; i++)
+        sum += (2 * a[i] * b[i] + a[i] * b[i + 1] + a[i + 1] * b[i] + 2 * a[i + 1] * b[i + 1]) * SPECTRUM_STEP_NM / 6;
+    return sum;
+}
+
+/* OBSERVER_WHITE_SCALE and observer_rgb_from_xyz from the data and Rec.709's primaries. */
+static void matrix_follows_from_the_data(void **unused)
+{
+    (void)unused;
+    double xyz[3][SPECTRUM_SAMPLES], white[SPECTRUM_SAMPLES], one[SPECTRUM_SAMPLES];
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        for (int k = 0; k < 3; k++) xyz[k][i] = (double)observer_xyz[i][k];
+        white[i] = 0.5 * ((double)observer_d65[i / 2] + (double)observer_d65[(i + 1) / 2]);
+        one[i] = 1;
+    }
+    double luminance = integral(xyz[1], one);
+    assert_true(fabs(luminance / integral(xyz[1], white) / OBSERVER_WHITE_SCALE - 1) < 1e-12);
+
+    double sums[3];
+    for (int k = 0; k < 3; k++) sums[k] = OBSERVER_WHITE_SCALE * integral(xyz[k], white);
+    double x = sums[0] / (sums[0] + sums[1] + sums[2]), y = sums[1] / (sums[0] + sums[1] + sums[2]);
+    assert_float_equal((float)x, 0.3127f, 5e-5f);
+    assert_float_equal((float)y, 0.3290f, 5e-5f);
+    const double primary[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
+    for (int row = 0; row < 3; row++) {
+        double white_row = 0;
+        for (int k = 0; k < 3; k++) white_row += observer_rgb_from_xyz[row][k] * sums[k];
+        assert_true(fabs(white_row - 1) < 1e-12);
+        /* light of a primary's chromaticity has none of the two others */
+        for (int p = 0; p < 3; p++) {
+            double px = primary[p][0], py = primary[p][1];
+            double value = observer_rgb_from_xyz[row][0] * px + observer_rgb_from_xyz[row][1] * py +
+                           observer_rgb_from_xyz[row][2] * (1 - px - py);
+            assert_true(row == p ? value > 0 : fabs(value) < 1e-15);
+        }
+    }
+}
+
+static void wavelengths_cover_the_range(void **unused)
+{
+    (void)unused;
+    /* in order, end to end, so each density is above zero */
+    assert_float_equal(observer_wavelengths[0], SPECTRUM_MIN_NM, 0);
+    assert_float_equal(observer_wavelengths[OBSERVER_WAVELENGTH_CELLS], SPECTRUM_MAX_NM, 0);
+    for (int i = 0; i < OBSERVER_WAVELENGTH_CELLS; i++) assert_true(observer_wavelengths[i] < observer_wavelengths[i + 1]);
+
+    double mass = 0;
+    float before = SPECTRUM_MIN_NM;
+    enum { STEPS = 1 << 16 };
+    for (int i = 0; i < STEPS; i++) {
+        float u = ((float)i + 0.5f) / STEPS;
+        WavelengthSample sample = wavelengths_sample(u);
+        for (int k = 0; k < LANES; k++) {
+            float nm = lanes_get(sample.nm, k), pdf = lanes_get(sample.pdf, k);
+            assert_true(nm >= SPECTRUM_MIN_NM && nm <= SPECTRUM_MAX_NM && pdf > 0 && isfinite(pdf));
+            /* the other lanes are what the first would be a quarter further */
+            WavelengthSample turned = wavelengths_sample(u + 0.25f * (float)k - (u + 0.25f * (float)k >= 1 ? 1 : 0));
+            assert_float_equal(lanes_get(turned.nm, 0), nm, 1e-3f);
+        }
+        float nm = lanes_get(sample.nm, 0);
+        assert_true(nm >= before);
+        mass += (double)(nm - before) * (double)lanes_get(sample.pdf, 0);
+        before = nm;
+    }
+    assert_float_equal((float)mass, 1, 1e-4f);
+    assert_float_equal(lanes_get(wavelengths_sample(0).nm, 0), SPECTRUM_MIN_NM, 0);
+    assert_true(lanes_get(wavelengths_sample(0x1.fffffep-1f).nm, 0) <= SPECTRUM_MAX_NM);
+}
+
+typedef struct Moments {
+    double mean[3], deviation[3];
+} Moments;
+
+/* Over all u. hero: only the first lane carries radiance, four times over, as after dispersion. */
+static Moments moments_of(const Spectrum *light, bool hero)
+{
+    Moments moments = {{0}, {0}};
+    enum { STEPS = 1 << 18 };
+    for (int i = 0; i < STEPS; i++) {
+        float rgb[3];
+        WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / STEPS);
+        Lanes radiance = spectrum_at(light, wavelengths.nm);
+        if (hero) radiance = lanes(LANES * lanes_get(radiance, 0), 0, 0, 0);
+        color_from_lanes(radiance, &wavelengths, rgb);
+        for (int c = 0; c < 3; c++) {
+            moments.mean[c] += (double)rgb[c] / STEPS;
+            moments.deviation[c] += (double)rgb[c] * (double)rgb[c] / STEPS;
+        }
+    }
+    for (int c = 0; c < 3; c++) moments.deviation[c] = sqrt(moments.deviation[c] - moments.mean[c] * moments.mean[c]);
+    return moments;
+}
+
+static void white_is_white(void **unused)
+{
+    (void)unused;
+    Spectrum white = spectrum_from_light((const double[3]){1, 1, 1});
+    double rgb[3];
+    color_from_spectrum(&white, rgb);
+    Moments four = moments_of(&white, false), one = moments_of(&white, true);
+    for (int c = 0; c < 3; c++) {
+        assert_float_equal((float)rgb[c], 1, 1e-6f);
+        assert_float_equal((float)four.mean[c], 1, 1e-5f);
+        assert_float_equal((float)one.mean[c], 1, 1e-4f);
+    }
+    printf("white per path: deviation %.3f %.3f %.3f; one wavelength alone: %.2f %.2f %.2f\n", four.deviation[0],
+           four.deviation[1], four.deviation[2], one.deviation[0], one.deviation[1], one.deviation[2]);
+    /* what color.c claims; uniform wavelengths give 0.77 0.41 0.81 */
+    for (int c = 0; c < 3; c++) assert_true(four.deviation[c] < 0.03 && one.deviation[c] < 3);
+    /* to the last bit, whatever the wavelengths */
+    for (float nm = 360; nm <= 830; nm += 0.37f) {
+        Lanes at = lanes_all(nm);
+        assert_true(lanes_zero(lanes_sub(spectrum_at(&white, at), white_at(at))));
+    }
+    assert_float_equal((float)spectrum_luminance(&white), 1, 1e-6f);
+    Spectrum flat = spectrum_constant(1);
+    assert_float_equal((float)spectrum_luminance(&flat), 1, 1e-6f);
+}
+
+static void sampling_is_unbiased(void **unused)
+{
+    (void)unused;
+    uint32_t state = 1;
+    float table[SPECTRUM_SAMPLES];
+    for (int trial = 0; trial < 8; trial++) {
+        for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = hash_to_unit_f(hash_u32(state++));
+        Spectrum light = {.kind = SPECTRUM_TABLE, .scale = 2, .table = table};
+        double exact[3];
+        color_from_spectrum(&light, exact);
+        Moments four = moments_of(&light, false), one = moments_of(&light, true);
+        for (int c = 0; c < 3; c++) {
+            assert_float_equal((float)four.mean[c], (float)exact[c], 1e-4f);
+            assert_float_equal((float)one.mean[c], (float)exact[c], 1e-4f);
+        }
+    }
+}
+
+static void luminance_weighs(void **unused)
+{
+    (void)unused;
+    assert_float_equal(color_luminance((const float[3]){1, 1, 1}), 1, 1e-6f);
+    assert_float_equal(color_luminance((const float[3]){0, 1, 0}), 0.7152f, 1e-6f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(observer_adds_up),
+        cmocka_unit_test(matrix_follows_from_the_data),
+        cmocka_unit_test(wavelengths_cover_the_range),
+        cmocka_unit_test(white_is_white),
+        cmocka_unit_test(sampling_is_unbiased),
+        cmocka_unit_test(luminance_weighs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
