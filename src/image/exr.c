@@ -117,8 +117,8 @@ static exr_context_initializer_t initializer_of(ExrBytes *bytes)
 
 static Status fail_read(const char *path, const ExrBytes *bytes, exr_result_t code, Error *error)
 {
-    if (code == EXR_ERR_OUT_OF_MEMORY)
-        return fail(error, STATUS_NOMEM, "cannot read '%s': out of memory", path);
+    if (code == EXR_ERR_OUT_OF_MEMORY) /* which is also what the library says of sizes that are a lie */
+        return fail(error, STATUS_INPUT, "cannot read '%s': the EXR file is damaged or too large for the memory", path);
     return fail(error, STATUS_INPUT, "cannot read '%s': the EXR file is damaged or cut short (%s)", path,
                 bytes->reason[0] ? bytes->reason : exr_get_default_error_message(code));
 }

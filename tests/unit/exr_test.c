@@ -10,6 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <openexr.h> /* to write what other programs do and we do not */
+
 /* before cmocka, which makes a macro of fail */
 #include "base/file.h"
 #include "image/image.h"
@@ -268,6 +270,109 @@ static void standard_output_is_a_whole_file(void **state)
     image_clear(&image);
 }
 
+/* A tiled file of uint "id" = 1000 x + y and half "R" = x / 64, whose
+ * data window begins at (-3, 2) and whose display window is 20 x 10 from the origin. */
+static void write_tiles(const char *path, exr_compression_t compression)
+{
+    enum { WIDTH = 30, HEIGHT = 13, TILE = 8 };
+    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    exr_context_t file;
+    int part;
+    exr_attr_box2i_t data = {{{{-3, 2}}}, {{{-3 + WIDTH - 1, 2 + HEIGHT - 1}}}}, display = {{{{0, 0}}}, {{{19, 9}}}};
+    exr_attr_v2f_t center = {{{0, 0}}};
+    assert_int_equal(exr_start_write(&file, path, EXR_WRITE_FILE_DIRECTLY, &initializer), 0);
+    assert_int_equal(exr_add_part(file, "tiles", EXR_STORAGE_TILED, &part), 0);
+    assert_int_equal(exr_initialize_required_attr(file, 0, &display, &data, 1, &center, 1, EXR_LINEORDER_INCREASING_Y,
+                                                  compression), 0);
+    assert_int_equal(exr_set_tile_descriptor(file, 0, TILE, TILE, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN), 0);
+    assert_int_equal(exr_add_channel(file, 0, "id", EXR_PIXEL_UINT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
+    assert_int_equal(exr_add_channel(file, 0, "R", EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
+    assert_int_equal(exr_write_header(file), 0);
+    for (int row = 0; row * TILE < HEIGHT; row++)
+        for (int column = 0; column * TILE < WIDTH; column++) {
+            uint32_t ids[TILE * TILE];
+            float reds[TILE * TILE];
+            for (int i = 0; i < TILE * TILE; i++) {
+                int x = column * TILE + i % TILE - 3, y = row * TILE + i / TILE + 2;
+                ids[i] = (uint32_t)(1000 * (x + 3) + y);
+                reds[i] = (float)x / 64;
+            }
+            exr_chunk_info_t chunk;
+            exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+            assert_int_equal(exr_write_tile_chunk_info(file, 0, column, row, 0, 0, &chunk), 0);
+            assert_int_equal(exr_encoding_initialize(file, 0, &chunk, &pipeline), 0);
+            for (int c = 0; c < 2; c++) {
+                bool id = strcmp(pipeline.channels[c].channel_name, "id") == 0;
+                pipeline.channels[c].user_data_type = id ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+                pipeline.channels[c].user_bytes_per_element = 4;
+                pipeline.channels[c].user_pixel_stride = 4;
+                pipeline.channels[c].user_line_stride = 4 * TILE;
+                pipeline.channels[c].encode_from_ptr = id ? (const uint8_t *)ids : (const uint8_t *)reds;
+            }
+            assert_int_equal(exr_encoding_choose_default_routines(file, 0, &pipeline), 0);
+            assert_int_equal(exr_encoding_run(file, 0, &pipeline), 0);
+            exr_encoding_destroy(file, &pipeline);
+        }
+    assert_int_equal(exr_finish(&file), 0);
+}
+
+static void tiles_and_windows_are_read(void **state)
+{
+    (void)state;
+    static const exr_compression_t compressions[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ};
+    for (size_t i = 0; i < COUNT_OF(compressions); i++) {
+        Image image;
+        Error error = {0};
+        write_tiles(in_folder("tiles.exr"), compressions[i]);
+        if (image_read(in_folder("tiles.exr"), &image, &error) != STATUS_OK) fail_msg("%s", error.text);
+        assert_true(image.width == 20 && image.height == 10 && image.n_channels == 2);
+        int id = image_channel(&image, "id"), red = image_channel(&image, "R");
+        for (int y = 0; y < 10; y++)
+            for (int x = 0; x < 20; x++) {
+                const float *pixel = image.pixels + 2 * (20 * y + x);
+                assert_true(pixel[id] == (float)(y < 2 ? 0 : 1000 * (x + 3) + y));
+                assert_true(pixel[red] == (y < 2 ? 0 : (float)x / 64));
+            }
+        image_clear(&image);
+    }
+}
+
+static void colors_are_found(void **state)
+{
+    (void)state;
+    static const char *const plain[] = {"A", "B", "G", "R"}, *const layer[] = {"Z", "view.B", "view.G", "view.R"},
+                             *const grey[] = {"A", "Y", "id", "x"}, *const none[] = {"A", "u", "v", "R"};
+    static const struct {
+        const char *const *names;
+        bool found;
+        int rgb[3];
+    } cases[] = {{plain, true, {3, 2, 1}}, {layer, true, {3, 2, 1}}, {grey, true, {1, 1, 1}}, {none, false, {0}}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Image image;
+        Error error;
+        int rgb[3];
+        assert_int_equal(image_new(1, 1, cases[i].names, 4, &image, &error), STATUS_OK);
+        assert_true(image_rgb(&image, rgb) == cases[i].found);
+        if (cases[i].found) assert_memory_equal(rgb, cases[i].rgb, sizeof rgb);
+        image_clear(&image);
+    }
+}
+
+static void sizes_outside_the_limits_are_refused(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"R"}, *const empty[] = {""},
+                             *const endless[] = {"a name of sixty-four bytes, which is one more than there is room for ..."};
+    Image image;
+    Error error;
+    assert_int_equal(image_new(0, 1, names, 1, &image, &error), STATUS_NOMEM);
+    assert_int_equal(image_new(1, 65537, names, 1, &image, &error), STATUS_NOMEM);
+    assert_int_equal(image_new(1, 1, names, 0, &image, &error), STATUS_NOMEM);
+    assert_int_equal(image_new(1, 1, empty, 1, &image, &error), STATUS_INPUT);
+    assert_int_equal(image_new(1, 1, endless, 1, &image, &error), STATUS_INPUT);
+    assert_null(image.pixels);
+}
+
 static void assert_refused(const char *path, const char *fragment)
 {
     Image image;
@@ -364,6 +469,9 @@ int main(void)
         cmocka_unit_test(a_failed_write_leaves_the_old_file),
         cmocka_unit_test(full_disks_and_missing_folders_are_reported),
         cmocka_unit_test(standard_output_is_a_whole_file),
+        cmocka_unit_test(tiles_and_windows_are_read),
+        cmocka_unit_test(colors_are_found),
+        cmocka_unit_test(sizes_outside_the_limits_are_refused),
         cmocka_unit_test(what_is_no_picture_is_refused),
         cmocka_unit_test(damaged_files_are_refused_or_read),
         cmocka_unit_test(a_lying_header_is_refused),
