@@ -59,12 +59,12 @@ CLI_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter src/cli/%,$(SOURCES)))
 GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/ocio_config.c
 LIB_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter-out src/cli/%,$(SOURCES))) \
   $(patsubst src/%.cpp,$(BUILD)/%.o,$(CXX_SOURCES)) $(GENERATED:.c=.o)
+TRUTH_TESTS := $(patsubst tests/truth/%.c,$(BUILD)/truth/%,$(sort $(wildcard tests/truth/*_test.c)))
 UNIT_TESTS := $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/unit/*_test.c)))
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: all help deps demo assets check check-unit check-cli check-truth lint format man install uninstall bench asan tsan \
-  hostile coverage dist clean
+.PHONY: all help deps demo assets check lint format man install uninstall asan tsan hostile dist clean
 
 all: $(BUILD)/meniscus build/meniscus ## build the program (build/meniscus)
 
@@ -112,11 +112,85 @@ $(BUILD)/generated/ocio_config.c: src/image/meniscus.ocio src/image/embed.awk
 $(BUILD)/generated/%.o: $(BUILD)/generated/%.c $(BUILD)/flags
 	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
+TEST_COMPILE = $(CC) $(CPPFLAGS_ALL) -Itests/unit -Itests/truth $(CFLAGS_ALL) $(LDFLAGS) -MMD -MP -MF $@.d -o $@
 $(BUILD)/tests/%: tests/unit/%.c $(BUILD)/libmeniscus.a
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS_ALL) -Itests/unit $(CFLAGS_ALL) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
+	$(TEST_COMPILE) $< $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
 
--include $(LIB_OBJECTS:.o=.d) $(CLI_OBJECTS:.o=.d) $(UNIT_TESTS:=.d)
+$(BUILD)/truth/%: tests/truth/%.c tests/truth/truth.c $(BUILD)/libmeniscus.a
+	@mkdir -p $(@D)
+	$(TEST_COMPILE) $< tests/truth/truth.c $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
+
+-include $(LIB_OBJECTS:.o=.d) $(CLI_OBJECTS:.o=.d) $(UNIT_TESTS:=.d) $(TRUTH_TESTS:=.d)
+
+# ---- packages ----
+
+PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libcmocka-dev mandoc python3
+
+deps: ## install the Debian packages that are missing (with sudo where not root)
+	@missing=''; for p in $(PACKAGES); do \
+	  dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || missing="$$missing $$p"; done; \
+	if [ -z "$$missing" ]; then echo "deps: all packages are there"; else \
+	  echo "deps: installing$$missing"; \
+	  sudo=''; [ "$$(id -u)" = 0 ] || sudo=sudo; \
+	  $$sudo apt-get update -qq && DEBIAN_FRONTEND=noninteractive $$sudo apt-get install -y -qq --no-install-recommends $$missing; fi
+
+# ---- the example ----
+
+assets: examples/assets/studio.exr ## make the meshes and the studio that the examples use
+examples/assets/studio.exr: examples/make-assets.py
+	$(PYTHON) examples/make-assets.py examples/assets
+
+demo: all assets ## render the main example to whisky.exr and whisky.png
+	build/meniscus render examples/whisky.mns -o whisky.exr -o whisky.png
+
+# ---- tests ----
+
+check: check-program ## run all tests; the last line is "N passed, N failed"
+	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh
+
+check-quick: check-program ## the tests without the renders that hold it to physics
+	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh
+
+check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) assets
+.PHONY: check-quick check-program
+
+asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
+	$(MAKE) VARIANT=$@ check-quick
+
+# ---- looking after the source ----
+
+FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch])
+format: ## lay the source out with clang-format
+	clang-format -i $(FORMATTED)
+
+# Warnings are errors here, with both compilers where clang is installed; nothing is kept.
+lint: ## warnings as errors, layers, manual pages
+	$(MAKE) BUILD=build/lint WERROR=-Werror build/lint/libmeniscus.a build/lint/meniscus
+	@if command -v clang >/dev/null; then for f in $(filter-out src/cli/%.cpp,$(SOURCES)); do \
+	  clang $(CPPFLAGS_ALL) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only $$f || exit 1; done; \
+	  echo "lint: clang has nothing to say"; else echo "lint: no clang here, skipped"; fi
+	sh tests/layers.sh
+	sh tests/man.sh build/lint/meniscus
+
+man: all ## make the generated sections of the manual pages anew
+	sh man/refresh.sh build/meniscus
+
+# ---- install ----
+
+MAN_PAGES := $(wildcard man/*.[157])
+install: all ## install under PREFIX (default /usr/local), DESTDIR before it
+	$(INSTALL) -d $(DESTDIR)$(bindir) $(foreach s,1 5 7,$(DESTDIR)$(mandir)/man$(s)) $(DESTDIR)$(datarootdir)/meniscus/examples
+	$(INSTALL_PROGRAM) $(BUILD)/meniscus $(DESTDIR)$(bindir)/meniscus
+	for page in $(MAN_PAGES); do $(INSTALL_DATA) $$page $(DESTDIR)$(mandir)/man$${page##*.}/; done
+	$(INSTALL_DATA) $(wildcard examples/*.mns) examples/make-assets.py $(DESTDIR)$(datarootdir)/meniscus/examples/
+
+uninstall: ## remove what install put there
+	rm -f $(DESTDIR)$(bindir)/meniscus $(foreach page,$(MAN_PAGES),$(DESTDIR)$(mandir)/man$(subst .,,$(suffix $(page)))/$(notdir $(page)))
+	rm -rf $(DESTDIR)$(datarootdir)/meniscus
+
+dist: ## a source archive of the last commit
+	git archive --prefix=meniscus-$(VERSION)/ -o meniscus-$(VERSION).tar.gz HEAD
 
 clean: ## remove everything that was built
-	rm -rf build
+	rm -rf build examples/assets

@@ -43,8 +43,11 @@ static inline float lanes_get(Lanes a, int lane) { return a.v[lane]; }
 static inline void lanes_set(Lanes *a, int lane, float x) { a->v[lane] = x; }
 static inline float lanes_sum(Lanes a) { return (a.v[0] + a.v[1]) + (a.v[2] + a.v[3]); }
 static inline float lanes_mean(Lanes a) { return lanes_sum(a) * 0.25f; }
-static inline float lanes_max(Lanes a) { return fmaxf(fmaxf(a.v[0], a.v[1]), fmaxf(a.v[2], a.v[3])); }
-static inline float lanes_min(Lanes a) { return fminf(fminf(a.v[0], a.v[1]), fminf(a.v[2], a.v[3])); }
+/* plain comparisons: fmaxf and fminf are calls of the mathematical library under our flags */
+static inline float float_max(float a, float b) { return a > b ? a : b; }
+static inline float float_min(float a, float b) { return a < b ? a : b; }
+static inline float lanes_max(Lanes a) { return float_max(float_max(a.v[0], a.v[1]), float_max(a.v[2], a.v[3])); }
+static inline float lanes_min(Lanes a) { return float_min(float_min(a.v[0], a.v[1]), float_min(a.v[2], a.v[3])); }
 /* no lane differs from lane 0 */
 static inline bool lanes_uniform(Lanes a)
 {

@@ -188,10 +188,9 @@ static bool consider_piece(Query *query, RtcPiece which)
     int n = piece_intersect(piece, query->cached_origin, query->cached_direction, query->ray->t_min, t_max, t);
     bool shrink = false;
     for (int i = 0; i < n; i++) {
-        PieceRoot root;
-        piece_surface(piece, query->cached_origin, query->cached_direction, t[i], &root);
-        Vec3 normal = vec3_normalize(affine_normal(&object->to_local, root.normal));
-        double slope = vec3_dot(root.normal, query->cached_direction); /* the sign that the piece itself sees */
+        Vec3 local = piece_normal(piece, query->cached_origin, query->cached_direction, t[i]);
+        Vec3 normal = vec3_normalize(affine_normal(&object->to_local, local));
+        double slope = vec3_dot(local, query->cached_direction); /* the sign that the piece itself sees */
         double cosine = vec3_dot(normal, query->direction);
         if (query->ray->n_left && is_left(query, which.object, which.piece, t[i], slope > 0 ? fabs(cosine) : -fabs(cosine))) continue;
         Vec3 p = vec3_along(query->origin, t[i], query->direction);

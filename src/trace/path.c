@@ -317,7 +317,7 @@ typedef struct BoundaryChoice {
 static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, float u)
 {
     BoundaryChoice choice;
-    float cosine = fminf(-vec3f_dot(direction, normal), 1);
+    float cosine = float_min(-vec3f_dot(direction, normal), 1);
     choice.reflectance = fresnel_dielectric_lanes(cosine, eta_i, eta_t);
     choice.reflected = u < lanes_get(choice.reflectance, 0);
     if (!choice.reflected &&
@@ -372,7 +372,7 @@ static bool survives(Path *path)
     if (lanes_zero(path->beta)) return false;
     if (path->bounce < ROULETTE_START) return true;
     float carried = lanes_max(path->beta) / lanes_mean(path->ratio) * 0.25f;
-    carried = fmaxf(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
+    carried = float_max(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
     if (carried >= 1) return true;
     if (sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_ROULETTE)) >= carried) return false;
     path->beta = lanes_scale(path->beta, 1 / carried);

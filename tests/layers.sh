@@ -1,0 +1,50 @@
+#!/bin/sh
+# A folder of src may include itself and the folders named here, and nothing else; Embree, OpenEXR and C++ stay behind
+# their own files. See the layout in src/README.md.
+# usage: tests/layers.sh [MENISCUS]
+# SPDX-License-Identifier: Apache-2.0
+set -u
+cd "$(dirname "$0")/.." || exit 2
+n_passed=0 n_failed=0
+# verdict NAME LINES: passes when LINES is empty
+verdict() {
+    if [ -z "$2" ]; then n_passed=$((n_passed + 1)); else
+        n_failed=$((n_failed + 1))
+        printf 'not ok - %s\n%s\n' "$1" "$2"
+    fi
+}
+while read -r folder allowed; do
+    bad=''
+    for include in $(grep -hoE '^#include "[a-z]+/' "src/$folder"/*.[ch]* 2> /dev/null | sed 's/.*"//; s|/||' | sort -u); do
+        case " $folder $allowed " in *" $include "*) ;; *)
+            bad="$bad
+    $(grep -lE "^#include \"$include/" "src/$folder"/*.[ch]*) includes $include" ;;
+        esac
+    done
+    verdict "includes of src/$folder" "$bad"
+done << 'TABLE'
+base
+diag base
+lang base diag
+nest base
+optics base
+geom base diag
+image base diag
+scene base diag lang nest optics geom
+trace base nest optics geom scene
+render base diag image scene trace
+cli base diag lang nest optics geom image scene trace render
+TABLE
+verdict 'Embree only behind geom/embree.h' "$(grep -lE 'include <embree' -r src | grep -v '^src/geom/embree.h$')"
+verdict 'geom/embree.h only in geom/rtc*' "$(grep -lE 'geom/embree.h|rtc_scene.h' -r src | grep -vE '^src/geom/(rtc|embree)')"
+verdict 'OpenEXR only in image/exr.c' "$(grep -lE 'include <openexr' -r src | grep -v '^src/image/exr.c$')"
+verdict 'C++ only in image/ocio.cpp' "$(find src -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' | grep -v '^src/image/ocio.cpp$')"
+verdict 'file names are unique' "$(find src -type f ! -name README.md -printf '%f\n' | sort | uniq -d)"
+verdict 'no file over 1,000 lines' "$(find src -name '*.[ch]' -exec wc -l {} + | awk '$1 > 1000 && $2 != "total"')"
+verdict 'no unsafe or locale-bound functions' \
+    "$(grep -nE '\b(strcpy|strcat|sprintf|strtok|gets|setlocale|rand|srand|atof|atoi)\(' -r src --include='*.c')"
+verdict 'nothing below cli prints or exits' \
+    "$(grep -nE '\b(printf|puts|putchar|perror|exit)\(|\bstdout\b' -r src --include='*.c' | grep -vE '^src/(cli/|optics/upsample_gen.c|image/exr.c|image/png.c|base/file.c)')"
+verdict 'nothing is left open' "$(grep -nE 'FIXME|XXX|TODO' -r src grammar examples man Makefile 2> /dev/null)"
+echo "$n_passed passed, $n_failed failed"
+[ "$n_failed" -eq 0 ]
