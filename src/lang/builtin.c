@@ -433,7 +433,11 @@ static const char *joined(const BuiltinCall *call, uint32_t first)
     return copy;
 }
 
-static void run_str(const BuiltinCall *call, Value *result) { *result = value_text(joined(call, 0)); }
+static void run_str(const BuiltinCall *call, Value *result)
+{
+    *result = value_text(joined(call, 0));
+    if (!eval_text_fits(call->evaluator, strlen(result->as.text), call->expr->span)) result->kind = VALUE_POISON;
+}
 
 static void run_print(const BuiltinCall *call, Value *result)
 {

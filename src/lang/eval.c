@@ -15,15 +15,16 @@
 
 enum {
     DEFAULT_STEPS = 200000000,
-    DEFAULT_NODES = 20000000,
+    DEFAULT_NODES = 10000000,
     DEFAULT_FILES = 1000,
     DEFAULT_CALLS = 1000,
     DEEPEST_IMPORT = 64,
     STACK_BYTES = 6 * 1024 * 1024,  /* of the C stack; systems give 8 MiB */
     MEMORY_CHECK_MASK = 0xfff,      /* memory is looked at every so many steps */
+    LONGEST_TEXT = 1 << 20,         /* of a computed string */
     GIVE_UP_AFTER = 10000           /* errors */
 };
-static const uint64_t default_memory = (uint64_t)8 << 30, default_file_bytes = (uint64_t)1 << 30;
+static const uint64_t default_memory = (uint64_t)4 << 30, default_file_bytes = (uint64_t)1 << 30;
 
 /* Reading: what is needed before there is anything to run. */
 typedef struct Loader {
@@ -98,17 +99,33 @@ Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const ch
 
 /* ---- limits ---- */
 
-static bool over_limit(Evaluator *evaluator, Span span)
+bool eval_reserve(Evaluator *evaluator, double bytes, Span span)
 {
-    bool memory = evaluator->arena->total > evaluator->limits.memory;
-    if (evaluator->steps <= evaluator->limits.steps && !memory) return false;
-    if (!evaluator->stop && memory)
+    if ((double)evaluator->arena->total + bytes <= (double)evaluator->limits.memory) return true;
+    if (!evaluator->stop)
         eval_report(evaluator, D_LIMIT, span, "the scene needs more than %.0f MB of memory",
                     (double)evaluator->limits.memory / 1e6);
-    else if (!evaluator->stop)
+    evaluator->stop = true;
+    return false;
+}
+
+static bool over_limit(Evaluator *evaluator, Span span)
+{
+    if (!eval_reserve(evaluator, 0, span)) return true;
+    if (evaluator->steps <= evaluator->limits.steps) return false;
+    if (!evaluator->stop)
         eval_report(evaluator, D_LIMIT, span, "the scene takes more than %.0f steps", (double)evaluator->limits.steps);
     evaluator->stop = true;
     return true;
+}
+
+bool eval_text_fits(Evaluator *evaluator, size_t length, Span span)
+{
+    if (length <= LONGEST_TEXT) return true;
+    if (!evaluator->stop)
+        eval_report(evaluator, D_LIMIT, span, "a string of %zu bytes; the limit is %d", length, LONGEST_TEXT);
+    evaluator->stop = true;
+    return false;
 }
 
 bool eval_step(Evaluator *evaluator, Span span)

@@ -62,8 +62,8 @@ struct EvalNode {
 /* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default. */
 typedef struct EvalLimits {
     uint64_t steps;       /* turns of loops and calls; 200 million */
-    uint64_t nodes;       /* 20 million */
-    uint64_t memory;      /* bytes; 8 GiB */
+    uint64_t nodes;       /* 10 million */
+    uint64_t memory;      /* bytes; 4 GiB */
     uint64_t file_bytes;  /* of one text; 1 GiB */
     uint32_t files;       /* that a scene reads as scene text; 1000 */
     uint32_t calls;       /* nested; 1000 */

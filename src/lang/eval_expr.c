@@ -97,8 +97,12 @@ static bool spread(ExprKind kind, const Value *a, const Value *b, ValueKind *res
     return number_a && kind == EXPR_MULTIPLY;
 }
 
-static void join_texts(Evaluator *evaluator, const Value *a, const Value *b, Value *result)
+static void join_texts(Evaluator *evaluator, const Expr *expr, const Value *a, const Value *b, Value *result)
 {
+    if (!eval_text_fits(evaluator, strlen(a->as.text) + strlen(b->as.text), expr->span)) {
+        result->kind = VALUE_POISON;
+        return;
+    }
     *result = value_text(arena_format(evaluator->arena, "%s%s", a->as.text, b->as.text));
 }
 
@@ -109,12 +113,35 @@ static void compose_transforms(Evaluator *evaluator, const Value *a, const Value
     *result = (Value){.kind = VALUE_TRANSFORM, .as.transform = both};
 }
 
-static void join_lists(Evaluator *evaluator, const Value *a, const Value *b, Value *result)
+/* Both plain doubles of one kind: copied as a whole. */
+static bool join_plain(Evaluator *evaluator, const Value *a, const Value *b, Value *result)
+{
+    if (a->kind != VALUE_LIST || b->kind != VALUE_LIST || a->as.list->element == VALUE_NONE ||
+        a->as.list->element != b->as.list->element)
+        return false;
+    const List *first = a->as.list, *second = b->as.list;
+    List *both = ARENA_NEW(evaluator->arena, List);
+    size_t n_first = first->n * first->width, n_second = second->n * first->width;
+    double *numbers = ARENA_ARRAY(evaluator->arena, double, n_first + n_second);
+    if (n_first) memcpy(numbers, first->numbers, n_first * sizeof *numbers);
+    if (n_second) memcpy(numbers + n_first, second->numbers, n_second * sizeof *numbers);
+    *both = (List){.n = first->n + second->n, .element = first->element, .width = first->width, .numbers = numbers};
+    *result = (Value){.kind = VALUE_LIST, .as.list = both};
+    return true;
+}
+
+static void join_lists(Evaluator *evaluator, const Expr *expr, const Value *a, const Value *b, Value *result)
 {
     ListBuilder builder = {.arena = evaluator->arena};
+    double bytes = ((double)value_count(a) + (double)value_count(b)) * (2 * sizeof(Value)); /* at most, with growth */
+    if (!eval_reserve(evaluator, bytes, expr->span)) {
+        result->kind = VALUE_POISON;
+        return;
+    }
+    if (join_plain(evaluator, a, b, result)) return;
     for (const Value *list = a; list; list = list == a ? b : NULL) {
         size_t n = value_count(list);
-        for (size_t i = 0; i < n && eval_step(evaluator, (Span){0, 0, 0}); i++) {
+        for (size_t i = 0; i < n && eval_step(evaluator, expr->span); i++) {
             Value element = value_element(list, i);
             list_builder_add(&builder, &element);
         }
@@ -139,9 +166,9 @@ static void general_arithmetic(Evaluator *evaluator, Expr *expr, const Value *a,
         }
         *result = out;
     } else if (expr->kind == EXPR_ADD && a->kind == VALUE_STRING && b->kind == VALUE_STRING) {
-        join_texts(evaluator, a, b, result);
+        join_texts(evaluator, expr, a, b, result);
     } else if (expr->kind == EXPR_ADD && is_sequence(a) && is_sequence(b)) {
-        join_lists(evaluator, a, b, result);
+        join_lists(evaluator, expr, a, b, result);
     } else if (expr->kind == EXPR_MULTIPLY && a->kind == VALUE_TRANSFORM && b->kind == VALUE_TRANSFORM) {
         compose_transforms(evaluator, a, b, result);
     } else {

@@ -106,6 +106,9 @@ const DiagChain *frame_chain(Evaluator *evaluator, Frame *frame);
 /* Counts n steps; false, with evaluator->stop, when there were too many or memory is used up. */
 bool eval_step(Evaluator *evaluator, Span span);
 bool eval_stack_is_deep(Evaluator *evaluator, Span span);
+/* Is there room for so many bytes more? false, with evaluator->stop, when not. For what a scene can make large at once. */
+bool eval_reserve(Evaluator *evaluator, double bytes, Span span);
+bool eval_text_fits(Evaluator *evaluator, size_t length, Span span);
 
 /* ---- expressions (eval_expr.c) ---- */
 

@@ -6,8 +6,8 @@
 #include "base/file.h"
 #include "lang/evaluator.h"
 
-#ifndef MENISCUS_DATADIR
-#define MENISCUS_DATADIR "/usr/local/share/meniscus"
+#ifndef MEN_DATA_FOLDER
+#define MEN_DATA_FOLDER "/usr/local/share/meniscus"
 #endif
 
 typedef struct Search {
@@ -64,7 +64,7 @@ static const char *search_file(Search *search)
     for (size_t i = 0; !path && i < search->options->n_include_folders; i++)
         path = try_folder(search, search->options->include_folders[i], strlen(search->options->include_folders[i]));
     if (!path) path = try_path_list(search, getenv("MENISCUS_PATH"));
-    if (!path) path = try_folder(search, MENISCUS_DATADIR, strlen(MENISCUS_DATADIR));
+    if (!path) path = try_folder(search, MEN_DATA_FOLDER, strlen(MEN_DATA_FOLDER));
     return path;
 }
 

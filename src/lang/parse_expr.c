@@ -58,7 +58,8 @@ static bool plain_number(Parser *parser, PlainList *list)
     double number;
     const UnitType *unit;
     if (!lexer_plain_number(&parser->lexer, &number, &unit)) return false;
-    if (unit && !list->unit) list->unit = unit;
+    if (unit && list->unit && unit->measure != list->unit->measure) return false;
+    if (unit) list->unit = unit;
     if (list->n == list->capacity && !ARRAY_ROOM(list->numbers, list->capacity, list->n)) return false;
     list->numbers[list->n++] = in_scene_units(parser, number, unit);
     return true;
@@ -226,7 +227,9 @@ static Expr *fold_vector(Parser *parser, Span span, const ExprList *list)
         const Expr *item = list->items[i];
         if (item->kind != EXPR_CONSTANT || !item->literal || item->as.constant.value.kind != VALUE_NUMBER) return NULL;
         value.as.v[i] = item->as.constant.value.as.number;
-        if (!unit) unit = item->as.constant.unit;
+        const UnitType *own = item->as.constant.unit;
+        if (own && unit && own->measure != unit->measure) return NULL;
+        if (own) unit = own;
     }
     return constant_expr(parser, span, value, unit);
 }

@@ -249,7 +249,7 @@ static const Binding *callee_binding(Resolver *resolver, const Expr *callee, boo
     *silent = false;
     if (callee->kind == EXPR_NAME) {
         Binding *binding = callee->as.name.symbol->binding;
-        if (binding && binding->kind == BINDING_DEF) binding->used = true;
+        if (binding) binding->used = true;
         return binding;
     }
     if (callee->kind != EXPR_MEMBER) return NULL;

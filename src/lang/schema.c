@@ -251,6 +251,7 @@ static bool check_number_list(const Check *check, const Value *value, EvalProp *
         prop->as.list.numbers = value->as.list->numbers;
         return check_numbers(check, prop->as.list.numbers, n * width);
     }
+    if (!eval_reserve(check->evaluator, (double)n * width * sizeof(double), check->expr->span)) return false;
     double *numbers = ARENA_ARRAY(check->evaluator->arena, double, n * width);
     for (size_t i = 0; i < n; i++) {
         if (!eval_step(check->evaluator, check->expr->span)) return false;
@@ -354,17 +355,20 @@ static const char *word_of(const Expr *expr)
 }
 
 /* A list that may hold bare words: those of the choices are strings, whatever else bears the name. */
-static void words_to_strings(const PropType *type, Expr *expr)
+static bool words_to_strings(const Check *check, Expr *expr)
 {
-    if (expr->kind != EXPR_LIST) return;
-    for (uint32_t i = 0; i < expr->as.list.n; i++) {
+    for (uint32_t i = 0; expr->kind == EXPR_LIST && i < expr->as.list.n; i++) {
         Expr *item = expr->as.list.items[i];
         const char *word = word_of(item);
-        if (!word || !choice_allows(type->choices, word)) continue;
+        Check of_item = {.evaluator = check->evaluator, .type = check->type, .expr = item};
+        EvalProp prop = {0};
+        if (!word || (item->kind != EXPR_NAME && !choice_allows(check->type->choices, word))) continue;
+        if (!check_choice(&of_item, word, &prop)) return false;
         item->kind = EXPR_CONSTANT;
         item->as.constant.value = value_text(word);
         item->as.constant.unit = NULL;
     }
+    return true;
 }
 
 bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp *prop)
@@ -382,7 +386,7 @@ bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp
             Value value = value_text(word);
             return check_string_list(&check, &value, prop);
         }
-        words_to_strings(type, expr);
+        if (!words_to_strings(&check, expr)) return false;
     }
     if (!check_unit(&check, expr)) return false;
     Value room;

@@ -126,6 +126,8 @@ static bool equal_lists(const Value *a, const Value *b)
 {
     size_t n = value_count(a);
     if (n != value_count(b)) return false;
+    if (a->kind == VALUE_RANGE && b->kind == VALUE_RANGE) /* may be far too long to walk through */
+        return n == 0 || (a->as.range.first == b->as.range.first && (n == 1 || a->as.range.step == b->as.range.step));
     for (size_t i = 0; i < n; i++) {
         Value element_a = value_element(a, i), element_b = value_element(b, i);
         if (!value_equal(&element_a, &element_b)) return false;
