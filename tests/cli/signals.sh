@@ -31,7 +31,7 @@ child=$!
 sleep 1
 kill -TERM $child
 kill -TERM $child
-wait $child
+wait $child 2> /dev/null
 status=$?
 exits 143
 no_leftovers
