@@ -156,7 +156,8 @@ static bool starts_statement(const Parser *parser, int brackets)
     case TOKEN_NAME: {
         TokenKind next = peek(parser).kind;
         if (next == TOKEN_ASSIGN || next == TOKEN_CHANGE) return fresh_line || brackets == 0;
-        return fresh_line && (next == TOKEN_BRACE_OPEN || next == TOKEN_NAME || next == TOKEN_PAREN_OPEN);
+        return fresh_line && (next == TOKEN_BRACE_OPEN || next == TOKEN_NAME || next == TOKEN_PAREN_OPEN ||
+                              next == TOKEN_DOT);
     }
     default: return false;
     }

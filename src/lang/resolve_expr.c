@@ -216,8 +216,9 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
     no_names(resolver, args, name);
     if (args->n >= min && args->n <= max) return;
     const char *wanted = min == max                ? arena_format(resolver->arena, "%u", min)
-                         : max >= BUILTIN_MAX_ARGS ? arena_format(resolver->arena, "at least %u", min)
-                                                   : arena_format(resolver->arena, "%u to %u", min, max);
+                         : max < BUILTIN_MAX_ARGS  ? arena_format(resolver->arena, "%u to %u", min, max)
+                         : args->n < min           ? arena_format(resolver->arena, "at least %u", min)
+                                                   : arena_format(resolver->arena, "at most %u", max);
     diag_report(resolver->diag, args->n < min ? D_MISSING_ARGUMENT : D_WRONG_ARGUMENT, expr->span,
                 "'%s' takes %s argument%s, not %u", name, wanted, min == max && min == 1 ? "" : "s", args->n);
     expr->kind = EXPR_POISON;
