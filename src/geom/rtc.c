@@ -188,6 +188,11 @@ static bool consider_piece(Query *query, RtcPiece which)
     int n = piece_intersect(piece, query->cached_origin, query->cached_direction, query->ray->t_min, t_max, t);
     bool shrink = false;
     for (int i = 0; i < n; i++) {
+        if (which.sector != RTC_ALL_SECTORS) {
+            double x = query->cached_origin.x + t[i] * query->cached_direction.x;
+            double z = query->cached_origin.z + t[i] * query->cached_direction.z;
+            if (rtc_sector(x, z) != which.sector) continue;
+        }
         Vec3 local = piece_normal(piece, query->cached_origin, query->cached_direction, t[i]);
         Vec3 normal = vec3_normalize(affine_normal(&object->to_local, local));
         double slope = vec3_dot(local, query->cached_direction); /* the sign that the piece itself sees */
@@ -229,12 +234,31 @@ void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
     if (!consider_embree((Query *)(void *)arguments->context, arguments->hit)) arguments->valid[0] = 0;
 }
 
+/* Around an eighth of a band: its four corners are extreme, as sine and cosine are monotonic in between. */
+static Box3 sector_bounds(const Piece *band, uint32_t sector)
+{
+    static const double half = 0.70710678118654757;
+    static const double ends[RTC_SECTORS + 1][2] = {{1, 0}, {half, half}, {0, 1}, {-half, half}, {-1, 0},
+                                                    {-half, -half}, {0, -1}, {half, -half}, {1, 0}};
+    /* rtc_sector counts by quadrants and then by the larger coordinate: to the order of angles */
+    static const uint32_t by_angle[RTC_SECTORS] = {0, 1, 3, 2, 4, 5, 7, 6};
+    uint32_t k = by_angle[sector];
+    Box3 box = box3_empty();
+    for (uint32_t end = k; end <= k + 1; end++) {
+        box = box3_add_point(box, vec3(band->r0 * ends[end][0], band->y0, band->r0 * ends[end][1]));
+        box = box3_add_point(box, vec3(band->r1 * ends[end][0], band->y1, band->r1 * ends[end][1]));
+    }
+    return box;
+}
+
 void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const RtcScene *scene = arguments->geometryUserPtr;
     RtcPiece which = scene->pieces[arguments->primID];
     const RtcPlaced *object = &scene->objects[which.object];
-    Box3 box = affine_box(&object->to_world, piece_bounds(&object->solid->pieces[which.piece]));
+    const Piece *piece = &object->solid->pieces[which.piece];
+    Box3 local = which.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which.sector);
+    Box3 box = affine_box(&object->to_world, local);
     /* a little larger, as Embree tests float rays against it */
     double margin = 8 * UNIT_ROUNDING * fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
     arguments->bounds_o->lower_x = (float)(box.min.x - margin);

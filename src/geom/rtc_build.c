@@ -157,29 +157,50 @@ static Status add_meshes(RtcScene *scene, Error *error)
     return status;
 }
 
-static Status add_pieces(RtcScene *scene, Error *error)
+/* Whether a band is hollow enough for eighths to have much smaller boxes. */
+static uint32_t sectors_of(const Piece *piece)
 {
-    size_t n = 0, n_planes = 0;
+    return piece->kind == PIECE_BAND && fmin(piece->r0, piece->r1) > 0.3 * fmax(piece->r0, piece->r1) ? RTC_SECTORS : 1;
+}
+
+static void count_pieces(const RtcScene *scene, size_t *n, size_t *n_planes)
+{
+    *n = *n_planes = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const Solid *solid = scene->objects[i].solid;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++)
             if (solid->pieces[k].kind == PIECE_PLANE)
-                n_planes++;
+                ++*n_planes;
             else
-                n++;
+                *n += sectors_of(&solid->pieces[k]);
     }
+}
+
+static void list_pieces(RtcScene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const Solid *solid = scene->objects[i].solid;
+        for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
+            uint32_t n_sectors = sectors_of(&solid->pieces[k]);
+            if (solid->pieces[k].kind == PIECE_PLANE)
+                scene->planes[scene->n_planes++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
+            else if (n_sectors == 1)
+                scene->pieces[scene->n_pieces++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
+            else
+                for (uint32_t s = 0; s < n_sectors; s++) scene->pieces[scene->n_pieces++] = (RtcPiece){i, k, s};
+        }
+    }
+}
+
+static Status add_pieces(RtcScene *scene, Error *error)
+{
+    size_t n, n_planes;
+    count_pieces(scene, &n, &n_planes);
     if (n > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n);
     scene->pieces = malloc((n + n_planes + 1) * sizeof *scene->pieces);
     if (!scene->pieces) return fail_memory(error, (n + n_planes) * sizeof *scene->pieces, "the scene's solids");
     scene->planes = scene->pieces + n;
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const Solid *solid = scene->objects[i].solid;
-        for (uint32_t k = 0; solid && k < solid->n_pieces; k++)
-            if (solid->pieces[k].kind == PIECE_PLANE)
-                scene->planes[scene->n_planes++] = (RtcPiece){i, k};
-            else
-                scene->pieces[scene->n_pieces++] = (RtcPiece){i, k};
-    }
+    list_pieces(scene);
     if (!n) return STATUS_OK;
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, scene->n_pieces);

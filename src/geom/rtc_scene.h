@@ -20,10 +20,21 @@ typedef struct RtcPlaced {
     double stretch;             /* largest local-to-world scale */
 } RtcPlaced;
 
-/* A piece in the one user geometry that holds the pieces of all solids. */
+/* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of a band. Bands are
+ * cut into eighths so that the boxes around them are hollow: a ray down through a glass would else be tested
+ * against every band that it passes inside of. */
 typedef struct RtcPiece {
     uint32_t object, piece;
+    uint32_t sector; /* 0 .. 7 about the axis, or RTC_ALL_SECTORS */
 } RtcPiece;
+enum { RTC_SECTORS = 8, RTC_ALL_SECTORS = 8 };
+
+/* Which eighth a point of the local frame is in: exactly one, by comparisons alone. */
+static inline uint32_t rtc_sector(double x, double z)
+{
+    uint32_t quadrant = x >= 0 ? (z >= 0 ? 0 : 3) : (z >= 0 ? 1 : 2);
+    return 2 * quadrant + (fabs(z) >= fabs(x));
+}
 
 struct RtcScene {
     RTCDevice device;
