@@ -265,7 +265,8 @@ def goby_section(t):
     i = min(int(s), len(GOBY_SECTIONS) - 2)
     f = s - i
     rows = [GOBY_SECTIONS[min(max(i + k, 0), len(GOBY_SECTIONS) - 1)] for k in (-1, 0, 1, 2)]
-    return [b + .5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a))) for a, b, c, d in zip(*rows)]
+    return [b + .5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a)))
+            for a, b, c, d in zip(*rows)]
 
 
 def goby_angles():

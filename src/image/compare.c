@@ -326,8 +326,8 @@ Status image_compare(const Image *a, const Image *b, bool flip, Comparison *comp
     bool color_a = image_rgb(a, rgb_a), color_b = image_rgb(b, rgb_b);
     if (!color_a || !color_b)
         return fail(error, STATUS_USAGE,
-                    "the pictures cannot be compared: the %s has no channels R, G and B (its first is '%s'; that of the "
-                    "other is '%s')",
+                    "the pictures cannot be compared: the %s has no channels R, G and B (its first is '%s'; that of "
+                    "the other is '%s')",
                     color_a ? "second" : "first", color_a ? b->names[0] : a->names[0],
                     color_a ? a->names[0] : b->names[0]);
     compare_sums(a, rgb_a, b, rgb_b, comparison);

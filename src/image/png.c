@@ -54,7 +54,7 @@ static void on_warning(png_structp png, png_const_charp message)
 
 /* --- writing --- */
 
-/* The 8 x 8 threshold matrix of Bayer (1973), by its recursion: pairs of bits of x ^ y and y, the lowest weighing most. */
+/* The 8 x 8 threshold matrix of Bayer (1973), by its recursion: bit pairs of x ^ y and y, the lowest weighing most. */
 static float dither_threshold(uint32_t x, uint32_t y)
 {
     uint32_t value = 0;
@@ -105,7 +105,7 @@ static void flush_bytes(png_structp png)
 static void write_into(PngJob *job, const Image *image, const int *channels, uint32_t n, unsigned bits, FILE *stream)
 {
     png_set_write_fn(job->png, stream, put_bytes, flush_bytes);
-    png_set_compression_level(job->png, 6);
+    png_set_compression_level(job->png, 4);
     png_set_IHDR(job->png, job->info, image->width, image->height, (int)bits,
                  n == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -189,7 +189,8 @@ static void read_into(PngJob *job)
     job->width = png_get_image_width(png, job->info);
     job->height = png_get_image_height(png, job->info);
     double packed = (double)png_get_rowbytes(png, job->info) * job->height;
-    if (packed > 1e6 + BEST_RATIO * (double)job->n_bytes) png_error(png, "the file is too short for the size it claims");
+    if (packed > 1e6 + BEST_RATIO * (double)job->n_bytes)
+        png_error(png, "the file is too short for the size it claims");
     expand_pixels(job);
     size_t row_bytes = png_get_rowbytes(png, job->info);
     job->pixels = calloc(job->height, row_bytes);
@@ -240,7 +241,8 @@ Status png_read(const char *path, Image *image, Error *error)
     else if (n_bytes < 8 || png_sig_cmp((png_const_bytep)bytes, 0, 8) != 0)
         status = fail(error, STATUS_INPUT, "cannot read '%s': it is not a PNG file", path);
     else if (!run_reader(&job))
-        status = fail(error, STATUS_INPUT, "cannot read '%s': the PNG file is damaged or cut short (%s)", path, job.reason);
+        status = fail(error, STATUS_INPUT, "cannot read '%s': the PNG file is damaged or cut short (%s)", path,
+                      job.reason);
     else
         status = image_of_job(&job, image, error);
     clear_job(&job, true);

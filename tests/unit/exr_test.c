@@ -54,7 +54,9 @@ static void write_text(const char *path, const void *bytes, size_t length)
 /* A picture of every kind of number, with more channels than the library's small stash. */
 static Image sample_image(uint32_t width, uint32_t height)
 {
-    static const char *const names[] = {"R", "G", "B", "A", "variance.R", "N.X", "a channel with quite a long name, over 31"};
+    static const char *const names[] = {"R",          "G",   "B",
+                                        "A",          "N.X", "a channel with quite a long name, over 31",
+                                        "variance.R"};
     Image image;
     Error error;
     assert_int_equal(image_new(width, height, names, COUNT_OF(names), &image, &error), STATUS_OK);
@@ -119,8 +121,8 @@ static void small_pictures_come_back(void **state)
     (void)state;
     static const char *const names[] = {"Y", "id"};
     Error error = {0};
-    for (uint32_t width = 1; width <= 40; width++)
-        for (uint32_t kind = 0; kind < 12; kind++) {
+    for (uint32_t width = 1; width <= 40; width += 4)
+        for (uint32_t kind = 0; kind < 8; kind++) {
             Image image, again;
             assert_int_equal(image_new(width, 1 + kind % 3, names, 1 + kind % 2, &image, &error), STATUS_OK);
             size_t n = (size_t)width * (1 + kind % 3) * (1 + kind % 2);
@@ -149,7 +151,7 @@ static void half_rounds_colors_only(void **state)
     for (size_t i = 1; i < (size_t)50 * 70; i++) {
         float a = image.pixels[i * image.n_channels], b = again.pixels[i * again.n_channels + (size_t)red];
         assert_true(fabsf(a - b) <= a * 4.9e-4f);
-        assert_memory_equal(image.pixels + i * image.n_channels + 4,
+        assert_memory_equal(image.pixels + i * image.n_channels + 6,
                             again.pixels + i * again.n_channels + (size_t)variance, sizeof(float));
     }
     image_clear(&again);
@@ -193,7 +195,8 @@ static void attributes_come_back(void **state)
         {.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = 0.1},
         {.name = "expTime", .type = ATTRIBUTE_FLOAT, .number = 0.02},
     };
-    ExrOptions options = {.half = true, .attributes = attributes, .n_attributes = COUNT_OF(attributes), .pixel_aspect = 2};
+    ExrOptions options = {
+        .half = true, .attributes = attributes, .n_attributes = COUNT_OF(attributes), .pixel_aspect = 2};
     Error error = {0};
     Image image = sample_image(4, 2);
     const char *path = in_folder("attributes.exr");
@@ -382,7 +385,7 @@ static void sizes_outside_the_limits_are_refused(void **state)
 {
     (void)state;
     static const char *const names[] = {"R"}, *const empty[] = {""},
-                             *const endless[] = {"a name of sixty-four bytes, which is one more than there is room for ..."};
+                             *const endless[] = {"a name of more than the sixty-three bytes that there is room for"};
     Image image;
     Error error;
     assert_int_equal(image_new(0, 1, names, 1, &image, &error), STATUS_NOMEM);

@@ -114,7 +114,8 @@ static void many_pixels_are_as_one(void **state)
     float *rgb = malloc(3 * N * sizeof *rgb);
     for (size_t i = 0; i < 3 * N; i++) rgb[i] = (float)(i % 977) / 977;
     assert_int_equal(color_to_working(config, "sRGB texture", rgb, N, &error), STATUS_OK);
-    for (size_t i = 0; i < 3 * N; i += 3) assert_near(rgb[i], pow(((double)(i % 977) / 977 + .055) / 1.055, 2.4), 0.005);
+    for (size_t i = 0; i < 3 * N; i += 3)
+        assert_near(rgb[i], pow(((double)(i % 977) / 977 + .055) / 1.055, 2.4), 0.005);
     free(rgb);
 }
 
