@@ -16,7 +16,7 @@ static bool takes_folder(const OptionRow *row)
 
 static bool takes_file(const OptionRow *row)
 {
-    return row->kind == KIND_FILE || row->kind == KIND_OPTIONAL_FILE || (row->kind == KIND_LIST && strcmp(row->argument, "FILE") == 0);
+    return row->kind == KIND_FILE || row->kind == KIND_OPTIONAL_FILE || row->kind == KIND_LIST;
 }
 
 static const char *operand_words(Command command)

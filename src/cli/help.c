@@ -182,7 +182,7 @@ static const char *kind_name(OptionKind kind)
     static const char *const names[] = {
         [KIND_FLAG] = "flag",         [KIND_TEXT] = "text",       [KIND_FILE] = "file",
         [KIND_FOLDER] = "folder",     [KIND_LIST] = "list",       [KIND_OPTIONAL_FILE] = "optional file",
-        [KIND_FOLDERS] = "folders",   [KIND_CHOICE] = "choice",   [KIND_COUNT] = "whole number",
+        [KIND_FOLDERS] = "folders",   [KIND_DEFINES] = "defines", [KIND_CHOICE] = "choice",   [KIND_COUNT] = "whole number",
         [KIND_NUMBER] = "number",     [KIND_FRACTION] = "fraction", [KIND_DURATION] = "duration",
         [KIND_SIZE] = "size",         [KIND_CROP] = "crop",
     };

@@ -24,18 +24,31 @@ static Status print_help(Command command, bool full, Error *error)
     return status;
 }
 
+/* On standard output, or on standard error where it stands for an error. */
+static Status print_overview(Status status, Error *error)
+{
+    Buf out = {0};
+    help_print_overview(&out);
+    if (status == STATUS_OK)
+        status = print_out(&out, error);
+    else
+        talk_write(&out);
+    buf_clear(&out);
+    return status;
+}
+
 static Status run(Command command, char *const *words, size_t n_words, Talk *talk, Error *error)
 {
     Options options;
     Status status = options_parse(&options, command, words, n_words, error);
     talk_init(talk, &options);
-    bool full = option_given(&options, OPTION_HELP);
+    bool full = option_given(&options, OPTION_HELP), help = full || option_given(&options, OPTION_SHORT_HELP);
     if (status != STATUS_OK && !talk->json) {
         talk_error(talk, error);
         talk_hint(talk, "'meniscus %s -h' lists the options", command_row(command)->name);
         error->text[0] = 0;
-    } else if (status == STATUS_OK && (full || option_given(&options, OPTION_SHORT_HELP)) && command_row(command)->summary) {
-        status = print_help(command, full, error);
+    } else if (status == STATUS_OK && help) {
+        status = command_row(command)->summary ? print_help(command, full, error) : print_overview(STATUS_OK, error);
     } else if (status == STATUS_OK) {
         status = command_functions[command](&options, talk, error);
     }
@@ -61,16 +74,11 @@ static Status unknown_command(const char *word, const Talk *talk, Error *error)
     return status;
 }
 
-static Status print_overview(Status status)
+static Status run_overview(const Talk *talk)
 {
-    Buf out = {0};
     Error error = {0};
-    help_print_overview(&out);
-    if (status == STATUS_OK)
-        status = print_out(&out, &error);
-    else
-        talk_write(&out);
-    buf_clear(&out);
+    Status status = print_overview(STATUS_OK, &error);
+    if (error.text[0]) talk_error(talk, &error);
     return status;
 }
 
@@ -79,11 +87,11 @@ static Status dispatch(int argc, char **argv)
     Talk talk;
     Error error = {0};
     talk_init(&talk, NULL);
-    if (argc < 2) return print_overview(STATUS_USAGE);
+    if (argc < 2) return print_overview(STATUS_USAGE, &error);
     const char *word = argv[1];
     char *const *rest = argv + 2;
     size_t n_rest = (size_t)argc - 2;
-    if (strcmp(word, "-h") == 0 || strcmp(word, "--help") == 0) return print_overview(STATUS_OK);
+    if (strcmp(word, "-h") == 0 || strcmp(word, "--help") == 0) return run_overview(&talk);
     if (strcmp(word, "--version") == 0) return run(COMMAND_VERSION, rest, n_rest, &talk, &error);
     Command command = command_named(word);
     if (command != COMMAND_COUNT) return run(command, rest, n_rest, &talk, &error);

@@ -59,13 +59,28 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
                 near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");
 }
 
-static Status add_item(Parser *parser, OptionValue *value, const char *text)
+static bool is_list(OptionKind kind)
+{
+    return kind == KIND_LIST || kind == KIND_FOLDERS || kind == KIND_DEFINES;
+}
+
+/* The item that sets the same name; value->n_items when there is none. */
+static size_t find_define(const OptionValue *value, const char *text)
+{
+    size_t length = strcspn(text, "=") + 1, i = 0;
+    while (i < value->n_items && strncmp(value->items[i], text, length) != 0) i++;
+    return i;
+}
+
+static Status add_item(Parser *parser, OptionKind kind, OptionValue *value, const char *text)
 {
     if (!value->items) {
         value->items = malloc(parser->n_words * sizeof *value->items); /* no list has more items than there are words */
         if (!value->items) return fail_memory(parser->error, parser->n_words * sizeof *value->items, "the options");
     }
-    value->items[value->n_items++] = text;
+    size_t place = kind == KIND_DEFINES ? find_define(value, text) : value->n_items;
+    value->items[place] = text;
+    if (place == value->n_items) value->n_items++;
     return STATUS_OK;
 }
 
@@ -76,7 +91,7 @@ static Status set_option(Parser *parser, OptionKey key, const char *spelled, con
     OptionValue *value = &parser->options->values[key];
     if (text) TRY(option_value_read(row, spelled, text, value, parser->error));
     if (!text) value->text = NULL;
-    if (row->kind == KIND_LIST || row->kind == KIND_FOLDERS) TRY(add_item(parser, value, text));
+    if (is_list(row->kind)) TRY(add_item(parser, row->kind, value, text));
     value->place = (unsigned)parser->next;
     if (key == OPTION_HELP || key == OPTION_SHORT_HELP) parser->stop = true;
     return STATUS_OK;

@@ -33,6 +33,7 @@ typedef enum OptionKind {
     KIND_OPTIONAL_FILE, /* only as --name=FILE; without a value it is a flag */
     KIND_LIST,          /* every value counts, in order */
     KIND_FOLDERS,       /* the same, of folders */
+    KIND_DEFINES,       /* the same, of NAME=VALUE; of one name the last one counts */
     KIND_CHOICE,
     KIND_COUNT,         /* a whole number */
     KIND_NUMBER,
@@ -76,7 +77,7 @@ typedef struct OptionValue {
     const char *text;
     double number;
     uint32_t whole[4];
-    const char **items; /* KIND_LIST, KIND_FOLDERS; owned, the texts are the command line's */
+    const char **items; /* KIND_LIST, KIND_FOLDERS, KIND_DEFINES; owned, the texts are the command line's */
     size_t n_items;
 } OptionValue;
 

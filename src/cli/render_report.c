@@ -44,14 +44,13 @@ void render_warn(const RenderRun *run)
     if (faults)
         talk_warning(talk,
                      "%llu nesting fault%s, %.3g per million crossings: a surface was left that was never entered, or entered "
-                     "twice; look for meshes that cross themselves with `meniscus check`",
+                     "twice; a mesh that crosses itself does that, and 'meniscus check' may find it",
                      faults, plural(faults), per_million(faults, stats->crossings));
     if (limit)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
-    if (bad) talk_warning(talk, "%llu sample%s had no finite value and were left out", bad, plural(bad));
+    if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
     if (saturated)
-        talk_warning(talk, "%llu sample%s were brighter than the film can hold, and are held at its limit", saturated,
-                     plural(saturated));
+        talk_warning(talk, "%llu sample%s brighter than the film can hold, and held at its limit", saturated, plural(saturated));
 }
 
 static void list_outputs(const OutputList *outputs, Buf *text)

@@ -6,15 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/file.h"
 
 enum { TEMPORARY_TRIES = 4, NAME_ROOM = 32 };
+/* timeout(1) sends each signal twice, to the process and to its group; nobody means that as a second one. */
+static const double one_signal_s = 0.1;
 
 static const int handled[] = {SIGINT, SIGTERM, SIGHUP};
 
 static volatile sig_atomic_t received;
+static struct timespec received_at;
 static struct sigaction before[COUNT_OF(handled)];
 static bool begun;
 static const char *announcement;
@@ -42,11 +46,16 @@ static void end_by(int number)
 
 static void handle(int number)
 {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
     if (!received) {
+        received_at = now;
         received = number;
         write_text(announcement);
         return;
     }
+    double since = (double)(now.tv_sec - received_at.tv_sec) + 1e-9 * (double)(now.tv_nsec - received_at.tv_nsec);
+    if (since < one_signal_s) return;
     for (sig_atomic_t i = 0; i < n_temporaries; i++) unlink(temporaries[i]);
     end_by(number);
 }
@@ -79,7 +88,7 @@ Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Er
     if (!temporaries) return fail_memory(error, size, "the names of outputs");
     for (size_t i = 0; i < n_outputs; i++) remember_temporaries(outputs[i]);
     struct sigaction action = {.sa_handler = handle, .sa_flags = SA_RESTART};
-    sigemptyset(&action.sa_mask);
+    sigfillset(&action.sa_mask); /* one at a time */
     for (size_t i = 0; i < COUNT_OF(handled); i++) {
         sigaction(handled[i], NULL, &before[i]);
         if (before[i].sa_handler != SIG_IGN) sigaction(handled[i], &action, NULL);

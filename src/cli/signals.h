@@ -1,7 +1,7 @@
 /* signals.h - stopping a render by a signal without losing what was rendered.
  * The first INT, TERM or HUP says so at once and sets a flag; the second one ends the process at once, and the
  * temporary files of the outputs with it. In both cases the process ends by the signal, so that the shell sees it.
- * Signals that were ignored when the process began (nohup) stay ignored.
+ * Two within a tenth of a second are one. Signals that were ignored when the process began (nohup) stay ignored.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SIGNALS_H
 #define MEN_SIGNALS_H

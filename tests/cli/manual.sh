@@ -1,4 +1,4 @@
-# manual.sh - help, tables and manual pages agree.
+# manual.sh - help, tables and manual pages agree (that the pages are fresh and well-formed: tests/man.sh).
 # SPDX-License-Identifier: Apache-2.0
 
 begin "help --json is JSON, and --help and the pages name every option in it"
@@ -60,16 +60,6 @@ for command in json.load(open("out"))["commands"]:
 print("\n".join(bad))
 sys.exit(bool(bad))
 PYTHON
-end
-
-begin "the manual pages are fresh"
-"$root/man/refresh.sh" "$program" --check > out 2> err || flunk "run make man"
-end
-
-begin "the manual pages are well-formed"
-if command -v mandoc > /dev/null; then
-    mandoc -Tlint -Wwarning "$root"/man/*.[157] > out 2>&1 || flunk "mandoc has complaints"
-fi
 end
 
 # The scenes in the manual are the blocks that begin with the header.

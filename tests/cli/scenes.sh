@@ -67,7 +67,7 @@ exits 0
 matches out '^level = 3 +radius of the water'
 run params small.mns --json
 is_json out
-run params small.mns -D level=2
+run params small.mns -D level=4 -D level=2
 matches out '^level = 2'
 run render small.mns --camera side -o side.exr -D level=2
 exits 0

@@ -30,7 +30,8 @@ long_scene
 child=$!
 sleep 1
 kill -TERM $child
-kill -TERM $child
+sleep 0.2
+kill -TERM $child 2> /dev/null
 wait $child 2> /dev/null
 status=$?
 exits 143

@@ -43,6 +43,7 @@ refuses "'0s' is not a time" render small.mns -t 0s
 refuses "is not four whole numbers" render small.mns --crop 1,2,3
 refuses "holds no pixel" render small.mns --crop 4,0,4,8
 refuses "16,17 is outside of the picture of 16 x 16" render small.mns --crop 0,0,16,17
+refuses "'level' is not NAME=VALUE" render small.mns -D level
 refuses "did you mean 'automatic'?" render small.mns --nesting automtic
 refuses "150% is outside of 0 to 1" render small.mns --noise 150%
 refuses "must end in .exr or .png" render small.mns -o small.jpg
