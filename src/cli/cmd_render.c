@@ -54,9 +54,9 @@ static void note_scene(const RenderRun *run)
     const Scene *scene = run->input.scene;
     char time[32];
     seconds_print(clock_now_s() - run->start_s, time);
-    talk_note(run->talk, "%u objects (%u with an inside), %u media, %u lights; read and built in %s", scene->n_objects,
+    talk_note(run->talk, "objects: %u (%u with an inside); media: %u; lights: %u; read and built in %s", scene->n_objects,
               run->input.compiled->n_hulls, scene->n_media, scene->n_lights, time);
-    talk_note(run->talk, "%u x %u, %u samples per pixel, nesting %s, %u threads", run->settings.width, run->settings.height,
+    talk_note(run->talk, "%u x %u; samples per pixel: %u; nesting: %s; threads: %u", run->settings.width, run->settings.height,
               run->settings.samples, nest_policy_text(run->input.compiled->order.policy), pool_threads(run->pool));
 }
 
