@@ -14,11 +14,11 @@
 #include "geom/rtc_scene.h"
 
 /* A float has 24 bits. Coordinates are trusted to 4 units in the last place; Embree's distances to 16,
- * divided by the cosine; the start is moved back by 4,096, for surfaces that are left at a grazing angle. */
+ * divided by the cosine; the start is moved back by 32,768, for surfaces that are left at a grazing angle. */
 #define UNIT_ROUNDING 0x1p-23
 #define TRUSTED_ULPS 4.0
 #define EMBREE_NOISE 0x1p-20
-#define START_BACK 0x1p-12
+#define START_BACK 0x1p-9
 /* What double precision makes of a point on a surface. */
 #define DOUBLE_NOISE 0x1p-42
 /* Below this cosine the window for surfaces at one place grows no further. */
