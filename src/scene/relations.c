@@ -19,11 +19,9 @@
 #include "scene/lines.h"
 
 enum {
-    LINES_IN_ALL = 200000,  /* of the first stage, shared by the hulls: about half a second */
-    LINES_OF_HULL_MAX = 600,
-    LINES_OF_HULL_MIN = 15,
-    LINES_OF_PAIR_MAX = 600,
-    LINES_OF_PAIR_MIN = 24,
+    LINES_IN_ALL = 300000, /* of one stage and one class: about half a second */
+    LINES_MAX = 600,       /* of one hull, of one pair */
+    LINES_MIN = 15,
     SEARCH_LINES_IN_ALL = 500000,
     SEARCH_STEPS_MAX = 10,
     SEARCH_STEPS_MIN = 3,
@@ -66,12 +64,13 @@ typedef struct Finder {
     const CompiledScene *compiled;
     Probe *probes; /* per worker */
     double *extent; /* half the area of the bounds, by which hulls are small or large */
+    double *margin; /* see margin_of */
     Vec3 *center;
     double *radius; /* of spheres; 0: no sphere */
     FactList *hull_facts;
     Candidate *candidates;
     size_t n_candidates, candidates_capacity;
-    uint32_t lines_of_hull, lines_of_pair;
+    uint32_t lines_of_hull[2], lines_of_pair[2]; /* [0] balls and pairs with a ball, [1] others: bubbles are many, glasses few */
     int search_steps;
 } Finder;
 
@@ -107,9 +106,8 @@ static double box_rounding(Box3 box)
 }
 
 /* How far beyond a hull's bounds its gaps are looked for. */
-static double margin_of(const Finder *f, uint32_t hull)
+static double margin_of(Box3 box)
 {
-    Box3 box = f->compiled->hull_bounds[hull];
     return gap_part * least_extent(box) + 2 * box_rounding(box);
 }
 
@@ -300,12 +298,12 @@ static void task_of_hull(void *context, uint32_t hull, unsigned worker)
 {
     Finder *f = context;
     FactList *list = &f->hull_facts[hull];
-    Box3 box = widened(f->compiled->hull_bounds[hull], margin_of(f, hull));
+    Box3 box = widened(f->compiled->hull_bounds[hull], f->margin[hull]);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
         Line line;
         uint32_t face = 0;
-        line_set_begin(&set, box, direction, f->lines_of_hull / LINE_DIRECTIONS, hull);
+        line_set_begin(&set, box, direction, f->lines_of_hull[f->radius[hull] == 0] / LINE_DIRECTIONS, hull);
         while (line_set_next(&set, &line)) {
             if (set.face != face)
                 for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
@@ -372,8 +370,9 @@ static void task_of_pair(void *context, uint32_t number, unsigned worker)
     by_size(f, candidate, &own, &other);
     if (!candidate->region_small || !is_judged_by(f, own, other)) return;
     PairFacts *facts = facts_of(&candidate->facts, own, other);
+    uint32_t n = f->lines_of_pair[f->radius[own] == 0 && f->radius[other] == 0];
     if (facts)
-        judge_pair_in(f, &f->probes[worker], facts, candidate->region, f->lines_of_pair, pair_seed(candidate));
+        judge_pair_in(f, &f->probes[worker], facts, candidate->region, n, pair_seed(candidate));
     else
         f->probes[worker].out_of_memory = true;
 }
@@ -440,12 +439,17 @@ static bool has_room(Box3 box)
     return box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
 }
 
+static bool come_near(const Box3 *a, const Box3 *b, double margin)
+{
+    return a->min.x - b->max.x < margin && b->min.x - a->max.x < margin && a->min.y - b->max.y < margin &&
+           b->min.y - a->max.y < margin && a->min.z - b->max.z < margin && b->min.z - a->max.z < margin;
+}
+
 /* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
 static Status add_candidate(Finder *f, uint32_t a, uint32_t b, Error *error)
 {
     Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
-    double margin = fmin(margin_of(f, a), margin_of(f, b)), rounding = fmax(box_rounding(box_a), box_rounding(box_b));
-    if (!has_room(common(widened(box_a, margin), widened(box_b, margin)))) return STATUS_OK;
+    double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
     if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
         return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
     Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
@@ -475,15 +479,18 @@ static Status find_candidates(Finder *f, Error *error)
     uint32_t *active = malloc((n ? n : 1) * sizeof *active);
     Status status = edges && active ? STATUS_OK : fail_memory(error, n * sizeof *edges, "pairs of hulls");
     for (uint32_t h = 0; status == STATUS_OK && h < n; h++)
-        edges[h] = (Edge){f->compiled->hull_bounds[h].min.x - margin_of(f, h), h};
+        edges[h] = (Edge){f->compiled->hull_bounds[h].min.x - f->margin[h], h};
     if (status == STATUS_OK) qsort(edges, n, sizeof *edges, compare_edges);
     for (uint32_t i = 0; status == STATUS_OK && i < n; i++) {
         uint32_t kept = 0;
         for (uint32_t k = 0; k < n_active; k++) {
             uint32_t other = active[k];
-            if (f->compiled->hull_bounds[other].max.x + margin_of(f, other) < edges[i].begin) continue;
+            if (f->compiled->hull_bounds[other].max.x + f->margin[other] < edges[i].begin) continue;
             active[kept++] = other;
-            if (status == STATUS_OK) status = add_candidate(f, other, edges[i].hull, error);
+            uint32_t hull = edges[i].hull;
+            double margin = 2 * fmin(f->margin[hull], f->margin[other]);
+            if (!come_near(&f->compiled->hull_bounds[hull], &f->compiled->hull_bounds[other], margin)) continue;
+            if (status == STATUS_OK) status = add_candidate(f, other, hull, error);
         }
         active[kept++] = edges[i].hull;
         n_active = kept;
@@ -580,9 +587,25 @@ static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, E
     return STATUS_OK;
 }
 
-static uint32_t clamped(double x, uint32_t low, uint32_t high)
+static uint32_t lines_of_each(size_t n)
 {
-    return x < low ? low : x > high ? high : (uint32_t)x;
+    size_t lines = LINES_IN_ALL / (n ? n : 1);
+    return lines < LINES_MIN ? LINES_MIN : lines > LINES_MAX ? LINES_MAX : (uint32_t)lines;
+}
+
+/* Shares the lines out. */
+static void plan(Finder *f)
+{
+    size_t n_hulls[2] = {0}, n_pairs[2] = {0};
+    for (uint32_t h = 0; h < f->compiled->n_hulls; h++) n_hulls[f->radius[h] == 0]++;
+    for (size_t i = 0; i < f->n_candidates; i++) {
+        const Candidate *candidate = &f->candidates[i];
+        n_pairs[f->radius[candidate->a] == 0 && f->radius[candidate->b] == 0] += candidate->region_small;
+    }
+    for (int i = 0; i < 2; i++) {
+        f->lines_of_hull[i] = lines_of_each(n_hulls[i]);
+        f->lines_of_pair[i] = lines_of_each(n_pairs[i]);
+    }
 }
 
 static Status prepare(Finder *f, unsigned n_workers, Error *error)
@@ -591,22 +614,22 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     size_t n = compiled->n_hulls ? compiled->n_hulls : 1;
     f->probes = calloc(n_workers, sizeof *f->probes);
     f->extent = calloc(n, sizeof *f->extent);
+    f->margin = calloc(n, sizeof *f->margin);
     f->center = calloc(n, sizeof *f->center);
     f->radius = calloc(n, sizeof *f->radius);
     f->hull_facts = calloc(n, sizeof *f->hull_facts);
-    if (!f->probes || !f->extent || !f->center || !f->radius || !f->hull_facts)
+    if (!f->probes || !f->extent || !f->margin || !f->center || !f->radius || !f->hull_facts)
         return fail_memory(error, n * sizeof *f->hull_facts, "how the hulls lie");
     for (unsigned i = 0; i < n_workers; i++) TRY(probe_init(&f->probes[i], compiled->n_hulls, error));
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
         f->extent[h] = half_area(compiled->hull_bounds[h]);
+        f->margin[h] = margin_of(compiled->hull_bounds[h]);
         f->center[h] = object->to_world.t;
         f->radius[h] = sphere_radius(&compiled->scene->shapes[object->shape], &object->to_world);
     }
     TRY(find_candidates(f, error));
-    f->lines_of_hull = clamped((double)LINES_IN_ALL / (double)n, LINES_OF_HULL_MIN, LINES_OF_HULL_MAX);
-    size_t n_pairs = f->n_candidates ? f->n_candidates : 1;
-    f->lines_of_pair = clamped((double)LINES_IN_ALL / (double)n_pairs, LINES_OF_PAIR_MIN, LINES_OF_PAIR_MAX);
+    plan(f);
     return STATUS_OK;
 }
 
@@ -617,6 +640,7 @@ static void finder_clear(Finder *f, unsigned n_workers)
     for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
     free(f->probes);
     free(f->extent);
+    free(f->margin);
     free(f->center);
     free(f->radius);
     free(f->hull_facts);

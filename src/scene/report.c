@@ -49,7 +49,7 @@ void report_add_length(Buf *out, const Scene *scene, double length)
     static const struct {
         double from, unit; /* in metres */
         const char *name;
-    } units[] = {{1, 1, "m"}, {1e-4, 1e-3, "mm"}, {1e-7, 1e-6, "µm"}, {0, 1e-9, "nm"}};
+    } units[] = {{1, 1, "m"}, {1e-5, 1e-3, "mm"}, {1e-7, 1e-6, "µm"}, {0, 1e-9, "nm"}};
     double m = length * scene->unit_m;
     size_t i = 0;
     while (i + 1 < COUNT_OF(units) && !(m >= units[i].from)) i++;
@@ -234,13 +234,19 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
                    (double)spectrum_at_one(&medium->ior, 400));
     buf_add(&row[3], state_text(medium->state));
     if (medium->absorbs) {
-        float a = spectrum_at_one(&medium->absorption, 620), b = spectrum_at_one(&medium->absorption, 540),
-              c = spectrum_at_one(&medium->absorption, 450);
-        float most = fmaxf(a, fmaxf(b, c));
+        static const struct {
+            const char *name;
+            float nm;
+        } lights[] = {{"red", 620}, {"green", 540}, {"blue", 450}};
+        size_t most = 0;
+        for (size_t k = 1; k < COUNT_OF(lights); k++)
+            if (spectrum_at_one(&medium->absorption, lights[k].nm) > spectrum_at_one(&medium->absorption, lights[most].nm)) most = k;
+        double coefficient = (double)spectrum_at_one(&medium->absorption, lights[most].nm);
         buf_add(&row[4], "absorbs");
-        if (most > 0) {
-            buf_add(&row[4], ", half of the light within ");
-            report_add_length(&row[4], scene, 0.6931471805599453 / (double)most);
+        if (coefficient > 0) {
+            bool grey = spectrum_is_constant(&medium->absorption);
+            buf_format(&row[4], " half of %s light within ", grey ? "all" : lights[most].name);
+            report_add_length(&row[4], scene, 0.6931471805599453 / coefficient);
         }
     }
     if (medium->has_priority) buf_format(&row[5], "priority %d", (int)medium->priority);
