@@ -132,7 +132,11 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
             result.faults += crossing.n_faults;
             if (hits.items[0].t - ray.t_min < 1e-10 * size) break; /* run into a corner, as far as double can tell */
             double choice = unit(&random);
-            if (choice < 0.2) { /* silent: the same ray goes on */
+            bool edge = false; /* clipped: in and out of one object at once is no surface to turn away from */
+            for (size_t i = 1; i < n; i++)
+                for (size_t k = 0; k < i; k++)
+                    edge |= passes[i].hull == passes[k].hull && passes[i].entering != passes[k].entering;
+            if (choice < 0.2 || edge) { /* silent: the same ray goes on */
                 ray.t_min = hits.items[n - 1].t;
                 assert_int_equal(nest_list_copy(&list, &next), STATUS_OK);
                 continue;
