@@ -39,6 +39,13 @@ static unsigned distance(const char *a, size_t n_a, const char *b, size_t n_b)
     return previous[n_b];
 }
 
+static int equal_but_for_case(const char *a, const char *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (lower(a[i]) != lower(b[i])) return 0;
+    return 1;
+}
+
 const char *suggest_nearest(const char *wrong, const char *const *candidates, size_t n)
 {
     size_t length = strlen(wrong);
@@ -50,7 +57,9 @@ const char *suggest_nearest(const char *wrong, const char *const *candidates, si
     for (size_t i = 0; i < n; i++) {
         size_t n_candidate = strlen(candidates[i]);
         if (n_candidate > LONGEST_WORD) continue;
-        unsigned d = distance(wrong, length, candidates[i], n_candidate);
+        unsigned d = n_candidate == length && equal_but_for_case(wrong, candidates[i], length)
+                         ? CASE_EDIT
+                         : distance(wrong, length, candidates[i], n_candidate);
         if (d < best) {
             best = d;
             nearest = candidates[i];

@@ -5,7 +5,8 @@
 
 #include <stddef.h>
 
-/* The candidate with the smallest edit distance (a swap of neighbours counts as one edit, a change of case as half)
+/* The candidate with the smallest edit distance (a swap of neighbours counts as one edit, a
+ * change of case as half, and no more for a whole word)
  * to wrong, when it is near enough to be a slip (about one edit in three letters) and no other candidate is as
  * near; else NULL. Equal candidates count once. */
 const char *suggest_nearest(const char *wrong, const char *const *candidates, size_t n);

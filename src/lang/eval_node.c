@@ -84,7 +84,8 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
         diag_note(evaluator->diag, report, target->set_spans[row], "first set here");
     }
     target->set_spans[row] = stmt->span;
-    target->states[row] = prop_check(evaluator, prop, stmt->as.prop.value, &target->props[row]) ? PROP_SET : PROP_BAD;
+    bool fine = prop_check(evaluator, prop, stmt->as.prop.value, &target->props[row]);
+    target->states[row] = !fine ? PROP_BAD : target->props[row].type ? PROP_SET : PROP_UNSET;
     if (prop->flags & PROP_SHAPE) target->shape_changed = true;
 }
 
@@ -274,7 +275,8 @@ static void merge_single(Evaluator *evaluator, EvalNode *node)
         node_list_add(evaluator, &evaluator->top, node);
         return;
     }
-    if (!evaluator->in_preset && evaluator->single_sources[row] == node->span.source) {
+    bool again = first->span.source == node->span.source && first->span.begin == node->span.begin; /* included twice */
+    if (!evaluator->in_preset && !again && evaluator->single_sources[row] == node->span.source) {
         Diagnostic *report =
             eval_report(evaluator, D_DUPLICATE_NODE, node->span, "'%s' stands in this file twice", node->type->name);
         diag_note(evaluator->diag, report, first->span, "first here");

@@ -179,7 +179,8 @@ void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node);
 
 /* ---- properties (schema.c) ---- */
 
-/* Checks the value of expr for a property and converts it. False after a report, or for poison. */
+/* Checks the value of expr for a property and converts it. False after a report, or for poison. The value none leaves
+ * a property unset: prop->type is NULL then. */
 bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp *prop);
 
 /* ---- files (find.c) ---- */

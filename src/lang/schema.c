@@ -391,5 +391,12 @@ bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp
     if (!check_unit(&check, expr)) return false;
     Value room;
     const Value *value = eval_operand(evaluator, expr, &room);
+    if (value->kind == VALUE_NONE) {
+        if (type->kind == PROP_CHOICE && choice_allows(type->choices, "none"))
+            prop->as.text = "none"; /* a word of the language, and of this property */
+        else
+            prop->type = NULL;
+        return true;
+    }
     return value->kind != VALUE_POISON && check_value(&check, value, prop);
 }

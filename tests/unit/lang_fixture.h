@@ -27,7 +27,7 @@ static inline const char *fixture_library(const char *name)
 {
     if (strcmp(name, "std/glassware.mns") != 0) return NULL;
     return "meniscus 1.0\n"
-           "def tumbler(radius = 35mm, height = 90mm, wall = 2mm, base = 8mm, interior) {\n"
+           "def tumbler(radius = 35mm, height = 90mm, wall = 2mm, base = 8mm, interior = none) {\n"
            "  lathe { interior = interior  profile = [<0, 0>, <radius, 0>, <radius, height>,\n"
            "    <radius - wall, height>, <radius - wall, base>, <0, base>] }\n"
            "}\n";

@@ -1,0 +1,149 @@
+/* lex_test.c - tokens, their places, and what is reported about broken ones.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "base/attr.h"
+#include "lang/lex.h"
+
+typedef struct Fixture {
+    Arena arena;
+    SourceSet sources;
+    Diag diag;
+    SymbolTable symbols;
+    Lexer lexer;
+} Fixture;
+
+static void open_text(Fixture *fixture, const char *text, size_t length)
+{
+    memset(fixture, 0, sizeof *fixture);
+    arena_init(&fixture->arena);
+    fixture->sources.arena = &fixture->arena;
+    diag_init(&fixture->diag, &fixture->arena, &fixture->sources);
+    symbol_table_init(&fixture->symbols, &fixture->arena);
+    lexer_init(&fixture->lexer, &fixture->diag, &fixture->symbols,
+               source_add(&fixture->sources, "t", NULL, text, length));
+}
+
+static void expect_kinds(const char *text, const TokenKind *kinds, size_t n)
+{
+    Fixture fixture;
+    open_text(&fixture, text, strlen(text));
+    for (size_t i = 0; i < n; i++) assert_int_equal(lexer_next(&fixture.lexer).kind, kinds[i]);
+    for (int i = 0; i < 3; i++) assert_int_equal(lexer_next(&fixture.lexer).kind, TOKEN_END);
+    assert_int_equal(fixture.diag.n_errors, 0);
+    arena_clear(&fixture.arena);
+}
+
+#define EXPECT(text, ...)                                                                                              \
+    do {                                                                                                               \
+        static const TokenKind kinds[] = {__VA_ARGS__};                                                                \
+        expect_kinds(text, kinds, COUNT_OF(kinds));                                                                    \
+    } while (0)
+
+static void test_kinds(void **state)
+{
+    (void)state;
+    EXPECT("\xef\xbb\xbfmeniscus 1.0", TOKEN_NAME, TOKEN_NUMBER);
+    EXPECT("{}()[]<>,;:?.", TOKEN_BRACE_OPEN, TOKEN_BRACE_CLOSE, TOKEN_PAREN_OPEN, TOKEN_PAREN_CLOSE, TOKEN_BRACKET_OPEN,
+           TOKEN_BRACKET_CLOSE, TOKEN_LESS, TOKEN_GREATER, TOKEN_COMMA, TOKEN_SEMICOLON, TOKEN_COLON, TOKEN_QUESTION,
+           TOKEN_DOT);
+    EXPECT("a:=b==c=d<=e>=f!=g", TOKEN_NAME, TOKEN_CHANGE, TOKEN_NAME, TOKEN_EQUAL, TOKEN_NAME, TOKEN_ASSIGN, TOKEN_NAME,
+           TOKEN_LESS_EQUAL, TOKEN_NAME, TOKEN_GREATER_EQUAL, TOKEN_NAME, TOKEN_NOT_EQUAL, TOKEN_NAME);
+    EXPECT("1..5 0..<n a.xy", TOKEN_NUMBER, TOKEN_RANGE, TOKEN_NUMBER, TOKEN_NUMBER, TOKEN_RANGE_OPEN, TOKEN_NAME,
+           TOKEN_NAME, TOKEN_DOT, TOKEN_NAME);
+    EXPECT("+-*/%^", TOKEN_PLUS, TOKEN_MINUS, TOKEN_STAR, TOKEN_SLASH, TOKEN_PERCENT, TOKEN_CARET);
+    EXPECT("a // b\n/* c /* d */ e */ f", TOKEN_NAME, TOKEN_NAME);
+    EXPECT("while whiles in inn", TOKEN_WHILE, TOKEN_NAME, TOKEN_IN, TOKEN_NAME);
+    EXPECT("élan 水 _x9", TOKEN_NAME, TOKEN_NAME, TOKEN_NAME);
+    EXPECT("", TOKEN_END);
+}
+
+static void test_numbers(void **state)
+{
+    static const struct {
+        const char *text;
+        double number;
+        const char *unit;
+    } cases[] = {
+        {"3", 3, NULL},     {"3mm", 3, "mm"}, {"1.5e-3cm", 1.5e-3, "cm"}, {".5turn", .5, "turn"},
+        {"5600K", 5600, "K"}, {"2in", 2, "in"}, {"90deg", 90, "deg"},       {"1e3s", 1000, "s"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture fixture;
+        open_text(&fixture, cases[i].text, strlen(cases[i].text));
+        Token token = lexer_next(&fixture.lexer);
+        assert_int_equal(token.kind, TOKEN_NUMBER);
+        assert_false(token.bad);
+        assert_true(token.number == cases[i].number);
+        assert_int_equal(token.unit != NULL, cases[i].unit != NULL);
+        if (cases[i].unit) assert_string_equal(token.unit->name, cases[i].unit);
+        assert_int_equal(lexer_next(&fixture.lexer).kind, TOKEN_END);
+        arena_clear(&fixture.arena);
+    }
+}
+
+static void test_strings_and_colors(void **state)
+{
+    Fixture fixture;
+    static const char text[] = "\"a\\n\\t\\\"\\\\\\u{1F378}é\" #abc #0A1b2C";
+    (void)state;
+    open_text(&fixture, text, strlen(text));
+    Token token = lexer_next(&fixture.lexer);
+    assert_int_equal(token.kind, TOKEN_STRING);
+    assert_string_equal(token.as.text, "a\n\t\"\\\xf0\x9f\x8d\xb8é");
+    assert_int_equal(lexer_next(&fixture.lexer).as.rgb, 0xaabbcc);
+    assert_int_equal(lexer_next(&fixture.lexer).as.rgb, 0x0a1b2c);
+    assert_int_equal(fixture.diag.n_errors, 0);
+    arena_clear(&fixture.arena);
+}
+
+static void test_places(void **state)
+{
+    Fixture fixture;
+    static const char text[] = "  ab\n 12mm";
+    (void)state;
+    open_text(&fixture, text, strlen(text));
+    Token token = lexer_next(&fixture.lexer);
+    assert_int_equal(token.begin, 2);
+    assert_int_equal(token.end, 4);
+    token = lexer_next(&fixture.lexer);
+    assert_int_equal(token.begin, 6);
+    assert_int_equal(token.end, 10);
+    assert_int_equal(fixture.lexer.previous_end, 4);
+    SourcePosition position = source_position(&fixture.sources, 0, token.begin);
+    assert_int_equal(position.line, 2);
+    assert_int_equal(position.column, 2);
+    arena_clear(&fixture.arena);
+}
+
+/* Every sequence of three bytes out of some, and random bytes, ends in TOKEN_END without a slip of memory. */
+static void test_any_bytes(void **state)
+{
+    static const char bytes[] = "a1.\"\\#/*-<\n\xc3\xa9\xff{u0";
+    (void)state;
+    size_t n = sizeof bytes; /* the 0 byte too */
+    for (size_t i = 0; i < n * n * n; i++) {
+        char *text = malloc(4);
+        assert_non_null(text);
+        text[0] = bytes[i % n];
+        text[1] = bytes[i / n % n];
+        text[2] = bytes[i / n / n];
+        text[3] = 0;
+        Fixture fixture;
+        open_text(&fixture, text, 3);
+        int tokens = 0;
+        while (lexer_next(&fixture.lexer).kind != TOKEN_END) assert_true(++tokens < 10);
+        arena_clear(&fixture.arena);
+        free(text);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kinds),  cmocka_unit_test(test_numbers),   cmocka_unit_test(test_strings_and_colors),
+        cmocka_unit_test(test_places), cmocka_unit_test(test_any_bytes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,148 @@
+/* num_test.c - reading and printing of doubles: known hard cases, and random ones against the C library in the "C"
+ * locale.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "base/attr.h"
+#include "base/hash.h"
+#include "base/num.h"
+#include "base/utf8.h"
+
+static void test_reads(void **state)
+{
+    static const struct {
+        const char *text;
+        size_t length;
+        double value;
+    } cases[] = {
+        {"0", 1, 0},        {"12", 2, 12},           {"1.5x", 3, 1.5},      {".5", 2, .5},       {"5.", 2, 5},
+        {"1..5", 1, 1},     {"1e3", 3, 1000},        {"1e", 1, 1},          {"1e+", 1, 1},       {"1E-2m", 4, .01},
+        {"-3", 2, -3},      {"+3", 2, 3},            {"x", 0, -1},          {".", 0, -1},        {"-", 0, -1},
+        {"1.2.3", 3, 1.2},  {"007", 3, 7},           {"", 0, -1},           {"..5", 0, -1},      {"1e400", 5, (double)INFINITY},
+        {"1e-400", 6, 0},   {"2.2250738585072011e-308", 23, 2.2250738585072011e-308},
+        {"9007199254740993", 16, 9007199254740992.0},
+        {"9007199254740993.00000000000000000000000000000000000000001", 58, 9007199254740994.0},
+        {"1.7976931348623157e308", 22, 1.7976931348623157e308},
+        {"4.9406564584124654e-324", 23, 4.9406564584124654e-324},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        double value = -1;
+        assert_int_equal(num_parse(cases[i].text, strlen(cases[i].text), &value), cases[i].length);
+        assert_true(value == cases[i].value);
+    }
+    double value = 0;
+    assert_int_equal(num_parse("12345", 3, &value), 3); /* not beyond the length */
+    assert_true(value == 123);
+}
+
+static void test_prints(void **state)
+{
+    static const struct {
+        double value;
+        const char *text;
+    } cases[] = {
+        {0, "0"},          {-0.0, "-0"},      {1, "1"},           {-3, "-3"},       {0.1, "0.1"},
+        {100, "100"},      {1e20, "1e20"},    {123456.75, "123456.75"}, {1e-7, "1e-7"},   {0.00001, "0.00001"},
+        {1.0 / 3, "0.3333333333333333"},      {5e-324, "5e-324"}, {1.7976931348623157e308, "1.7976931348623157e308"},
+        {9007199254740992.0, "9007199254740992"}, {(double)INFINITY, "inf"}, {-(double)INFINITY, "-inf"}, {(double)NAN, "nan"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[NUM_TEXT_SIZE];
+        assert_int_equal(num_print(cases[i].value, text), strlen(cases[i].text));
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
+static double random_double(uint64_t i)
+{
+    uint64_t bits = hash_u64(i);
+    double value;
+    if (i % 3 == 0) return (double)(int64_t)(bits % 2000000001) / (i % 2 ? 1e6 : 1e4);
+    memcpy(&value, &bits, sizeof value);
+    return isfinite(value) ? value : 1;
+}
+
+static void test_random(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 20000; i++) {
+        double value = random_double(i), again = 0, reference;
+        char text[NUM_TEXT_SIZE], written[64];
+        size_t n = num_print(value, text);
+        assert_int_equal(num_parse(text, n, &again), n);
+        assert_memory_equal(&again, &value, sizeof value);
+        snprintf(written, sizeof written, "%.*e", (int)(i % 24), value);
+        reference = strtod(written, NULL);
+        assert_int_equal(num_parse(written, strlen(written), &again), strlen(written));
+        assert_memory_equal(&again, &reference, sizeof reference);
+    }
+}
+
+/* no shorter text reads back as the same double */
+static void test_shortest(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 2000; i++) {
+        double value = fabs(random_double(3 * i + 1)), again;
+        char text[NUM_TEXT_SIZE], written[64];
+        size_t digits = 0;
+        num_print(value, text);
+        for (const char *c = text; *c && *c != 'e'; c++) digits += *c >= '0' && *c <= '9';
+        for (int precision = 1; precision < (int)digits; precision++) {
+            snprintf(written, sizeof written, "%.*e", precision - 1, value);
+            num_parse(written, strlen(written), &again);
+            if (again == value) { /* only zeros in front of or behind the digits may be left out */
+                assert_true(text[0] == '0' || text[strlen(text) - 1] == '0');
+                break;
+            }
+        }
+    }
+}
+
+static void test_utf8(void **state)
+{
+    static const struct {
+        const char *text;
+        size_t length, taken;
+        uint32_t code;
+    } cases[] = {
+        {"a", 1, 1, 'a'},
+        {"\xc3\xa9", 2, 2, 0xe9},
+        {"\xe2\x82\xac", 3, 3, 0x20ac},
+        {"\xf0\x9f\x8d\xb8", 4, 4, 0x1f378},
+        {"\xc3\xa9", 1, 1, UTF8_INVALID},
+        {"\xc0\x80", 2, 1, UTF8_INVALID},         /* overlong */
+        {"\xed\xa0\x80", 3, 1, UTF8_INVALID},     /* a surrogate */
+        {"\xf4\x90\x80\x80", 4, 1, UTF8_INVALID}, /* beyond the last */
+        {"\x80", 1, 1, UTF8_INVALID},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        uint32_t code;
+        char bytes[4];
+        assert_int_equal(utf8_decode(cases[i].text, cases[i].length, &code), cases[i].taken);
+        assert_int_equal(code, cases[i].code);
+        if (code == UTF8_INVALID) continue;
+        assert_int_equal(utf8_encode(code, bytes), cases[i].taken);
+        assert_memory_equal(bytes, cases[i].text, cases[i].taken);
+    }
+    assert_int_equal(utf8_width('a'), 1);
+    assert_int_equal(utf8_width(0xe9), 1);
+    assert_int_equal(utf8_width(0x301), 0);
+    assert_int_equal(utf8_width(0x65e5), 2);
+    assert_int_equal(utf8_width(0x1f378), 2);
+    assert_int_equal(utf8_width(0x200b), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_reads),    cmocka_unit_test(test_prints), cmocka_unit_test(test_random),
+        cmocka_unit_test(test_shortest), cmocka_unit_test(test_utf8),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
