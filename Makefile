@@ -64,7 +64,7 @@ UNIT_TESTS := $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: all help deps demo assets check lint format man install uninstall asan tsan hostile dist clean
+.PHONY: all help deps demo assets check lint format man install uninstall bench asan tsan hostile dist clean
 
 all: $(BUILD)/meniscus build/meniscus ## build the program (build/meniscus)
 
@@ -155,12 +155,19 @@ check-quick: check-program ## the tests without the renders that hold it to phys
 check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) assets
 .PHONY: check-quick check-program
 
+BENCH_SCENES ?= examples/whisky.mns examples/whisky-gap.mns examples/aquarium.mns examples/glass-of-water.mns
+bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as ratios within one run
+	$(BUILD)/bench $(BENCH_SCENES)
+
+$(BUILD)/bench: tests/bench/bench.c $(BUILD)/libmeniscus.a
+	$(TEST_COMPILE) $< $(BUILD)/libmeniscus.a $(LIBS)
+
 asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
 	$(MAKE) VARIANT=$@ check-quick
 
 # ---- looking after the source ----
 
-FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch])
+FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch] tests/bench/*.c)
 format: ## lay the source out with clang-format
 	clang-format -i $(FORMATTED)
 

@@ -30,11 +30,12 @@ typedef struct Job {
     bool *tile_done;   /* of this pass */
 } Job;
 
+/* A person's wish ends the render at once; a time limit leaves at least one sample in every pixel. */
 static bool asked_to_stop(const Job *job)
 {
     if (job->events && job->events->stop && *job->events->stop) return true;
     double limit = job->settings->time_limit_s;
-    return limit > 0 && clock_now_s() - job->start > limit;
+    return limit > 0 && job->done > 0 && clock_now_s() - job->start > limit;
 }
 
 static void report_progress(Job *job, double fraction_of_pass)
@@ -63,7 +64,7 @@ static void report_progress(Job *job, double fraction_of_pass)
 static void render_tile(void *context, uint32_t index, unsigned worker)
 {
     Job *job = context;
-    if (asked_to_stop(job) && job->done > 0) return;
+    if (asked_to_stop(job)) return;
     Tracer *tracer = &job->tracers[worker];
     const RenderSettings *settings = job->settings;
     uint32_t x0 = job->crop[0] + index % job->tiles_x * TILE, y0 = job->crop[1] + index / job->tiles_x * TILE;

@@ -72,7 +72,8 @@ static Lanes stretch_depth(const World *world, uint32_t medium, double length, L
 {
     const SceneMedium *m = &world->scene->media[medium];
     if (!m->absorbs || world->no_absorption || !(length > 0)) return lanes_all(0);
-    return lanes_scale(spectrum_at(&m->absorption, wavelength_nm), (float)length);
+    /* held finite, so that a wavelength that is not absorbed at all stays so out to infinity */
+    return lanes_scale(spectrum_at(&m->absorption, wavelength_nm), length < 1e30 ? (float)length : 1e30f);
 }
 
 static Lanes attenuation(Lanes depth)
@@ -420,6 +421,8 @@ static bool follow(Path *path)
             Lanes radiance = light_from_infinity(world, path->ray.direction, path->scatter_pdf, path->wavelengths.nm);
             uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
             add_radiance(path, lanes_all(1), basic_radiance(world, radiance, medium, path->wavelengths.nm));
+            /* all hulls are bounded: out here the ray is in none, or a surface was lost */
+            if (world->compiled->order.policy != NEST_NONE) tracer->counters.nesting_faults += tracer->list.n;
             return !first;
         }
         if (path->bounce >= world->max_bounces) {

@@ -1,0 +1,235 @@
+/* bench.c - what nesting and exactness cost, as ratios of two things measured in one run.
+ * usage: bench SCENE...    the examples to be rendered small; run by `make bench`
+ * Each figure is the median of several runs, with the range of all of them.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/hash.h"
+#include "geom/embree.h"
+#include "geom/rtc.h"
+#include "nest/cross.h"
+#include "render/render.h"
+#include "scene/build.h"
+
+enum { RUNS = 7, RAYS = 200000 };
+
+static int compare_double(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+static void print_figure(const char *what, double *values, int n, const char *unit)
+{
+    qsort(values, (size_t)n, sizeof *values, compare_double);
+    printf("%-58s %8.3f %-6s (%.3f .. %.3f)\n", what, values[n / 2], unit, values[0], values[n - 1]);
+}
+
+/* ---- rtc_nearest against bare Embree, on the same rays ---- */
+
+typedef struct RaySet {
+    Vec3 origin[RAYS];
+    Vec3f direction[RAYS];
+} RaySet;
+
+static double unit(uint64_t *state)
+{
+    *state = hash_u64(*state);
+    return hash_to_unit(*state);
+}
+
+static void make_rays(RaySet *rays)
+{
+    uint64_t state = 1;
+    for (int i = 0; i < RAYS; i++) {
+        Vec3 from = vec3_normalize(vec3(unit(&state) - 0.5, unit(&state) - 0.5, unit(&state) - 0.5));
+        Vec3 to = vec3(unit(&state) - 0.5, unit(&state) - 0.5, unit(&state) - 0.5);
+        rays->origin[i] = vec3_scale(from, 4);
+        rays->direction[i] = vec3f_from(vec3_normalize(vec3_sub(to, rays->origin[i])));
+    }
+}
+
+static double time_bare(RTCScene scene, const RaySet *rays)
+{
+    EmbreeContext context;
+    embree_init_context(&context);
+    double start = clock_cpu_s();
+    for (int i = 0; i < RAYS; i++) {
+        struct RTCRayHit ray = {.ray = {.org_x = (float)rays->origin[i].x, .org_y = (float)rays->origin[i].y,
+                                        .org_z = (float)rays->origin[i].z, .dir_x = rays->direction[i].x,
+                                        .dir_y = rays->direction[i].y, .dir_z = rays->direction[i].z, .tfar = INFINITY,
+                                        .mask = 0xffffffffU}};
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        embree_intersect(scene, &context, &ray);
+    }
+    return clock_cpu_s() - start;
+}
+
+static double time_exact(const RtcScene *scene, const RaySet *rays)
+{
+    HitList hits = {0};
+    double start = clock_cpu_s();
+    for (int i = 0; i < RAYS; i++) {
+        Ray ray = ray_make(rays->origin[i], rays->direction[i]);
+        rtc_nearest(scene, &ray, &hits);
+    }
+    double seconds = clock_cpu_s() - start;
+    hit_list_clear(&hits);
+    return seconds;
+}
+
+static void bench_rays(void)
+{
+    static RaySet rays;
+    make_rays(&rays);
+    Mesh *mesh;
+    RtcScene *scene;
+    Error error;
+    if (mesh_make_sphere(1, 7, &mesh, &error) != STATUS_OK) exit(1);
+    RtcObject object = {.mesh = mesh, .to_world = affine_identity()};
+    if (rtc_scene_new(&object, 1, 1, &scene, &error) != STATUS_OK) exit(1);
+    RTCDevice device = rtcNewDevice("threads=1");
+    RTCScene bare = rtcNewScene(device);
+    rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, sizeof(Vec3f), mesh->n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12, mesh->n_triangles);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(bare, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(bare);
+    double ratio[RUNS], bare_ns[RUNS];
+    for (int i = 0; i < RUNS; i++) {
+        double b = time_bare(bare, &rays), e = time_exact(scene, &rays);
+        ratio[i] = e / b;
+        bare_ns[i] = b / RAYS * 1e9;
+    }
+    printf("a sphere of %u triangles, %d rays\n", mesh->n_triangles, RAYS);
+    print_figure("  bare rtcIntersect1, robust", bare_ns, RUNS, "ns");
+    print_figure("  rtc_nearest over bare rtcIntersect1", ratio, RUNS, "x");
+    rtcReleaseScene(bare);
+    rtcReleaseDevice(device);
+    rtc_scene_free(scene);
+    mesh_free(mesh);
+}
+
+/* ---- crossings alone ---- */
+
+static void bench_crossing(void)
+{
+    enum { HULLS = 8, TURNS = 400000 };
+    NestHull hulls[HULLS];
+    for (uint32_t h = 0; h < HULLS; h++) hulls[h] = (NestHull){h + 1, (int32_t)h, NEST_STATE_UNKNOWN, 1};
+    NestOrder order;
+    if (nest_order_build(&order, NEST_PRIORITY, 0, hulls, HULLS, NULL, 0, NULL) != STATUS_OK) exit(1);
+    double ns[RUNS];
+    uint64_t sink = 0;
+    for (int run = 0; run < RUNS; run++) {
+        NestList list;
+        nest_list_init(&list);
+        double start = clock_cpu_s();
+        for (int i = 0; i < TURNS; i++)
+            for (uint32_t k = 0; k < 8; k++) { /* +a +b +c +d -a -b -c -d */
+                NestPass pass = {(uint32_t)i % 5 + k % 4, k < 4};
+                NestCrossing crossing;
+                if (nest_cross(&list, &order, &pass, 1, &crossing) != STATUS_OK) exit(1);
+                sink += crossing.medium_to;
+            }
+        ns[run] = (clock_cpu_s() - start) / (TURNS * 8.0) * 1e9;
+    }
+    print_figure(sink ? "nest_cross, four hulls deep" : "", ns, RUNS, "ns");
+    nest_order_clear(&order);
+}
+
+/* ---- whole renders ---- */
+
+static Status no_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height, Error *error)
+{
+    (void)context;
+    (void)space;
+    Image image;
+    TRY(image_read(path, &image, error));
+    int channel = image_channel(&image, "R");
+    *width = image.width;
+    *height = image.height;
+    size_t n = (size_t)image.width * image.height;
+    *rgb = malloc(n * 3 * sizeof **rgb);
+    for (size_t i = 0; *rgb && i < n; i++)
+        for (size_t c = 0; c < 3; c++) {
+            const char *names[] = {"R", "G", "B"};
+            channel = image_channel(&image, names[c]);
+            (*rgb)[3 * i + c] = channel < 0 ? 0 : image.pixels[i * image.n_channels + (size_t)channel];
+        }
+    image_clear(&image);
+    return *rgb ? STATUS_OK : fail_memory(error, n * 3 * sizeof **rgb, "an image");
+}
+
+typedef struct SceneFigures {
+    double ns_per_path, rays_per_path, ns_per_ray, speed_up;
+} SceneFigures;
+
+static RenderStats render_once(const CompiledScene *compiled, unsigned threads)
+{
+    Error error = {0};
+    Pool *pool;
+    Image image;
+    RenderStats stats;
+    if (pool_new(threads, &pool, &error) != STATUS_OK) exit(1);
+    RenderSettings settings = {.width = 96, .height = 72, .samples = 16, .bounces = compiled->scene->render.bounces};
+    if (render_image(compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK) {
+        fprintf(stderr, "bench: %s\n", error.text);
+        exit(1);
+    }
+    image_clear(&image);
+    pool_free(pool);
+    return stats;
+}
+
+static void bench_scene(const char *path)
+{
+    Arena arena;
+    SourceSet sources = {.arena = &arena};
+    Diag diag;
+    Scene *scene = NULL;
+    CompiledScene *compiled;
+    Error error = {0};
+    Pool *pool;
+    arena_init(&arena);
+    diag_init(&diag, &arena, &sources);
+    SceneOptions options = {.load_image = no_image};
+    if (pool_new(2, &pool, &error) != STATUS_OK || scene_build(path, &options, &diag, &scene, NULL, &error) != STATUS_OK ||
+        compile_scene(scene, scene->render.nesting, pool, NULL, &compiled, &error) != STATUS_OK) {
+        fprintf(stderr, "bench: %s: %s\n", path, error.text);
+        exit(1);
+    }
+    double path_us[RUNS], ray_ns[RUNS], two[RUNS];
+    RenderStats one = {0};
+    for (int i = 0; i < RUNS; i++) {
+        one = render_once(compiled, 1);
+        RenderStats both = render_once(compiled, 2);
+        path_us[i] = one.cpu_seconds / (double)one.paths * 1e6;
+        ray_ns[i] = one.cpu_seconds / (double)one.rays * 1e9;
+        two[i] = one.seconds / both.seconds;
+    }
+    printf("%s: %.2f rays a path, %.1f %% of crossings silent, %llu faults in %llu crossings\n", path,
+           (double)one.rays / (double)one.paths, 100 * (double)one.silent_crossings / (double)(one.crossings ? one.crossings : 1),
+           (unsigned long long)one.nesting_faults, (unsigned long long)one.crossings);
+    print_figure("  a path", path_us, RUNS, "us");
+    print_figure("  a ray, shading and all", ray_ns, RUNS, "ns");
+    print_figure("  two threads over one", two, RUNS, "x");
+    compiled_scene_free(compiled);
+    scene_free(scene);
+    pool_free(pool);
+    arena_clear(&arena);
+}
+
+int main(int argc, char **argv)
+{
+    bench_rays();
+    bench_crossing();
+    for (int i = 1; i < argc; i++) bench_scene(argv[i]);
+    return 0;
+}
