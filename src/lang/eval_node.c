@@ -72,6 +72,7 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
         if (!prop) {
             evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
             report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text);
+            evaluator->diag->chain = NULL;
         }
     }
     if (!prop) return;

@@ -18,7 +18,7 @@ static const char *default_text(const EvalNode *node, const char *name)
 {
     for (size_t i = 0; i < node->type->n_props; i++)
         if (strcmp(node->type->props[i].name, name) == 0) return node->type->props[i].default_text;
-    assert(!"no such property in the node's table");
+    assert(0 && "no such property in the node's table");
     return NULL;
 }
 

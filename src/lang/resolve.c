@@ -15,6 +15,7 @@ const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "fra
 struct Scope {
     Scope *outer;
     Binding *bindings;
+    const Stmt *at; /* being resolved */
 };
 
 /* ---- scopes ---- */
@@ -72,6 +73,28 @@ Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span)
     Binding *binding = scope_declare(resolver, symbol, BINDING_SLOT, span);
     binding->index = new_slot(resolver);
     return slot_of(resolver, binding);
+}
+
+static const Span *declared_by(const Stmt *stmt, const Symbol *symbol)
+{
+    switch (stmt->kind) {
+    case STMT_BIND:
+    case STMT_PARAM: return stmt->as.bind.name == symbol ? &stmt->as.bind.name_span : NULL;
+    case STMT_NODE: return stmt->as.node->name == symbol ? &stmt->as.node->name_span : NULL;
+    default: return NULL;
+    }
+}
+
+bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol *symbol)
+{
+    for (const Scope *scope = resolver->scope; scope; scope = scope->outer)
+        for (const Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
+            const Span *span = declared_by(stmt, symbol);
+            if (!span) continue;
+            diag_note(resolver->diag, report, *span, "it is declared only here");
+            return true;
+        }
+    return false;
 }
 
 /* ---- statements ---- */
@@ -365,7 +388,10 @@ static void resolve_stmt(Resolver *resolver, Stmt *stmt)
 static void resolve_stmts(Resolver *resolver, Stmt *first)
 {
     declare_defs(resolver, first);
-    for (Stmt *stmt = first; stmt; stmt = stmt->next) resolve_stmt(resolver, stmt);
+    for (Stmt *stmt = first; stmt; stmt = stmt->next) {
+        resolver->scope->at = stmt;
+        resolve_stmt(resolver, stmt);
+    }
 }
 
 /* ---- files ---- */

@@ -85,6 +85,8 @@ Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span);
 Slot slot_of(const Resolver *resolver, const Binding *binding);
 void resolve_defaults_of(Resolver *resolver, NodeExpr *node);
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes);
+/* Notes where an unknown name is declared after all, further down; false when it is not. */
+bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol *symbol);
 const char *nearest_visible(Resolver *resolver, const Symbol *wrong);
 
 #endif

@@ -123,7 +123,7 @@ static void resolve_name(Resolver *resolver, Expr *expr)
     Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->span, "unknown name '%s'", symbol->text);
     if (builtin_find(symbol->text))
         diag_hint(resolver->diag, report, "'%s' is a function: write '%s(...)'", symbol->text, symbol->text);
-    else
+    else if (!note_later_declaration(resolver, report, symbol))
         suggest_visible(resolver, report, symbol, false, false);
 }
 
@@ -301,7 +301,7 @@ static void report_no_node(Resolver *resolver, const NodeExpr *node)
 {
     const Symbol *symbol = node->path.names[0];
     Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node '%s'", symbol->text);
-    suggest_visible(resolver, report, symbol, false, true);
+    if (!note_later_declaration(resolver, report, symbol)) suggest_visible(resolver, report, symbol, false, true);
 }
 
 static void find_node(Resolver *resolver, NodeExpr *node)
