@@ -57,7 +57,9 @@ struct EvalNode {
     size_t n_props;
     EvalNode **children;         /* in order of the text */
     size_t n_children;
+    unsigned depth;              /* of children and prototypes within each other, at most EVAL_DEEPEST_NODE */
 };
+enum { EVAL_DEEPEST_NODE = 1000 };
 
 /* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default. */
 typedef struct EvalLimits {

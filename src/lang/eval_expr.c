@@ -125,7 +125,8 @@ static bool join_plain(Evaluator *evaluator, const Value *a, const Value *b, Val
     double *numbers = ARENA_ARRAY(evaluator->arena, double, n_first + n_second);
     if (n_first) memcpy(numbers, first->numbers, n_first * sizeof *numbers);
     if (n_second) memcpy(numbers + n_first, second->numbers, n_second * sizeof *numbers);
-    *both = (List){.n = first->n + second->n, .element = first->element, .width = first->width, .numbers = numbers};
+    *both = (List){.n = first->n + second->n, .element = first->element, .width = first->width, .depth = 1,
+                    .numbers = numbers};
     *result = (Value){.kind = VALUE_LIST, .as.list = both};
     return true;
 }
@@ -360,6 +361,9 @@ static void eval_list(Evaluator *evaluator, Expr *expr, Value *result)
     ListBuilder builder = {.arena = evaluator->arena};
     for (uint32_t i = 0; i < expr->as.list.n; i++) add_elements(evaluator, expr->as.list.items[i], &builder);
     *result = list_builder_finish(&builder);
+    if (result->as.list->depth <= DEEPEST_LIST) return;
+    eval_error(evaluator, expr, D_TOO_DEEP, "lists within lists, deeper than %d levels", DEEPEST_LIST);
+    result->kind = VALUE_POISON;
 }
 
 static bool range_number(Evaluator *evaluator, Expr *expr, double *number)

@@ -195,12 +195,25 @@ static EvalNode *new_node(Evaluator *evaluator, const NodeType *type, Span span)
     return node;
 }
 
+/* Whatever walks over the tree may do so by recursion. */
+static void check_depth(Evaluator *evaluator, const NodeList *own, const EvalNode *prototype, EvalNode *node)
+{
+    unsigned depth = prototype ? prototype->depth + 1 : 0;
+    for (size_t i = 0; i < own->n; i++)
+        if (own->items[i]->depth >= depth) depth = own->items[i]->depth + 1;
+    node->depth = depth;
+    if (depth <= EVAL_DEEPEST_NODE || evaluator->stop) return;
+    eval_report(evaluator, D_TOO_DEEP, node->span, "nodes within nodes, deeper than %d levels", EVAL_DEEPEST_NODE);
+    evaluator->stop = true;
+}
+
 static EvalNode *finish_node(Evaluator *evaluator, Target *target, const EvalNode *prototype, const char *name)
 {
     EvalNode *node = new_node(evaluator, target->type, target->span);
     node->name = name;
     pack_props(evaluator, target, node);
     join_children(evaluator, &target->children, prototype, node);
+    check_depth(evaluator, &target->children, prototype, node);
     node->transform = target->transform;
     if (prototype) {
         node->transform = affine_compose(&target->transform, &prototype->transform);

@@ -131,6 +131,7 @@ static Expr *plain_list_expr(Parser *parser, Span opening, const PlainList *plai
     list->width = plain->width;
     list->element = plain->width == 1 ? VALUE_NUMBER : value_vector_kind(plain->width);
     list->numbers = numbers;
+    list->depth = 1;
     opening.end = parser->lexer.at + 1;
     return constant_expr(parser, opening, (Value){.kind = VALUE_LIST, .as.list = list}, plain->unit);
 }

@@ -86,6 +86,7 @@ void list_builder_add(ListBuilder *builder, const Value *value)
         list->element = list->width ? value->kind : VALUE_NONE;
     }
     if (list->n == builder->capacity) grow_list(builder);
+    if (value->kind == VALUE_LIST && value->as.list->depth > list->depth) list->depth = value->as.list->depth;
     if (list->element != VALUE_NONE && list->element != value->kind) make_general(builder);
     if (list->element == VALUE_NONE)
         builder->items[list->n++] = *value;
@@ -99,6 +100,7 @@ Value list_builder_finish(ListBuilder *builder)
     *list = builder->list;
     list->numbers = builder->numbers;
     list->items = builder->items;
+    list->depth++;
     return (Value){.kind = VALUE_LIST, .as.list = list};
 }
 

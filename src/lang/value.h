@@ -54,6 +54,7 @@ struct List {
     size_t n;
     ValueKind element; /* of plain doubles; VALUE_NONE: items */
     unsigned width;    /* doubles per element */
+    unsigned depth;    /* of lists within lists: 1 when there are none; what walks over values relies on its limit */
     const double *numbers;
     const Value *items;
 };
@@ -94,6 +95,7 @@ size_t value_count(const Value *value);
 Value value_element(const Value *value, size_t index);
 
 /* A list that grows; begun zeroed. Plain doubles as long as the elements allow. */
+enum { DEEPEST_LIST = 200 };
 typedef struct ListBuilder {
     Arena *arena;
     List list;
