@@ -54,7 +54,7 @@ const char *choice_text(Arena *arena, const char *choices)
 {
     const char *words[MAX_CHOICES];
     size_t n = choice_words(arena, choices, words, MAX_CHOICES);
-    const char *text = words[0];
+    const char *text = n ? words[0] : "nothing";
     for (size_t i = 1; i < n; i++) text = arena_format(arena, "%s%s%s", text, i + 1 < n ? ", " : " or ", words[i]);
     return text;
 }
