@@ -1,0 +1,155 @@
+/* furnace_test.c - inside a closed uniform environment of radiance 1, clear media that do not absorb cannot be seen:
+ * every pixel is 1, whatever lies in what, and whichever policy says so (a boundary reflects R and lets 1 - R through,
+ * and basic radiance is the same on both sides).
+ *
+ * Where no index depends on the wavelength a path carries exactly what it started with, so that the picture must be that
+ * of the empty scene with the same seed, up to rounding: a single path lost or counted twice shows.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <glob.h>
+
+#include "arrangements.h"
+#include "base/file.h"
+#include "truth.h"
+
+static const NestPolicy policies[] = {NEST_AUTOMATIC, NEST_PRIORITY, NEST_ENTERED, NEST_NONE};
+enum { WIDTH = 32, SAMPLES = 256, SAMPLES_DISPERSIVE = 1024 };
+/* Light that total reflection keeps in a glass leaves after thousands of boundaries, but it leaves. */
+enum { BOUNCES = 1000000 };
+
+static FaultCount in_all;
+
+static bool disperses(const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->media[scene->objects[i].medium].disperses) return true;
+    return false;
+}
+
+/* Of all pixels: distance from 1 in the pixel's own standard errors. */
+static double worst_pixel(const Picture *picture)
+{
+    double worst = 0;
+    for (uint32_t y = 0; y < picture->image.height; y++)
+        for (uint32_t x = 0; x < picture->image.width; x++)
+            worst = fmax(worst, fabs(truth_luminance(picture, x, y) - 1) / truth_film_error(picture, x, y));
+    return worst;
+}
+
+static void render_empty(const RenderSettings *settings, Picture *picture)
+{
+    Fixture empty;
+    truth_open(&empty, (TruthInput){.text = "meniscus 1.0 unit mm camera { from = <0, 0, 9> }" TRUTH_WHITE_SKY, .furnace = true});
+    truth_render(&empty, settings, 0, picture);
+    fixture_clear(&empty);
+}
+
+static void expect_furnace(const char *what, const Fixture *scene, FaultCount *faults)
+{
+    bool spread = disperses(scene->scene);
+    RenderSettings settings = truth_settings(WIDTH, spread ? SAMPLES_DISPERSIVE : SAMPLES);
+    settings.no_absorption = true;
+    settings.bounces = BOUNCES;
+    Picture picture, empty;
+    truth_render(scene, &settings, 0, &picture);
+    truth_count(faults, &picture.stats);
+    Estimate mean = truth_mean(&picture, -1);
+    truth_expect(what, 1, mean, 4, 0.00025);
+    if (!(fabs(mean.mean - 1) <= 0.001)) fail_msg("%s: %.9g is not within 0.1 %% of 1", what, mean.mean);
+    double worst = worst_pixel(&picture);
+    printf("    worst pixel %.2f of its standard errors", worst);
+    if (!(worst <= 5)) fail_msg("%s: a pixel is %.2f of its standard errors from 1", what, worst);
+    if (!spread) {
+        render_empty(&settings, &empty);
+        double difference = truth_largest_difference(&picture, &empty);
+        printf(", largest difference from the empty scene %.2g", difference);
+        /* one path of the pixel's is worth 1 / SAMPLES */
+        if (!(difference <= 1e-5)) fail_msg("%s: a pixel is %g from the empty scene", what, difference);
+        truth_clear(&empty);
+    }
+    printf("; %.2f s\n", picture.stats.cpu_seconds);
+    truth_clear(&picture);
+}
+
+/* One scene under every policy. */
+static void expect_furnaces(const char *name, TruthInput input)
+{
+    FaultCount faults = {0};
+    for (size_t i = 0; i < COUNT_OF(policies); i++) {
+        char what[160];
+        Fixture scene;
+        input.policy = policies[i];
+        input.furnace = true;
+        truth_open(&scene, input);
+        snprintf(what, sizeof what, "%s, %s", name, nest_policy_text(policies[i]));
+        expect_furnace(what, &scene, &faults);
+        fixture_clear(&scene);
+    }
+    truth_add(&in_all, &faults);
+    truth_print_faults(name, &faults); /* judged at the end, when all are known */
+}
+
+static void arrangements_are_furnaces(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(arrangements); i++)
+        if (!arrangements[i].fits) expect_furnaces(arrangements[i].name, (TruthInput){.text = arrangements[i].text});
+}
+
+/* Neighbours that overlap, that touch, and that leave gaps. */
+static void modelling_schemes_are_furnaces(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(arrangements); i++)
+        for (size_t k = 0; arrangements[i].fits && k < COUNT_OF(arrangement_fits); k++) {
+            char name[100];
+            const char *defines[] = {arrangement_fits[k], NULL};
+            snprintf(name, sizeof name, "%s, %s", arrangements[i].name, arrangement_fits[k]);
+            expect_furnaces(name, (TruthInput){.text = arrangements[i].text, .defines = defines});
+        }
+}
+
+/* A library of definitions has no camera of its own. */
+static bool is_scene(const char *path)
+{
+    char *text;
+    size_t length;
+    Error error;
+    if (file_read(path, 0, &text, &length, &error) != STATUS_OK) fail_msg("%s", error.text);
+    bool found = strstr(text, "\ncamera") != NULL;
+    free(text);
+    return found;
+}
+
+static void examples_are_furnaces(void **state)
+{
+    (void)state;
+    glob_t found;
+    assert_int_equal(glob("examples/*.mns", 0, NULL, &found), 0);
+    size_t n = 0;
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        if (!is_scene(found.gl_pathv[i])) continue;
+        expect_furnaces(found.gl_pathv[i], (TruthInput){.file = found.gl_pathv[i]});
+        n++;
+    }
+    globfree(&found);
+    assert_true(n > 0);
+}
+
+static void faults_are_none_in_ten_million_crossings(void **state)
+{
+    (void)state;
+    truth_print_faults("all furnaces together", &in_all);
+    assert_true(in_all.crossings >= 10000000);
+    assert_int_equal(in_all.faults, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arrangements_are_furnaces),
+        cmocka_unit_test(modelling_schemes_are_furnaces),
+        cmocka_unit_test(examples_are_furnaces),
+        cmocka_unit_test(faults_are_none_in_ten_million_crossings),
+    };
+    return cmocka_run_group_tests_name("furnace", tests, NULL, NULL);
+}

@@ -1,0 +1,201 @@
+/* truth.c - see truth.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+enum { SKY_ROWS = 2048, SKY_COLUMNS = 4 };
+
+/* Stands for the reader of image files: the sky, by rows from the zenith down. */
+static Status load_sky(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height,
+                       Error *error)
+{
+    (void)path;
+    (void)space;
+    const TruthInput *input = context;
+    *width = SKY_COLUMNS;
+    *height = SKY_ROWS;
+    *rgb = malloc((size_t)SKY_COLUMNS * SKY_ROWS * 3 * sizeof **rgb);
+    if (!*rgb) return fail_memory(error, (size_t)SKY_COLUMNS * SKY_ROWS * 3 * sizeof **rgb, "the sky");
+    for (uint32_t y = 0; y < SKY_ROWS; y++) {
+        double elevation = TRUTH_PI * (0.5 - (y + 0.5) / SKY_ROWS);
+        double radiance = input->sky ? input->sky(elevation) : 1;
+        for (uint32_t i = 0; i < SKY_COLUMNS * 3; i++) (*rgb)[y * SKY_COLUMNS * 3 + i] = (float)radiance;
+    }
+    return STATUS_OK;
+}
+
+/* The description is immutable to the program; here what is left is a scene that could have been written as it is. */
+static void make_furnace(Scene *scene)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->objects[i].medium != SCENE_NONE) scene->objects[n++] = scene->objects[i];
+    scene->n_objects = n;
+    scene->n_lights = 0;
+    environment_free(scene->environment);
+    scene->environment = NULL;
+    const double white[3] = {1, 1, 1};
+    Spectrum radiance = spectrum_from_light(white);
+    Error error;
+    if (environment_new_constant(&radiance, &scene->environment, &error) != STATUS_OK) fail_msg("%s", error.text);
+}
+
+static void stop_with_reports(Fixture *scene, const TruthInput *input)
+{
+    fixture_print(scene);
+    fail_msg("%s: %s", input->file ? input->file : input->text, scene->error.text);
+}
+
+void truth_open(Fixture *scene, TruthInput input)
+{
+    memset(scene, 0, sizeof *scene);
+    arena_init(&scene->arena);
+    scene->sources.arena = &scene->arena;
+    diag_init(&scene->diag, &scene->arena, &scene->sources);
+    size_t n_defines = 0;
+    while (input.defines && input.defines[n_defines]) n_defines++;
+    SceneOptions options = {.eval = {.frames = 1, .frame = 1, .defines = input.defines, .n_defines = n_defines},
+                            .load_image = load_sky, .load_image_context = &input};
+    scene->status = input.file ? scene_build(input.file, &options, &scene->diag, &scene->scene, NULL, &scene->error)
+                               : scene_build_text("truth.mns", input.text, &options, &scene->diag, &scene->scene, NULL,
+                                                  &scene->error);
+    if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
+    if (input.furnace) make_furnace(scene->scene);
+    scene->status = compile_scene(scene->scene, input.policy, NULL, &scene->diag, &scene->compiled, &scene->error);
+    if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
+    scene->status = compile_check_camera(scene->compiled, 0, &scene->diag, &scene->error);
+    if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
+}
+
+RenderSettings truth_settings(uint32_t width, uint32_t samples)
+{
+    return (RenderSettings){.width = width, .height = width, .samples = samples, .bounces = 1000, .seed = 1};
+}
+
+void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned threads, Picture *picture)
+{
+    Pool *pool = NULL;
+    Error error;
+    if (pool_new(threads, &pool, &error) != STATUS_OK) fail_msg("%s", error.text);
+    Status status = render_image(scene->compiled, settings, pool, NULL, &picture->image, &picture->stats, &error);
+    pool_free(pool);
+    if (status != STATUS_OK) fail_msg("%s", error.text);
+    assert_int_equal(picture->stats.samples, settings->samples);
+    assert_int_equal(picture->stats.bad_samples, 0);
+    assert_int_equal(picture->stats.saturated_samples, 0);
+    assert_int_equal(picture->stats.silent_limit, 0);
+}
+
+void truth_clear(Picture *picture)
+{
+    image_clear(&picture->image);
+}
+
+static const float *pixel_at(const Picture *picture, uint32_t x, uint32_t y)
+{
+    const Image *image = &picture->image;
+    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+}
+
+double truth_channel(const Picture *picture, uint32_t x, uint32_t y, int channel)
+{
+    return (double)pixel_at(picture, x, y)[channel];
+}
+
+double truth_luminance(const Picture *picture, uint32_t x, uint32_t y)
+{
+    return (double)color_luminance(pixel_at(picture, x, y));
+}
+
+double truth_film_error(const Picture *picture, uint32_t x, uint32_t y)
+{
+    int channel = image_channel(&picture->image, "noise.Y");
+    assert_true(channel >= 0);
+    return truth_channel(picture, x, y, channel);
+}
+
+double truth_largest_difference(const Picture *a, const Picture *b)
+{
+    assert_int_equal(a->image.width, b->image.width);
+    assert_int_equal(a->image.height, b->image.height);
+    double largest = 0;
+    for (uint32_t y = 0; y < a->image.height; y++)
+        for (uint32_t x = 0; x < a->image.width; x++)
+            largest = fmax(largest, fabs(truth_luminance(a, x, y) - truth_luminance(b, x, y)));
+    return largest;
+}
+
+Estimate truth_estimate(const double *values, size_t n)
+{
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < n; i++) sum += values[i];
+    double mean = sum / (double)n;
+    for (size_t i = 0; i < n; i++) squares += (values[i] - mean) * (values[i] - mean);
+    return (Estimate){mean, n > 1 ? sqrt(squares / ((double)n - 1) / (double)n) : HUGE_VAL};
+}
+
+Estimate truth_mean(const Picture *picture, int channel)
+{
+    const Image *image = &picture->image;
+    size_t n = (size_t)image->width * image->height;
+    double *values = malloc(n * sizeof *values);
+    assert_non_null(values);
+    for (uint32_t y = 0; y < image->height; y++)
+        for (uint32_t x = 0; x < image->width; x++)
+            values[(size_t)y * image->width + x] =
+                channel < 0 ? truth_luminance(picture, x, y) : truth_channel(picture, x, y, channel);
+    Estimate estimate = truth_estimate(values, n);
+    free(values);
+    return estimate;
+}
+
+void truth_figure(const char *what, double expected, double measured, double error)
+{
+    printf("  %-58s expected %-11.7g measured %-11.7g", what, expected, measured);
+    if (error > 0)
+        printf(" error %-9.3g sigmas %+.2f\n", error, (measured - expected) / error);
+    else
+        printf(" difference %+.3g\n", measured - expected);
+    fflush(stdout);
+}
+
+void truth_expect(const char *what, double expected, Estimate measured, double sigmas, double resolution)
+{
+    truth_figure(what, expected, measured.mean, measured.error);
+    if (!(measured.error <= resolution * fabs(expected)))
+        fail_msg("%s: a standard error of %g says too little about %g", what, measured.error, expected);
+    if (!(fabs(measured.mean - expected) <= sigmas * measured.error + 1e-6 * fabs(expected)))
+        fail_msg("%s: %.9g is %.2f standard errors from %.9g", what, measured.mean,
+                 (measured.mean - expected) / measured.error, expected);
+}
+
+void truth_count(FaultCount *count, const RenderStats *stats)
+{
+    count->crossings += stats->crossings;
+    count->silent += stats->silent_crossings;
+    count->faults += stats->nesting_faults;
+}
+
+void truth_add(FaultCount *sum, const FaultCount *more)
+{
+    sum->crossings += more->crossings;
+    sum->silent += more->silent;
+    sum->faults += more->faults;
+}
+
+void truth_print_faults(const char *what, const FaultCount *count)
+{
+    printf("  %-58s %llu faults in %.3f million crossings (%.3f million silent): %.3g per million\n", what,
+           (unsigned long long)count->faults, (double)count->crossings * 1e-6, (double)count->silent * 1e-6,
+           count->crossings ? (double)count->faults / ((double)count->crossings * 1e-6) : 0);
+    fflush(stdout);
+}
+
+double truth_fresnel(double cosine, double ior_from, double ior_to)
+{
+    double sine = ior_from / ior_to * sqrt(fmax(1 - cosine * cosine, 0));
+    if (sine >= 1) return 1;
+    double cosine_to = sqrt(1 - sine * sine);
+    double s = (ior_from * cosine - ior_to * cosine_to) / (ior_from * cosine + ior_to * cosine_to);
+    double p = (ior_to * cosine - ior_from * cosine_to) / (ior_to * cosine + ior_from * cosine_to);
+    return (s * s + p * p) / 2;
+}
