@@ -206,7 +206,7 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, int dire
         if (compiled->hull_of_object[hits->items[i].object] != SCENE_NONE && !hit_repeats(hits, i))
             hits->items[n++] = hits->items[i];
     hits->n = n;
-    qsort(hits->items, n, sizeof *hits->items, compare_by_object);
+    if (n > 1) qsort(hits->items, n, sizeof *hits->items, compare_by_object);
     for (size_t i = 0; i < n;) {
         size_t first = i;
         int net = 0;
@@ -218,7 +218,7 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, int dire
             break;
         }
     }
-    qsort(hits->items, n_inside, sizeof *hits->items, compare_farthest_first);
+    if (n_inside > 1) qsort(hits->items, n_inside, sizeof *hits->items, compare_farthest_first);
     list->n = 0;
     TRY(nest_list_reserve(list, (uint32_t)n_inside));
     for (size_t i = 0; i < n_inside; i++)

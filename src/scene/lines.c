@@ -95,8 +95,12 @@ bool line_set_next(LineSet *set, Line *line)
 Status probe_init(Probe *probe, uint32_t n_hulls, Error *error)
 {
     *probe = (Probe){0};
-    probe->depth = calloc(n_hulls ? n_hulls : 1, sizeof *probe->depth);
-    return probe->depth ? STATUS_OK : fail_memory(error, n_hulls * sizeof *probe->depth, "how the hulls lie");
+    size_t n = n_hulls ? n_hulls : 1;
+    probe->depth = calloc(n, sizeof *probe->depth);
+    probe->first = malloc(n * sizeof *probe->first);
+    if (!probe->depth || !probe->first) return fail_memory(error, n * sizeof *probe->depth, "how the hulls lie");
+    for (uint32_t h = 0; h < n_hulls; h++) probe->first[h] = INTERVAL_NONE;
+    return STATUS_OK;
 }
 
 void probe_clear(Probe *probe)
@@ -105,6 +109,7 @@ void probe_clear(Probe *probe)
     hit_list_clear(&probe->backward);
     free(probe->intervals);
     free(probe->depth);
+    free(probe->first);
     *probe = (Probe){0};
 }
 
@@ -141,28 +146,22 @@ bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *lin
     return false;
 }
 
-static Interval *add_interval(Probe *probe, uint32_t hull, double begin, const Hit *enter)
+static bool add_interval(Probe *probe, uint32_t hull, double begin, const Hit *enter)
 {
     if (!ARRAY_ROOM(probe->intervals, probe->intervals_capacity, probe->n_intervals)) {
         probe->out_of_memory = true;
-        return NULL;
+        return false;
     }
-    Interval *interval = &probe->intervals[probe->n_intervals++];
-    *interval = (Interval){.hull = hull, .begin = begin, .end = HUGE_VAL, .enter = enter};
-    return interval;
-}
-
-static Interval *open_interval(Probe *probe, uint32_t hull)
-{
-    for (size_t i = probe->n_intervals; i-- > 0;)
-        if (probe->intervals[i].hull == hull) return isinf(probe->intervals[i].end) ? &probe->intervals[i] : NULL;
-    return NULL;
+    probe->intervals[probe->n_intervals++] = (Interval){.hull = hull, .begin = begin, .end = HUGE_VAL, .enter = enter,
+                                                          .next = INTERVAL_NONE};
+    return true;
 }
 
 void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line)
 {
     Vec3f back = vec3f_negate(line->direction);
     trace(probe, compiled, line->start, back, HUGE_VAL, &probe->backward);
+    for (size_t i = 0; i < probe->n_intervals; i++) probe->first[probe->intervals[i].hull] = INTERVAL_NONE;
     probe->n_intervals = 0;
     const HitList *behind = &probe->backward, *ahead = &probe->forward;
     for (size_t i = 0; i < behind->n; i++)
@@ -172,16 +171,24 @@ void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *li
         if (probe->depth[hull] > 0) add_interval(probe, hull, 0, NULL);
         probe->depth[hull] = 0;
     }
+    /* from here on: 1 + the number of the hull's open interval */
+    for (size_t i = 0; i < probe->n_intervals; i++) probe->depth[probe->intervals[i].hull] = (int32_t)i + 1;
     for (size_t i = 0; i < ahead->n; i++) {
         const Hit *hit = &ahead->items[i];
         uint32_t hull = compiled->hull_of_object[hit->object];
-        Interval *open = open_interval(probe, hull);
+        int32_t open = probe->depth[hull];
         /* an edge reported by both its triangles enters twice or leaves twice: the second says nothing new */
-        if (hit->entering && !open) add_interval(probe, hull, hit->t, hit);
+        if (hit->entering && !open && add_interval(probe, hull, hit->t, hit)) probe->depth[hull] = (int32_t)probe->n_intervals;
         if (hit->entering || !open) continue;
-        open->end = hit->t;
-        open->leave = hit;
+        probe->intervals[open - 1].end = hit->t;
+        probe->intervals[open - 1].leave = hit;
+        probe->depth[hull] = 0;
     }
-    for (size_t i = 0; i < probe->n_intervals; i++)
-        if (isinf(probe->intervals[i].end)) probe->intervals[i].end = line->length;
+    for (size_t i = probe->n_intervals; i-- > 0;) {
+        Interval *interval = &probe->intervals[i];
+        probe->depth[interval->hull] = 0;
+        if (isinf(interval->end)) interval->end = line->length;
+        interval->next = probe->first[interval->hull];
+        probe->first[interval->hull] = (uint32_t)i;
+    }
 }

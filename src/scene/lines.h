@@ -41,7 +41,9 @@ typedef struct Interval {
     uint32_t hull;
     double begin, end;
     const Hit *enter, *leave; /* NULL where the line itself begins or ends inside */
+    uint32_t next;            /* the same hull's next one, INTERVAL_NONE */
 } Interval;
+#define INTERVAL_NONE UINT32_MAX
 
 /* The memory of one worker. */
 typedef struct Probe {
@@ -49,6 +51,7 @@ typedef struct Probe {
     Interval *intervals;
     size_t n_intervals, intervals_capacity;
     int32_t *depth;     /* of each hull at the start of a line: 0 in between */
+    uint32_t *first;    /* each hull's first interval on the present line, INTERVAL_NONE */
     bool out_of_memory; /* sticks */
 } Probe;
 ATTR_NODISCARD Status probe_init(Probe *probe, uint32_t n_hulls, Error *error);
@@ -58,7 +61,7 @@ void probe_clear(Probe *probe);
  * `must` (SCENE_NONE: any). */
 bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *line, uint32_t must);
 /* After that: looks back from the line's start for what the start is inside of, and fills in the intervals, in order
- * of their beginnings. */
+ * of their beginnings, and each hull's chain of them. */
 void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line);
 
 #endif

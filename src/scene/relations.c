@@ -67,6 +67,7 @@ typedef struct Finder {
     double *margin; /* see margin_of */
     Vec3 *center;
     double *radius; /* of spheres; 0: no sphere */
+    bool *is_judge; /* has a pair that is judged along its lines */
     FactList *hull_facts;
     Candidate *candidates;
     size_t n_candidates, candidates_capacity;
@@ -183,9 +184,9 @@ static bool sticks_out(const Probe *probe, const Interval *of, uint32_t other)
 {
     double reached = of->begin;
     const Hit *from = of->enter;
-    for (size_t i = 0; i < probe->n_intervals; i++) {
+    for (uint32_t i = probe->first[other]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
         const Interval *cover = &probe->intervals[i];
-        if (cover->hull != other || cover->end <= reached) continue;
+        if (cover->end <= reached) continue;
         if (cover->begin >= of->end) break;
         if (is_real(cover->begin - reached, from, cover->enter)) return true;
         reached = cover->end;
@@ -195,34 +196,38 @@ static bool sticks_out(const Probe *probe, const Interval *of, uint32_t other)
     return is_real(of->end - reached, from, of->leave);
 }
 
+/* One stretch of each of the two: what they share, whether faces coincide, the gaps between them. */
+static double judge_stretches(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Interval *own,
+                              const Interval *other, bool *gap_here)
+{
+    bool own_last = own->begin > other->begin, own_first = own->end < other->end;
+    double begin = own_last ? own->begin : other->begin, end = own_first ? own->end : other->end;
+    if (coincide(own->enter, other->enter) || coincide(own->enter, other->leave) || coincide(own->leave, other->enter) ||
+        coincide(own->leave, other->leave))
+        facts->touches = true;
+    note_gap(f, probe, line, facts, own->leave, other->enter, gap_here);
+    note_gap(f, probe, line, facts, other->leave, own->enter, gap_here);
+    bool real = is_real(end - begin, own_last ? own->enter : other->enter, own_first ? own->leave : other->leave);
+    return real ? end - begin : 0;
+}
+
 /* Judges a pair on the line whose intervals are in the probe. */
 static void judge(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts)
 {
+    const Interval *intervals = probe->intervals;
+    uint32_t first_own = probe->first[facts->own], first_other = probe->first[facts->other];
     double shared = 0;
-    bool own_out = false, gap_here = false, own_here = false;
-    for (size_t i = 0; i < probe->n_intervals; i++) {
-        const Interval *own = &probe->intervals[i];
-        if (own->hull == facts->other && sticks_out(probe, own, facts->own)) facts->other_out = true;
-        if (own->hull != facts->own) continue;
-        own_here = true;
-        if (sticks_out(probe, own, facts->other)) own_out = true;
-        for (size_t k = 0; k < probe->n_intervals; k++) {
-            const Interval *other = &probe->intervals[k];
-            if (other->hull != facts->other) continue;
-            bool own_last = own->begin > other->begin, own_first = own->end < other->end;
-            double begin = own_last ? own->begin : other->begin, end = own_first ? own->end : other->end;
-            if (is_real(end - begin, own_last ? own->enter : other->enter, own_first ? own->leave : other->leave))
-                shared += end - begin;
-            if (coincide(own->enter, other->enter) || coincide(own->enter, other->leave) || coincide(own->leave, other->enter) ||
-                coincide(own->leave, other->leave))
-                facts->touches = true;
-            note_gap(f, probe, line, facts, own->leave, other->enter, &gap_here);
-            note_gap(f, probe, line, facts, other->leave, own->enter, &gap_here);
-        }
+    bool own_out = false, gap_here = false;
+    for (uint32_t k = first_other; k != INTERVAL_NONE && !facts->other_out; k = intervals[k].next)
+        facts->other_out = sticks_out(probe, &intervals[k], facts->own);
+    for (uint32_t i = first_own; i != INTERVAL_NONE; i = intervals[i].next) {
+        own_out = own_out || sticks_out(probe, &intervals[i], facts->other);
+        for (uint32_t k = first_other; k != INTERVAL_NONE; k = intervals[k].next)
+            shared += judge_stretches(f, probe, line, facts, &intervals[i], &intervals[k], &gap_here);
     }
     if (shared > 0) facts->overlaps = true;
     if (own_out) facts->own_out = true;
-    if (own_here && !own_out) facts->n_inside++;
+    if (first_own != INTERVAL_NONE && !own_out) facts->n_inside++;
     if (gap_here) facts->n_gap++;
     facts->sum_face += shared * line->area;
     facts->squares_face += shared * line->area * shared * line->area;
@@ -251,9 +256,9 @@ static PairFacts *facts_of(FactList *list, uint32_t own, uint32_t other)
 /* Whether the hull has more on the line than an edge, about which the surfaces of others may disagree. */
 static bool meets_really(const Probe *probe, uint32_t hull)
 {
-    for (size_t i = 0; i < probe->n_intervals; i++) {
+    for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
         const Interval *interval = &probe->intervals[i];
-        if (interval->hull == hull && is_real(interval->end - interval->begin, interval->enter, interval->leave)) return true;
+        if (is_real(interval->end - interval->begin, interval->enter, interval->leave)) return true;
     }
     return false;
 }
@@ -283,9 +288,7 @@ static void judge_hull_line(const Finder *f, Probe *probe, FactList *list, uint3
     list->n_lines++;
     for (size_t i = 0; i < probe->n_intervals; i++) {
         uint32_t other = probe->intervals[i].hull;
-        bool seen_before = false;
-        for (size_t k = 0; k < i && !seen_before; k++) seen_before = probe->intervals[k].hull == other;
-        if (seen_before || !is_judged_by(f, hull, other)) continue;
+        if (probe->first[other] != i || !is_judged_by(f, hull, other)) continue;
         PairFacts *facts = facts_of(list, hull, other);
         if (facts)
             judge(f, probe, line, facts);
@@ -294,16 +297,36 @@ static void judge_hull_line(const Finder *f, Probe *probe, FactList *list, uint3
     }
 }
 
+/* How many lines a hull gets. Where very many surfaces stand on each line, fewer lines are enough to pay for. */
+static uint32_t lines_through(const Finder *f, Probe *probe, uint32_t hull, Box3 box)
+{
+    const double many = 50;
+    size_t n_surfaces = 0;
+    LineSet set;
+    Line line;
+    line_set_begin(&set, box, 0, 1, hull);
+    while (line_set_next(&set, &line)) {
+        probe_surfaces(probe, f->compiled, &line, SCENE_NONE);
+        probe_intervals(probe, f->compiled, &line);
+        size_t n = probe->forward.n + probe->backward.n;
+        if (n > n_surfaces) n_surfaces = n;
+    }
+    double share = fmax(1, (double)n_surfaces / many);
+    return (uint32_t)fmax(f->lines_of_hull[f->radius[hull] == 0] / share, LINES_MIN);
+}
+
 static void task_of_hull(void *context, uint32_t hull, unsigned worker)
 {
     Finder *f = context;
     FactList *list = &f->hull_facts[hull];
+    if (!f->is_judge[hull]) return;
     Box3 box = widened(f->compiled->hull_bounds[hull], f->margin[hull]);
+    uint32_t n_lines = lines_through(f, &f->probes[worker], hull, box);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
         Line line;
         uint32_t face = 0;
-        line_set_begin(&set, box, direction, f->lines_of_hull[f->radius[hull] == 0] / LINE_DIRECTIONS, hull);
+        line_set_begin(&set, box, direction, n_lines / LINE_DIRECTIONS, hull);
         while (line_set_next(&set, &line)) {
             if (set.face != face)
                 for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
@@ -597,11 +620,15 @@ static uint32_t lines_of_each(size_t n)
 static void plan(Finder *f)
 {
     size_t n_hulls[2] = {0}, n_pairs[2] = {0};
-    for (uint32_t h = 0; h < f->compiled->n_hulls; h++) n_hulls[f->radius[h] == 0]++;
     for (size_t i = 0; i < f->n_candidates; i++) {
         const Candidate *candidate = &f->candidates[i];
+        uint32_t own, other;
+        by_size(f, candidate, &own, &other);
+        if (is_judged_by(f, own, other)) f->is_judge[own] = true;
         n_pairs[f->radius[candidate->a] == 0 && f->radius[candidate->b] == 0] += candidate->region_small;
     }
+    for (uint32_t h = 0; h < f->compiled->n_hulls; h++)
+        if (f->is_judge[h]) n_hulls[f->radius[h] == 0]++;
     for (int i = 0; i < 2; i++) {
         f->lines_of_hull[i] = lines_of_each(n_hulls[i]);
         f->lines_of_pair[i] = lines_of_each(n_pairs[i]);
@@ -617,8 +644,9 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     f->margin = calloc(n, sizeof *f->margin);
     f->center = calloc(n, sizeof *f->center);
     f->radius = calloc(n, sizeof *f->radius);
+    f->is_judge = calloc(n, sizeof *f->is_judge);
     f->hull_facts = calloc(n, sizeof *f->hull_facts);
-    if (!f->probes || !f->extent || !f->margin || !f->center || !f->radius || !f->hull_facts)
+    if (!f->probes || !f->extent || !f->margin || !f->center || !f->radius || !f->is_judge || !f->hull_facts)
         return fail_memory(error, n * sizeof *f->hull_facts, "how the hulls lie");
     for (unsigned i = 0; i < n_workers; i++) TRY(probe_init(&f->probes[i], compiled->n_hulls, error));
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
@@ -643,6 +671,7 @@ static void finder_clear(Finder *f, unsigned n_workers)
     free(f->margin);
     free(f->center);
     free(f->radius);
+    free(f->is_judge);
     free(f->hull_facts);
     free(f->candidates);
 }

@@ -82,8 +82,7 @@ static bool is_hidden(const CompiledScene *compiled, Probe *probe, uint32_t hull
         while (line_set_next(&set, &line)) {
             if (!probe_surfaces(probe, compiled, &line, hull)) continue;
             probe_intervals(probe, compiled, &line);
-            for (size_t i = 0; i < probe->n_intervals; i++) {
-                if (probe->intervals[i].hull != hull) continue;
+            for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
                 met = true;
                 if (owns_part(compiled, probe, &probe->intervals[i])) return false;
             }
