@@ -96,8 +96,10 @@ bool build_check_transform(Builder *b, const EvalNode *node, const Affine *map)
     double lengths = 1;
     for (int column = 0; column < 3; column++)
         lengths *= vec3_length(vec3(map->m[0][column], map->m[1][column], map->m[2][column]));
-    if (affine_invert(map, &inverse) && isfinite(lengths) && fabs(affine_determinant(map)) > flat * lengths) return true;
-    diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "the transforms of this %s squash it flat", node->type->name);
+    if (affine_invert(map, &inverse) && isfinite(lengths) && fabs(affine_determinant(map)) > flat * lengths)
+        return true;
+    diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "the transforms of this %s squash it flat",
+                node->type->name);
     return false;
 }
 
@@ -178,8 +180,8 @@ static void build_media(Builder *b)
         build_medium(b, medium);
     } else {
         b->scene->media = room_for_one(b->arena, NULL, 0, &b->media_capacity, sizeof *b->scene->media);
-        b->scene->media[b->scene->n_media++] =
-            (SceneMedium){.name = "air", .ior = spectrum_constant(1), .absorption = spectrum_constant(0), .state = NEST_GAS};
+        b->scene->media[b->scene->n_media++] = (SceneMedium){
+            .name = "air", .ior = spectrum_constant(1), .absorption = spectrum_constant(0), .state = NEST_GAS};
     }
     for (size_t i = 0; i < b->result.n_nodes; i++)
         if (strcmp(b->result.nodes[i]->type->name, "medium") == 0) build_medium(b, b->result.nodes[i]);
@@ -215,7 +217,8 @@ static void check_whole(Builder *b)
     }
     if (scene->media[0].absorbs && distant)
         diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, scene->media[0].span,
-                    "the world's medium '%s' absorbs, so that no light from infinitely far arrives", scene->media[0].name);
+                    "the world's medium '%s' absorbs, so that no light from infinitely far arrives",
+                    scene->media[0].name);
 }
 
 static void build_all(Builder *b)
@@ -250,8 +253,8 @@ static void task_in_diag(void *context)
     Request *request = context;
     Builder *b = &request->builder;
     b->status = request->path ? eval_scene(request->path, &b->eval_options, b->diag, &b->result, b->error)
-                              : eval_text(request->name, request->text, strlen(request->text), &b->eval_options, b->diag,
-                                          &b->result, b->error);
+                              : eval_text(request->name, request->text, strlen(request->text), &b->eval_options,
+                                          b->diag, &b->result, b->error);
     if (b->status != STATUS_OK) return;
     /* The scene's arena is guarded inside, so that a jump out of the other one leaves no guard behind in
      * anything but the scene, which is then thrown away. */
@@ -266,8 +269,14 @@ static Status build_from(Request *request, const SceneOptions *options, Diag *di
     if (!made) return fail_memory(error, sizeof *made, "the scene");
     arena_init(&made->arena);
     Builder *b = &request->builder;
-    *b = (Builder){.scene = made, .arena = &made->arena, .diag = diag, .options = options,
-                   .eval_options = options->eval, .black = SCENE_NONE, .grey = SCENE_NONE, .error = error};
+    *b = (Builder){.scene = made,
+                   .arena = &made->arena,
+                   .diag = diag,
+                   .options = options,
+                   .eval_options = options->eval,
+                   .black = SCENE_NONE,
+                   .grey = SCENE_NONE,
+                   .error = error};
     b->eval_options.schema = scene_schema();
     const DiagChain *chain = diag->chain;
     bool done = arena_guard(diag->arena, task_in_diag, request);
@@ -275,7 +284,8 @@ static Status build_from(Request *request, const SceneOptions *options, Diag *di
     if (printed) buf_add_bytes(printed, buf_text(&b->result.printed), b->result.printed.length);
     buf_clear(&b->result.printed);
     Status status = b->status;
-    if (!done || request->scene_memory_ended) status = fail(error, STATUS_NOMEM, "out of memory while building the scene");
+    if (!done || request->scene_memory_ended)
+        status = fail(error, STATUS_NOMEM, "out of memory while building the scene");
     if (status == STATUS_OK && diag->n_errors) status = STATUS_SCENE;
     if (status == STATUS_SCENE && diag->n_errors)
         fail(error, STATUS_SCENE, "the scene has %u error%s", (unsigned)diag->n_errors, diag->n_errors == 1 ? "" : "s");

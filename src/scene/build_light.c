@@ -54,11 +54,12 @@ static bool check_properties(Builder *b, const EvalNode *node, LightKind kind)
     for (size_t i = 0; i < COUNT_OF(rules); i++) {
         const EvalProp *prop = eval_prop(node, rules[i].name);
         if (prop && !rules[i].taken_by[kind]) {
-            diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "a light of shape '%s' has no '%s'", word, rules[i].name);
+            diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "a light of shape '%s' has no '%s'", word,
+                        rules[i].name);
             fine = false;
         } else if (!prop && rules[i].needed_by[kind]) {
-            Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a light of shape '%s' needs '%s'", word,
-                                             rules[i].name);
+            Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
+                                             "a light of shape '%s' needs '%s'", word, rules[i].name);
             if (kind == LIGHT_RECT && !eval_prop(node, "shape"))
                 diag_hint(b->diag, report, "'quad' is the default; the other shapes are disc, sphere and distant");
             fine = false;
@@ -77,7 +78,8 @@ static bool local_frame(Builder *b, const EvalNode *node, LightKind kind, Affine
     Vec3 along = vec3_sub(eval_vector(node, "to"), from);
     double length = vec3_length(along);
     if (!(length > 0) || !isfinite(length)) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "'from' and 'to' of this light are the same point");
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"),
+                    "'from' and 'to' of this light are the same point");
         return false;
     }
     Vec3 y = vec3_scale(along, 1 / length);
@@ -88,7 +90,8 @@ static bool local_frame(Builder *b, const EvalNode *node, LightKind kind, Affine
     return true;
 }
 
-/* The frame in the world, made rigid and right-handed; the lights are symmetric, so that a mirrored z axis is the same light. */
+/* The frame in the world, made rigid and right-handed; the lights are symmetric, so that a mirrored z axis is the same
+ * light. */
 static Affine rigid_frame(const Affine *to_world, const Affine *local)
 {
     Affine map = affine_compose(to_world, local);
@@ -112,7 +115,8 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
     const EvalProp *power = eval_prop(node, "power");
     const EvalProp *radiance = eval_prop(node, "radiance");
     if (light->kind == LIGHT_DISTANT) {
-        /* the irradiance of a cone of constant radiance L is pi L sin^2; white under an irradiance of pi looks like 1 */
+        /* the irradiance of a cone of constant radiance L is pi L sin^2; white under an irradiance of pi looks like 1
+         */
         double sine = sin(half_angle);
         return radiance ? radiance->as.number : (power ? power->as.number : pi) / (pi * sine * sine);
     }
@@ -123,15 +127,18 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
 static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light, double scale)
 {
     double reach = hypot(light->half_width, light->half_height);
-    Box3 bounds = {vec3_sub(light->to_world.t, vec3(reach, reach, reach)), vec3_add(light->to_world.t, vec3(reach, reach, reach))};
+    Box3 bounds = {vec3_sub(light->to_world.t, vec3(reach, reach, reach)),
+                   vec3_add(light->to_world.t, vec3(reach, reach, reach))};
     if (!build_check_reach(b, node->span, "this light", bounds)) return false;
     if (!(light->half_width > 0) || !(light->half_height > 0) || !isfinite(1 / area_of(light))) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this light has no area: its transforms scale it by %g", scale);
+        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this light has no area: its transforms scale it by %g",
+                    scale);
         return false;
     }
     Piece piece = {.kind = PIECE_RECT, .r0 = light->half_width, .r1 = light->half_height};
     if (light->kind == LIGHT_DISC) piece = piece_make_band(light->half_width, 0, 0, 0); /* inwards: facing +y */
-    uint32_t shape = light->kind == LIGHT_SPHERE ? build_sphere_shape(b, light->half_width) : build_piece_shape(b, &piece);
+    uint32_t shape =
+        light->kind == LIGHT_SPHERE ? build_sphere_shape(b, light->half_width) : build_piece_shape(b, &piece);
     if (b->status != STATUS_OK) return false;
     light->object = build_add_object(b, node, shape, &light->to_world);
     SceneObject *object = &b->scene->objects[light->object];
@@ -151,7 +158,8 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
     Affine frame;
     if (!check_properties(b, node, light.kind) || !local_frame(b, node, light.kind, &frame)) return;
     if (light.kind != LIGHT_DISTANT && !is_similar(to_world, &scale)) {
-        diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "a light can be turned, moved and scaled evenly, but not stretched or sheared");
+        diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span,
+                    "a light can be turned, moved and scaled evenly, but not stretched or sheared");
         return;
     }
     const EvalProp *angle = eval_prop(node, "angle");
@@ -202,9 +210,9 @@ static void environment_from_image(Builder *b, const EvalNode *node, const EvalP
     uint32_t width = 0, height = 0;
     Error error;
     double strength = eval_number(node, "strength");
-    Status status = b->options->load_image
-                        ? b->options->load_image(b->options->load_image_context, path, NULL, &rgb, &width, &height, &error)
-                        : fail(&error, STATUS_INPUT, "images cannot be read here");
+    Status status = b->options->load_image ? b->options->load_image(b->options->load_image_context, path, NULL, &rgb,
+                                                                    &width, &height, &error)
+                                           : fail(&error, STATUS_INPUT, "images cannot be read here");
     if (status != STATUS_OK && status != STATUS_NOMEM) {
         diag_report(b->diag, D_IMAGE_INVALID, image->span, "%s", error.text);
     } else if (status == STATUS_OK && (width == 0 || height == 0)) {
@@ -240,7 +248,8 @@ void build_environment(Builder *b, const EvalNode *node)
     double scale;
     bool similar = is_similar(&node->transform, &scale);
     if (!build_exclude(b, node, "color", "image")) return;
-    if (!similar || fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 || !affine_invert(&node->transform, &b->scene->world_to_environment)) {
+    if (!similar || fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 ||
+        !affine_invert(&node->transform, &b->scene->world_to_environment)) {
         diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "an environment can only be rotated");
         return;
     }

@@ -28,16 +28,17 @@ static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
     } else if (is_term(prop, "sellmeier")) {
         *out = spectrum_sellmeier(args, args + 3);
     } else {
-        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'ior' is a number, cauchy(a, b) or sellmeier(b1, b2, b3, c1, c2, c3)");
+        diag_report(b->diag, D_WRONG_TYPE, prop->span,
+                    "'ior' is a number, cauchy(a, b) or sellmeier(b1, b2, b3, c1, c2, c3)");
         return false;
     }
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
         float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
         float ior = spectrum_at_one(out, nm);
         if (ior >= 0.1f && ior <= 10) continue;
-        Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
-                                         "the index of refraction is %g at %g nm, outside of 0.1 .. 10", (double)ior,
-                                         (double)nm);
+        Diagnostic *report =
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                        "the index of refraction is %g at %g nm, outside of 0.1 .. 10", (double)ior, (double)nm);
         diag_hint(b->diag, report, "coefficients are for wavelengths in micrometres");
         return false;
     }
@@ -60,7 +61,8 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     } else if (tint) {
         medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, new_table(b));
     } else if (absorption && absorption->as.spectrum.form == SPECTRUM_TERM) {
-        diag_report(b->diag, D_WRONG_TYPE, absorption->span, "'absorption' is a number or a vector per length, not %s()",
+        diag_report(b->diag, D_WRONG_TYPE, absorption->span,
+                    "'absorption' is a number or a vector per length, not %s()",
                     absorption->as.spectrum.term.type->name);
     } else if (absorption) {
         const double *rgb = absorption->as.spectrum.rgb;
@@ -69,7 +71,8 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
         if (largest > (double)FLT_MAX / 16)
             diag_report(b->diag, D_VALUE_OUT_OF_RANGE, absorption->span, "an absorption of %g is too large", largest);
         else
-            medium->absorption = grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, new_table(b));
+            medium->absorption =
+                grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, new_table(b));
     }
     medium->absorbs = !spectrum_is_zero(&medium->absorption);
 }
@@ -96,7 +99,8 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     if (*known != SCENE_NONE) return *known;
     *known = scene->n_media;
     SceneMedium medium = {.span = node->span, .ior = spectrum_constant(1), .state = state_of(node)};
-    medium.name = arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
+    medium.name =
+        arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
     const EvalProp *ior = eval_prop(node, "ior");
     if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
     absorption_of(b, node, &medium);
@@ -128,7 +132,8 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
     const char *name = node->name ? node->name : "surface";
     Vec3 albedo = eval_vector(node, "albedo");
     double rgb[3] = {albedo.x, albedo.y, albedo.z};
-    SceneSurface surface = {.name = arena_copy_text(b->arena, name, strlen(name)), .albedo = spectrum_from_reflectance(rgb)};
+    SceneSurface surface = {.name = arena_copy_text(b->arena, name, strlen(name)),
+                            .albedo = spectrum_from_reflectance(rgb)};
     surface.albedo2 = surface.albedo;
     surface.check_size = (float)eval_number(node, "check_size");
     if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
@@ -150,16 +155,19 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
 uint32_t build_black_surface(Builder *b)
 {
     if (b->black == SCENE_NONE)
-        b->black = add_surface(b, (SceneSurface){.name = "light", .albedo = spectrum_constant(0),
-                                                 .albedo2 = spectrum_constant(0), .check_size = 1});
+        b->black = add_surface(
+            b, (SceneSurface){
+                   .name = "light", .albedo = spectrum_constant(0), .albedo2 = spectrum_constant(0), .check_size = 1});
     return b->black;
 }
 
 uint32_t build_grey_surface(Builder *b)
 {
     if (b->grey == SCENE_NONE)
-        b->grey = add_surface(b, (SceneSurface){.name = "grey", .albedo = spectrum_constant(0.5f),
-                                                .albedo2 = spectrum_constant(0.5f), .check_size = 1});
+        b->grey = add_surface(b, (SceneSurface){.name = "grey",
+                                                .albedo = spectrum_constant(0.5f),
+                                                .albedo2 = spectrum_constant(0.5f),
+                                                .check_size = 1});
     return b->grey;
 }
 
@@ -179,8 +187,7 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
     }
     bool blackbody = prop && prop->as.spectrum.form == SPECTRUM_TERM;
     if (prop && !blackbody)
-        for (int i = 0; i < 3; i++)
-            rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
+        for (int i = 0; i < 3; i++) rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
     double largest = factor * fmax(rgb[0], fmax(rgb[1], rgb[2]));
     if (!(largest <= brightest)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop ? prop->span : node->span,
@@ -194,7 +201,8 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
     }
     double kelvin = prop->as.spectrum.term.args[0];
     if (!(kelvin >= 500 && kelvin <= 1e6)) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a black body of %g K is outside of 500 K .. 1e6 K", kelvin);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a black body of %g K is outside of 500 K .. 1e6 K",
+                    kelvin);
         return false;
     }
     float *table = new_table(b);

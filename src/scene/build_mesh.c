@@ -1,8 +1,8 @@
 /* build_mesh.c - meshes: from files and in place, and what must be mended before they can hold a medium.
  *
  * A mesh is inspected once per shape, in its own frame. Faces without extent and faces that occur twice are dropped,
- * faces that disagree about the outside are turned; each is a warning. Whether the mesh is closed is decided after that,
- * and is an error only for objects with an interior, or for a mesh that states that it is closed.
+ * faces that disagree about the outside are turned; each is a warning. Whether the mesh is closed is decided after
+ * that, and is an error only for objects with an interior, or for a mesh that states that it is closed.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
@@ -84,7 +84,8 @@ static Status drop_duplicates(Mesh *mesh, uint32_t *dropped, Error *error)
     free(sorted);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < n; i++)
-        if (mesh->triangles[i][0] != UINT32_MAX) memmove(mesh->triangles[kept++], mesh->triangles[i], sizeof mesh->triangles[i]);
+        if (mesh->triangles[i][0] != UINT32_MAX)
+            memmove(mesh->triangles[kept++], mesh->triangles[i], sizeof mesh->triangles[i]);
     *dropped = n - kept;
     mesh->n_triangles = kept;
     return STATUS_OK;
@@ -151,9 +152,10 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
     if (facts->reported_open) return; /* one report for all that share the mesh */
     facts->reported_open = true;
     if (facts->n_non_manifold && (!facts->consistent || facts->n_open_edges <= facts->n_non_manifold)) {
-        diag_report(b->diag, D_NON_MANIFOLD_MESH, span,
-                    "%s encloses nothing: %u of its edges have more than two faces, with no sense of inside and outside", name,
-                    (unsigned)facts->n_non_manifold);
+        diag_report(
+            b->diag, D_NON_MANIFOLD_MESH, span,
+            "%s encloses nothing: %u of its edges have more than two faces, with no sense of inside and outside", name,
+            (unsigned)facts->n_non_manifold);
         return;
     }
     if (!facts->consistent) {
@@ -161,12 +163,13 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
                     "%s encloses nothing: its faces cannot be turned so that neighbours agree about the outside", name);
         return;
     }
-    Diagnostic *report = diag_report(b->diag, D_OPEN_MESH, span, "%s is open and encloses nothing: %u edge%s a face on one side only",
-                                     name, (unsigned)facts->n_open_edges, facts->n_open_edges == 1 ? " has" : "s have");
+    Diagnostic *report =
+        diag_report(b->diag, D_OPEN_MESH, span, "%s is open and encloses nothing: %u edge%s a face on one side only",
+                    name, (unsigned)facts->n_open_edges, facts->n_open_edges == 1 ? " has" : "s have");
     for (uint32_t i = 0; i < facts->n_open_edges && i < COUNT_OF(facts->open); i++) {
         Vec3f p = facts->open[i].a, q = facts->open[i].b;
-        diag_note(b->diag, report, span, "open edge from <%g, %g, %g> to <%g, %g, %g>", (double)p.x, (double)p.y, (double)p.z,
-                  (double)q.x, (double)q.y, (double)q.z);
+        diag_note(b->diag, report, span, "open edge from <%g, %g, %g> to <%g, %g, %g>", (double)p.x, (double)p.y,
+                  (double)p.z, (double)q.x, (double)q.y, (double)q.z);
     }
 }
 
@@ -194,7 +197,8 @@ static bool fill_in_place(Builder *b, const EvalProp *positions, const EvalProp 
     Error error;
     size_t n_vertices = positions->as.list.n, n_triangles = triangles->as.list.n;
     if (n_vertices >= UINT32_MAX || n_triangles >= UINT32_MAX) {
-        diag_report(b->diag, D_LIMIT, positions->span, "a mesh of %zu vertices and %zu triangles is too large", n_vertices, n_triangles);
+        diag_report(b->diag, D_LIMIT, positions->span, "a mesh of %zu vertices and %zu triangles is too large",
+                    n_vertices, n_triangles);
         return false;
     }
     Mesh **mesh = &b->scene->shapes[shape].mesh;
@@ -202,14 +206,16 @@ static bool fill_in_place(Builder *b, const EvalProp *positions, const EvalProp 
     if (!build_succeeded(b, status, &error, positions->span)) return false;
     for (size_t i = 0; i < n_vertices; i++) {
         const double *p = &positions->as.list.numbers[3 * i];
-        if (!build_check_reach(b, positions->span, "a vertex", box3_add_point(box3_empty(), vec3(p[0], p[1], p[2])))) return false;
+        if (!build_check_reach(b, positions->span, "a vertex", box3_add_point(box3_empty(), vec3(p[0], p[1], p[2]))))
+            return false;
         (*mesh)->positions[i] = vec3f_from(vec3(p[0], p[1], p[2]));
     }
     for (size_t i = 0; i < 3 * n_triangles; i++) {
         double index = triangles->as.list.numbers[i];
         if (!(index >= 0 && index < (double)n_vertices && index == floor(index))) {
-            diag_report(b->diag, D_BAD_INDEX, triangles->span, "triangle %zu names vertex %g, and there are the vertices 0 to %zu",
-                        i / 3, index, n_vertices - 1);
+            diag_report(b->diag, D_BAD_INDEX, triangles->span,
+                        "triangle %zu names vertex %g, and there are the vertices 0 to %zu", i / 3, index,
+                        n_vertices - 1);
             return false;
         }
         (*mesh)->triangles[i / 3][i % 3] = (uint32_t)index;
@@ -248,7 +254,9 @@ void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world)
     if (!build_exclude(b, node, "file", "positions") || !build_exclude(b, node, "file", "triangles")) return;
     if (!file && (!positions || !triangles)) {
         Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "this mesh has no %s",
-                                         positions ? "'triangles'" : triangles ? "'positions'" : "'file'");
+                                         positions   ? "'triangles'"
+                                         : triangles ? "'positions'"
+                                                     : "'file'");
         diag_hint(b->diag, report, "give a file, or positions and triangles");
         return;
     }

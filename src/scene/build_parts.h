@@ -36,7 +36,9 @@ typedef struct ShapeFacts {
     bool closed, consistent;
     bool reported_open;
     uint32_t n_open_edges, n_non_manifold;
-    struct { Vec3f a, b; } open[4];
+    struct {
+        Vec3f a, b;
+    } open[4];
 } ShapeFacts;
 
 typedef struct Builder {
@@ -49,7 +51,7 @@ typedef struct Builder {
     ShapeFacts *facts;
     uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, objects_capacity, lights_capacity,
         cameras_capacity, files_capacity;
-    const char **file_table; /* the scene's files, not const */
+    const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
     uint32_t grey;                             /* the surface of a ground that names none */

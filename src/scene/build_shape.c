@@ -112,7 +112,8 @@ static bool within_reach(Builder *b, const EvalNode *node, uint32_t shape, const
 uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
 {
     Scene *scene = b->scene;
-    scene->objects = room_for_one(b->arena, scene->objects, scene->n_objects, &b->objects_capacity, sizeof *scene->objects);
+    scene->objects =
+        room_for_one(b->arena, scene->objects, scene->n_objects, &b->objects_capacity, sizeof *scene->objects);
     scene->objects[scene->n_objects] = (SceneObject){
         .name = build_name(b, node, node->type->name),
         .span = node->span,
@@ -132,9 +133,11 @@ static bool matter_of(Builder *b, const EvalNode *node, const EvalProp **interio
     *interior = eval_prop(node, "interior");
     *surface = eval_prop(node, "surface");
     if (*interior && *surface) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, (*surface)->span,
-                                         "this %s has an interior, and then its surface is smooth and clear: 'surface' is "
-                                         "for opaque objects only", node->type->name);
+        Diagnostic *report =
+            diag_report(b->diag, D_CONFLICTING_PROPERTIES, (*surface)->span,
+                        "this %s has an interior, and then its surface is smooth and clear: 'surface' is "
+                        "for opaque objects only",
+                        node->type->name);
         diag_note(b->diag, report, (*interior)->span, "'interior' is set here");
         return false;
     }
@@ -165,7 +168,8 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
     if (!b->facts[shape].closed)
         build_report_open(b, node->span, object->name, shape);
     else if (!(object->volume > 0) || !isfinite(object->volume))
-        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "%s encloses a volume of %g", object->name, object->volume);
+        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "%s encloses a volume of %g", object->name,
+                    object->volume);
 }
 
 /* ---- node types ---- */
@@ -186,7 +190,9 @@ static bool box_corners(Builder *b, const EvalNode *node, Vec3 *low, Vec3 *high)
     if (!build_exclude(b, node, "size", "from") || !build_exclude(b, node, "size", "to")) return false;
     if (!size && (!from || !to)) {
         Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "this box has no %s",
-                                         from ? "'to'" : to ? "'from'" : "size");
+                                         from ? "'to'"
+                                         : to ? "'from'"
+                                              : "size");
         diag_hint(b->diag, report, "give two corners, from and to, or a size about the origin");
         return false;
     }
@@ -244,8 +250,8 @@ static void build_round(Builder *b, const EvalNode *node, const Affine *to_world
     Vec3 along = vec3_sub(to, from);
     double height = vec3_length(along);
     if (!(height > 0) || !isfinite(height)) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "'from' and 'to' of this %s are the same point",
-                    node->type->name);
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"),
+                    "'from' and 'to' of this %s are the same point", node->type->name);
         return;
     }
     if (radius_from == 0 && radius_to == 0) {
@@ -288,8 +294,8 @@ static const double *lathe_rounding(Builder *b, const EvalNode *node, const Eval
     *ok = true;
     if (!rounding || rounding->as.list.n == n) return rounding ? rounding->as.list.numbers : NULL;
     if (rounding->as.list.n != 1) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, rounding->span, "'rounding' has %zu numbers for %zu corners of the profile",
-                    rounding->as.list.n, n);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, rounding->span,
+                    "'rounding' has %zu numbers for %zu corners of the profile", rounding->as.list.n, n);
         *ok = false;
         return NULL;
     }
@@ -308,7 +314,8 @@ void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
     bool smooth = eval_truth(node, "smooth");
     size_t n = profile->as.list.n;
     if (n > 100000) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, profile->span, "a profile of %zu corners is too long; the limit is 100000", n);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, profile->span,
+                    "a profile of %zu corners is too long; the limit is 100000", n);
         return;
     }
     /* key: kind, smooth, profile, rounding */

@@ -26,7 +26,8 @@ static bool orient(Builder *b, const EvalNode *node, const Affine *to_world, Sce
     Vec3 along = vec3_sub(to, camera->from);
     double distance = vec3_length(along);
     if (!(distance > 0) || !isfinite(distance)) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "'from' and 'to' of this camera are the same point");
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"),
+                    "'from' and 'to' of this camera are the same point");
         return false;
     }
     camera->forward = vec3_scale(along, 1 / distance);
@@ -35,7 +36,8 @@ static bool orient(Builder *b, const EvalNode *node, const Affine *to_world, Sce
     const double parallel = 1e-9;
     if (!(vec3_length(right) > parallel * vec3_length(up))) {
         if (eval_prop(node, "up")) {
-            diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "up"), "'up' points along the view and does not say how to hold the camera");
+            diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "up"),
+                        "'up' points along the view and does not say how to hold the camera");
             return false;
         }
         /* straight up or down: north is at the top, as on a map with x to the right */
@@ -70,7 +72,8 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     if (!build_check_reach(b, from->span, "the camera", box3_add_point(box3_empty(), camera.from))) return;
     if (!orient(b, node, to_world, &camera) || !focus(b, node, to_world, &camera)) return;
     if (!(camera.lens_radius <= SCENE_REACH)) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "aperture"), "an aperture of %g is too large", 2 * camera.lens_radius);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "aperture"), "an aperture of %g is too large",
+                    2 * camera.lens_radius);
         return;
     }
     expectation(b, node, &camera);
@@ -83,7 +86,8 @@ void build_film(Builder *b, const EvalNode *node)
     SceneFilm *film = &b->scene->film;
     Vec3 size = eval_vector(node, "size");
     if (size.x != floor(size.x) || size.y != floor(size.y))
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "size"), "a film of %g x %g pixels: pixels are whole", size.x, size.y);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "size"),
+                    "a film of %g x %g pixels: pixels are whole", size.x, size.y);
     film->width = (uint32_t)size.x;
     film->height = (uint32_t)size.y;
     const EvalProp *output = eval_prop(node, "output");

@@ -67,7 +67,9 @@ static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         const SceneShape *shape = &scene->shapes[object->shape];
-        objects[i] = (RtcObject){.mesh = shape->mesh, .solid = shape->solid, .to_world = object->to_world,
+        objects[i] = (RtcObject){.mesh = shape->mesh,
+                                 .solid = shape->solid,
+                                 .to_world = object->to_world,
                                  .opaque = object->medium == SCENE_NONE};
     }
     Status status = rtc_scene_new(objects, scene->n_objects, pool ? pool_threads(pool) : 1, &compiled->rtc, error);
@@ -92,7 +94,8 @@ static Status build_order(CompiledScene *compiled, NestPolicy policy, Error *err
         const HullPair *pair = &compiled->pairs[i];
         if (needs_order(compiled, pair)) overlaps[n++] = (NestOverlap){pair->a, pair->b, pair->relation};
     }
-    Status status = nest_order_build(&compiled->order, policy, 0, compiled->hulls, compiled->n_hulls, overlaps, n, error);
+    Status status =
+        nest_order_build(&compiled->order, policy, 0, compiled->hulls, compiled->n_hulls, overlaps, n, error);
     free(overlaps);
     return status;
 }
@@ -129,9 +132,11 @@ static void report_circles(const CompiledScene *compiled, Diag *diag)
                 if (first == SCENE_NONE) first = h;
                 n++;
             }
-        Diagnostic *report = diag_report(diag, D_ORDER_CIRCLE, compiled->scene->objects[compiled->object_of_hull[first]].span,
-                                         "which of %u overlapping objects is on top runs in a circle; among them the "
-                                         "smaller volume is taken to be on top", (unsigned)n);
+        Diagnostic *report =
+            diag_report(diag, D_ORDER_CIRCLE, compiled->scene->objects[compiled->object_of_hull[first]].span,
+                        "which of %u overlapping objects is on top runs in a circle; among them the "
+                        "smaller volume is taken to be on top",
+                        (unsigned)n);
         note_circle(compiled, circle, diag, report);
         diag_hint(diag, report, "give one of them a priority; the larger is on top");
     }
@@ -194,8 +199,8 @@ static int compare_farthest_first(const void *left, const void *right)
     return a->object < b->object ? -1 : a->object > b->object;
 }
 
-/* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than they
- * are entered. They come in the order in which a ray from outside enters them: the one that is left last first. */
+/* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than
+ * they are entered. They come in the order in which a ray from outside enters them: the one that is left last first. */
 static Status interior_along(const CompiledScene *compiled, Vec3 point, int direction, HitList *hits, NestList *list)
 {
     Ray ray = ray_make(point, vec3f_from(line_direction(direction)));
@@ -271,8 +276,8 @@ static void sort_list(const CompiledScene *compiled, NestList *list)
     }
 }
 
-/* The object whose surface is at the point. Of three directions at right angles at least one is within 55 degrees of the
- * normal, so that a surface within the rounding along the normal shows within twice the rounding along it. */
+/* The object whose surface is at the point. Of three directions at right angles at least one is within 55 degrees of
+ * the normal, so that a surface within the rounding along the normal shows within twice the rounding along it. */
 static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, HitList *hits)
 {
     double rounding = rtc_rounding(point);
@@ -290,7 +295,8 @@ static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, HitList *h
     return SCENE_NONE;
 }
 
-Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list, uint32_t *on_surface)
+Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list,
+                         uint32_t *on_surface)
 {
     NestList lists[3];
     Vec3 at = vec3_from_f(point);
@@ -332,8 +338,8 @@ static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *
     return true;
 }
 
-static Status report_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list, Diag *diag,
-                                 Error *error)
+static Status report_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list,
+                                 Diag *diag, Error *error)
 {
     Buf is = {0}, expected = {0};
     for (uint32_t i = 0; i < list->n; i++) add_medium(&is, compiled, compiled->hulls[nest_list_items(list)[i]].medium);
@@ -344,8 +350,8 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
         buf_clear(&expected);
         return fail_memory(error, 0, "a message");
     }
-    Diagnostic *report = diag_report(diag, D_CAMERA_EXPECTATION, camera->expect_span, "%s is in %s, not in [%s]", camera->name,
-                                     buf_text(&is), buf_text(&expected));
+    Diagnostic *report = diag_report(diag, D_CAMERA_EXPECTATION, camera->expect_span, "%s is in %s, not in [%s]",
+                                     camera->name, buf_text(&is), buf_text(&expected));
     for (uint32_t i = 0; i < list->n; i++) {
         const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[nest_list_items(list)[i]]];
         diag_note(diag, report, object->span, "it is inside of %s", object->name);

@@ -12,24 +12,24 @@
 
 /* How two hulls that meet lie to each other, measured along lines through them. */
 typedef struct HullPair {
-    uint32_t a, b;            /* objects, a < b */
-    bool overlaps;            /* share volume */
-    NestRelation relation;    /* when they do */
-    double overlap_volume;    /* estimate, cubic scene units */
+    uint32_t a, b;               /* objects, a < b */
+    bool overlaps;               /* share volume */
+    NestRelation relation;       /* when they do */
+    double overlap_volume;       /* estimate, cubic scene units */
     double overlap_volume_error; /* its standard error */
-    bool touches;             /* faces at one place, to within rounding */
-    double gap;               /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
+    bool touches;                /* faces at one place, to within rounding */
+    double gap; /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
 } HullPair;
 
 typedef struct CompiledScene {
     const Scene *scene;
     RtcScene *rtc;
-    uint32_t *hull_of_object;  /* SCENE_NONE for opaque objects */
+    uint32_t *hull_of_object; /* SCENE_NONE for opaque objects */
     uint32_t *object_of_hull;
     NestHull *hulls;
     uint32_t n_hulls;
-    Box3 *hull_bounds;         /* in the world */
-    HullPair *pairs;           /* every pair that meets: overlaps, touches or leaves a small gap */
+    Box3 *hull_bounds; /* in the world */
+    HullPair *pairs;   /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
     NestOrder order;
 } CompiledScene;
@@ -40,8 +40,8 @@ ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool 
 void compiled_scene_free(CompiledScene *compiled);
 
 /* The hulls that hold a point, found by tracing from outside of the scene to it along one direction, again along
- * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the object
- * whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */
+ * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the
+ * object whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */
 ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list,
                                         uint32_t *on_surface);
 

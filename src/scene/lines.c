@@ -125,7 +125,8 @@ bool hit_repeats(const HitList *hits, size_t i)
 }
 
 /* All surfaces of hulls along a ray. */
-static void trace(Probe *probe, const CompiledScene *compiled, Vec3 start, Vec3f direction, double length, HitList *hits)
+static void trace(Probe *probe, const CompiledScene *compiled, Vec3 start, Vec3f direction, double length,
+                  HitList *hits)
 {
     Ray ray = ray_make(start, direction);
     ray.t_max = length;
@@ -152,8 +153,8 @@ static bool add_interval(Probe *probe, uint32_t hull, double begin, const Hit *e
         probe->out_of_memory = true;
         return false;
     }
-    probe->intervals[probe->n_intervals++] = (Interval){.hull = hull, .begin = begin, .end = HUGE_VAL, .enter = enter,
-                                                          .next = INTERVAL_NONE};
+    probe->intervals[probe->n_intervals++] =
+        (Interval){.hull = hull, .begin = begin, .end = HUGE_VAL, .enter = enter, .next = INTERVAL_NONE};
     return true;
 }
 
@@ -165,7 +166,8 @@ void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *li
     probe->n_intervals = 0;
     const HitList *behind = &probe->backward, *ahead = &probe->forward;
     for (size_t i = 0; i < behind->n; i++)
-        if (!hit_repeats(behind, i)) probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
+        if (!hit_repeats(behind, i))
+            probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < behind->n; i++) {
         uint32_t hull = compiled->hull_of_object[behind->items[i].object];
         if (probe->depth[hull] > 0) add_interval(probe, hull, 0, NULL);
@@ -178,7 +180,8 @@ void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *li
         uint32_t hull = compiled->hull_of_object[hit->object];
         int32_t open = probe->depth[hull];
         /* an edge reported by both its triangles enters twice or leaves twice: the second says nothing new */
-        if (hit->entering && !open && add_interval(probe, hull, hit->t, hit)) probe->depth[hull] = (int32_t)probe->n_intervals;
+        if (hit->entering && !open && add_interval(probe, hull, hit->t, hit))
+            probe->depth[hull] = (int32_t)probe->n_intervals;
         if (hit->entering || !open) continue;
         probe->intervals[open - 1].end = hit->t;
         probe->intervals[open - 1].leave = hit;

@@ -19,14 +19,14 @@ typedef struct Line {
     double area; /* of the cross-section that this line stands for */
 } Line;
 
-/* Lines of one direction through a box (made wider by what rounding needs), evenly spread over the box's silhouette: about n, at least one for each of the three
- * faces where they enter. */
+/* Lines of one direction through a box (made wider by what rounding needs), evenly spread over the box's silhouette:
+ * about n, at least one for each of the three faces where they enter. */
 typedef struct LineSet {
     Box3 box;
     Vec3 direction;
     double face_area[3]; /* seen along the direction */
     uint32_t n_face[3];
-    uint32_t face, i;    /* the next line */
+    uint32_t face, i; /* the next line */
     double offset[2];
 } LineSet;
 void line_set_begin(LineSet *set, Box3 box, int direction, uint32_t n, uint64_t seed);

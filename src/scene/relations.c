@@ -1,10 +1,10 @@
 /* relations.c - how the hulls of a scene lie to each other, found along lines.
  *
- * First, lines through each hull, over its whole silhouette: what they meet says whether the hull lies inside of another
- * one, overlaps it, touches it, or leaves a thin gap. A pair is judged along the lines of its smaller hull. Second, lines
- * through the common part of the bounds of pairs where that is much smaller than the hull. Third, where a pair's
- * surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place where
- * the two are nearest. Spheres need none of this: two of them are judged by formula.
+ * First, lines through each hull, over its whole silhouette: what they meet says whether the hull lies inside of
+ * another one, overlaps it, touches it, or leaves a thin gap. A pair is judged along the lines of its smaller hull.
+ * Second, lines through the common part of the bounds of pairs where that is much smaller than the hull. Third, where a
+ * pair's surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place
+ * where the two are nearest. Spheres need none of this: two of them are judged by formula.
  *
  * All lines are fixed by the scene, each task writes to its own place, and the results are put together in
  * order, so that the answer does not depend on threads.
@@ -28,7 +28,7 @@ enum {
     SEARCH_LINES = 45
 };
 static const double pi = 3.14159265358979323846;
-static const double gap_part = 0.02;     /* of the smaller hull's least extent: wider gaps are no mistake */
+static const double gap_part = 0.02;       /* of the smaller hull's least extent: wider gaps are no mistake */
 static const double gap_lines_part = 0.05; /* of the lines that meet the hull: fewer are a near miss, not a gap */
 /* Cosines between normals: faces that run along each other, not a ball that rests on a plate. */
 static const double opposite = -0.998, parallel = 0.99;
@@ -42,7 +42,7 @@ typedef struct PairFacts {
     double gap;
     double sum, sum_face, squares_face; /* of overlap volume: whole, and of the present face */
     double variance;
-    double nearest;    /* distance along a line between the two, the least so far */
+    double nearest; /* distance along a line between the two, the least so far */
     Vec3 nearest_place;
 } PairFacts;
 
@@ -62,7 +62,7 @@ typedef struct Candidate {
 
 typedef struct Finder {
     const CompiledScene *compiled;
-    Probe *probes; /* per worker */
+    Probe *probes;  /* per worker */
     double *extent; /* half the area of the bounds, by which hulls are small or large */
     double *margin; /* see margin_of */
     Vec3 *center;
@@ -71,7 +71,8 @@ typedef struct Finder {
     FactList *hull_facts;
     Candidate *candidates;
     size_t n_candidates, candidates_capacity;
-    uint32_t lines_of_hull[2], lines_of_pair[2]; /* [0] balls and pairs with a ball, [1] others: bubbles are many, glasses few */
+    uint32_t lines_of_hull[2],
+        lines_of_pair[2]; /* [0] balls and pairs with a ball, [1] others: bubbles are many, glasses few */
     int search_steps;
 } Finder;
 
@@ -119,8 +120,9 @@ static double sphere_radius(const SceneShape *shape, const Affine *map)
     Vec3 x = vec3(map->m[0][0], map->m[1][0], map->m[2][0]), y = vec3(map->m[0][1], map->m[1][1], map->m[2][1]),
          z = vec3(map->m[0][2], map->m[1][2], map->m[2][2]);
     double s = vec3_length(x), slack = 1e-9 * s;
-    bool even = fabs(vec3_length(y) - s) <= slack && fabs(vec3_length(z) - s) <= slack && fabs(vec3_dot(x, y)) <= slack * s &&
-                fabs(vec3_dot(y, z)) <= slack * s && fabs(vec3_dot(z, x)) <= slack * s;
+    bool even = fabs(vec3_length(y) - s) <= slack && fabs(vec3_length(z) - s) <= slack &&
+                fabs(vec3_dot(x, y)) <= slack * s && fabs(vec3_dot(y, z)) <= slack * s &&
+                fabs(vec3_dot(z, x)) <= slack * s;
     return even ? shape->solid->pieces[0].r0 * s : 0;
 }
 
@@ -150,7 +152,8 @@ static double normals_dot(const Hit *a, const Hit *b)
 /* Faces of both at one place. */
 static bool coincide(const Hit *a, const Hit *b)
 {
-    return a && b && fabs(a->t - b->t) * fmax(cosine(a), cosine(b)) <= rounding_of(a, b) && fabs(normals_dot(a, b)) > parallel;
+    return a && b && fabs(a->t - b->t) * fmax(cosine(a), cosine(b)) <= rounding_of(a, b) &&
+           fabs(normals_dot(a, b)) > parallel;
 }
 
 /* Nothing but the world stands at t. */
@@ -161,8 +164,8 @@ static bool is_empty_at(const Probe *probe, double t)
     return true;
 }
 
-static void note_gap(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Hit *leave, const Hit *enter,
-                     bool *gap_here)
+static void note_gap(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Hit *leave,
+                     const Hit *enter, bool *gap_here)
 {
     if (!leave || !enter || enter->t <= leave->t) return;
     double along = enter->t - leave->t, middle = leave->t + along / 2;
@@ -197,13 +200,13 @@ static bool sticks_out(const Probe *probe, const Interval *of, uint32_t other)
 }
 
 /* One stretch of each of the two: what they share, whether faces coincide, the gaps between them. */
-static double judge_stretches(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Interval *own,
-                              const Interval *other, bool *gap_here)
+static double judge_stretches(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts,
+                              const Interval *own, const Interval *other, bool *gap_here)
 {
     bool own_last = own->begin > other->begin, own_first = own->end < other->end;
     double begin = own_last ? own->begin : other->begin, end = own_first ? own->end : other->end;
-    if (coincide(own->enter, other->enter) || coincide(own->enter, other->leave) || coincide(own->leave, other->enter) ||
-        coincide(own->leave, other->leave))
+    if (coincide(own->enter, other->enter) || coincide(own->enter, other->leave) ||
+        coincide(own->leave, other->enter) || coincide(own->leave, other->leave))
         facts->touches = true;
     note_gap(f, probe, line, facts, own->leave, other->enter, gap_here);
     note_gap(f, probe, line, facts, other->leave, own->enter, gap_here);
@@ -412,11 +415,12 @@ static bool needs_search(const Finder *f, const Candidate *candidate)
     return known && known->seen;
 }
 
-/* The third stage closes in on the place where the two come nearest, until they overlap or are seen not to. The volume that
- * a late step finds is that of its box alone: small, but then so is the overlap. */
+/* The third stage closes in on the place where the two come nearest, until they overlap or are seen not to. The volume
+ * that a late step finds is that of its box alone: small, but then so is the overlap. */
 static void task_of_search(void *context, uint32_t number, unsigned worker)
 {
-    const double shrink = 0.45; /* of the box from step to step; the nearest place may lie somewhat off the place found */
+    const double shrink =
+        0.45; /* of the box from step to step; the nearest place may lie somewhat off the place found */
     Finder *f = context;
     Candidate *candidate = &f->candidates[number];
     if (!needs_search(f, candidate)) return;
@@ -544,8 +548,8 @@ static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
         pair.overlap_volume = 4 * pi / 3 * small * small * small;
     } else { /* a lens of two caps */
         double depth = small + large - d;
-        pair.overlap_volume = pi * depth * depth *
-                              (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
+        pair.overlap_volume =
+            pi * depth * depth * (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
     }
     return pair;
 }
@@ -562,7 +566,8 @@ static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, Hu
     const Box3 *bounds = f->compiled->hull_bounds;
     if (!first || !pair->overlaps) return;
     double slack = box_rounding(bounds[first->other]);
-    bool own_inside = !first->own_out && first->n_inside == n_lines && box_inside(bounds[first->own], bounds[first->other], slack);
+    bool own_inside =
+        !first->own_out && first->n_inside == n_lines && box_inside(bounds[first->own], bounds[first->other], slack);
     bool other_inside = !first->other_out && box_inside(bounds[first->other], bounds[first->own], slack);
     if (own_inside == other_inside) return; /* both: the same hull twice */
     uint32_t inner = own_inside ? first->own : first->other;
@@ -698,7 +703,8 @@ Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pair
         if (f.search_steps >= SEARCH_STEPS_MIN) run(pool, (uint32_t)f.n_candidates, task_of_search, &f);
     }
     for (unsigned i = 0; status == STATUS_OK && i < n_workers; i++)
-        if (f.probes[i].out_of_memory) status = fail(error, STATUS_NOMEM, "out of memory while finding out how the hulls lie");
+        if (f.probes[i].out_of_memory)
+            status = fail(error, STATUS_NOMEM, "out of memory while finding out how the hulls lie");
     if (status == STATUS_OK) status = put_together(&f, pairs, n_pairs, error);
     finder_clear(&f, n_workers);
     return status;

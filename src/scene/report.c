@@ -240,7 +240,9 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
         } lights[] = {{"red", 620}, {"green", 540}, {"blue", 450}};
         size_t most = 0;
         for (size_t k = 1; k < COUNT_OF(lights); k++)
-            if (spectrum_at_one(&medium->absorption, lights[k].nm) > spectrum_at_one(&medium->absorption, lights[most].nm)) most = k;
+            if (spectrum_at_one(&medium->absorption, lights[k].nm) >
+                spectrum_at_one(&medium->absorption, lights[most].nm))
+                most = k;
         double coefficient = (double)spectrum_at_one(&medium->absorption, lights[most].nm);
         buf_add(&row[4], "absorbs");
         if (coefficient > 0) {
@@ -300,7 +302,8 @@ static void print_hulls(const CompiledScene *compiled, const ReportGroups *group
     if (!by_rank || !done) out->failed = true;
     NestPolicy policy = compiled->order.policy;
     bool ordered = policy == NEST_AUTOMATIC || policy == NEST_PRIORITY;
-    buf_format(out, "\nClear objects%s, nesting = %s\n", ordered ? " from top to bottom" : "", nest_policy_text(policy));
+    buf_format(out, "\nClear objects%s, nesting = %s\n", ordered ? " from top to bottom" : "",
+               nest_policy_text(policy));
     if (n == 0) buf_add(out, "  none\n");
     for (uint32_t h = 0; by_rank && h < n; h++) by_rank[n - 1 - compiled->order.rank[h]] = h;
     for (uint32_t i = 0; by_rank && done && i < n; i++) {
@@ -439,7 +442,8 @@ static void add_group(const CompiledScene *compiled, const ReportGroup *group, B
 }
 
 /* n pairs of one kind between the same two groups. */
-static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *groups, const PairLine *lines, size_t n, Buf *out)
+static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *groups, const PairLine *lines, size_t n,
+                             Buf *out)
 {
     const PairLine *first = &lines[0];
     const ReportGroup *top = &groups->items[first->top_group], *bottom = &groups->items[first->bottom_group];

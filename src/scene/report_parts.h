@@ -26,15 +26,16 @@ typedef struct ReportGroups {
     ReportGroup *items;
     uint32_t n;
 } ReportGroups;
-bool report_groups_init(ReportGroups *groups, const CompiledScene *compiled); /* false when memory ends; clear it all the same */
+bool report_groups_init(ReportGroups *groups,
+                        const CompiledScene *compiled); /* false when memory ends; clear it all the same */
 void report_groups_clear(ReportGroups *groups);
 
 /* What happens where two hulls overlap. */
 typedef enum VerdictKind {
-    VERDICT_RULE,      /* top is on top, by the rule */
-    VERDICT_CIRCLE,    /* the rule's answer is part of a circle; volume decided */
-    VERDICT_MERGE,     /* one medium: there is no boundary */
-    VERDICT_ENTERED,   /* depends on the ray */
+    VERDICT_RULE,    /* top is on top, by the rule */
+    VERDICT_CIRCLE,  /* the rule's answer is part of a circle; volume decided */
+    VERDICT_MERGE,   /* one medium: there is no boundary */
+    VERDICT_ENTERED, /* depends on the ray */
     VERDICT_NO_NESTING
 } VerdictKind;
 typedef struct ReportVerdict {

@@ -29,8 +29,9 @@ static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
         const SceneObject *a = &compiled->scene->objects[pair->a], *b = &compiled->scene->objects[pair->b];
         Buf gap = {0};
         report_add_length(&gap, compiled->scene, pair->gap);
-        Diagnostic *report = diag_report(diag, D_AIR_GAP, b->span, "between %s and %s is a gap of %s, filled with the world's %s",
-                                         b->name, a->name, buf_text(&gap), compiled->scene->media[0].name);
+        Diagnostic *report =
+            diag_report(diag, D_AIR_GAP, b->span, "between %s and %s is a gap of %s, filled with the world's %s",
+                        b->name, a->name, buf_text(&gap), compiled->scene->media[0].name);
         diag_note(diag, report, a->span, "%s is here", a->name);
         diag_hint(diag, report, "let them overlap by a little: the overlap is resolved");
         buf_clear(&gap);
@@ -103,16 +104,19 @@ static void mark_lower(const CompiledScene *compiled, bool *lower)
 
 static void report_hidden(const CompiledScene *compiled, uint32_t hull, Diag *diag)
 {
+    uint32_t number = compiled->object_of_hull[hull];
     const SceneObject *object = object_of(compiled, hull);
-    Diagnostic *report = diag_report(diag, D_HIDDEN_OBJECT, object->span, "%s is wholly inside of objects that are on top of it", object->name);
+    Diagnostic *report = diag_report(diag, D_HIDDEN_OBJECT, object->span,
+                                     "%s is wholly inside of objects that are on top of it", object->name);
     int n = 0;
     for (size_t i = 0; i < compiled->n_pairs && n < 3; i++) {
         const HullPair *pair = &compiled->pairs[i];
-        if (!pair->overlaps || (object_of(compiled, hull) != &compiled->scene->objects[pair->a] && object_of(compiled, hull) != &compiled->scene->objects[pair->b])) continue;
+        if (!pair->overlaps || (pair->a != number && pair->b != number)) continue;
         ReportVerdict verdict = report_verdict(compiled, pair);
-        if (verdict.bottom != hull) continue;
-        diag_note(diag, report, object_of(compiled, verdict.top)->span, "%s is on top by %s", object_of(compiled, verdict.top)->name,
-                  nest_rule_text(verdict.rule));
+        if (verdict.bottom != hull || verdict.kind == VERDICT_MERGE) continue;
+        diag_note(diag, report, object_of(compiled, verdict.top)->span, "%s is on top by %s",
+                  object_of(compiled, verdict.top)->name,
+                  verdict.kind == VERDICT_CIRCLE ? "volume within a circle" : nest_rule_text(verdict.rule));
         n++;
     }
     diag_hint(diag, report, "give it a larger priority if it is meant to be seen");
@@ -129,9 +133,11 @@ static void warn_of_hidden(const CompiledScene *compiled, Diag *diag)
     if (n_lines > LINES_OF_HULL_MAX) n_lines = LINES_OF_HULL_MAX;
     if (n_lines < LINES_OF_HULL_MIN) n_lines = LINES_OF_HULL_MIN;
     for (uint32_t h = 0; lower && status == STATUS_OK && h < n; h++)
-        if (lower[h] && is_hidden(compiled, &probe, h, n_lines) && ++n_hidden <= WARNINGS_MAX) report_hidden(compiled, h, diag);
+        if (lower[h] && is_hidden(compiled, &probe, h, n_lines) && ++n_hidden <= WARNINGS_MAX)
+            report_hidden(compiled, h, diag);
     if (n_hidden > WARNINGS_MAX)
-        diag_report_nowhere(diag, D_HIDDEN_OBJECT, "%u more objects are wholly inside of others that are on top of them",
+        diag_report_nowhere(diag, D_HIDDEN_OBJECT,
+                            "%u more objects are wholly inside of others that are on top of them",
                             (unsigned)(n_hidden - WARNINGS_MAX));
     probe_clear(&probe);
     free(lower);

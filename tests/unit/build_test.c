@@ -151,7 +151,8 @@ static void shapes_are_shared(void **state)
     GOOD(&f, "for (i in 1..50) { sphere { interior = glass radius = i center = <0, i, 0> } }"
              "for (i in 1..50) { cylinder { interior = glass from = <i, 0, 0> to = <i, 2, 0> } }"
              "let c = box { size = <1, 2, 3> interior = ice } for (i in 1..50) { c { translate(<i, 0, 0>) } }"
-             "let l = lathe { interior = ice profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] rounding = .1 } l { } l { rotate(x, 10) }"
+             "let l = lathe { interior = ice profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] rounding = .1 } l { } l { "
+             "rotate(x, 10) }"
              "let m = mesh { interior = ice positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>] "
              "triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>] } m { } m { scale(2) } m { interior = glass }");
     assert_int_equal(f.scene->n_objects, 155);
@@ -165,11 +166,13 @@ static void shapes_are_shared(void **state)
 static void a_cylinder_lies_between_its_ends(void **state)
 {
     (void)state;
-    static const char *const ends[] = {"<0, 9.9, 0>", "<0, 44, 0>", "<1, 2, 3>", "<-4, 5, 6>", "<1, 0, 0>", "<0, 0, 0>"};
+    static const char *const ends[] = {"<0, 9.9, 0>", "<0, 44, 0>", "<1, 2, 3>",
+                                       "<-4, 5, 6>",  "<1, 0, 0>",  "<0, 0, 0>"};
     for (size_t i = 0; i < COUNT_OF(ends); i += 2) {
         Fixture f;
         char text[900];
-        snprintf(text, sizeof text, "%scylinder { interior = water from = %s to = %s radius = 2 } %s", M, ends[i], ends[i + 1], V);
+        snprintf(text, sizeof text, "%scylinder { interior = water from = %s to = %s radius = 2 } %s", M, ends[i],
+                 ends[i + 1], V);
         fixture_good(&f, text);
         const SceneObject *o = &f.scene->objects[0];
         double a[3], b[3];
@@ -217,15 +220,18 @@ static void meshes_are_checked_and_mended(void **state)
     assert_null(fixture_find(&f, D_MESH_MENDED));
     assert_near(f.scene->objects[0].volume, 1 / 6.0, 1e-7);
     fixture_clear(&f);
-    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 2>, <0, 3, 1>, <0, 2, 3>, <1, 3, 2>] }"); /* inside out */
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON
+             " triangles = [<0, 1, 2>, <0, 3, 1>, <0, 2, 3>, <1, 3, 2>] }"); /* inside out */
     assert_non_null(fixture_find(&f, D_MESH_MENDED));
     assert_near(f.scene->objects[0].volume, 1 / 6.0, 1e-7);
     fixture_clear(&f);
-    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 3, 1>, <0, 3, 2>, <1, 2, 3>] }"); /* one turned */
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON
+             " triangles = [<0, 2, 1>, <0, 3, 1>, <0, 3, 2>, <1, 2, 3>] }"); /* one turned */
     assert_non_null(fixture_find(&f, D_MESH_MENDED));
     assert_near(f.scene->objects[0].volume, 1 / 6.0, 1e-7);
     fixture_clear(&f);
-    GOOD(&f, "mesh { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>, <2, 3, 1>, <0, 0, 1>] }");
+    GOOD(&f, "mesh { interior = glass " TETRAHEDRON
+             " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>, <2, 3, 1>, <0, 0, 1>] }");
     assert_non_null(fixture_find(&f, D_MESH_MENDED)); /* one twice, one without extent */
     assert_int_equal(f.scene->shapes[0].mesh->n_triangles, 4);
     fixture_clear(&f);
@@ -237,7 +243,8 @@ static void open_meshes_enclose_nothing(void **state)
 {
     (void)state;
     Fixture f;
-    fixture_text(&f, M "mesh bowl { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>] }" V);
+    fixture_text(&f,
+                 M "mesh bowl { interior = glass " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>] }" V);
     const Diagnostic *open = fixture_find(&f, D_OPEN_MESH);
     assert_non_null(open);
     assert_non_null(strstr(open->text, "bowl"));
@@ -245,17 +252,20 @@ static void open_meshes_enclose_nothing(void **state)
     assert_non_null(open->notes);
     assert_non_null(strstr(open->notes->text, "from <"));
     fixture_clear(&f);
-    REFUSED("mesh { surface = surface { } closed = true " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>] }", D_OPEN_MESH);
+    REFUSED("mesh { surface = surface { } closed = true " TETRAHEDRON " triangles = [<0, 2, 1>, <0, 1, 3>] }",
+            D_OPEN_MESH);
     REFUSED("mesh { interior = glass }", D_MISSING_PROPERTY);
     REFUSED("mesh { interior = glass " TETRAHEDRON " }", D_MISSING_PROPERTY);
     REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 4>] }", D_BAD_INDEX);
     REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 1.5>] }", D_BAD_INDEX);
     REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 1>] }", D_MESH_INVALID);
-    REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 2>] file = \"x.ply\" }", D_CONFLICTING_PROPERTIES);
+    REFUSED("mesh { interior = glass " TETRAHEDRON " triangles = [<0, 1, 2>] file = \"x.ply\" }",
+            D_CONFLICTING_PROPERTIES);
     REFUSED("mesh { interior = glass file = \"there-is-no-such.ply\" }", D_FILE_NOT_FOUND);
     /* two tetrahedra that share a face between them: three faces at each of its edges */
     REFUSED("mesh { interior = glass positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>, <0, 0, -1>] "
-            "triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>, <0, 4, 1>, <1, 4, 2>, <2, 4, 0>] }", D_NON_MANIFOLD_MESH);
+            "triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>, <0, 4, 1>, <1, 4, 2>, <2, 4, 0>] }",
+            D_NON_MANIFOLD_MESH);
 }
 
 static void meshes_come_from_files(void **state)
@@ -269,7 +279,8 @@ static void meshes_come_from_files(void **state)
     fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", file);
     fclose(file);
     Fixture f;
-    snprintf(text, sizeof text, "%s for (i in 1..3) { mesh { file = \"%s\" interior = glass translate(<i, 0, 0>) } } %s", M, path, V);
+    snprintf(text, sizeof text,
+             "%s for (i in 1..3) { mesh { file = \"%s\" interior = glass translate(<i, 0, 0>) } } %s", M, path, V);
     fixture_good(&f, text);
     assert_int_equal(f.scene->n_shapes, 1);
     assert_int_equal(f.scene->n_objects, 3);
@@ -324,7 +335,8 @@ static void lights_shine_where_they_are_told(void **state)
     assert_near((double)spectrum_at_one(&l[3].radiance, 560) / white * pi * sine2, 8, 8e-3);
     fixture_clear(&f);
     GOOD(&f, "light { size = <1, 1> to = <1, 0, 0> color = blackbody(3000K) radiance = 4 }");
-    assert_true(spectrum_at_one(&f.scene->lights[0].radiance, 700) > 2 * spectrum_at_one(&f.scene->lights[0].radiance, 450));
+    assert_true(spectrum_at_one(&f.scene->lights[0].radiance, 700) >
+                2 * spectrum_at_one(&f.scene->lights[0].radiance, 450));
     fixture_clear(&f);
 }
 
@@ -349,7 +361,8 @@ static void wrong_lights_are_refused(void **state)
 
 static float image_pixel;
 
-static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height, Error *error)
+static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                         uint32_t *height, Error *error)
 {
     (void)context, (void)path, (void)space, (void)error;
     *rgb = malloc(24 * sizeof **rgb);
@@ -369,7 +382,10 @@ static void environments_are_colours_or_images(void **state)
     assert_true(descriptor >= 0);
     close(descriptor);
     SceneOptions options = {.load_image = load_image};
-    snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { image = \"%s\" strength = 2 rotate(y, 90) } camera { from = <0, 0, 1> }", path);
+    snprintf(
+        text, sizeof text,
+        "meniscus 1.0 unit mm environment { image = \"%s\" strength = 2 rotate(y, 90) } camera { from = <0, 0, 1> }",
+        path);
     Fixture f;
     uint64_t hash[2];
     for (int i = 0; i < 2; i++) {
@@ -391,7 +407,8 @@ static void environments_are_colours_or_images(void **state)
         fixture_clear(&f);
     }
     remove(path);
-    const char *const refused[] = {"scale(2)", "scale(<-1, 1, 1>)", "color = 1 image = \"x.exr\"", "image = \"there-is-none.exr\""};
+    const char *const refused[] = {"scale(2)", "scale(<-1, 1, 1>)", "color = 1 image = \"x.exr\"",
+                                   "image = \"there-is-none.exr\""};
     const DiagCode codes[] = {D_SINGULAR_TRANSFORM, D_SINGULAR_TRANSFORM, D_CONFLICTING_PROPERTIES, D_FILE_NOT_FOUND};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { %s } camera { from = <0, 0, 1> }", refused[i]);
@@ -445,7 +462,8 @@ static void settings_reach_the_scene(void **state)
 {
     (void)state;
     Fixture f;
-    GOOD(&f, "film { size = <320, 200> output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 nesting = entered seed = 9 }");
+    GOOD(&f, "film { size = <320, 200> output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 nesting = "
+             "entered seed = 9 }");
     assert_int_equal(f.scene->film.width, 320);
     assert_int_equal(f.scene->film.height, 200);
     assert_int_equal(f.scene->film.n_outputs, 1);
@@ -473,7 +491,8 @@ static void things_have_names(void **state)
 {
     (void)state;
     Fixture f;
-    GOOD(&f, "sphere { interior = glass } sphere drop { interior = glass } sphere { interior = glass } box { size = <1, 1, 1> interior = glass }"
+    GOOD(&f, "sphere { interior = glass } sphere drop { interior = glass } sphere { interior = glass } box { size = "
+             "<1, 1, 1> interior = glass }"
              "def bead(i) { sphere bead { interior = glass center = <i, 0, 0> } } bead(3) bead(6)");
     static const char *const names[] = {"sphere 1", "drop", "sphere 2", "box 1", "bead", "bead 2"};
     for (uint32_t i = 0; i < COUNT_OF(names); i++) assert_string_equal(f.scene->objects[i].name, names[i]);
@@ -495,19 +514,28 @@ static void the_hash_is_of_the_meaning(void **state)
 {
     (void)state;
     uint64_t hash = hash_of("sphere { interior = glass }");
-    assert_true(hash == hash_of(" /* note */ sphere ball { interior = glass } film { output = \"x.exr\" } render { samples = 3 }"));
+    assert_true(
+        hash ==
+        hash_of(" /* note */ sphere ball { interior = glass } film { output = \"x.exr\" } render { samples = 3 }"));
     assert_true(hash == hash_of("medium unused { ior = 2 } sphere { interior = glass }"));
     assert_true(hash == hash_of("medium g { ior = 3 / 2 state = solid } sphere { interior = g }"));
-    static const char *const others[] = {
-        "sphere { interior = water }", "sphere { interior = glass radius = 1.001 }", "sphere { interior = glass priority = 1 }",
-        "sphere { surface = surface { } }", "sphere { interior = glass } render { bounces = 3 }",
-        "sphere { interior = glass } render { seed = 1 }", "sphere { interior = glass } render { nesting = priority }",
-        "sphere { interior = glass } film { size = <641, 480> }", "sphere { interior = glass } ground { y = -5 }",
-        "sphere { interior = glass } light { shape = distant to = <1, 0, 0> }", "world { medium = water } sphere { interior = glass }",
-        "sphere { interior = glass translate(<0, 1e-9, 0>) }", "sphere { interior = glass } sphere { interior = glass }"};
+    static const char *const others[] = {"sphere { interior = water }",
+                                         "sphere { interior = glass radius = 1.001 }",
+                                         "sphere { interior = glass priority = 1 }",
+                                         "sphere { surface = surface { } }",
+                                         "sphere { interior = glass } render { bounces = 3 }",
+                                         "sphere { interior = glass } render { seed = 1 }",
+                                         "sphere { interior = glass } render { nesting = priority }",
+                                         "sphere { interior = glass } film { size = <641, 480> }",
+                                         "sphere { interior = glass } ground { y = -5 }",
+                                         "sphere { interior = glass } light { shape = distant to = <1, 0, 0> }",
+                                         "world { medium = water } sphere { interior = glass }",
+                                         "sphere { interior = glass translate(<0, 1e-9, 0>) }",
+                                         "sphere { interior = glass } sphere { interior = glass }"};
     for (size_t i = 0; i < COUNT_OF(others); i++) assert_true(hash != hash_of(others[i]));
     /* one medium or two of equal properties: overlapping objects merge or they do not */
-    assert_true(hash_of("medium g { ior = 1.5 state = solid } sphere { interior = glass } sphere { interior = g center = <1, 0, 0> }") !=
+    assert_true(hash_of("medium g { ior = 1.5 state = solid } sphere { interior = glass } sphere { interior = g center "
+                        "= <1, 0, 0> }") !=
                 hash_of("sphere { interior = glass } sphere { interior = glass center = <1, 0, 0> }"));
 }
 

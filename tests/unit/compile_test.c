@@ -30,7 +30,8 @@ static HullPair pair_in(const char *text)
 static void assert_overlap(const char *text, NestRelation relation, double volume)
 {
     HullPair pair = pair_in(text);
-    if (!pair.overlaps || pair.relation != relation) fail_msg("%s: overlaps %d, relation %d", text, pair.overlaps, pair.relation);
+    if (!pair.overlaps || pair.relation != relation)
+        fail_msg("%s: overlaps %d, relation %d", text, pair.overlaps, pair.relation);
     double slack = 4 * pair.overlap_volume_error + 1e-6 * volume;
     if (!(fabs(pair.overlap_volume - volume) <= slack) || !(pair.overlap_volume_error <= 0.2 * volume))
         fail_msg("%s: %g +- %g, not %g", text, pair.overlap_volume, pair.overlap_volume_error, volume);
@@ -41,41 +42,56 @@ static void assert_overlap(const char *text, NestRelation relation, double volum
 static void contained_hulls_are_seen_to_be(void **state)
 {
     (void)state;
-    assert_overlap("box a { interior = glass size = <10, 10, 10> } sphere b { interior = gas radius = 2 }", NEST_B_IN_A, 32 * pi / 3);
-    assert_overlap("sphere a { interior = gas radius = 2 } box b { interior = glass size = <4, 4, 4> }", NEST_A_IN_B, 32 * pi / 3);
+    assert_overlap("box a { interior = glass size = <10, 10, 10> } sphere b { interior = gas radius = 2 }", NEST_B_IN_A,
+                   32 * pi / 3);
+    assert_overlap("sphere a { interior = gas radius = 2 } box b { interior = glass size = <4, 4, 4> }", NEST_A_IN_B,
+                   32 * pi / 3);
     assert_overlap("sphere a { interior = gas radius = 2 } sphere b { interior = glass radius = 3 center = <1, 0, 0> }",
                    NEST_A_IN_B, 32 * pi / 3);
     /* faces in one plane, inside all the same */
-    assert_overlap("box a { interior = glass from = <0, 0, 0> to = <4, 4, 4> } box b { interior = water from = <0, 0, 0> to = <4, 2, 1> }",
+    assert_overlap("box a { interior = glass from = <0, 0, 0> to = <4, 4, 4> } box b { interior = water from = <0, 0, "
+                   "0> to = <4, 2, 1> }",
                    NEST_B_IN_A, 8);
-    assert_overlap("cylinder a { interior = glass to = <0, 9, 0> radius = 3 } cylinder b { interior = water to = <0, 9, 0> radius = 2 }",
+    assert_overlap("cylinder a { interior = glass to = <0, 9, 0> radius = 3 } cylinder b { interior = water to = <0, "
+                   "9, 0> radius = 2 }",
                    NEST_B_IN_A, 36 * pi);
     /* the same hull twice is in neither */
-    assert_overlap("box a { interior = glass size = <1, 2, 3> } box b { interior = water size = <1, 2, 3> }", NEST_PARTIAL, 6);
+    assert_overlap("box a { interior = glass size = <1, 2, 3> } box b { interior = water size = <1, 2, 3> }",
+                   NEST_PARTIAL, 6);
     assert_overlap("sphere a { interior = glass } sphere b { interior = water }", NEST_PARTIAL, 4 * pi / 3);
     /* mirrored, turned and instanced */
-    assert_overlap("group { scale(<-1, 1, 1>) rotate(<10, 20, 30>) box a { interior = glass size = <10, 10, 10> bevel = 1 } "
-                   "sphere b { interior = gas radius = 2 center = <1, 1, 1> } }", NEST_B_IN_A, 32 * pi / 3);
+    assert_overlap(
+        "group { scale(<-1, 1, 1>) rotate(<10, 20, 30>) box a { interior = glass size = <10, 10, 10> bevel = 1 } "
+        "sphere b { interior = gas radius = 2 center = <1, 1, 1> } }",
+        NEST_B_IN_A, 32 * pi / 3);
     /* a hair's breadth sticks out */
-    assert_overlap("box a { interior = glass size = <10, 10, 10> } cylinder b { interior = water from = <0, -5.001, 0> to = <0, 0, 0> radius = 2 }",
+    assert_overlap("box a { interior = glass size = <10, 10, 10> } cylinder b { interior = water from = <0, -5.001, 0> "
+                   "to = <0, 0, 0> radius = 2 }",
                    NEST_PARTIAL, 20 * pi);
 }
 
 static void overlaps_are_measured(void **state)
 {
     (void)state;
-    assert_overlap("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <0, 0, 0> to = <3, 3, 3> }", NEST_PARTIAL, 1);
-    assert_overlap("sphere a { interior = glass } sphere b { interior = water center = <1, 0, 0> }", NEST_PARTIAL, 5 * pi / 12);
-    assert_overlap("cylinder a { interior = glass from = <0, -9, 0> to = <0, 9, 0> radius = 1 } box b { interior = water size = <30, 2, 30> }",
+    assert_overlap(
+        "box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <0, 0, 0> to = <3, 3, 3> }",
+        NEST_PARTIAL, 1);
+    assert_overlap("sphere a { interior = glass } sphere b { interior = water center = <1, 0, 0> }", NEST_PARTIAL,
+                   5 * pi / 12);
+    assert_overlap("cylinder a { interior = glass from = <0, -9, 0> to = <0, 9, 0> radius = 1 } box b { interior = "
+                   "water size = <30, 2, 30> }",
                    NEST_PARTIAL, 2 * pi);
     /* two thick rods that cross: no surface of either in the middle */
-    assert_overlap("box a { interior = glass size = <90, 9, 9> } box b { interior = water size = <9, 9.5, 90> }", NEST_PARTIAL, 729);
+    assert_overlap("box a { interior = glass size = <90, 9, 9> } box b { interior = water size = <9, 9.5, 90> }",
+                   NEST_PARTIAL, 729);
     /* a drink that reaches a tenth of a millimetre into its tumbler */
-    assert_overlap("lathe a { interior = glass profile = [<0, 0>, <38, 0>, <40, 2>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
-                   "cylinder b { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }",
-                   NEST_PARTIAL, pi * (37 * 37 * .1 + (37.1 * 37.1 - 37 * 37) * 34.1));
+    assert_overlap(
+        "lathe a { interior = glass profile = [<0, 0>, <38, 0>, <40, 2>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+        "cylinder b { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }",
+        NEST_PARTIAL, pi * (37 * 37 * .1 + (37.1 * 37.1 - 37 * 37) * 34.1));
     /* panes of a tank */
-    assert_overlap("box a { interior = glass from = <-51, -1, -26> to = <51, 0, 26> } box b { interior = glass from = <49.8, -.1, -26> to = <51, 45, 26> }",
+    assert_overlap("box a { interior = glass from = <-51, -1, -26> to = <51, 0, 26> } box b { interior = glass from = "
+                   "<49.8, -.1, -26> to = <51, 45, 26> }",
                    NEST_PARTIAL, 1.2 * .1 * 52);
 }
 
@@ -83,24 +99,33 @@ static void small_overlaps_are_not_missed(void **state)
 {
     (void)state;
     /* corners */
-    assert_true(pair_in("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <.999, .999, .999> to = <9, 9, 9> }").overlaps);
+    assert_true(pair_in("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <.999, .999, "
+                        ".999> to = <9, 9, 9> }")
+                    .overlaps);
     /* the top of a ball, 0.01 deep into a large plate: a cap 0.28 wide, 1 part in 5,000 of the ball's silhouette */
     assert_true(pair_in("sphere a { interior = gas radius = 2 center = <0, 2, 0> scale(<1, 1, 1.001>) } "
-                        "box b { interior = glass from = <-50, 3.99, -50> to = <50, 9, 50> }").overlaps);
+                        "box b { interior = glass from = <-50, 3.99, -50> to = <50, 9, 50> }")
+                    .overlaps);
     /* an ellipsoid that bites into a cylinder's side by 0.002 of its size, off any axis */
     assert_true(pair_in("sphere a { interior = gas scale(<1, 1.5, 1>) translate(<1.41, .3, 1.41>) } "
-                        "cylinder b { interior = glass from = <0, -5, 0> to = <0, 5, 0> radius = .996 }").overlaps);
+                        "cylinder b { interior = glass from = <0, -5, 0> to = <0, 5, 0> radius = .996 }")
+                    .overlaps);
     /* and these do not overlap */
     assert_false(pair_in("sphere a { interior = gas scale(<1, 1.5, 1>) translate(<1.42, .3, 1.42>) } "
-                         "cylinder b { interior = glass from = <0, -5, 0> to = <0, 5, 0> radius = .996 }").overlaps);
-    assert_false(pair_in("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <1.001, .999, .999> to = <9, 9, 9> }").overlaps);
-    assert_false(pair_in("sphere a { interior = glass } sphere b { interior = water center = <1.2, 1.2, 1.2> }").overlaps);
+                         "cylinder b { interior = glass from = <0, -5, 0> to = <0, 5, 0> radius = .996 }")
+                     .overlaps);
+    assert_false(pair_in("box a { interior = glass size = <2, 2, 2> } box b { interior = water from = <1.001, .999, "
+                         ".999> to = <9, 9, 9> }")
+                     .overlaps);
+    assert_false(
+        pair_in("sphere a { interior = glass } sphere b { interior = water center = <1.2, 1.2, 1.2> }").overlaps);
 }
 
 static void touching_and_gaps_are_told_apart(void **state)
 {
     (void)state;
-    HullPair pair = pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = water from = <0, 1, 0> to = <4, 3, 4> }");
+    HullPair pair = pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = water from "
+                            "= <0, 1, 0> to = <4, 3, 4> }");
     assert_true(pair.touches && !pair.overlaps && isinf(pair.gap));
     pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
                    "cylinder b { interior = water from = <0, 10.1, 0> to = <0, 44, 0> radius = 36.9 }");
@@ -112,10 +137,15 @@ static void touching_and_gaps_are_told_apart(void **state)
     assert_true(pair.overlaps);
     assert_near(pair.gap, .1, 1e-4);
     /* a gap that is filled is none; a ball that rests on a plate is no gap; a wide gap is meant */
-    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from = <0, 1.01, 0> to = <4, 3, 4> }"
-                              "box { interior = water from = <-1, -1, -1> to = <9, 9, 9> }").gap));
-    assert_true(isinf(pair_in("box a { interior = glass from = <-9, -2, -9> to = <9, -1, 9> } sphere b { interior = ice }").gap));
-    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from = <0, 1.5, 0> to = <4, 3, 4> }").gap));
+    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from "
+                              "= <0, 1.01, 0> to = <4, 3, 4> }"
+                              "box { interior = water from = <-1, -1, -1> to = <9, 9, 9> }")
+                          .gap));
+    assert_true(isinf(
+        pair_in("box a { interior = glass from = <-9, -2, -9> to = <9, -1, 9> } sphere b { interior = ice }").gap));
+    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from "
+                              "= <0, 1.5, 0> to = <4, 3, 4> }")
+                          .gap));
 }
 
 static void threads_do_not_matter(void **state)
@@ -132,9 +162,11 @@ static void threads_do_not_matter(void **state)
     assert_true(one.compiled->n_pairs > 40);
     for (size_t i = 0; i < one.compiled->n_pairs; i++) {
         const HullPair *a = &one.compiled->pairs[i], *b = &many.compiled->pairs[i];
-        assert_true(a->a == b->a && a->b == b->b && a->relation == b->relation && a->overlap_volume == b->overlap_volume);
+        assert_true(a->a == b->a && a->b == b->b && a->relation == b->relation &&
+                    a->overlap_volume == b->overlap_volume);
     }
-    for (uint32_t h = 0; h < one.compiled->n_hulls; h++) assert_int_equal(one.compiled->order.rank[h], many.compiled->order.rank[h]);
+    for (uint32_t h = 0; h < one.compiled->n_hulls; h++)
+        assert_int_equal(one.compiled->order.rank[h], many.compiled->order.rank[h]);
     fixture_clear(&one);
     fixture_clear(&many);
 }
@@ -153,7 +185,8 @@ static void the_order_follows_the_rules(void **state)
     /* state of matter: glass over the larger and the smaller drink; the ice over the drink; the bubble inside */
     COMPILE(&f, "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
                 "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 90, 0> radius = 37.1 }"
-                "box cube { interior = ice size = <24, 24, 24> translate(<0, 85, 0>) } sphere bead { interior = gas center = <0, 40, 0> }");
+                "box cube { interior = ice size = <24, 24, 24> translate(<0, 85, 0>) } sphere bead { interior = gas "
+                "center = <0, 40, 0> }");
     assert_true(rank_of(&f, "tumbler") > rank_of(&f, "drink"));
     assert_true(rank_of(&f, "cube") > rank_of(&f, "drink"));
     assert_true(rank_of(&f, "bead") > rank_of(&f, "drink"));
@@ -170,8 +203,10 @@ static void circles_are_reported(void **state)
 {
     (void)state;
     Fixture f;
-    /* inner is in outer: on top. outer (gas) is over wet (liquid) by state. wet is over inner by volume, for inner's state is unknown. */
-    COMPILE(&f, "box outer { interior = gas from = <0, 0, 0> to = <10, 10, 10> } box inner { interior = oil from = <1, 1, 1> to = <9, 9, 9> }"
+    /* inner is in outer: on top. outer (gas) is over wet (liquid) by state. wet is over inner by volume, for inner's
+     * state is unknown. */
+    COMPILE(&f, "box outer { interior = gas from = <0, 0, 0> to = <10, 10, 10> } box inner { interior = oil from = <1, "
+                "1, 1> to = <9, 9, 9> }"
                 "box wet { interior = water from = <8, 4, 4> to = <14, 6, 6> }");
     const Diagnostic *circle = fixture_find(&f, D_ORDER_CIRCLE);
     assert_non_null(circle);
@@ -193,7 +228,8 @@ static void hidden_objects_are_reported(void **state)
     assert_int_equal(f.diag.n_warnings, 1);
     fixture_clear(&f);
     /* between two that hide it together */
-    COMPILE(&f, "box a { interior = glass from = <0, 0, 0> to = <5, 9, 9> priority = 1 } box b { interior = ice from = <4, 0, 0> to = <9, 9, 9> priority = 1 }"
+    COMPILE(&f, "box a { interior = glass from = <0, 0, 0> to = <5, 9, 9> priority = 1 } box b { interior = ice from = "
+                "<4, 0, 0> to = <9, 9, 9> priority = 1 }"
                 "box c { interior = water from = <1, 1, 1> to = <8, 8, 8> }");
     report_warnings(f.compiled, &f.diag);
     assert_non_null(fixture_find(&f, D_HIDDEN_OBJECT));
@@ -225,10 +261,11 @@ static void points_know_where_they_are(void **state)
 {
     (void)state;
     Fixture f;
-    const char *scene = "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
-                        "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }"
-                        "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> bevel = 2 } "
-                        "sphere bead { interior = gas center = <0, 40, 0> } ground { y = -1 }";
+    const char *scene =
+        "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+        "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }"
+        "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> bevel = 2 } "
+        "sphere bead { interior = gas center = <0, 40, 0> } ground { y = -1 }";
     static const char *const policies[] = {"automatic", "priority", "entered"};
     for (size_t i = 0; i < COUNT_OF(policies); i++) {
         char text[2000];
@@ -273,8 +310,9 @@ static void random_points_agree_with_formulas(void **state)
 {
     (void)state;
     Fixture f;
-    COMPILE(&f, "sphere a { interior = glass radius = 2 } box b { interior = water from = <-1, -3, -1> to = <3, 1, 1> }"
-                "group { rotate(<30, 40, 50>) scale(<-1, 1, 1>) box c { interior = ice size = <3, 3, 3> bevel = .1 } }");
+    COMPILE(&f,
+            "sphere a { interior = glass radius = 2 } box b { interior = water from = <-1, -3, -1> to = <3, 1, 1> }"
+            "group { rotate(<30, 40, 50>) scale(<-1, 1, 1>) box c { interior = ice size = <3, 3, 3> bevel = .1 } }");
     HitList hits = {0};
     NestList list;
     nest_list_init(&list);
@@ -289,7 +327,7 @@ static void random_points_agree_with_formulas(void **state)
             x[k] = (float)(seed >> 8) * 0x1p-24f * 8 - 4;
         }
         Vec3 p = vec3((double)x[0], (double)x[1], (double)x[2]), q = affine_point(&inverse, p);
-        bool in_a = vec3_length(p) < 2, in_b = p.x > -1 && p.x < 3 && p.y > -3 && p.y < 1 && fabs(p.z) < 1;
+        bool in_a = vec3_length(p)<2, in_b = p.x> - 1 && p.x < 3 && p.y > -3 && p.y < 1 && fabs(p.z) < 1;
         assert_int_equal(compiled_interior(f.compiled, vec3f(x[0], x[1], x[2]), &hits, &list, NULL), STATUS_OK);
         assert_int_equal(nest_list_has(&list, 0), in_a);
         assert_int_equal(nest_list_has(&list, 1), in_b);
@@ -307,8 +345,10 @@ static void check_cameras(const char *text, DiagCode expected, const char *word)
 {
     Fixture f;
     char whole[2000];
-    snprintf(whole, sizeof whole, "%s environment { } cylinder pond { interior = water from = <0, -5, 0> to = <0, 0, 0> radius = 9 } "
-             "box pane { interior = glass from = <0, -9, 20> to = <1, 9, 30> } %s", M, text);
+    snprintf(whole, sizeof whole,
+             "%s environment { } cylinder pond { interior = water from = <0, -5, 0> to = <0, 0, 0> radius = 9 } "
+             "box pane { interior = glass from = <0, -9, 20> to = <1, 9, 30> } %s",
+             M, text);
     fixture_compile(&f, whole, 1);
     Status status = compile_check_camera(f.compiled, 0, &f.diag, &f.error);
     const Diagnostic *report = f.diag.first;
@@ -333,8 +373,10 @@ static void cameras_are_where_they_are_expected(void **state)
     check_cameras("camera { from = <0, -2, 0> to = <0, -2, 9> }", D_COUNT, "");
     check_cameras("camera { from = <0, 2, 0> expect = [] }", D_COUNT, "");
     check_cameras("camera { from = <0, 2, 0> expect = [air] }", D_COUNT, "");
-    check_cameras("camera eye { from = <0, 2, 0> expect = [water] }", D_CAMERA_EXPECTATION, "eye is in only the world's air");
-    check_cameras("camera eye { from = <0, -2, 0> to = <0, 1, 1> expect = [glass] }", D_CAMERA_EXPECTATION, "is in water, not in [glass]");
+    check_cameras("camera eye { from = <0, 2, 0> expect = [water] }", D_CAMERA_EXPECTATION,
+                  "eye is in only the world's air");
+    check_cameras("camera eye { from = <0, -2, 0> to = <0, 1, 1> expect = [glass] }", D_CAMERA_EXPECTATION,
+                  "is in water, not in [glass]");
     check_cameras("camera eye { from = <0, -2, 0> to = <0, 1, 1> expect = [] }", D_CAMERA_EXPECTATION, "is in water");
     check_cameras("camera eye { from = <3, 0, 2> to = <0, 1, 1> }", D_CAMERA_ON_SURFACE, "pond");
     check_cameras("camera eye { from = <1, 1, 25> }", D_CAMERA_ON_SURFACE, "pane");

@@ -57,11 +57,13 @@ static void defaults_are_in_range(void **state)
             assert_true(prop->min <= prop->max);
             if (prop->flags & PROP_REQUIRED) assert_null(prop->default_text);
             if (prop->kind == PROP_CHOICE) assert_non_null(prop->choices);
-            if (prop->kind == PROP_CHOICE && prop->default_text) assert_true(is_choice(prop->choices, prop->default_text));
+            if (prop->kind == PROP_CHOICE && prop->default_text)
+                assert_true(is_choice(prop->choices, prop->default_text));
             if (prop->kind == PROP_NODE || prop->kind == PROP_NODES) assert_true(is_node(prop->choices));
             if ((prop->kind != PROP_NUMBER && prop->kind != PROP_INTEGER) || !prop->default_text) continue;
             double value;
-            assert_int_equal(num_parse(prop->default_text, strlen(prop->default_text), &value), strlen(prop->default_text));
+            assert_int_equal(num_parse(prop->default_text, strlen(prop->default_text), &value),
+                             strlen(prop->default_text));
             assert_true(value >= prop->min && value <= prop->max);
             if (prop->kind == PROP_INTEGER) assert_true(value == floor(value));
         }
@@ -72,11 +74,12 @@ static void bare_nodes_are_accepted(void **state)
 {
     (void)state;
     Fixture f;
-    fixture_good(&f, "meniscus 1.0 unit mm medium m { ior = 1.5 } surface s { } world { } sphere { surface = s } "
-                     "cylinder { interior = m } cone { interior = m } box { size = <1, 1, 1> interior = m } "
-                     "lathe { profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>] interior = m } ground { } group { } "
-                     "mesh { positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>] triangles = [<0, 1, 2>] surface = s } "
-                     "light { to = <1, 0, 0> size = <1, 1> } environment { } camera { from = <9, 9, 9> } film { } render { }");
+    fixture_good(
+        &f, "meniscus 1.0 unit mm medium m { ior = 1.5 } surface s { } world { } sphere { surface = s } "
+            "cylinder { interior = m } cone { interior = m } box { size = <1, 1, 1> interior = m } "
+            "lathe { profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>] interior = m } ground { } group { } "
+            "mesh { positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>] triangles = [<0, 1, 2>] surface = s } "
+            "light { to = <1, 0, 0> size = <1, 1> } environment { } camera { from = <9, 9, 9> } film { } render { }");
     fixture_clear(&f);
 }
 

@@ -9,10 +9,12 @@
 #include "scene_fixture.h"
 
 #define DRINK                                                                                                          \
-    FIXTURE_MEDIA "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }\n" \
-                  "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }\n"                \
-                  "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> }\n"
-#define BUBBLES "for (i in 1..7) { sphere { interior = gas radius = .5 center = <20 * cos(50 * i), 20, 20 * sin(50 * i)> } }\n"
+    FIXTURE_MEDIA                                                                                                      \
+        "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }\n"      \
+        "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }\n"                       \
+        "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> }\n"
+#define BUBBLES                                                                                                        \
+    "for (i in 1..7) { sphere { interior = gas radius = .5 center = <20 * cos(50 * i), 20, 20 * sin(50 * i)> } }\n"
 
 static char *report_of(const char *text, bool json)
 {
@@ -55,9 +57,12 @@ static void the_text_says_who_is_on_top(void **state)
 static void few_pairs_stand_by_themselves(void **state)
 {
     (void)state;
-    char *text = report_of(FIXTURE_MEDIA "box block { interior = glass size = <9, 9, 9> } sphere { interior = gas center = <2, 0, 0> } "
-                                         "sphere { interior = gas center = <-2, 0, 0> } box twin { interior = glass from = <4, -1, -1> to = <6, 1, 1> }"
-                                         "box lid { interior = ice from = <-4.5, 4.5, -4.5> to = <4.5, 5, 4.5> }" FIXTURE_VIEW, false);
+    char *text = report_of(
+        FIXTURE_MEDIA
+        "box block { interior = glass size = <9, 9, 9> } sphere { interior = gas center = <2, 0, 0> } "
+        "sphere { interior = gas center = <-2, 0, 0> } box twin { interior = glass from = <4, -1, -1> to = <6, 1, 1> }"
+        "box lid { interior = ice from = <-4.5, 4.5, -4.5> to = <4.5, 5, 4.5> }" FIXTURE_VIEW,
+        false);
     assert_has(text, "  sphere 1 inside block: sphere 1 on top, by containment\n");
     assert_has(text, "  sphere 2 inside block: sphere 2 on top, by containment\n");
     assert_has(text, ": both glass, they merge\n");
@@ -97,7 +102,8 @@ static void units_suit_people(void **state)
     } cases[] = {{"um", "8.00 µm³"}, {"mm", "8.00 mm³"}, {"cm", "8.00 cm³"}, {"m", "8.00 m³"}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char scene[500];
-        snprintf(scene, sizeof scene, "meniscus 1.0 unit %s medium glass { ior = 1.5 } box { size = <2, 2, 2> interior = glass } %s",
+        snprintf(scene, sizeof scene,
+                 "meniscus 1.0 unit %s medium glass { ior = 1.5 } box { size = <2, 2, 2> interior = glass } %s",
                  cases[i].unit, FIXTURE_VIEW);
         char *text = report_of(scene, false);
         assert_has(text, cases[i].volume);
@@ -128,8 +134,12 @@ static void warnings_name_both_sides_of_a_gap(void **state)
 {
     (void)state;
     Fixture f;
-    fixture_compile(&f, FIXTURE_MEDIA "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
-                                      "cylinder drink { interior = water from = <0, 10.1, 0> to = <0, 44, 0> radius = 36.9 }" FIXTURE_VIEW, 1);
+    fixture_compile(
+        &f,
+        FIXTURE_MEDIA
+        "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+        "cylinder drink { interior = water from = <0, 10.1, 0> to = <0, 44, 0> radius = 36.9 }" FIXTURE_VIEW,
+        1);
     report_warnings(f.compiled, &f.diag);
     const Diagnostic *gap = fixture_find(&f, D_AIR_GAP);
     assert_non_null(gap);
@@ -144,8 +154,11 @@ static void many_warnings_are_summed_up(void **state)
 {
     (void)state;
     Fixture f;
-    fixture_compile(&f, FIXTURE_MEDIA "box { interior = glass size = <99, 99, 99> priority = 1 } "
-                                      "for (i in 1..50) { sphere { interior = gas radius = .2 center = <i - 25, 0, 0> } }" FIXTURE_VIEW, 1);
+    fixture_compile(&f,
+                    FIXTURE_MEDIA
+                    "box { interior = glass size = <99, 99, 99> priority = 1 } "
+                    "for (i in 1..50) { sphere { interior = gas radius = .2 center = <i - 25, 0, 0> } }" FIXTURE_VIEW,
+                    1);
     report_warnings(f.compiled, &f.diag);
     assert_int_equal(f.diag.n_warnings, 11);
     assert_non_null(strstr(f.diag.last->text, "40 more objects"));

@@ -37,7 +37,8 @@ static inline void fixture_build(Fixture *fixture, const char *text, const Scene
     arena_init(&fixture->arena);
     fixture->sources.arena = &fixture->arena;
     diag_init(&fixture->diag, &fixture->arena, &fixture->sources);
-    fixture->status = scene_build_text("test.mns", text, options, &fixture->diag, &fixture->scene, NULL, &fixture->error);
+    fixture->status =
+        scene_build_text("test.mns", text, options, &fixture->diag, &fixture->scene, NULL, &fixture->error);
 }
 
 static inline void fixture_text(Fixture *fixture, const char *text)
@@ -61,8 +62,8 @@ static inline void fixture_compile(Fixture *fixture, const char *text, unsigned 
     fixture_good(fixture, text);
     Pool *pool = NULL;
     if (n_threads > 1) assert_int_equal(pool_new(n_threads, &pool, &fixture->error), STATUS_OK);
-    Status status = compile_scene(fixture->scene, fixture->scene->render.nesting, pool, &fixture->diag, &fixture->compiled,
-                                  &fixture->error);
+    Status status = compile_scene(fixture->scene, fixture->scene->render.nesting, pool, &fixture->diag,
+                                  &fixture->compiled, &fixture->error);
     pool_free(pool);
     if (status != STATUS_OK) fail_msg("%s", fixture->error.text);
 }
