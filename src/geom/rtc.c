@@ -99,14 +99,6 @@ static bool keep(Query *query, const Hit *hit)
     return true;
 }
 
-/* Whether a crossing of an object that the ray has just left in this way contradicts that: it enters where the ray
- * is inside already, or leaves where it is outside. */
-static bool contradicts(const Ray *ray, const Hit *left, bool entering)
-{
-    bool inside = ray->through == left->entering;
-    return entering == inside;
-}
-
 /* Whether a candidate is the surface that the ray starts on: the same primitive, at the start to within the rounding of
  * double. The two crossings of a curved piece are told apart by their direction, however close they are. */
 static bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)
@@ -115,7 +107,7 @@ static bool is_left(const Query *query, uint32_t object, uint32_t primitive, dou
         const Hit *left = &query->ray->left[i];
         if (left->object != object || left->primitive != primitive) continue;
         if (fabs(t * cos_normal) > DOUBLE_NOISE * (query->scale + t)) continue;
-        if (contradicts(query->ray, left, cos_normal < 0)) return true;
+        if (rtc_is_inside(query->ray, left) == (cos_normal < 0)) return true; /* entering where it is inside already */
     }
     return false;
 }
@@ -150,8 +142,18 @@ static bool is_inside(const Vec3 corner[3], Vec3 normal, Vec3 p)
     return true;
 }
 
-/* Right at the ray's start Embree's word for which triangle is met is not enough: its float ray runs a little
- * beside the exact one, and in a face's own plane that makes a difference. */
+/* Whether a plane is parallel to one that the ray starts on, as far as coordinates in float can tell. */
+static bool is_parallel(const Ray *ray, Vec3 normal, double length)
+{
+    for (size_t i = 0; i < ray->n_left; i++) {
+        Vec3 cross = vec3_cross(vec3_from_f(ray->left[i].normal), normal);
+        if (vec3_dot(cross, cross) <= 1e-10 * length * length) return true;
+    }
+    return false;
+}
+
+/* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
+ * its float ray runs a little beside the exact one, and reaches that plane elsewhere. */
 static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primitive, float u, float v)
 {
     const RtcPlaced *object = &query->scene->objects[object_id];
@@ -165,7 +167,7 @@ static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primiti
     if (query->ray->n_left && is_left(query, object_id, primitive, t, slope / length)) return false;
     double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
                       fmax(vec3_max_abs(corner[0]), fmax(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
-    if (query->ray->n_left && t * fabs(slope / length) <= 2 * rounding &&
+    if (query->ray->n_left && t * fabs(slope / length) <= 2 * rounding && is_parallel(query->ray, normal, length) &&
         !is_inside(corner, normal, vec3_along(query->origin, t, query->direction)))
         return false;
     Hit hit = {.t = t, .object = object_id, .primitive = primitive, .entering = slope < 0,
@@ -259,8 +261,8 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
     const Piece *piece = &object->solid->pieces[which.piece];
     Box3 local = which.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which.sector);
     Box3 box = affine_box(&object->to_world, local);
-    /* a little larger, as Embree tests float rays against it */
-    double margin = 8 * UNIT_ROUNDING * fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
+    /* larger by more than Embree's float ray can run beside the exact one (rtc_leave) */
+    double margin = 4 * TRUSTED_ULPS * UNIT_ROUNDING * scene->reach;
     arguments->bounds_o->lower_x = (float)(box.min.x - margin);
     arguments->bounds_o->lower_y = (float)(box.min.y - margin);
     arguments->bounds_o->lower_z = (float)(box.min.z - margin);
@@ -349,14 +351,17 @@ static void sort_hits(HitList *hits)
     }
 }
 
-/* Each is nearer to the one before, along the normal, than coordinates can tell. */
+/* Each is nearer to the one before, along the normal, than coordinates can tell. Along the steeper normal, so that different
+ * surfaces are kept apart; along the flatter one for the two sides of one object's edge, which the ray clips or misses
+ * within rounding. */
 size_t rtc_cluster(const Hit *hits, size_t n_hits)
 {
     size_t n = n_hits ? 1 : 0;
     for (; n < n_hits; n++) {
         const Hit *a = &hits[n - 1], *b = &hits[n];
-        double cosine = fmax(fabs(a->cos_normal), fabs(b->cos_normal));
-        if ((b->t - a->t) * cosine > fmax(a->rounding, b->rounding)) break;
+        double flat = fmin(fabs(a->cos_normal), fabs(b->cos_normal)), steep = fmax(fabs(a->cos_normal), fabs(b->cos_normal));
+        bool edge = a->object == b->object && a->entering != b->entering;
+        if ((b->t - a->t) * (edge ? fmax(flat, LEAST_COSINE) : steep) > fmax(a->rounding, b->rounding)) break;
     }
     return n;
 }
@@ -369,7 +374,7 @@ static bool repeats_start(const Ray *ray, const Hit *hit)
 {
     for (size_t i = 0; i < ray->n_left; i++) {
         const Hit *left = &ray->left[i];
-        if (left->object != hit->object || !contradicts(ray, left, hit->entering)) continue;
+        if (left->object != hit->object || rtc_is_inside(ray, left) != hit->entering) continue;
         double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
         if (hit->t * fmin(fabs(slope), fabs(hit->cos_normal)) <= 2 * hit->rounding) return true;
     }
@@ -493,21 +498,32 @@ static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, 
     return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
 }
 
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through, Vec3f direction)
+/* Keeps the first hit of each object; returns how many. */
+static size_t one_per_object(Hit *hits, size_t n)
 {
-    const Hit *hit = through ? &hits[n - 1] : &hits[0];
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        size_t k = 0;
+        while (k < kept && hits[k].object != hits[i].object) k++;
+        if (k == kept) hits[kept++] = hits[i];
+    }
+    return kept;
+}
+
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
+{
+    if (*n > 1) *n = one_per_object(hits, *n);
+    const Hit *hit = through ? &hits[*n - 1] : &hits[0];
     Ray next = ray_make(ray_point(ray, hit->t), direction);
     next.left = hits;
-    next.through = through;
-    next.n_left = n;
+    next.n_left = *n;
     /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
      * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < *n; i++) {
         const RtcPlaced *object = &scene->objects[hits[i].object];
         if (object->mesh) next.origin = triangle_inset(object, hits[i].primitive, next.origin, margin);
     }
-    bool along_normal = through != hit->entering; /* out through a back face, or back off a front face */
-    next.nudge = vec3_scale(vec3_from_f(hit->normal), along_normal ? margin : -margin);
+    next.nudge = vec3_scale(vec3_from_f(hit->normal), rtc_is_inside(&next, hit) ? -margin : margin);
     return next;
 }

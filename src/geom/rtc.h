@@ -51,7 +51,6 @@ typedef struct Ray {
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
-    bool through;            /* left by crossing them; else by turning away */
     Vec3 nudge;              /* a step of rounding's size from the origin to the side that the ray is on */
 } Ray;
 
@@ -108,10 +107,16 @@ typedef struct HitSurface {
 } HitSurface;
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
 
-/* A new ray in the given direction from the place where ray met the cluster hits[0 .. n-1] (n >= 1): from its far side (through)
- * or from the side that ray came from. hits must live as long as the new ray. The origin is the exact point of the last (first)
- * surface; only within rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both
- * neighbours. */
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, const Hit *hits, size_t n, bool through, Vec3f direction);
+/* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
+ * (through) or from the side that ray came from. Of several hits of one object only the first is kept (hits and *n
+ * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface; only within
+ * rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both neighbours. */
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction);
+
+/* Whether a ray is inside of an object that it has left a surface of: its direction says so. */
+static inline bool rtc_is_inside(const Ray *ray, const Hit *left)
+{
+    return vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction)) < 0;
+}
 
 #endif

@@ -214,6 +214,24 @@ static Status add_pieces(RtcScene *scene, Error *error)
     return STATUS_OK;
 }
 
+/* The largest coordinate of anything bounded; the boxes of the pieces are widened in proportion to it. */
+static double find_reach(const RtcScene *scene)
+{
+    double reach = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const RtcPlaced *object = &scene->objects[i];
+        for (uint32_t k = 0; object->mesh && k < object->mesh->n_vertices; k++)
+            reach = fmax(reach, vec3_max_abs(affine_point(&object->to_world, vec3_from_f(object->mesh->positions[k]))));
+        for (uint32_t k = 0; object->solid && k < object->solid->n_pieces; k++) {
+            const Piece *piece = &object->solid->pieces[k];
+            if (piece->kind == PIECE_PLANE) continue;
+            Box3 box = affine_box(&object->to_world, piece_bounds(piece));
+            reach = fmax(reach, fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)));
+        }
+    }
+    return reach;
+}
+
 static Box3 world_bounds(const RtcScene *scene)
 {
     struct RTCBounds b;
@@ -232,13 +250,13 @@ static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_thread
     rtcSetDeviceErrorFunction(scene->device, on_error, scene);
     rtcSetDeviceMemoryMonitorFunction(scene->device, on_memory, scene);
     for (uint32_t i = 0; i < scene->n_objects; i++) TRY(place_object(&scene->objects[i], &objects[i], i, error));
+    scene->reach = find_reach(scene);
     scene->world = new_scene(scene);
     TRY(add_meshes(scene, error));
     TRY(add_pieces(scene, error));
     rtcCommitScene(scene->world);
     if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);
     scene->bounds = world_bounds(scene);
-    scene->reach = box3_is_empty(scene->bounds) ? 0 : fmax(vec3_max_abs(scene->bounds.min), vec3_max_abs(scene->bounds.max));
     return STATUS_OK;
 }
 

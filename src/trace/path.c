@@ -94,9 +94,14 @@ static bool cross_hits(Tracer *tracer, NestList *list, const Hit *hits, size_t n
     *crossing = (NestCrossing){0};
     if (!n_passes) return true;
     if (nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) != STATUS_OK) return false;
-    tracer->counters.crossings += n_passes;
-    tracer->counters.nesting_faults += crossing->n_faults;
     return true;
+}
+
+static void swap_lists(Tracer *tracer)
+{
+    NestList swap = tracer->list;
+    tracer->list = tracer->next;
+    tracer->next = swap;
 }
 
 /* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
@@ -126,6 +131,54 @@ static const Hit *boundary_hit(const World *world, const Hit *hits, size_t n, co
     return best;
 }
 
+/* Which of the surfaces at one place is to be shaded, if any is opaque. */
+static EventKind event_kind(const World *world, const Hit *hits, size_t n, Event *event)
+{
+    for (size_t i = 0; i < n; i++)
+        if (world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
+            event->hit = hits[i];
+            return EVENT_OPAQUE;
+        }
+    return n ? EVENT_BOUNDARY : EVENT_ESCAPE;
+}
+
+/* Finds the next surfaces along the path's ray and crosses them into tracer->next; false when memory ends.
+ * Where what was found contradicts the list, Embree's float ray may have met at an edge what the exact ray misses, or
+ * missed what it meets. Then the search is done again with the float ray moved by as much as rounding, first onto the
+ * exact one, then to both sides of the surface; a reading that agrees with the list is taken. A contradiction in
+ * all of them is a fault. */
+static bool cross_nearest(Path *path, Event *event)
+{
+    enum { ATTEMPTS = 4 };
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    Vec3 nudges[ATTEMPTS] = {path->ray.nudge};
+    for (int attempt = 0;; attempt++) {
+        path->ray.nudge = nudges[attempt % ATTEMPTS];
+        size_t n = rtc_nearest(world->compiled->rtc, &path->ray, &tracer->hits);
+        tracer->counters.rays++;
+        const Hit *hits = tracer->hits.items;
+        event->n_cluster = n;
+        event->kind = event_kind(world, hits, n, event);
+        event->crossing = (NestCrossing){0};
+        if (tracer->hits.out_of_memory) return false;
+        if (event->kind != EVENT_BOUNDARY) return true;
+        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+            !cross_hits(tracer, &tracer->next, hits, n, &event->crossing))
+            return false;
+        /* after the last attempt the first reading is taken again, with its faults */
+        if (LIKELY(!event->crossing.n_faults) || attempt == ATTEMPTS) {
+            tracer->counters.crossings += n;
+            tracer->counters.nesting_faults += event->crossing.n_faults;
+            return true;
+        }
+        if (attempt == 0) {
+            nudges[2] = vec3_scale(vec3_from_f(hits[0].normal), hits[0].rounding);
+            nudges[3] = vec3_scale(nudges[2], -1);
+        }
+    }
+}
+
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it and tracer->next the one behind it. */
 static void next_event(Path *path, Event *event)
@@ -135,26 +188,17 @@ static void next_event(Path *path, Event *event)
     double t_done = 0; /* the ray's start, not t_min: lengths are measured from the origin */
     Lanes depth = lanes_all(0);
     for (uint32_t silent = 0;; silent++) {
-        size_t n = rtc_nearest(world->compiled->rtc, &path->ray, &tracer->hits);
-        tracer->counters.rays++;
+        if (!cross_nearest(path, event)) {
+            event->kind = EVENT_LOST;
+            return;
+        }
         const Hit *hits = tracer->hits.items;
+        size_t n = event->n_cluster;
         uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
         double t = n ? hits[0].t : HUGE_VAL;
         depth = lanes_add(depth, stretch_depth(world, medium, t - t_done, path->wavelengths.nm));
         t_done = t;
-        event->kind = n ? EVENT_BOUNDARY : EVENT_ESCAPE;
-        event->n_cluster = n;
-        for (size_t i = 0; i < n && event->kind == EVENT_BOUNDARY; i++)
-            if (world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
-                event->kind = EVENT_OPAQUE;
-                event->hit = hits[i];
-            }
         if (event->kind != EVENT_BOUNDARY) break;
-        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
-            !cross_hits(tracer, &tracer->next, hits, n, &event->crossing) || tracer->hits.out_of_memory) {
-            event->kind = EVENT_LOST;
-            return;
-        }
         if (media_differ(world, event->crossing.medium_from, event->crossing.medium_to, path->wavelengths.nm)) {
             event->hit = *boundary_hit(world, hits, n, &event->crossing);
             break;
@@ -166,15 +210,30 @@ static void next_event(Path *path, Event *event)
             event->kind = EVENT_GIVE_UP;
             return;
         }
-        NestList swap = tracer->list;
-        tracer->list = tracer->next;
-        tracer->next = swap;
+        swap_lists(tracer);
         path->ray.t_min = hits[n - 1].t;
     }
     path->beta = lanes_mul(path->beta, attenuation(depth));
 }
 
-/* Transmittance of a straight shadow ray that starts inside of tracer->list; false when something blocks it. Opaque
+/* The list of a ray that starts at several surfaces which stand at one place but are not parallel, say where two
+ * hulls' surfaces cross: each of them is crossed, or not, by the ray's own direction. */
+static bool cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    if (nest_list_copy(list, &tracer->list) != STATUS_OK) return false;
+    for (size_t i = 0; i < ray->n_left; i++) {
+        const Hit *left = &ray->left[i];
+        uint32_t hull = compiled->hull_of_object[left->object];
+        NestPass pass = {hull, rtc_is_inside(ray, left)};
+        NestCrossing crossing;
+        if (hull == SCENE_NONE || pass.entering != left->entering) continue; /* turned away from */
+        if (nest_cross(list, &compiled->order, &pass, 1, &crossing) != STATUS_OK) return false;
+    }
+    return true;
+}
+
+/* Transmittance of a straight shadow ray from the path's place; false when something blocks it. Opaque
  * objects and visible boundaries block: light that crosses a boundary arrives by paths that are bent there. */
 static bool shadow_transmittance(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
 {
@@ -184,13 +243,13 @@ static bool shadow_transmittance(Path *path, const Ray *ray, Lanes *transmittanc
     if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
     const Hit *hits = tracer->shadow_hits.items;
     size_t n = tracer->shadow_hits.n;
-    uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
-    Lanes depth = lanes_all(0);
-    double t_done = 0;
-    if (n && nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) {
+    if (!cross_towards(tracer, ray, &tracer->shadow_list)) {
         tracer->out_of_memory = true;
         return false;
     }
+    uint32_t medium = nest_medium(&world->compiled->order, &tracer->shadow_list);
+    Lanes depth = lanes_all(0);
+    double t_done = 0;
     for (size_t begin = 0; begin < n;) {
         size_t end = begin + rtc_cluster(hits + begin, n - begin);
         NestCrossing crossing;
@@ -198,6 +257,8 @@ static bool shadow_transmittance(Path *path, const Ray *ray, Lanes *transmittanc
             tracer->out_of_memory = true;
             return false;
         }
+        tracer->counters.crossings += end - begin;
+        tracer->counters.nesting_faults += crossing.n_faults;
         if (media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm)) return false;
         depth = lanes_add(depth, stretch_depth(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
         t_done = hits[begin].t;
@@ -235,22 +296,20 @@ static Lanes surface_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelengt
 }
 
 /* Sends the path on from the surfaces that it has come to: through them, or back. */
-static void leave(Path *path, const Event *event, bool through, Vec3f direction)
+static void leave(Path *path, Event *event, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
     HitList reached = tracer->hits;
-    path->ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, event->n_cluster, through, direction);
+    path->ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, &event->n_cluster, through, direction);
     tracer->hits = tracer->left; /* the ray refers to what it has left until its end */
     tracer->left = reached;
-    if (through) {
-        NestList swap = tracer->list;
-        tracer->list = tracer->next;
-        tracer->next = swap;
-    }
+    bool several = event->n_cluster > 1;
+    if (several && !cross_towards(tracer, &path->ray, &tracer->next)) tracer->out_of_memory = true;
+    if (through || several) swap_lists(tracer);
 }
 
 /* Light that a diffuse surface gets straight from a light source, weighted against finding it by scattering. */
-static void add_direct_light(Path *path, const Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
+static void add_direct_light(Path *path, Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
 {
     const World *world = path->tracer->world;
     float u[2];
@@ -260,7 +319,7 @@ static void add_direct_light(Path *path, const Event *event, const HitSurface *a
     if (!(light.pdf_w > 0)) return;
     float cosine = vec3f_dot(light.direction, normal);
     if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
-    Ray ray = rtc_leave(world->compiled->rtc, &path->ray, path->tracer->hits.items, event->n_cluster, false, light.direction);
+    Ray ray = rtc_leave(world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false, light.direction);
     ray.t_max = light.distance;
     ray.target = light.object;
     Lanes transmittance;
@@ -273,7 +332,7 @@ static void add_direct_light(Path *path, const Event *event, const HitSurface *a
 }
 
 /* A hit of an opaque surface. Returns whether the path goes on. */
-static bool shade_opaque(Path *path, const Event *event)
+static bool shade_opaque(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
@@ -330,7 +389,7 @@ static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes et
 
 /* A smooth boundary between two dielectrics: one of the two ways is taken, with the probability of the hero's
  * Fresnel reflectance. */
-static void cross_boundary(Path *path, const Event *event)
+static void cross_boundary(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
