@@ -81,7 +81,7 @@ static const Arrangement arrangements[] = {
     {"glass of water, by priorities", /* [SB02] fig. 3: glass over ice over bubbles over water */
      ARRANGEMENT_MEDIA ARRANGEMENT_FIT
      "lathe tumbler { interior = glass\n"
-     "  profile = [<0, 0>, <25, 0>, <32, 80>, <30, 80>, <23.5, 6>, <0, 6>]  rounding = [0, 2, 1, 1, 3, 0] }\n"
+     "  profile = [<0, 0>, <25, 0>, <32, 80>, <30, 80>, <23.5, 6>, <0, 6>]  rounding = [0, 2, .8, .8, 3, 0] }\n"
      "cone drink { interior = water  from = <0, 6 - fit, 0>  to = <0, 60, 0>  radius_from = 23.5 + fit\n"
      "  radius_to = 23.5 + 54 * 6.5 / 74 + fit }\n"
      "box cube { interior = ice  size = <20, 20, 20>  bevel = 1  rotate(<20, 30, 10>)  translate(<3, 56, 2>) }\n"
