@@ -163,6 +163,10 @@ Status compile_scene(const Scene *scene, NestPolicy policy, Pool *pool, Diag *di
     if (!compiled) return fail_memory(error, sizeof *compiled, "the compiled scene");
     compiled->scene = scene;
     Status status = compile(compiled, policy, pool, diag, error);
+    for (uint32_t i = 0; status == STATUS_OK && diag && i < scene->n_cameras; i++) {
+        status = compile_check_camera(compiled, i, diag, error);
+        if (status == STATUS_SCENE) status = STATUS_OK; /* it is in diag; the geometry is as good as ever */
+    }
     if (status == STATUS_OK)
         *out = compiled;
     else

@@ -34,7 +34,8 @@ typedef struct CompiledScene {
     NestOrder order;
 } CompiledScene;
 
-/* Builds geometry and order. Warnings about the order (circles) go to diag (may be NULL). The scene must outlive it. */
+/* Builds geometry and order. Reports go to diag (may be NULL): circles in the order, and cameras that
+ * compile_check_camera refuses; these do not make it fail, so look at diag->n_errors. The scene must outlive it. */
 ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool *pool, Diag *diag, CompiledScene **out,
                                     Error *error);
 void compiled_scene_free(CompiledScene *compiled);
