@@ -62,6 +62,12 @@ LIB_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter-out src/cli/%,$(SOURCES)
 TRUTH_TESTS := $(patsubst tests/truth/%.c,$(BUILD)/truth/%,$(sort $(wildcard tests/truth/*_test.c)))
 UNIT_TESTS := $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/unit/*_test.c)))
 
+# `make V=1` shows whole commands.
+V ?= 0
+ifeq ($(V),0)
+SAY = @printf '  %s\n' '$@';
+endif
+
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .PHONY: all help deps demo assets check lint format man install uninstall bench asan tsan hostile dist clean
@@ -76,11 +82,11 @@ build/meniscus: $(BUILD)/meniscus
 	@ln -sf $(VARIANT)/meniscus $@
 
 $(BUILD)/meniscus: $(CLI_OBJECTS) $(BUILD)/libmeniscus.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(CLI_OBJECTS) $(BUILD)/libmeniscus.a $(LIBS)
+	$(SAY) $(CC) $(FLAGS) $(LDFLAGS) -o $@ $(CLI_OBJECTS) $(BUILD)/libmeniscus.a $(LIBS)
 
 $(BUILD)/libmeniscus.a: $(LIB_OBJECTS)
 	@rm -f $@
-	$(AR) rcs $@ $(LIB_OBJECTS)
+	$(SAY) $(AR) rcs $@ $(LIB_OBJECTS)
 
 # Objects are made again when the compiler or its flags change.
 $(BUILD)/flags: force
@@ -91,15 +97,15 @@ $(BUILD)/flags: force
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 $(BUILD)/%.o: src/%.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CXX) $(CPPFLAGS_ALL) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
+	$(SAY) $(CXX) $(CPPFLAGS_ALL) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 # The table of RGB to spectra is solved once, at build time (about a second).
 $(BUILD)/upsample_gen: src/optics/upsample_gen.c src/optics/upsample_solve.c src/optics/observer.c $(wildcard src/optics/*.h) $(BUILD)/flags
-	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c,$^) -lm
+	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c,$^) -lm
 
 $(BUILD)/generated/upsample_table.c: $(BUILD)/upsample_gen
 	@mkdir -p $(@D)
@@ -110,16 +116,16 @@ $(BUILD)/generated/ocio_config.c: src/image/meniscus.ocio src/image/embed.awk
 	awk -f src/image/embed.awk $< > $@
 
 $(BUILD)/generated/%.o: $(BUILD)/generated/%.c $(BUILD)/flags
-	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 TEST_COMPILE = $(CC) $(CPPFLAGS_ALL) -Itests/unit -Itests/truth $(CFLAGS_ALL) $(LDFLAGS) -MMD -MP -MF $@.d -o $@
 $(BUILD)/tests/%: tests/unit/%.c $(BUILD)/libmeniscus.a
 	@mkdir -p $(@D)
-	$(TEST_COMPILE) $< $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
+	$(SAY) $(TEST_COMPILE) $< $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
 
 $(BUILD)/truth/%: tests/truth/%.c tests/truth/truth.c $(BUILD)/libmeniscus.a
 	@mkdir -p $(@D)
-	$(TEST_COMPILE) $< tests/truth/truth.c $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
+	$(SAY) $(TEST_COMPILE) $< tests/truth/truth.c $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
 
 -include $(LIB_OBJECTS:.o=.d) $(CLI_OBJECTS:.o=.d) $(UNIT_TESTS:=.d) $(TRUTH_TESTS:=.d)
 
@@ -160,7 +166,7 @@ bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as rati
 	$(BUILD)/bench $(BENCH_SCENES)
 
 $(BUILD)/bench: tests/bench/bench.c $(BUILD)/libmeniscus.a
-	$(TEST_COMPILE) $< $(BUILD)/libmeniscus.a $(LIBS)
+	$(SAY) $(TEST_COMPILE) $< $(BUILD)/libmeniscus.a $(LIBS)
 
 asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
 	$(MAKE) VARIANT=$@ check-quick

@@ -35,9 +35,9 @@ trace base nest optics geom scene
 render base diag image scene trace
 cli base diag lang nest optics geom image scene trace render
 TABLE
-verdict 'Embree only behind geom/embree.h' "$(grep -lE 'include <embree' -r src | grep -v '^src/geom/embree.h$')"
-verdict 'geom/embree.h only in geom/rtc*' "$(grep -lE 'geom/embree.h|rtc_scene.h' -r src | grep -vE '^src/geom/(rtc|embree)')"
-verdict 'OpenEXR only in image/exr.c' "$(grep -lE 'include <openexr' -r src | grep -v '^src/image/exr.c$')"
+verdict 'Embree only behind geom/embree.h' "$(grep -lE 'include <embree' -r src --include='*.[ch]' | grep -v '^src/geom/embree.h$')"
+verdict 'geom/embree.h only in geom/rtc*' "$(grep -lE 'geom/embree.h|rtc_scene.h' -r src --include='*.[ch]' | grep -vE '^src/geom/(rtc|embree)')"
+verdict 'OpenEXR only in image/exr.c' "$(grep -lE 'include <openexr' -r src --include='*.[ch]' | grep -v '^src/image/exr.c$')"
 verdict 'C++ only in image/ocio.cpp' "$(find src -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' | grep -v '^src/image/ocio.cpp$')"
 verdict 'file names are unique' "$(find src -type f ! -name README.md -printf '%f\n' | sort | uniq -d)"
 verdict 'no file over 1,000 lines' "$(find src -name '*.[ch]' -exec wc -l {} + | awk '$1 > 1000 && $2 != "total"')"
