@@ -338,12 +338,26 @@ static void embree_ray(const Query *query, struct RTCRay *ray)
     ray->id = ray->flags = 0;
 }
 
+static int compare_hits(const void *left, const void *right)
+{
+    const Hit *a = left, *b = right;
+    if (a->t != b->t) return a->t < b->t ? -1 : 1;
+    if (a->object != b->object) return a->object < b->object ? -1 : 1;
+    return a->primitive < b->primitive ? -1 : a->primitive > b->primitive;
+}
+
+/* By distance, then by number, so that the order does not depend on Embree's. */
 static void sort_hits(HitList *hits)
 {
-    for (size_t i = 1; i < hits->n; i++) { /* few, and mostly in order already */
+    enum { FEW = 48 };
+    if (hits->n > FEW) {
+        qsort(hits->items, hits->n, sizeof *hits->items, compare_hits);
+        return;
+    }
+    for (size_t i = 1; i < hits->n; i++) {
         Hit hit = hits->items[i];
         size_t place = i;
-        while (place > 0 && hits->items[place - 1].t > hit.t) {
+        while (place > 0 && compare_hits(&hits->items[place - 1], &hit) > 0) {
             hits->items[place] = hits->items[place - 1];
             place--;
         }
