@@ -106,7 +106,7 @@ static bool is_left(const Query *query, uint32_t object, uint32_t primitive, dou
     for (size_t i = 0; i < query->ray->n_left; i++) {
         const Hit *left = &query->ray->left[i];
         if (left->object != object || left->primitive != primitive) continue;
-        if (fabs(t * cos_normal) > DOUBLE_NOISE * (query->scale + t)) continue;
+        if (fabs(t * cos_normal) > DOUBLE_NOISE * (fmax(query->scale, query->ray->start_scale) + t)) continue;
         if (rtc_is_inside(query->ray, left) == (cos_normal < 0)) return true; /* entering where it is inside already */
     }
     return false;
@@ -531,6 +531,7 @@ Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool 
     Ray next = ray_make(ray_point(ray, hit->t), direction);
     next.left = hits;
     next.n_left = *n;
+    next.start_scale = vec3_max_abs(ray->origin) + hit->t;
     /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
      * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;

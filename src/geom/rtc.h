@@ -51,6 +51,7 @@ typedef struct Ray {
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
+    double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
     Vec3 nudge;              /* a step of rounding's size from the origin to the side that the ray is on */
 } Ray;
 

@@ -267,6 +267,9 @@ struct File {
     double unit_m;
     Stmt **imports; /* in order of the text, wherever they stand */
     uint32_t n_imports, capacity;
+    bool keeps_starts;        /* asks the parser for the next two; starts is malloc'd */
+    uint32_t *starts;         /* the first byte of each statement, in order of the text */
+    size_t n_starts, starts_capacity;
     int state;     /* FILE_NEW ... */
     const DiagChain *chain;
     Export *exports;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "lang/parser.h"
 
 /* ---- tokens ---- */
@@ -195,6 +196,12 @@ static Stmt *stmt_new(Parser *parser, StmtKind kind, Span span)
     return stmt;
 }
 
+static void remember_start(File *file, const Token *token)
+{
+    if (!file->keeps_starts || token->kind == TOKEN_SEMICOLON) return;
+    if (ARRAY_ROOM(file->starts, file->starts_capacity, file->n_starts)) file->starts[file->n_starts++] = token->begin;
+}
+
 /* Statements up to (not including) the end token; each mistake is one report. */
 static Stmt *parse_stmts(Parser *parser, TokenKind end)
 {
@@ -203,6 +210,7 @@ static Stmt *parse_stmts(Parser *parser, TokenKind end)
     while (parser->token.kind != end && parser->token.kind != TOKEN_END) {
         uint32_t begin = parser->token.begin;
         parser->brackets = 0;
+        remember_start(parser->file, &parser->token);
         Stmt *stmt = parse_stmt(parser);
         if (parser->panic) {
             synchronize(parser, parser->brackets, begin);
