@@ -35,14 +35,6 @@ static double worst_pixel(const Picture *picture)
     return worst;
 }
 
-static void render_empty(const RenderSettings *settings, Picture *picture)
-{
-    Fixture empty;
-    truth_open(&empty, (TruthInput){.text = "meniscus 1.0 unit mm camera { from = <0, 0, 9> }" TRUTH_WHITE_SKY, .furnace = true});
-    truth_render(&empty, settings, 0, picture);
-    fixture_clear(&empty);
-}
-
 static void expect_furnace(const char *what, const Fixture *scene, FaultCount *faults)
 {
     bool spread = disperses(scene->scene);
@@ -59,7 +51,7 @@ static void expect_furnace(const char *what, const Fixture *scene, FaultCount *f
     printf("    worst pixel %.2f of its standard errors", worst);
     if (!(worst <= 5)) fail_msg("%s: a pixel is %.2f of its standard errors from 1", what, worst);
     if (!spread) {
-        render_empty(&settings, &empty);
+        truth_render_empty(&settings, &empty);
         double difference = truth_largest_difference(&picture, &empty);
         printf(", largest difference from the empty scene %.2g", difference);
         /* one path of the pixel's is worth 1 / SAMPLES */

@@ -85,6 +85,14 @@ void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned
     assert_int_equal(picture->stats.silent_limit, 0);
 }
 
+void truth_render_empty(const RenderSettings *settings, Picture *picture)
+{
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.text = "meniscus 1.0 unit mm camera { from = <0, 0, 9> }" TRUTH_WHITE_SKY, .furnace = true});
+    truth_render(&scene, settings, 0, picture);
+    fixture_clear(&scene);
+}
+
 void truth_clear(Picture *picture)
 {
     image_clear(&picture->image);

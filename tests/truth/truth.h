@@ -48,6 +48,8 @@ void truth_open(Fixture *scene, TruthInput input);
 RenderSettings truth_settings(uint32_t width, uint32_t samples);
 /* threads 0: one per processor. No sample may be lost: neither bad, nor saturated, nor given up. */
 void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned threads, Picture *picture);
+/* The white sky alone: what every furnace must look like. */
+void truth_render_empty(const RenderSettings *settings, Picture *picture);
 void truth_clear(Picture *picture);
 
 /* Of one pixel: luminance, channel (0 red .. 2 blue), and the standard error by the film (an upper bound). */

@@ -1,0 +1,242 @@
+/* refraction_test.c - where light goes at smooth boundaries, measured in pictures: Snell's window, apparent depth, the critical
+ * angle of a prism, and a lens half under water.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+static const double degree = TRUTH_PI / 180;
+static const double water = 1.33;
+
+static void render_text(const char *text, double (*sky)(double), uint32_t width, uint32_t samples, Picture *picture)
+{
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.text = text, .sky = sky, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(width, samples);
+    truth_render(&scene, &settings, 0, picture);
+    assert_int_equal(picture->stats.nesting_faults, 0);
+    fixture_clear(&scene);
+}
+
+/* The radius in pixels of a disc of the given luminance in a picture that is black around it, by its area: the pixel
+ * filter keeps the sum. */
+static double disc_radius(const Picture *picture, double inside)
+{
+    double area = 0;
+    for (uint32_t y = 0; y < picture->image.height; y++)
+        for (uint32_t x = 0; x < picture->image.width; x++) area += truth_luminance(picture, x, y) / inside;
+    return sqrt(area / TRUTH_PI);
+}
+
+static void expect_pixels(const char *what, double expected, double measured)
+{
+    truth_figure(what, expected, measured, 0);
+    if (!(fabs(measured - expected) <= 1)) fail_msg("%s: %g pixels, not %g", what, measured, expected);
+}
+
+/* Pixels from the middle to a ray at this angle from the axis. */
+static double pixels_at(double angle, double fov, uint32_t width)
+{
+    return tan(angle) / tan(fov / 2) * width / 2;
+}
+
+/* ---- Snell's window ---- */
+
+/* From under water the whole sky is within the critical angle asin(1 / n); outside of it one sees the black floor, mirrored.
+ * The luminance falls steeply at the edge: where the Fresnel transmittance is a fifth is within a quarter of a pixel of it. */
+static void snells_window(void **state)
+{
+    (void)state;
+    enum { PICTURE = 201, SAMPLES = 128 };
+    static const char *const depths[] = {"1", "10"};
+    for (size_t i = 0; i < COUNT_OF(depths); i++) {
+        char text[1000], what[100];
+        snprintf(text, sizeof text, "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+                 "box { interior = water  from = <-3000, -30, -3000>  to = <3000, 0, 3000> }\n"
+                 "ground { y = -20  surface = surface { albedo = 0 } }\n"
+                 "camera { from = <0, -%s, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 110deg  expect = [water] }\n" TRUTH_WHITE_SKY,
+                 depths[i]);
+        Picture picture;
+        render_text(text, NULL, PICTURE, SAMPLES, &picture);
+        double n_inside = 0, outside = 0, expected = pixels_at(asin(1 / water), 110 * degree, PICTURE);
+        for (uint32_t y = 0; y < PICTURE; y++)
+            for (uint32_t x = 0; x < PICTURE; x++) {
+                double luminance = truth_luminance(&picture, x, y), r = hypot(x - 100.0, y - 100.0);
+                if (luminance > 0.2) n_inside++;
+                if (r > expected + 1.5) outside = fmax(outside, luminance); /* beyond the pixel filter's reach */
+            }
+        snprintf(what, sizeof what, "Snell's window from %s mm: radius in pixels", depths[i]);
+        expect_pixels(what, expected, sqrt(n_inside / TRUTH_PI));
+        truth_figure("  brightest pixel outside of it", 0, outside, 0);
+        assert_true(outside == 0);
+        /* straight up: 1 - R; the plane surface reflects the black floor */
+        double r0 = truth_fresnel(1, water, 1);
+        assert_near(truth_luminance(&picture, 100, 100), 1 - r0, 5 * truth_film_error(&picture, 100, 100));
+        truth_clear(&picture);
+    }
+}
+
+/* ---- apparent depth ---- */
+
+/* A shining disc under water, seen from straight above: it looks as large as one at depth / n would. */
+static void apparent_depth(void **state)
+{
+    (void)state;
+    enum { PICTURE = 200, SAMPLES = 64 };
+    const double height = 300, depth = 200, radius = 5, fov = 2 * degree;
+    Picture picture;
+    render_text("meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+                "cylinder { interior = water  from = <0, -400, 0>  to = <0, 0, 0>  radius = 500 }\n"
+                "light { shape = \"disc\"  from = <0, -200, 0>  to = <0, 0, 0>  radius = 5 }\n"
+                "camera { from = <0, 300, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 2deg }\n",
+                NULL, PICTURE, SAMPLES, &picture);
+    /* the light gives radiance 1 in water, 1 / n^2 of it as basic radiance, less what the surface reflects */
+    double inside = (1 - truth_fresnel(1, 1, water)) / (water * water);
+    double middle = 0;
+    for (uint32_t y = 90; y < 110; y++)
+        for (uint32_t x = 90; x < 110; x++) middle += truth_luminance(&picture, x, y) / 400;
+    truth_figure("apparent depth: luminance of the disc", inside, middle, 0);
+    assert_near(middle, inside, 0.002 * inside);
+    double pixels = disc_radius(&picture, inside);
+    double angle = atan(radius / (height + depth / water)); /* to first order; the next is 1e-4 of it */
+    expect_pixels("apparent depth: radius in pixels", pixels_at(angle, fov, PICTURE), pixels);
+    double seen_at = radius / (pixels / (PICTURE / 2.0) * tan(fov / 2)) - height;
+    truth_figure("apparent depth: mm below the surface", depth / water, seen_at, 0);
+    assert_near(seen_at, depth / water, 0.005 * depth);
+    truth_clear(&picture);
+}
+
+/* ---- the critical angle of a prism ---- */
+
+static double sky_above(double elevation)
+{
+    return elevation > 67.5 * degree ? 1 : 0;
+}
+
+/* What is left of a ray that enters a leg of a prism of 45, 90, 45 degrees at this angle upwards, turns at the hypotenuse, which
+ * it meets at 45 degrees more, and leaves through the other leg at the angle at which it came. */
+static double prism_value(double elevation, double ior)
+{
+    double inner = asin(sin(elevation) / ior), leg = 1 - truth_fresnel(cos(elevation), 1, ior);
+    return leg * leg * truth_fresnel(cos(45 * degree + inner), ior, 1);
+}
+
+/* The elevation of the line where the reflection falls to a half, just below the critical angle. */
+static double prism_edge(double ior)
+{
+    double low = -6 * degree, high = 0;
+    for (int i = 0; i < 60; i++) {
+        double middle = (low + high) / 2;
+        if (prism_value(middle, ior) > 0.5)
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+/* The camera looks into one leg; the sky straight above is white. */
+static void prism(void **state)
+{
+    (void)state;
+    enum { PICTURE = 160, SAMPLES = 256 };
+    const double fov = 16 * degree;
+    Picture picture;
+    render_text("meniscus 1.0 unit mm medium glass { ior = 1.5 }\n"
+                "mesh { interior = glass\n"
+                "  positions = [<-50, -10, 0>, <-50, 10, 0>, <-50, 10, -20>, <50, -10, 0>, <50, 10, 0>, <50, 10, -20>]\n"
+                "  triangles = [<0, 1, 2>, <3, 5, 4>, <0, 5, 3>, <0, 2, 5>, <0, 4, 1>, <0, 3, 4>, <1, 5, 2>, <1, 4, 5>] }\n"
+                "camera { from = <0, 0, 20>  to = <0, 0, 0>  fov = 16deg }\n" TRUTH_SKY,
+                sky_above, PICTURE, SAMPLES, &picture);
+    double measured = -1, row[PICTURE];
+    for (uint32_t y = 0; y < PICTURE; y++) {
+        row[y] = 0;
+        for (uint32_t x = PICTURE / 2 - 4; x < PICTURE / 2 + 4; x++) row[y] += truth_luminance(&picture, x, y) / 8;
+        if (measured < 0 && y > 0 && row[y] <= 0.5) measured = y - 0.5 + (row[y - 1] - 0.5) / (row[y - 1] - row[y]);
+    }
+    expect_pixels("prism: row of the critical angle", PICTURE / 2.0 - pixels_at(prism_edge(1.5), fov, PICTURE), measured);
+    /* where all is reflected; light that a leg turns back inside comes round again: 1 / (1 - r^2) */
+    double values[PICTURE], r = truth_fresnel(1, 1, 1.5);
+    uint32_t y = (uint32_t)(PICTURE / 2.0 - pixels_at(1 * degree, fov, PICTURE));
+    for (uint32_t x = 0; x < PICTURE; x++) values[x] = truth_luminance(&picture, x, y);
+    truth_expect("prism: luminance of total reflection", prism_value(1 * degree, 1.5) / (1 - r * r), truth_estimate(values, PICTURE), 4,
+                 0.002);
+    truth_clear(&picture);
+}
+
+/* ---- a lens half under water ---- */
+
+static double sky_of_two_halves(double elevation)
+{
+    return elevation > 0 ? 1 : 0.25;
+}
+
+/* The part of a disc of radius 1 that lies below a chord at this height. */
+static double disc_below(double height)
+{
+    return 1 - (acos(height) - height * sqrt(1 - height * height)) / TRUTH_PI;
+}
+
+/* The camera looks level across a surface of water that cuts its lens. Rays from the part above see the sky, or the floor
+ * through the water and the sky in it; rays from the part below see the floor, or the surface from below. The floor shines with
+ * radiance 0.5 in the water, a basic radiance of 0.5 / n^2. */
+static double lens_value(double elevation, double under_water)
+{
+    double floor_radiance = 0.5 / (water * water), cosine = fabs(sin(elevation));
+    if (elevation > 0) {
+        double r = truth_fresnel(cosine, water, 1);
+        return (1 - under_water) + under_water * (r * floor_radiance + (1 - r));
+    }
+    double r = truth_fresnel(cosine, 1, water);
+    return (1 - under_water) * (r + (1 - r) * floor_radiance) + under_water * floor_radiance;
+}
+
+static void half_submerged_lens(void **state)
+{
+    (void)state;
+    enum { PICTURE = 16, SAMPLES = 1024 };
+    static const double heights[] = {-0.7, 0.1, 0.4}; /* of the lens's middle above the water, over its radius of 1 mm */
+    const double fov = 8 * degree;
+    for (size_t i = 0; i < COUNT_OF(heights); i++)
+        for (int up = -1; up <= 1; up += 2) { /* all of the picture above the horizon, then all below */
+            char text[1000], what[100];
+            double pitch = up * 30 * degree;
+            snprintf(text, sizeof text, "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+                     "box { interior = water  from = <-1e5, -200, -1e5>  to = <1e5, 0, 1e5> }\n"
+                     "light { from = <0, -100, 0>  to = <0, 0, 0>  size = <90000, 90000>  radiance = .5 }\n"
+                     "camera { from = <0, %.17g, 0>  to = <0, %.17g, -1e6>  fov = 8deg  aperture = 2 }\n" TRUTH_SKY,
+                     heights[i] * cos(pitch), heights[i] * cos(pitch) + 1e6 * tan(pitch));
+            Picture picture;
+            render_text(text, sky_of_two_halves, PICTURE, SAMPLES, &picture);
+            /* every row apart, as the elevation is about the same along it; columns are the repetitions */
+            double worst = 0;
+            for (uint32_t y = 0; y < PICTURE; y++) {
+                double values[PICTURE], expected = 0;
+                for (uint32_t x = 0; x < PICTURE; x++) {
+                    double vx = (2 * (x + 0.5) / PICTURE - 1) * tan(fov / 2), vy = (1 - 2 * (y + 0.5) / PICTURE) * tan(fov / 2);
+                    double elevation = asin((sin(pitch) + vy * cos(pitch)) / sqrt(1 + vx * vx + vy * vy));
+                    double value = lens_value(elevation, disc_below(-heights[i]));
+                    values[x] = truth_luminance(&picture, x, y) - value;
+                    expected += value / PICTURE;
+                }
+                Estimate e = truth_estimate(values, PICTURE);
+                worst = fmax(worst, fabs(e.mean) / e.error);
+                if (y == PICTURE / 2) {
+                    snprintf(what, sizeof what, "lens %.1f of its radius above water, looking %s", heights[i], up > 0 ? "up" : "down");
+                    truth_expect(what, expected, (Estimate){expected + e.mean, e.error}, 4, 0.004);
+                }
+            }
+            printf("    worst row %.2f standard errors\n", worst);
+            assert_true(worst <= 5);
+            truth_clear(&picture);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(snells_window),
+        cmocka_unit_test(apparent_depth),
+        cmocka_unit_test(prism),
+        cmocka_unit_test(half_submerged_lens),
+    };
+    return cmocka_run_group_tests_name("refraction", tests, NULL, NULL);
+}
