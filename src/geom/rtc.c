@@ -395,6 +395,20 @@ static bool repeats_start(const Ray *ray, const Hit *hit)
     return false;
 }
 
+/* Takes such repetitions out of hits in increasing t; returns how many hits are left. */
+static size_t drop_repeats(const Ray *ray, Hit *hits, size_t n)
+{
+    if (ray->t_min > 0) return n;
+    for (size_t k = 0; k < ray->n_left; k++) {
+        size_t first = 0;
+        while (first < n && hits[first].object != ray->left[k].object) first++;
+        if (first == n || !repeats_start(ray, &hits[first])) continue;
+        n--;
+        for (size_t i = first; i < n; i++) hits[i] = hits[i + 1];
+    }
+    return n;
+}
+
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
 {
     Ray searched = *ray;
@@ -411,31 +425,21 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
         sort_hits(hits);
         size_t n = rtc_cluster(hits->items, hits->n);
         if (n == 0) return 0;
-        if (UNLIKELY(ray->n_left && ray->t_min == 0 && repeats_start(ray, &hits->items[0]))) {
-            searched.t_min = hits->items[0].t; /* look behind it */
-            query_init(&query, scene, &searched, hits);
-            continue;
-        }
         /* A chain of surfaces may come near the end of the window; then look further. */
         const Hit *last = &hits->items[n - 1];
         double cosine = fmax(fabs(last->cos_normal), LEAST_COSINE);
         double end = last->t + 2 * last->rounding / cosine;
         if (n == 1 || end <= query.reach) {
-            hits->n = n;
-            return n;
+            double behind = last->t;
+            hits->n = drop_repeats(ray, hits->items, n);
+            if (LIKELY(hits->n)) return hits->n;
+            searched.t_min = behind; /* nothing but repetitions: look behind them */
+            query_init(&query, scene, &searched, hits);
+            continue;
         }
         double window = end - hits->items[0].t;
         query_init(&query, scene, &searched, hits);
         query.least_window = window;
-    }
-}
-
-/* Takes the repeated crossing of the start out of a sorted list. */
-static void drop_repeats(const Ray *ray, HitList *hits)
-{
-    while (hits->n && ray->n_left && ray->t_min == 0 && repeats_start(ray, &hits->items[0])) {
-        hits->n--;
-        for (size_t i = 0; i < hits->n; i++) hits->items[i] = hits->items[i + 1];
     }
 }
 
@@ -453,7 +457,7 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
     sort_hits(hits);
-    drop_repeats(ray, hits);
+    hits->n = drop_repeats(ray, hits->items, hits->n);
     return true;
 }
 

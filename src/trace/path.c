@@ -112,21 +112,18 @@ static bool media_differ(const World *world, uint32_t a, uint32_t b, Lanes wavel
     return !lanes_zero(difference);
 }
 
-/* The hit of the cluster that stands for the boundary: the hull that begins or ends there, the upper one where
- * two touch. */
-static const Hit *boundary_hit(const World *world, const Hit *hits, size_t n, const NestCrossing *crossing)
+/* The hit of several at one place that stands for the boundary: crossing them one after another, the one at which the
+ * medium last becomes what it is behind them all. */
+static const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
 {
-    const CompiledScene *compiled = world->compiled;
-    const Hit *best = &hits[0];
-    uint32_t best_rank = 0;
-    for (size_t i = 0; i < n && n > 1; i++) {
-        uint32_t hull = compiled->hull_of_object[hits[i].object];
-        if (hull == SCENE_NONE || hull != (hits[i].entering ? crossing->owner_to : crossing->owner_from)) continue;
-        uint32_t rank = compiled->order.rank[hull] + 1;
-        if (rank > best_rank) {
-            best_rank = rank;
-            best = &hits[i];
-        }
+    const CompiledScene *compiled = tracer->world->compiled;
+    const Hit *hits = tracer->hits.items, *best = &hits[0];
+    if (LIKELY(n == 1) || nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) return best;
+    for (size_t i = 0; i < n; i++) {
+        NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
+        NestCrossing step;
+        if (nest_cross(&tracer->shadow_list, &compiled->order, &pass, 1, &step) != STATUS_OK) return best;
+        if (step.medium_from != step.medium_to && step.medium_to == crossing->medium_to) best = &hits[i];
     }
     return best;
 }
@@ -200,7 +197,7 @@ static void next_event(Path *path, Event *event)
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (media_differ(world, event->crossing.medium_from, event->crossing.medium_to, path->wavelengths.nm)) {
-            event->hit = *boundary_hit(world, hits, n, &event->crossing);
+            event->hit = *boundary_hit(tracer, n, &event->crossing);
             break;
         }
         /* Nothing is there: on along the same ray, with the new list. */
