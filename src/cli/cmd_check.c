@@ -1,8 +1,12 @@
 /* cmd_check.c - the command check: what is wrong with a scene, and how its objects nest.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+
 #include "cli/commands.h"
 #include "cli/scene_input.h"
 #include "scene/report.h"
+
+enum { NUMBER_SIZE = 32 };
 
 typedef struct Check {
     SceneInput input;
@@ -33,7 +37,10 @@ static void print_json(void *context)
     if (check->built) report_print_json(check->input.compiled, &check->input.sources, &report);
     JsonWriter json = json_writer(&check->out, true);
     json_begin_object(&json);
+    char hash[NUMBER_SIZE];
+    snprintf(hash, sizeof hash, "%016llx", check->built ? (unsigned long long)check->input.scene->hash : 0);
     json_add_text(&json, "scene", check->input.path);
+    json_add_text(&json, "hash", check->built ? hash : NULL); /* as in the EXR files of its renders */
     json_add_whole(&json, "errors", diag->n_errors);
     json_add_whole(&json, "warnings", diag->n_warnings);
     json_key(&json, "diagnostics");

@@ -76,7 +76,7 @@ long_scene() {
     sed -e 's/samples = 4/samples = 16777216/' small.mns > long.mns
 }
 
-if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual; fi
+if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt; fi
 for part; do . "$folder/$part.sh"; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]
