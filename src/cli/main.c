@@ -9,7 +9,7 @@
 #include "cli/signals.h"
 
 static Status (*const command_functions[])(const Options *options, const Talk *talk, Error *error) = {
-    [COMMAND_RENDER] = cmd_render,         [COMMAND_CHECK] = cmd_check, [COMMAND_FMT] = cmd_fmt,
+    [COMMAND_RENDER] = cmd_render,         [COMMAND_CHECK] = cmd_check, [COMMAND_FMT] = cmd_fmt,               [COMMAND_DUMP] = cmd_dump,
     [COMMAND_PARAMS] = cmd_params,
     [COMMAND_VIEW] = cmd_view,             [COMMAND_COMPARE] = cmd_compare, [COMMAND_INFO] = cmd_info,
     [COMMAND_COMPLETION] = cmd_completion, [COMMAND_HELP] = cmd_help,   [COMMAND_MANUAL] = cmd_manual,

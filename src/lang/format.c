@@ -323,9 +323,8 @@ static const Item *hangs_from(Layout *layout, const Item *item)
     return NULL;
 }
 
-/* Of a line that begins with item. What stood right under the first thing behind the bracket, or a
- * step further in, still does, and so does
- * a line that goes on with a statement under a thing of the line above. */
+/* Of a line that begins with item. What stood right under the first thing behind the bracket, or a step further in,
+ * still does, and so does a line that goes on with a statement under a thing of the line above. */
 static size_t indent_of(Layout *layout, const Item *item)
 {
     const Bracket *bracket = innermost(layout);

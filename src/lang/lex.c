@@ -25,6 +25,13 @@ const UnitType *unit_of(const char *text, size_t length)
     return NULL;
 }
 
+const char *unit_of_length(double size_m)
+{
+    for (size_t i = 0; i < COUNT_OF(unit_table); i++)
+        if (unit_table[i].measure == UNIT_LENGTH && unit_table[i].size == size_m) return unit_table[i].name;
+    return NULL;
+}
+
 const char *unit_measure_text(PropUnit measure)
 {
     static const char *const texts[] = {

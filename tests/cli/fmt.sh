@@ -1,15 +1,6 @@
 # fmt.sh - fmt: idempotent, and neither a token nor a comment is lost.
 # SPDX-License-Identifier: Apache-2.0
 
-# the scenes there are, beside their meshes
-all_scenes() {
-    cp "$root"/examples/*.mns .
-    ln -s "$root/examples/assets" assets
-    for scene in "$root"/tests/lang/*.mns; do cp "$scene" "lang_$(basename "$scene")"; done
-}
-scene_hash() {
-    "$program" check --json "$1" 2> err | grep '"hash"'
-}
 
 begin "fmt: what is laid out stays as it is"
 all_scenes

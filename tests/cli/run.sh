@@ -75,8 +75,15 @@ long_scene() {
     small_scene
     sed -e 's/samples = 4/samples = 16777216/' small.mns > long.mns
 }
+# the scenes there are, beside their meshes
+all_scenes() {
+    cp "$root"/examples/*.mns .
+    ln -s "$root/examples/assets" assets
+    for scene in "$root"/tests/lang/*.mns; do cp "$scene" "lang_$(basename "$scene")"; done
+}
+scene_hash() { "$program" check --json "$1" 2> err | grep '"hash"'; }
 
-if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt; fi
+if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump; fi
 for part; do . "$folder/$part.sh"; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]

@@ -1,0 +1,51 @@
+/* cmd_dump.c - the command dump: a scene with everything expanded.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/commands.h"
+#include "cli/scene_input.h"
+#include "lang/flat.h"
+
+/* The properties of nodes.def that name a file to read. */
+static const char *const file_properties[] = {"file", "image", NULL};
+
+typedef struct Dump {
+    SceneInput *input;
+    EvalResult result;
+    Buf out;
+    Error *error;
+    Status status;
+} Dump;
+
+static void print_flat(void *context)
+{
+    Dump *dump = context;
+    SceneInput *input = dump->input;
+    FlatOptions options = {.eval = &input->scene_options.eval, .sources = &input->sources, .files = file_properties};
+    dump->status = flat_print(&dump->result, &options, &input->diag, &dump->out, dump->error);
+}
+
+static Status make_text(Dump *dump, Error *error)
+{
+    TRY(scene_input_evaluate(dump->input, &dump->result, error));
+    TRY(scene_input_guard(dump->input, print_flat, dump, error));
+    return dump->status;
+}
+
+Status cmd_dump(const Options *options, const Talk *talk, Error *error)
+{
+    SceneInput input;
+    scene_input_init(&input, options, talk);
+    Dump dump = {.input = &input, .error = error};
+    Status status = make_text(&dump, error);
+    Error report_error = {0};
+    Status reported = scene_input_print_reports(&input, &report_error);
+    if (reported != STATUS_OK && (status == STATUS_OK || status == STATUS_SCENE)) {
+        status = reported;
+        *error = report_error;
+    }
+    talk_write(&dump.result.printed);
+    if (status == STATUS_OK) status = print_out(&dump.out, error);
+    buf_clear(&dump.out);
+    buf_clear(&dump.result.printed);
+    scene_input_close(&input);
+    return status;
+}

@@ -1,0 +1,78 @@
+# dump.sh - dump --flat: a scene with everything expanded is a scene of the same meaning.
+# SPDX-License-Identifier: Apache-2.0
+
+# same_flat SCENE: SCENE and what dump makes of it have one hash; the text is laid out as fmt would, and is its own dump
+same_flat() {
+    run dump --flat "$1"
+    exits 0
+    cp out flat.mns
+    [ -n "$(scene_hash "$1")" ] || flunk "$1 has no hash"
+    [ "$(scene_hash "$1")" = "$(scene_hash flat.mns)" ] || flunk "$1 has another hash when it is flat"
+    run fmt --check flat.mns
+    exits 0
+    run dump flat.mns
+    cmp -s out flat.mns || flunk "the flat text of $1 changes when it is dumped again"
+}
+
+begin "dump --flat: every example keeps its hash"
+all_scenes
+for scene in *.mns; do
+    case $scene in lang_* | studio.mns) continue ;; esac # parts, and scenes whose files are not there
+    same_flat "$scene"
+done
+end
+
+begin "dump --flat: shared nodes, prototypes, instances, shadowed names, transforms, none"
+cat > shared.mns <<'SCENE'
+meniscus 1.0 unit cm
+medium glass { ior = cauchy(1.5, .004)  state = solid }
+medium air { ior = 1.0003 state = gas }
+def mk(r) = sphere { radius = r interior = glass }
+let s = surface { albedo = #abc }
+let ball = sphere { radius = 2 surface = s  translate(<0,3,0>) }
+ball { translate(x * 5) }
+ball { rotate(z, 90)  surface = none interior = air}
+let both = group { ball {} ball { scale(2) } translate(y * .1) }
+both { rotate(y, 33) }
+both { rotate(y, 66) box { size = <1,2,3> surface = s } }
+let g2 = ball { radius = 3 }
+g2 { translate(z) } g2 { interior = glass surface = none }
+for (i in 1..3) { sphere bead { radius = i  surface = s translate(<i * 10, .1, 0>) } }
+box named { size = <1, 1, 1> surface = s translate(z * 30) }
+named { translate(y * 9) }
+world { medium = air }
+let m = mesh { positions = [<0,0,0>,<1,0,0>,<0,1,0>,<0,0,1>] triangles = [<0,2,1>,<0,1,3>,<1,2,3>,<0,3,2>] interior = glass }
+for (i in 0..<5) { m { translate(<i * 1.1, -20.3, 0>) rotate(<1, 2, 3>) } }
+camera { from = <0, 3, -30>  to = <0, 0, 0> expect = [air] }
+camera side { from = <30, 3, -30>  to = <0, 0, 0> }
+light { shape = sphere radius = 2 from = <0, 50, 0> power = 3 }
+render { samples = 4 nesting = none }
+SCENE
+same_flat shared.mns
+run dump shared.mns
+says out 'let s = surface { '
+says out 'sphere bead_3 { '
+says out 'ball { interior = air  surface = none  matrix('
+says_not out 'for ('
+end
+
+begin "dump: parameters, presets and --set have taken effect; files are named by their whole path"
+small_scene
+echo 'preset fine { render { samples = 64 } }' >> small.mns
+run dump small.mns -D level=2 --preset fine
+says out 'radius = 2'
+says out 'samples = 64'
+mkdir inner
+cp "$root/examples/minirt.mns" inner/
+printf 'meniscus 1.0\nmesh { file = "cube.obj"  surface = surface { } }\n' > inner/part.mns
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > inner/cube.obj
+printf 'meniscus 1.0 unit mm\ninclude "inner/part.mns"\n' > outer.mns
+run dump outer.mns
+exits 0
+matches out 'file = "/.*/inner/cube.obj"'
+printf 'meniscus 1.0 unit mm\nmesh { file = "missing.obj"  surface = surface { } }\n' > outer.mns
+run dump outer.mns
+exits 3
+says err '[file-not-found]'
+empty out
+end
