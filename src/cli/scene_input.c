@@ -18,11 +18,14 @@ void scene_input_init(SceneInput *input, const Options *options, const Talk *tal
     diag_init(&input->diag, &input->arena, &input->sources);
     input->diag.warnings_are_errors = option_given(options, OPTION_WERROR);
     input->color.path = option_text(options, OPTION_OCIO, NULL);
-    const OptionValue *defines = &options->values[OPTION_DEFINE], *folders = &options->values[OPTION_INCLUDE];
+    const OptionValue *defines = &options->values[OPTION_DEFINE], *folders = &options->values[OPTION_INCLUDE],
+                      *overrides = &options->values[OPTION_SET];
     input->scene_options = (SceneOptions){
         .eval = {.schema = scene_schema(),
                  .defines = defines->items,
                  .n_defines = defines->n_items,
+                 .overrides = overrides->items,
+                 .n_overrides = overrides->n_items,
                  .include_folders = folders->items,
                  .n_include_folders = folders->n_items,
                  /* a scene that comes through a pipe may be anybody's */

@@ -264,6 +264,18 @@ static File *load_prelude(Loader *loader)
     return file;
 }
 
+/* What stands at byte begin of a text of the command line; what is before it is blanked out, so that places stay right. */
+static Expr *parse_expression_behind(Loader *loader, uint32_t source, const char *text, size_t begin)
+{
+    SourceSet *sources = loader->diag->sources;
+    char *expression = arena_copy_text(loader->arena, text, strlen(text));
+    memset(expression, ' ', begin);
+    sources->sources[source].text = expression;
+    Expr *expr = parse_expression(source, loader->unit_m, loader->diag, &loader->symbols);
+    sources->sources[source].text = text;
+    return expr;
+}
+
 /* "name=expression" */
 static bool parse_define(Loader *loader, const char *text, Define *define)
 {
@@ -277,12 +289,27 @@ static bool parse_define(Loader *loader, const char *text, Define *define)
         diag_hint(diag, report, "write -D %s=VALUE", define->name);
         return false;
     }
-    /* the name is blanked out, so that places in the expression stay right */
-    char *expression = arena_copy_text(loader->arena, text, strlen(text));
-    memset(expression, ' ', length + 1);
-    diag->sources->sources[source].text = expression;
-    define->expr = parse_expression(source, loader->unit_m, diag, &loader->symbols);
-    diag->sources->sources[source].text = text;
+    define->expr = parse_expression_behind(loader, source, text, length + 1);
+    return true;
+}
+
+/* "node.property=expression" */
+static bool parse_override(Loader *loader, const char *text, Override *override)
+{
+    Diag *diag = loader->diag;
+    size_t length = strlen(text), equal = strcspn(text, "="), dot = equal;
+    uint32_t source = source_add(diag->sources, "--set", NULL, text, length);
+    for (size_t i = 0; i < equal; i++)
+        if (text[i] == '.') dot = i; /* the last one: properties have no dots */
+    *override = (Override){.node = arena_copy_text(loader->arena, text, dot),
+                           .node_span = {source, 0, (uint32_t)dot}, .prop_span = {source, (uint32_t)dot + 1, (uint32_t)equal}};
+    if (equal == length || dot == equal || dot == 0 || dot + 1 == equal) {
+        Diagnostic *report = diag_report(diag, D_SYNTAX, (Span){source, 0, (uint32_t)length}, "--set takes NODE.PROPERTY=VALUE");
+        diag_hint(diag, report, "for instance --set camera.fov=30");
+        return false;
+    }
+    override->prop = arena_copy_text(loader->arena, text + dot + 1, equal - dot - 1);
+    override->expr = parse_expression_behind(loader, source, text, equal + 1);
     return true;
 }
 
@@ -326,6 +353,26 @@ static void report_unused_defines(Evaluator *evaluator)
     }
 }
 
+/* Nodes that --set can name: what the scene declares at its top, and the types that are there. */
+static void report_unused_overrides(Evaluator *evaluator, const File *scene)
+{
+    const char **names = ARENA_ARRAY(evaluator->arena, const char *, evaluator->top.n + scene->n_exports);
+    size_t n = 0;
+    for (size_t i = 0; i < evaluator->top.n; i++) names[n++] = evaluator->top.items[i]->type->name;
+    for (uint32_t i = 0; i < scene->n_exports; i++) {
+        const Binding *binding = scene->exports[i].binding;
+        if (binding->kind == BINDING_SLOT && evaluator->globals[binding->index].kind == VALUE_NODE)
+            names[n++] = binding->symbol->text;
+    }
+    for (size_t i = 0; i < evaluator->n_overrides && !evaluator->stop; i++) {
+        const Override *override = &evaluator->overrides[i];
+        if (override->used) continue;
+        Diagnostic *report =
+            eval_report(evaluator, D_UNKNOWN_NODE, override->node_span, "the scene has no node '%s'", override->node);
+        diag_suggest(evaluator->diag, report, override->node, names, n);
+    }
+}
+
 static void run_preset(Evaluator *evaluator)
 {
     const char *wanted = evaluator->options->preset;
@@ -354,7 +401,9 @@ static void run_scene(Evaluator *evaluator, File *prelude, File *scene)
     run_defines(evaluator);
     eval_block(evaluator, scene->block);
     run_preset(evaluator);
+    eval_missing_overrides(evaluator);
     report_unused_defines(evaluator);
+    report_unused_overrides(evaluator, scene);
     evaluator->frame = NULL;
 }
 
@@ -381,7 +430,8 @@ static void evaluator_clear(Evaluator *evaluator)
     free(evaluator->presets);
 }
 
-static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defines, EvalResult *result)
+static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defines, Override *overrides,
+                       EvalResult *result)
 {
     Diag *diag = loader->diag;
     const EvalOptions *options = loader->options;
@@ -389,10 +439,14 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     resolver_init(&resolver, diag, &loader->symbols, options->schema, options->srgb_to_working);
     if (prelude) resolve_prelude(&resolver, prelude);
     for (size_t i = 0; i < options->n_defines; i++) resolve_define(&resolver, defines[i].expr);
+    resolver.late = ARENA_ARRAY(loader->arena, Expr *, options->n_overrides);
+    for (; resolver.n_late < options->n_overrides; resolver.n_late++)
+        resolver.late[resolver.n_late] = overrides[resolver.n_late].expr;
     resolve_file(&resolver, scene, true);
     Evaluator evaluator = {.diag = diag, .arena = loader->arena, .options = options, .schema = options->schema,
                            .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .defines = defines,
-                           .n_defines = options->n_defines};
+                           .n_defines = options->n_defines, .overrides = overrides,
+                           .n_overrides = options->n_overrides};
     evaluator.globals = ARENA_ARRAY(loader->arena, Value, resolver.n_globals);
     evaluator.singles = ARENA_ARRAY(loader->arena, EvalNode *, options->schema->n_nodes);
     evaluator.single_sources = ARENA_ARRAY(loader->arena, uint32_t, options->schema->n_nodes);
@@ -418,8 +472,10 @@ static Status load_and_evaluate(Loader *loader, const char *name, const char *pa
     File *prelude = load_prelude(loader);
     Define *defines = ARENA_ARRAY(loader->arena, Define, options->n_defines);
     for (size_t i = 0; i < options->n_defines; i++) parse_define(loader, options->defines[i], &defines[i]);
+    Override *overrides = ARENA_ARRAY(loader->arena, Override, options->n_overrides);
+    for (size_t i = 0; i < options->n_overrides; i++) parse_override(loader, options->overrides[i], &overrides[i]);
     result->unit_m = scene->unit_m;
-    return diag->n_errors ? STATUS_SCENE : evaluate(loader, prelude, scene, defines, result);
+    return diag->n_errors ? STATUS_SCENE : evaluate(loader, prelude, scene, defines, overrides, result);
 }
 
 static Loader new_loader(const EvalOptions *options, Diag *diag, EvalResult *result)

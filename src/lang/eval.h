@@ -76,6 +76,8 @@ typedef struct EvalOptions {
     const Schema *schema;
     const char *const *defines; /* "name=expression" of -D */
     size_t n_defines;
+    const char *const *overrides; /* "node.property=expression" of --set */
+    size_t n_overrides;
     const char *const *include_folders; /* -I */
     size_t n_include_folders;
     const char *confine; /* NULL, or the folder that every file must be under */

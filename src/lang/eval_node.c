@@ -242,6 +242,47 @@ static bool find_prototype(Evaluator *evaluator, NodeExpr *expr, const EvalNode 
     return false;
 }
 
+/* ---- --set ---- */
+
+/* A type stands for all nodes of that type; an instance takes part through its prototype, unless it sets the property
+ * itself. */
+static bool override_applies(const Override *override, const Target *target, const char *name, bool instance)
+{
+    if (name && strcmp(override->node, name) == 0) return true;
+    if (strcmp(override->node, target->type->name) != 0) return false;
+    const PropType *prop = schema_prop(target->type, override->prop);
+    return !instance || (prop && target->states && target->states[row_of(target->type, prop)] >= PROP_SET);
+}
+
+static void apply_override(Evaluator *evaluator, Override *override, Target *target)
+{
+    const PropType *prop = schema_prop(target->type, override->prop);
+    override->used = true;
+    if (!prop) {
+        if (!override->reported) report_unknown_property(evaluator->diag, override->prop_span, target->type, override->prop);
+        override->reported = true;
+        return;
+    }
+    open_props(evaluator, target);
+    size_t row = row_of(target->type, prop);
+    bool fine = prop_check(evaluator, prop, override->expr, &target->props[row]);
+    target->states[row] = !fine ? PROP_BAD : target->props[row].type ? PROP_SET : PROP_UNSET;
+    target->set_spans[row] = override->prop_span;
+    if (prop->flags & PROP_SHAPE) target->shape_changed = true;
+}
+
+/* A value may hold nodes itself: those are as it writes them. */
+static void apply_overrides(Evaluator *evaluator, Target *target, const char *name, bool instance)
+{
+    if (evaluator->in_override) return;
+    evaluator->in_override = true;
+    for (size_t i = 0; i < evaluator->n_overrides; i++) {
+        Override *override = &evaluator->overrides[i];
+        if (override_applies(override, target, name, instance)) apply_override(evaluator, override, target);
+    }
+    evaluator->in_override = false;
+}
+
 /* NULL after a report. partial: defaults, which need not be complete. */
 static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *name, bool partial)
 {
@@ -259,13 +300,16 @@ static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *nam
     eval_block(evaluator, expr->block);
     evaluator->target = outer;
     if (evaluator->stop) return NULL;
+    if (!partial && evaluator->n_overrides) apply_overrides(evaluator, &target, name, prototype != NULL);
     if (!partial) check_required(evaluator, &target);
     return finish_node(evaluator, &target, prototype, name);
 }
 
 void eval_node_expr(Evaluator *evaluator, Expr *expr, Value *result)
 {
-    EvalNode *node = make_node(evaluator, expr->as.node, NULL, false);
+    const char *name = evaluator->bind_name;
+    evaluator->bind_name = NULL;
+    EvalNode *node = make_node(evaluator, expr->as.node, name, false);
     *result = value_poison();
     if (node) *result = (Value){.kind = VALUE_NODE, .as.node = node};
 }
@@ -361,6 +405,31 @@ void eval_place_value(Evaluator *evaluator, const EvalNode *prototype, Span span
     settle(evaluator, finish_node(evaluator, &target, prototype, NULL));
 }
 
+void eval_missing_overrides(Evaluator *evaluator)
+{
+    for (size_t i = 0; i < evaluator->n_overrides && !evaluator->stop; i++) {
+        const Override *override = &evaluator->overrides[i];
+        const NodeType *type = override->used ? NULL : schema_node(evaluator->schema, override->node);
+        if (!type || !(type->flags & NODE_SINGLE)) continue;
+        Target target = {.type = type, .name = type->name, .span = override->node_span};
+        target.transform = affine_identity();
+        apply_overrides(evaluator, &target, NULL, false);
+        check_required(evaluator, &target);
+        evaluator->in_preset = true; /* what the scene says at another place is not the same thing twice */
+        settle(evaluator, finish_node(evaluator, &target, NULL, NULL));
+    }
+}
+
+/* The name came after the node was made. */
+static void name_macro_node(Evaluator *evaluator, EvalNode *node, const char *name)
+{
+    node->name = name;
+    Target renamed = {.type = node->type, .base = node};
+    apply_overrides(evaluator, &renamed, name, node->prototype != NULL);
+    pack_props(evaluator, &renamed, node);
+    if (renamed.shape_changed) node->prototype = NULL;
+}
+
 /* A macro in the form of a node: its properties are the arguments, its transforms apply to all that it places. */
 static void macro_node(Evaluator *evaluator, NodeExpr *expr)
 {
@@ -378,7 +447,7 @@ static void macro_node(Evaluator *evaluator, NodeExpr *expr)
     for (size_t i = 0; i < placed.children.n; i++) {
         EvalNode *node = placed.children.items[i];
         node->transform = affine_compose(&args.transform, &node->transform);
-        if (expr->name && placed.children.n == 1) node->name = expr->name->text;
+        if (expr->name && placed.children.n == 1) name_macro_node(evaluator, node, expr->name->text);
         place(evaluator, node);
     }
     if (!expr->name) return;

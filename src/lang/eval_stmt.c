@@ -60,14 +60,8 @@ static void bind_stmt(Evaluator *evaluator, Stmt *stmt)
 {
     Value value;
     Expr *expr = stmt->as.bind.value;
+    if (expr->kind == EXPR_NODE) evaluator->bind_name = stmt->as.bind.name->text;
     eval_value(evaluator, expr, &value);
-    /* a node expression has just been made, for this name: nothing else holds it yet */
-    if (value.kind == VALUE_NODE && expr->kind == EXPR_NODE) {
-        EvalNode *named = ARENA_NEW(evaluator->arena, EvalNode);
-        *named = *value.as.node;
-        named->name = stmt->as.bind.name->text;
-        value.as.node = named;
-    }
     *eval_slot(evaluator, stmt->as.bind.slot) = value;
 }
 

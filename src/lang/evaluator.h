@@ -59,6 +59,14 @@ typedef struct Define {
     bool used;
 } Define;
 
+/* node: a declared name, or a type. */
+typedef struct Override {
+    const char *node, *prop;
+    Span node_span, prop_span;
+    Expr *expr;
+    bool used, reported;
+} Override;
+
 typedef struct Preset {
     NodeExpr *node;
     Frame *frame;
@@ -89,6 +97,10 @@ typedef struct Evaluator {
     uint32_t *single_sources;
     Define *defines;
     size_t n_defines;
+    Override *overrides;
+    size_t n_overrides;
+    bool in_override;
+    const char *bind_name;      /* of the let or var whose value is about to be made; NULL */
     Preset *presets;
     size_t n_presets, preset_capacity;
     EvalParam *params;
@@ -173,6 +185,8 @@ EvalFunction eval_node_expr;
 void eval_node_stmt(Evaluator *evaluator, Stmt *stmt);
 void eval_defaults_stmt(Evaluator *evaluator, Stmt *stmt);
 void eval_prop_stmt(Evaluator *evaluator, Stmt *stmt);
+/* Settings that the scene does not write but --set changes. */
+void eval_missing_overrides(Evaluator *evaluator);
 /* Places an instance of a node that a function returned. */
 void eval_place_value(Evaluator *evaluator, const EvalNode *node, Span span);
 void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node);

@@ -437,6 +437,7 @@ void resolve_file(Resolver *resolver, File *file, bool warns_unused)
     resolver->warns_unused = warns_unused;
     scope_begin(resolver);
     resolve_stmts(resolver, file->block->first);
+    for (size_t i = 0; warns_unused && i < resolver->n_late; i++) resolve_define(resolver, resolver->late[i]);
     collect_exports(resolver, file);
     scope_end(resolver);
     resolver->diag->chain = chain;

@@ -56,6 +56,8 @@ typedef struct Resolver {
     const NodeType *context_type; /* CONTEXT_NODE: NULL when it is not known before running */
     const Def *context_def;       /* CONTEXT_MACRO */
     bool warns_unused;      /* of names at the top of the present file */
+    Expr **late;            /* expressions that see all that the scene declares at its top (--set) */
+    size_t n_late;
 } Resolver;
 
 void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,

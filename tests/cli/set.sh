@@ -1,0 +1,84 @@
+# set.sh - --set and --preset: settings of a scene from the command line.
+# SPDX-License-Identifier: Apache-2.0
+
+begin "--set: a setting, a type, a name, whatever the scene says"
+small_scene
+run dump small.mns --set render.samples=8 --set camera.fov=20 --set side.fov=0.2turn --set glass.ior=1.6
+exits 0
+says out 'render { samples = 8 }'
+says out 'fov = 20'
+says out 'fov = 72'
+says out 'medium glass { ior = 1.6 '
+run render small.mns --set render.samples=2 --set film.output='"a.exr"'
+exits 0
+there a.exr
+run info a.exr
+matches out 'samples.* 2$'
+end
+
+begin "--set: names that the scene declares can be used, and the last one counts"
+small_scene
+run dump small.mns --set sphere.interior=water --set 'ground.y=-level' --set render.samples=1 --set render.samples=3
+exits 0
+says_not out 'interior = glass'
+says out 'y = -3'
+says out 'samples = 3'
+end
+
+begin "--set: prototypes, instances, nodes that macros make, settings that the scene leaves out"
+cat > nodes.mns <<'SCENE'
+meniscus 1.0 unit mm
+let grey = surface { albedo = .5 }
+let ball = sphere { radius = 1  surface = grey }
+def post(r) { box { size = <r, 9, r>  surface = grey } }
+ball { translate(x) }
+ball { radius = 3 }
+post corner { r = 2 }
+for (i in 1..2) { sphere bead { radius = i  surface = grey } }
+SCENE
+run dump nodes.mns --set ball.radius=7 --set corner.size='<5, 5, 5>' --set bead.radius=4 --set film.size='<8, 8>'
+exits 0
+says out 'let ball = sphere { radius = 7 '
+says out 'sphere { radius = 3 '
+says out 'size = <5, 5, 5>'
+says out 'sphere bead_2 { radius = 4 '
+says out 'film { size = <8, 8> }'
+run dump nodes.mns --set sphere.radius=6
+says_not out 'radius = 3'
+says_not out 'radius = 1'
+end
+
+begin "--set: mistakes point into the words of the command line"
+small_scene
+run check small.mns --set camera.fow=30 --set gloss.ior=2 --set side.fov=3mm --set render.samples=1.5 --set film.size=1
+exits 3
+says err "--set:1:8: error: 'camera' has no property 'fow' [unknown-property]"
+says err "did you mean 'fov'?"
+says err "the scene has no node 'gloss' [unknown-node]"
+says err "did you mean 'glass'?"
+says err '[wrong-unit]'
+says err "'samples' wants a whole number"
+matches err '5 errors'
+run check small.mns --set fov=30
+exits 3
+says err '--set takes NODE.PROPERTY=VALUE'
+run check small.mns --set 'camera.fov=(30'
+exits 3
+says err '--set:1:'
+end
+
+begin "--preset applies its settings, and --set comes after it"
+small_scene
+echo 'preset draft { render { samples = 1 }  film { size = <8, 4> } }' >> small.mns
+run render small.mns --preset draft -o a.exr
+exits 0
+run info a.exr
+matches out 'samples.* 1$'
+matches out '^dataWindow +0 0  7 3'
+run dump small.mns --preset draft --set render.samples=5
+says out 'samples = 5'
+says out 'size = <8, 4>'
+run check small.mns --preset drift
+exits 3
+says err "did you mean 'draft'?"
+end
