@@ -29,6 +29,7 @@ typedef struct Query {
     const RtcScene *scene;
     const Ray *ray;
     Vec3 origin, direction;
+    Vec3 line;      /* the origin of the float ray that Embree traces; the direction is the same */
     double back;    /* how far Embree's ray starts behind the true one */
     double scale;   /* coordinates of start and scene, for noise */
     double reach;   /* nearest query: candidates beyond do not matter any more */
@@ -107,7 +108,7 @@ static bool is_left(const Query *query, uint32_t object, uint32_t primitive, dou
         const Hit *left = &query->ray->left[i];
         if (left->object != object || left->primitive != primitive) continue;
         if (fabs(t * cos_normal) > DOUBLE_NOISE * (fmax(query->scale, query->ray->start_scale) + t)) continue;
-        if (rtc_is_inside(query->ray, left) == (cos_normal < 0)) return true; /* entering where it is inside already */
+        if (left->inside == (cos_normal < 0)) return true; /* entering where it is inside already */
     }
     return false;
 }
@@ -152,6 +153,17 @@ static bool is_parallel(const Ray *ray, Vec3 normal, double length)
     return false;
 }
 
+/* Whether Embree's own line goes through the triangle. Embree accepts what is within its rounding of the edges, on
+ * either side, which at a silhouette may let a surface be entered and not left. */
+static bool line_hits(const Query *query, const Vec3 corner[3])
+{
+    Vec3 relative[3];
+    for (int i = 0; i < 3; i++) relative[i] = vec3_sub(corner[i], query->line);
+    double side[3];
+    for (int i = 0; i < 3; i++) side[i] = vec3_dot(query->direction, vec3_cross(relative[i], relative[(i + 1) % 3]));
+    return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
+}
+
 /* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
  * its float ray runs a little beside the exact one, and reaches that plane elsewhere. */
 static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primitive, float u, float v)
@@ -172,7 +184,8 @@ static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primiti
         return false;
     Hit hit = {.t = t, .object = object_id, .primitive = primitive, .entering = slope < 0,
                .normal = vec3f_from(vec3_scale(normal, 1 / length)), .cos_normal = slope / length,
-               .rounding = rounding, .u = u, .v = v};
+               .rounding = rounding, .u = u, .v = v,
+               .doubtful = object->baked && !line_hits(query, corner)}; /* an instance is traced in its own frame */
     return keep(query, &hit);
 }
 
@@ -320,10 +333,11 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     hits->n = 0;
 }
 
-static void embree_ray(const Query *query, struct RTCRay *ray)
+static void embree_ray(Query *query, struct RTCRay *ray)
 {
     Vec3 origin = vec3_add(query->origin, query->ray->nudge);
     Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction));
+    query->line = vec3_from_f(start);
     ray->org_x = start.x;
     ray->org_y = start.y;
     ray->org_z = start.z;
@@ -388,7 +402,7 @@ static bool repeats_start(const Ray *ray, const Hit *hit)
 {
     for (size_t i = 0; i < ray->n_left; i++) {
         const Hit *left = &ray->left[i];
-        if (left->object != hit->object || rtc_is_inside(ray, left) != hit->entering) continue;
+        if (left->object != hit->object || left->inside != hit->entering) continue;
         double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
         if (hit->t * fmin(fabs(slope), fabs(hit->cos_normal)) <= 2 * hit->rounding) return true;
     }
@@ -543,6 +557,12 @@ Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool 
         const RtcPlaced *object = &scene->objects[hits[i].object];
         if (object->mesh) next.origin = triangle_inset(object, hits[i].primitive, next.origin, margin);
     }
-    next.nudge = vec3_scale(vec3_from_f(hit->normal), rtc_is_inside(&next, hit) ? -margin : margin);
+    for (size_t i = 0; i < *n; i++) {
+        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next.origin, ray_point(ray, hits[i].t));
+        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(direction));
+        bool on_surface = fabs(height) <= DOUBLE_NOISE * next.start_scale + UNIT_ROUNDING * vec3_length(from_surface);
+        hits[i].inside = on_surface ? slope < 0 : height < 0;
+    }
+    next.nudge = vec3_scale(vec3_from_f(hit->normal), hit->inside ? -margin : margin);
     return next;
 }

@@ -74,6 +74,8 @@ struct Hit {
     double cos_normal;     /* direction . normal, in double */
     double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
     float u, v;            /* barycentric of the triangle; unused for pieces */
+    bool inside;           /* set by rtc_leave: whether the new ray starts inside of this hit's object */
+    bool doubtful;         /* at a triangle's edge, so close that Embree's float ray is in fact outside of it */
 };
 
 /* A growing list of hits, one per worker, reused from ray to ray. */
@@ -111,13 +113,9 @@ void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurfa
 /* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
  * (through) or from the side that ray came from. Of several hits of one object only the first is kept (hits and *n
  * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface; only within
- * rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both neighbours. */
+ * rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both neighbours.
+ * hits[i].inside says for each surface on which side of it the ray starts: by where the origin is, and by the direction
+ * where it is on the surface itself. */
 Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction);
-
-/* Whether a ray is inside of an object that it has left a surface of: its direction says so. */
-static inline bool rtc_is_inside(const Ray *ray, const Hit *left)
-{
-    return vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction)) < 0;
-}
 
 #endif

@@ -89,7 +89,9 @@ static bool cross_hits(Tracer *tracer, NestList *list, const Hit *hits, size_t n
     uint32_t n_passes = 0;
     for (size_t i = 0; i < n; i++) {
         uint32_t hull = compiled->hull_of_object[hits[i].object];
-        if (hull != SCENE_NONE) tracer->passes[n_passes++] = (NestPass){hull, hits[i].entering};
+        if (hull == SCENE_NONE) continue;
+        if (UNLIKELY(hits[i].doubtful) && nest_list_has(list, hull) == hits[i].entering) continue; /* no surface is there */
+        tracer->passes[n_passes++] = (NestPass){hull, hits[i].entering};
     }
     *crossing = (NestCrossing){0};
     if (!n_passes) return true;
@@ -139,11 +141,18 @@ static EventKind event_kind(const World *world, const Hit *hits, size_t n, Event
     return n ? EVENT_BOUNDARY : EVENT_ESCAPE;
 }
 
+static bool any_doubtful(const Hit *hits, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (hits[i].doubtful) return true;
+    return false;
+}
+
 /* Finds the next surfaces along the path's ray and crosses them into tracer->next; false when memory ends.
- * Where what was found contradicts the list, Embree's float ray may have met at an edge what the exact ray misses, or
- * missed what it meets. Then the search is done again with the float ray moved by as much as rounding, first onto the
- * exact one, then to both sides of the surface; a reading that agrees with the list is taken. A contradiction in
- * all of them is a fault. */
+ * Where what was found contradicts the list, or is doubtful, Embree's float ray may have met at an edge what the exact ray
+ * misses, or missed what it meets. Then the search is done again with the float ray moved by as much as rounding,
+ * first onto the exact one, then to both sides of the surface; a reading that is clear and agrees with the list is taken, and
+ * the float ray stays there. A contradiction in all of them is a fault. */
 static bool cross_nearest(Path *path, Event *event)
 {
     enum { ATTEMPTS = 4 };
@@ -164,7 +173,8 @@ static bool cross_nearest(Path *path, Event *event)
             !cross_hits(tracer, &tracer->next, hits, n, &event->crossing))
             return false;
         /* after the last attempt the first reading is taken again, with its faults */
-        if (LIKELY(!event->crossing.n_faults) || attempt == ATTEMPTS) {
+        bool clear = !event->crossing.n_faults && !any_doubtful(hits, n);
+        if (LIKELY(clear) || attempt == ATTEMPTS) {
             tracer->counters.crossings += n;
             tracer->counters.nesting_faults += event->crossing.n_faults;
             return true;
@@ -214,7 +224,7 @@ static void next_event(Path *path, Event *event)
 }
 
 /* The list of a ray that starts at several surfaces which stand at one place but are not parallel, say where two
- * hulls' surfaces cross: each of them is crossed, or not, by the ray's own direction. */
+ * hulls' surfaces cross: each of them is crossed, or not, by where the ray starts and goes. */
 static bool cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
 {
     const CompiledScene *compiled = tracer->world->compiled;
@@ -222,9 +232,9 @@ static bool cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
     for (size_t i = 0; i < ray->n_left; i++) {
         const Hit *left = &ray->left[i];
         uint32_t hull = compiled->hull_of_object[left->object];
-        NestPass pass = {hull, rtc_is_inside(ray, left)};
+        NestPass pass = {hull, left->inside};
         NestCrossing crossing;
-        if (hull == SCENE_NONE || pass.entering != left->entering) continue; /* turned away from */
+        if (hull == SCENE_NONE || left->inside != left->entering) continue; /* not crossed */
         if (nest_cross(list, &compiled->order, &pass, 1, &crossing) != STATUS_OK) return false;
     }
     return true;
