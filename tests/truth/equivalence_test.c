@@ -9,7 +9,7 @@
 #include "arrangements.h"
 #include "truth.h"
 
-enum { WIDTH = 40, N_PIXELS = WIDTH * WIDTH, REPEATS = 12, SAMPLES = 48 };
+enum { WIDTH = 40, N_PIXELS = WIDTH * WIDTH, REPEATS = 32, SAMPLES = 16 };
 
 /* Bright enough at the top, and with a horizon, so that what is bent elsewhere looks different. */
 static double banded_sky(double elevation)

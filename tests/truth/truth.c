@@ -45,25 +45,41 @@ static void stop_with_reports(Fixture *scene, const TruthInput *input)
     fail_msg("%s: %s", input->file ? input->file : input->text, scene->error.text);
 }
 
-void truth_open(Fixture *scene, TruthInput input)
+static void build(Fixture *scene, TruthInput *input)
 {
     memset(scene, 0, sizeof *scene);
     arena_init(&scene->arena);
     scene->sources.arena = &scene->arena;
     diag_init(&scene->diag, &scene->arena, &scene->sources);
     size_t n_defines = 0;
-    while (input.defines && input.defines[n_defines]) n_defines++;
-    SceneOptions options = {.eval = {.frames = 1, .frame = 1, .defines = input.defines, .n_defines = n_defines},
-                            .load_image = load_sky, .load_image_context = &input};
-    scene->status = input.file ? scene_build(input.file, &options, &scene->diag, &scene->scene, NULL, &scene->error)
-                               : scene_build_text("truth.mns", input.text, &options, &scene->diag, &scene->scene, NULL,
-                                                  &scene->error);
+    while (input->defines && input->defines[n_defines]) n_defines++;
+    SceneOptions options = {.eval = {.frames = 1, .frame = 1, .defines = input->defines, .n_defines = n_defines},
+                            .load_image = load_sky, .load_image_context = input};
+    if (input->file)
+        scene->status = scene_build(input->file, &options, &scene->diag, &scene->scene, NULL, &scene->error);
+    else
+        scene->status = scene_build_text("truth.mns", input->text, &options, &scene->diag, &scene->scene, NULL, &scene->error);
+}
+
+void truth_open(Fixture *scene, TruthInput input)
+{
+    build(scene, &input);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
     if (input.furnace) make_furnace(scene->scene);
     scene->status = compile_scene(scene->scene, input.policy, NULL, &scene->diag, &scene->compiled, &scene->error);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
     scene->status = compile_check_camera(scene->compiled, 0, &scene->diag, &scene->error);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
+}
+
+bool truth_is_library(const char *file)
+{
+    Fixture scene;
+    TruthInput input = {.file = file};
+    build(&scene, &input);
+    bool library = scene.status != STATUS_OK && fixture_find(&scene, D_NO_CAMERA);
+    fixture_clear(&scene);
+    return library;
 }
 
 RenderSettings truth_settings(uint32_t width, uint32_t samples)

@@ -44,6 +44,9 @@ typedef struct TruthInput {
 /* Builds and compiles a scene, which must be right. */
 void truth_open(Fixture *scene, TruthInput input);
 
+/* Whether a file only defines things for others to use: all that it lacks is a camera. */
+bool truth_is_library(const char *file);
+
 /* Square pictures with enough bounces for any path to end by itself; change what is to be otherwise. */
 RenderSettings truth_settings(uint32_t width, uint32_t samples);
 /* threads 0: one per processor. No sample may be lost: neither bad, nor saturated, nor given up. */
