@@ -243,6 +243,7 @@ static unsigned rule_gap(Layout *layout, const Item *left, const Item *right)
                    (left->kind == TOKEN_LESS && innermost(layout)->kind == TOKEN_LESS);
     if (is_comment(left) || is_comment(right)) return bracket ? 0 : 1;
     if (right->starts) return left->kind == TOKEN_BRACE_OPEN ? 1 : 2;
+    if (left->kind == TOKEN_NUMBER && right->kind == TOKEN_DOT) return 1; /* or the point would be the number's */
     if (bracket || left->kind == TOKEN_DOT || right->kind == TOKEN_DOT) return 0;
     switch (right->kind) {
     case TOKEN_COMMA:

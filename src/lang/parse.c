@@ -440,7 +440,7 @@ static Stmt *parse_kids(Parser *parser)
     return stmt;
 }
 
-/* path = name { "." name } ; */
+/* path = name [ "." name [ "." name [ "." name ] ] ] ; */
 Path parse_path(Parser *parser)
 {
     Path path = {.span = token_span(parser)};
@@ -567,6 +567,19 @@ static bool token_is_word(const Token *token, const char *word)
     return token->kind == TOKEN_NAME && strcmp(token->as.symbol->text, word) == 0;
 }
 
+/* A macro or a property may be called unit, too. */
+static bool begins_statement(const Parser *parser)
+{
+    switch (peek(parser).kind) {
+    case TOKEN_BRACE_OPEN:
+    case TOKEN_PAREN_OPEN:
+    case TOKEN_DOT:
+    case TOKEN_ASSIGN:
+    case TOKEN_CHANGE: return true;
+    default: return false;
+    }
+}
+
 /* "meniscus" number [ "unit" unit ] */
 static void parse_header(Parser *parser, double unit_m)
 {
@@ -586,7 +599,7 @@ static void parse_header(Parser *parser, double unit_m)
         diag_report(parser->diag, D_UNSUPPORTED_VERSION, version_span,
                     "the file is in version %g of the language; this program reads %d.%d", file->version, LANGUAGE_MAJOR,
                     LANGUAGE_MINOR);
-    if (!token_is_word(&parser->token, "unit")) return;
+    if (!token_is_word(&parser->token, "unit") || begins_statement(parser)) return;
     advance(parser);
     file->unit_span = token_span(parser);
     const UnitType *unit = NULL;

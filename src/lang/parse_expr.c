@@ -618,7 +618,7 @@ static Expr *parse_let(Parser *parser)
     return expr;
 }
 
-/* expr = "let" "(" args ")" expr | tern [ ( ".." | "..<" ) tern [ "by" tern ] ] ; */
+ /* expr = "let" "(" [ bound { "," bound } [ "," ] ] ")" expr | tern [ ( ".." | "..<" ) tern [ "by" tern ] ] ; */
 Expr *parse_expr(Parser *parser)
 {
     if (parser->token.kind == TOKEN_LET) return parse_let(parser);
