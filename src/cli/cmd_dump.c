@@ -42,10 +42,10 @@ Status cmd_dump(const Options *options, const Talk *talk, Error *error)
         status = reported;
         *error = report_error;
     }
-    talk_write(&dump.result.printed);
+    input.printed = dump.result.printed;
+    scene_input_print_said(&input);
     if (status == STATUS_OK) status = print_out(&dump.out, error);
     buf_clear(&dump.out);
-    buf_clear(&dump.result.printed);
     scene_input_close(&input);
     return status;
 }

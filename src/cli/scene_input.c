@@ -73,7 +73,7 @@ static Status run_stage(Stage *stage, void (*task)(void *context))
     return stage->status;
 }
 
-static void print_said(SceneInput *input)
+void scene_input_print_said(SceneInput *input)
 {
     if (input->printed.length == 0) return;
     if (input->talk->json) {
@@ -97,7 +97,7 @@ Status scene_input_build(SceneInput *input, Error *error)
 {
     Stage stage = {.input = input, .error = error};
     Status status = run_stage(&stage, build);
-    print_said(input);
+    scene_input_print_said(input);
     return status;
 }
 

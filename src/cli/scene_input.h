@@ -43,6 +43,8 @@ ATTR_NODISCARD Status scene_input_evaluate(SceneInput *input, EvalResult *result
 /* Runs a task with the arena guarded. STATUS_NOMEM when memory ran out in it. */
 ATTR_NODISCARD Status scene_input_guard(SceneInput *input, void (*task)(void *context), void *context, Error *error);
 /* Prints the reports, once; STATUS_SCENE without a text when there are errors among them. */
+/* Shows what the scene said with print(), which is in input->printed. scene_input_build does that itself. */
+void scene_input_print_said(SceneInput *input);
 ATTR_NODISCARD Status scene_input_print_reports(SceneInput *input, Error *error);
 
 /* Reads a picture; one that is a PNG file is taken for sRGB and made linear. */

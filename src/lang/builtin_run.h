@@ -20,4 +20,9 @@ void run_transform(const BuiltinCall *call, Value *result);
 void run_inverse(const BuiltinCall *call, Value *result);
 void run_apply(const BuiltinCall *call, Value *result);
 
+/* builtin_curve.c */
+void run_spline(const BuiltinCall *call, Value *result);
+void run_angle(const BuiltinCall *call, Value *result);
+void run_text(const BuiltinCall *call, Value *result);
+
 #endif

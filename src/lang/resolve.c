@@ -40,7 +40,8 @@ void scope_end(Resolver *resolver)
 Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
 {
     Binding *old = symbol->binding;
-    if (old && old->scope == resolver->scope) {
+    bool again = old && old->scope == resolver->scope;
+    if (again) {
         Diagnostic *report =
             diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block", symbol->text);
         if (old->has_span) diag_note(resolver->diag, report, old->span, "first declared here");
@@ -48,7 +49,8 @@ Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Spa
     }
     Binding *binding = ARENA_NEW(resolver->arena, Binding);
     *binding = (Binding){.shadowed = old, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
-                         .symbol = symbol, .kind = kind, .has_span = true, .span = span, .level = resolver->level};
+                         .symbol = symbol, .kind = kind, .has_span = true, .span = span, .level = resolver->level,
+                         .used = again};
     resolver->scope->bindings = binding;
     symbol->binding = binding;
     return binding;
