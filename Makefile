@@ -153,7 +153,8 @@ demo: all assets ## render the main example to whisky.exr and whisky.png
 # ---- tests ----
 
 check: check-program ## run all tests; the last line is "N passed, N failed"
-	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh
+	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh \
+	  tests/render/run.sh $(TRUTH_TESTS)
 
 check-quick: check-program ## the tests without the renders that hold it to physics
 	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh
@@ -167,6 +168,10 @@ bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as rati
 
 $(BUILD)/bench: tests/bench/bench.c $(BUILD)/libmeniscus.a
 	$(SAY) $(TEST_COMPILE) $< $(BUILD)/libmeniscus.a $(LIBS)
+
+golden: all assets ## make one reference picture anew: make golden NAME=whisky
+	sh tests/render/run.sh build/meniscus --make $(NAME)
+.PHONY: golden
 
 asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
 	$(MAKE) VARIANT=$@ check-quick
