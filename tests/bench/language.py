@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""How fast scenes are read: figures to compare between versions, and with POV-Ray where it is installed.
+
+usage: language.py MENISCUS
+
+'meniscus params' reads and evaluates a scene and builds nothing. The time of an empty scene is taken off, and of three
+runs the fastest counts. POV-Ray's scenes do the same work with as few other things as it allows.
+SPDX-License-Identifier: Apache-2.0
+"""
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+N_VERTICES, N_TURNS, N_SPHERES, N_CALLS = 400000, 10000000, 1000000, 2000000
+POV_TURNS, POV_CALLS = 1000000, 100000
+
+
+def mesh_numbers():
+    generator = random.Random(1)
+    vertices = [tuple(generator.uniform(-100, 100) for _ in range(3)) for _ in range(N_VERTICES)]
+    faces = [(i, i + 1, i + 2) for i in range(N_VERTICES - 2)]
+    return ([", ".join(f"{c:.6f}" for c in v) for v in vertices], [", ".join(map(str, f)) for f in faces])
+
+
+def listed(items):
+    return ",\n".join(", ".join(f"<{item}>" for item in items[i:i + 4]) for i in range(0, len(items), 4))
+
+
+def measure(command, folder, runs=3):
+    """Seconds and MB of memory."""
+    best, memory = 1e9, 0
+    for _ in range(runs):
+        begin = time.perf_counter()
+        process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        errors = process.stderr.read()
+        _, status, usage = os.wait4(process.pid, 0)
+        best = min(best, time.perf_counter() - begin)
+        memory = usage.ru_maxrss / 1000
+        if status:
+            raise SystemExit(f"{' '.join(command)} failed:\n{errors.decode()[-2000:]}")
+    return best, memory
+
+
+class Bench:
+    def __init__(self, folder, program):
+        self.folder, self.program = folder, program
+        self.empty = measure(self.command("empty", ""), folder)[0]
+        self.povray = shutil.which("povray")
+        self.pov_empty = self.pov("empty", "")[0] if self.povray else 0
+
+    def command(self, name, text):
+        with open(os.path.join(self.folder, name + ".mns"), "w") as file:
+            file.write("meniscus 1.0 unit mm\n" + text)
+        return [self.program, "params", name + ".mns"]
+
+    def run(self, name, text):
+        seconds, memory = measure(self.command(name, text), self.folder)
+        return max(seconds - self.empty, 1e-6), memory
+
+    def pov(self, name, text):
+        with open(os.path.join(self.folder, name + ".pov"), "w") as file:
+            file.write("#version 3.7;\nglobal_settings { assumed_gamma 1 }\ncamera { location <0,0,-9> look_at 0 }\n" + text)
+        command = [self.povray, f"+I{name}.pov", "-D", "-F", "+W1", "+H1", "-GA", "-A"]
+        seconds, memory = measure(command, self.folder, 1)
+        return max(seconds - getattr(self, "pov_empty", 0), 1e-6), memory
+
+    def beside(self, text, number, format_of):
+        print(f"{text:44}{format_of(number[0])}" + (f"    POV-Ray {format_of(number[1])}" if self.povray else ""))
+
+
+def bench_numbers(bench):
+    vertices, faces = mesh_numbers()
+    text = f"let m = mesh {{ positions = [{listed(vertices)}]\ntriangles = [{listed(faces)}]\nsurface = surface {{ }} }}\nm {{ }}\n"
+    seconds, _ = bench.run("mesh", text)
+    other = 0
+    if bench.povray:
+        pov = (f"mesh2 {{ vertex_vectors {{ {len(vertices)}, {listed(vertices)} }}\n"
+               f"face_indices {{ {len(faces)}, {listed(faces)} }} }}\n")
+        other = len(pov) / 1e6 / bench.pov("mesh", pov)[0]
+    bench.beside("numbers of an inline mesh", (len(text) / 1e6 / seconds, other), lambda x: f"{x:9.1f} MB/s")
+
+
+def bench_operations(bench):
+    body = "s := (s + i * 2 - 1) % 1000"  # four operations, an assignment, a turn of the loop
+    seconds, _ = bench.run("turns", f"var s = 0\nfor (i in 1..{N_TURNS}) {{ {body} }}\nprint(s)\n")
+    other = 0
+    if bench.povray:
+        other = bench.pov("turns", f"#declare S = 0;\n#for (I, 1, {POV_TURNS})\n#declare S = mod(S + I * 2 - 1, 1000);\n#end\n")[0]
+    bench.beside("turns of a loop", (N_TURNS / seconds / 1e6, other and POV_TURNS / other / 1e6), lambda x: f"{x:9.2f} million/s")
+    bench.beside("simple operations (6 in a turn)", (6 * N_TURNS / seconds / 1e6, other and 6 * POV_TURNS / other / 1e6),
+                 lambda x: f"{x:9.2f} million/s")
+
+
+def bench_objects(bench):
+    place = "<rnd(1, i) * 100, rnd(2, i) * 100, rnd(3, i) * 100>"
+    text = (f"let grey = surface {{ }}\nfor (i in 1..{N_SPHERES}) {{ sphere {{ center = {place}  radius = .1  surface = grey }} }}\n")
+    seconds, memory = bench.run("spheres", text)
+    other = (0, 0)
+    if bench.povray:
+        pov = (f"#declare R = seed(1);\nunion {{\n#for (I, 1, {N_SPHERES})\n"
+               "sphere { <rand(R), rand(R), rand(R)> * 100, .1 }\n#end\n}\n")
+        other = bench.pov("spheres", pov)
+    bench.beside(f"{N_SPHERES} spheres from a loop", (seconds, other[0]), lambda x: f"{x:9.2f} s")
+    bench.beside("their memory", (memory * 1e6 / N_SPHERES, other[1] * 1e6 / N_SPHERES), lambda x: f"{x:9.0f} bytes each")
+
+
+def bench_macros(bench):
+    macro = "def step(n) { if (n > 5) { print(n) } }\n"
+    with open(os.path.join(bench.folder, "parts.mns"), "w") as file:
+        file.write("meniscus 1.0\n" + macro)
+    calls = f"for (i in 1..{N_CALLS}) {{ step(i % 5) }}\n"
+    here, _ = bench.run("here", macro + calls)
+    included, _ = bench.run("included", 'include "parts.mns"\n' + calls)
+    used, _ = bench.run("used", 'use "parts.mns" as parts\n' + calls.replace("step(", "parts.step("))
+    others = [0, 0]
+    if bench.povray:
+        pov = "#macro Step(N) #if (N > 5) #debug \"x\" #end #end\n"
+        with open(os.path.join(bench.folder, "parts.inc"), "w") as file:
+            file.write(pov)
+        loop = f"#for (I, 1, {POV_CALLS})\nStep(mod(I, 5))\n#end\n"
+        others = [POV_CALLS / bench.pov("here", pov + loop)[0] / 1e6,
+                  POV_CALLS / bench.pov("included", '#include "parts.inc"\n' + loop)[0] / 1e6]
+    rate = lambda x: f"{x:9.2f} million/s"
+    bench.beside("calls of a macro of the same file", (N_CALLS / here / 1e6, others[0]), rate)
+    bench.beside("calls of a macro from an include", (N_CALLS / included / 1e6, others[1]), rate)
+    bench.beside("calls of a macro from a use", (N_CALLS / used / 1e6, 0), rate)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        bench = Bench(folder, os.path.abspath(sys.argv[1]))
+        print(f"{'start, with an empty scene':44}{bench.empty * 1000:9.1f} ms")
+        bench_numbers(bench)
+        bench_operations(bench)
+        bench_objects(bench)
+        bench_macros(bench)
+        if not bench.povray:
+            print("POV-Ray is not installed: nothing to compare with")
+
+
+if __name__ == "__main__":
+    main()
