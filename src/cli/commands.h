@@ -8,6 +8,7 @@
 
 ATTR_NODISCARD Status cmd_render(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_check(const Options *options, const Talk *talk, Error *error);
+ATTR_NODISCARD Status cmd_editor(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_dump(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_fmt(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_params(const Options *options, const Talk *talk, Error *error);

@@ -13,7 +13,7 @@ static Status (*const command_functions[])(const Options *options, const Talk *t
     [COMMAND_PARAMS] = cmd_params,
     [COMMAND_VIEW] = cmd_view,             [COMMAND_COMPARE] = cmd_compare, [COMMAND_INFO] = cmd_info,
     [COMMAND_COMPLETION] = cmd_completion, [COMMAND_HELP] = cmd_help,   [COMMAND_MANUAL] = cmd_manual,
-    [COMMAND_VERSION] = cmd_version,
+    [COMMAND_EDITOR] = cmd_editor,         [COMMAND_VERSION] = cmd_version,
 };
 
 static Status print_help(Command command, bool full, Error *error)

@@ -25,6 +25,8 @@ const UnitType *unit_of(const char *text, size_t length)
     return NULL;
 }
 
+const UnitType *unit_at(size_t index) { return index < COUNT_OF(unit_table) ? &unit_table[index] : NULL; }
+
 const char *unit_of_length(double size_m)
 {
     for (size_t i = 0; i < COUNT_OF(unit_table); i++)
