@@ -530,16 +530,32 @@ static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, 
     return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
 }
 
-/* Keeps the first hit of each object; returns how many. */
+/* Whether an object's hits among hits[0 .. n) go as often in as out: an edge that is clipped or missed within rounding. */
+static bool comes_to_nothing(const Hit *hits, size_t n, uint32_t object)
+{
+    int net = 0;
+    const Hit *last = NULL;
+    for (size_t i = 0; i < n; i++) {
+        if (hits[i].object != object) continue;
+        if (!last || last->entering != hits[i].entering) net += hits[i].entering ? 1 : -1;
+        last = &hits[i];
+    }
+    return net == 0;
+}
+
+/* Keeps the first hit of each object, and none of an object whose hits come to nothing; returns how many. `inside` serves
+ * as the mark of what is kept until rtc_leave gives it its meaning. */
 static size_t one_per_object(Hit *hits, size_t n)
 {
-    size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
         size_t k = 0;
-        while (k < kept && hits[k].object != hits[i].object) k++;
-        if (k == kept) hits[kept++] = hits[i];
+        while (hits[k].object != hits[i].object) k++;
+        hits[i].inside = k == i && !comes_to_nothing(hits, n, hits[i].object);
     }
-    return kept;
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++)
+        if (hits[i].inside) hits[kept++] = hits[i];
+    return kept ? kept : 1; /* the caller turns away from an edge alone: then from its first face */
 }
 
 Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
