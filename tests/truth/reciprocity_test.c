@@ -116,7 +116,8 @@ static void check(const Arrangement *arrangement, const char *fit, NestPolicy po
     char what[120];
     const char *defines[] = {fit, NULL};
     Fixture scene;
-    truth_open(&scene, (TruthInput){.text = arrangement->text, .defines = fit ? defines : NULL, .policy = policy, .furnace = true});
+    TruthInput input = {.text = arrangement->text, .defines = fit ? defines : NULL, .policy = policy, .furnace = true};
+    truth_open(&scene, input);
     Outcome outcome = walk_lines(&scene);
     fixture_clear(&scene);
     snprintf(what, sizeof what, "%s%s%s, %s", arrangement->name, fit ? ", " : "", fit ? fit : "", nest_policy_text(policy));
@@ -136,8 +137,8 @@ static void lines_are_the_same_from_both_ends(void **state)
             for (size_t p = 0; p < COUNT_OF(policies); p++)
                 check(&arrangements[i], arrangements[i].fits ? arrangement_fits[k] : NULL, policies[p]);
     hit_list_clear(&hits);
-    printf("  %u of %u lines differ under automatic and priority, %u of %u under entered\n", ranked.differ, ranked.lines,
-           entered.differ, entered.lines);
+    printf("  %u of %u lines differ under automatic and priority, %u of %u under entered\n", ranked.differ,
+           ranked.lines, entered.differ, entered.lines);
     truth_print_faults("lines under automatic and priority", &ranked.faults);
     truth_print_faults("lines under entered", &entered.faults);
     assert_int_equal(ranked.differ, 0);

@@ -1,5 +1,5 @@
-/* refraction_test.c - where light goes at smooth boundaries, measured in pictures: Snell's window, apparent depth, the critical
- * angle of a prism, and a lens half under water.
+/* refraction_test.c - where light goes at smooth boundaries, measured in pictures: Snell's window, apparent depth, the
+ * critical angle of a prism, and a lens half under water.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
@@ -40,8 +40,8 @@ static double pixels_at(double angle, double fov, uint32_t width)
 
 /* ---- Snell's window ---- */
 
-/* From under water the whole sky is within the critical angle asin(1 / n); outside of it one sees the black floor, mirrored.
- * The luminance falls steeply at the edge: where the Fresnel transmittance is a fifth is within a quarter of a pixel of it. */
+/* From under water the whole sky is within the critical angle asin(1 / n); outside of it one sees the black floor,
+ * mirrored. The luminance falls steeply at the edge: to a fifth within a quarter of a pixel of it. */
 static void snells_window(void **state)
 {
     (void)state;
@@ -52,8 +52,8 @@ static void snells_window(void **state)
         snprintf(text, sizeof text, "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
                  "box { interior = water  from = <-3000, -30, -3000>  to = <3000, 0, 3000> }\n"
                  "ground { y = -20  surface = surface { albedo = 0 } }\n"
-                 "camera { from = <0, -%s, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 110deg  expect = [water] }\n" TRUTH_WHITE_SKY,
-                 depths[i]);
+                 "camera { from = <0, -%s, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 110deg  expect = [water] }\n"
+                 TRUTH_WHITE_SKY, depths[i]);
         Picture picture;
         render_text(text, NULL, PICTURE, SAMPLES, &picture);
         double n_inside = 0, outside = 0, expected = pixels_at(asin(1 / water), 110 * degree, PICTURE);
@@ -111,8 +111,8 @@ static double sky_above(double elevation)
     return elevation > 67.5 * degree ? 1 : 0;
 }
 
-/* What is left of a ray that enters a leg of a prism of 45, 90, 45 degrees at this angle upwards, turns at the hypotenuse, which
- * it meets at 45 degrees more, and leaves through the other leg at the angle at which it came. */
+/* What is left of a ray that enters a leg of a prism of 45, 90, 45 degrees at this angle upwards, turns at the
+ * hypotenuse, which it meets at 45 degrees more, and leaves through the other leg at the angle at which it came. */
 static double prism_value(double elevation, double ior)
 {
     double inner = asin(sin(elevation) / ior), leg = 1 - truth_fresnel(cos(elevation), 1, ior);
@@ -142,8 +142,10 @@ static void prism(void **state)
     Picture picture;
     render_text("meniscus 1.0 unit mm medium glass { ior = 1.5 }\n"
                 "mesh { interior = glass\n"
-                "  positions = [<-50, -10, 0>, <-50, 10, 0>, <-50, 10, -20>, <50, -10, 0>, <50, 10, 0>, <50, 10, -20>]\n"
-                "  triangles = [<0, 1, 2>, <3, 5, 4>, <0, 5, 3>, <0, 2, 5>, <0, 4, 1>, <0, 3, 4>, <1, 5, 2>, <1, 4, 5>] }\n"
+                "  positions = [<-50, -10, 0>, <-50, 10, 0>, <-50, 10, -20>,\n"
+                "               <50, -10, 0>, <50, 10, 0>, <50, 10, -20>]\n"
+                "  triangles = [<0, 1, 2>, <3, 5, 4>, <0, 5, 3>, <0, 2, 5>,\n"
+                "               <0, 4, 1>, <0, 3, 4>, <1, 5, 2>, <1, 4, 5>] }\n"
                 "camera { from = <0, 0, 20>  to = <0, 0, 0>  fov = 16deg }\n" TRUTH_SKY,
                 sky_above, PICTURE, SAMPLES, &picture);
     double measured = -1, row[PICTURE];
@@ -152,13 +154,14 @@ static void prism(void **state)
         for (uint32_t x = PICTURE / 2 - 4; x < PICTURE / 2 + 4; x++) row[y] += truth_luminance(&picture, x, y) / 8;
         if (measured < 0 && y > 0 && row[y] <= 0.5) measured = y - 0.5 + (row[y - 1] - 0.5) / (row[y - 1] - row[y]);
     }
-    expect_pixels("prism: row of the critical angle", PICTURE / 2.0 - pixels_at(prism_edge(1.5), fov, PICTURE), measured);
+    double expected = PICTURE / 2.0 - pixels_at(prism_edge(1.5), fov, PICTURE);
+    expect_pixels("prism: row of the critical angle", expected, measured);
     /* where all is reflected; light that a leg turns back inside comes round again: 1 / (1 - r^2) */
     double values[PICTURE], r = truth_fresnel(1, 1, 1.5);
     uint32_t y = (uint32_t)(PICTURE / 2.0 - pixels_at(1 * degree, fov, PICTURE));
     for (uint32_t x = 0; x < PICTURE; x++) values[x] = truth_luminance(&picture, x, y);
-    truth_expect("prism: luminance of total reflection", prism_value(1 * degree, 1.5) / (1 - r * r), truth_estimate(values, PICTURE), 4,
-                 0.002);
+    truth_expect("prism: luminance of total reflection", prism_value(1 * degree, 1.5) / (1 - r * r),
+                 truth_estimate(values, PICTURE), 4, 0.002);
     truth_clear(&picture);
 }
 
@@ -175,9 +178,9 @@ static double disc_below(double height)
     return 1 - (acos(height) - height * sqrt(1 - height * height)) / TRUTH_PI;
 }
 
-/* The camera looks level across a surface of water that cuts its lens. Rays from the part above see the sky, or the floor
- * through the water and the sky in it; rays from the part below see the floor, or the surface from below. The floor shines with
- * radiance 0.5 in the water, a basic radiance of 0.5 / n^2. */
+/* The camera's lens is cut by a surface of water. Rays from the part above see the sky, or the floor through the water
+ * and the sky in it; rays from the part below see the floor, or the surface from below. The floor shines with radiance
+ * 0.5 in the water, a basic radiance of 0.5 / n^2. */
 static double lens_value(double elevation, double under_water)
 {
     double floor_radiance = 0.5 / (water * water), cosine = fabs(sin(elevation));
@@ -211,7 +214,8 @@ static void half_submerged_lens(void **state)
             for (uint32_t y = 0; y < PICTURE; y++) {
                 double values[PICTURE], expected = 0;
                 for (uint32_t x = 0; x < PICTURE; x++) {
-                    double vx = (2 * (x + 0.5) / PICTURE - 1) * tan(fov / 2), vy = (1 - 2 * (y + 0.5) / PICTURE) * tan(fov / 2);
+                    double vx = (2 * (x + 0.5) / PICTURE - 1) * tan(fov / 2);
+                    double vy = (1 - 2 * (y + 0.5) / PICTURE) * tan(fov / 2);
                     double elevation = asin((sin(pitch) + vy * cos(pitch)) / sqrt(1 + vx * vx + vy * vy));
                     double value = lens_value(elevation, disc_below(-heights[i]));
                     values[x] = truth_luminance(&picture, x, y) - value;
@@ -220,7 +224,8 @@ static void half_submerged_lens(void **state)
                 Estimate e = truth_estimate(values, PICTURE);
                 worst = fmax(worst, fabs(e.mean) / e.error);
                 if (y == PICTURE / 2) {
-                    snprintf(what, sizeof what, "lens %.1f of its radius above water, looking %s", heights[i], up > 0 ? "up" : "down");
+                    snprintf(what, sizeof what, "lens %.1f of its radius above water, looking %s", heights[i],
+                             up > 0 ? "up" : "down");
                     truth_expect(what, expected, (Estimate){expected + e.mean, e.error}, 4, 0.004);
                 }
             }

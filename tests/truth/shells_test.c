@@ -9,8 +9,8 @@ static void render_shells(const char *view, bool seen_from_inside, NestPolicy po
     enum { SHELLS = 1000, PICTURE = 4, SAMPLES = 3 };
     char text[1000], what[100];
     snprintf(text, sizeof text, "meniscus 1.0 unit mm medium thick { ior = 1.4 } medium thin { ior = 1.35 }\n"
-             "for (i in 0..<%d) { sphere { interior = i %% 2 == 0 ? thick : thin  radius = 10 - .0099 * i  priority = i } }\n%s",
-             SHELLS, view);
+             "for (i in 0..<%d) {\n"
+             "  sphere { interior = i %% 2 == 0 ? thick : thin  radius = 10 - .0099 * i  priority = i } }\n%s", SHELLS, view);
     Fixture scene;
     truth_open(&scene, (TruthInput){.text = text, .policy = policy, .furnace = true});
     assert_int_equal(scene.compiled->n_hulls, SHELLS);

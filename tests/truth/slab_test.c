@@ -59,11 +59,11 @@ static Stack closed_form(int k)
 static void write_slab(Buf *text, int medium, bool rod, double width, const double z[2], NestPolicy policy, int priority)
 {
     if (rod)
-        buf_format(text, "cylinder { interior = m%d  from = <0, 0, %.17g>  to = <0, 0, %.17g>  radius = %g", medium, z[0], z[1],
-                   width);
+        buf_format(text, "cylinder { interior = m%d  from = <0, 0, %.17g>  to = <0, 0, %.17g>  radius = %g", medium,
+                   z[0], z[1], width);
     else
-        buf_format(text, "box { interior = m%d  from = <%g, %g, %.17g>  to = <%g, %g, %.17g>", medium, -width, -width, z[0], width,
-                   width, z[1]);
+        buf_format(text, "box { interior = m%d  from = <%g, %g, %.17g>  to = <%g, %g, %.17g>", medium, -width, -width,
+                   z[0], width, width, z[1]);
     if (policy == NEST_PRIORITY) buf_format(text, "  priority = %d", priority);
     buf_format(text, " }\n");
 }
@@ -136,14 +136,16 @@ static void slabs_have_their_closed_form(void **state)
                 char what[100];
                 Picture picture;
                 render_case(c, &picture);
-                snprintf(what, sizeof what, "%s of %d %s", reflected ? "reflectance" : "transmittance", k, scheme_names[scheme]);
+                snprintf(what, sizeof what, "%s of %d %s", reflected ? "reflectance" : "transmittance", k,
+                         scheme_names[scheme]);
                 truth_expect(what, expected_of(c), truth_mean(&picture, -1), 4, reflected ? 0.003 : 0.001);
                 truth_clear(&picture);
             }
 }
 
 /* The same random numbers choose the same ways through the same stack, so that the pictures of all schemes under
- * all policies are one picture, up to rounding. `entered` has no part in overlaps: which slab owns them depends on the direction there. */
+ * all policies are one picture, up to rounding. `entered` has no part in overlaps: who owns them depends on the
+ * direction there. */
 static void schemes_and_policies_agree(void **state)
 {
     (void)state;

@@ -70,8 +70,10 @@ Estimate truth_mean(const Picture *picture, int channel);
 
 /* One figure as a line; error 0: it has none. */
 void truth_figure(const char *what, double expected, double measured, double error);
-/* The same, and fails beyond `sigmas` standard errors, or when the standard error is above `resolution` times the expected
- * value: an estimate too noisy to see a mistake proves nothing. The rounding of float (1e-6) is always granted. */
+/* Fails beyond `sigmas` standard errors, or when the standard error is above `resolution` times the expected value: an
+ * estimate too noisy to see a mistake proves nothing. The rounding of float (1e-6) is always granted. */
+void truth_check(const char *what, double expected, Estimate measured, double sigmas, double resolution);
+/* Both. */
 void truth_expect(const char *what, double expected, Estimate measured, double sigmas, double resolution);
 
 /* Crossings of all renders so far, for the faults per million. */
