@@ -16,8 +16,12 @@ static void print_text(const EvalResult *result, Buf *out)
     for (size_t i = 0; i < result->n_params; i++) {
         const EvalParam *param = &result->params[i];
         const char *doc = param->doc ? param->doc : "";
-        buf_format(out, "%-*s = %-*s%s%s\n", (int)widest_name, param->name, *doc ? (int)widest_value : 0, param->value,
-                   *doc ? "  " : "", doc);
+        Buf rest = {0};
+        buf_add(&rest, doc);
+        if (param->range) buf_format(&rest, "%sin %s", *doc ? ", " : "", param->range);
+        buf_format(out, "%-*s = %-*s%s%s\n", (int)widest_name, param->name, rest.length ? (int)widest_value : 0, param->value,
+                   rest.length ? "  " : "", buf_text(&rest));
+        buf_clear(&rest);
     }
 }
 
@@ -31,6 +35,8 @@ static void print_json(const EvalResult *result, Buf *out)
         json_begin_object(&json);
         json_add_text(&json, "name", result->params[i].name);
         json_add_text(&json, "value", result->params[i].value);
+        json_add_text(&json, "type", result->params[i].type);
+        json_add_text(&json, "range", result->params[i].range);
         json_add_text(&json, "doc", result->params[i].doc);
         json_end(&json);
     }

@@ -95,6 +95,8 @@ typedef struct EvalParam {
     const char *name, *doc;
     Span span;
     const char *value; /* as text */
+    const char *type;  /* "a number" */
+    const char *range; /* "5..60", "[1, 2]"; NULL: any */
 } EvalParam;
 
 typedef struct EvalResult {

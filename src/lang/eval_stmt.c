@@ -134,24 +134,27 @@ static bool range_of_param(Evaluator *evaluator, Expr *expr, Value *range)
     return true;
 }
 
-static void check_param_range(Evaluator *evaluator, Stmt *stmt, const Value *value, Span span)
+/* The range as text, "5..60" or "[1, 2]"; NULL when there is none, or it is a mistake. */
+static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Value *value, Span span)
 {
     Value range;
-    if (!stmt->as.bind.range || value->kind == VALUE_POISON) return;
-    if (!range_of_param(evaluator, stmt->as.bind.range, &range) || range_allows(&range, value)) return;
+    if (!stmt->as.bind.range || !range_of_param(evaluator, stmt->as.bind.range, &range)) return NULL;
     const char *bounds = text_of(evaluator, &range, true);
     if (range.kind == VALUE_RANGE && stmt->as.bind.range->kind == EXPR_RANGE && range.as.range.n == 2)
         bounds = arena_format(evaluator->arena, "%g..%g", range.as.range.first, range.as.range.first + range.as.range.step);
-    eval_report(evaluator, D_VALUE_OUT_OF_RANGE, span, "parameter '%s' is %s, outside of %s", stmt->as.bind.name->text,
-                text_of(evaluator, value, true), bounds);
+    if (value->kind != VALUE_POISON && !range_allows(&range, value))
+        eval_report(evaluator, D_VALUE_OUT_OF_RANGE, span, "parameter '%s' is %s, outside of %s", stmt->as.bind.name->text,
+                    text_of(evaluator, value, true), bounds);
+    return bounds;
 }
 
-static void record_param(Evaluator *evaluator, const Stmt *stmt, const Value *value)
+static void record_param(Evaluator *evaluator, const Stmt *stmt, const Value *value, const char *range)
 {
     if (!ARRAY_ROOM(evaluator->params, evaluator->param_capacity, evaluator->n_params)) return;
     evaluator->params[evaluator->n_params++] =
         (EvalParam){.name = stmt->as.bind.name->text, .doc = stmt->as.bind.doc, .span = stmt->as.bind.name_span,
-                    .value = text_of(evaluator, value, true)};
+                    .value = text_of(evaluator, value, true), .type = value_describe(evaluator->arena, value),
+                    .range = range};
 }
 
 static void param_stmt(Evaluator *evaluator, Stmt *stmt)
@@ -167,8 +170,8 @@ static void param_stmt(Evaluator *evaluator, Stmt *stmt)
     }
     if (!eval_type_allows(evaluator, stmt->as.bind.type, stmt->as.bind.type_span, &value, span, stmt->as.bind.name->text))
         value = value_poison();
-    check_param_range(evaluator, stmt, &value, span);
-    if (!evaluator->discard) record_param(evaluator, stmt, &value);
+    const char *range = check_param_range(evaluator, stmt, &value, span);
+    if (!evaluator->discard) record_param(evaluator, stmt, &value, range);
     *eval_slot(evaluator, stmt->as.bind.slot) = value;
 }
 

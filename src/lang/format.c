@@ -20,6 +20,7 @@
 
 enum { ITEM_LINE_COMMENT = TOKEN_COUNT, ITEM_BLOCK_COMMENT };
 enum { INDENT = 2, MOST_PASSES = 10, TAB = 8 };
+enum { LONGEST_ROW = 1000 }; /* items of a line that may be a row of a table: each is sought in the lines around it */
 
 typedef struct Item {
     int kind; /* TOKEN_..., ITEM_... */
@@ -269,12 +270,17 @@ static bool same_text(const Layout *layout, const Item *a, const Item *b)
     return b->end - b->begin == length && memcmp(layout->text + a->begin, layout->text + b->begin, length) == 0;
 }
 
+static bool is_row(const Layout *layout, uint32_t line)
+{
+    return layout->line_items[line + 1] - layout->line_items[line] <= LONGEST_ROW;
+}
+
 /* Does a neighbouring line have a token of this kind (or with exact, the same token) in this column, too? */
 static bool stands_in_column(const Layout *layout, const Item *item, bool exact)
 {
     for (int step = -1; step <= 1; step += 2) {
         int64_t line = (int64_t)item->line + step;
-        if (line < 0 || line >= (int64_t)layout->n_lines) continue;
+        if (line < 0 || line >= (int64_t)layout->n_lines || !is_row(layout, (uint32_t)line)) continue;
         for (size_t i = layout->line_items[line]; i < layout->line_items[line + 1]; i++) {
             const Item *other = &layout->list->items[i];
             if (other->column != item->column || other->kind != item->kind || other->gap == 0) continue;
@@ -300,6 +306,7 @@ static unsigned gap_of(Layout *layout, const Item *item)
     if (!layout->keeps_columns || item->gap <= rule || rule == 0) return rule;
     if (item->kind == ITEM_LINE_COMMENT) /* off to the side: it stays there */
         return item->column > layout->column + rule ? (unsigned)(item->column - layout->column) : rule;
+    if (!is_row(layout, item->line)) return rule;
     return stands_in_column(layout, item, false) || holds_column(layout, item) ? item->gap : rule;
 }
 

@@ -64,9 +64,11 @@ begin "parameters, cameras and defines"
 small_scene
 run params small.mns
 exits 0
-matches out '^level = 3 +radius of the water'
+matches out '^level = 3 +radius of the water, in 1..5$'
 run params small.mns --json
 is_json out
+says out '"type": "a number"'
+says out '"range": "1..5"'
 run params small.mns -D level=4 -D level=2
 matches out '^level = 2'
 run render small.mns --camera side -o side.exr -D level=2
