@@ -111,7 +111,8 @@ static void print_vim(const Vocabulary *all, Buf *out)
     print_words(&all->properties, "\\|", out);
     buf_add(out, "\\)\\>\\ze\\s*=[^=]/\n"
                  "syntax match meniscusHeader /\\%^\\_s*meniscus\\s\\+[0-9.]\\+\\%(\\s\\+unit\\s\\+\\k\\+\\)\\=/\n"
-                 "syntax match meniscusNumber /\\%(\\<\\d\\+\\%(\\.\\.\\@!\\d*\\)\\=\\|\\.\\@1<!\\.\\d\\+\\)\\%([eE][-+]\\=\\d\\+\\)\\=\\%(");
+                 "syntax match meniscusNumber "
+                 "/\\%(\\<\\d\\+\\%(\\.\\.\\@!\\d*\\)\\=\\|\\.\\@1<!\\.\\d\\+\\)\\%([eE][-+]\\=\\d\\+\\)\\=\\%(");
     print_words(&all->units, "\\|", out);
     buf_add(out, "\\)\\=\\k\\@!/\n"
                  "syntax match meniscusColor /#\\x\\{6}\\|#\\x\\{3}/\n"
@@ -237,7 +238,8 @@ static void dictionary_words(const Words *words, Buf *out)
 
 static void print_dictionary(const Vocabulary *all, Buf *out)
 {
-    buf_add(out, "# meniscus.dict - the words of the language, for libFuzzer and AFL. Made from the tables: grammar/refresh.sh.\n");
+    buf_add(out, "# meniscus.dict - the words of the language, for libFuzzer and AFL. "
+                 "Made from the tables: grammar/refresh.sh.\n");
     for (TokenKind kind = TOKEN_BRACE_OPEN; kind < TOKEN_AND; kind++) {
         const char *quoted = token_text(kind);
         buf_format(out, "\"%.*s\"\n", (int)strlen(quoted) - 2, quoted + 1);

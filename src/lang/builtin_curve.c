@@ -38,7 +38,8 @@ void run_spline(const BuiltinCall *call, Value *result)
 {
     if (!points_fit(call, result)) return;
     if (call->args[1].kind != VALUE_NUMBER || (call->n > 2 && call->args[2].kind != VALUE_BOOL)) {
-        builtin_wrong(call, call->args[1].kind == VALUE_NUMBER ? 2 : 1, "points, a number, and whether the curve is closed", result);
+        builtin_wrong(call, call->args[1].kind == VALUE_NUMBER ? 2 : 1, "points, a number, and whether the curve is closed",
+                      result);
         return;
     }
     const Value *points = &call->args[0];
@@ -82,7 +83,7 @@ void run_angle(const BuiltinCall *call, Value *result)
         sum += (p + q) * (p + q);
     }
     *result = value_number(2 * atan2(sqrt(difference), sqrt(sum)) * 57.29577951308232);
-    if (length_a == 0 || length_b == 0) result->as.number = NAN;
+    if (length_a == 0 || length_b == 0) result->as.number = (double)NAN;
     builtin_finite(call, result);
 }
 

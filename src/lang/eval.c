@@ -304,7 +304,8 @@ static bool parse_override(Loader *loader, const char *text, Override *override)
     *override = (Override){.node = arena_copy_text(loader->arena, text, dot),
                            .node_span = {source, 0, (uint32_t)dot}, .prop_span = {source, (uint32_t)dot + 1, (uint32_t)equal}};
     if (equal == length || dot == equal || dot == 0 || dot + 1 == equal) {
-        Diagnostic *report = diag_report(diag, D_SYNTAX, (Span){source, 0, (uint32_t)length}, "--set takes NODE.PROPERTY=VALUE");
+        Span all = {source, 0, (uint32_t)length};
+        Diagnostic *report = diag_report(diag, D_SYNTAX, all, "--set takes NODE.PROPERTY=VALUE");
         diag_hint(diag, report, "for instance --set camera.fov=30");
         return false;
     }

@@ -472,6 +472,7 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
     buf_format(out, "meniscus 1.0 unit %s\n", unit_of_length(scene->unit_m));
     for (size_t i = 0; i < scene->n_nodes && !flat.too_deep && !out->failed; i++) print_top(&flat, scene->nodes[i]);
     if (out->failed) return fail(error, STATUS_NOMEM, "out of memory");
-    if (flat.too_deep) return fail(error, STATUS_SCENE, "nodes within nodes, deeper than %d levels: too deep for a text", DEEPEST_BLOCK);
+    if (flat.too_deep)
+        return fail(error, STATUS_SCENE, "nodes within nodes, deeper than %d levels: too deep for a text", DEEPEST_BLOCK);
     return diag->n_errors > n_errors ? fail(error, STATUS_SCENE, "the scene has errors") : STATUS_OK;
 }

@@ -76,3 +76,19 @@ exits 3
 says err '[file-not-found]'
 empty out
 end
+
+begin "dump: what a text cannot hold is an error, not a text that cannot be read"
+cat > deep.mns <<'SCENE'
+meniscus 1.0 unit mm
+param depth = 50
+def nest(n) { group { if (n > 0) { nest(n - 1) } else { sphere { radius = 1  interior = air } } } }
+nest(depth)
+environment { color = 1 }
+camera { from = <0, 0, 9>  to = <0, 0, 0> }
+SCENE
+same_flat deep.mns
+run dump deep.mns -D depth=200
+exits 3
+says err 'too deep for a text'
+empty out
+end
