@@ -11,7 +11,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
-enum { MOST = 5, WIDTH = 8, SAMPLES = 6144, SAMPLES_COMPARED = 512 };
+enum { MOST = 5, WIDTH = 32, SAMPLES = 384, SAMPLES_COMPARED = 32 };
 
 /* From the outside in: neighbours differ in thickness, so that the automatic order is known. */
 static const double iors[MOST] = {1.5, 1.33, 1.7, 1.31, 2.0};
