@@ -31,7 +31,7 @@ for program in "$@"; do
     if [ "$failed" -gt 0 ]; then
         sed 's/^/    /' "$log" | tail -60
     else
-        grep -vE '^\[|^ok |^[0-9]+ passed|^$' "$log" | sed 's/^/    /' | head -40
+        grep -vE '^\[|^ok |^[0-9]+ passed|^$' "$log" | sed 's/^/    /' | head -60
     fi
 done
 echo "$n_passed passed, $n_failed failed"
