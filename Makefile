@@ -154,7 +154,7 @@ demo: all assets ## render the main example to whisky.exr and whisky.png
 
 check: check-program ## run all tests; the last line is "N passed, N failed"
 	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh \
-	  tests/render/run.sh $(TRUTH_TESTS)
+	  tests/grammar.sh tests/spec.sh tests/editor.sh tests/render/run.sh $(TRUTH_TESTS)
 
 check-quick: check-program ## the tests without the renders that hold it to physics
 	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh
@@ -165,6 +165,7 @@ check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) assets
 BENCH_SCENES ?= examples/whisky.mns examples/whisky-gap.mns examples/aquarium.mns examples/glass-of-water.mns
 bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as ratios within one run
 	$(BUILD)/bench $(BENCH_SCENES)
+	$(PYTHON) tests/bench/language.py $(BUILD)/meniscus
 
 $(BUILD)/bench: tests/bench/bench.c $(BUILD)/libmeniscus.a
 	$(SAY) $(TEST_COMPILE) $< $(BUILD)/libmeniscus.a $(LIBS)
@@ -191,8 +192,9 @@ lint: ## warnings as errors, layers, manual pages
 	sh tests/layers.sh
 	sh tests/man.sh build/lint/meniscus
 
-man: all ## make the generated sections of the manual pages anew
+man: all ## make the generated sections of the manual pages and the editor files anew
 	sh man/refresh.sh build/meniscus
+	sh grammar/refresh.sh build/meniscus
 
 # ---- install ----
 
