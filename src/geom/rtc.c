@@ -530,53 +530,39 @@ static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, 
     return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
 }
 
-/* Whether the new ray starts behind a surface of the cluster, on the other side from the one it was met on: by where the
- * origin is, and by the direction where it is on the surface itself. */
-static bool is_crossed(const Ray *next, const Ray *ray, const Hit *hit)
+/* Keeps the first hit of each object; returns how many. */
+static size_t one_per_object(Hit *hits, size_t n)
 {
-    Vec3 normal = vec3_from_f(hit->normal), from_surface = vec3_sub(next->origin, ray_point(ray, hit->t));
-    double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(next->direction));
-    bool on_surface = fabs(height) <= DOUBLE_NOISE * next->start_scale + UNIT_ROUNDING * vec3_length(from_surface);
-    bool inside = on_surface ? slope < 0 : height < 0;
-    return inside == hit->entering;
-}
-
-/* Sets `inside` of all hits of one object, the first of which is hits[first]: it was outside before if that one enters, and
- * each surface that the new ray is behind of counts; several in one direction without another in between are one. */
-static void set_inside(const Ray *next, const Ray *ray, Hit *hits, size_t n, size_t first)
-{
-    uint32_t object = hits[first].object;
-    int state = hits[first].entering ? 0 : 1;
-    const Hit *last = NULL;
-    for (size_t i = first; i < n; i++) {
-        if (hits[i].object != object || !is_crossed(next, ray, &hits[i])) continue;
-        if (!last || last->entering != hits[i].entering) state += hits[i].entering ? 1 : -1;
-        last = &hits[i];
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        size_t k = 0;
+        while (k < kept && hits[k].object != hits[i].object) k++;
+        if (k == kept) hits[kept++] = hits[i];
     }
-    for (size_t i = first; i < n; i++)
-        if (hits[i].object == object) hits[i].inside = state > 0;
+    return kept;
 }
 
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t n, bool through, Vec3f direction)
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
 {
-    const Hit *hit = through ? &hits[n - 1] : &hits[0];
+    if (*n > 1) *n = one_per_object(hits, *n);
+    const Hit *hit = through ? &hits[*n - 1] : &hits[0];
     Ray next = ray_make(ray_point(ray, hit->t), direction);
     next.left = hits;
-    next.n_left = n;
+    next.n_left = *n;
     next.start_scale = vec3_max_abs(ray->origin) + hit->t;
     /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
      * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < *n; i++) {
         const RtcPlaced *object = &scene->objects[hits[i].object];
         if (object->mesh) next.origin = triangle_inset(object, hits[i].primitive, next.origin, margin);
     }
-    for (size_t i = 0; i < n; i++) {
-        size_t first = 0;
-        while (hits[first].object != hits[i].object) first++;
-        if (first == i) set_inside(&next, ray, hits, n, i);
+    for (size_t i = 0; i < *n; i++) {
+        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next.origin, ray_point(ray, hits[i].t));
+        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(direction));
+        bool on_surface = fabs(height) <= DOUBLE_NOISE * next.start_scale + UNIT_ROUNDING * vec3_length(from_surface);
+        hits[i].inside = on_surface ? slope < 0 : height < 0;
     }
-    bool outward = vec3f_dot(hit->normal, direction) > 0;
-    next.nudge = vec3_scale(vec3_from_f(hit->normal), outward ? margin : -margin);
+    next.nudge = vec3_scale(vec3_from_f(hit->normal), hit->inside ? -margin : margin);
     return next;
 }

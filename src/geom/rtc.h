@@ -110,10 +110,12 @@ typedef struct HitSurface {
 } HitSurface;
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
 
-/* A new ray in the given direction from the place where ray met the cluster hits[0 .. n-1] (n >= 1): from its far side
- * (through) or from the side that ray came from. hits must live as long as the new ray. The origin is the exact point of
- * the last (first) surface; only within rounding of an edge of a triangle is it moved to the inside of that, so that it is on
- * one side of both neighbours. hits[i].inside says for each object of the cluster whether the ray starts inside of it. */
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t n, bool through, Vec3f direction);
+/* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
+ * (through) or from the side that ray came from. Of several hits of one object only the first is kept (hits and *n
+ * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface; only within
+ * rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both neighbours.
+ * hits[i].inside says for each surface on which side of it the ray starts: by where the origin is, and by the direction
+ * where it is on the surface itself. */
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction);
 
 #endif

@@ -39,19 +39,15 @@ static uint32_t apply(NestList *list, const NestOrder *order, NestPass pass)
     return 0;
 }
 
-/* What all passes of pass i's hull come to: 1 entered, -1 left, 0 neither; 0 also when i is not the first of them. Passes in
- * one direction that follow each other are one crossing reported more than once. */
-static int net_of_hull(const NestPass *passes, uint32_t n, uint32_t i)
+/* Whether pass i is the one that counts for its hull: the first of its kind, and none goes the other way. */
+static bool counts(const NestPass *passes, uint32_t n, uint32_t i)
 {
-    int net = 0;
-    const NestPass *last = NULL;
     for (uint32_t j = 0; j < n; j++) {
         if (passes[j].hull != passes[i].hull) continue;
-        if (j < i) return 0;
-        if (!last || last->entering != passes[j].entering) net += passes[j].entering ? 1 : -1;
-        last = &passes[j];
+        if (passes[j].entering != passes[i].entering) return false;
+        if (j < i) return false;
     }
-    return net;
+    return true;
 }
 
 /* A renderer that knows no nesting: a surface lies between the world's medium and its own, and a ray
@@ -86,10 +82,10 @@ Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes
         crossing->n_faults = apply(list, order, passes[0]);
     } else {
         /* what is left is left before anything is entered: touching hulls meet in one boundary */
-        for (int direction = -1; direction <= 1; direction += 2)
-            for (uint32_t i = 0; i < n; i++)
-                if (net_of_hull(passes, n, i) == direction)
-                    crossing->n_faults += apply(list, order, (NestPass){passes[i].hull, direction > 0});
+        for (uint32_t i = 0; i < n; i++)
+            if (!passes[i].entering && counts(passes, n, i)) crossing->n_faults += apply(list, order, passes[i]);
+        for (uint32_t i = 0; i < n; i++)
+            if (passes[i].entering && counts(passes, n, i)) crossing->n_faults += apply(list, order, passes[i]);
     }
     crossing->owner_to = nest_owner(list);
     crossing->medium_to = nest_medium(order, list);

@@ -34,11 +34,11 @@ typedef struct NestCrossing {
     uint32_t n_faults;               /* passes whose direction disagreed with the list; the list was healed */
 } NestCrossing;
 
-/* Crosses all n surfaces that stand at one place, together, and leaves the list as it is behind them.
- * Passes of one hull in both directions (a ray through an edge) cancel; passes of one hull in one direction with none of
- * its others in between (an edge reported by both its triangles) count once. Otherwise the order of the passes does not
+/* Crosses all n surfaces that stand at one distance, together, and leaves the list as it is behind them.
+ * Passes of one hull in both directions (a ray through an edge) cancel; repeated passes of one hull in one
+ * direction (an edge reported by both its triangles) count once. The order of the passes does not
  * matter, except that under NEST_ENTERED hulls are entered in the order given.
- * O(n^2 + n * depth); no locks. On STATUS_NOMEM the list is as it was. */
+ * O(n * depth); no locks. On STATUS_NOMEM the list is as it was. */
 ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                                  NestCrossing *crossing);
 

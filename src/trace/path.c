@@ -224,7 +224,7 @@ static void next_event(Path *path, Event *event)
 }
 
 /* The list of a ray that starts at several surfaces which stand at one place but are not parallel, say where two
- * hulls' surfaces cross, or at an edge: where the ray starts and goes says what it is inside of (rtc_leave). */
+ * hulls' surfaces cross: each of them is crossed, or not, by where the ray starts and goes. */
 static bool cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
 {
     const CompiledScene *compiled = tracer->world->compiled;
@@ -232,9 +232,9 @@ static bool cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
     for (size_t i = 0; i < ray->n_left; i++) {
         const Hit *left = &ray->left[i];
         uint32_t hull = compiled->hull_of_object[left->object];
-        if (hull == SCENE_NONE || nest_list_has(list, hull) == left->inside) continue;
         NestPass pass = {hull, left->inside};
         NestCrossing crossing;
+        if (hull == SCENE_NONE || left->inside != left->entering) continue; /* not crossed */
         if (nest_cross(list, &compiled->order, &pass, 1, &crossing) != STATUS_OK) return false;
     }
     return true;
@@ -307,7 +307,7 @@ static void leave(Path *path, Event *event, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
     HitList reached = tracer->hits;
-    path->ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, event->n_cluster, through, direction);
+    path->ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, &event->n_cluster, through, direction);
     tracer->hits = tracer->left; /* the ray refers to what it has left until its end */
     tracer->left = reached;
     bool several = event->n_cluster > 1;
@@ -326,7 +326,7 @@ static void add_direct_light(Path *path, Event *event, const HitSurface *at, Vec
     if (!(light.pdf_w > 0)) return;
     float cosine = vec3f_dot(light.direction, normal);
     if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
-    Ray ray = rtc_leave(world->compiled->rtc, &path->ray, path->tracer->hits.items, event->n_cluster, false, light.direction);
+    Ray ray = rtc_leave(world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false, light.direction);
     ray.t_max = light.distance;
     ray.target = light.object;
     Lanes transmittance;

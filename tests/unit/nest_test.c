@@ -164,12 +164,6 @@ static void test_together(void **state)
             assert_int_equal(nest_cross(&list, &order, edge, 3, &crossing), STATUS_OK);
             assert_int_equal(crossing.n_faults, 0);
             assert_int_equal(list.n, 1);
-            /* into A over the crest of a wave: in, out, and in again */
-            NestPass wave[] = {{A, true}, {A, false}, {A, true}};
-            assert_int_equal(nest_cross(&list, &order, wave, 3, &crossing), STATUS_OK);
-            assert_int_equal(crossing.n_faults, 0);
-            assert_int_equal(list.n, 2);
-            assert_int_equal(nest_cross(&list, &order, &(NestPass){A, false}, 1, &crossing), STATUS_OK);
             /* one edge reported by both its triangles counts once */
             NestPass twice[] = {{B, false}, {B, false}};
             assert_int_equal(nest_cross(&list, &order, twice, 2, &crossing), STATUS_OK);
