@@ -1,7 +1,7 @@
 /* rtc.c - tracing: Embree proposes, double precision decides.
  *
  * Each Embree call runs with a Query behind its context. Every candidate that Embree finds, in whatever order, goes
- * through consider(), which computes its distance and direction in double and keeps it when it may belong
+ * through consider_triangle() or consider_piece(), which compute its distance and direction in double and keep it when it may belong
  * to the answer. For the nearest cluster the search radius shrinks with the nearest candidate, but always
  * stays wider than everything that could stand at the same place as it.
  *
@@ -176,9 +176,9 @@ static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primiti
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
     double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope;
     if (!(t > query->ray->t_min && t <= query->ray->t_max)) return false;
+    if (!query->all && t > query->reach) return false; /* keep() would refuse it; the rest costs more */
     if (query->ray->n_left && is_left(query, object_id, primitive, t, slope / length)) return false;
-    double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
-                      fmax(vec3_max_abs(corner[0]), fmax(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+    double rounding = fmax(rtc_rounding(corner[0]), fmax(rtc_rounding(corner[1]), rtc_rounding(corner[2])));
     if (query->ray->n_left && t * fabs(slope / length) <= 2 * rounding && is_parallel(query->ray, normal, length) &&
         !is_inside(corner, normal, vec3_along(query->origin, t, query->direction)))
         return false;

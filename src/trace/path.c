@@ -95,8 +95,7 @@ static bool cross_hits(Tracer *tracer, NestList *list, const Hit *hits, size_t n
     }
     *crossing = (NestCrossing){0};
     if (!n_passes) return true;
-    if (nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) != STATUS_OK) return false;
-    return true;
+    return nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) == STATUS_OK;
 }
 
 static void swap_lists(Tracer *tracer)

@@ -63,13 +63,7 @@ static bool lens_may_cross(const World *world)
     const SceneCamera *camera = world->camera;
     if (!(camera->lens_radius > 0)) return false;
     for (uint32_t h = 0; h < world->compiled->n_hulls; h++) {
-        const SceneObject *object = &world->scene->objects[world->compiled->object_of_hull[h]];
-        const SceneShape *shape = &world->scene->shapes[object->shape];
-        Box3 box = box3_empty();
-        for (uint32_t i = 0; shape->mesh && i < shape->mesh->n_vertices; i++)
-            box = box3_add_point(box, affine_point(&object->to_world, vec3_from_f(shape->mesh->positions[i])));
-        for (uint32_t i = 0; shape->solid && i < shape->solid->n_pieces; i++)
-            box = box3_union(box, affine_box(&object->to_world, piece_bounds(&shape->solid->pieces[i])));
+        Box3 box = world->compiled->hull_bounds[h];
         Vec3 nearest = vec3(fmin(fmax(camera->from.x, box.min.x), box.max.x), fmin(fmax(camera->from.y, box.min.y), box.max.y),
                             fmin(fmax(camera->from.z, box.min.z), box.max.z));
         if (vec3_length(vec3_sub(nearest, camera->from)) <= camera->lens_radius * 1.0001) return true;

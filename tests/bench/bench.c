@@ -146,30 +146,24 @@ static void bench_crossing(void)
 
 /* ---- whole renders ---- */
 
-static Status no_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height, Error *error)
+static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height, Error *error)
 {
     (void)context;
     (void)space;
     Image image;
+    int channels[3];
     TRY(image_read(path, &image, error));
-    int channel = image_channel(&image, "R");
+    size_t n = (size_t)image.width * image.height;
     *width = image.width;
     *height = image.height;
-    size_t n = (size_t)image.width * image.height;
     *rgb = malloc(n * 3 * sizeof **rgb);
-    for (size_t i = 0; *rgb && i < n; i++)
-        for (size_t c = 0; c < 3; c++) {
-            const char *names[] = {"R", "G", "B"};
-            channel = image_channel(&image, names[c]);
-            (*rgb)[3 * i + c] = channel < 0 ? 0 : image.pixels[i * image.n_channels + (size_t)channel];
-        }
+    bool colored = image_rgb(&image, channels);
+    for (size_t i = 0; colored && *rgb && i < 3 * n; i++)
+        (*rgb)[i] = image.pixels[i / 3 * image.n_channels + (size_t)channels[i % 3]];
     image_clear(&image);
-    return *rgb ? STATUS_OK : fail_memory(error, n * 3 * sizeof **rgb, "an image");
+    if (!*rgb) return fail_memory(error, n * 3 * sizeof **rgb, "an image");
+    return colored ? STATUS_OK : fail(error, STATUS_INPUT, "'%s' has no colour", path);
 }
-
-typedef struct SceneFigures {
-    double ns_per_path, rays_per_path, ns_per_ray, speed_up;
-} SceneFigures;
 
 static RenderStats render_once(const CompiledScene *compiled, unsigned threads)
 {
@@ -199,7 +193,7 @@ static void bench_scene(const char *path)
     Pool *pool;
     arena_init(&arena);
     diag_init(&diag, &arena, &sources);
-    SceneOptions options = {.load_image = no_image};
+    SceneOptions options = {.load_image = load_image};
     if (pool_new(2, &pool, &error) != STATUS_OK || scene_build(path, &options, &diag, &scene, NULL, &error) != STATUS_OK ||
         compile_scene(scene, scene->render.nesting, pool, NULL, &compiled, &error) != STATUS_OK) {
         fprintf(stderr, "bench: %s: %s\n", path, error.text);
