@@ -198,12 +198,13 @@ static void print_terms(Buf *out)
         const TermType *term = &schema->terms[i];
         buf_format(out, ".It Fn %s\n", term->name);
         mdoc_sentence(out, term->doc);
-        if (term->takes_text)
-            buf_add(out, "It takes a string.\n");
+        if (term->flags & TERM_TABLE)
+            buf_add(out, "It takes a list of vectors of 2, or the name of a file.\n");
         else if (term->min_args == term->max_args)
             buf_format(out, "It takes %u number%s.\n", term->min_args, term->min_args == 1 ? "" : "s");
         else
             buf_format(out, "It takes %u to %u numbers.\n", term->min_args, term->max_args);
+        if (term->flags & TERM_SCALES) buf_add(out, "A number can multiply it or divide it.\n");
     }
     buf_add(out, ".El\n");
 }

@@ -17,7 +17,11 @@ typedef struct EvalTerm {
     const TermType *type;
     unsigned n_args;
     double args[8];
-    const char *text;
+    const char *text;    /* TERM_TABLE: the name of a file, or NULL and pairs */
+    const double *pairs; /* n_pairs vectors of 2 */
+    size_t n_pairs;
+    double scale; /* TERM_SCALES: the factor, else 1 */
+    Span span;    /* of the call, wherever the value is used */
 } EvalTerm;
 
 typedef enum SpectrumForm { SPECTRUM_NUMBER, SPECTRUM_COLOR, SPECTRUM_VECTOR, SPECTRUM_TERM } SpectrumForm;

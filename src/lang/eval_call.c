@@ -278,29 +278,54 @@ void eval_call_builtin(Evaluator *evaluator, Expr *expr, Value *result)
     builtin->run(&(BuiltinCall){evaluator, expr, values, args->n}, result);
 }
 
+/* A table of measured values: in place, or a file that the layer above reads. */
+static bool take_table(Evaluator *evaluator, Expr *arg, const Value *value, EvalTerm *term)
+{
+    if (value->kind == VALUE_STRING) {
+        term->text = value->as.text;
+        return true;
+    }
+    bool list = value->kind == VALUE_LIST;
+    if (list && value->as.list->n > 0 && value->as.list->element == VALUE_VECTOR2) {
+        term->pairs = value->as.list->numbers;
+        term->n_pairs = value->as.list->n;
+        return true;
+    }
+    if (value->kind != VALUE_POISON)
+        eval_error(evaluator, arg, D_WRONG_TYPE, "'%s' takes the name of a file or a list of vectors of 2, not %s",
+                   term->type->name,
+                   !list                   ? value_describe(evaluator->arena, value)
+                   : value->as.list->n > 0 ? "a list of something else"
+                                           : "an empty list");
+    return false;
+}
+
+static bool take_number(Evaluator *evaluator, Expr *arg, const Value *value, EvalTerm *term)
+{
+    if (value->kind == VALUE_NUMBER) {
+        term->args[term->n_args++] = value->as.number;
+        return true;
+    }
+    if (value->kind != VALUE_POISON)
+        eval_error(evaluator, arg, D_WRONG_TYPE, "'%s' takes numbers, not %s", term->type->name,
+                   value_describe(evaluator->arena, value));
+    return false;
+}
+
 void eval_call_term(Evaluator *evaluator, Expr *expr, Value *result)
 {
     const TermType *type = expr->as.call.to.term;
-    EvalTerm term = {.type = type, .n_args = 0};
-    bool poison = false;
+    EvalTerm term = {.type = type, .scale = 1, .span = expr->span};
+    bool fine = true;
     for (uint32_t i = 0; i < expr->as.call.args.n; i++) {
         Expr *arg = expr->as.call.args.items[i].value;
         Value room;
         const Value *value = eval_operand(evaluator, arg, &room);
-        if (value->kind == (type->takes_text ? VALUE_STRING : VALUE_NUMBER)) {
-            if (type->takes_text)
-                term.text = value->as.text;
-            else
-                term.args[term.n_args++] = value->as.number;
-            continue;
-        }
-        if (value->kind != VALUE_POISON)
-            eval_error(evaluator, arg, D_WRONG_TYPE, "'%s' takes %s, not %s", type->name,
-                       type->takes_text ? "a string" : "numbers", value_describe(evaluator->arena, value));
-        poison = true;
+        fine &= type->flags & TERM_TABLE ? take_table(evaluator, arg, value, &term)
+                                         : take_number(evaluator, arg, value, &term);
     }
     result->kind = VALUE_POISON;
-    if (poison) return;
+    if (!fine) return;
     EvalTerm *kept = ARENA_NEW(evaluator->arena, EvalTerm);
     *kept = term;
     *result = (Value){.kind = VALUE_TERM, .as.term = kept};

@@ -150,6 +150,17 @@ static void join_lists(Evaluator *evaluator, const Expr *expr, const Value *a, c
     *result = list_builder_finish(&builder);
 }
 
+static bool scales(const Value *value) { return value->kind == VALUE_TERM && value->as.term->type->flags & TERM_SCALES; }
+
+static void scale_term(Evaluator *evaluator, Expr *expr, const EvalTerm *term, double factor, Value *result)
+{
+    EvalTerm *scaled = ARENA_NEW(evaluator->arena, EvalTerm);
+    *scaled = *term;
+    scaled->scale = arithmetic(expr->kind, term->scale, factor);
+    *result = (Value){.kind = VALUE_TERM, .as.term = scaled};
+    if (!isfinite(scaled->scale)) not_finite(evaluator, expr, "the result is not finite", result);
+}
+
 static bool is_sequence(const Value *value) { return value->kind == VALUE_LIST || value->kind == VALUE_RANGE; }
 
 static void general_arithmetic(Evaluator *evaluator, Expr *expr, const Value *a, const Value *b, Value *result)
@@ -172,6 +183,10 @@ static void general_arithmetic(Evaluator *evaluator, Expr *expr, const Value *a,
         join_lists(evaluator, expr, a, b, result);
     } else if (expr->kind == EXPR_MULTIPLY && a->kind == VALUE_TRANSFORM && b->kind == VALUE_TRANSFORM) {
         compose_transforms(evaluator, a, b, result);
+    } else if ((expr->kind == EXPR_MULTIPLY || expr->kind == EXPR_DIVIDE) && scales(a) && b->kind == VALUE_NUMBER) {
+        scale_term(evaluator, expr, a->as.term, b->as.number, result);
+    } else if (expr->kind == EXPR_MULTIPLY && a->kind == VALUE_NUMBER && scales(b)) {
+        scale_term(evaluator, expr, b->as.term, a->as.number, result);
     } else {
         wrong_operands(evaluator, expr, a, b, result);
     }

@@ -211,9 +211,9 @@ static void print_numbers(Flat *flat, const EvalProp *prop, ValueKind kind)
 }
 
 /* The whole path of a file that the scene names, so that the text can be kept anywhere. */
-static void print_file(Flat *flat, const EvalProp *prop, const char *name)
+static void print_file(Flat *flat, Span span, const char *name)
 {
-    const char *found = eval_find_file(flat->options->eval, flat->diag, prop->span, name);
+    const char *found = eval_find_file(flat->options->eval, flat->diag, span, name);
     char *whole = found ? file_real_path(found) : NULL;
     print_value(flat->out, value_text(whole ? whole : name));
     free(whole);
@@ -241,8 +241,11 @@ static void print_spectrum(Flat *flat, const EvalProp *prop)
         return;
     }
     buf_format(out, "%s(", term->type->name);
-    print_file(flat, prop, term->text);
+    print_file(flat, term->span, term->text);
     buf_add(out, ")");
+    if (term->scale == 1) return;
+    buf_add(out, " * ");
+    print_value(out, value_number(term->scale));
 }
 
 static void print_node(Flat *flat, const EvalNode *node, const char *word, const char *name);
@@ -279,7 +282,7 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_BOOL: print_value(out, value_truth(prop->as.truth)); break;
     case PROP_STRING:
         if (is_file(flat, prop->type))
-            print_file(flat, prop, prop->as.text);
+            print_file(flat, prop->span, prop->as.text);
         else
             print_value(out, value_text(prop->as.text));
         break;

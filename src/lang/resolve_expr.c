@@ -288,7 +288,7 @@ static void resolve_call(Resolver *resolver, Expr *expr)
     } else if (term) {
         expr->kind = EXPR_CALL_TERM;
         expr->as.call.to.term = term;
-        check_count(resolver, expr, term->takes_text ? 1 : term->min_args, term->takes_text ? 1 : term->max_args);
+        check_count(resolver, expr, term->min_args, term->max_args);
     } else {
         expr->kind = EXPR_POISON;
         if (!silent) report_no_function(resolver, callee, binding);

@@ -65,11 +65,16 @@ typedef struct NodeType {
     const char *doc;
 } NodeType;
 
+enum TermFlags {
+    TERM_TABLE = 1, /* takes a list of vectors of 2, or the name of a file, instead of numbers: spectrum("file") */
+    TERM_SCALES = 2 /* can be multiplied and divided by numbers */
+};
+
 /* A constructor of values that the language passes through unread: cauchy(a, b), hg(g), blackbody(k). */
 typedef struct TermType {
     const char *name;
     unsigned min_args, max_args; /* numbers, at most 8 */
-    bool takes_text;             /* one string instead: spectrum("file") */
+    unsigned flags;
     const char *doc;
 } TermType;
 

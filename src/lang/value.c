@@ -121,7 +121,8 @@ static bool equal_affine(const Affine *a, const Affine *b)
 static bool equal_terms(const EvalTerm *a, const EvalTerm *b)
 {
     if (a->type != b->type || a->n_args != b->n_args || !equal_numbers(a->args, b->args, a->n_args)) return false;
-    return !a->text || strcmp(a->text, b->text) == 0;
+    if (a->scale != b->scale || a->n_pairs != b->n_pairs || !equal_numbers(a->pairs, b->pairs, 2 * a->n_pairs)) return false;
+    return a->text == b->text || (a->text && b->text && strcmp(a->text, b->text) == 0);
 }
 
 static bool equal_lists(const Value *a, const Value *b)
@@ -212,9 +213,19 @@ static void print_term(Buf *out, const EvalTerm *term)
         buf_add(out, "(");
         print_quoted(out, term->text);
         buf_add(out, ")");
+    } else if (term->pairs) {
+        for (size_t i = 0; i < term->n_pairs; i++) {
+            buf_add(out, i ? ", " : "([");
+            print_numbers(out, "<", term->pairs + 2 * i, 2, ">");
+        }
+        buf_add(out, "])");
     } else {
         print_numbers(out, "(", term->args, term->n_args, ")");
     }
+    if (term->scale == 1) return;
+    char factor[NUM_TEXT_SIZE];
+    num_print(term->scale, factor);
+    buf_format(out, " * %s", factor);
 }
 
 static void print_list(Buf *out, const Value *value)

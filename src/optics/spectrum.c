@@ -149,6 +149,63 @@ Spectrum spectrum_tabulate(double (*function)(void *context, double wavelength_n
     return (Spectrum){.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
 }
 
+/* The first row whose wavelength is not below. */
+static size_t row_from(const double *rows, size_t n, double wavelength_nm)
+{
+    size_t low = 0, high = n;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (rows[2 * middle] < wavelength_nm)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static double rows_at(const double *rows, size_t n, double wavelength_nm)
+{
+    size_t i = row_from(rows, n, wavelength_nm);
+    if (i == n) return rows[2 * n - 1];
+    if (i == 0 || rows[2 * i] == wavelength_nm) return rows[2 * i + 1];
+    double t = (wavelength_nm - rows[2 * i - 2]) / (rows[2 * i] - rows[2 * i - 2]);
+    return (1 - t) * rows[2 * i - 1] + t * rows[2 * i + 1];
+}
+
+/* The mean over from .. to, exactly: trapezia between the rows. */
+static double rows_mean(const double *rows, size_t n, double from, double to)
+{
+    double x = from, y = rows_at(rows, n, from), area = 0;
+    for (size_t i = row_from(rows, n, from); i < n && rows[2 * i] < to; i++) {
+        area += (rows[2 * i] - x) * (y + rows[2 * i + 1]) / 2;
+        x = rows[2 * i];
+        y = rows[2 * i + 1];
+    }
+    area += (to - x) * (y + rows_at(rows, n, to)) / 2;
+    return area / (to - from);
+}
+
+typedef struct RowSet {
+    const double *rows;
+    size_t n;
+} RowSet;
+
+static double sample_rows(void *context, double wavelength_nm)
+{
+    const RowSet *set = context;
+    const double half = SPECTRUM_STEP_NM / 2.0;
+    size_t first = row_from(set->rows, set->n, wavelength_nm - half), end = row_from(set->rows, set->n, wavelength_nm + half);
+    bool fine = end > first + 1 || (end == first + 1 && set->rows[2 * first] != wavelength_nm);
+    return fine ? rows_mean(set->rows, set->n, wavelength_nm - half, wavelength_nm + half)
+                : rows_at(set->rows, set->n, wavelength_nm);
+}
+
+Spectrum spectrum_from_rows(const double *rows, size_t n, float *table)
+{
+    RowSet set = {rows, n};
+    return spectrum_tabulate(sample_rows, &set, table);
+}
+
 /* Planck's law relative to its value at 830 nm: (830 / w)^5 (e^(c/830) - 1) / (e^(c/w) - 1) with c the
  * second radiation constant over the temperature. Written with negative exponents only, so that nothing
  * overflows at any temperature. */

@@ -6,6 +6,7 @@
 #define MEN_SPECTRUM_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/lanes.h"
@@ -45,6 +46,10 @@ Spectrum spectrum_sellmeier(const double b[3], const double c_um2[3]);
 /* Planck's law at kelvin K, scaled so that its luminance is that of a light of RGB (1,1,1).
  * table: SPECTRUM_SAMPLES floats of the caller's. */
 Spectrum spectrum_blackbody(double kelvin, float *table);
+/* Measured values: n rows of a wavelength in nm and a value, wavelengths ascending; linear in between, beyond the ends
+ * as at them. Where rows lie closer than 2.5 nm to one of the kept wavelengths, it keeps the mean over the 5 nm
+ * around it, so that narrow peaks count by their area. table: SPECTRUM_SAMPLES floats of the caller's. */
+Spectrum spectrum_from_rows(const double *rows, size_t n, float *table);
 /* Any function of the wavelength, tabulated. */
 Spectrum spectrum_tabulate(double (*function)(void *context, double wavelength_nm), void *context, float *table);
 

@@ -27,9 +27,11 @@ static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
         *out = spectrum_cauchy(args[0], args[1], prop->as.spectrum.term.n_args > 2 ? args[2] : 0);
     } else if (is_term(prop, "sellmeier")) {
         *out = spectrum_sellmeier(args, args + 3);
+    } else if (is_term(prop, "spectrum")) {
+        if (!build_spectrum(b, prop, 10, out)) return false;
     } else {
         diag_report(b->diag, D_WRONG_TYPE, prop->span,
-                    "'ior' is a number, cauchy(a, b) or sellmeier(b1, b2, b3, c1, c2, c3)");
+                    "'ior' is a number, cauchy(a, b), sellmeier(b1, b2, b3, c1, c2, c3) or a spectrum()");
         return false;
     }
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
@@ -51,6 +53,7 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     const EvalProp *absorption = eval_prop(node, "absorption");
     const EvalProp *tint = eval_prop(node, "tint");
     const EvalProp *depth = eval_prop(node, "depth");
+    const double most = (double)FLT_MAX / 16;
     medium->absorption = spectrum_constant(0);
     build_exclude(b, node, "absorption", "tint");
     if (tint && !depth) {
@@ -60,15 +63,17 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
         build_needs(b, node, "depth", "without a 'tint'");
     } else if (tint) {
         medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, new_table(b));
+    } else if (absorption && is_term(absorption, "spectrum")) {
+        if (!build_spectrum(b, absorption, most, &medium->absorption)) return;
     } else if (absorption && absorption->as.spectrum.form == SPECTRUM_TERM) {
         diag_report(b->diag, D_WRONG_TYPE, absorption->span,
-                    "'absorption' is a number or a vector per length, not %s()",
+                    "'absorption' is a number, a vector or a spectrum() per length, not %s()",
                     absorption->as.spectrum.term.type->name);
     } else if (absorption) {
         const double *rgb = absorption->as.spectrum.rgb;
         bool grey = absorption->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
         double largest = grey ? rgb[0] : fmax(rgb[0], fmax(rgb[1], rgb[2]));
-        if (largest > (double)FLT_MAX / 16)
+        if (largest > most)
             diag_report(b->diag, D_VALUE_OUT_OF_RANGE, absorption->span, "an absorption of %g is too large", largest);
         else
             medium->absorption =
@@ -173,40 +178,63 @@ uint32_t build_grey_surface(Builder *b)
 
 /* ---- light ---- */
 
-bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out)
+/* beyond this the products along a path could leave the range of float */
+static const double brightest = 1e30;
+
+static bool is_bearable(Builder *b, Span span, double radiance)
 {
-    /* beyond this the products along a path could leave the range of float */
-    const double brightest = 1e30;
-    const EvalProp *prop = eval_prop(node, property);
-    double rgb[3] = {1, 1, 1};
-    *out = spectrum_constant(0);
-    if (prop && prop->as.spectrum.form == SPECTRUM_TERM && !is_term(prop, "blackbody")) {
-        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a colour or blackbody(kelvin), not %s()", property,
-                    prop->as.spectrum.term.type->name);
-        return false;
-    }
-    bool blackbody = prop && prop->as.spectrum.form == SPECTRUM_TERM;
-    if (prop && !blackbody)
-        for (int i = 0; i < 3; i++) rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
-    double largest = factor * fmax(rgb[0], fmax(rgb[1], rgb[2]));
-    if (!(largest <= brightest)) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop ? prop->span : node->span,
-                    "a radiance of %g is beyond what can be rendered, %g", largest, brightest);
-        return false;
-    }
-    if (!blackbody) {
-        for (int i = 0; i < 3; i++) rgb[i] *= factor;
-        *out = spectrum_from_light(rgb);
-        return true;
-    }
-    double kelvin = prop->as.spectrum.term.args[0];
-    if (!(kelvin >= 500 && kelvin <= 1e6)) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a black body of %g K is outside of 500 K .. 1e6 K",
-                    kelvin);
+    if (radiance <= brightest) return true;
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span, "a radiance of %g is beyond what can be rendered, %g", radiance,
+                brightest);
+    return false;
+}
+
+/* The shape of a table is the light's, and `factor` its luminance. */
+static bool emission_of_table(Builder *b, const EvalProp *prop, double factor, Spectrum *out)
+{
+    const EvalTerm *term = &prop->as.spectrum.term;
+    factor *= term->scale;
+    if (factor < 0) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a light cannot be %g times a spectrum", term->scale);
         return false;
     }
     float *table = new_table(b);
-    *out = spectrum_blackbody(kelvin, table);
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] *= (float)factor;
+    if (is_term(prop, "blackbody")) {
+        double kelvin = term->args[0];
+        if (!(kelvin >= 500 && kelvin <= 1e6)) {
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a black body of %g K is outside of 500 K .. 1e6 K",
+                        kelvin);
+            return false;
+        }
+        *out = spectrum_blackbody(kelvin, table);
+    } else {
+        EvalProp shape = *prop;
+        shape.as.spectrum.term.scale = 1;
+        if (!build_spectrum(b, &shape, brightest, out)) return false;
+        double luminance = spectrum_luminance(out);
+        factor /= luminance > 0 ? luminance : 1;
+    }
+    if (!is_bearable(b, prop->span, factor * (double)spectrum_max(out))) return false;
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)out->table[i] * factor);
+    out->table = table;
+    return true;
+}
+
+bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out)
+{
+    const EvalProp *prop = eval_prop(node, property);
+    double rgb[3] = {1, 1, 1};
+    *out = spectrum_constant(0);
+    if (prop && (is_term(prop, "blackbody") || is_term(prop, "spectrum"))) return emission_of_table(b, prop, factor, out);
+    if (prop && prop->as.spectrum.form == SPECTRUM_TERM) {
+        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a colour, blackbody(kelvin) or a spectrum(), not %s()",
+                    property, prop->as.spectrum.term.type->name);
+        return false;
+    }
+    if (prop)
+        for (int i = 0; i < 3; i++) rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
+    if (!is_bearable(b, prop ? prop->span : node->span, factor * fmax(rgb[0], fmax(rgb[1], rgb[2])))) return false;
+    for (int i = 0; i < 3; i++) rgb[i] *= factor;
+    *out = spectrum_from_light(rgb);
     return true;
 }

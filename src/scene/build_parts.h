@@ -84,6 +84,11 @@ uint32_t build_grey_surface(Builder *b);
 /* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */
 bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out);
 
+/* build_spectrum.c */
+/* What a property's spectrum() says, its factor included; false after reporting. most: the largest value that can be
+ * used, where the property's row has no smaller one. */
+bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out);
+
 /* build_shape.c */
 void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_box(Builder *b, const EvalNode *node, const Affine *to_world);

@@ -26,7 +26,7 @@
     }                                                                                                                  \
     ;
 #define BARE(name, flags, child_types, doc)
-#define TERM(name, fewest, most, doc)
+#define TERM(name, fewest, most, flags, doc)
 #include "scene/nodes.def"
 #undef NODE
 #undef PROP
@@ -39,7 +39,7 @@
 #define PROP(name, kind, unit, flags, min, max, choices, default_text, doc)
 #define END(name)
 #define BARE(name, flags, child_types, doc) {#name, NULL, 0, flags, child_types, doc},
-#define TERM(name, fewest, most, doc)
+#define TERM(name, fewest, most, flags, doc)
 static const NodeType nodes[] = {
 #include "scene/nodes.def"
 };
@@ -50,7 +50,7 @@ static const NodeType nodes[] = {
 /* ... and that of terms. */
 #define NODE(name, flags, child_types, doc)
 #define BARE(name, flags, child_types, doc)
-#define TERM(name, fewest, most, doc) {#name, fewest, most, false, doc},
+#define TERM(name, fewest, most, flags, doc) {#name, fewest, most, flags, doc},
 static const TermType terms[] = {
 #include "scene/nodes.def"
 };

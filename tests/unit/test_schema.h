@@ -129,10 +129,10 @@ static const NodeType test_nodes[] = {
     {"animation", ROWS(animation), NODE_SINGLE, NULL, "frames"},
 };
 static const TermType test_terms[] = {
-    {"cauchy", 1, 3, false, "index that falls with the wavelength"},
-    {"hg", 1, 1, false, "Henyey and Greenstein's phase function"},
-    {"blackbody", 1, 1, false, "glow of a hot body"},
-    {"spectrum", 1, 1, true, "a file"},
+    {"cauchy", 1, 3, 0, "index that falls with the wavelength"},
+    {"hg", 1, 1, 0, "Henyey and Greenstein's phase function"},
+    {"blackbody", 1, 1, TERM_SCALES, "glow of a hot body"},
+    {"spectrum", 1, 1, TERM_TABLE | TERM_SCALES, "measured values"},
 };
 
 static const Schema test_schema = {
