@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/num.h"
 #include "cli/commands.h"
-#include "geom/mesh.h"
+#include "geom/mesh_file.h"
 #include "image/image.h"
 
 /* Facts go out as "name  text" or as members of one JSON object. */
@@ -45,22 +45,51 @@ static void add_truth(Facts *facts, const char *name, bool truth)
         add_fact(facts, name, truth ? "yes" : "no");
 }
 
+/* What `part` of a mesh can be. */
+static void describe_parts(const MeshSource *source, Facts *facts)
+{
+    if (!source->n_parts) return;
+    if (facts->as_json) {
+        json_key(&facts->json, "parts");
+        json_begin_array(&facts->json);
+    }
+    for (size_t i = 0; i < source->n_parts; i++) {
+        const MeshPart *part = &source->parts[i];
+        if (facts->as_json) {
+            json_begin_object(&facts->json);
+            json_add_text(&facts->json, "kind", part->kind);
+            json_add_text(&facts->json, "name", part->name);
+            json_add_number(&facts->json, "triangles", (double)part->n_triangles);
+            json_end(&facts->json);
+        } else {
+            buf_format(facts->out, "%-*s '%s', %llu triangles\n", NAME_COLUMNS, part->kind, part->name,
+                       (unsigned long long)part->n_triangles);
+        }
+    }
+    if (facts->as_json) json_end(&facts->json);
+}
+
 static Status describe_mesh(const char *path, Facts *facts, Error *error)
 {
     Mesh *mesh = NULL;
     MeshReport report;
-    TRY(mesh_load(path, &mesh, error));
-    Status status = mesh_inspect(mesh, &report, error);
+    MeshSource source = {0};
+    Status status = mesh_load(path, &source, &mesh, error);
+    if (status == STATUS_OK) status = mesh_inspect(mesh, &report, error);
     if (status == STATUS_OK) {
+        describe_parts(&source, facts);
+        if (source.unit_m > 0) add_number(facts, "unit in metres", source.unit_m);
         add_number(facts, "vertices", mesh->n_vertices);
         add_number(facts, "triangles", mesh->n_triangles);
         add_truth(facts, "normals", mesh->normals != NULL);
+        add_truth(facts, "texture coordinates", mesh->uvs != NULL);
         add_truth(facts, "closed", report.closed);
         add_number(facts, "open edges", report.n_open_edges);
         add_number(facts, "edges of more than two faces", report.n_non_manifold_edges);
         add_truth(facts, "faces agree on outside", report.consistent);
         add_truth(facts, "inside out", report.inside_out);
-        add_number(facts, "connected parts", report.n_components);
+        add_number(facts, "connected pieces", report.n_components);
+        add_number(facts, "pieces turned inward", report.n_inverted);
         add_number(facts, "faces without area", report.n_degenerate);
         add_number(facts, "faces that occur twice", report.n_duplicate);
         add_number(facts, "volume", report.volume);
@@ -72,6 +101,7 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
         add_number(facts, "z from", report.bounds.min.z);
         add_number(facts, "z to", report.bounds.max.z);
     }
+    mesh_source_clear(&source);
     mesh_free(mesh);
     return status;
 }
@@ -93,7 +123,7 @@ static Status describe_picture(const char *path, Facts *facts, Error *error)
 static Status describe(const char *path, Facts *facts, Error *error)
 {
     const char *extension = file_extension(path);
-    if (strcasecmp(extension, "ply") == 0 || strcasecmp(extension, "obj") == 0) return describe_mesh(path, facts, error);
+    if (mesh_has_reader(extension)) return describe_mesh(path, facts, error);
     if (strcasecmp(extension, "exr") == 0) return exr_visit_attributes(path, add_fact, facts, error);
     return describe_picture(path, facts, error);
 }

@@ -1,11 +1,10 @@
-/* mesh.c - storage of triangle meshes, welding, transformation, and the choice of a reader.
+/* mesh.c - storage of triangle meshes, welding, transformation.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/hash.h"
 
 enum { EMBREE_PADDING = 16 }; /* Embree reads 16 bytes at the last position's 12 */
@@ -50,25 +49,6 @@ Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error)
     if (made->uvs) memcpy(made->uvs, mesh->uvs, mesh->n_vertices * 2 * sizeof *made->uvs);
     *copy = made;
     return STATUS_OK;
-}
-
-static bool same_extension(const char *extension, const char *wanted)
-{
-    size_t i = 0;
-    for (; extension[i] && wanted[i]; i++) {
-        char letter = extension[i];
-        if (letter >= 'A' && letter <= 'Z') letter = (char)(letter - 'A' + 'a');
-        if (letter != wanted[i]) return false;
-    }
-    return extension[i] == wanted[i];
-}
-
-Status mesh_load(const char *path, Mesh **mesh, Error *error)
-{
-    const char *extension = file_extension(path);
-    if (same_extension(extension, "ply")) return mesh_load_ply(path, mesh, error);
-    if (same_extension(extension, "obj")) return mesh_load_obj(path, mesh, error);
-    return fail(error, STATUS_INPUT, "cannot tell what kind of mesh '%s' is; .ply and .obj can be read", path);
 }
 
 /* All that makes a vertex itself, as bits; -0 is 0. */

@@ -26,15 +26,6 @@ ATTR_NODISCARD Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool n
                                Error *error);
 ATTR_NODISCARD Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error);
 
-/* Binary little- and big-endian and text PLY; polygons are fanned. Indices out of range, NaN and
- * infinite vertices, truncation and lying headers are STATUS_INPUT with the place. Own reader:
- * a million triangles take about a hundredth of a second (libs.md). */
-ATTR_NODISCARD Status mesh_load_ply(const char *path, Mesh **mesh, Error *error);
-/* Wavefront OBJ: v, vn, vt, f (any polygon, negative indices); groups and materials are ignored. */
-ATTR_NODISCARD Status mesh_load_obj(const char *path, Mesh **mesh, Error *error);
-/* By extension (.ply, .obj); others are STATUS_INPUT with the list of what can be read. */
-ATTR_NODISCARD Status mesh_load(const char *path, Mesh **mesh, Error *error);
-
 /* Merges vertices whose positions (and normals and uvs, where present) are equal bit by bit (-0 = 0). */
 ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Error *error);
 /* Moves every vertex; a map that mirrors also turns the triangles round, so that outside stays outside. */

@@ -1,5 +1,5 @@
-/* obj.c - reads meshes in Wavefront's OBJ format: v, vt, vn and f. Polygons are fanned; groups, materials,
- * lines, points and free-form surfaces are passed over.
+/* obj.c - reads meshes in Wavefront's OBJ format: v, vt, vn and f. Polygons are fanned; o, g and usemtl name
+ * parts; lines, points and free-form surfaces are passed over.
  * A corner of a face names its position, texture coordinate and normal separately; a vertex is made for
  * every combination that occurs.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -11,15 +11,23 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/num.h"
-#include "geom/mesh.h"
+#include "geom/mesh_file.h"
 
 /* Numbers from 1; 0: none. */
 typedef struct ObjCorner {
     uint32_t position, uv, normal;
 } ObjCorner;
 
+/* What names a part: the statement, and what a message calls it. */
+enum { N_PART_KINDS = 3 };
+static const struct {
+    const char *statement, *kind;
+} part_kinds[N_PART_KINDS] = {{"o", "object"}, {"g", "group"}, {"usemtl", "material"}};
+
 typedef struct Obj {
     const char *path;
+    MeshSource *source;
+    uint32_t parts[N_PART_KINDS]; /* those that hold now; UINT32_MAX: none */
     Error *error;
     const char *at, *end;
     uint32_t line;
@@ -184,6 +192,7 @@ static Status read_corner(Obj *obj, ObjCorner *corner)
 
 static Status add_triangle(Obj *obj, ObjCorner a, ObjCorner b, ObjCorner c)
 {
+    if (!mesh_source_wants(obj->source, obj->parts, N_PART_KINDS)) return STATUS_OK;
     if (obj->n_lines >= most_items) return too_many(obj, "triangles");
     if (!array_reserve(&obj->corners, &obj->corner_capacity, obj->n_corners + 3, sizeof *obj->corners) ||
         !ARRAY_ROOM(obj->lines, obj->line_capacity, obj->n_lines))
@@ -221,16 +230,32 @@ static bool keyword(Obj *obj, const char *word)
     return true;
 }
 
+/* The rest of the line, without blanks around it, is the name: it may have blanks within. */
+static Status read_part(Obj *obj, int kind)
+{
+    const char *newline = memchr(obj->at, '\n', (size_t)(obj->end - obj->at));
+    const char *from = obj->at, *to = newline ? newline : obj->end;
+    while (from < to && (unsigned char)*from <= ' ') from++;
+    while (from < to && (unsigned char)to[-1] <= ' ') to--;
+    if (!obj->source) return STATUS_OK;
+    obj->parts[kind] = mesh_source_part(obj->source, part_kinds[kind].kind, from, (size_t)(to - from));
+    return obj->parts[kind] == UINT32_MAX ? fail_memory(obj->error, (size_t)(to - from), "a name") : STATUS_OK;
+}
+
 static Status read_lines(Obj *obj)
 {
+    for (int kind = 0; kind < N_PART_KINDS; kind++) obj->parts[kind] = UINT32_MAX;
     for (obj->line = 1; obj->at < obj->end; skip_line(obj)) {
         skip_blanks(obj);
         if (keyword(obj, "v")) TRY(read_position(obj));
         else if (keyword(obj, "vn")) TRY(read_normal(obj));
         else if (keyword(obj, "vt")) TRY(read_uv(obj));
         else if (keyword(obj, "f")) TRY(read_face(obj));
+        else
+            for (int kind = 0; kind < N_PART_KINDS; kind++)
+                if (keyword(obj, part_kinds[kind].statement)) TRY(read_part(obj, kind));
     }
-    if (obj->n_corners == 0) return fail(obj->error, STATUS_INPUT, "'%s' has no faces", obj->path);
+    if (obj->n_corners == 0) return mesh_source_nothing(obj->source, obj->path, obj->error);
     for (size_t i = 0; i < obj->n_corners; i++) {
         ObjCorner c = obj->corners[i];
         const char *what = c.position > obj->n_positions ? "position"
@@ -307,12 +332,12 @@ static Status make_full_mesh(Obj *obj, Mesh **mesh)
     return status;
 }
 
-Status mesh_load_obj(const char *path, Mesh **mesh, Error *error)
+Status mesh_load_obj(const char *path, MeshSource *source, Mesh **mesh, Error *error)
 {
     char *bytes = NULL;
     size_t length = 0;
     TRY(file_read(path, 0, &bytes, &length, error));
-    Obj obj = {.path = path, .error = error, .at = bytes, .end = bytes + length};
+    Obj obj = {.path = path, .source = source, .error = error, .at = bytes, .end = bytes + length};
     Status status = read_lines(&obj);
     free(bytes);
     if (status == STATUS_OK)

@@ -10,7 +10,7 @@
 #include "base/array.h"
 #include "base/file.h"
 #include "base/num.h"
-#include "geom/mesh.h"
+#include "geom/mesh_file.h"
 
 enum {
     MAX_ELEMENTS = 32,
@@ -490,8 +490,9 @@ static Status read_body(Ply *ply)
     return mesh_normalize_normals(ply->mesh, ply->error);
 }
 
-Status mesh_load_ply(const char *path, Mesh **mesh, Error *error)
+Status mesh_load_ply(const char *path, MeshSource *source, Mesh **mesh, Error *error)
 {
+    if (source && source->part) return mesh_source_nothing(source, path, error); /* there is nothing to name parts with */
     char *bytes = NULL;
     size_t length = 0;
     TRY(file_read(path, 0, &bytes, &length, error));

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "geom/mesh_file.h"
 #include "scene/build_parts.h"
 
 static bool same_point(Vec3f a, Vec3f b)
@@ -175,11 +176,14 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
 
 /* ---- the node ---- */
 
-static bool load_file(Builder *b, const EvalProp *file, const char *path, bool smooth, uint32_t shape)
+static bool load_file(Builder *b, const EvalProp *file, const char *path, const char *part, bool smooth, uint32_t shape)
 {
     Error error;
     Mesh **mesh = &b->scene->shapes[shape].mesh;
-    Status status = mesh_load(path, mesh, &error);
+    MeshSource source = {.part = part};
+    Status status = mesh_load(path, &source, mesh, &error);
+    b->facts[shape].file_unit_m = source.unit_m;
+    mesh_source_clear(&source);
     if (status == STATUS_OK && !smooth) {
         free((*mesh)->normals);
         (*mesh)->normals = NULL;
@@ -233,9 +237,11 @@ static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
         const char *path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
         if (!path) return false;
         build_note_file(b, path);
-        const char *key = arena_format(b->arena, "mesh %d %s", smooth, path);
+        const EvalProp *part_prop = eval_prop(node, "part");
+        const char *part = part_prop ? part_prop->as.text : NULL;
+        const char *key = arena_format(b->arena, "mesh %d %s%s%s", smooth, path, part ? "\n" : "", part ? part : "");
         *shape = build_shape_of(b, key, strlen(key), &found);
-        if (!found) return load_file(b, file, path, smooth, *shape) && build_finish_mesh(b, node, *shape);
+        if (!found) return load_file(b, file, path, part, smooth, *shape) && build_finish_mesh(b, node, *shape);
     } else {
         const EvalNode *origin = node;
         while (origin->prototype) origin = origin->prototype;
@@ -245,6 +251,16 @@ static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
     }
     /* a shape that failed before has been reported before */
     return b->scene->shapes[*shape].mesh && b->scene->shapes[*shape].mesh->n_triangles;
+}
+
+/* From the file's axes and unit to the scene's. */
+static Affine file_to_scene(const Builder *b, const EvalNode *node, uint32_t shape)
+{
+    const EvalProp *unit = eval_prop(node, "unit");
+    double file_unit_m = b->facts[shape].file_unit_m;
+    double s = unit ? unit->as.number : file_unit_m > 0 ? file_unit_m / b->result.unit_m : 1;
+    if (strcmp(eval_word(node, "up"), "z") == 0) return (Affine){{{s, 0, 0}, {0, 0, s}, {0, -s, 0}}, {0, 0, 0}};
+    return (Affine){{{s, 0, 0}, {0, s, 0}, {0, 0, s}}, {0, 0, 0}};
 }
 
 void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world)
@@ -260,10 +276,17 @@ void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world)
         diag_hint(b->diag, report, "give a file, or positions and triangles");
         return;
     }
-    if (!file) build_needs(b, node, "smooth", "without a file");
+    static const char *const of_files[] = {"smooth", "part", "unit", "up"};
+    for (size_t i = 0; !file && i < COUNT_OF(of_files); i++) build_needs(b, node, of_files[i], "without a file");
     uint32_t shape;
     if (!mesh_shape(b, node, &shape)) return;
     if (eval_truth(node, "closed") && !b->facts[shape].closed)
         build_report_open(b, node->span, node->name ? node->name : "the mesh", shape);
-    build_object(b, node, shape, to_world);
+    if (!file) {
+        build_object(b, node, shape, to_world);
+        return;
+    }
+    Affine place = file_to_scene(b, node, shape);
+    place = affine_compose(to_world, &place);
+    build_object(b, node, shape, &place);
 }

@@ -35,6 +35,7 @@ typedef struct ShapeFacts {
     Box3 bounds;
     bool closed, consistent;
     bool reported_open;
+    double file_unit_m; /* 0: not known */
     uint32_t n_open_edges, n_non_manifold;
     struct {
         Vec3f a, b;

@@ -1,55 +1,15 @@
 /* exr_test.c - EXR files: what is written reads back, other programs' files read, and a failure harms nothing.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <openexr.h> /* to write what other programs do and we do not */
 
-/* before cmocka, which makes a macro of fail */
 #include "base/file.h"
 #include "image/image.h"
-
-#include <cmocka.h>
-
-static char folder[] = "/tmp/meniscus-exr-XXXXXX";
-
-static const char *in_folder(const char *name)
-{
-    static char path[2][256];
-    static int turn;
-    turn = !turn;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[300];
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return system(command);
-}
-
-static void write_text(const char *path, const void *bytes, size_t length)
-{
-    FILE *stream = fopen(path, "wb");
-    assert_non_null(stream);
-    assert_int_equal(fwrite(bytes, 1, length, stream), length);
-    fclose(stream);
-}
+#include "temporary.h"
 
 /* A picture of every kind of number, with more channels than the library's small stash. */
 static Image sample_image(uint32_t width, uint32_t height)
@@ -263,7 +223,7 @@ static void full_disks_and_missing_folders_are_reported(void **state)
     assert_int_equal(exr_write("/dev/full", &image, NULL, &error), STATUS_OUTPUT);
     assert_non_null(strstr(error.text, "/dev/full"));
     assert_non_null(strstr(error.text, "No space"));
-    write_text(in_folder("file"), "x", 1);
+    write_bytes(in_folder("file"), "x", 1);
     assert_int_equal(exr_write(in_folder("file/below.exr"), &image, NULL, &error), STATUS_OUTPUT);
     assert_non_null(strstr(error.text, "Not a directory"));
     assert_int_equal(exr_write(in_folder("absent/below.exr"), &image, NULL, &error), STATUS_OUTPUT);
@@ -412,13 +372,13 @@ static void what_is_no_picture_is_refused(void **state)
     (void)state;
     assert_refused(folder, "directory");
     assert_refused(in_folder("nothing.exr"), "No such file");
-    write_text(in_folder("empty.exr"), "", 0);
+    write_bytes(in_folder("empty.exr"), "", 0);
     assert_refused(in_folder("empty.exr"), "empty");
-    write_text(in_folder("text.exr"), "hello, world, this is text", 26);
+    write_bytes(in_folder("text.exr"), "hello, world, this is text", 26);
     assert_refused(in_folder("text.exr"), "not an EXR");
-    write_text(in_folder("text.jpeg"), "hello, world", 12);
+    write_bytes(in_folder("text.jpeg"), "hello, world", 12);
     assert_refused(in_folder("text.jpeg"), "neither an EXR nor a PNG");
-    write_text(in_folder("magic.exr"), "\x76\x2f\x31\x01\x02\0\0\0", 8);
+    write_bytes(in_folder("magic.exr"), "\x76\x2f\x31\x01\x02\0\0\0", 8);
     assert_refused(in_folder("magic.exr"), "damaged or cut short");
 }
 
@@ -435,13 +395,13 @@ static void damaged_files_are_refused_or_read(void **state)
     image_clear(&image);
     assert_int_equal(file_read(whole, 0, &bytes, &length, &error), STATUS_OK);
     for (size_t n = 0; n < length; n += n < 600 ? 1 : 97) {
-        write_text(in_folder("cut.exr"), bytes, n);
+        write_bytes(in_folder("cut.exr"), bytes, n);
         assert_int_equal(image_read(in_folder("cut.exr"), &again, &error), STATUS_INPUT);
     }
     for (size_t i = 4; i < length; i += i < 900 ? 1 : 53) {
         char kept = bytes[i];
         bytes[i] = (char)(kept ^ (i % 2 ? 0x7f : 0xff));
-        write_text(in_folder("spoilt.exr"), bytes, length);
+        write_bytes(in_folder("spoilt.exr"), bytes, length);
         bytes[i] = kept;
         Status status = image_read(in_folder("spoilt.exr"), &again, &error);
         assert_true(status == STATUS_OK || status == STATUS_INPUT || status == STATUS_NOMEM);
@@ -474,7 +434,7 @@ static void a_lying_header_is_refused(void **state)
                     memcpy(box + 8, &sizes[s], 4);
                     memcpy(box + 12, &sizes[s], 4);
                 }
-        write_text(in_folder("lie.exr"), copy, length);
+        write_bytes(in_folder("lie.exr"), copy, length);
         assert_refused(in_folder("lie.exr"), "");
         free(copy);
     }

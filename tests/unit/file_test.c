@@ -7,35 +7,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
-
-static char folder[64];
-
-static int make_folder(void **state)
-{
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/meniscus-file-XXXXXX");
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char path[512];
-    DIR *open_folder = opendir(folder);
-    for (struct dirent *entry; open_folder && (entry = readdir(open_folder));) {
-        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        unlink(path);
-    }
-    if (open_folder) closedir(open_folder);
-    return rmdir(folder);
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
+#include "temporary.h"
 
 static size_t count_entries(void)
 {
@@ -70,14 +42,14 @@ static void expect_text(const char *path, const char *text)
 static void test_write_and_read(void **state)
 {
     (void)state;
-    write_text(path_of("a.txt"), "one\n");
-    expect_text(path_of("a.txt"), "one\n");
-    write_text(path_of("a.txt"), "two");
-    expect_text(path_of("a.txt"), "two");
-    write_text(path_of("empty"), "");
-    expect_text(path_of("empty"), "");
+    write_text(in_folder("a.txt"), "one\n");
+    expect_text(in_folder("a.txt"), "one\n");
+    write_text(in_folder("a.txt"), "two");
+    expect_text(in_folder("a.txt"), "two");
+    write_text(in_folder("empty"), "");
+    expect_text(in_folder("empty"), "");
     assert_int_equal(count_entries(), 2);
-    assert_true(file_exists(path_of("a.txt")));
+    assert_true(file_exists(in_folder("a.txt")));
     assert_false(file_exists(folder));
 }
 
@@ -86,14 +58,14 @@ static void test_abandon(void **state)
     FileOut out;
     Error error;
     (void)state;
-    write_text(path_of("kept"), "old");
-    assert_int_equal(file_create(&out, path_of("kept"), &error), STATUS_OK);
+    write_text(in_folder("kept"), "old");
+    assert_int_equal(file_create(&out, in_folder("kept"), &error), STATUS_OK);
     fputs("new", out.stream);
-    expect_text(path_of("kept"), "old"); /* nothing to be seen before the commit */
+    expect_text(in_folder("kept"), "old"); /* nothing to be seen before the commit */
     file_abandon(&out);
     file_abandon(&out);
-    expect_text(path_of("kept"), "old");
-    unlink(path_of("kept"));
+    expect_text(in_folder("kept"), "old");
+    unlink(in_folder("kept"));
     assert_int_equal(count_entries(), 2);
 }
 
@@ -102,16 +74,16 @@ static void test_link_and_mode(void **state)
     (void)state;
     char target[128];
     struct stat info;
-    snprintf(target, sizeof target, "%s", path_of("a.txt"));
+    snprintf(target, sizeof target, "%s", in_folder("a.txt"));
     assert_int_equal(chmod(target, 0640), 0);
-    assert_int_equal(symlink(target, path_of("link")), 0);
-    write_text(path_of("link"), "through the link");
-    assert_int_equal(lstat(path_of("link"), &info), 0);
+    assert_int_equal(symlink(target, in_folder("link")), 0);
+    write_text(in_folder("link"), "through the link");
+    assert_int_equal(lstat(in_folder("link"), &info), 0);
     assert_true(S_ISLNK(info.st_mode));
     expect_text(target, "through the link");
     assert_int_equal(stat(target, &info), 0);
     assert_int_equal(info.st_mode & 0777, 0640);
-    unlink(path_of("link"));
+    unlink(in_folder("link"));
 }
 
 static void test_read_failures(void **state)
@@ -120,14 +92,14 @@ static void test_read_failures(void **state)
     size_t length;
     Error error;
     (void)state;
-    assert_int_equal(file_read(path_of("none"), 0, &bytes, &length, &error), STATUS_INPUT);
+    assert_int_equal(file_read(in_folder("none"), 0, &bytes, &length, &error), STATUS_INPUT);
     assert_non_null(strstr(error.text, "none"));
     assert_int_equal(file_read(folder, 0, &bytes, &length, &error), STATUS_INPUT);
-    write_text(path_of("long"), "0123456789");
-    assert_int_equal(file_read(path_of("long"), 9, &bytes, &length, &error), STATUS_INPUT);
+    write_text(in_folder("long"), "0123456789");
+    assert_int_equal(file_read(in_folder("long"), 9, &bytes, &length, &error), STATUS_INPUT);
     assert_non_null(strstr(error.text, "9 bytes"));
     assert_int_equal(file_read("/dev/zero", 100000, &bytes, &length, &error), STATUS_INPUT);
-    unlink(path_of("long"));
+    unlink(in_folder("long"));
 }
 
 static void test_write_failures(void **state)
@@ -149,21 +121,21 @@ static void test_halves(void **state)
     char *temporary;
     Error error;
     (void)state;
-    assert_int_equal(file_temporary_path(path_of("half"), &temporary, &error), STATUS_OK);
-    assert_string_not_equal(temporary, path_of("half"));
+    assert_int_equal(file_temporary_path(in_folder("half"), &temporary, &error), STATUS_OK);
+    assert_string_not_equal(temporary, in_folder("half"));
     FILE *stream = fopen(temporary, "wb");
     assert_non_null(stream);
     fputs("half", stream);
     fclose(stream);
-    assert_false(file_exists(path_of("half")));
-    assert_int_equal(file_rename_into_place(temporary, path_of("half"), &error), STATUS_OK);
-    expect_text(path_of("half"), "half");
+    assert_false(file_exists(in_folder("half")));
+    assert_int_equal(file_rename_into_place(temporary, in_folder("half"), &error), STATUS_OK);
+    expect_text(in_folder("half"), "half");
     free(temporary);
     assert_int_equal(file_temporary_path("/dev/null", &temporary, &error), STATUS_OK);
     assert_string_equal(temporary, "/dev/null");
     assert_int_equal(file_rename_into_place(temporary, "/dev/null", &error), STATUS_OK);
     free(temporary);
-    unlink(path_of("half"));
+    unlink(in_folder("half"));
 }
 
 static void test_names(void **state)

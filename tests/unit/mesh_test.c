@@ -4,7 +4,7 @@
 
 #include "near.h"
 
-#include "geom/mesh.h"
+#include "geom/mesh_file.h"
 
 static Mesh *made_box(Vec3 from, Vec3 to, double bevel, unsigned segments)
 {
@@ -119,12 +119,12 @@ static void test_load_by_extension(void **state)
     (void)state;
     Mesh *mesh = NULL;
     Error error;
-    assert_int_equal(mesh_load("a/b.stl", &mesh, &error), STATUS_INPUT);
-    assert_non_null(strstr(error.text, ".ply and .obj"));
-    assert_int_equal(mesh_load("noextension", &mesh, &error), STATUS_INPUT);
-    assert_int_equal(mesh_load("there-is-no-such-file.PLY", &mesh, &error), STATUS_INPUT);
+    assert_int_equal(mesh_load("a/b.stp", NULL, &mesh, &error), STATUS_INPUT);
+    assert_non_null(strstr(error.text, ".ply, .obj and .stl can be read"));
+    assert_int_equal(mesh_load("noextension", NULL, &mesh, &error), STATUS_INPUT);
+    assert_int_equal(mesh_load("there-is-no-such-file.PLY", NULL, &mesh, &error), STATUS_INPUT);
     assert_non_null(strstr(error.text, "there-is-no-such-file.PLY"));
-    assert_int_equal(mesh_load("there-is-no-such-file.obj", &mesh, &error), STATUS_INPUT);
+    assert_int_equal(mesh_load("there-is-no-such-file.obj", NULL, &mesh, &error), STATUS_INPUT);
     assert_null(mesh);
 }
 

@@ -2,55 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include "mesh_reader.h"
 #include "near.h"
-
-#include <unistd.h>
-
-#include "base/hash.h"
-#include "geom/mesh.h"
-
-static char path[64];
-
-static int make_path(void **state)
-{
-    (void)state;
-    strcpy(path, "/tmp/obj_test_XXXXXX");
-    int descriptor = mkstemp(path);
-    return descriptor < 0 ? -1 : close(descriptor);
-}
-
-static int remove_path(void **state)
-{
-    (void)state;
-    return unlink(path);
-}
-
-static void write_file(const char *bytes, size_t length)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, length, file), length);
-    assert_int_equal(fclose(file), 0);
-}
-
-static Mesh *load(const char *text)
-{
-    write_file(text, strlen(text));
-    Mesh *mesh = NULL;
-    Error error = {STATUS_OK, ""};
-    if (mesh_load_obj(path, &mesh, &error) != STATUS_OK) fail_msg("%s", error.text);
-    return mesh;
-}
-
-static void refuse(const char *text, const char *reason)
-{
-    write_file(text, strlen(text));
-    Mesh *mesh = NULL;
-    Error error = {STATUS_OK, ""};
-    assert_int_equal(mesh_load_obj(path, &mesh, &error), STATUS_INPUT);
-    assert_null(mesh);
-    if (!strstr(error.text, path) || !strstr(error.text, reason)) fail_msg("'%s' does not say '%s'", error.text, reason);
-}
 
 static const char cube[] = "# a cube\nmtllib none.mtl\no cube\n"
                            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1 1.0\nv 1 0 1\nv 1 1 1\nv 0 1 1 .5 .5 .5\n"
@@ -124,23 +77,7 @@ static void test_refusals(void **state)
 static void test_noise(void **state)
 {
     (void)state;
-    for (uint32_t round = 0; round < 1000; round++) {
-        char text[sizeof cube];
-        memcpy(text, cube, sizeof cube);
-        for (uint32_t k = 0; k < 1 + round % 4; k++) {
-            uint32_t h = hash_u32(round * 4 + k);
-            static const char bytes[] = "0123456789 -/.\\\n\r#vfntes\0\xff";
-            text[h % (sizeof cube - 1)] = bytes[(h >> 16) % sizeof bytes];
-        }
-        write_file(text, sizeof cube - 1 - round % 50);
-        Mesh *mesh = NULL;
-        Error error;
-        if (mesh_load_obj(path, &mesh, &error) == STATUS_OK) {
-            MeshReport report;
-            assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
-            mesh_free(mesh);
-        }
-    }
+    spoil(cube, sizeof cube - 1, 2000);
 }
 
 int main(void)
@@ -149,5 +86,6 @@ int main(void)
         cmocka_unit_test(test_cube),     cmocka_unit_test(test_corners_of_all_kinds), cmocka_unit_test(test_numbers_ahead),
         cmocka_unit_test(test_refusals), cmocka_unit_test(test_noise),
     };
-    return cmocka_run_group_tests(tests, make_path, remove_path);
+    mesh_name = "mesh.obj";
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -2,62 +2,9 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-#include "near.h"
-
-#include <unistd.h>
-
 #include "base/buf.h"
-#include "base/hash.h"
-#include "geom/mesh.h"
-
-static char path[64];
-
-static int make_path(void **state)
-{
-    (void)state;
-    strcpy(path, "/tmp/ply_test_XXXXXX");
-    int descriptor = mkstemp(path);
-    return descriptor < 0 ? -1 : close(descriptor);
-}
-
-static int remove_path(void **state)
-{
-    (void)state;
-    return unlink(path);
-}
-
-static void write_file(const char *bytes, size_t length)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, length, file), length);
-    assert_int_equal(fclose(file), 0);
-}
-
-static Mesh *load_text(const char *text)
-{
-    write_file(text, strlen(text));
-    Mesh *mesh = NULL;
-    Error error = {STATUS_OK, ""};
-    if (mesh_load_ply(path, &mesh, &error) != STATUS_OK) fail_msg("%s", error.text);
-    return mesh;
-}
-
-/* The file must be refused, with its name and this text. */
-static void refuse_bytes(const char *bytes, size_t length, const char *reason)
-{
-    write_file(bytes, length);
-    Mesh *mesh = NULL;
-    Error error = {STATUS_OK, ""};
-    assert_int_equal(mesh_load_ply(path, &mesh, &error), STATUS_INPUT);
-    assert_null(mesh);
-    if (!strstr(error.text, path) || !strstr(error.text, reason)) fail_msg("'%s' does not say '%s'", error.text, reason);
-}
-
-static void refuse(const char *text, const char *reason)
-{
-    refuse_bytes(text, strlen(text), reason);
-}
+#include "mesh_reader.h"
+#include "near.h"
 
 #define HEAD(format, n_vertices, n_faces)                                                                                \
     "ply\nformat " format " 1.0\nelement vertex " n_vertices                                                             \
@@ -67,7 +14,7 @@ static void refuse(const char *text, const char *reason)
 static void test_text(void **state)
 {
     (void)state;
-    Mesh *mesh = load_text(HEAD("ascii", "4", "2") "0 0 0\n1 0 0\n1 1 0\n0 1 -2.5e-1\n3 0 1 2\n4 0 1 2 3\n");
+    Mesh *mesh = load(HEAD("ascii", "4", "2") "0 0 0\n1 0 0\n1 1 0\n0 1 -2.5e-1\n3 0 1 2\n4 0 1 2 3\n");
     assert_int_equal(mesh->n_vertices, 4);
     assert_int_equal(mesh->n_triangles, 3);
     assert_near((double)mesh->positions[3].z, -0.25, 0);
@@ -83,7 +30,7 @@ static void test_text_with_everything(void **state)
     (void)state;
     /* lines end as on Windows; comments; unknown elements and properties; normals to be made unit; the
      * older name of the list; faces before vertices; no line end at the end */
-    Mesh *mesh = load_text("ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info nothing\r\n"
+    Mesh *mesh = load("ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info nothing\r\n"
                            "element strange 2\r\nproperty list uchar float values\r\nproperty double d\r\n"
                            "element face 1\r\nproperty uchar red\r\nproperty list uint8 uint32 vertex_index\r\n"
                            "property list uchar float texcoord\r\n"
@@ -152,10 +99,7 @@ static void test_binary(void **state)
     for (int big = 0; big < 2; big++) {
         Buf buf = {0};
         add_binary(&buf, big != 0);
-        write_file(buf.text, buf.length);
-        Mesh *mesh = NULL;
-        Error error;
-        if (mesh_load_ply(path, &mesh, &error) != STATUS_OK) fail_msg("%s", error.text);
+        Mesh *mesh = load_bytes(buf.text, buf.length);
         assert_int_equal(mesh->n_vertices, 4);
         assert_int_equal(mesh->n_triangles, 5);
         assert_near((double)mesh->positions[1].x, -300, 0);
@@ -165,11 +109,7 @@ static void test_binary(void **state)
         assert_memory_equal(mesh->triangles[1], second, sizeof second);
         mesh_free(mesh);
         /* cut off at every byte: an error with a place, never a crash */
-        for (size_t length = 0; length < buf.length; length++) {
-            write_file(buf.text, length);
-            assert_int_equal(mesh_load_ply(path, &mesh, &error), STATUS_INPUT);
-            assert_non_null(strstr(error.text, path));
-        }
+        for (size_t length = 0; length < buf.length; length++) refuse_bytes(buf.text, length, "");
         buf_clear(&buf);
     }
 }
@@ -179,23 +119,7 @@ static void test_noise(void **state)
     (void)state;
     Buf buf = {0};
     add_binary(&buf, false);
-    for (uint32_t round = 0; round < 1000; round++) {
-        char bytes[1024];
-        assert_true(buf.length < sizeof bytes);
-        memcpy(bytes, buf.text, buf.length);
-        for (uint32_t k = 0; k < 1 + round % 4; k++) {
-            uint32_t h = hash_u32(round * 4 + k);
-            bytes[h % buf.length] = (char)(h >> 24);
-        }
-        write_file(bytes, buf.length);
-        Mesh *mesh = NULL;
-        Error error;
-        if (mesh_load_ply(path, &mesh, &error) == STATUS_OK) {
-            MeshReport report;
-            assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
-            mesh_free(mesh);
-        }
-    }
+    spoil(buf.text, buf.length, 2000);
     buf_clear(&buf);
 }
 
@@ -271,9 +195,8 @@ static void test_round_trip(void **state)
         buf_add_bytes(&buf, "\3", 1);
         for (int k = 0; k < 3; k++) add_int(&buf, (int32_t)sphere->triangles[i][k], true);
     }
-    write_file(buf.text, buf.length);
+    mesh = load_bytes(buf.text, buf.length);
     buf_clear(&buf);
-    assert_int_equal(mesh_load_ply(path, &mesh, NULL), STATUS_OK);
     assert_int_equal(mesh->n_vertices, sphere->n_vertices);
     assert_memory_equal(mesh->positions, sphere->positions, sphere->n_vertices * sizeof(Vec3f));
     assert_memory_equal(mesh->triangles, sphere->triangles, sphere->n_triangles * sizeof mesh->triangles[0]);
@@ -293,5 +216,6 @@ int main(void)
         cmocka_unit_test(test_body_refusals),
         cmocka_unit_test(test_round_trip),
     };
-    return cmocka_run_group_tests(tests, make_path, remove_path);
+    mesh_name = "mesh.ply";
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -1,55 +1,16 @@
 /* png_test.c - PNG files: exact steps, dither, other programs' kinds, damage, failures that harm nothing.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
 #include <math.h>
 #include <png.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-/* before cmocka, which makes a macro of fail */
 #include "base/file.h"
 #include "image/image.h"
+#include "temporary.h"
 
-#include <cmocka.h>
-
-static char folder[] = "/tmp/meniscus-png-XXXXXX";
 static const char *const rgba[] = {"R", "G", "B", "A"};
-
-static const char *in_folder(const char *name)
-{
-    static char path[2][256];
-    static int turn;
-    turn = !turn;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[300];
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return system(command);
-}
-
-static void write_bytes(const char *path, const void *bytes, size_t length)
-{
-    FILE *stream = fopen(path, "wb");
-    assert_non_null(stream);
-    assert_int_equal(fwrite(bytes, 1, length, stream), length);
-    fclose(stream);
-}
 
 static Image new_image(uint32_t width, uint32_t height, uint32_t n_channels)
 {
