@@ -7,10 +7,10 @@ syntax case match
 syntax iskeyword @,48-57,_,192-255
 syntax keyword meniscusKeyword and as by children def defaults else for if in include let not or param use var while
 syntax keyword meniscusConstant false none true clock frame frames time x y z pi
-syntax match meniscusChoice /\<\%(solid\|liquid\|gas\|plain\|checker\|quad\|disc\|sphere\|distant\|automatic\|entered\|priority\|none\)\>/
+syntax match meniscusChoice /\<\%(solid\|liquid\|gas\|plain\|checker\|y\|z\|quad\|disc\|sphere\|distant\|automatic\|entered\|priority\|none\)\>/
 syntax match meniscusFunction /\<\%(sin\|cos\|tan\|asin\|acos\|atan\|atan2\|sqrt\|abs\|floor\|ceil\|round\|frac\|sign\|exp\|log\|log10\|pow\|mod\|min\|max\|clamp\|mix\|smoothstep\|spline\|angle\|length\|distance\|normalize\|dot\|cross\|len\|sum\|vec2\|vec3\|vec4\|rgb\|srgb\|rnd\|noise\|rotate\|translate\|scale\|matrix\|transform\|inverse\|apply\|str\|text\|print\|warn\|assert\|cauchy\|sellmeier\|blackbody\|spectrum\)\ze\s*(/
 syntax match meniscusNode /\<\%(medium\|world\|surface\|sphere\|box\|cylinder\|cone\|lathe\|mesh\|ground\|group\|light\|environment\|camera\|film\|render\|preset\)\>\ze\%(\s\+\k\+\)\=\s*{/
-syntax match meniscusProperty /\<\%(ior\|absorption\|tint\|depth\|state\|priority\|medium\|albedo\|pattern\|albedo2\|check_size\|center\|radius\|interior\|surface\|from\|to\|size\|bevel\|bevel_segments\|radius_from\|radius_to\|profile\|rounding\|smooth\|file\|positions\|triangles\|closed\|y\|shape\|angle\|color\|radiance\|power\|image\|strength\|up\|fov\|aperture\|focus\|expect\|output\|samples\|noise\|bounces\|nesting\|seed\)\>\ze\s*=[^=]/
+syntax match meniscusProperty /\<\%(ior\|absorption\|tint\|depth\|state\|priority\|medium\|albedo\|pattern\|albedo2\|check_size\|center\|radius\|interior\|surface\|from\|to\|size\|bevel\|bevel_segments\|radius_from\|radius_to\|profile\|rounding\|smooth\|file\|part\|unit\|up\|positions\|triangles\|closed\|y\|shape\|angle\|color\|radiance\|power\|image\|strength\|fov\|aperture\|focus\|expect\|output\|samples\|noise\|bounces\|nesting\|seed\)\>\ze\s*=[^=]/
 syntax match meniscusHeader /\%^\_s*meniscus\s\+[0-9.]\+\%(\s\+unit\s\+\k\+\)\=/
 syntax match meniscusNumber /\%(\<\d\+\%(\.\.\@!\d*\)\=\|\.\@1<!\.\d\+\)\%([eE][-+]\=\d\+\)\=\%(nm\|um\|mm\|cm\|m\|km\|in\|ft\|deg\|rad\|turn\|ms\|s\|K\)\=\k\@!/
 syntax match meniscusColor /#\x\{6}\|#\x\{3}/

@@ -41,7 +41,8 @@ Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error
         }
         buf_format(&known, "%s.%s", i == 0 ? "" : i + 1 < COUNT_OF(readers) ? ", " : " and ", readers[i].extension);
     }
-    Status status = fail(error, STATUS_INPUT, "cannot tell what kind of mesh '%s' is; %s can be read", path, buf_text(&known));
+    Status status =
+        fail(error, STATUS_INPUT, "cannot tell what kind of mesh '%s' is; %s can be read", path, buf_text(&known));
     buf_clear(&known);
     return status;
 }
@@ -61,7 +62,8 @@ static size_t part_slot(const MeshSource *source, const char *kind, const char *
     size_t slot = (size_t)hash & (source->table_room - 1);
     for (; source->table[slot]; slot = (slot + 1) & (source->table_room - 1)) {
         const MeshPart *part = &source->parts[source->table[slot] - 1];
-        if (strcmp(part->kind, kind) == 0 && strlen(part->name) == length && memcmp(part->name, name, length) == 0) break;
+        if (strcmp(part->kind, kind) == 0 && strlen(part->name) == length && memcmp(part->name, name, length) == 0)
+            break;
     }
     return slot;
 }
@@ -121,7 +123,8 @@ Status mesh_source_nothing(const MeshSource *source, const char *path, Error *er
         return fail(error, STATUS_INPUT, "'%s' names no parts, so there is no part '%s'", path, source->part);
     for (size_t i = 0; i < source->n_parts; i++)
         if (strcmp(source->parts[i].name, source->part) == 0)
-            return fail(error, STATUS_INPUT, "'%s': the %s '%s' has no faces", path, source->parts[i].kind, source->part);
+            return fail(error, STATUS_INPUT, "'%s': the %s '%s' has no faces", path, source->parts[i].kind,
+                        source->part);
     const char **names = malloc(source->n_parts * sizeof *names);
     for (size_t i = 0; names && i < source->n_parts; i++) names[i] = source->parts[i].name;
     const char *nearest = names ? suggest_nearest(source->part, names, source->n_parts) : NULL;

@@ -1,7 +1,8 @@
-/* stl.c - reads meshes in the STL format (3D Systems, 1988): binary little-endian, and text.
- * Both kinds may start with the word 'solid', so a file is binary when its length is what a binary file's count
- * of triangles says, and only then is its beginning looked at. Facet normals and attributes are passed over: what is
- * outside follows from the order of the corners.
+/* stl.c - reads meshes in the STL format (3D Systems, 1988): binary
+ * little-endian, and text. Both kinds may start with the word 'solid', so a
+ * file is binary when its length is what a binary file's count of triangles
+ * says, and only then is its beginning looked at. Facet normals and attributes
+ * are passed over: what is outside follows from the order of the corners.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@
 enum {
     HEADER_BYTES = 80,
     COUNT_BYTES = 4,
-    FACET_BYTES = 50,      /* normal, three corners, attribute */
+    FACET_BYTES = 50, /* normal, three corners, attribute */
     CORNERS_AT = 12,
     MAX_TRIANGLES = 1431655764, /* three vertices each, which are numbered in 32 bits */
     SEARCHED_FOR_FACET = 1024
@@ -53,8 +54,10 @@ static Status finish(Mesh *made, Mesh **mesh, Error *error)
     for (uint32_t i = 0; i < made->n_triangles; i++)
         for (uint32_t k = 0; k < 3; k++) made->triangles[i][k] = 3 * i + k;
     Status status = mesh_weld(made, error);
-    if (status == STATUS_OK) *mesh = made;
-    else mesh_free(made);
+    if (status == STATUS_OK)
+        *mesh = made;
+    else
+        mesh_free(made);
     return status;
 }
 
@@ -66,8 +69,8 @@ static Status read_binary(const Stl *stl, uint32_t n, Mesh **mesh)
                     (unsigned long)n, MAX_TRIANGLES);
     uint64_t needed = HEADER_BYTES + COUNT_BYTES + (uint64_t)FACET_BYTES * n;
     if (length < needed)
-        return fail(stl->error, STATUS_INPUT, "'%s' ends too early: %lu triangles take %llu bytes, and there are %zu", stl->path,
-                    (unsigned long)n, (unsigned long long)needed, length);
+        return fail(stl->error, STATUS_INPUT, "'%s' ends too early: %lu triangles take %llu bytes, and there are %zu",
+                    stl->path, (unsigned long)n, (unsigned long long)needed, length);
     if (n == 0 || (stl->source && stl->source->part)) return mesh_source_nothing(stl->source, stl->path, stl->error);
     Mesh *made;
     TRY(mesh_new(3 * n, n, false, false, &made, stl->error));
@@ -79,7 +82,9 @@ static Status read_binary(const Stl *stl, uint32_t n, Mesh **mesh)
             made->positions[3 * i + k] = p;
             if (LIKELY(isfinite(p.x) && isfinite(p.y) && isfinite(p.z))) continue;
             mesh_free(made);
-            return fail(stl->error, STATUS_INPUT, "'%s': triangle %lu of %lu has a coordinate that is not finite: <%g, %g, %g>",
+            return fail(stl->error, STATUS_INPUT,
+                        "'%s': triangle %lu of %lu has a coordinate that is not "
+                        "finite: <%g, %g, %g>",
                         stl->path, (unsigned long)i, (unsigned long)n, (double)p.x, (double)p.y, (double)p.z);
         }
     return finish(made, mesh, stl->error);
@@ -107,11 +112,13 @@ static Status unexpected(Stl *stl, const char *wanted)
 {
     skip_space(stl);
     if (stl->at == stl->end)
-        return fail(stl->error, STATUS_INPUT, "'%s':%u: the file ends where %s should be", stl->path, stl->line, wanted);
+        return fail(stl->error, STATUS_INPUT, "'%s':%u: the file ends where %s should be", stl->path, stl->line,
+                    wanted);
     int shown = 0;
-    while (shown < 20 && stl->at + shown < stl->end && (unsigned char)stl->at[shown] > ' ' && stl->at[shown] != 0x7f) shown++;
-    return fail(stl->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", stl->path, stl->line, shown, stl->at,
-                wanted);
+    while (shown < 20 && stl->at + shown < stl->end && (unsigned char)stl->at[shown] > ' ' && stl->at[shown] != 0x7f)
+        shown++;
+    return fail(stl->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", stl->path, stl->line, shown,
+                stl->at, wanted);
 }
 
 static Status number(Stl *stl, float *x)
@@ -119,7 +126,8 @@ static Status number(Stl *stl, float *x)
     skip_space(stl);
     double value;
     size_t n = num_parse(stl->at, (size_t)(stl->end - stl->at), &value);
-    if (n == 0 || (stl->at + n < stl->end && (unsigned char)stl->at[n] > ' ')) return unexpected(stl, "a finite number");
+    if (n == 0 || (stl->at + n < stl->end && (unsigned char)stl->at[n] > ' '))
+        return unexpected(stl, "a finite number");
     *x = (float)value;
     if (!isfinite(*x)) return unexpected(stl, "a finite number");
     stl->at += n;
@@ -183,7 +191,8 @@ static Status read_text(Stl *stl, Mesh **mesh)
     return finish(made, mesh, stl->error);
 }
 
-/* Whether the file reads as a text: 'solid', and soon after it 'facet' or the end of an empty one. */
+/* Whether the file reads as a text: 'solid', and soon after it 'facet' or the
+ * end of an empty one. */
 static bool looks_like_text(const Stl *stl)
 {
     Stl probe = *stl;
@@ -191,7 +200,8 @@ static bool looks_like_text(const Stl *stl)
     size_t n = (size_t)(probe.end - probe.at);
     if (n > SEARCHED_FOR_FACET) n = SEARCHED_FOR_FACET;
     for (size_t i = 0; i + 5 <= n; i++)
-        if (strncasecmp(probe.at + i, "facet", 5) == 0 || (i + 8 <= n && strncasecmp(probe.at + i, "endsolid", 8) == 0)) return true;
+        if (strncasecmp(probe.at + i, "facet", 5) == 0 || (i + 8 <= n && strncasecmp(probe.at + i, "endsolid", 8) == 0))
+            return true;
     return false;
 }
 
@@ -205,9 +215,15 @@ Status mesh_load_stl(const char *path, MeshSource *source, Mesh **mesh, Error *e
     uint32_t n = has_count ? load_u32(bytes + HEADER_BYTES) : 0;
     bool exact = has_count && length == HEADER_BYTES + COUNT_BYTES + (uint64_t)FACET_BYTES * n;
     Status status;
-    if (!exact && looks_like_text(&stl)) status = read_text(&stl, mesh);
-    else if (has_count) status = read_binary(&stl, n, mesh);
-    else status = fail(error, STATUS_INPUT, "'%s' is not an STL file: it has no 'solid', and no room for a binary header", path);
+    if (!exact && looks_like_text(&stl))
+        status = read_text(&stl, mesh);
+    else if (has_count)
+        status = read_binary(&stl, n, mesh);
+    else
+        status = fail(error, STATUS_INPUT,
+                      "'%s' is not an STL file: it has no 'solid', and no room for "
+                      "a binary header",
+                      path);
     free(stl.corners);
     free(bytes);
     return status;

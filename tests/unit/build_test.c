@@ -289,6 +289,16 @@ static void meshes_come_from_files(void **state)
     assert_true(listed);
     uint64_t hash = f.scene->hash;
     fixture_clear(&f);
+    /* a part of it, in its own unit and with its own axis up */
+    char placed[2000];
+    snprintf(placed, sizeof placed, "%s mesh { file = \"%s\" interior = glass part = \"x\" } %s", M, path, V);
+    fixture_refused(placed, D_MESH_INVALID);
+    snprintf(placed, sizeof placed, "%s mesh { file = \"%s\" interior = glass unit = 1cm up = z } %s", M, path, V);
+    fixture_good(&f, placed);
+    Vec3 high = affine_point(&f.scene->objects[0].to_world, vec3(0, 0, 1));
+    assert_near(high.y, 10, 1e-12); /* the scene's unit is the millimetre */
+    assert_near(f.scene->objects[0].volume, 1000.0 / 6, 1e-9);
+    fixture_clear(&f);
     file = fopen(path, "w");
     fputs("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", file);
     fclose(file);

@@ -1,6 +1,6 @@
-/* mesh_reader.h - what the tests of mesh readers share: a file in the test's folder, loaded, refused, or spoilt.
- * The name of the file, with its extension, is in mesh_name.
- * SPDX-License-Identifier: Apache-2.0 */
+/* mesh_reader.h - what the tests of mesh readers share: a file in the test's
+ * folder, loaded, refused, or spoilt. The name of the file, with its extension,
+ * is in mesh_name. SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TEST_MESH_READER_H
 #define MEN_TEST_MESH_READER_H
 
@@ -59,7 +59,8 @@ static inline void refuse(const char *text, const char *reason)
     refuse_bytes(text, strlen(text), reason);
 }
 
-/* A mesh that was read must hold what the rest of the program takes for granted. */
+/* A mesh that was read must hold what the rest of the program takes for
+ * granted. */
 static inline void assert_usable(const Mesh *mesh)
 {
     MeshReport report;
@@ -70,7 +71,8 @@ static inline void assert_usable(const Mesh *mesh)
     assert_true(report.finite);
 }
 
-/* Spoils a few bytes of a good file, and cuts some copies short: what comes of it is a usable mesh or a message. */
+/* Spoils a few bytes of a good file, and cuts some copies short: what comes of
+ * it is a usable mesh or a message. */
 static inline void spoil(const void *bytes, size_t length, uint32_t rounds)
 {
     unsigned char *copy = malloc(length);
@@ -79,8 +81,10 @@ static inline void spoil(const void *bytes, size_t length, uint32_t rounds)
         memcpy(copy, bytes, length);
         for (uint32_t k = 0; k < 1 + round % 4; k++) {
             uint64_t h = hash_u64(round * 4 + k);
-            static const char likely[] = "0123456789 -/.\n\"[]{},\0\xff\x7f\x80"; /* half of all are of these */
-            copy[h % length] = h >> 40 & 1 ? (unsigned char)likely[(h >> 48) % sizeof likely] : (unsigned char)(h >> 48);
+            static const char likely[] = "0123456789 -/.\n\"[]{},\0\xff\x7f\x80"; /* half of all are of these
+                                                                                   */
+            copy[h % length] =
+                h >> 40 & 1 ? (unsigned char)likely[(h >> 48) % sizeof likely] : (unsigned char)(h >> 48);
         }
         write_bytes(in_folder(mesh_name), copy, round % 5 ? length : length - hash_u64(round) % length);
         Mesh *mesh = NULL;

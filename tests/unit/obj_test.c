@@ -80,11 +80,33 @@ static void test_noise(void **state)
     spoil(cube, sizeof cube - 1, 2000);
 }
 
+static void test_parts(void **state)
+{
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no the left one \r\nv 5 0 0\nf 1 2 4\n"
+                               "usemtl red\nf 2 3 4\no right\nf 1 3 4\nusemtl blue\ng empty\ng right\nf 4 3 2\n";
+    Mesh *mesh = load(text);
+    assert_int_equal(mesh->n_triangles, 5);
+    mesh_free(mesh);
+    static const struct {
+        const char *part;
+        uint32_t n;
+    } cases[] = {{"the left one", 2}, {"red", 2}, {"right", 2}, {"blue", 1}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        mesh = load_part(cases[i].part);
+        assert_int_equal(mesh->n_triangles, cases[i].n);
+        mesh_free(mesh);
+    }
+    refuse_part("empty", "the group 'empty' has no faces");
+    refuse_part("rigth", "did you mean 'right'?");
+    refuse_part("green", "object 'the left one', material 'red', object 'right', material 'blue', group 'empty', group 'right'");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cube),     cmocka_unit_test(test_corners_of_all_kinds), cmocka_unit_test(test_numbers_ahead),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_noise), cmocka_unit_test(test_parts),
     };
     mesh_name = "mesh.obj";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
