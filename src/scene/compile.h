@@ -17,8 +17,13 @@ typedef struct HullPair {
     NestRelation relation;       /* when they do */
     double overlap_volume;       /* estimate, cubic scene units */
     double overlap_volume_error; /* its standard error */
+    double overlap_depth;        /* of a partial overlap: the largest thickness seen of what they share */
     bool touches;                /* faces at one place, to within rounding */
+    double contact_area;         /* of those faces, estimate, square scene units */
+    double contact_area_error;   /* its standard error */
+    double contact_offset;       /* the largest distance seen between them */
     double gap; /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
+    double gap_area, gap_area_error; /* estimate of the gap's area, and its standard error */
 } HullPair;
 
 typedef struct CompiledScene {

@@ -4,7 +4,8 @@
  * another one, overlaps it, touches it, or leaves a thin gap. A pair is judged along the lines of its smaller hull.
  * Second, lines through the common part of the bounds of pairs where that is much smaller than the hull. Third, where a
  * pair's surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place
- * where the two are nearest. Spheres need none of this: two of them are judged by formula.
+ * where the two are nearest. Fourth, where a pair overlaps in part, a line or two through the thickest place of what they
+ * share. Spheres need none of this: two of them are judged by formula.
  *
  * All lines are fixed by the scene, each task writes to its own place, and the results are put together in
  * order, so that the answer does not depend on threads.
@@ -28,10 +29,17 @@ enum {
     SEARCH_LINES = 45
 };
 static const double pi = 3.14159265358979323846;
-static const double gap_part = 0.02;       /* of the smaller hull's least extent: wider gaps are no mistake */
+static const double gap_part = 0.02;       /* of the smaller hull's middle extent: wider is no gap but room */
 static const double gap_lines_part = 0.05; /* of the lines that meet the hull: fewer are a near miss, not a gap */
 /* Cosines between normals: faces that run along each other, not a ball that rests on a plate. */
 static const double opposite = -0.998, parallel = 0.99;
+static const double facing = -0.2; /* two ends of a stretch between which it makes sense to speak of a thickness */
+
+/* A quantity summed over evenly spread lines. */
+typedef struct Estimate {
+    double sum_face, squares_face; /* of the present face */
+    double sum, variance;
+} Estimate;
 
 /* What is known of one pair. `own` is the hull whose lines or bounds were used. */
 typedef struct PairFacts {
@@ -40,8 +48,11 @@ typedef struct PairFacts {
     uint32_t n_inside; /* lines that meet own and find it inside of other */
     uint32_t n_gap;
     double gap;
-    double sum, sum_face, squares_face; /* of overlap volume: whole, and of the present face */
-    double variance;
+    double depth;       /* the thickness of the overlap where it seems to be largest, */
+    Vec3 depth_place;   /* the middle of the stretch that says so, */
+    Vec3 depth_normal;  /* and the direction between its faces */
+    double offset;                                /* the largest distance between faces that stand at one place */
+    Estimate volume, contact, gap_area;           /* volume three times over, once for each direction */
     double nearest; /* distance along a line between the two, the least so far */
     Vec3 nearest_place;
 } PairFacts;
@@ -52,17 +63,24 @@ typedef struct FactList {
     uint32_t n_lines; /* that met the hull */
 } FactList;
 
+/* The memory of one worker. */
+typedef struct Worker {
+    Probe probe;
+    uint32_t *fact_of; /* of each other hull: 1 + its place in the list of the present hull's facts, or 0 */
+} Worker;
+
 typedef struct Candidate {
     uint32_t a, b;
     Box3 region;       /* common part of the bounds */
     bool meet;         /* there is one */
     bool region_small; /* and it is much smaller than the smaller hull: worth lines of its own */
     FactList facts;    /* of the second and third stage; at most one */
+    double depth;      /* of the fourth */
 } Candidate;
 
 typedef struct Finder {
     const CompiledScene *compiled;
-    Probe *probes;  /* per worker */
+    Worker *workers;
     double *extent; /* half the area of the bounds, by which hulls are small or large */
     double *margin; /* see margin_of */
     Vec3 *center;
@@ -84,10 +102,11 @@ static double half_area(Box3 box)
     return s.x * s.y + s.y * s.z + s.z * s.x;
 }
 
-static double least_extent(Box3 box)
+/* The second of the three: the width of a pane, the thickness of a rod. */
+static double middle_extent(Box3 box)
 {
     Vec3 s = vec3_sub(box.max, box.min);
-    return fmin(s.x, fmin(s.y, s.z));
+    return fmax(fmin(s.x, s.y), fmin(fmax(s.x, s.y), s.z));
 }
 
 static Box3 widened(Box3 box, double by)
@@ -110,7 +129,7 @@ static double box_rounding(Box3 box)
 /* How far beyond a hull's bounds its gaps are looked for. */
 static double margin_of(Box3 box)
 {
-    return gap_part * least_extent(box) + 2 * box_rounding(box);
+    return gap_part * middle_extent(box) + 2 * box_rounding(box);
 }
 
 /* A hull that is a ball in the world: its radius, else 0. */
@@ -164,8 +183,13 @@ static bool is_empty_at(const Probe *probe, double t)
     return true;
 }
 
+/* What one line adds to a pair's estimates. */
+typedef struct LineSums {
+    double shared, contact, gap;
+} LineSums;
+
 static void note_gap(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Hit *leave,
-                     const Hit *enter, bool *gap_here)
+                     const Hit *enter, LineSums *sums)
 {
     if (!leave || !enter || enter->t <= leave->t) return;
     double along = enter->t - leave->t, middle = leave->t + along / 2;
@@ -174,12 +198,47 @@ static void note_gap(const Finder *f, const Probe *probe, const Line *line, Pair
         facts->nearest_place = vec3_along(line->start, middle, vec3_from_f(line->direction));
     }
     double across = along * fmax(cosine(leave), cosine(enter));
-    double widest = gap_part * fmin(least_extent(f->compiled->hull_bounds[facts->own]),
-                                    least_extent(f->compiled->hull_bounds[facts->other]));
+    double widest = gap_part * fmin(middle_extent(f->compiled->hull_bounds[facts->own]),
+                                    middle_extent(f->compiled->hull_bounds[facts->other]));
     if (across > widest || across <= rounding_of(leave, enter) || normals_dot(leave, enter) > opposite) return;
     if (!is_empty_at(probe, middle)) return;
-    *gap_here = true;
+    sums->gap += cosine(leave);
     facts->gap = fmin(facts->gap, across);
+}
+
+/* The directions of the lines are at right angles to each other, so that the squares of their cosines with a normal add
+ * up to 1: a face's area is the sum, over all lines, of the cosine times the area that the line stands for. */
+static void note_contact(PairFacts *facts, const Hit *own, const Hit *other, LineSums *sums)
+{
+    if (!coincide(own, other)) return;
+    facts->touches = true;
+    facts->offset = fmax(facts->offset, fabs(own->t - other->t) * cosine(own));
+    sums->contact += cosine(own);
+}
+
+/* The thickness of a stretch that both hulls have, where its ends face each other. A slanting line overrates it where the
+ * faces are not parallel, so that this only says where to look closer. */
+static void note_depth(PairFacts *facts, const Line *line, double begin, double end, const Hit *from, const Hit *to)
+{
+    if (!from || !to || normals_dot(from, to) > facing) return;
+    double depth = (end - begin) * fmin(cosine(from), cosine(to));
+    if (depth <= facts->depth) return;
+    facts->depth = depth;
+    facts->depth_place = vec3_along(line->start, (begin + end) / 2, vec3_from_f(line->direction));
+    facts->depth_normal = vec3_sub(vec3_from_f(to->normal), vec3_from_f(from->normal));
+}
+
+/* The stretch that two intervals share. */
+typedef struct Shared {
+    double begin, end;
+    const Hit *from, *to;
+} Shared;
+
+static Shared shared_of(const Interval *a, const Interval *b)
+{
+    bool a_last = a->begin > b->begin, a_first = a->end < b->end;
+    return (Shared){a_last ? a->begin : b->begin, a_first ? a->end : b->end, a_last ? a->enter : b->enter,
+                    a_first ? a->leave : b->leave};
 }
 
 /* The parts of an interval of one hull that the intervals of the other do not cover: whether one is real. */
@@ -200,18 +259,24 @@ static bool sticks_out(const Probe *probe, const Interval *of, uint32_t other)
 }
 
 /* One stretch of each of the two: what they share, whether faces coincide, the gaps between them. */
-static double judge_stretches(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts,
-                              const Interval *own, const Interval *other, bool *gap_here)
+static void judge_stretches(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts,
+                            const Interval *own, const Interval *other, LineSums *sums)
 {
-    bool own_last = own->begin > other->begin, own_first = own->end < other->end;
-    double begin = own_last ? own->begin : other->begin, end = own_first ? own->end : other->end;
-    if (coincide(own->enter, other->enter) || coincide(own->enter, other->leave) ||
-        coincide(own->leave, other->enter) || coincide(own->leave, other->leave))
-        facts->touches = true;
-    note_gap(f, probe, line, facts, own->leave, other->enter, gap_here);
-    note_gap(f, probe, line, facts, other->leave, own->enter, gap_here);
-    bool real = is_real(end - begin, own_last ? own->enter : other->enter, own_first ? own->leave : other->leave);
-    return real ? end - begin : 0;
+    const Hit *own_ends[2] = {own->enter, own->leave}, *other_ends[2] = {other->enter, other->leave};
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++) note_contact(facts, own_ends[i], other_ends[k], sums);
+    note_gap(f, probe, line, facts, own->leave, other->enter, sums);
+    note_gap(f, probe, line, facts, other->leave, own->enter, sums);
+    Shared shared = shared_of(own, other);
+    if (!is_real(shared.end - shared.begin, shared.from, shared.to)) return;
+    sums->shared += shared.end - shared.begin;
+    note_depth(facts, line, shared.begin, shared.end, shared.from, shared.to);
+}
+
+static void add_to(Estimate *estimate, double value)
+{
+    estimate->sum_face += value;
+    estimate->squares_face += value * value;
 }
 
 /* Judges a pair on the line whose intervals are in the probe. */
@@ -219,39 +284,64 @@ static void judge(const Finder *f, const Probe *probe, const Line *line, PairFac
 {
     const Interval *intervals = probe->intervals;
     uint32_t first_own = probe->first[facts->own], first_other = probe->first[facts->other];
-    double shared = 0;
-    bool own_out = false, gap_here = false;
+    LineSums sums = {0};
+    bool own_out = false;
     for (uint32_t k = first_other; k != INTERVAL_NONE && !facts->other_out; k = intervals[k].next)
         facts->other_out = sticks_out(probe, &intervals[k], facts->own);
     for (uint32_t i = first_own; i != INTERVAL_NONE; i = intervals[i].next) {
         own_out = own_out || sticks_out(probe, &intervals[i], facts->other);
         for (uint32_t k = first_other; k != INTERVAL_NONE; k = intervals[k].next)
-            shared += judge_stretches(f, probe, line, facts, &intervals[i], &intervals[k], &gap_here);
+            judge_stretches(f, probe, line, facts, &intervals[i], &intervals[k], &sums);
     }
-    if (shared > 0) facts->overlaps = true;
+    if (sums.shared > 0) facts->overlaps = true;
     if (own_out) facts->own_out = true;
     if (first_own != INTERVAL_NONE && !own_out) facts->n_inside++;
-    if (gap_here) facts->n_gap++;
-    facts->sum_face += shared * line->area;
-    facts->squares_face += shared * line->area * shared * line->area;
+    if (sums.gap > 0) facts->n_gap++;
+    add_to(&facts->volume, sums.shared * line->area);
+    add_to(&facts->contact, sums.contact * line->area);
+    add_to(&facts->gap_area, sums.gap * line->area);
 }
 
 /* Lines are spread over each face by themselves, so the variance adds up over the faces. */
-static void end_face(PairFacts *facts, uint32_t n)
+static void end_face_of(Estimate *estimate, uint32_t n)
 {
-    double mean_square = facts->squares_face - facts->sum_face * facts->sum_face / n;
-    facts->sum += facts->sum_face;
-    facts->variance += n > 1 ? fmax(mean_square, 0) * n / (n - 1.0) : facts->squares_face;
-    facts->sum_face = facts->squares_face = 0;
+    double mean_square = estimate->squares_face - estimate->sum_face * estimate->sum_face / n;
+    estimate->sum += estimate->sum_face;
+    estimate->variance += n > 1 ? fmax(mean_square, 0) * n / (n - 1.0) : estimate->squares_face;
+    estimate->sum_face = estimate->squares_face = 0;
 }
 
-static PairFacts *facts_of(FactList *list, uint32_t own, uint32_t other)
+static void end_face(PairFacts *facts, uint32_t n)
 {
-    for (size_t i = 0; i < list->n; i++)
-        if (list->items[i].other == other) return &list->items[i];
+    end_face_of(&facts->volume, n);
+    end_face_of(&facts->contact, n);
+    end_face_of(&facts->gap_area, n);
+}
+
+static PairFacts *add_facts(FactList *list, uint32_t own, uint32_t other)
+{
     if (!ARRAY_ROOM(list->items, list->capacity, list->n)) return NULL;
     list->items[list->n] = (PairFacts){.own = own, .other = other, .gap = HUGE_VAL, .nearest = HUGE_VAL};
     return &list->items[list->n++];
+}
+
+/* The facts of a hull's lines; NULL when memory ends. */
+static PairFacts *facts_of(Worker *worker, FactList *list, uint32_t own, uint32_t other)
+{
+    uint32_t place = worker->fact_of[other];
+    if (place) return &list->items[place - 1];
+    PairFacts *facts = add_facts(list, own, other);
+    if (facts)
+        worker->fact_of[other] = (uint32_t)list->n;
+    else
+        worker->probe.out_of_memory = true;
+    return facts;
+}
+
+static int compare_facts(const void *left, const void *right)
+{
+    const PairFacts *a = left, *b = right;
+    return a->other < b->other ? -1 : a->other > b->other;
 }
 
 /* ---- the first stage: lines through a hull ---- */
@@ -272,18 +362,16 @@ static bool is_judged_by(const Finder *f, uint32_t hull, uint32_t other)
     return other != hull && smaller(f, hull, other) && !(f->radius[hull] > 0 && f->radius[other] > 0);
 }
 
-static void judge_hull_line(const Finder *f, Probe *probe, FactList *list, uint32_t hull, const Line *line)
+static void judge_hull_line(const Finder *f, Worker *worker, FactList *list, uint32_t hull, const Line *line)
 {
     const CompiledScene *compiled = f->compiled;
+    Probe *probe = &worker->probe;
     bool met = probe_surfaces(probe, compiled, line, hull);
     for (size_t i = 0; i < probe->forward.n; i++) { /* whose surface comes near the hull, even if this line misses it */
         uint32_t other = compiled->hull_of_object[probe->forward.items[i].object];
         if (!is_judged_by(f, hull, other)) continue;
-        PairFacts *facts = facts_of(list, hull, other);
-        if (facts)
-            facts->seen = true;
-        else
-            probe->out_of_memory = true;
+        PairFacts *facts = facts_of(worker, list, hull, other);
+        if (facts) facts->seen = true;
     }
     if (!met) return;
     probe_intervals(probe, compiled, line);
@@ -292,11 +380,8 @@ static void judge_hull_line(const Finder *f, Probe *probe, FactList *list, uint3
     for (size_t i = 0; i < probe->n_intervals; i++) {
         uint32_t other = probe->intervals[i].hull;
         if (probe->first[other] != i || !is_judged_by(f, hull, other)) continue;
-        PairFacts *facts = facts_of(list, hull, other);
-        if (facts)
-            judge(f, probe, line, facts);
-        else
-            probe->out_of_memory = true;
+        PairFacts *facts = facts_of(worker, list, hull, other);
+        if (facts) judge(f, probe, line, facts);
     }
 }
 
@@ -318,13 +403,14 @@ static uint32_t lines_through(const Finder *f, Probe *probe, uint32_t hull, Box3
     return (uint32_t)fmax(f->lines_of_hull[f->radius[hull] == 0] / share, LINES_MIN);
 }
 
-static void task_of_hull(void *context, uint32_t hull, unsigned worker)
+static void task_of_hull(void *context, uint32_t hull, unsigned number)
 {
     Finder *f = context;
+    Worker *worker = &f->workers[number];
     FactList *list = &f->hull_facts[hull];
     if (!f->is_judge[hull]) return;
     Box3 box = widened(f->compiled->hull_bounds[hull], f->margin[hull]);
-    uint32_t n_lines = lines_through(f, &f->probes[worker], hull, box);
+    uint32_t n_lines = lines_through(f, &worker->probe, hull, box);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
         Line line;
@@ -334,10 +420,12 @@ static void task_of_hull(void *context, uint32_t hull, unsigned worker)
             if (set.face != face)
                 for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
             face = set.face;
-            judge_hull_line(f, &f->probes[worker], list, hull, &line);
+            judge_hull_line(f, worker, list, hull, &line);
         }
         for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
     }
+    for (size_t i = 0; i < list->n; i++) worker->fact_of[list->items[i].other] = 0;
+    if (list->n) qsort(list->items, list->n, sizeof *list->items, compare_facts);
 }
 
 /* ---- the second and third stage: lines through a pair ---- */
@@ -369,9 +457,8 @@ static Box3 common(Box3 a, Box3 b)
 static const PairFacts *hull_facts_of(const Finder *f, uint32_t own, uint32_t other)
 {
     const FactList *list = &f->hull_facts[own];
-    for (size_t i = 0; i < list->n; i++)
-        if (list->items[i].other == other) return &list->items[i];
-    return NULL;
+    const PairFacts key = {.other = other};
+    return list->n ? bsearch(&key, list->items, list->n, sizeof key, compare_facts) : NULL;
 }
 
 /* The smaller hull of the pair first. */
@@ -395,12 +482,12 @@ static void task_of_pair(void *context, uint32_t number, unsigned worker)
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
     if (!candidate->region_small || !is_judged_by(f, own, other)) return;
-    PairFacts *facts = facts_of(&candidate->facts, own, other);
+    PairFacts *facts = add_facts(&candidate->facts, own, other);
     uint32_t n = f->lines_of_pair[f->radius[own] == 0 && f->radius[other] == 0];
     if (facts)
-        judge_pair_in(f, &f->probes[worker], facts, candidate->region, n, pair_seed(candidate));
+        judge_pair_in(f, &f->workers[worker].probe, facts, candidate->region, n, pair_seed(candidate));
     else
-        f->probes[worker].out_of_memory = true;
+        f->workers[worker].probe.out_of_memory = true;
 }
 
 /* Whether no overlap has been seen where there could be one. */
@@ -426,12 +513,13 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
     if (!needs_search(f, candidate)) return;
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
-    Probe *probe = &f->probes[worker];
-    PairFacts *facts = facts_of(&candidate->facts, own, other);
+    Probe *probe = &f->workers[worker].probe;
+    PairFacts *facts = candidate->facts.n ? candidate->facts.items : add_facts(&candidate->facts, own, other);
     if (!facts) {
         probe->out_of_memory = true;
         return;
     }
+    const Estimate contact = facts->contact, gap_area = facts->gap_area; /* of the whole region: better than a box's */
     Box3 region = candidate->region;
     Vec3 half = vec3_scale(vec3_sub(region.max, region.min), 0.5);
     for (int step = 0; step < f->search_steps && !facts->overlaps; step++) {
@@ -440,11 +528,13 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
             half = vec3_scale(half, shrink);
             box = common(region, (Box3){vec3_sub(facts->nearest_place, half), vec3_add(facts->nearest_place, half)});
         } else if (step > 1) {
-            return; /* no line meets both */
+            break; /* no line meets both */
         }
-        facts->sum = facts->variance = 0;
+        facts->volume = (Estimate){0};
         judge_pair_in(f, probe, facts, box, SEARCH_LINES, pair_seed(candidate) + hash_u64((uint64_t)step));
     }
+    facts->contact = contact;
+    facts->gap_area = gap_area;
 }
 
 /* ---- pairs whose bounds meet ---- */
@@ -542,12 +632,14 @@ static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
     bool a_small = f->radius[a] < f->radius[b];
     pair.touches = fabs(d - (small + large)) <= rounding || fabs(d + small - large) <= rounding;
     pair.overlaps = d < small + large - rounding;
+    if (d <= rounding && large - small <= rounding) pair.contact_area = 4 * pi * small * small;
     if (!pair.overlaps) return pair;
     if (d + small <= large + rounding) {
         pair.relation = small == large ? NEST_PARTIAL : a_small ? NEST_A_IN_B : NEST_B_IN_A;
         pair.overlap_volume = 4 * pi / 3 * small * small * small;
     } else { /* a lens of two caps */
         double depth = small + large - d;
+        pair.overlap_depth = depth;
         pair.overlap_volume =
             pi * depth * depth * (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
     }
@@ -581,7 +673,7 @@ static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
     if (f->radius[own] > 0 && f->radius[other] > 0) return judge_spheres(f, candidate->a, candidate->b);
-    HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL};
+    HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL, .overlap_depth = candidate->depth};
     const PairFacts *first = hull_facts_of(f, own, other), *second = candidate->facts.n ? candidate->facts.items : NULL;
     uint32_t n_lines = f->hull_facts[own].n_lines;
     const PairFacts *volume = second && (candidate->region_small || !first || !first->overlaps) ? second : first;
@@ -590,15 +682,63 @@ static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
         if (!facts[i]) continue;
         pair.overlaps = pair.overlaps || facts[i]->overlaps;
         pair.touches = pair.touches || facts[i]->touches;
+        pair.contact_offset = fmax(pair.contact_offset, facts[i]->offset);
+    }
+    const PairFacts *areas = candidate->region_small && second ? second : first;
+    if (areas) {
+        pair.contact_area = areas->contact.sum;
+        pair.contact_area_error = sqrt(areas->contact.variance);
     }
     if (volume && pair.overlaps) {
         const NestHull *hulls = f->compiled->hulls;
-        pair.overlap_volume = fmin(volume->sum / LINE_DIRECTIONS, fmin(hulls[own].volume, hulls[other].volume));
-        pair.overlap_volume_error = sqrt(volume->variance) / LINE_DIRECTIONS;
+        pair.overlap_volume = fmin(volume->volume.sum / LINE_DIRECTIONS, fmin(hulls[own].volume, hulls[other].volume));
+        pair.overlap_volume_error = sqrt(volume->volume.variance) / LINE_DIRECTIONS;
     }
     relate(f, first, n_lines, &pair);
-    if (first && first->n_gap >= 2 && first->n_gap >= gap_lines_part * n_lines) pair.gap = first->gap;
+    if (first && first->n_gap >= 2 && first->n_gap >= gap_lines_part * n_lines) {
+        pair.gap = first->gap;
+        pair.gap_area = first->gap_area.sum;
+        pair.gap_area_error = sqrt(first->gap_area.variance);
+    }
     return pair;
+}
+
+/* The fourth stage: the thickness of a partial overlap, along a line through its thickest place, as far as is known, that
+ * is turned until it stands at right angles to the faces where it begins and ends. */
+static void task_of_depth(void *context, uint32_t number, unsigned worker)
+{
+    enum { TURNS = 5 };
+    Finder *f = context;
+    Candidate *candidate = &f->candidates[number];
+    Probe *probe = &f->workers[worker].probe;
+    uint32_t own, other;
+    by_size(f, candidate, &own, &other);
+    if (!is_judged_by(f, own, other)) return;
+    HullPair pair = judge_candidate(f, candidate);
+    if (!pair.overlaps || pair.relation != NEST_PARTIAL) return;
+    const PairFacts *first = hull_facts_of(f, own, other), *best = candidate->facts.n ? candidate->facts.items : first;
+    if (first && best && first->depth > best->depth) best = first;
+    if (!best || !(best->depth > 0)) return;
+    Vec3 place = best->depth_place, normal = best->depth_normal;
+    Box3 box = f->compiled->hull_bounds[own];
+    double reach = vec3_length(vec3_sub(box.max, box.min));
+    candidate->depth = best->depth;
+    for (int turn = 0; turn < TURNS && vec3_length(normal) > 0; turn++) {
+        Vec3 direction = vec3_normalize(normal);
+        Line line = {vec3_along(place, -reach, direction), vec3f_from(direction), 2 * reach, 0};
+        Shared shared = {0};
+        probe_surfaces(probe, f->compiled, &line, SCENE_NONE);
+        probe_intervals(probe, f->compiled, &line);
+        for (uint32_t i = probe->first[own]; i != INTERVAL_NONE; i = probe->intervals[i].next)
+            for (uint32_t k = probe->first[other]; k != INTERVAL_NONE; k = probe->intervals[k].next) {
+                Shared found = shared_of(&probe->intervals[i], &probe->intervals[k]);
+                if (found.begin < reach && reach < found.end) shared = found;
+            }
+        if (!shared.from || !shared.to) return;
+        candidate->depth = (shared.end - shared.begin) * fmin(cosine(shared.from), cosine(shared.to));
+        place = vec3_along(line.start, (shared.begin + shared.end) / 2, vec3_from_f(line.direction));
+        normal = vec3_sub(vec3_from_f(shared.to->normal), vec3_from_f(shared.from->normal));
+    }
 }
 
 static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, Error *error)
@@ -644,16 +784,20 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
 {
     const CompiledScene *compiled = f->compiled;
     size_t n = compiled->n_hulls ? compiled->n_hulls : 1;
-    f->probes = calloc(n_workers, sizeof *f->probes);
+    f->workers = calloc(n_workers, sizeof *f->workers);
     f->extent = calloc(n, sizeof *f->extent);
     f->margin = calloc(n, sizeof *f->margin);
     f->center = calloc(n, sizeof *f->center);
     f->radius = calloc(n, sizeof *f->radius);
     f->is_judge = calloc(n, sizeof *f->is_judge);
     f->hull_facts = calloc(n, sizeof *f->hull_facts);
-    if (!f->probes || !f->extent || !f->margin || !f->center || !f->radius || !f->is_judge || !f->hull_facts)
+    if (!f->workers || !f->extent || !f->margin || !f->center || !f->radius || !f->is_judge || !f->hull_facts)
         return fail_memory(error, n * sizeof *f->hull_facts, "how the hulls lie");
-    for (unsigned i = 0; i < n_workers; i++) TRY(probe_init(&f->probes[i], compiled->n_hulls, error));
+    for (unsigned i = 0; i < n_workers; i++) {
+        f->workers[i].fact_of = calloc(n, sizeof *f->workers[i].fact_of);
+        if (!f->workers[i].fact_of) return fail_memory(error, n * sizeof *f->workers[i].fact_of, "how the hulls lie");
+        TRY(probe_init(&f->workers[i].probe, compiled->n_hulls, error));
+    }
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
         f->extent[h] = half_area(compiled->hull_bounds[h]);
@@ -668,10 +812,13 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
 
 static void finder_clear(Finder *f, unsigned n_workers)
 {
-    for (unsigned i = 0; f->probes && i < n_workers; i++) probe_clear(&f->probes[i]);
+    for (unsigned i = 0; f->workers && i < n_workers; i++) {
+        probe_clear(&f->workers[i].probe);
+        free(f->workers[i].fact_of);
+    }
     for (uint32_t h = 0; f->hull_facts && h < f->compiled->n_hulls; h++) free(f->hull_facts[h].items);
     for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
-    free(f->probes);
+    free(f->workers);
     free(f->extent);
     free(f->margin);
     free(f->center);
@@ -701,9 +848,10 @@ Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pair
         for (size_t i = 0; i < f.n_candidates; i++) n_searches += needs_search(&f, &f.candidates[i]);
         f.search_steps = (int)fmin(SEARCH_LINES_IN_ALL / (SEARCH_LINES * n_searches), SEARCH_STEPS_MAX);
         if (f.search_steps >= SEARCH_STEPS_MIN) run(pool, (uint32_t)f.n_candidates, task_of_search, &f);
+        run(pool, (uint32_t)f.n_candidates, task_of_depth, &f);
     }
     for (unsigned i = 0; status == STATUS_OK && i < n_workers; i++)
-        if (f.probes[i].out_of_memory)
+        if (f.workers[i].probe.out_of_memory)
             status = fail(error, STATUS_NOMEM, "out of memory while finding out how the hulls lie");
     if (status == STATUS_OK) status = put_together(&f, pairs, n_pairs, error);
     finder_clear(&f, n_workers);

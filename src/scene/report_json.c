@@ -1,5 +1,6 @@
 /* report_json.c - the report for programs.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/json.h"
@@ -31,8 +32,11 @@ static void add_hulls(JsonWriter *json, const CompiledScene *compiled, SourceSet
 {
     uint32_t n = compiled->n_hulls;
     uint32_t *by_rank = calloc(n ? n : 1, sizeof *by_rank);
-    if (!by_rank) {
+    ReportOrder order;
+    if (!report_order_init(&order, compiled) || !by_rank) {
         json->out->failed = true;
+        report_order_clear(&order);
+        free(by_rank);
         return;
     }
     for (uint32_t h = 0; h < n; h++) by_rank[n - 1 - compiled->order.rank[h]] = h;
@@ -46,6 +50,8 @@ static void add_hulls(JsonWriter *json, const CompiledScene *compiled, SourceSet
         json_add_whole(json, "number", compiled->object_of_hull[hull]);
         json_add_text(json, "medium", compiled->scene->media[object->medium].name);
         json_add_whole(json, "rank", compiled->order.rank[hull]);
+        json_add_whole(json, "cluster", order.cluster[hull]);
+        json_add_whole(json, "level", order.level[hull]);
         json_add_number(json, "priority", object->priority);
         json_add_number(json, "volume", object->volume);
         if (compiled->order.circle[hull]) json_add_whole(json, "circle", compiled->order.circle[hull]);
@@ -53,6 +59,7 @@ static void add_hulls(JsonWriter *json, const CompiledScene *compiled, SourceSet
         json_end(json);
     }
     json_end(json);
+    report_order_clear(&order);
     free(by_rank);
 }
 
@@ -68,13 +75,23 @@ static void add_pair(JsonWriter *json, const CompiledScene *compiled, const Hull
     json_add_whole(json, "b_number", pair->b);
     json_add_truth(json, "overlaps", pair->overlaps);
     json_add_truth(json, "touches", pair->touches);
+    if (pair->touches) {
+        json_add_number(json, "contact_area", pair->contact_area);
+        json_add_number(json, "contact_area_error", pair->contact_area_error);
+        json_add_number(json, "contact_offset", pair->contact_offset);
+    }
     json_add_number(json, "gap", pair->gap); /* infinite: null */
+    if (isfinite(pair->gap)) {
+        json_add_number(json, "gap_area", pair->gap_area);
+        json_add_number(json, "gap_area_error", pair->gap_area_error);
+    }
     if (pair->overlaps) {
         ReportVerdict verdict = report_verdict(compiled, pair);
         bool decided = verdict.kind == VERDICT_RULE || verdict.kind == VERDICT_CIRCLE;
         json_add_text(json, "relation", relations[pair->relation]);
         json_add_number(json, "overlap_volume", pair->overlap_volume);
         json_add_number(json, "overlap_volume_error", pair->overlap_volume_error);
+        if (pair->relation == NEST_PARTIAL) json_add_number(json, "overlap_depth", pair->overlap_depth);
         json_add_text(json, "decided", verdicts[verdict.kind]);
         json_add_text(json, "top", decided ? scene->objects[compiled->object_of_hull[verdict.top]].name : NULL);
         json_add_text(json, "rule", decided ? nest_rule_text(verdict.rule) : NULL);

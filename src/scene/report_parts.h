@@ -45,7 +45,38 @@ typedef struct ReportVerdict {
 } ReportVerdict;
 ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair);
 
+/* Which hulls have to do with each other, and who is on top of whom there. */
+typedef struct ReportOrder {
+    uint32_t *cluster; /* of each hull: hulls that overlap, and those that overlap them, have the same number */
+    uint32_t *level;   /* of each hull: 1, or one more than the largest of those on top of it; 0 where nothing overlaps it
+                          or where the policy gives no order */
+    uint32_t n_clusters;
+} ReportOrder;
+bool report_order_init(ReportOrder *order,
+                       const CompiledScene *compiled); /* false when memory ends; clear it all the same */
+void report_order_clear(ReportOrder *order);
+
+/* Rows of cells, in columns as wide as their widest cell. */
+enum { REPORT_COLUMNS = 8 };
+typedef struct ReportTable {
+    Buf *cells; /* rows * n_columns */
+    size_t n_rows, capacity;
+    unsigned n_columns;
+    bool right[REPORT_COLUMNS]; /* flush right */
+    Buf spare[REPORT_COLUMNS];  /* the row when memory has ended */
+    bool failed;
+} ReportTable;
+/* A new row's cells; one that is left empty is an empty line. */
+Buf *report_row(ReportTable *table);
+void report_print_table(ReportTable *table, Buf *out); /* and frees it */
+
+/* Parts of the text. */
+void report_print_hulls(const CompiledScene *compiled, const ReportGroups *groups, SourceSet *sources, Buf *out);
+void report_print_pairs(const CompiledScene *compiled, const ReportGroups *groups, Buf *out);
+
+const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull);
 /* In units that suit people: "3.20 cm³", "0.1 mm". */
+void report_add_area(Buf *out, const Scene *scene, double area);
 void report_add_volume(Buf *out, const Scene *scene, double volume);
 void report_add_length(Buf *out, const Scene *scene, double length);
 

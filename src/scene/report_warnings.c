@@ -13,11 +13,6 @@ enum {
     LINES_OF_HULL_MIN = 30
 };
 
-static const SceneObject *object_of(const CompiledScene *compiled, uint32_t hull)
-{
-    return &compiled->scene->objects[compiled->object_of_hull[hull]];
-}
-
 /* ---- gaps ---- */
 
 static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
@@ -105,7 +100,7 @@ static void mark_lower(const CompiledScene *compiled, bool *lower)
 static void report_hidden(const CompiledScene *compiled, uint32_t hull, Diag *diag)
 {
     uint32_t number = compiled->object_of_hull[hull];
-    const SceneObject *object = object_of(compiled, hull);
+    const SceneObject *object = report_object(compiled, hull);
     Diagnostic *report = diag_report(diag, D_HIDDEN_OBJECT, object->span,
                                      "%s is wholly inside of objects that are on top of it", object->name);
     int n = 0;
@@ -114,8 +109,8 @@ static void report_hidden(const CompiledScene *compiled, uint32_t hull, Diag *di
         if (!pair->overlaps || (pair->a != number && pair->b != number)) continue;
         ReportVerdict verdict = report_verdict(compiled, pair);
         if (verdict.bottom != hull || verdict.kind == VERDICT_MERGE) continue;
-        diag_note(diag, report, object_of(compiled, verdict.top)->span, "%s is on top by %s",
-                  object_of(compiled, verdict.top)->name,
+        diag_note(diag, report, report_object(compiled, verdict.top)->span, "%s is on top by %s",
+                  report_object(compiled, verdict.top)->name,
                   verdict.kind == VERDICT_CIRCLE ? "volume within a circle" : nest_rule_text(verdict.rule));
         n++;
     }

@@ -148,6 +148,49 @@ static void touching_and_gaps_are_told_apart(void **state)
                           .gap));
 }
 
+static void assert_estimate(const char *what, double value, double standard_error, double expected)
+{
+    if (!(fabs(value - expected) <= 4 * standard_error + 1e-4 * expected) || !(standard_error <= 0.1 * expected))
+        fail_msg("%s: %g +- %g, not %g", what, value, standard_error, expected);
+}
+
+#define RODS(gap)                                                                                                      \
+    "box a { interior = glass from = <0, 0, 0> to = <40, 3, 60> } box b { interior = water from = <0, " gap            \
+    ", 0> to = <30, 50, 50> }"
+
+/* The area of a contact and of a gap, and how deep an overlap is. */
+static void areas_and_depths_are_measured(void **state)
+{
+    (void)state;
+    HullPair pair = pair_in(RODS("3"));
+    assert_true(pair.touches && !pair.overlaps && pair.contact_offset < 1e-9);
+    assert_estimate("contact", pair.contact_area, pair.contact_area_error, 1500);
+    pair = pair_in("group { rotate(<10, 20, 30>) " RODS("3") "}");
+    assert_true(pair.touches && pair.contact_offset < 1e-4);
+    assert_estimate("contact, turned", pair.contact_area, pair.contact_area_error, 1500);
+    pair = pair_in(RODS("3.25"));
+    assert_near(pair.gap, .25, 1e-5);
+    assert_estimate("gap", pair.gap_area, pair.gap_area_error, 1500);
+    /* wide for panes 3 thick, narrow beside their width */
+    pair = pair_in(RODS("3.6"));
+    assert_near(pair.gap, .6, 1e-5);
+    /* the bottom and the wall of a tumbler */
+    pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                   "cylinder b { interior = water from = <0, 10, 0> to = <0, 44, 0> radius = 37 }");
+    assert_estimate("contact in a tumbler", pair.contact_area, pair.contact_area_error,
+                    pi * (37 * 37 + 2 * 37 * 34));
+    pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
+                   "cylinder b { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }");
+    assert_true(pair.overlap_depth > .099 && pair.overlap_depth < .15);
+    pair = pair_in("sphere a { interior = glass radius = 3 } sphere b { interior = water radius = 2 center = <4, 0, 0> }");
+    assert_near(pair.overlap_depth, 1, 1e-12);
+    /* a ball that is none to the program: the lens between two spheres again, from lines */
+    pair = pair_in("sphere a { interior = glass radius = 3 } "
+                   "sphere b { interior = water radius = 2 scale(<1, 1, 1.0001>) translate(<4, 0, 0>) }");
+    assert_true(pair.overlap_depth > .9 && pair.overlap_depth < 1.01);
+    assert_estimate("lens", pair.overlap_volume, pair.overlap_volume_error, pi * (16 + 8 * 5 - 3) / 48);
+}
+
 static void threads_do_not_matter(void **state)
 {
     (void)state;
@@ -389,6 +432,7 @@ int main(void)
         cmocka_unit_test(overlaps_are_measured),
         cmocka_unit_test(small_overlaps_are_not_missed),
         cmocka_unit_test(touching_and_gaps_are_told_apart),
+        cmocka_unit_test(areas_and_depths_are_measured),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(the_order_follows_the_rules),
         cmocka_unit_test(circles_are_reported),

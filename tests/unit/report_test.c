@@ -66,7 +66,10 @@ static void few_pairs_stand_by_themselves(void **state)
     assert_has(text, "  sphere 1 inside block: sphere 1 on top, by containment\n");
     assert_has(text, "  sphere 2 inside block: sphere 2 on top, by containment\n");
     assert_has(text, ": both glass, they merge\n");
-    assert_has(text, "  lid touches block\n");
+    assert_has(text, "  lid touches block over ");
+    assert_has(text, "\n  1  sphere 2  gas");
+    assert_has(text, "\n  2  block     glass");
+    assert_has(text, "\n\n     lid       ice"); /* meets nothing, stands apart */
     free(text);
     text = report_of(FIXTURE_MEDIA "sphere { interior = glass }" FIXTURE_VIEW, false);
     assert_has(text, "Where they meet\n  nowhere\n");
