@@ -50,44 +50,99 @@ static bool counts(const NestPass *passes, uint32_t n, uint32_t i)
     return true;
 }
 
-/* A renderer that knows no nesting: a surface lies between the world's medium and its own, and a ray
- * remembers only the last one. */
-static void cross_without_nesting(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
-                                  NestCrossing *crossing)
+/* Crosses the operands of one combination, of which pass i is the first, and says whether its hull is crossed. */
+static bool combine(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n, uint32_t i,
+                    NestCrossing *crossing)
 {
-    NestPass last = passes[n - 1];
+    const NestCsg *csg = order->csg;
+    uint32_t tree = nest_csg_tree(csg, passes[i].hull);
+    bool before = nest_csg_holds(csg, tree, list);
+    for (uint32_t k = i; k < n; k++) {
+        if (passes[k].hull < order->n_hulls || nest_csg_tree(csg, passes[k].hull) != tree) continue;
+        if (counts(passes, n, k) && !nest_csg_pass(csg, list, passes[k].hull, passes[k].entering)) crossing->n_faults++;
+    }
+    return nest_csg_holds(csg, tree, list) != before;
+}
+
+/* Whether pass i is the first of an operand of its combination. */
+static bool opens_tree(const NestOrder *order, const NestPass *passes, uint32_t i)
+{
+    if (passes[i].hull < order->n_hulls) return false;
+    uint32_t tree = nest_csg_tree(order->csg, passes[i].hull);
+    for (uint32_t k = 0; k < i; k++)
+        if (passes[k].hull >= order->n_hulls && nest_csg_tree(order->csg, passes[k].hull) == tree) return false;
+    return true;
+}
+
+/* A renderer that knows no nesting: a surface lies between the world's medium and its own, and a ray
+ * remembers only the last one. Operands of combinations stay, below it. */
+static void pass_without_nesting(NestList *list, const NestOrder *order, NestPass last, NestCrossing *crossing)
+{
     uint32_t medium = order->medium[last.hull];
     crossing->owner_from = last.entering ? NEST_WORLD : last.hull;
     crossing->owner_to = last.entering ? last.hull : NEST_WORLD;
     crossing->medium_from = last.entering ? order->world_medium : medium;
     crossing->medium_to = last.entering ? medium : order->world_medium;
-    list->n = 0;
-    if (last.entering) {
-        nest_list_hulls(list)[0] = last.hull;
-        list->n = 1;
+    if (nest_owner(order, list) != NEST_WORLD) list->n--;
+    if (last.entering) nest_list_insert(list, list->n, last.hull);
+}
+
+static void cross_without_nesting(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
+                                  NestCrossing *crossing)
+{
+    NestPass last = {NEST_WORLD, false};
+    for (uint32_t i = 0; i < n; i++) {
+        if (passes[i].hull < order->n_hulls) {
+            last = passes[i];
+        } else if (opens_tree(order, passes, i) && combine(list, order, passes, n, i, crossing)) {
+            uint32_t tree = nest_csg_tree(order->csg, passes[i].hull), hull = order->csg->trees[tree].hull;
+            if (hull == NEST_OPAQUE)
+                crossing->opaque = true;
+            else
+                last = (NestPass){hull, nest_csg_holds(order->csg, tree, list)};
+        }
     }
+    if (last.hull != NEST_WORLD) pass_without_nesting(list, order, last, crossing);
+}
+
+/* All passes of n >= 2, or some of operands. What is left is left before anything is entered: touching hulls meet in one
+ * boundary. */
+static void cross_several(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
+                          NestCrossing *crossing)
+{
+    for (int entering = 0; entering < 2; entering++)
+        for (uint32_t i = 0; i < n; i++) {
+            if (passes[i].hull < order->n_hulls) {
+                if (passes[i].entering == (entering != 0) && counts(passes, n, i))
+                    crossing->n_faults += apply(list, order, passes[i]);
+                continue;
+            }
+            if (!opens_tree(order, passes, i)) continue;
+            uint32_t tree = nest_csg_tree(order->csg, passes[i].hull), hull = order->csg->trees[tree].hull;
+            if (!entering && combine(list, order, passes, n, i, crossing) && hull == NEST_OPAQUE) crossing->opaque = true;
+            if (hull == NEST_OPAQUE) continue;
+            /* a combination's hull is in the list exactly where its operands say so */
+            NestPass pass = {hull, nest_csg_holds(order->csg, tree, list)};
+            if (pass.entering == (entering != 0) && pass.entering != nest_list_has(list, hull)) apply(list, order, pass);
+        }
 }
 
 Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n, NestCrossing *crossing)
 {
     crossing->n_faults = 0;
+    crossing->opaque = false;
+    TRY(nest_list_reserve(list, order->csg ? 2 * n : n)); /* an operand may bring its combination's hull */
+    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
+    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
     if (UNLIKELY(order->policy == NEST_NONE)) {
         cross_without_nesting(list, order, passes, n, crossing);
         return STATUS_OK;
     }
-    TRY(nest_list_reserve(list, n));
-    crossing->owner_from = nest_owner(list);
-    crossing->medium_from = nest_medium(order, list);
-    if (LIKELY(n == 1)) {
+    if (LIKELY(n == 1 && passes[0].hull < order->n_hulls))
         crossing->n_faults = apply(list, order, passes[0]);
-    } else {
-        /* what is left is left before anything is entered: touching hulls meet in one boundary */
-        for (uint32_t i = 0; i < n; i++)
-            if (!passes[i].entering && counts(passes, n, i)) crossing->n_faults += apply(list, order, passes[i]);
-        for (uint32_t i = 0; i < n; i++)
-            if (passes[i].entering && counts(passes, n, i)) crossing->n_faults += apply(list, order, passes[i]);
-    }
-    crossing->owner_to = nest_owner(list);
+    else
+        cross_several(list, order, passes, n, crossing);
+    crossing->owner_to = nest_owner(order, list);
     crossing->medium_to = nest_medium(order, list);
     return STATUS_OK;
 }

@@ -10,19 +10,19 @@
 
 #define NEST_WORLD UINT32_MAX /* "owner" of a point that no hull holds */
 
-/* The hull that owns the point: the top of the list, NEST_WORLD when it is empty. */
-static inline uint32_t nest_owner(const NestList *list)
+/* The hull that owns the point: the top of the list, NEST_WORLD when there is none. */
+static inline uint32_t nest_owner(const NestOrder *order, const NestList *list)
 {
-    return list->n ? nest_list_items(list)[list->n - 1] : NEST_WORLD;
+    uint32_t top = list->n ? nest_list_items(list)[list->n - 1] : NEST_WORLD;
+    return top < order->n_hulls ? top : NEST_WORLD; /* operands alone are nothing */
 }
 /* The medium there. */
 static inline uint32_t nest_medium(const NestOrder *order, const NestList *list)
 {
-    uint32_t owner = nest_owner(list);
-    return owner == NEST_WORLD ? order->world_medium : order->medium[owner];
+    return list->n ? order->medium[nest_list_items(list)[list->n - 1]] : order->world_medium;
 }
 
-/* One crossing of one hull's surface. */
+/* One crossing of the surface of one hull, or of one operand of a combination. */
 typedef struct NestPass {
     uint32_t hull;
     bool entering; /* from the geometric normal, never the shading normal */
@@ -32,6 +32,7 @@ typedef struct NestCrossing {
     uint32_t medium_from, medium_to; /* equal: the surface is not there, go on with the new list */
     uint32_t owner_from, owner_to;   /* hulls, or NEST_WORLD */
     uint32_t n_faults;               /* passes whose direction disagreed with the list; the list was healed */
+    bool opaque;                     /* the surface of an opaque combination is here */
 } NestCrossing;
 
 /* Crosses all n surfaces that stand at one distance, together, and leaves the list as it is behind them.

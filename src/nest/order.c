@@ -296,6 +296,26 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medi
     return status;
 }
 
+Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error)
+{
+    size_t n_hulls = order->n_hulls, n = n_hulls + csg->n_operands + 1;
+    uint32_t *block = calloc(3 * n, sizeof *block);
+    if (!block) return fail_memory(error, 3 * n * sizeof *block, "the order of the hulls");
+    for (size_t h = 0; h < n_hulls; h++) {
+        block[h] = order->rank[h];
+        block[n + h] = order->medium[h];
+        block[2 * n + h] = order->circle[h];
+    }
+    /* operands stand below all hulls, rank 0, and where no hull is there is the world */
+    for (size_t h = n_hulls; h < n; h++) block[n + h] = order->world_medium;
+    free(order->rank);
+    order->rank = block;
+    order->medium = block + n;
+    order->circle = block + 2 * n;
+    order->csg = csg;
+    return STATUS_OK;
+}
+
 void nest_order_clear(NestOrder *order)
 {
     free(order->rank);

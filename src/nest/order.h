@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "nest/csg.h"
 
 typedef enum NestPolicy {
     NEST_AUTOMATIC, /* an order computed from the scene: the same from every direction, no work for the artist */
@@ -66,6 +67,7 @@ typedef struct NestOrder {
     uint32_t *medium; /* of each hull */
     uint32_t n_circles;      /* groups of hulls whose pairwise answers ran in a circle */
     uint32_t *circle;        /* of each hull: 0, or the number of its circle from 1 */
+    const NestCsg *csg;      /* how hulls are combined from operands; NULL: none is */
 } NestOrder;
 
 /* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by
@@ -74,6 +76,8 @@ typedef struct NestOrder {
  * declaration. overlaps may name a pair twice. O((n + m) log n). STATUS_NOMEM. */
 ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
                                        uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error);
+/* Tells the order of combinations; csg->first_operand is the number of hulls. csg is not owned. STATUS_NOMEM. */
+ATTR_NODISCARD Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error);
 void nest_order_clear(NestOrder *order);
 
 #endif
