@@ -104,6 +104,12 @@ static inline Box3 box3_add_point(Box3 b, Vec3 p)
 }
 static inline Box3 box3_union(Box3 a, Box3 b) { return box3_add_point(box3_add_point(a, b.min), b.max); }
 static inline bool box3_is_empty(Box3 b) { return !(b.min.x <= b.max.x); }
+static inline Box3 box3_intersection(Box3 a, Box3 b)
+{
+    Box3 box = {vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),
+                vec3(fmin(a.max.x, b.max.x), fmin(a.max.y, b.max.y), fmin(a.max.z, b.max.z))};
+    return box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z ? box : box3_empty();
+}
 /* The box around the image of b. */
 Box3 affine_box(const Affine *a, Box3 b);
 

@@ -128,11 +128,27 @@ void build_needs(Builder *b, const EvalNode *node, const char *property, const c
 
 /* ---- the walk ---- */
 
-static void visit(Builder *b, const EvalNode *node, const Affine *parent);
-
 static void visit_group(Builder *b, const EvalNode *node, const Affine *to_world)
 {
-    for (size_t i = 0; i < node->n_children; i++) visit(b, node->children[i], to_world);
+    if (b->combination) { /* as an operand: all of it together */
+        build_part(b, node, to_world, NEST_UNION);
+        return;
+    }
+    for (size_t i = 0; i < node->n_children; i++) build_visit(b, node->children[i], to_world);
+}
+
+/* Whether a node may stand in a combination; reports when not. */
+static bool is_operand(Builder *b, const EvalNode *node)
+{
+    static const char *const others[] = {"ground", "light", "camera"};
+    for (size_t i = 0; i < COUNT_OF(others); i++) {
+        if (strcmp(node->type->name, others[i]) != 0) continue;
+        Diagnostic *report =
+            diag_report(b->diag, D_MISPLACED, node->span, "a %s has no inside: it cannot be an operand", others[i]);
+        diag_hint(b->diag, report, "closed shapes, groups and other combinations can");
+        return false;
+    }
+    return true;
 }
 
 static const struct {
@@ -142,9 +158,11 @@ static const struct {
     {"sphere", build_sphere}, {"box", build_box},       {"cylinder", build_cylinder}, {"cone", build_cone},
     {"lathe", build_lathe},   {"mesh", build_mesh},     {"ground", build_ground},     {"group", visit_group},
     {"light", build_light},   {"camera", build_camera},
+    {"union", build_union},   {"merge", build_union},   {"intersection", build_intersection},
+    {"difference", build_difference},
 };
 
-static void visit(Builder *b, const EvalNode *node, const Affine *parent)
+void build_visit(Builder *b, const EvalNode *node, const Affine *parent)
 {
     if (b->status != STATUS_OK) return;
     for (size_t i = 0; i < COUNT_OF(placed); i++) {
@@ -152,7 +170,8 @@ static void visit(Builder *b, const EvalNode *node, const Affine *parent)
         Affine to_world = affine_compose(parent, &node->transform);
         const DiagChain *outer = b->diag->chain;
         b->diag->chain = node->chain;
-        if (build_check_transform(b, node, &to_world)) placed[i].build(b, node, &to_world);
+        if ((!b->combination || is_operand(b, node)) && build_check_transform(b, node, &to_world))
+            placed[i].build(b, node, &to_world);
         b->diag->chain = outer;
         return;
     }
@@ -228,7 +247,7 @@ static void build_all(Builder *b)
     for (size_t i = 0; i < b->result.n_files; i++) build_note_file(b, b->result.files[i]);
     build_media(b);
     Affine world = affine_identity();
-    for (size_t i = 0; i < b->result.n_nodes; i++) visit(b, b->result.nodes[i], &world);
+    for (size_t i = 0; i < b->result.n_nodes; i++) build_visit(b, b->result.nodes[i], &world);
     build_settings(b);
     check_whole(b);
     if (b->status == STATUS_OK) scene->hash = scene_hash(scene, b->environment_hash, b->arena);

@@ -50,8 +50,9 @@ typedef struct Builder {
     EvalOptions eval_options;
     EvalResult result;
     ShapeFacts *facts;
+    struct Combination *combination; /* that the nodes being built are operands of; NULL outside of any */
     uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, objects_capacity, lights_capacity,
-        cameras_capacity, files_capacity;
+        cameras_capacity, files_capacity, operands_capacity, parts_capacity, trees_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
@@ -62,6 +63,8 @@ typedef struct Builder {
 } Builder;
 
 /* build.c */
+/* Builds a placed node, and what is in it. */
+void build_visit(Builder *b, const EvalNode *node, const Affine *parent);
 /* A name of its own for every thing: as declared, or the word with a number. */
 const char *build_name(Builder *b, const EvalNode *node, const char *word);
 /* Notes a file that was read. */
@@ -97,9 +100,12 @@ void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_cone(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world);
-/* Places a shape as a hull or as an opaque thing, whichever the node says. */
+/* What an object is made of, one of the two; false after reporting. */
+bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface);
+/* Places a shape as a hull or as an opaque thing, whichever the node says, or as an operand of the combination around
+ * it. */
 void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
-/* An object without interior: opaque. */
+/* An object without interior: opaque. The shape may be SCENE_NONE. */
 uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
 /* The shape of that key: *found says whether it exists already; else it is new and empty, to be filled. The key
  * is copied. */
@@ -111,6 +117,15 @@ uint32_t build_sphere_shape(Builder *b, double radius);
 bool build_succeeded(Builder *b, Status status, const Error *error, Span span);
 /* A right-handed frame at `origin` whose y axis is the unit vector y. */
 Affine build_frame(Vec3 origin, Vec3 y);
+
+/* build_csg.c */
+void build_union(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_intersection(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_difference(Builder *b, const EvalNode *node, const Affine *to_world);
+/* The children of the node as one part of the present combination. */
+void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOperation operation);
+/* A shape as an operand of the present combination. */
+void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
 
 /* build_mesh.c */
 void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world);

@@ -122,13 +122,14 @@ uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, cons
         .medium = SCENE_NONE,
         .surface = SCENE_NONE,
         .light = SCENE_NONE,
-        .volume = b->facts[shape].volume * fabs(affine_determinant(to_world)),
+        .tree = SCENE_NONE,
+        .part_of = SCENE_NONE,
+        .volume = shape == SCENE_NONE ? 0 : b->facts[shape].volume * fabs(affine_determinant(to_world)),
     };
     return scene->n_objects++;
 }
 
-/* What an object is made of; false after reporting. */
-static bool matter_of(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface)
+bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface)
 {
     *interior = eval_prop(node, "interior");
     *surface = eval_prop(node, "surface");
@@ -154,7 +155,11 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
 {
     const EvalProp *interior, *surface;
     if (b->status != STATUS_OK || !within_reach(b, node, shape, to_world)) return;
-    if (!matter_of(b, node, &interior, &surface)) return;
+    if (b->combination) {
+        build_operand(b, node, shape, to_world);
+        return;
+    }
+    if (!build_matter(b, node, &interior, &surface)) return;
     uint32_t number = build_add_object(b, node, shape, to_world);
     SceneObject *object = &b->scene->objects[number];
     const EvalProp *priority = eval_prop(node, "priority");

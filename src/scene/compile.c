@@ -10,7 +10,7 @@
 
 /* ---- hulls ---- */
 
-static Box3 bounds_of(const SceneShape *shape, const Affine *map)
+static Box3 shape_bounds(const SceneShape *shape, const Affine *map)
 {
     Box3 box = box3_empty();
     if (shape->mesh) {
@@ -31,6 +31,27 @@ static Box3 bounds_of(const SceneShape *shape, const Affine *map)
         }
     }
     return box;
+}
+
+static Box3 part_bounds(const Scene *scene, uint32_t number)
+{
+    const NestPart *part = &scene->parts[number];
+    if (part->operation == NEST_OPERAND) {
+        const SceneObject *object = &scene->objects[scene->operands[part->begin]];
+        return shape_bounds(&scene->shapes[object->shape], &object->to_world);
+    }
+    Box3 box = part->n_children ? part_bounds(scene, part->first_child) : box3_empty();
+    for (uint32_t i = 1; i < part->n_children && part->operation != NEST_DIFFERENCE; i++) {
+        Box3 other = part_bounds(scene, part->first_child + i);
+        box = part->operation == NEST_UNION ? box3_union(box, other) : box3_intersection(box, other);
+    }
+    return box;
+}
+
+static Box3 object_bounds(const Scene *scene, const SceneObject *object)
+{
+    if (object->tree != SCENE_NONE) return part_bounds(scene, scene->trees[object->tree].root);
+    return shape_bounds(&scene->shapes[object->shape], &object->to_world);
 }
 
 static Status number_hulls(CompiledScene *compiled, Error *error)
@@ -54,9 +75,46 @@ static Status number_hulls(CompiledScene *compiled, Error *error)
                                            .priority = object->priority,
                                            .state = scene->media[object->medium].state,
                                            .volume = object->volume};
-        compiled->hull_bounds[hull] = bounds_of(&scene->shapes[object->shape], &object->to_world);
+        compiled->hull_bounds[hull] = object_bounds(scene, object);
     }
     return STATUS_OK;
+}
+
+/* The scene's combinations, with operands numbered after the hulls. */
+static Status number_operands(CompiledScene *compiled, Error *error)
+{
+    const Scene *scene = compiled->scene;
+    NestCsg *csg = &compiled->csg;
+    *csg = (NestCsg){compiled->n_hulls, scene->n_operands, scene->n_trees, scene->n_parts, NULL, NULL, NULL};
+    if (!scene->n_trees) return STATUS_OK;
+    csg->parts = malloc(scene->n_parts * sizeof *csg->parts);
+    csg->trees = malloc(scene->n_trees * sizeof *csg->trees);
+    csg->tree_of_operand = malloc((scene->n_operands + 1U) * sizeof *csg->tree_of_operand);
+    if (!csg->parts || !csg->trees || !csg->tree_of_operand)
+        return fail_memory(error, scene->n_parts * sizeof *csg->parts, "combinations of objects");
+    for (uint32_t i = 0; i < scene->n_parts; i++) {
+        csg->parts[i] = scene->parts[i];
+        csg->parts[i].begin += compiled->n_hulls;
+        csg->parts[i].end += compiled->n_hulls;
+    }
+    for (uint32_t i = 0; i < scene->n_trees; i++) {
+        uint32_t hull = compiled->hull_of_object[scene->trees[i].object];
+        csg->trees[i] = (NestTree){scene->trees[i].root, hull == SCENE_NONE ? NEST_OPAQUE : hull};
+    }
+    for (uint32_t i = 0; i < scene->n_operands; i++) {
+        uint32_t object = scene->operands[i];
+        compiled->hull_of_object[object] = compiled->n_hulls + i;
+        csg->tree_of_operand[i] = scene->objects[scene->objects[object].part_of].tree;
+    }
+    return STATUS_OK;
+}
+
+uint32_t compiled_hull(const CompiledScene *compiled, uint32_t object)
+{
+    uint32_t pass = compiled->hull_of_object[object];
+    if (pass == SCENE_NONE || pass < compiled->n_hulls) return pass;
+    uint32_t hull = compiled->csg.trees[nest_csg_tree(&compiled->csg, pass)].hull;
+    return hull == NEST_OPAQUE ? SCENE_NONE : hull;
 }
 
 static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
@@ -66,15 +124,53 @@ static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
     if (!objects) return fail_memory(error, scene->n_objects * sizeof *objects, "the geometry");
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        const SceneShape *shape = &scene->shapes[object->shape];
-        objects[i] = (RtcObject){.mesh = shape->mesh,
-                                 .solid = shape->solid,
-                                 .to_world = object->to_world,
-                                 .opaque = object->medium == SCENE_NONE};
+        objects[i] = (RtcObject){.to_world = object->to_world, .opaque = compiled->hull_of_object[i] == SCENE_NONE};
+        if (object->shape == SCENE_NONE) continue; /* a combination: its operands have the geometry */
+        objects[i].mesh = scene->shapes[object->shape].mesh;
+        objects[i].solid = scene->shapes[object->shape].solid;
     }
     Status status = rtc_scene_new(objects, scene->n_objects, pool ? pool_threads(pool) : 1, &compiled->rtc, error);
     free(objects);
     return status;
+}
+
+/* What a combination encloses has no closed form: it is measured along evenly spread lines. */
+static Status measure_combinations(CompiledScene *compiled, Error *error)
+{
+    enum { LINES = 6000 }; /* of each direction; the error is about 1e-3 of the volume for plain shapes */
+    Probe probe;
+    TRY(probe_init(&probe, compiled, error));
+    for (uint32_t t = 0; t < compiled->csg.n_trees && !probe.out_of_memory; t++) {
+        uint32_t hull = compiled->csg.trees[t].hull;
+        if (hull == NEST_OPAQUE || box3_is_empty(compiled->hull_bounds[hull])) continue;
+        double volume = 0;
+        for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+            LineSet set;
+            Line line;
+            line_set_begin(&set, compiled->hull_bounds[hull], direction, LINES, hull);
+            while (line_set_next(&set, &line)) {
+                probe_surfaces(&probe, compiled, &line, SCENE_NONE);
+                probe_intervals(&probe, compiled, &line);
+                for (uint32_t i = probe.first[hull]; i != INTERVAL_NONE; i = probe.intervals[i].next)
+                    volume += line.area * (probe.intervals[i].end - probe.intervals[i].begin) / LINE_DIRECTIONS;
+            }
+        }
+        compiled->hulls[hull].volume = volume;
+    }
+    bool done = !probe.out_of_memory;
+    probe_clear(&probe);
+    return done ? STATUS_OK : fail_memory(error, 0, "the volumes of combinations");
+}
+
+static void report_empty_combinations(const CompiledScene *compiled, Diag *diag)
+{
+    for (uint32_t t = 0; t < compiled->csg.n_trees; t++) {
+        uint32_t hull = compiled->csg.trees[t].hull;
+        const SceneObject *object = &compiled->scene->objects[compiled->scene->trees[t].object];
+        if (hull == NEST_OPAQUE || compiled->hulls[hull].volume > 0) continue;
+        Diagnostic *report = diag_report(diag, D_EMPTY_COMBINATION, object->span, "nothing is left of %s", object->name);
+        diag_hint(diag, report, "do its operands meet?");
+    }
 }
 
 /* ---- order ---- */
@@ -145,9 +241,13 @@ static void report_circles(const CompiledScene *compiled, Diag *diag)
 static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Diag *diag, Error *error)
 {
     TRY(number_hulls(compiled, error));
+    TRY(number_operands(compiled, error));
     TRY(build_geometry(compiled, pool, error));
+    if (compiled->csg.n_trees) TRY(measure_combinations(compiled, error));
+    if (diag) report_empty_combinations(compiled, diag);
     TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, error));
     TRY(build_order(compiled, policy, error));
+    if (compiled->csg.n_trees) TRY(nest_order_combine(&compiled->order, &compiled->csg, error));
     if (diag) report_circles(compiled, diag);
     for (size_t i = 0; i < compiled->n_pairs; i++) { /* hulls are numbered in the order of objects, so a < b still */
         compiled->pairs[i].a = compiled->object_of_hull[compiled->pairs[i].a];
@@ -184,6 +284,9 @@ void compiled_scene_free(CompiledScene *compiled)
     free(compiled->hulls);
     free(compiled->hull_bounds);
     free(compiled->pairs);
+    free(compiled->csg.parts);
+    free(compiled->csg.trees);
+    free(compiled->csg.tree_of_operand);
     free(compiled);
 }
 
@@ -201,6 +304,17 @@ static int compare_farthest_first(const void *left, const void *right)
     const Hit *a = left, *b = right;
     if (a->t != b->t) return a->t > b->t ? -1 : 1;
     return a->object < b->object ? -1 : a->object > b->object;
+}
+
+/* Adds the hulls of the combinations that the operands in the list make up. There must be room. */
+static void add_combinations(const CompiledScene *compiled, NestList *list)
+{
+    const NestCsg *csg = &compiled->csg;
+    for (uint32_t i = 0; i < list->n && nest_list_items(list)[i] >= compiled->n_hulls; i++) {
+        uint32_t tree = nest_csg_tree(csg, nest_list_items(list)[i]), hull = csg->trees[tree].hull;
+        if (hull != NEST_OPAQUE && !nest_list_has(list, hull) && nest_csg_holds(csg, tree, list))
+            nest_list_insert(list, list->n, hull);
+    }
 }
 
 /* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than
@@ -229,9 +343,15 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, int dire
     }
     if (n_inside > 1) qsort(hits->items, n_inside, sizeof *hits->items, compare_farthest_first);
     list->n = 0;
-    TRY(nest_list_reserve(list, (uint32_t)n_inside));
-    for (size_t i = 0; i < n_inside; i++)
-        nest_list_insert(list, list->n, compiled->hull_of_object[hits->items[i].object]);
+    TRY(nest_list_reserve(list, 2 * (uint32_t)n_inside));
+    for (size_t i = 0; i < n_inside; i++) {
+        uint32_t pass = compiled->hull_of_object[hits->items[i].object];
+        if (pass < compiled->n_hulls)
+            nest_list_insert(list, list->n, pass);
+        else
+            nest_csg_pass(&compiled->csg, list, pass, true);
+    }
+    add_combinations(compiled, list);
     return STATUS_OK;
 }
 
@@ -243,8 +363,8 @@ static bool same_set(const NestList *a, const NestList *b)
     return true;
 }
 
-/* Members of at least two of three lists, in the order of the first that has them. */
-static Status majority(const NestList *lists, NestList *out)
+/* Members of at least two of three lists, in the order of the first that has them; operands first. */
+static Status majority(const CompiledScene *compiled, const NestList *lists, NestList *out)
 {
     out->n = 0;
     for (int i = 0; i < 2; i++)
@@ -254,28 +374,35 @@ static Status majority(const NestList *lists, NestList *out)
             bool elsewhere = nest_list_has(&lists[2], hull) || nest_list_has(&lists[1 - i], hull);
             if (!elsewhere) continue;
             TRY(nest_list_reserve(out, 1));
-            nest_list_insert(out, out->n, hull);
+            if (hull < compiled->n_hulls)
+                nest_list_insert(out, out->n, hull);
+            else
+                nest_csg_pass(&compiled->csg, out, hull, true);
         }
     return STATUS_OK;
 }
 
-/* Puts the owner last. Under NEST_ENTERED the order of entry stands; without nesting only the innermost counts. */
+/* Puts the owner last. Under NEST_ENTERED the order of entry stands; without nesting only the innermost counts.
+ * Operands of combinations stay first. */
 static void sort_list(const CompiledScene *compiled, NestList *list)
 {
     const NestOrder *order = &compiled->order;
-    uint32_t *items = nest_list_hulls(list);
+    uint32_t *items = nest_list_hulls(list), first = 0;
+    while (first < list->n && items[first] >= compiled->n_hulls) first++;
     if (order->policy == NEST_ENTERED) return;
     if (order->policy == NEST_NONE) {
-        uint32_t innermost = 0;
-        for (uint32_t i = 1; i < list->n; i++)
+        uint32_t innermost = first;
+        for (uint32_t i = first + 1; i < list->n; i++)
             if (compiled->hulls[items[i]].volume < compiled->hulls[items[innermost]].volume) innermost = i;
-        if (list->n) items[0] = items[innermost];
-        list->n = list->n > 0;
+        if (first < list->n) {
+            items[first] = items[innermost];
+            list->n = first + 1;
+        }
         return;
     }
-    for (uint32_t i = 1; i < list->n; i++) {
+    for (uint32_t i = first + 1; i < list->n; i++) {
         uint32_t hull = items[i], k = i;
-        for (; k > 0 && order->rank[items[k - 1]] > order->rank[hull]; k--) items[k] = items[k - 1];
+        for (; k > first && order->rank[items[k - 1]] > order->rank[hull]; k--) items[k] = items[k - 1];
         items[k] = hull;
     }
 }
@@ -311,7 +438,7 @@ Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hi
         status = nest_list_copy(list, &lists[0]);
     } else if (status == STATUS_OK) {
         status = interior_along(compiled, at, 2, hits, &lists[2]);
-        if (status == STATUS_OK) status = majority(lists, list);
+        if (status == STATUS_OK) status = majority(compiled, lists, list);
     }
     for (int i = 0; i < 3; i++) nest_list_clear(&lists[i]);
     if (status != STATUS_OK) return status;
@@ -327,16 +454,25 @@ static void add_medium(Buf *buf, const CompiledScene *compiled, uint32_t medium)
     buf_format(buf, "%s%s", buf->length ? ", " : "", compiled->scene->media[medium].name);
 }
 
+const uint32_t *compiled_hulls_in(const CompiledScene *compiled, const NestList *list, uint32_t *n)
+{
+    const uint32_t *items = nest_list_items(list);
+    uint32_t n_operands = 0;
+    while (n_operands < list->n && items[n_operands] >= compiled->n_hulls) n_operands++;
+    *n = list->n - n_operands;
+    return items + n_operands;
+}
+
 /* The media from the outside in, the world's own left out: a camera in the air may expect [air] or []. */
 static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list)
 {
-    const uint32_t *expect = camera->expect, *hulls = nest_list_items(list);
-    uint32_t n = camera->n_expect;
-    if (n && expect[0] == 0 && (list->n == 0 || compiled->hulls[hulls[0]].medium != 0)) {
+    uint32_t n_hulls, n = camera->n_expect;
+    const uint32_t *expect = camera->expect, *hulls = compiled_hulls_in(compiled, list, &n_hulls);
+    if (n && expect[0] == 0 && (n_hulls == 0 || compiled->hulls[hulls[0]].medium != 0)) {
         expect++;
         n--;
     }
-    if (n != list->n) return false;
+    if (n != n_hulls) return false;
     for (uint32_t i = 0; i < n; i++)
         if (expect[i] != compiled->hulls[hulls[i]].medium) return false;
     return true;
@@ -346,9 +482,11 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
                                  Diag *diag, Error *error)
 {
     Buf is = {0}, expected = {0};
-    for (uint32_t i = 0; i < list->n; i++) add_medium(&is, compiled, compiled->hulls[nest_list_items(list)[i]].medium);
+    uint32_t n;
+    const uint32_t *hulls = compiled_hulls_in(compiled, list, &n);
+    for (uint32_t i = 0; i < n; i++) add_medium(&is, compiled, compiled->hulls[hulls[i]].medium);
     for (uint32_t i = 0; i < camera->n_expect; i++) add_medium(&expected, compiled, camera->expect[i]);
-    if (!list->n) buf_format(&is, "only the world's %s", compiled->scene->media[0].name);
+    if (!n) buf_format(&is, "only the world's %s", compiled->scene->media[0].name);
     if (is.failed || expected.failed) {
         buf_clear(&is);
         buf_clear(&expected);
@@ -356,8 +494,8 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
     }
     Diagnostic *report = diag_report(diag, D_CAMERA_EXPECTATION, camera->expect_span, "%s is in %s, not in [%s]",
                                      camera->name, buf_text(&is), buf_text(&expected));
-    for (uint32_t i = 0; i < list->n; i++) {
-        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[nest_list_items(list)[i]]];
+    for (uint32_t i = 0; i < n; i++) {
+        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[hulls[i]]];
         diag_note(diag, report, object->span, "it is inside of %s", object->name);
     }
     buf_clear(&is);

@@ -29,7 +29,8 @@ typedef struct HullPair {
 typedef struct CompiledScene {
     const Scene *scene;
     RtcScene *rtc;
-    uint32_t *hull_of_object; /* SCENE_NONE for opaque objects */
+    uint32_t *hull_of_object; /* what crossing the object passes: a hull, or an operand of a combination, from n_hulls on;
+                               * SCENE_NONE for opaque objects */
     uint32_t *object_of_hull;
     NestHull *hulls;
     uint32_t n_hulls;
@@ -37,7 +38,13 @@ typedef struct CompiledScene {
     HullPair *pairs;   /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
     NestOrder order;
+    NestCsg csg; /* the combinations, numbered with hulls and operands */
 } CompiledScene;
+
+/* The hull that an object is, or is an operand of; SCENE_NONE for what is opaque. */
+uint32_t compiled_hull(const CompiledScene *compiled, uint32_t object);
+/* The hulls of an interior list, outermost first, without the operands of combinations that it holds too. */
+const uint32_t *compiled_hulls_in(const CompiledScene *compiled, const NestList *list, uint32_t *n);
 
 /* Builds geometry and order. Reports go to diag (may be NULL): circles in the order, and cameras that
  * compile_check_camera refuses; these do not make it fail, so look at diag->n_errors. The scene must outlive it. */

@@ -92,14 +92,15 @@ bool line_set_next(LineSet *set, Line *line)
 
 /* ---- what stands on a line ---- */
 
-Status probe_init(Probe *probe, uint32_t n_hulls, Error *error)
+Status probe_init(Probe *probe, const CompiledScene *compiled, Error *error)
 {
     *probe = (Probe){0};
-    size_t n = n_hulls ? n_hulls : 1;
+    nest_list_init(&probe->operands);
+    size_t n = (size_t)compiled->n_hulls + compiled->csg.n_operands + 1;
     probe->depth = calloc(n, sizeof *probe->depth);
     probe->first = malloc(n * sizeof *probe->first);
     if (!probe->depth || !probe->first) return fail_memory(error, n * sizeof *probe->depth, "how the hulls lie");
-    for (uint32_t h = 0; h < n_hulls; h++) probe->first[h] = INTERVAL_NONE;
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) probe->first[h] = INTERVAL_NONE;
     return STATUS_OK;
 }
 
@@ -107,6 +108,7 @@ void probe_clear(Probe *probe)
 {
     hit_list_clear(&probe->forward);
     hit_list_clear(&probe->backward);
+    nest_list_clear(&probe->operands);
     free(probe->intervals);
     free(probe->depth);
     free(probe->first);
@@ -134,7 +136,7 @@ static void trace(Probe *probe, const CompiledScene *compiled, Vec3 start, Vec3f
     if (hits->out_of_memory) probe->out_of_memory = true;
     size_t kept = 0;
     for (size_t i = 0; i < hits->n; i++)
-        if (compiled->hull_of_object[hits->items[i].object] != SCENE_NONE) hits->items[kept++] = hits->items[i];
+        if (compiled_hull(compiled, hits->items[i].object) != SCENE_NONE) hits->items[kept++] = hits->items[i];
     hits->n = kept;
 }
 
@@ -143,7 +145,7 @@ bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *lin
     trace(probe, compiled, line->start, line->direction, line->length, &probe->forward);
     if (must == SCENE_NONE) return probe->forward.n > 0;
     for (size_t i = 0; i < probe->forward.n; i++)
-        if (compiled->hull_of_object[probe->forward.items[i].object] == must) return true;
+        if (compiled_hull(compiled, probe->forward.items[i].object) == must) return true;
     return false;
 }
 
@@ -158,35 +160,74 @@ static bool add_interval(Probe *probe, uint32_t hull, double begin, const Hit *e
     return true;
 }
 
+/* Opens the intervals of hulls that the line's start is inside of. */
+static void intervals_at_start(Probe *probe, const CompiledScene *compiled)
+{
+    const HitList *behind = &probe->backward;
+    const NestCsg *csg = &compiled->csg;
+    for (size_t i = 0; i < behind->n; i++)
+        if (!hit_repeats(behind, i))
+            probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
+    for (size_t i = 0; i < behind->n; i++) {
+        uint32_t pass = compiled->hull_of_object[behind->items[i].object];
+        if (probe->depth[pass] > 0 && pass < compiled->n_hulls) add_interval(probe, pass, 0, NULL);
+        if (probe->depth[pass] > 0 && pass >= compiled->n_hulls) {
+            if (nest_list_reserve(&probe->operands, 1) != STATUS_OK)
+                probe->out_of_memory = true;
+            else
+                nest_csg_pass(csg, &probe->operands, pass, true);
+        }
+        probe->depth[pass] = 0;
+    }
+    const uint32_t *inside = nest_list_items(&probe->operands);
+    for (uint32_t i = 0; i < probe->operands.n; i++) {
+        uint32_t tree = nest_csg_tree(csg, inside[i]);
+        bool first = i == 0 || nest_csg_tree(csg, inside[i - 1]) != tree;
+        if (first && nest_csg_holds(csg, tree, &probe->operands)) add_interval(probe, csg->trees[tree].hull, 0, NULL);
+    }
+}
+
+/* Which hull a surface bounds, and whether it is entered there: an operand's is that of its combination, where
+ * crossing it makes a difference. SCENE_NONE elsewhere. */
+static uint32_t hull_crossed(Probe *probe, const CompiledScene *compiled, const Hit *hit, bool *entering)
+{
+    uint32_t pass = compiled->hull_of_object[hit->object];
+    *entering = hit->entering;
+    if (pass < compiled->n_hulls) return pass;
+    const NestCsg *csg = &compiled->csg;
+    uint32_t tree = nest_csg_tree(csg, pass);
+    bool before = nest_csg_holds(csg, tree, &probe->operands);
+    if (nest_list_reserve(&probe->operands, 1) != STATUS_OK) probe->out_of_memory = true;
+    if (probe->out_of_memory || !nest_csg_pass(csg, &probe->operands, pass, hit->entering)) return SCENE_NONE;
+    *entering = nest_csg_holds(csg, tree, &probe->operands);
+    return *entering == before ? SCENE_NONE : csg->trees[tree].hull;
+}
+
 void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line)
 {
     Vec3f back = vec3f_negate(line->direction);
     trace(probe, compiled, line->start, back, HUGE_VAL, &probe->backward);
     for (size_t i = 0; i < probe->n_intervals; i++) probe->first[probe->intervals[i].hull] = INTERVAL_NONE;
     probe->n_intervals = 0;
-    const HitList *behind = &probe->backward, *ahead = &probe->forward;
-    for (size_t i = 0; i < behind->n; i++)
-        if (!hit_repeats(behind, i))
-            probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
-    for (size_t i = 0; i < behind->n; i++) {
-        uint32_t hull = compiled->hull_of_object[behind->items[i].object];
-        if (probe->depth[hull] > 0) add_interval(probe, hull, 0, NULL);
-        probe->depth[hull] = 0;
-    }
+    intervals_at_start(probe, compiled);
+    const HitList *ahead = &probe->forward;
     /* from here on: 1 + the number of the hull's open interval */
     for (size_t i = 0; i < probe->n_intervals; i++) probe->depth[probe->intervals[i].hull] = (int32_t)i + 1;
     for (size_t i = 0; i < ahead->n; i++) {
         const Hit *hit = &ahead->items[i];
-        uint32_t hull = compiled->hull_of_object[hit->object];
+        bool entering;
+        uint32_t hull = hull_crossed(probe, compiled, hit, &entering);
+        if (hull == SCENE_NONE) continue;
         int32_t open = probe->depth[hull];
         /* an edge reported by both its triangles enters twice or leaves twice: the second says nothing new */
-        if (hit->entering && !open && add_interval(probe, hull, hit->t, hit))
+        if (entering && !open && add_interval(probe, hull, hit->t, hit))
             probe->depth[hull] = (int32_t)probe->n_intervals;
-        if (hit->entering || !open) continue;
+        if (entering || !open) continue;
         probe->intervals[open - 1].end = hit->t;
         probe->intervals[open - 1].leave = hit;
         probe->depth[hull] = 0;
     }
+    probe->operands.n = 0;
     for (size_t i = probe->n_intervals; i-- > 0;) {
         Interval *interval = &probe->intervals[i];
         probe->depth[interval->hull] = 0;

@@ -50,11 +50,12 @@ typedef struct Probe {
     HitList forward, backward;
     Interval *intervals;
     size_t n_intervals, intervals_capacity;
-    int32_t *depth;     /* of each hull at the start of a line: 0 in between */
+    int32_t *depth;     /* of each hull and operand at the start of a line: 0 in between */
     uint32_t *first;    /* each hull's first interval on the present line, INTERVAL_NONE */
+    NestList operands;  /* of combinations, that the line is inside of; empty in between */
     bool out_of_memory; /* sticks */
 } Probe;
-ATTR_NODISCARD Status probe_init(Probe *probe, uint32_t n_hulls, Error *error);
+ATTR_NODISCARD Status probe_init(Probe *probe, const CompiledScene *compiled, Error *error);
 void probe_clear(Probe *probe);
 
 /* Collects the surfaces of hulls along the line into probe->forward; false when there are none of hull

@@ -368,7 +368,7 @@ static void judge_hull_line(const Finder *f, Worker *worker, FactList *list, uin
     Probe *probe = &worker->probe;
     bool met = probe_surfaces(probe, compiled, line, hull);
     for (size_t i = 0; i < probe->forward.n; i++) { /* whose surface comes near the hull, even if this line misses it */
-        uint32_t other = compiled->hull_of_object[probe->forward.items[i].object];
+        uint32_t other = compiled_hull(compiled, probe->forward.items[i].object);
         if (!is_judged_by(f, hull, other)) continue;
         PairFacts *facts = facts_of(worker, list, hull, other);
         if (facts) facts->seen = true;
@@ -796,13 +796,14 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     for (unsigned i = 0; i < n_workers; i++) {
         f->workers[i].fact_of = calloc(n, sizeof *f->workers[i].fact_of);
         if (!f->workers[i].fact_of) return fail_memory(error, n * sizeof *f->workers[i].fact_of, "how the hulls lie");
-        TRY(probe_init(&f->workers[i].probe, compiled->n_hulls, error));
+        TRY(probe_init(&f->workers[i].probe, compiled, error));
     }
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
         f->extent[h] = half_area(compiled->hull_bounds[h]);
         f->margin[h] = margin_of(compiled->hull_bounds[h]);
         f->center[h] = object->to_world.t;
+        if (object->shape == SCENE_NONE) continue; /* a combination */
         f->radius[h] = sphere_radius(&compiled->scene->shapes[object->shape], &object->to_world);
     }
     TRY(find_candidates(f, error));

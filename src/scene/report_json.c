@@ -53,7 +53,7 @@ static void add_hulls(JsonWriter *json, const CompiledScene *compiled, SourceSet
         json_add_whole(json, "cluster", order.cluster[hull]);
         json_add_whole(json, "level", order.level[hull]);
         json_add_number(json, "priority", object->priority);
-        json_add_number(json, "volume", object->volume);
+        json_add_number(json, "volume", compiled->hulls[hull].volume);
         if (compiled->order.circle[hull]) json_add_whole(json, "circle", compiled->order.circle[hull]);
         add_place(json, sources, object->span);
         json_end(json);

@@ -96,7 +96,7 @@ static void print_hull(const CompiledScene *compiled, SourceSet *sources, uint32
     const SceneObject *object = report_object(compiled, hull);
     buf_add(&row[2], object->name);
     buf_add(&row[3], compiled->scene->media[object->medium].name);
-    report_add_volume(&row[4], compiled->scene, object->volume);
+    report_add_volume(&row[4], compiled->scene, compiled->hulls[hull].volume);
     if (object->priority) buf_format(&row[5], "priority %d", (int)object->priority);
     add_place(&row[6], sources, object->span);
 }

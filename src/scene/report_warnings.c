@@ -122,7 +122,7 @@ static void warn_of_hidden(const CompiledScene *compiled, Diag *diag)
     uint32_t n = compiled->n_hulls, n_hidden = 0;
     bool *lower = calloc(n ? n : 1, sizeof *lower);
     Probe probe;
-    Status status = probe_init(&probe, n, NULL);
+    Status status = probe_init(&probe, compiled, NULL);
     if (lower && status == STATUS_OK) mark_lower(compiled, lower);
     uint32_t n_lines = n ? LINES_IN_ALL / n : 0;
     if (n_lines > LINES_OF_HULL_MAX) n_lines = LINES_OF_HULL_MAX;

@@ -9,6 +9,7 @@
 #include "diag/source.h"
 #include "geom/mesh.h"
 #include "geom/piece.h"
+#include "nest/csg.h"
 #include "nest/order.h"
 #include "optics/spectrum.h"
 #include "optics/texture.h"
@@ -41,17 +42,27 @@ typedef struct SceneShape { /* geometry that objects share; one of the two */
     Solid *solid;
 } SceneShape;
 
+/* A thing in the scene, or an operand of one that is a combination: those follow the combination's own row, which has
+ * the medium or the surface but no shape. */
 typedef struct SceneObject {
     const char *name; /* as declared, or made up: "sphere 12" */
     Span span;
-    uint32_t shape;
+    uint32_t shape;   /* SCENE_NONE for a combination */
+    uint32_t tree;    /* of a combination: which of the scene's; SCENE_NONE for others */
+    uint32_t part_of; /* of an operand: the combination's row; SCENE_NONE for others */
     Affine to_world;
-    uint32_t medium;  /* of the interior: a hull; SCENE_NONE for an opaque object */
-    uint32_t surface; /* of an opaque object; SCENE_NONE for a hull */
+    uint32_t medium;  /* of the interior: a hull; SCENE_NONE for an opaque object and for operands */
+    uint32_t surface; /* of an opaque object, or of an operand of one; SCENE_NONE for a hull and its operands */
     uint32_t light;   /* SCENE_NONE when it does not shine */
     int32_t priority; /* the object's own, or its medium's, or 0 */
-    double volume;    /* enclosed, in cubic scene units */
+    double volume;    /* enclosed, in cubic scene units; 0 for a combination, see CompiledScene.hulls */
 } SceneObject;
+
+/* A union, intersection or difference of other objects; see nest/csg.h. Operands count from 0 through the scene. */
+typedef struct SceneTree {
+    uint32_t root;   /* of scene->parts */
+    uint32_t object; /* the combination's row */
+} SceneTree;
 
 typedef enum LightKind {
     LIGHT_RECT,   /* one-sided, |x| <= half_width, |z| <= half_height in the plane y = 0 of the object, shining to +y */
@@ -109,6 +120,12 @@ typedef struct Scene {
     uint32_t n_shapes;
     SceneObject *objects;
     uint32_t n_objects;
+    SceneTree *trees;
+    uint32_t n_trees;
+    NestPart *parts; /* of the trees; operands are numbers into: */
+    uint32_t n_parts;
+    uint32_t *operands; /* rows of objects */
+    uint32_t n_operands;
     SceneLight *lights;
     uint32_t n_lights;
     SceneCamera *cameras;

@@ -123,8 +123,10 @@ static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *
     uint32_t *first_use = ARENA_ARRAY(scratch, uint32_t, scene->n_media);
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        add_integer(h, rows->shapes[object->shape]);
-        add_map(h, &object->to_world);
+        if (object->shape != SCENE_NONE) {
+            add_integer(h, rows->shapes[object->shape]);
+            add_map(h, &object->to_world);
+        }
         if (object->medium != SCENE_NONE) {
             add_integer(h, rows->media[object->medium]);
             add_integer(h, (uint32_t)object->priority);
@@ -133,6 +135,22 @@ static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *
             add_integer(h, world ? 0 : first_use[object->medium]);
         }
         if (object->surface != SCENE_NONE) add_integer(h, rows->surfaces[object->surface]);
+    }
+}
+
+static void add_trees(Hasher *h, const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_trees; i++) {
+        add_integer(h, scene->trees[i].root);
+        add_integer(h, scene->trees[i].object);
+    }
+    for (uint32_t i = 0; i < scene->n_parts; i++) {
+        const NestPart *part = &scene->parts[i];
+        add_integer(h, part->operation);
+        add_integer(h, part->begin);
+        add_integer(h, part->end);
+        add_integer(h, part->n_children ? part->first_child : 0);
+        add_integer(h, part->n_children);
     }
 }
 
@@ -170,6 +188,7 @@ uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratc
     Rows rows = hash_rows(scene, scratch);
     add_integer(&h, rows.media[0]);
     add_objects(&h, scene, &rows, scratch);
+    if (scene->n_trees) add_trees(&h, scene);
     add_lights(&h, scene);
     add_cameras(&h, scene);
     add_integer(&h, environment_hash);

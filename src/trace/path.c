@@ -114,7 +114,7 @@ static bool media_differ(const World *world, uint32_t a, uint32_t b, Lanes wavel
 }
 
 /* The hit of several at one place that stands for the boundary: crossing them one after another, the one at which the
- * medium last becomes what it is behind them all. */
+ * medium last becomes what it is behind them all, or where an opaque combination begins. */
 static const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
 {
     const CompiledScene *compiled = tracer->world->compiled;
@@ -124,7 +124,8 @@ static const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *cro
         NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
         NestCrossing step;
         if (nest_cross(&tracer->shadow_list, &compiled->order, &pass, 1, &step) != STATUS_OK) return best;
-        if (step.medium_from != step.medium_to && step.medium_to == crossing->medium_to) best = &hits[i];
+        if (crossing->opaque ? step.opaque : step.medium_from != step.medium_to && step.medium_to == crossing->medium_to)
+            best = &hits[i];
     }
     return best;
 }
@@ -205,6 +206,11 @@ static void next_event(Path *path, Event *event)
         depth = lanes_add(depth, stretch_depth(world, medium, t - t_done, path->wavelengths.nm));
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
+        if (event->crossing.opaque) {
+            event->kind = EVENT_OPAQUE;
+            event->hit = *boundary_hit(tracer, n, &event->crossing);
+            break;
+        }
         if (media_differ(world, event->crossing.medium_from, event->crossing.medium_to, path->wavelengths.nm)) {
             event->hit = *boundary_hit(tracer, n, &event->crossing);
             break;
@@ -265,7 +271,8 @@ static bool shadow_transmittance(Path *path, const Ray *ray, Lanes *transmittanc
         }
         tracer->counters.crossings += end - begin;
         tracer->counters.nesting_faults += crossing.n_faults;
-        if (media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm)) return false;
+        if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm))
+            return false;
         depth = lanes_add(depth, stretch_depth(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
         t_done = hits[begin].t;
         medium = crossing.medium_to;

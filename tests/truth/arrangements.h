@@ -71,6 +71,23 @@ static const Arrangement arrangements[] = {
      "  sphere { interior = ice  center = <0, 0, -5>  radius = 3 } } }\n"
      "camera { from = <30, 60, -160>  to = <0, 0, 0>  fov = 42deg }\n",
      false},
+    {"combinations", /* a tumbler that is a difference, a drink that overlaps it, a lens, a pierced cube in a drop */
+     ARRANGEMENT_MEDIA_PLAIN ARRANGEMENT_FIT
+     "difference tumbler { interior = glass\n"
+     "  cylinder { to = <0, 60, 0>  radius = 30 }\n"
+     "  cylinder { from = <0, 6, 0>  to = <0, 70, 0>  radius = 27 }\n"
+     "  sphere { center = <30, 40, 0>  radius = 12 } }\n"
+     "cylinder drink { interior = whisky  from = <0, 6 - fit, 0>  to = <0, 25, 0>  radius = 27 + fit }\n"
+     "intersection { interior = ice  for (s in [-1, 1]) { sphere { center = <0, 0, 9 * s>  radius = 16 } }\n"
+     "  rotate(y, 25)  translate(<-4, 26, 2>) }\n"
+     "sphere drop { interior = water  center = <-60, 25, 0>  radius = 22 }\n"
+     "difference { interior = glass  box { size = <20, 20, 20> }\n"
+     "  union { cylinder { from = <-20, 0, 0>  to = <20, 0, 0>  radius = 6 }  cylinder { from = <0, -20, 0>  to = <0, 20, 0>  radius = 7 }\n"
+     "          difference { sphere { center = <10, 10, 10>  radius = 9 }  box { from = <8, 0, 0>  to = <30, 30, 30> } } }\n"
+     "  rotate(<20, 30, 0>)  translate(<-60, 25, 0>) }\n"
+     "sphere { interior = gas  center = <3, 12, 8>  radius = 4 }\n"
+     "camera { from = <-30, 110, -230>  to = <-20, 26, 0>  fov = 36deg }\n",
+     true},
     {"three overlapping spheres", /* [SB02] fig. 1, with indices that show */
      ARRANGEMENT_MEDIA
      "sphere { interior = water  center = <-5, 0, 0>  radius = 10 }\n"

@@ -20,7 +20,7 @@ static FaultCount in_all;
 static bool disperses(const Scene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++)
-        if (scene->media[scene->objects[i].medium].disperses) return true;
+        if (scene->objects[i].medium != SCENE_NONE && scene->media[scene->objects[i].medium].disperses) return true;
     return false;
 }
 

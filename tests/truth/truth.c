@@ -24,12 +24,30 @@ static Status load_sky(void *context, const char *path, const char *space, float
 }
 
 /* The description is immutable to the program; here what is left is a scene that could have been written as it is. */
+static void take_away_opaque(Scene *scene)
+{
+    uint32_t n = 0, *row = calloc(scene->n_objects + 1U, sizeof *row);
+    assert_non_null(row);
+    for (uint32_t i = 0; i < scene->n_trees; i++) { /* the operands stay: what they make up is then of nothing */
+        SceneObject *whole = &scene->objects[scene->trees[i].object];
+        if (whole->medium == SCENE_NONE) whole->medium = 0;
+    }
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        SceneObject object = scene->objects[i];
+        if (object.medium == SCENE_NONE && object.part_of == SCENE_NONE) continue;
+        if (object.part_of != SCENE_NONE) object.part_of = row[object.part_of];
+        row[i] = n;
+        scene->objects[n++] = object;
+    }
+    for (uint32_t i = 0; i < scene->n_trees; i++) scene->trees[i].object = row[scene->trees[i].object];
+    for (uint32_t i = 0; i < scene->n_operands; i++) scene->operands[i] = row[scene->operands[i]];
+    scene->n_objects = n;
+    free(row);
+}
+
 static void make_furnace(Scene *scene)
 {
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++)
-        if (scene->objects[i].medium != SCENE_NONE) scene->objects[n++] = scene->objects[i];
-    scene->n_objects = n;
+    take_away_opaque(scene);
     scene->n_lights = 0;
     environment_free(scene->environment);
     scene->environment = NULL;

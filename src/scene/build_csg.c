@@ -1,0 +1,152 @@
+/* build_csg.c - union, intersection and difference: their operands, and what they are made of.
+ *
+ * A combination is a row of objects with a medium or a surface but no shape; the rows of its operands follow. How they
+ * are combined is a tree of parts (nest/csg.h), whose children stand side by side: room for all children of a node
+ * is made before the first of them is built.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "scene/build_parts.h"
+
+/* The combination that is being built. */
+struct Combination {
+    const EvalNode *node;
+    uint32_t object;          /* its row */
+    uint32_t medium, surface; /* SCENE_NONE for the one that it has not */
+    Span matter_span;         /* where that is said */
+    uint32_t part;            /* which part the next object becomes */
+};
+
+/* A property that is set, of any type of node: groups know none of these. */
+static const EvalProp *find_prop(const EvalNode *node, const char *name)
+{
+    for (size_t i = 0; i < node->n_props; i++)
+        if (strcmp(node->props[i].type->name, name) == 0) return &node->props[i];
+    return NULL;
+}
+
+/* The first node, the combination itself or one of its operands, that says what it is made of. */
+static const EvalNode *find_matter(const EvalNode *node)
+{
+    if (find_prop(node, "interior") || find_prop(node, "surface")) return node;
+    for (size_t i = 0; i < node->n_children; i++) {
+        const EvalNode *found = find_matter(node->children[i]);
+        if (found) return found;
+    }
+    return NULL;
+}
+
+/* An operand may repeat the combination's interior, or have a surface of its own where that is opaque. */
+static bool operand_matter_fits(Builder *b, const EvalNode *node)
+{
+    const struct Combination *whole = b->combination;
+    const EvalProp *interior = find_prop(node, "interior"), *surface = find_prop(node, "surface"),
+                   *priority = find_prop(node, "priority");
+    const EvalProp *wrong = NULL;
+    if (interior && (whole->medium == SCENE_NONE || build_medium(b, interior->as.node) != whole->medium)) wrong = interior;
+    if (surface && whole->surface == SCENE_NONE) wrong = surface;
+    if (priority) wrong = priority;
+    if (!wrong) return true;
+    Diagnostic *report =
+        wrong == priority
+            ? diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span, "an operand has no priority of its own: that of the %s counts",
+                          whole->node->type->name)
+            : diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span, "this %s is a part of one %s, which is made of something else",
+                          node->type->name, whole->node->type->name);
+    if (wrong != priority) diag_note(b->diag, report, whole->matter_span, "the whole is made of this");
+    diag_hint(b->diag, report, wrong == priority ? "move it there" : "one combination has one interior, or opaque surfaces only");
+    return false;
+}
+
+void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
+{
+    struct Combination *whole = b->combination;
+    Scene *scene = b->scene;
+    if (!operand_matter_fits(b, node)) return;
+    const EvalProp *surface = find_prop(node, "surface");
+    uint32_t number = build_add_object(b, node, shape, to_world);
+    SceneObject *object = &scene->objects[number];
+    object->part_of = whole->object;
+    object->surface = surface ? build_surface(b, surface->as.node) : whole->surface;
+    if (!b->facts[shape].closed) build_report_open(b, node->span, object->name, shape);
+    scene->operands =
+        room_for_one(b->arena, scene->operands, scene->n_operands, &b->operands_capacity, sizeof *scene->operands);
+    scene->operands[scene->n_operands] = number;
+    scene->parts[whole->part] = (NestPart){NEST_OPERAND, scene->n_operands, scene->n_operands + 1, 0, 0};
+    scene->n_operands++;
+}
+
+/* Room for n parts side by side, which are empty. */
+static uint32_t add_parts(Builder *b, size_t n)
+{
+    Scene *scene = b->scene;
+    uint32_t first = scene->n_parts;
+    for (size_t i = 0; i < n; i++) {
+        scene->parts = room_for_one(b->arena, scene->parts, scene->n_parts, &b->parts_capacity, sizeof *scene->parts);
+        scene->parts[scene->n_parts++] = (NestPart){NEST_UNION, scene->n_operands, scene->n_operands, 0, 0};
+    }
+    return first;
+}
+
+void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOperation operation)
+{
+    Scene *scene = b->scene;
+    struct Combination *whole = b->combination;
+    uint32_t part = whole->part, begin = scene->n_operands;
+    uint32_t first = add_parts(b, node->n_children);
+    if (!node->n_children)
+        diag_report(b->diag, D_EMPTY_COMBINATION, node->span, "this %s has no operands", node->type->name);
+    for (size_t i = 0; i < node->n_children; i++) {
+        whole->part = first + (uint32_t)i;
+        scene->parts[whole->part].begin = scene->parts[whole->part].end = scene->n_operands;
+        build_visit(b, node->children[i], to_world);
+    }
+    scene->parts[part] = (NestPart){operation, begin, scene->n_operands, first, (uint32_t)node->n_children};
+}
+
+/* The combination that the node is, or a part of the one around it. */
+static void build_combination(Builder *b, const EvalNode *node, const Affine *to_world, NestOperation operation)
+{
+    Scene *scene = b->scene;
+    if (b->combination) {
+        if (operand_matter_fits(b, node)) build_part(b, node, to_world, operation);
+        return;
+    }
+    const EvalNode *said = find_matter(node);
+    const EvalProp *interior, *surface, *priority = find_prop(node, "priority");
+    if (!build_matter(b, said ? said : node, &interior, &surface)) return;
+    struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE,
+                                .matter_span = (interior ? interior : surface)->span};
+    if (interior) whole.medium = build_medium(b, interior->as.node);
+    if (surface) {
+        build_needs(b, node, "priority", "on an opaque object");
+        whole.surface = build_surface(b, surface->as.node);
+    }
+    whole.object = build_add_object(b, node, SCENE_NONE, to_world);
+    SceneObject *object = &scene->objects[whole.object];
+    object->medium = whole.medium;
+    object->surface = whole.surface;
+    object->tree = scene->n_trees;
+    if (interior) object->priority = priority ? (int32_t)priority->as.number : scene->media[whole.medium].priority;
+    whole.part = add_parts(b, 1);
+    scene->trees = room_for_one(b->arena, scene->trees, scene->n_trees, &b->trees_capacity, sizeof *scene->trees);
+    scene->trees[scene->n_trees++] = (SceneTree){whole.part, whole.object};
+    b->combination = &whole;
+    build_part(b, node, to_world, operation);
+    b->combination = NULL;
+}
+
+void build_union(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    build_combination(b, node, to_world, NEST_UNION);
+}
+
+void build_intersection(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    build_combination(b, node, to_world, NEST_INTERSECTION);
+}
+
+void build_difference(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    build_combination(b, node, to_world, NEST_DIFFERENCE);
+}

@@ -1,0 +1,260 @@
+/* csg_test.c - combinations: whether a point is inside against plain evaluation of random trees, crossings along random
+ * lines against the hulls that they make up, volumes against closed forms, and the interior of random points.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "base/hash.h"
+#include "nest/cross.h"
+#include "scene_fixture.h"
+
+enum { HULLS = 3, OPERANDS = 24, PARTS = 64, WORLD = 99 };
+
+/* ---- the core alone ---- */
+
+typedef struct Model {
+    NestPart parts[PARTS];
+    NestTree trees[2];
+    uint32_t tree_of_operand[OPERANDS];
+    NestCsg csg;
+    uint64_t seed;
+} Model;
+
+static uint32_t pick(Model *model, uint32_t n)
+{
+    model->seed = hash_u64(model->seed + 1);
+    return (uint32_t)(model->seed >> 32) % n;
+}
+
+/* Fills a part with operands, in order of their numbers. */
+static void grow(Model *model, uint32_t part, uint32_t tree, uint32_t depth)
+{
+    NestCsg *csg = &model->csg;
+    uint32_t begin = HULLS + csg->n_operands;
+    if (depth == 0 || pick(model, 4) == 0 || csg->n_parts + 4 > PARTS || csg->n_operands + 8 > OPERANDS) {
+        model->tree_of_operand[csg->n_operands++] = tree;
+        model->parts[part] = (NestPart){NEST_OPERAND, begin, begin + 1, 0, 0};
+        return;
+    }
+    uint32_t n = 1 + pick(model, 3), first = csg->n_parts;
+    NestOperation operation = (NestOperation)(NEST_UNION + pick(model, 3));
+    csg->n_parts += n;
+    for (uint32_t i = 0; i < n; i++) grow(model, first + i, tree, depth - 1);
+    model->parts[part] = (NestPart){operation, begin, HULLS + csg->n_operands, first, n};
+}
+
+/* Two combinations: hull 1, and an opaque one. */
+static void make_model(Model *model, uint64_t seed)
+{
+    *model = (Model){.seed = seed};
+    model->csg = (NestCsg){.first_operand = HULLS, .n_trees = 2, .n_parts = 2, .parts = model->parts,
+                           .trees = model->trees, .tree_of_operand = model->tree_of_operand};
+    for (uint32_t t = 0; t < 2; t++) {
+        model->trees[t] = (NestTree){t, t == 0 ? 1 : NEST_OPAQUE};
+        grow(model, t, t, 3);
+    }
+}
+
+static bool plain(const Model *model, uint32_t number, const bool *inside)
+{
+    const NestPart *part = &model->parts[number];
+    if (part->operation == NEST_OPERAND) return inside[part->begin];
+    bool any = false, all = true, rest = false;
+    for (uint32_t i = 0; i < part->n_children; i++) {
+        bool child = plain(model, part->first_child + i, inside);
+        any = any || child;
+        all = all && child;
+        rest = rest || (i > 0 && child);
+    }
+    if (part->operation == NEST_UNION) return any;
+    return part->operation == NEST_INTERSECTION ? all : plain(model, part->first_child, inside) && !rest;
+}
+
+/* Random crossings of hulls and operands, one or several at a time; after each the list holds what a set would, and the
+ * crossing says what changed. */
+static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
+{
+    Model model;
+    NestOrder order;
+    make_model(&model, seed);
+    const NestHull hulls[HULLS] = {{1, 0, NEST_STATE_UNKNOWN, 3}, {2, 0, NEST_STATE_UNKNOWN, 2}, {3, 0, NEST_STATE_UNKNOWN, 1}};
+    assert_int_equal(nest_order_build(&order, policy, WORLD, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
+    assert_int_equal(nest_order_combine(&order, &model.csg, NULL), STATUS_OK);
+    bool inside[HULLS + OPERANDS] = {false};
+    NestList list;
+    nest_list_init(&list);
+    for (int step = 0; step < 200; step++) {
+        NestPass passes[3];
+        uint32_t n = 1 + pick(&model, 3), n_all = HULLS + model.csg.n_operands;
+        bool opaque_before = plain(&model, 1, inside);
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t pass = pick(&model, n_all);
+            bool again = pass == 1; /* hull 1 is a combination and crossed through its operands only */
+            for (uint32_t k = 0; k < i; k++) again = again || passes[k].hull == pass;
+            if (again) {
+                i--;
+                continue;
+            }
+            passes[i] = (NestPass){pass, !inside[pass]};
+        }
+        for (uint32_t i = 0; i < n; i++) inside[passes[i].hull] = passes[i].entering;
+        inside[1] = plain(&model, 0, inside);
+        NestCrossing crossing;
+        uint32_t medium = nest_medium(&order, &list);
+        assert_int_equal(nest_cross(&list, &order, passes, n, &crossing), STATUS_OK);
+        assert_int_equal(crossing.n_faults, 0);
+        bool opaque_after = plain(&model, 1, inside);
+        assert_true(crossing.opaque == (opaque_before != opaque_after));
+        *n_flips += crossing.opaque;
+        for (uint32_t h = 0; h < n_all; h++) assert_true(nest_list_has(&list, h) == inside[h]);
+        assert_int_equal(crossing.medium_from, medium);
+        assert_int_equal(crossing.medium_to, nest_medium(&order, &list));
+        if (policy != NEST_AUTOMATIC) continue;
+        uint32_t owner = inside[2] ? 2 : inside[1] ? 1 : inside[0] ? 0 : NEST_WORLD;
+        assert_int_equal(nest_owner(&order, &list), owner);
+    }
+    nest_list_clear(&list);
+    nest_order_clear(&order);
+}
+
+static void lists_hold_what_the_operands_make_up(void **state)
+{
+    (void)state;
+    uint64_t n_flips = 0;
+    for (uint64_t seed = 1; seed <= 3000; seed++) {
+        check_crossings(NEST_AUTOMATIC, seed, &n_flips);
+        check_crossings(NEST_ENTERED, seed, &n_flips);
+    }
+    assert_true(n_flips > 10000);
+}
+
+/* ---- in scenes ---- */
+
+static const double pi = 3.14159265358979323846;
+
+static void volumes_are_measured(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_compile(&scene,
+                    FIXTURE_MEDIA "intersection { interior = glass sphere { center = <-1, 0, 0> radius = 2 }"
+                                  "  sphere { center = <1, 0, 0> radius = 2 } }"
+                                  "difference { interior = glass box { from = <10, 0, 0> to = <14, 4, 4> }"
+                                  "  cylinder { from = <12, -1, 2> to = <12, 5, 2> radius = 1 } }"
+                                  "union { interior = water sphere { center = <0, 20, 0> radius = 3 }"
+                                  "  sphere { center = <0, 20, 0> radius = 2 } sphere { center = <9, 20, 0> radius = 1 } }"
+                                  "merge { interior = ice group { box { from = <20, 0, 0> to = <21, 1, 1> }"
+                                  "  box { from = <21, 0, 0> to = <22, 1, 1> } } }" FIXTURE_VIEW,
+                    2);
+    const double cap = pi * 1 * 1 * (3 * 2 - 1) / 3; /* of height 1 on a ball of radius 2 */
+    const double expected[] = {2 * cap, 64 - 4 * pi, 36 * pi + 4 * pi / 3, 2};
+    assert_int_equal(scene.compiled->n_hulls, 4);
+    for (uint32_t h = 0; h < 4; h++) {
+        double volume = scene.compiled->hulls[h].volume;
+        if (fabs(volume - expected[h]) > 3e-3 * expected[h]) fail_msg("hull %u: %.6g, expected %.6g", h, volume, expected[h]);
+    }
+    fixture_clear(&scene);
+}
+
+static double uniform(uint64_t *seed, double from, double to)
+{
+    *seed = hash_u64(*seed + 1);
+    return from + (to - from) * hash_to_unit(*seed);
+}
+
+/* Inside the pierced cube of the scene below, by its formula. */
+static bool in_pierced_cube(Vec3 p)
+{
+    bool cube = vec3_max_abs(p) < 10, ball = vec3_length(vec3_sub(p, vec3(10, 10, 10))) < 8;
+    bool rod = p.y * p.y + p.z * p.z < 36, cut = p.x > 9 && p.x < 12;
+    return cube && !(rod && fabs(p.x) < 20) && !(ball && !cut);
+}
+
+static void interiors_of_points_are_found(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_compile(&scene,
+                    FIXTURE_MEDIA "difference { interior = glass box { size = <20, 20, 20> }"
+                                  "  cylinder { from = <-20, 0, 0> to = <20, 0, 0> radius = 6 }"
+                                  "  difference { sphere { center = <10, 10, 10> radius = 8 }"
+                                  "    box { from = <9, -30, -30> to = <12, 30, 30> } } }" FIXTURE_VIEW,
+                    1);
+    HitList hits = {0};
+    NestList list;
+    nest_list_init(&list);
+    uint64_t seed = 5;
+    int n_inside = 0;
+    for (int i = 0; i < 20000; i++) {
+        Vec3 p = vec3(uniform(&seed, -12, 12), uniform(&seed, -12, 12), uniform(&seed, -12, 12));
+        p = vec3_from_f(vec3f_from(p));
+        assert_int_equal(compiled_interior(scene.compiled, vec3f_from(p), &hits, &list, NULL), STATUS_OK);
+        uint32_t n;
+        compiled_hulls_in(scene.compiled, &list, &n);
+        if ((n == 1) != in_pierced_cube(p)) fail_msg("<%.9g, %.9g, %.9g>: in %u hulls", p.x, p.y, p.z, n);
+        n_inside += n == 1;
+    }
+    assert_true(n_inside > 3000);
+    nest_list_clear(&list);
+    hit_list_clear(&hits);
+    fixture_clear(&scene);
+}
+
+static void mistakes_are_reported(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        DiagCode code;
+    } cases[] = {
+        {"difference { sphere { } sphere { radius = .5 } }", D_MISSING_PROPERTY},
+        {"difference { interior = glass sphere { } light { shape = \"sphere\" radius = 1 } }", D_MISPLACED},
+        {"difference { interior = glass sphere { interior = water } sphere { radius = .5 } }", D_CONFLICTING_PROPERTIES},
+        {"difference { interior = glass sphere { } sphere { radius = .5 surface = surface { } } }", D_CONFLICTING_PROPERTIES},
+        {"union { interior = glass sphere { priority = 3 } }", D_CONFLICTING_PROPERTIES},
+        {"union { interior = glass }", D_EMPTY_COMBINATION},
+        {"union { interior = glass mesh { positions = [<0,0,0>, <1,0,0>, <0,1,0>] triangles = [<0,1,2>] } }", D_OPEN_MESH},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[600];
+        Fixture scene;
+        snprintf(text, sizeof text, FIXTURE_MEDIA "%s" FIXTURE_VIEW, cases[i].text);
+        fixture_text(&scene, text);
+        assert_int_equal(scene.status, STATUS_SCENE);
+        if (!fixture_find(&scene, cases[i].code)) {
+            fixture_print(&scene);
+            fail_msg("%s", cases[i].text);
+        }
+        assert_int_equal(scene.diag.n_errors, 1);
+        fixture_clear(&scene);
+    }
+}
+
+static void operands_may_say_what_the_whole_is_made_of(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_compile(&scene,
+                    FIXTURE_MEDIA "let ball = sphere { interior = water }"
+                                  "difference { ball { } ball { translate(<1, 0, 0>) } }"
+                                  "intersection { box { size = <4, 4, 4> surface = surface { albedo = .2 } translate(<9, 0, 0>) }"
+                                  "  sphere { center = <9, 0, 0> radius = 2.5 } }" FIXTURE_VIEW,
+                    1);
+    assert_int_equal(scene.compiled->n_hulls, 1);
+    assert_string_equal(scene.scene->media[scene.compiled->hulls[0].medium].name, "water");
+    assert_true(scene.scene->objects[3].medium == SCENE_NONE && scene.scene->objects[3].surface != SCENE_NONE);
+    fixture_clear(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lists_hold_what_the_operands_make_up),
+        cmocka_unit_test(volumes_are_measured),
+        cmocka_unit_test(interiors_of_points_are_found),
+        cmocka_unit_test(mistakes_are_reported),
+        cmocka_unit_test(operands_may_say_what_the_whole_is_made_of),
+    };
+    return cmocka_run_group_tests_name("csg", tests, NULL, NULL);
+}
