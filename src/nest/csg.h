@@ -23,8 +23,8 @@ typedef enum NestOperation {
 /* A part of a combination. Its operands are a range of numbers, its children stand side by side in order of them. */
 typedef struct NestPart {
     NestOperation operation;
-    uint32_t begin, end;               /* operands */
-    uint32_t first_child, n_children;  /* parts; none for an operand */
+    uint32_t begin, end;              /* operands */
+    uint32_t first_child, n_children; /* parts; none for an operand */
 } NestPart;
 
 typedef struct NestTree {

@@ -43,18 +43,20 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
     const EvalProp *interior = find_prop(node, "interior"), *surface = find_prop(node, "surface"),
                    *priority = find_prop(node, "priority");
     const EvalProp *wrong = NULL;
-    if (interior && (whole->medium == SCENE_NONE || build_medium(b, interior->as.node) != whole->medium)) wrong = interior;
+    if (interior && (whole->medium == SCENE_NONE || build_medium(b, interior->as.node) != whole->medium))
+        wrong = interior;
     if (surface && whole->surface == SCENE_NONE) wrong = surface;
     if (priority) wrong = priority;
     if (!wrong) return true;
-    Diagnostic *report =
-        wrong == priority
-            ? diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span, "an operand has no priority of its own: that of the %s counts",
-                          whole->node->type->name)
-            : diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span, "this %s is a part of one %s, which is made of something else",
-                          node->type->name, whole->node->type->name);
+    Diagnostic *report = wrong == priority ? diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span,
+                                                         "an operand has no priority of its own: that of the %s counts",
+                                                         whole->node->type->name)
+                                           : diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span,
+                                                         "this %s is a part of one %s, which is made of something else",
+                                                         node->type->name, whole->node->type->name);
     if (wrong != priority) diag_note(b->diag, report, whole->matter_span, "the whole is made of this");
-    diag_hint(b->diag, report, wrong == priority ? "move it there" : "one combination has one interior, or opaque surfaces only");
+    diag_hint(b->diag, report,
+              wrong == priority ? "move it there" : "one combination has one interior, or opaque surfaces only");
     return false;
 }
 
@@ -115,7 +117,9 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     const EvalNode *said = find_matter(node);
     const EvalProp *interior, *surface, *priority = find_prop(node, "priority");
     if (!build_matter(b, said ? said : node, &interior, &surface)) return;
-    struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE,
+    struct Combination whole = {.node = node,
+                                .medium = SCENE_NONE,
+                                .surface = SCENE_NONE,
                                 .matter_span = (interior ? interior : surface)->span};
     if (interior) whole.medium = build_medium(b, interior->as.node);
     if (surface) {

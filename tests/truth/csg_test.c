@@ -10,7 +10,7 @@ enum { WIDTH = 64, SAMPLES = 64 };
     "medium glass { ior = 1.5  absorption = .03 / 1mm  state = solid }\n"                                              \
     "medium water { ior = 1.33 absorption = .02 / 1mm  state = liquid }\n"
 #define SURROUNDINGS                                                                                                   \
-    TRUTH_SKY "ground { y = -20  surface = surface { albedo = .6  pattern = \"checker\"  check_size = 7 } }\n"           \
+    TRUTH_SKY "ground { y = -20  surface = surface { albedo = .6  pattern = \"checker\"  check_size = 7 } }\n"         \
               "camera { from = <25, 35, 60>  to = <0, 0, 0>  fov = 40deg }\n"
 
 static double two_skies(double elevation)
@@ -28,7 +28,8 @@ static void render_text(const char *text, Picture *picture)
     fixture_clear(&scene);
 }
 
-/* Of two pictures of one seed: the sum of all pixels, of their differences and of those squared, and how many differ. */
+/* Of two pictures of one seed: the sum of all pixels, of their differences and of those squared, and how many differ.
+ */
 typedef struct Comparison {
     double sum, difference, squares;
     uint32_t n_other;
@@ -70,12 +71,14 @@ static void expect_same_picture(const char *what, const char *combined, const ch
     "  positions = [<-10,-10,-8>, <10,-10,-8>, <10,0,-8>, <0,0,-8>, <0,10,-8>, <-10,10,-8>,\n"                         \
     "               <-10,-10,8>, <10,-10,8>, <10,0,8>, <0,0,8>, <0,10,8>, <-10,10,8>]\n"                               \
     "  triangles = [<6,7,9>, <7,8,9>, <6,9,11>, <9,10,11>, <0,3,1>, <1,3,2>, <0,5,3>, <3,5,4>,\n"                      \
-    "    <0,1,7>, <0,7,6>, <1,2,8>, <1,8,7>, <2,3,9>, <2,9,8>, <3,4,10>, <3,10,9>, <4,5,11>, <4,11,10>, <5,0,6>, <5,6,11>] }\n"
+    "    <0,1,7>, <0,7,6>, <1,2,8>, <1,8,7>, <2,3,9>, <2,9,8>, <3,4,10>, <3,10,9>, <4,5,11>, <4,11,10>, <5,0,6>, "     \
+    "<5,6,11>] }\n"
 #define L_DIFFERENCE                                                                                                   \
     "difference { interior = glass  box { from = <-10, -10, -8>  to = <10, 10, 8> }\n"                                 \
     "  box { from = <0, 0, -8>  to = <10, 12, 9> } }\n"
 #define L_UNION                                                                                                        \
-    "union { interior = glass  box { from = <-10, -10, -8>  to = <10, 0, 8> }  box { from = <-10, -4, -8>  to = <0, 10, 8> } }\n"
+    "union { interior = glass  box { from = <-10, -10, -8>  to = <10, 0, 8> }  box { from = <-10, -4, -8>  to = <0, "  \
+    "10, 8> } }\n"
 
 static void a_difference_is_the_mesh(void **state)
 {
@@ -97,12 +100,13 @@ static void a_difference_in_water_is_the_mesh(void **state)
 static void a_turned_difference_is_the_lathe(void **state)
 {
     (void)state;
-    expect_same_picture("a cup as a difference, as a lathe",
-                        HEAD "difference { interior = glass cylinder { from = <0, -10, 0> to = <0, 10, 0> radius = 12 }"
-                             "  cylinder { from = <0, -7, 0> to = <0, 11, 0> radius = 9 } }"
-                             "cylinder { interior = water from = <0, -7.5, 0> to = <0, 3, 0> radius = 9.5 }" SURROUNDINGS,
-                        HEAD "lathe { interior = glass profile = [<0, -10>, <12, -10>, <12, 10>, <9, 10>, <9, -7>, <0, -7>] }"
-                             "cylinder { interior = water from = <0, -7.5, 0> to = <0, 3, 0> radius = 9.5 }" SURROUNDINGS);
+    expect_same_picture(
+        "a cup as a difference, as a lathe",
+        HEAD "difference { interior = glass cylinder { from = <0, -10, 0> to = <0, 10, 0> radius = 12 }"
+             "  cylinder { from = <0, -7, 0> to = <0, 11, 0> radius = 9 } }"
+             "cylinder { interior = water from = <0, -7.5, 0> to = <0, 3, 0> radius = 9.5 }" SURROUNDINGS,
+        HEAD "lathe { interior = glass profile = [<0, -10>, <12, -10>, <12, 10>, <9, 10>, <9, -7>, <0, -7>] }"
+             "cylinder { interior = water from = <0, -7.5, 0> to = <0, 3, 0> radius = 9.5 }" SURROUNDINGS);
 }
 
 /* The normal of what is taken away points the other way, and so do the axes about it in which diffuse directions are
@@ -113,8 +117,9 @@ static void an_opaque_difference_is_the_mesh(void **state)
     char combined[2000], plain[2000];
     const char *surface = "surface = surface { albedo = .7 }";
     snprintf(combined, sizeof combined,
-             HEAD "difference { %s box { from = <-10, -10, -8> to = <10, 10, 8> } box { from = <0, 0, -9> to = <11, 12, 9> } }"
-                  SURROUNDINGS, surface);
+             HEAD "difference { %s box { from = <-10, -10, -8> to = <10, 10, 8> } box { from = <0, 0, -9> to = <11, "
+                  "12, 9> } }" SURROUNDINGS,
+             surface);
     const char *mesh = L_MESH;
     snprintf(plain, sizeof plain, HEAD "%.*s%s%s" SURROUNDINGS, (int)strlen("mesh { "), mesh, surface,
              mesh + strlen("mesh { interior = glass"));

@@ -48,8 +48,12 @@ static void grow(Model *model, uint32_t part, uint32_t tree, uint32_t depth)
 static void make_model(Model *model, uint64_t seed)
 {
     *model = (Model){.seed = seed};
-    model->csg = (NestCsg){.first_operand = HULLS, .n_trees = 2, .n_parts = 2, .parts = model->parts,
-                           .trees = model->trees, .tree_of_operand = model->tree_of_operand};
+    model->csg = (NestCsg){.first_operand = HULLS,
+                           .n_trees = 2,
+                           .n_parts = 2,
+                           .parts = model->parts,
+                           .trees = model->trees,
+                           .tree_of_operand = model->tree_of_operand};
     for (uint32_t t = 0; t < 2; t++) {
         model->trees[t] = (NestTree){t, t == 0 ? 1 : NEST_OPAQUE};
         grow(model, t, t, 3);
@@ -78,7 +82,8 @@ static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
     Model model;
     NestOrder order;
     make_model(&model, seed);
-    const NestHull hulls[HULLS] = {{1, 0, NEST_STATE_UNKNOWN, 3}, {2, 0, NEST_STATE_UNKNOWN, 2}, {3, 0, NEST_STATE_UNKNOWN, 1}};
+    const NestHull hulls[HULLS] = {
+        {1, 0, NEST_STATE_UNKNOWN, 3}, {2, 0, NEST_STATE_UNKNOWN, 2}, {3, 0, NEST_STATE_UNKNOWN, 1}};
     assert_int_equal(nest_order_build(&order, policy, WORLD, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
     assert_int_equal(nest_order_combine(&order, &model.csg, NULL), STATUS_OK);
     bool inside[HULLS + OPERANDS] = {false};
@@ -138,21 +143,23 @@ static void volumes_are_measured(void **state)
     (void)state;
     Fixture scene;
     fixture_compile(&scene,
-                    FIXTURE_MEDIA "intersection { interior = glass sphere { center = <-1, 0, 0> radius = 2 }"
-                                  "  sphere { center = <1, 0, 0> radius = 2 } }"
-                                  "difference { interior = glass box { from = <10, 0, 0> to = <14, 4, 4> }"
-                                  "  cylinder { from = <12, -1, 2> to = <12, 5, 2> radius = 1 } }"
-                                  "union { interior = water sphere { center = <0, 20, 0> radius = 3 }"
-                                  "  sphere { center = <0, 20, 0> radius = 2 } sphere { center = <9, 20, 0> radius = 1 } }"
-                                  "merge { interior = ice group { box { from = <20, 0, 0> to = <21, 1, 1> }"
-                                  "  box { from = <21, 0, 0> to = <22, 1, 1> } } }" FIXTURE_VIEW,
+                    FIXTURE_MEDIA
+                    "intersection { interior = glass sphere { center = <-1, 0, 0> radius = 2 }"
+                    "  sphere { center = <1, 0, 0> radius = 2 } }"
+                    "difference { interior = glass box { from = <10, 0, 0> to = <14, 4, 4> }"
+                    "  cylinder { from = <12, -1, 2> to = <12, 5, 2> radius = 1 } }"
+                    "union { interior = water sphere { center = <0, 20, 0> radius = 3 }"
+                    "  sphere { center = <0, 20, 0> radius = 2 } sphere { center = <9, 20, 0> radius = 1 } }"
+                    "merge { interior = ice group { box { from = <20, 0, 0> to = <21, 1, 1> }"
+                    "  box { from = <21, 0, 0> to = <22, 1, 1> } } }" FIXTURE_VIEW,
                     2);
     const double cap = pi * 1 * 1 * (3 * 2 - 1) / 3; /* of height 1 on a ball of radius 2 */
     const double expected[] = {2 * cap, 64 - 4 * pi, 36 * pi + 4 * pi / 3, 2};
     assert_int_equal(scene.compiled->n_hulls, 4);
     for (uint32_t h = 0; h < 4; h++) {
         double volume = scene.compiled->hulls[h].volume;
-        if (fabs(volume - expected[h]) > 3e-3 * expected[h]) fail_msg("hull %u: %.6g, expected %.6g", h, volume, expected[h]);
+        if (fabs(volume - expected[h]) > 3e-3 * expected[h])
+            fail_msg("hull %u: %.6g, expected %.6g", h, volume, expected[h]);
     }
     fixture_clear(&scene);
 }
@@ -167,7 +174,7 @@ static double uniform(uint64_t *seed, double from, double to)
 static bool in_pierced_cube(Vec3 p)
 {
     bool cube = vec3_max_abs(p) < 10, ball = vec3_length(vec3_sub(p, vec3(10, 10, 10))) < 8;
-    bool rod = p.y * p.y + p.z * p.z < 36, cut = p.x > 9 && p.x < 12;
+    bool rod = p.y * p.y + p.z * p.z<36, cut = p.x> 9 && p.x < 12;
     return cube && !(rod && fabs(p.x) < 20) && !(ball && !cut);
 }
 
@@ -210,11 +217,14 @@ static void mistakes_are_reported(void **state)
     } cases[] = {
         {"difference { sphere { } sphere { radius = .5 } }", D_MISSING_PROPERTY},
         {"difference { interior = glass sphere { } light { shape = \"sphere\" radius = 1 } }", D_MISPLACED},
-        {"difference { interior = glass sphere { interior = water } sphere { radius = .5 } }", D_CONFLICTING_PROPERTIES},
-        {"difference { interior = glass sphere { } sphere { radius = .5 surface = surface { } } }", D_CONFLICTING_PROPERTIES},
+        {"difference { interior = glass sphere { interior = water } sphere { radius = .5 } }",
+         D_CONFLICTING_PROPERTIES},
+        {"difference { interior = glass sphere { } sphere { radius = .5 surface = surface { } } }",
+         D_CONFLICTING_PROPERTIES},
         {"union { interior = glass sphere { priority = 3 } }", D_CONFLICTING_PROPERTIES},
         {"union { interior = glass }", D_EMPTY_COMBINATION},
-        {"union { interior = glass mesh { positions = [<0,0,0>, <1,0,0>, <0,1,0>] triangles = [<0,1,2>] } }", D_OPEN_MESH},
+        {"union { interior = glass mesh { positions = [<0,0,0>, <1,0,0>, <0,1,0>] triangles = [<0,1,2>] } }",
+         D_OPEN_MESH},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[600];
@@ -236,10 +246,11 @@ static void operands_may_say_what_the_whole_is_made_of(void **state)
     (void)state;
     Fixture scene;
     fixture_compile(&scene,
-                    FIXTURE_MEDIA "let ball = sphere { interior = water }"
-                                  "difference { ball { } ball { translate(<1, 0, 0>) } }"
-                                  "intersection { box { size = <4, 4, 4> surface = surface { albedo = .2 } translate(<9, 0, 0>) }"
-                                  "  sphere { center = <9, 0, 0> radius = 2.5 } }" FIXTURE_VIEW,
+                    FIXTURE_MEDIA
+                    "let ball = sphere { interior = water }"
+                    "difference { ball { } ball { translate(<1, 0, 0>) } }"
+                    "intersection { box { size = <4, 4, 4> surface = surface { albedo = .2 } translate(<9, 0, 0>) }"
+                    "  sphere { center = <9, 0, 0> radius = 2.5 } }" FIXTURE_VIEW,
                     1);
     assert_int_equal(scene.compiled->n_hulls, 1);
     assert_string_equal(scene.scene->media[scene.compiled->hulls[0].medium].name, "water");
