@@ -19,6 +19,7 @@ static void warn(void *context)
 {
     Check *check = context;
     report_warnings(check->input.compiled, &check->input.diag);
+    if (!check->input.talk->quiet) report_remarks(check->input.compiled, &check->input.diag);
 }
 
 static void print_report(void *context)
@@ -43,6 +44,7 @@ static void print_json(void *context)
     json_add_text(&json, "hash", check->built ? hash : NULL); /* as in the EXR files of its renders */
     json_add_whole(&json, "errors", diag->n_errors);
     json_add_whole(&json, "warnings", diag->n_warnings);
+    json_add_whole(&json, "remarks", diag->n_remarks);
     json_key(&json, "diagnostics");
     json_raw(&json, buf_text(&diagnostics));
     json_key(&json, "report");

@@ -274,6 +274,8 @@ static Status print_section(const char *kind, Buf *out, Error *error)
         print_diagnostics(DIAG_ERROR, out);
     else if (strcmp(kind, "warnings") == 0)
         print_diagnostics(DIAG_WARNING, out);
+    else if (strcmp(kind, "remarks") == 0)
+        print_diagnostics(DIAG_REMARK, out);
     else
         return fail(error, STATUS_USAGE, "there is no generated section '%s'", kind);
     return STATUS_OK;

@@ -124,7 +124,7 @@ void reference_print_node(const NodeType *node, Buf *out)
 
 void reference_print_diagnostic(DiagCode code, Buf *out)
 {
-    buf_format(out, "%s (%s)\n\n", diag_slug(code), diag_severity(code) == DIAG_ERROR ? "error" : "warning");
+    buf_format(out, "%s (%s)\n\n", diag_slug(code), diag_severity_text(diag_severity(code)));
     help_wrap(out, diag_cause(code), 0, 0);
     help_wrap(out, diag_cure(code), 0, 0);
     buf_add(out, "\nManual: meniscus-diagnostics(7)\n");

@@ -145,10 +145,15 @@ static void print_counts(const SceneInput *input, Buf *out)
 {
     const Diag *diag = &input->diag;
     buf_format(out, "%s: ", strcmp(input->path, "-") == 0 ? "<stdin>" : input->path);
-    if (diag->n_errors) count_print(out, diag->n_errors, "error");
-    if (diag->n_errors && diag->n_warnings) buf_add(out, ", ");
-    if (diag->n_warnings) count_print(out, diag->n_warnings, "warning");
-    if (diag->n_errors > diag->limit || diag->n_warnings > diag->limit)
+    const uint32_t counts[] = {diag->n_errors, diag->n_warnings, diag->n_remarks};
+    bool any = false, more = false;
+    for (size_t i = 0; i < COUNT_OF(counts); i++) {
+        if (counts[i] && any) buf_add(out, ", ");
+        if (counts[i]) count_print(out, counts[i], diag_severity_text((DiagSeverity)i));
+        any = any || counts[i];
+        more = more || counts[i] > diag->limit;
+    }
+    if (more)
         buf_format(out, " (%u of a kind are shown)", diag->limit);
     buf_add(out, "\n");
 }
@@ -160,6 +165,7 @@ static void print_json_line(Diag *diag, Buf *out)
     JsonWriter json = talk_event_begin(out, "diagnostics");
     json_add_whole(&json, "errors", diag->n_errors);
     json_add_whole(&json, "warnings", diag->n_warnings);
+    json_add_whole(&json, "remarks", diag->n_remarks);
     /* One line per event: blanks and texts hold no line breaks in JSON, so each one is only layout. */
     for (size_t i = 0; i < array.length; i++)
         if (array.text[i] == '\n') array.text[i] = ' ';
@@ -187,7 +193,7 @@ Status scene_input_print_reports(SceneInput *input, Error *error)
 {
     Stage stage = {.input = input, .error = error};
     Status status = STATUS_OK;
-    if (!input->diag_printed && (input->diag.n_errors || input->diag.n_warnings)) {
+    if (!input->diag_printed && (input->diag.n_errors || input->diag.n_warnings || input->diag.n_remarks)) {
         status = scene_input_guard(input, print_reports, &stage, error);
         talk_write(&stage.text);
         buf_clear(&stage.text);

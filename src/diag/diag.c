@@ -23,10 +23,28 @@ void diag_init(Diag *diag, Arena *arena, SourceSet *sources)
     *diag = (Diag){.arena = arena, .sources = sources, .limit = DEFAULT_LIMIT};
 }
 
-const char *diag_slug(DiagCode code) { return diag_table[code].slug; }
-const char *diag_cause(DiagCode code) { return diag_table[code].cause; }
-const char *diag_cure(DiagCode code) { return diag_table[code].cure; }
-DiagSeverity diag_severity(DiagCode code) { return diag_table[code].severity; }
+const char *diag_slug(DiagCode code)
+{
+    return diag_table[code].slug;
+}
+const char *diag_cause(DiagCode code)
+{
+    return diag_table[code].cause;
+}
+const char *diag_cure(DiagCode code)
+{
+    return diag_table[code].cure;
+}
+DiagSeverity diag_severity(DiagCode code)
+{
+    return diag_table[code].severity;
+}
+
+const char *diag_severity_text(DiagSeverity severity)
+{
+    static const char *const texts[] = {"error", "warning", "remark"};
+    return texts[severity];
+}
 
 static const char *format_text(Arena *arena, const char *format, va_list args) ATTR_PRINTF(2, 0);
 
@@ -54,10 +72,11 @@ static Diagnostic *find_repetition(const Diag *diag, const Diagnostic *wanted)
 static Diagnostic *keep(Diag *diag, Diagnostic *report)
 {
     report->severity = diag_table[report->code].severity;
-    if (diag->warnings_are_errors) report->severity = DIAG_ERROR;
+    if (diag->warnings_are_errors && report->severity == DIAG_WARNING) report->severity = DIAG_ERROR;
     report->chain = diag->chain;
     if (find_repetition(diag, report)) return report; /* hints for it go to the copy that is not kept */
-    uint32_t *count = report->severity == DIAG_ERROR ? &diag->n_errors : &diag->n_warnings;
+    uint32_t *const counts[] = {&diag->n_errors, &diag->n_warnings, &diag->n_remarks};
+    uint32_t *count = counts[report->severity];
     if (++*count > diag->limit) return report;
     if (diag->last)
         diag->last->next = report;

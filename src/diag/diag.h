@@ -10,7 +10,11 @@
 #include "base/buf.h"
 #include "diag/source.h"
 
-typedef enum DiagSeverity { DIAG_ERROR, DIAG_WARNING } DiagSeverity;
+typedef enum DiagSeverity {
+    DIAG_ERROR,
+    DIAG_WARNING,
+    DIAG_REMARK /* worth a look, and as likely meant: only `check` makes them, and --werror leaves them alone */
+} DiagSeverity;
 
 typedef enum DiagCode {
 #define DIAG(name, severity, slug, cause, cure) D_##name,
@@ -52,10 +56,10 @@ typedef struct Diag {
     Arena *arena;
     SourceSet *sources;
     Diagnostic *first, *last;
-    uint32_t n_errors, n_warnings;
-    uint32_t limit;              /* kept errors; more are counted only. 20 */
-    bool warnings_are_errors;    /* --werror */
-    const DiagChain *chain;      /* the present chain, set by the evaluator; copied into each report */
+    uint32_t n_errors, n_warnings, n_remarks;
+    uint32_t limit;           /* kept of each severity; more are counted only. 20 */
+    bool warnings_are_errors; /* --werror */
+    const DiagChain *chain;   /* the present chain, set by the evaluator; copied into each report */
 } Diag;
 
 void diag_init(Diag *diag, Arena *arena, SourceSet *sources);
@@ -86,5 +90,6 @@ const char *diag_slug(DiagCode code);
 const char *diag_cause(DiagCode code);
 const char *diag_cure(DiagCode code);
 DiagSeverity diag_severity(DiagCode code);
+const char *diag_severity_text(DiagSeverity severity); /* "error", "warning", "remark" */
 
 #endif

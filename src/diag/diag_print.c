@@ -8,8 +8,8 @@
 
 enum {
     TAB_WIDTH = 8,
-    LINE_WIDTH = 100,   /* columns of source text shown at most */
-    LEFT_CONTEXT = 30,  /* of them, in front of the caret, when the line is cut there */
+    LINE_WIDTH = 100,  /* columns of source text shown at most */
+    LEFT_CONTEXT = 30, /* of them, in front of the caret, when the line is cut there */
     CHAIN_SHOWN = 8,
     REPLACEMENT = 0xfffd
 };
@@ -21,7 +21,7 @@ typedef struct Style {
 } Style;
 
 static const Style without_color = {"", "", "", "", "", "", ""};
-static const Style with_color = {"\033[1m",  "\033[1;31m", "\033[1;35m", "\033[1;36m",
+static const Style with_color = {"\033[1m",    "\033[1;31m", "\033[1;35m", "\033[1;36m",
                                  "\033[1;32m", "\033[34m",   "\033[0m"};
 
 /* One source line as columns, so that carets stand under what they mean. */
@@ -134,13 +134,13 @@ static void add_chain(Diag *diag, Buf *out, const DiagChain *chain, const Style 
 
 static void add_report(Diag *diag, Buf *out, const Diagnostic *report, const Style *style)
 {
-    bool error = report->severity == DIAG_ERROR;
+    const char *const colors[] = {style->error, style->warning, style->note};
     buf_add(out, style->bold);
     if (report->has_span)
         add_place(diag, out, report->span);
     else
         buf_add(out, "meniscus");
-    buf_format(out, ": %s%s:%s%s %s%s [%s]\n", error ? style->error : style->warning, error ? "error" : "warning",
+    buf_format(out, ": %s%s:%s%s %s%s [%s]\n", colors[report->severity], diag_severity_text(report->severity),
                style->plain, style->bold, report->text, style->plain, diag_slug(report->code));
     if (report->has_span) add_quote(diag, out, report->span, style, style->caret);
     if (report->hint) buf_format(out, "%s      =%s hint: %s\n", style->gutter, style->plain, report->hint);
@@ -166,6 +166,8 @@ void diag_print(Diag *diag, Buf *out, bool color)
         buf_format(out, "... and %u more errors, which are not shown\n", diag->n_errors - diag->limit);
     if (diag->n_warnings > diag->limit)
         buf_format(out, "... and %u more warnings, which are not shown\n", diag->n_warnings - diag->limit);
+    if (diag->n_remarks > diag->limit)
+        buf_format(out, "... and %u more remarks, which are not shown\n", diag->n_remarks - diag->limit);
 }
 
 /* ---- JSON ---- */
@@ -202,7 +204,7 @@ static void add_json_place(Diag *diag, Buf *out, Span span)
 
 static void add_json_report(Diag *diag, Buf *out, const Diagnostic *report)
 {
-    buf_format(out, "{\"severity\": \"%s\", \"code\": \"%s\", ", report->severity == DIAG_ERROR ? "error" : "warning",
+    buf_format(out, "{\"severity\": \"%s\", \"code\": \"%s\", ", diag_severity_text(report->severity),
                diag_slug(report->code));
     if (report->has_span) {
         add_json_place(diag, out, report->span);

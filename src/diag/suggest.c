@@ -6,9 +6,15 @@
 
 enum { LONGEST_WORD = 64, EDIT = 2, CASE_EDIT = 1 };
 
-static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
 
-static unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
+static unsigned smaller(unsigned a, unsigned b)
+{
+    return a < b ? a : b;
+}
 
 static unsigned substitution(char a, char b)
 {

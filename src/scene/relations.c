@@ -4,8 +4,8 @@
  * another one, overlaps it, touches it, or leaves a thin gap. A pair is judged along the lines of its smaller hull.
  * Second, lines through the common part of the bounds of pairs where that is much smaller than the hull. Third, where a
  * pair's surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place
- * where the two are nearest. Fourth, where a pair overlaps in part, a line or two through the thickest place of what they
- * share. Spheres need none of this: two of them are judged by formula.
+ * where the two are nearest. Fourth, where a pair overlaps in part, a line or two through the thickest place of what
+ * they share. Spheres need none of this: two of them are judged by formula.
  *
  * All lines are fixed by the scene, each task writes to its own place, and the results are put together in
  * order, so that the answer does not depend on threads.
@@ -48,12 +48,12 @@ typedef struct PairFacts {
     uint32_t n_inside; /* lines that meet own and find it inside of other */
     uint32_t n_gap;
     double gap;
-    double depth;       /* the thickness of the overlap where it seems to be largest, */
-    Vec3 depth_place;   /* the middle of the stretch that says so, */
-    Vec3 depth_normal;  /* and the direction between its faces */
-    double offset;                                /* the largest distance between faces that stand at one place */
-    Estimate volume, contact, gap_area;           /* volume three times over, once for each direction */
-    double nearest; /* distance along a line between the two, the least so far */
+    double depth;                       /* the thickness of the overlap where it seems to be largest, */
+    Vec3 depth_place;                   /* the middle of the stretch that says so, */
+    Vec3 depth_normal;                  /* and the direction between its faces */
+    double offset;                      /* the largest distance between faces that stand at one place */
+    Estimate volume, contact, gap_area; /* volume three times over, once for each direction */
+    double nearest;                     /* distance along a line between the two, the least so far */
     Vec3 nearest_place;
 } PairFacts;
 
@@ -216,8 +216,8 @@ static void note_contact(PairFacts *facts, const Hit *own, const Hit *other, Lin
     sums->contact += cosine(own);
 }
 
-/* The thickness of a stretch that both hulls have, where its ends face each other. A slanting line overrates it where the
- * faces are not parallel, so that this only says where to look closer. */
+/* The thickness of a stretch that both hulls have, where its ends face each other. A slanting line overrates it where
+ * the faces are not parallel, so that this only says where to look closer. */
 static void note_depth(PairFacts *facts, const Line *line, double begin, double end, const Hit *from, const Hit *to)
 {
     if (!from || !to || normals_dot(from, to) > facing) return;
@@ -703,8 +703,8 @@ static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
     return pair;
 }
 
-/* The fourth stage: the thickness of a partial overlap, along a line through its thickest place, as far as is known, that
- * is turned until it stands at right angles to the faces where it begins and ends. */
+/* The fourth stage: the thickness of a partial overlap, along a line through its thickest place, as far as is known,
+ * that is turned until it stands at right angles to the faces where it begins and ends. */
 static void task_of_depth(void *context, uint32_t number, unsigned worker)
 {
     enum { TURNS = 5 };

@@ -8,6 +8,8 @@
 
 /* Adds warnings that only geometry shows (air gaps, hidden objects) to diag. */
 void report_warnings(const CompiledScene *compiled, Diag *diag);
+/* And remarks: what is as likely meant as not, such as sizes that do not go together. Call it after the warnings. */
+void report_remarks(const CompiledScene *compiled, Diag *diag);
 /* For people: media, hulls from top to bottom, and every pair that meets with the rule that decided. Pairs of
  * many like objects (bubbles) are summed up in one line. */
 void report_print(const CompiledScene *compiled, SourceSet *sources, Buf *out);

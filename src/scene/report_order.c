@@ -1,7 +1,7 @@
 /* report_order.c - the text of the report: the clear objects from top to bottom.
  * The order that rays are traced with is one list of all hulls, as that costs least. People are shown what it comes to:
- * clusters of hulls that have to do with each other, and in each only as many levels as there are hulls on top of hulls.
- * SPDX-License-Identifier: Apache-2.0 */
+ * clusters of hulls that have to do with each other, and in each only as many levels as there are hulls on top of
+ * hulls. SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
 #include "scene/report_parts.h"
@@ -147,7 +147,8 @@ static size_t collect_entries(const CompiledScene *compiled, const ReportGroups 
         }
         Entry *entry = &entries[entry_of_group[g]];
         if (level == 0) continue;
-        if (entry->alone) *entry = (Entry){order->cluster[h], level, level, compiled->order.rank[h], entry->hull, false};
+        if (entry->alone)
+            *entry = (Entry){order->cluster[h], level, level, compiled->order.rank[h], entry->hull, false};
         if (level < entry->level) entry->level = level;
         if (level > entry->last_level) entry->last_level = level;
     }

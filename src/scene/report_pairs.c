@@ -102,7 +102,8 @@ static void print_pair(const CompiledScene *compiled, const PairLine *line, Buf 
 {
     const HullPair *pair = line->pair;
     uint32_t inner = pair->relation == NEST_A_IN_B ? pair->a : pair->b, outer = inner == pair->a ? pair->b : pair->a;
-    const char *top = report_object(compiled, line->verdict.top)->name, *bottom = report_object(compiled, line->verdict.bottom)->name;
+    const char *top = report_object(compiled, line->verdict.top)->name,
+               *bottom = report_object(compiled, line->verdict.bottom)->name;
     buf_add(out, "  ");
     switch (line->kind) {
     case LINE_INSIDE:

@@ -3,9 +3,13 @@
 #ifndef MEN_REPORT_PARTS_H
 #define MEN_REPORT_PARTS_H
 
+#include "scene/lines.h"
 #include "scene/report.h"
 
-enum { REPORT_FEW = 4 }; /* more like objects or pairs than this are summed up */
+enum {
+    REPORT_FEW = 4,  /* more like objects or pairs than this are summed up */
+    REPORT_MOST = 10 /* messages of a kind; the rest are counted */
+};
 
 /* A hull by what it is called without its number, and its medium. */
 typedef struct ReportMember {
@@ -48,13 +52,24 @@ ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair
 /* Which hulls have to do with each other, and who is on top of whom there. */
 typedef struct ReportOrder {
     uint32_t *cluster; /* of each hull: hulls that overlap, and those that overlap them, have the same number */
-    uint32_t *level;   /* of each hull: 1, or one more than the largest of those on top of it; 0 where nothing overlaps it
-                          or where the policy gives no order */
+    uint32_t *level; /* of each hull: 1, or one more than the largest of those on top of it; 0 where nothing overlaps it
+                        or where the policy gives no order */
     uint32_t n_clusters;
 } ReportOrder;
 bool report_order_init(ReportOrder *order,
                        const CompiledScene *compiled); /* false when memory ends; clear it all the same */
 void report_order_clear(ReportOrder *order);
+
+/* What can be seen of a hull, found by looking along n_lines lines through it. */
+typedef enum ReportSight {
+    REPORT_NOT_MET,     /* no line meets it */
+    REPORT_HIDDEN,      /* it owns nothing: others that are on top of it cover it */
+    REPORT_INDIFFERENT, /* what it owns would be of the same medium without it */
+    REPORT_SEEN
+} ReportSight;
+ReportSight report_look_at(const CompiledScene *compiled, Probe *probe, uint32_t hull, uint32_t n_lines);
+/* How many lines each of n hulls gets. */
+uint32_t report_lines_of_each(uint32_t n);
 
 /* Rows of cells, in columns as wide as their widest cell. */
 enum { REPORT_COLUMNS = 8 };

@@ -3,89 +3,68 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "scene/lines.h"
 #include "scene/report_parts.h"
 
-enum {
-    WARNINGS_MAX = 10, /* of a kind; the rest are counted */
-    LINES_IN_ALL = 200000,
-    LINES_OF_HULL_MAX = 600,
-    LINES_OF_HULL_MIN = 30
-};
-
 /* ---- gaps ---- */
+
+static Vec3 extent_of(const CompiledScene *compiled, uint32_t object)
+{
+    Box3 box = compiled->hull_bounds[compiled->hull_of_object[object]];
+    return vec3_sub(box.max, box.min);
+}
+
+/* A gap that is thin for things of that size, or that keeps a liquid from what holds it, is seldom meant. Two panes
+ * with a little room between them are. */
+static bool is_mistake(const CompiledScene *compiled, const HullPair *pair)
+{
+    const double thin = 0.02;
+    Vec3 a = extent_of(compiled, pair->a), b = extent_of(compiled, pair->b);
+    if (!isfinite(pair->gap)) return false;
+    if (pair->gap <= thin * fmin(fmin(a.x, fmin(a.y, a.z)), fmin(b.x, fmin(b.y, b.z)))) return true;
+    NestState states[2] = {compiled->hulls[compiled->hull_of_object[pair->a]].state,
+                           compiled->hulls[compiled->hull_of_object[pair->b]].state};
+    return (states[0] == NEST_LIQUID && states[1] == NEST_SOLID) ||
+           (states[0] == NEST_SOLID && states[1] == NEST_LIQUID);
+}
+
+/* By how much to let two objects overlap: a thousandth of the smaller one's size or the gap itself, whichever is more,
+ * as a round number. */
+static double good_overlap(const CompiledScene *compiled, const HullPair *pair)
+{
+    double wanted =
+        0.001 * fmin(vec3_max_abs(extent_of(compiled, pair->a)), vec3_max_abs(extent_of(compiled, pair->b)));
+    wanted = fmax(wanted, pair->gap) * compiled->scene->unit_m * (1 - 1e-3);
+    double power = pow(10, floor(log10(wanted)));
+    double round = wanted <= power       ? power
+                   : wanted <= 2 * power ? 2 * power
+                   : wanted <= 5 * power ? 5 * power
+                                         : 10 * power;
+    return round / compiled->scene->unit_m;
+}
 
 static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
 {
     uint32_t n = 0;
     for (size_t i = 0; i < compiled->n_pairs; i++) {
         const HullPair *pair = &compiled->pairs[i];
-        if (!isfinite(pair->gap) || ++n > WARNINGS_MAX) continue;
+        if (!is_mistake(compiled, pair) || ++n > REPORT_MOST) continue;
         const SceneObject *a = &compiled->scene->objects[pair->a], *b = &compiled->scene->objects[pair->b];
-        Buf gap = {0};
+        Buf gap = {0}, overlap = {0};
+        report_add_length(&overlap, compiled->scene, good_overlap(compiled, pair));
         report_add_length(&gap, compiled->scene, pair->gap);
         Diagnostic *report =
             diag_report(diag, D_AIR_GAP, b->span, "between %s and %s is a gap of %s, filled with the world's %s",
                         b->name, a->name, buf_text(&gap), compiled->scene->media[0].name);
         diag_note(diag, report, a->span, "%s is here", a->name);
-        diag_hint(diag, report, "let them overlap by a little: the overlap is resolved");
+        diag_hint(diag, report, "let them overlap by %s: the overlap is resolved", buf_text(&overlap));
         buf_clear(&gap);
+        buf_clear(&overlap);
     }
-    if (n > WARNINGS_MAX)
-        diag_report_nowhere(diag, D_AIR_GAP, "%u more pairs of objects leave thin gaps", (unsigned)(n - WARNINGS_MAX));
+    if (n > REPORT_MOST)
+        diag_report_nowhere(diag, D_AIR_GAP, "%u more pairs of objects leave thin gaps", (unsigned)(n - REPORT_MOST));
 }
 
 /* ---- hidden objects ---- */
-
-/* Whether the hull owns some stretch of its interval: one that no hull of higher rank covers. */
-static bool owns_part(const CompiledScene *compiled, const Probe *probe, const Interval *own)
-{
-    const uint32_t *rank = compiled->order.rank;
-    double reached = own->begin;
-    const Hit *from = own->enter;
-    while (reached < own->end) {
-        double next = own->end;
-        const Hit *until = own->leave;
-        bool covered = false;
-        for (size_t i = 0; i < probe->n_intervals && !covered; i++) {
-            const Interval *other = &probe->intervals[i];
-            if (rank[other->hull] <= rank[own->hull] || other->end <= reached) continue;
-            if (other->begin <= reached) {
-                reached = other->end;
-                from = other->leave;
-                covered = true;
-            } else if (other->begin < next) {
-                next = other->begin;
-                until = other->enter;
-            }
-        }
-        if (covered) continue;
-        double cos_from = from ? fabs(from->cos_normal) : 1, cos_until = until ? fabs(until->cos_normal) : 1;
-        double rounding = fmax(from ? from->rounding : 0, until ? until->rounding : 0);
-        if ((next - reached) * fmin(cos_from, cos_until) > rounding) return true;
-        reached = next > reached ? next : nextafter(reached, HUGE_VAL);
-    }
-    return false;
-}
-
-static bool is_hidden(const CompiledScene *compiled, Probe *probe, uint32_t hull, uint32_t n_lines)
-{
-    bool met = false;
-    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
-        LineSet set;
-        Line line;
-        line_set_begin(&set, compiled->hull_bounds[hull], direction, n_lines / LINE_DIRECTIONS, hull);
-        while (line_set_next(&set, &line)) {
-            if (!probe_surfaces(probe, compiled, &line, hull)) continue;
-            probe_intervals(probe, compiled, &line);
-            for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
-                met = true;
-                if (owns_part(compiled, probe, &probe->intervals[i])) return false;
-            }
-        }
-    }
-    return met && !probe->out_of_memory;
-}
 
 /* Only a hull that is below another one somewhere can be hidden. */
 static void mark_lower(const CompiledScene *compiled, bool *lower)
@@ -97,12 +76,32 @@ static void mark_lower(const CompiledScene *compiled, bool *lower)
     }
 }
 
+/* A hull that the hull is wholly inside of and that is on top of it; SCENE_NONE when it takes several. */
+static uint32_t holder_of(const CompiledScene *compiled, uint32_t hull)
+{
+    uint32_t number = compiled->object_of_hull[hull];
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        bool inside = (pair->a == number && pair->relation == NEST_A_IN_B) ||
+                      (pair->b == number && pair->relation == NEST_B_IN_A);
+        if (!pair->overlaps || !inside) continue;
+        ReportVerdict verdict = report_verdict(compiled, pair);
+        if (verdict.bottom == hull && verdict.kind != VERDICT_MERGE) return verdict.top;
+    }
+    return SCENE_NONE;
+}
+
 static void report_hidden(const CompiledScene *compiled, uint32_t hull, Diag *diag)
 {
     uint32_t number = compiled->object_of_hull[hull];
     const SceneObject *object = report_object(compiled, hull);
-    Diagnostic *report = diag_report(diag, D_HIDDEN_OBJECT, object->span,
-                                     "%s is wholly inside of objects that are on top of it", object->name);
+    uint32_t holder = holder_of(compiled, hull);
+    Diagnostic *report =
+        holder == SCENE_NONE
+            ? diag_report(diag, D_HIDDEN_OBJECT, object->span, "%s is wholly inside of objects that are on top of it",
+                          object->name)
+            : diag_report(diag, D_HIDDEN_OBJECT, object->span, "%s is wholly hidden in %s, which is on top of it",
+                          object->name, report_object(compiled, holder)->name);
     int n = 0;
     for (size_t i = 0; i < compiled->n_pairs && n < 3; i++) {
         const HullPair *pair = &compiled->pairs[i];
@@ -124,16 +123,14 @@ static void warn_of_hidden(const CompiledScene *compiled, Diag *diag)
     Probe probe;
     Status status = probe_init(&probe, compiled, NULL);
     if (lower && status == STATUS_OK) mark_lower(compiled, lower);
-    uint32_t n_lines = n ? LINES_IN_ALL / n : 0;
-    if (n_lines > LINES_OF_HULL_MAX) n_lines = LINES_OF_HULL_MAX;
-    if (n_lines < LINES_OF_HULL_MIN) n_lines = LINES_OF_HULL_MIN;
+    uint32_t n_lines = report_lines_of_each(n);
     for (uint32_t h = 0; lower && status == STATUS_OK && h < n; h++)
-        if (lower[h] && is_hidden(compiled, &probe, h, n_lines) && ++n_hidden <= WARNINGS_MAX)
+        if (lower[h] && report_look_at(compiled, &probe, h, n_lines) == REPORT_HIDDEN && ++n_hidden <= REPORT_MOST)
             report_hidden(compiled, h, diag);
-    if (n_hidden > WARNINGS_MAX)
+    if (n_hidden > REPORT_MOST)
         diag_report_nowhere(diag, D_HIDDEN_OBJECT,
                             "%u more objects are wholly inside of others that are on top of them",
-                            (unsigned)(n_hidden - WARNINGS_MAX));
+                            (unsigned)(n_hidden - REPORT_MOST));
     probe_clear(&probe);
     free(lower);
 }

@@ -127,3 +127,23 @@ run check small.mns -q
 exits 0
 empty out
 end
+
+begin "check: remarks, which are no warnings"
+small_scene
+sed -i 's/^film/medium oil { ior = 1.47 }\nfilm/' small.mns
+run check small.mns --werror
+exits 0
+matches err '^small\.mns:11:1: remark: nothing is of oil \[unused-medium\]$'
+says err "small.mns: 1 remark"
+run check small.mns --json
+is_json out
+says out '"severity": "remark"'
+says out '"remarks": 1'
+run check small.mns -q
+exits 0
+empty err
+run render small.mns -s 1
+says_not err remark
+run help unused-medium
+says out "unused-medium (remark)"
+end

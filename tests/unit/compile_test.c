@@ -177,12 +177,12 @@ static void areas_and_depths_are_measured(void **state)
     /* the bottom and the wall of a tumbler */
     pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
                    "cylinder b { interior = water from = <0, 10, 0> to = <0, 44, 0> radius = 37 }");
-    assert_estimate("contact in a tumbler", pair.contact_area, pair.contact_area_error,
-                    pi * (37 * 37 + 2 * 37 * 34));
+    assert_estimate("contact in a tumbler", pair.contact_area, pair.contact_area_error, pi * (37 * 37 + 2 * 37 * 34));
     pair = pair_in("lathe a { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
                    "cylinder b { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }");
     assert_true(pair.overlap_depth > .099 && pair.overlap_depth < .15);
-    pair = pair_in("sphere a { interior = glass radius = 3 } sphere b { interior = water radius = 2 center = <4, 0, 0> }");
+    pair =
+        pair_in("sphere a { interior = glass radius = 3 } sphere b { interior = water radius = 2 center = <4, 0, 0> }");
     assert_near(pair.overlap_depth, 1, 1e-12);
     /* a ball that is none to the program: the lens between two spheres again, from lines */
     pair = pair_in("sphere a { interior = glass radius = 3 } "

@@ -10,9 +10,9 @@
 
 #define DRINK                                                                                                          \
     FIXTURE_MEDIA                                                                                                      \
-        "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }\n"      \
-        "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }\n"                       \
-        "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> }\n"
+    "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }\n"          \
+    "cylinder drink { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }\n"                           \
+    "box cube { interior = ice from = <-12, 30, -12> to = <12, 54, 12> }\n"
 #define BUBBLES                                                                                                        \
     "for (i in 1..7) { sphere { interior = gas radius = .5 center = <20 * cos(50 * i), 20, 20 * sin(50 * i)> } }\n"
 
@@ -168,6 +168,120 @@ static void many_warnings_are_summed_up(void **state)
     fixture_clear(&f);
 }
 
+/* ---- remarks ---- */
+
+#define TWO_MEDIA "meniscus 1.0 unit mm medium glass { ior = 1.5 } medium water { ior = 1.33 } "
+#define GLASS "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid } "
+#define WATER "meniscus 1.0 unit mm medium water { ior = 1.33  state = liquid } "
+#define VIEW " camera eye { from = <0, 0, 1000>  to = <0, 0, 0> } environment { } "
+
+static void remarks_tell_what_is_worth_a_look(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene;
+        DiagCode code;
+        const char *text;
+    } cases[] = {
+        {TWO_MEDIA "box a { interior = glass size = <10, 10, 10> } "
+                   "box b { interior = water from = <0, 0, 0> to = <10, 10, 10.2> }" VIEW,
+         D_CLOSE_ORDER, "a is on top of b by their volumes, which differ by 2 %"},
+        {TWO_MEDIA "box a { interior = glass size = <10, 10, 10> } box b { interior = water from = <0, 0, 0> to = <10, "
+                   "10, 10> }" VIEW,
+         D_CLOSE_ORDER, "b is on top of a only because it is declared later"},
+        {GLASS "sphere a { interior = glass radius = 4 } sphere b { interior = glass }" VIEW, D_INVISIBLE_OBJECT,
+         "nothing would change without b: it is of glass, and so is all that it is in"},
+        {GLASS "sphere a { interior = glass } box b { interior = air size = <1, 1, 1> translate(<9, 0, 0>) }" VIEW,
+         D_INVISIBLE_OBJECT, "nothing would change without b: it is of air, and so is all that it is in"},
+        {GLASS "box a { surface = surface { } size = <9, 9, 9> } sphere b { interior = glass }" VIEW, D_ENCLOSED_OBJECT,
+         "b is wholly inside of a, which is opaque"},
+        {GLASS "ground floor { } sphere b { interior = glass center = <0, -2, 0> }"
+               "camera eye { from = <0, 5, 1000>  to = <0, 0, 0> } environment { }",
+         D_BEHIND_GROUND, "b is wholly below floor, where no camera sees it"},
+        {GLASS "sphere a { interior = glass } sphere b { interior = glass center = <9, 0, 0> } "
+               "sphere c { interior = glass radius = 1.5m center = <0, 9m, 0> }" VIEW,
+         D_ODD_SIZE, "c is 1.5e+03 times larger than anything else in the scene"},
+        {WATER "box a { interior = water size = <1, 1, 1> }" VIEW, D_LOOSE_LIQUID, "a is a liquid and touches nothing"},
+        {GLASS "box a { interior = glass size = <10, 10, 3000> }" VIEW, D_CAMERA_INSIDE,
+         "eye is inside of a, in glass"},
+        {TWO_MEDIA "sphere a { interior = glass }" VIEW, D_UNUSED_MEDIUM, "nothing is of water"},
+        {TWO_MEDIA "box a { interior = glass from = <90, 0, 0> to = <100, 1, 1> } "
+                   "box b { interior = water from = <100.00002, 0, 0> to = <110, 1, 1> }" VIEW,
+         D_NEAR_COINCIDENT, "faces of b and a are 22.9 nm apart, which is less than coordinates can tell there"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture f;
+        fixture_compile(&f, cases[i].scene, 1);
+        report_remarks(f.compiled, &f.diag);
+        const Diagnostic *remark = fixture_find(&f, cases[i].code);
+        if (!remark || strcmp(remark->text, cases[i].text) != 0 || f.diag.n_remarks != 1 || f.diag.n_warnings) {
+            fixture_print(&f);
+            fail_msg("not only '%s', but %u remarks", cases[i].text, f.diag.n_remarks);
+        }
+        assert_int_equal(remark->severity, DIAG_REMARK);
+        fixture_clear(&f);
+    }
+}
+
+/* What looks alike and is as it should be. */
+static void remarks_are_not_made_of_what_is_meant(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        /* panes of one glass that overlap, a bubble in one of them, a shell of air */
+        GLASS
+        "box a { interior = glass size = <10, 10, 1> } box b { interior = glass from = <-5, -5, -4> to = <5, -4, 4> } "
+        "sphere c { interior = air radius = .2 }" VIEW,
+        /* part of the inner one shows; a lens on a ground; an opaque stone in glass */
+        GLASS "sphere a { interior = glass radius = 4 } sphere b { interior = glass center = <4, 0, 0> } "
+              "ground { y = -4 surface = surface { } } sphere c { radius = .5 surface = surface { } }"
+              "camera eye { from = <0, 5, 1000>  to = <0, 0, 0> } environment { }",
+        /* drops; a drink on an opaque table; a bubble of ten thousand */
+        WATER "sphere a { interior = water } box b { interior = water from = <5, 0, 0> to = <6, 1, 1> } "
+              "box { from = <4, -1, -1> to = <7, 0, 2> surface = surface { } }" VIEW,
+        /* an air pocket that a diver looks out of */
+        GLASS "box a { interior = glass size = <10, 10, 3000> } box b { interior = air size = <8, 8, 2990> }" VIEW,
+        GLASS "box a { interior = glass size = <10, 10, 3000> } camera { from = <0, 0, 1000> to = <0, 0, 0> expect = "
+              "[glass] } "
+              "environment { }",
+    };
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) {
+        Fixture f;
+        fixture_compile(&f, scenes[i], 1);
+        report_remarks(f.compiled, &f.diag);
+        if (f.diag.n_remarks) {
+            fixture_print(&f);
+            fail_msg("remarks on %s", scenes[i]);
+        }
+        fixture_clear(&f);
+    }
+}
+
+/* A liquid that stands off its glass is a mistake even where the gap is wide; two panes with room between them are not.
+ */
+static void wide_gaps_are_mistakes_of_liquids_only(void **state)
+{
+    (void)state;
+    static const char *const interiors[] = {"water", "glass"};
+    for (int i = 0; i < 2; i++) {
+        char scene[1000];
+        snprintf(scene, sizeof scene,
+                 FIXTURE_MEDIA "box pane { interior = glass from = <-50, -3, -50> to = <50, 0, 50> } "
+                               "box other { interior = %s from = <-50, 1, -50> to = <50, 4, 50> }" FIXTURE_VIEW,
+                 interiors[i]);
+        Fixture f;
+        fixture_compile(&f, scene, 1);
+        report_warnings(f.compiled, &f.diag);
+        const HullPair *pair = fixture_pair(&f, "pane", "other");
+        assert_non_null(pair);
+        assert_near(pair->gap, 1, 1e-5);
+        const Diagnostic *warning = fixture_find(&f, D_AIR_GAP);
+        assert_int_equal(warning != NULL, i == 0);
+        if (warning) assert_string_equal(warning->hint, "let them overlap by 1.00 mm: the overlap is resolved");
+        fixture_clear(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -178,6 +292,9 @@ int main(void)
         cmocka_unit_test(json_has_every_pair),
         cmocka_unit_test(warnings_name_both_sides_of_a_gap),
         cmocka_unit_test(many_warnings_are_summed_up),
+        cmocka_unit_test(remarks_tell_what_is_worth_a_look),
+        cmocka_unit_test(remarks_are_not_made_of_what_is_meant),
+        cmocka_unit_test(wide_gaps_are_mistakes_of_liquids_only),
     };
     return cmocka_run_group_tests_name("report", tests, NULL, NULL);
 }

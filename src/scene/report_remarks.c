@@ -1,0 +1,462 @@
+/* report_remarks.c - what is worth a look in a scene, and as likely meant as not.
+ * A remark that is wrong costs more than one that is missing, so that each of them asks for clear evidence.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene/report_parts.h"
+
+/* What the remarks share. */
+typedef struct Remarks {
+    const CompiledScene *compiled;
+    const Scene *scene;
+    Diag *diag;
+    Box3 *bounds; /* of each object */
+    ReportGroups groups;
+    Probe probe;
+} Remarks;
+
+/* The first few of a kind are reported, the rest counted. */
+typedef struct Tally {
+    DiagCode code;
+    uint32_t n;
+} Tally;
+
+static bool tally_next(Tally *tally)
+{
+    return ++tally->n <= REPORT_MOST;
+}
+
+static void tally_end(Remarks *r, const Tally *tally)
+{
+    if (tally->n > REPORT_MOST)
+        diag_report_nowhere(r->diag, tally->code, "%u more of the same kind", (unsigned)(tally->n - REPORT_MOST));
+}
+
+static bool is_bounded(const Box3 *box)
+{
+    return box->min.x <= box->max.x;
+}
+
+static double size_of(const Box3 *box)
+{
+    return is_bounded(box) ? vec3_length(vec3_sub(box->max, box->min)) : 0;
+}
+
+static bool boxes_meet(const Box3 *a, const Box3 *b, double slack)
+{
+    return a->min.x - slack <= b->max.x && b->min.x - slack <= a->max.x && a->min.y - slack <= b->max.y &&
+           b->min.y - slack <= a->max.y && a->min.z - slack <= b->max.z && b->min.z - slack <= a->max.z;
+}
+
+static bool is_one_of_many(const Remarks *r, uint32_t hull)
+{
+    return r->groups.items[r->groups.of_hull[hull]].n > REPORT_FEW;
+}
+
+/* ---- the order ---- */
+
+static void remark_close_order(Remarks *r)
+{
+    const double close = 0.05; /* of the larger volume */
+    Tally tally = {.code = D_CLOSE_ORDER};
+    for (size_t i = 0; i < r->compiled->n_pairs; i++) {
+        const HullPair *pair = &r->compiled->pairs[i];
+        if (!pair->overlaps) continue;
+        ReportVerdict verdict = report_verdict(r->compiled, pair);
+        const SceneObject *top = report_object(r->compiled, verdict.top);
+        const SceneObject *bottom = report_object(r->compiled, verdict.bottom);
+        if (verdict.kind != VERDICT_RULE || !isfinite(bottom->volume)) continue;
+        double difference = 1 - top->volume / bottom->volume;
+        bool by_volume = verdict.rule == NEST_BY_VOLUME && difference < close;
+        if ((!by_volume && verdict.rule != NEST_BY_DECLARATION) || !tally_next(&tally)) continue;
+        Diagnostic *report =
+            by_volume ? diag_report(r->diag, D_CLOSE_ORDER, top->span,
+                                    "%s is on top of %s by their volumes, which differ by %.2g %%", top->name,
+                                    bottom->name, 100 * difference)
+                      : diag_report(r->diag, D_CLOSE_ORDER, top->span,
+                                    "%s is on top of %s only because it is declared later", top->name, bottom->name);
+        diag_note(r->diag, report, bottom->span, "%s is here", bottom->name);
+        diag_hint(r->diag, report, "give the one that is meant to be on top a larger priority");
+    }
+    tally_end(r, &tally);
+}
+
+/* Beyond what storing coordinates as floats does by itself: half of a unit in the last place on each side, a quarter of
+ * the rounding at most. */
+static void remark_near_coincidence(Remarks *r)
+{
+    Tally tally = {.code = D_NEAR_COINCIDENT};
+    for (size_t i = 0; i < r->compiled->n_pairs; i++) {
+        const HullPair *pair = &r->compiled->pairs[i];
+        const SceneObject *a = &r->scene->objects[pair->a], *b = &r->scene->objects[pair->b];
+        const Box3 *box = &r->bounds[pair->a];
+        double rounding = rtc_rounding(
+            vec3(fmax(-box->min.x, box->max.x), fmax(-box->min.y, box->max.y), fmax(-box->min.z, box->max.z)));
+        if (!pair->touches || pair->contact_offset <= 0.3 * rounding) continue;
+        if (!(pair->contact_area > 2 * pair->contact_area_error) || !tally_next(&tally)) continue;
+        Buf offset = {0};
+        report_add_length(&offset, r->scene, pair->contact_offset);
+        Diagnostic *report =
+            diag_report(r->diag, D_NEAR_COINCIDENT, b->span,
+                        "faces of %s and %s are %s apart, which is less than coordinates can tell there", b->name,
+                        a->name, buf_text(&offset));
+        diag_note(r->diag, report, a->span, "%s is here", a->name);
+        buf_clear(&offset);
+    }
+    tally_end(r, &tally);
+}
+
+/* ---- what cannot be seen ---- */
+
+static void mark_merging(const Remarks *r, bool *suspect)
+{
+    for (size_t i = 0; i < r->compiled->n_pairs; i++) {
+        const HullPair *pair = &r->compiled->pairs[i];
+        if (!pair->overlaps) continue;
+        uint32_t a = r->compiled->hull_of_object[pair->a], b = r->compiled->hull_of_object[pair->b];
+        if (r->compiled->hulls[a].medium == r->compiled->hulls[b].medium) suspect[a] = suspect[b] = true;
+    }
+}
+
+static void remark_indifferent(Remarks *r)
+{
+    const CompiledScene *compiled = r->compiled;
+    NestPolicy policy = compiled->order.policy;
+    bool *suspect = calloc(compiled->n_hulls + 1, sizeof *suspect);
+    Tally tally = {.code = D_INVISIBLE_OBJECT};
+    if (!suspect || (policy != NEST_AUTOMATIC && policy != NEST_PRIORITY)) {
+        free(suspect);
+        return;
+    }
+    mark_merging(r, suspect);
+    uint32_t n_lines = report_lines_of_each(compiled->n_hulls);
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) {
+        const SceneMedium *medium = &r->scene->media[compiled->hulls[h].medium];
+        bool clear =
+            !medium->absorbs && spectrum_at_one(&medium->ior, 550) == spectrum_at_one(&r->scene->media[0].ior, 550);
+        if ((!suspect[h] && !clear) || is_one_of_many(r, h)) continue;
+        if (report_look_at(compiled, &r->probe, h, n_lines) != REPORT_INDIFFERENT || !tally_next(&tally)) continue;
+        const SceneObject *object = report_object(compiled, h);
+        diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
+                    "nothing would change without %s: it is of %s, and so is all that it is in", object->name,
+                    medium->name);
+    }
+    tally_end(r, &tally);
+    free(suspect);
+}
+
+static bool encloses(const Scene *scene, const SceneObject *object)
+{
+    const SceneShape *shape = &scene->shapes[object->shape];
+    if (shape->mesh) return shape->mesh->n_triangles > 0;
+    PieceKind kind = shape->solid->pieces[0].kind;
+    return kind == PIECE_SPHERE || kind == PIECE_BAND;
+}
+
+/* Whether the point at t on a line is inside of the object: it is entered once more often than it is left. */
+static bool is_inside_at(const HitList *hits, uint32_t object, double t)
+{
+    int depth = 0;
+    for (size_t i = 0; i < hits->n && hits->items[i].t < t; i++)
+        if (hits->items[i].object == object && !hit_repeats(hits, i)) depth += hits->items[i].entering ? 1 : -1;
+    return depth == 1;
+}
+
+/* Every surface of the hull that a few lines meet is inside of the opaque object. */
+static bool is_enclosed(Remarks *r, uint32_t hull, uint32_t object)
+{
+    enum { LINES = 36 };
+    uint32_t own = r->compiled->object_of_hull[hull], n_met = 0;
+    double back = 2 * size_of(&r->bounds[object]);
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        LineSet set;
+        Line line;
+        line_set_begin(&set, r->compiled->hull_bounds[hull], direction, LINES / LINE_DIRECTIONS, hull);
+        while (line_set_next(&set, &line)) {
+            Ray ray = ray_make(vec3_along(line.start, -back, vec3_from_f(line.direction)), line.direction);
+            HitList *hits = &r->probe.forward;
+            rtc_all(r->compiled->rtc, &ray, false, hits);
+            for (size_t i = 0; i < hits->n; i++) {
+                if (hits->items[i].object != own) continue;
+                if (!is_inside_at(hits, object, hits->items[i].t)) return false;
+                n_met++;
+            }
+        }
+    }
+    return n_met > 0;
+}
+
+typedef struct Place {
+    double x;
+    uint32_t hull;
+} Place;
+
+static int compare_places(const void *left, const void *right)
+{
+    const Place *a = left, *b = right;
+    return a->x < b->x ? -1 : a->x > b->x;
+}
+
+static bool box_holds(const Box3 *outer, const Box3 *inner)
+{
+    return outer->min.x < inner->min.x && inner->max.x < outer->max.x && outer->min.y < inner->min.y &&
+           inner->max.y < outer->max.y && outer->min.z < inner->min.z && inner->max.z < outer->max.z;
+}
+
+/* Looks at the hulls whose bounds begin within those of the object, sorted by where they begin. */
+static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places, Tally *tally)
+{
+    const Box3 *outer = &r->bounds[object];
+    uint32_t n = r->compiled->n_hulls, low = 0, high = n;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (places[middle].x < outer->min.x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (uint32_t i = low; i < n && places[i].x < outer->max.x; i++) {
+        uint32_t hull = places[i].hull;
+        if (!box_holds(outer, &r->compiled->hull_bounds[hull]) || !is_enclosed(r, hull, object) || !tally_next(tally))
+            continue;
+        const SceneObject *inner = report_object(r->compiled, hull);
+        Diagnostic *report =
+            diag_report(r->diag, D_ENCLOSED_OBJECT, inner->span, "%s is wholly inside of %s, which is opaque",
+                        inner->name, r->scene->objects[object].name);
+        diag_note(r->diag, report, r->scene->objects[object].span, "%s is here", r->scene->objects[object].name);
+    }
+}
+
+static void remark_enclosed(Remarks *r)
+{
+    uint32_t n = r->compiled->n_hulls;
+    Place *places = malloc((n ? n : 1) * sizeof *places);
+    Tally tally = {.code = D_ENCLOSED_OBJECT};
+    if (!places) return;
+    for (uint32_t h = 0; h < n; h++) places[h] = (Place){r->compiled->hull_bounds[h].min.x, h};
+    qsort(places, n, sizeof *places, compare_places);
+    for (uint32_t i = 0; i < r->scene->n_objects; i++)
+        if (r->compiled->hull_of_object[i] == SCENE_NONE && encloses(r->scene, &r->scene->objects[i]))
+            remark_enclosed_in(r, i, places, &tally);
+    tally_end(r, &tally);
+    free(places);
+}
+
+/* The height of a point above a plane, in the plane's own measure. */
+static double height_of(const Affine *to_plane, Vec3 point)
+{
+    return affine_point(to_plane, point).y;
+}
+
+static bool is_behind(const Box3 *box, const Affine *to_plane, double side)
+{
+    for (int corner = 0; corner < 8; corner++) {
+        Vec3 p = vec3(corner & 1 ? box->max.x : box->min.x, corner & 2 ? box->max.y : box->min.y,
+                      corner & 4 ? box->max.z : box->min.z);
+        if (!(side * height_of(to_plane, p) < 0)) return false;
+    }
+    return true;
+}
+
+static void remark_behind(Remarks *r, uint32_t ground, Tally *tally)
+{
+    const Scene *scene = r->scene;
+    Affine to_plane;
+    if (!affine_invert(&scene->objects[ground].to_world, &to_plane) || !scene->n_cameras) return;
+    double side = height_of(&to_plane, scene->cameras[0].from) > 0 ? 1 : -1;
+    for (uint32_t i = 1; i < scene->n_cameras; i++)
+        if (side * height_of(&to_plane, scene->cameras[i].from) <= 0) return;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (!is_bounded(&r->bounds[i]) || !is_behind(&r->bounds[i], &to_plane, side) || !tally_next(tally)) continue;
+        Diagnostic *report =
+            diag_report(r->diag, D_BEHIND_GROUND, object->span, "%s is wholly %s %s, where no camera sees it",
+                        object->name, side > 0 ? "below" : "above", scene->objects[ground].name);
+        diag_note(r->diag, report, scene->objects[ground].span, "%s is here", scene->objects[ground].name);
+    }
+}
+
+static void remark_behind_ground(Remarks *r)
+{
+    Tally tally = {.code = D_BEHIND_GROUND};
+    for (uint32_t i = 0; i < r->scene->n_objects; i++) {
+        const SceneShape *shape = &r->scene->shapes[r->scene->objects[i].shape];
+        if (shape->solid && shape->solid->pieces[0].kind == PIECE_PLANE) remark_behind(r, i, &tally);
+    }
+    tally_end(r, &tally);
+}
+
+/* ---- sizes, liquids, cameras, media ---- */
+
+typedef struct Size {
+    double size;
+    uint32_t object;
+} Size;
+
+static int compare_sizes(const void *left, const void *right)
+{
+    const Size *a = left, *b = right;
+    if (a->size != b->size) return a->size < b->size ? -1 : 1;
+    return a->object < b->object ? -1 : a->object > b->object;
+}
+
+/* The one object beyond a step of a factor of a thousand in the sizes of all. Bubbles are small, but there are many. */
+static void remark_odd_size(Remarks *r)
+{
+    const double odd = 1000;
+    uint32_t n = 0;
+    Size *sizes = malloc((r->scene->n_objects + 1) * sizeof *sizes);
+    for (uint32_t i = 0; sizes && i < r->scene->n_objects; i++)
+        if (r->scene->objects[i].light == SCENE_NONE && size_of(&r->bounds[i]) > 0)
+            sizes[n++] = (Size){size_of(&r->bounds[i]), i};
+    if (n > 2) {
+        qsort(sizes, n, sizeof *sizes, compare_sizes);
+        const Size *ends[2] = {&sizes[0], &sizes[n - 1]};
+        const double factors[2] = {sizes[1].size / sizes[0].size, sizes[n - 1].size / sizes[n - 2].size};
+        for (int i = 0; i < 2; i++) {
+            const SceneObject *object = &r->scene->objects[ends[i]->object];
+            if (!(factors[i] >= odd)) continue;
+            Diagnostic *report =
+                diag_report(r->diag, D_ODD_SIZE, object->span, "%s is %.3g times %s than anything else in the scene",
+                            object->name, factors[i], i ? "larger" : "smaller");
+            Buf size = {0};
+            report_add_length(&size, r->scene, ends[i]->size);
+            diag_hint(r->diag, report, "it is %s across; is that its unit?", buf_text(&size));
+            buf_clear(&size);
+        }
+    }
+    free(sizes);
+}
+
+static bool meets_anything(const Remarks *r, uint32_t object)
+{
+    for (size_t i = 0; i < r->compiled->n_pairs; i++)
+        if (r->compiled->pairs[i].a == object || r->compiled->pairs[i].b == object) return true;
+    double slack = 0.02 * size_of(&r->bounds[object]);
+    for (uint32_t i = 0; i < r->scene->n_objects; i++) {
+        if (r->compiled->hull_of_object[i] != SCENE_NONE) continue;
+        if (!is_bounded(&r->bounds[i])) {
+            Affine to_plane;
+            if (!affine_invert(&r->scene->objects[i].to_world, &to_plane)) continue;
+            Box3 near = {vec3_sub(r->bounds[object].min, vec3(slack, slack, slack)),
+                         vec3_add(r->bounds[object].max, vec3(slack, slack, slack))};
+            if (!is_behind(&near, &to_plane, 1) && !is_behind(&near, &to_plane, -1)) return true;
+        } else if (boxes_meet(&r->bounds[i], &r->bounds[object], slack)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A drop may fly, and is round; a body of liquid of another shape wants something to hold it. */
+static void remark_loose_liquid(Remarks *r)
+{
+    Tally tally = {.code = D_LOOSE_LIQUID};
+    for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
+        const SceneObject *object = report_object(r->compiled, h);
+        const SceneShape *shape = &r->scene->shapes[object->shape];
+        bool round = shape->solid && shape->solid->pieces[0].kind == PIECE_SPHERE;
+        if (r->compiled->hulls[h].state != NEST_LIQUID || round || is_one_of_many(r, h)) continue;
+        if (meets_anything(r, r->compiled->object_of_hull[h]) || !tally_next(&tally)) continue;
+        diag_report(r->diag, D_LOOSE_LIQUID, object->span, "%s is a liquid and touches nothing", object->name);
+    }
+    tally_end(r, &tally);
+}
+
+static void remark_cameras(Remarks *r)
+{
+    const CompiledScene *compiled = r->compiled;
+    NestList list;
+    nest_list_init(&list);
+    for (uint32_t i = 0; i < r->scene->n_cameras; i++) {
+        const SceneCamera *camera = &r->scene->cameras[i];
+        if (camera->expect ||
+            compiled_interior(compiled, vec3f_from(camera->from), &r->probe.forward, &list, NULL) != STATUS_OK)
+            continue;
+        uint32_t medium = nest_medium(&compiled->order, &list);
+        if (medium == compiled->order.world_medium) continue;
+        const SceneObject *object = report_object(compiled, nest_owner(&list));
+        Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span, "%s is inside of %s, in %s",
+                                         camera->name, object->name, r->scene->media[medium].name);
+        diag_note(r->diag, report, object->span, "%s is here", object->name);
+        Buf expect = {0};
+        for (uint32_t k = 0; k < list.n; k++)
+            buf_format(&expect, "%s%s", k ? ", " : "",
+                       r->scene->media[compiled->hulls[nest_list_items(&list)[k]].medium].name);
+        diag_hint(r->diag, report, "if that is meant, say so: expect = [%s]", buf_text(&expect));
+        buf_clear(&expect);
+    }
+    nest_list_clear(&list);
+}
+
+/* Of the scene's own file only: a library of media is there to choose from. */
+static void remark_unused_media(Remarks *r)
+{
+    const Scene *scene = r->scene;
+    bool *used = calloc(scene->n_media, sizeof *used);
+    Tally tally = {.code = D_UNUSED_MEDIUM};
+    for (uint32_t i = 0; used && i < scene->n_objects; i++)
+        if (scene->objects[i].medium != SCENE_NONE) used[scene->objects[i].medium] = true;
+    for (uint32_t i = 0; used && i < scene->n_cameras; i++)
+        for (uint32_t k = 0; k < scene->cameras[i].n_expect; k++) used[scene->cameras[i].expect[k]] = true;
+    for (uint32_t i = 1; used && scene->n_cameras && i < scene->n_media; i++) {
+        if (used[i] || scene->media[i].span.source != scene->cameras[0].span.source || !tally_next(&tally)) continue;
+        diag_report(r->diag, D_UNUSED_MEDIUM, scene->media[i].span, "nothing is of %s", scene->media[i].name);
+    }
+    tally_end(r, &tally);
+    free(used);
+}
+
+/* In the shape's own frame; empty for a plane. */
+static Box3 shape_bounds(const SceneShape *shape)
+{
+    Box3 box = box3_empty();
+    if (shape->mesh)
+        for (uint32_t i = 0; i < shape->mesh->n_vertices; i++)
+            box = box3_add_point(box, vec3_from_f(shape->mesh->positions[i]));
+    else if (shape->solid && shape->solid->pieces[0].kind != PIECE_PLANE)
+        for (uint32_t i = 0; i < shape->solid->n_pieces; i++)
+            box = box3_union(box, piece_bounds(&shape->solid->pieces[i]));
+    return box;
+}
+
+/* Of each object, in the world; false when memory ends. */
+static bool find_bounds(Remarks *r)
+{
+    const Scene *scene = r->scene;
+    r->bounds = malloc((scene->n_objects ? scene->n_objects : 1) * sizeof *r->bounds);
+    Box3 *shapes = malloc((scene->n_shapes ? scene->n_shapes : 1) * sizeof *shapes);
+    bool ready = r->bounds && shapes;
+    for (uint32_t i = 0; ready && i < scene->n_shapes; i++) shapes[i] = shape_bounds(&scene->shapes[i]);
+    for (uint32_t i = 0; ready && i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        uint32_t hull = r->compiled->hull_of_object[i];
+        r->bounds[i] = hull != SCENE_NONE                   ? r->compiled->hull_bounds[hull]
+                       : is_bounded(&shapes[object->shape]) ? affine_box(&object->to_world, shapes[object->shape])
+                                                            : box3_empty();
+    }
+    free(shapes);
+    return ready;
+}
+
+void report_remarks(const CompiledScene *compiled, Diag *diag)
+{
+    Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
+    bool grouped = report_groups_init(&r.groups, compiled);
+    bool ready = find_bounds(&r) && probe_init(&r.probe, compiled->n_hulls, NULL) == STATUS_OK && grouped;
+    if (ready) {
+        remark_close_order(&r);
+        remark_near_coincidence(&r);
+        remark_indifferent(&r);
+        remark_enclosed(&r);
+        remark_behind_ground(&r);
+        remark_odd_size(&r);
+        remark_loose_liquid(&r);
+        remark_cameras(&r);
+        remark_unused_media(&r);
+    }
+    probe_clear(&r.probe);
+    report_groups_clear(&r.groups);
+    free(r.bounds);
+}
