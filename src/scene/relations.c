@@ -168,6 +168,21 @@ static double normals_dot(const Hit *a, const Hit *b)
     return (double)vec3f_dot(a->normal, b->normal);
 }
 
+/* The same for the outward normals of the two hulls, where a line leaves the one and enters the other: the face of an
+ * operand that is taken away from a combination looks into it. */
+static double outward_dot(const Hit *leave, const Hit *enter)
+{
+    bool turned = (leave->cos_normal < 0) != (enter->cos_normal > 0);
+    return turned ? -normals_dot(leave, enter) : normals_dot(leave, enter);
+}
+
+/* The direction of a hit's normal along the line. */
+static Vec3 normal_ahead(const Hit *hit)
+{
+    Vec3 normal = vec3_from_f(hit->normal);
+    return hit->cos_normal < 0 ? vec3_scale(normal, -1) : normal;
+}
+
 /* Faces of both at one place. */
 static bool coincide(const Hit *a, const Hit *b)
 {
@@ -200,7 +215,7 @@ static void note_gap(const Finder *f, const Probe *probe, const Line *line, Pair
     double across = along * fmax(cosine(leave), cosine(enter));
     double widest = gap_part * fmin(middle_extent(f->compiled->hull_bounds[facts->own]),
                                     middle_extent(f->compiled->hull_bounds[facts->other]));
-    if (across > widest || across <= rounding_of(leave, enter) || normals_dot(leave, enter) > opposite) return;
+    if (across > widest || across <= rounding_of(leave, enter) || outward_dot(leave, enter) > opposite) return;
     if (!is_empty_at(probe, middle)) return;
     sums->gap += cosine(leave);
     facts->gap = fmin(facts->gap, across);
@@ -220,12 +235,12 @@ static void note_contact(PairFacts *facts, const Hit *own, const Hit *other, Lin
  * the faces are not parallel, so that this only says where to look closer. */
 static void note_depth(PairFacts *facts, const Line *line, double begin, double end, const Hit *from, const Hit *to)
 {
-    if (!from || !to || normals_dot(from, to) > facing) return;
+    if (!from || !to || outward_dot(to, from) > facing) return;
     double depth = (end - begin) * fmin(cosine(from), cosine(to));
     if (depth <= facts->depth) return;
     facts->depth = depth;
     facts->depth_place = vec3_along(line->start, (begin + end) / 2, vec3_from_f(line->direction));
-    facts->depth_normal = vec3_sub(vec3_from_f(to->normal), vec3_from_f(from->normal));
+    facts->depth_normal = vec3_add(normal_ahead(from), normal_ahead(to));
 }
 
 /* The stretch that two intervals share. */
@@ -737,7 +752,7 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
         if (!shared.from || !shared.to) return;
         candidate->depth = (shared.end - shared.begin) * fmin(cosine(shared.from), cosine(shared.to));
         place = vec3_along(line.start, (shared.begin + shared.end) / 2, vec3_from_f(line.direction));
-        normal = vec3_sub(vec3_from_f(shared.to->normal), vec3_from_f(shared.from->normal));
+        normal = vec3_add(normal_ahead(shared.from), normal_ahead(shared.to));
     }
 }
 

@@ -1,7 +1,8 @@
 /* report_order.c - the text of the report: the clear objects from top to bottom.
  * The order that rays are traced with is one list of all hulls, as that costs least. People are shown what it comes to:
  * clusters of hulls that have to do with each other, and in each only as many levels as there are hulls on top of
- * hulls. SPDX-License-Identifier: Apache-2.0 */
+ * hulls.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
 #include "scene/report_parts.h"

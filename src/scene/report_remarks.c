@@ -148,6 +148,7 @@ static void remark_indifferent(Remarks *r)
 
 static bool encloses(const Scene *scene, const SceneObject *object)
 {
+    if (object->shape == SCENE_NONE) return false; /* a combination: its operands say nothing by themselves */
     const SceneShape *shape = &scene->shapes[object->shape];
     if (shape->mesh) return shape->mesh->n_triangles > 0;
     PieceKind kind = shape->solid->pieces[0].kind;
@@ -167,7 +168,7 @@ static bool is_inside_at(const HitList *hits, uint32_t object, double t)
 static bool is_enclosed(Remarks *r, uint32_t hull, uint32_t object)
 {
     enum { LINES = 36 };
-    uint32_t own = r->compiled->object_of_hull[hull], n_met = 0;
+    uint32_t n_met = 0;
     double back = 2 * size_of(&r->bounds[object]);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
@@ -178,7 +179,7 @@ static bool is_enclosed(Remarks *r, uint32_t hull, uint32_t object)
             HitList *hits = &r->probe.forward;
             rtc_all(r->compiled->rtc, &ray, false, hits);
             for (size_t i = 0; i < hits->n; i++) {
-                if (hits->items[i].object != own) continue;
+                if (compiled_hull(r->compiled, hits->items[i].object) != hull) continue;
                 if (!is_inside_at(hits, object, hits->items[i].t)) return false;
                 n_met++;
             }
@@ -259,6 +260,13 @@ static bool is_behind(const Box3 *box, const Affine *to_plane, double side)
     return true;
 }
 
+static bool is_plane(const Scene *scene, const SceneObject *object)
+{
+    if (object->shape == SCENE_NONE || object->part_of != SCENE_NONE) return false;
+    const Solid *solid = scene->shapes[object->shape].solid;
+    return solid && solid->pieces[0].kind == PIECE_PLANE;
+}
+
 static void remark_behind(Remarks *r, uint32_t ground, Tally *tally)
 {
     const Scene *scene = r->scene;
@@ -281,8 +289,7 @@ static void remark_behind_ground(Remarks *r)
 {
     Tally tally = {.code = D_BEHIND_GROUND};
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
-        const SceneShape *shape = &r->scene->shapes[r->scene->objects[i].shape];
-        if (shape->solid && shape->solid->pieces[0].kind == PIECE_PLANE) remark_behind(r, i, &tally);
+        if (is_plane(r->scene, &r->scene->objects[i])) remark_behind(r, i, &tally);
     }
     tally_end(r, &tally);
 }
@@ -336,13 +343,13 @@ static bool meets_anything(const Remarks *r, uint32_t object)
     double slack = 0.02 * size_of(&r->bounds[object]);
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
         if (r->compiled->hull_of_object[i] != SCENE_NONE) continue;
-        if (!is_bounded(&r->bounds[i])) {
+        if (is_plane(r->scene, &r->scene->objects[i])) {
             Affine to_plane;
             if (!affine_invert(&r->scene->objects[i].to_world, &to_plane)) continue;
             Box3 near = {vec3_sub(r->bounds[object].min, vec3(slack, slack, slack)),
                          vec3_add(r->bounds[object].max, vec3(slack, slack, slack))};
             if (!is_behind(&near, &to_plane, 1) && !is_behind(&near, &to_plane, -1)) return true;
-        } else if (boxes_meet(&r->bounds[i], &r->bounds[object], slack)) {
+        } else if (is_bounded(&r->bounds[i]) && boxes_meet(&r->bounds[i], &r->bounds[object], slack)) {
             return true;
         }
     }
@@ -355,8 +362,8 @@ static void remark_loose_liquid(Remarks *r)
     Tally tally = {.code = D_LOOSE_LIQUID};
     for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
         const SceneObject *object = report_object(r->compiled, h);
-        const SceneShape *shape = &r->scene->shapes[object->shape];
-        bool round = shape->solid && shape->solid->pieces[0].kind == PIECE_SPHERE;
+        const Solid *solid = object->shape == SCENE_NONE ? NULL : r->scene->shapes[object->shape].solid;
+        bool round = solid && solid->pieces[0].kind == PIECE_SPHERE;
         if (r->compiled->hulls[h].state != NEST_LIQUID || round || is_one_of_many(r, h)) continue;
         if (meets_anything(r, r->compiled->object_of_hull[h]) || !tally_next(&tally)) continue;
         diag_report(r->diag, D_LOOSE_LIQUID, object->span, "%s is a liquid and touches nothing", object->name);
@@ -376,14 +383,15 @@ static void remark_cameras(Remarks *r)
             continue;
         uint32_t medium = nest_medium(&compiled->order, &list);
         if (medium == compiled->order.world_medium) continue;
-        const SceneObject *object = report_object(compiled, nest_owner(&list));
+        const SceneObject *object = report_object(compiled, nest_owner(&compiled->order, &list));
         Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span, "%s is inside of %s, in %s",
                                          camera->name, object->name, r->scene->media[medium].name);
         diag_note(r->diag, report, object->span, "%s is here", object->name);
         Buf expect = {0};
-        for (uint32_t k = 0; k < list.n; k++)
-            buf_format(&expect, "%s%s", k ? ", " : "",
-                       r->scene->media[compiled->hulls[nest_list_items(&list)[k]].medium].name);
+        uint32_t n;
+        const uint32_t *hulls = compiled_hulls_in(compiled, &list, &n);
+        for (uint32_t k = 0; k < n; k++)
+            buf_format(&expect, "%s%s", k ? ", " : "", r->scene->media[compiled->hulls[hulls[k]].medium].name);
         diag_hint(r->diag, report, "if that is meant, say so: expect = [%s]", buf_text(&expect));
         buf_clear(&expect);
     }
@@ -421,7 +429,8 @@ static Box3 shape_bounds(const SceneShape *shape)
     return box;
 }
 
-/* Of each object, in the world; false when memory ends. */
+/* Of each object, in the world; empty for operands of combinations, which count for nothing by themselves. A
+ * combination lies within the bounds of its operands. false when memory ends. */
 static bool find_bounds(Remarks *r)
 {
     const Scene *scene = r->scene;
@@ -429,13 +438,15 @@ static bool find_bounds(Remarks *r)
     Box3 *shapes = malloc((scene->n_shapes ? scene->n_shapes : 1) * sizeof *shapes);
     bool ready = r->bounds && shapes;
     for (uint32_t i = 0; ready && i < scene->n_shapes; i++) shapes[i] = shape_bounds(&scene->shapes[i]);
+    for (uint32_t i = 0; ready && i < scene->n_objects; i++) r->bounds[i] = box3_empty();
     for (uint32_t i = 0; ready && i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        uint32_t hull = r->compiled->hull_of_object[i];
-        r->bounds[i] = hull != SCENE_NONE                   ? r->compiled->hull_bounds[hull]
-                       : is_bounded(&shapes[object->shape]) ? affine_box(&object->to_world, shapes[object->shape])
-                                                            : box3_empty();
+        uint32_t whole = object->part_of != SCENE_NONE ? object->part_of : i;
+        if (object->shape != SCENE_NONE && is_bounded(&shapes[object->shape]))
+            r->bounds[whole] = box3_union(r->bounds[whole], affine_box(&object->to_world, shapes[object->shape]));
     }
+    for (uint32_t h = 0; ready && h < r->compiled->n_hulls; h++)
+        r->bounds[r->compiled->object_of_hull[h]] = r->compiled->hull_bounds[h];
     free(shapes);
     return ready;
 }
@@ -444,7 +455,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
 {
     Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
     bool grouped = report_groups_init(&r.groups, compiled);
-    bool ready = find_bounds(&r) && probe_init(&r.probe, compiled->n_hulls, NULL) == STATUS_OK && grouped;
+    bool ready = find_bounds(&r) && probe_init(&r.probe, compiled, NULL) == STATUS_OK && grouped;
     if (ready) {
         remark_close_order(&r);
         remark_near_coincidence(&r);
