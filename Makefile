@@ -56,7 +56,8 @@ GENERATORS := src/optics/upsample_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
 CXX_SOURCES := $(sort $(wildcard src/*/*.cpp))
 CLI_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter src/cli/%,$(SOURCES)))
-GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/ocio_config.c
+STD_FILES := $(sort $(wildcard src/std/*.mns))
+GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/ocio_config.c $(BUILD)/generated/std_library.c
 LIB_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter-out src/cli/%,$(SOURCES))) \
   $(patsubst src/%.cpp,$(BUILD)/%.o,$(CXX_SOURCES)) $(GENERATED:.c=.o)
 TRUTH_TESTS := $(patsubst tests/truth/%.c,$(BUILD)/truth/%,$(sort $(wildcard tests/truth/*_test.c)))
@@ -114,6 +115,10 @@ $(BUILD)/generated/upsample_table.c: $(BUILD)/upsample_gen
 $(BUILD)/generated/ocio_config.c: src/image/meniscus.ocio src/image/embed.awk
 	@mkdir -p $(@D)
 	awk -f src/image/embed.awk $< > $@
+
+$(BUILD)/generated/std_library.c: $(STD_FILES) src/std/embed.sh
+	@mkdir -p $(@D)
+	sh src/std/embed.sh $(STD_FILES) > $@
 
 $(BUILD)/generated/%.o: $(BUILD)/generated/%.c $(BUILD)/flags
 	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
@@ -200,9 +205,11 @@ man: all ## make the generated sections of the manual pages and the editor files
 
 MAN_PAGES := $(wildcard man/*.[157])
 install: all ## install under PREFIX (default /usr/local), DESTDIR before it
-	$(INSTALL) -d $(DESTDIR)$(bindir) $(foreach s,1 5 7,$(DESTDIR)$(mandir)/man$(s)) $(DESTDIR)$(datarootdir)/meniscus/examples
+	$(INSTALL) -d $(DESTDIR)$(bindir) $(foreach s,1 5 7,$(DESTDIR)$(mandir)/man$(s)) $(DESTDIR)$(datarootdir)/meniscus/examples \
+	  $(DESTDIR)$(datarootdir)/meniscus/std
 	$(INSTALL_PROGRAM) $(BUILD)/meniscus $(DESTDIR)$(bindir)/meniscus
 	for page in $(MAN_PAGES); do $(INSTALL_DATA) $$page $(DESTDIR)$(mandir)/man$${page##*.}/; done
+	$(INSTALL_DATA) $(STD_FILES) $(DESTDIR)$(datarootdir)/meniscus/std/
 	$(INSTALL_DATA) $(wildcard examples/*.mns) examples/make-assets.py $(DESTDIR)$(datarootdir)/meniscus/examples/
 
 uninstall: ## remove what install put there

@@ -4,25 +4,40 @@
 #include <string.h>
 
 #include "cli/commands.h"
+#include "cli/library_doc.h"
 #include "cli/reference.h"
 #include "diag/suggest.h"
 #include "geom/rtc.h"
 #include "scene/build.h"
+#include "scene/library.h"
 
 /* Everything that has help, for did-you-mean. */
 static const char *nearest_topic(const char *wrong)
 {
     const Schema *schema = scene_schema();
-    const char **names = malloc((COMMAND_COUNT + schema->n_nodes + D_COUNT) * sizeof *names);
+    const char **names = malloc((COMMAND_COUNT + schema->n_nodes + D_COUNT + std_library.n_files) * sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
     for (Command command = 0; command < COMMAND_COUNT; command++)
         if (command_row(command)->summary) names[n++] = command_row(command)->name;
     for (size_t i = 0; i < schema->n_nodes; i++) names[n++] = schema->nodes[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
+    for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
     const char *near = suggest_nearest(wrong, names, n);
     free(names);
     return near;
+}
+
+/* std, std/glassware, and std/glassware.mns: the text itself */
+static void explain_library(const char *topic, Buf *out)
+{
+    const EvalLibraryFile *file = library_named(topic);
+    if (strcmp(topic, "std") == 0)
+        library_print_overview(out);
+    else if (file && strcmp(topic, file->name) == 0)
+        buf_add_bytes(out, file->text, file->length);
+    else if (file)
+        library_print_file(file, out);
 }
 
 /* A word can be a command and a node (render): then both are explained. */
@@ -37,6 +52,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
         reference_print_node(node, out);
     }
     if (code != D_COUNT) reference_print_diagnostic(code, out);
+    explain_library(topic, out);
     if (out->length) return STATUS_OK;
     const char *near = nearest_topic(topic);
     return fail(error, STATUS_USAGE, "there is no help for '%s'%s%s%s", topic, near ? "; did you mean '" : "", near ? near : "",

@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "cli/commands.h"
+#include "cli/library_doc.h"
 #include "cli/mdoc.h"
 #include "cli/reference.h"
 #include "lang/builtin.h"
@@ -270,6 +271,8 @@ static Status print_section(const char *kind, Buf *out, Error *error)
         print_terms(out);
     else if (strcmp(kind, "functions") == 0)
         print_functions(out);
+    else if (strcmp(kind, "library") == 0)
+        library_print_manual(out);
     else if (strcmp(kind, "errors") == 0)
         print_diagnostics(DIAG_ERROR, out);
     else if (strcmp(kind, "warnings") == 0)

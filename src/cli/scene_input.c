@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "scene/library.h"
+
 Status color_source_open(ColorSource *color, Error *error)
 {
     return color->config ? STATUS_OK : color_config_open(color->path, &color->config, error);
@@ -22,6 +24,7 @@ void scene_input_init(SceneInput *input, const Options *options, const Talk *tal
                       *overrides = &options->values[OPTION_SET];
     input->scene_options = (SceneOptions){
         .eval = {.schema = scene_schema(),
+                 .library = &std_library,
                  .defines = defines->items,
                  .n_defines = defines->n_items,
                  .overrides = overrides->items,

@@ -202,18 +202,18 @@ static File *find_loaded(const Loader *loader, const char *path, const char *lib
     return NULL;
 }
 
-static File *parse_import(Loader *loader, const Stmt *stmt, const char *path, const char *library, int depth)
+static File *parse_import(Loader *loader, const Stmt *stmt, const char *path, const EvalLibraryFile *library, int depth)
 {
     Diag *diag = loader->diag;
     Span span = stmt->as.import.text_span;
-    const char *text = library;
-    size_t length = library ? strlen(library) : 0;
+    const char *text = library ? library->text : NULL;
+    size_t length = library ? library->length : 0;
     Error error;
     if (!library && read_text(loader, path, &text, &length, &error) != STATUS_OK) {
         diag_report(diag, D_FILE_UNREADABLE, span, "%s", error.text);
         return NULL;
     }
-    uint32_t source = source_add(diag->sources, library ? stmt->as.import.text : path, path, text, length);
+    uint32_t source = source_add(diag->sources, library ? library->name : path, path, text, length);
     File *file = new_file(loader, source, path);
     DiagChain *chain = ARENA_NEW(loader->arena, DiagChain);
     *chain = (DiagChain){diag->chain, span, stmt->as.import.include ? "included from" : "used from"};
@@ -230,7 +230,8 @@ static void load_import(Loader *loader, Stmt *stmt, int depth)
 {
     Diag *diag = loader->diag;
     Span span = stmt->as.import.text_span;
-    const char *library, *path = find_import(loader->options, diag, span, stmt->as.import.text, &library);
+    const EvalLibraryFile *library;
+    const char *path = find_import(loader->options, diag, span, stmt->as.import.text, &library);
     if (!path && !library) return;
     File *file = find_loaded(loader, path, stmt->as.import.text);
     if (file && file->state == FILE_OPEN) {

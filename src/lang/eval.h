@@ -75,6 +75,17 @@ typedef struct EvalLimits {
     uint32_t calls;       /* nested; 1000 */
 } EvalLimits;
 
+/* A scene text that is built into the program. */
+typedef struct EvalLibraryFile {
+    const char *name; /* "std/glassware.mns" */
+    const char *text; /* a 0 byte stands behind it */
+    size_t length;
+} EvalLibraryFile;
+typedef struct EvalLibrary {
+    const EvalLibraryFile *files;
+    size_t n_files;
+} EvalLibrary;
+
 /* What a scene is evaluated with. Zero is a fair default for all but the schema. */
 typedef struct EvalOptions {
     const Schema *schema;
@@ -90,8 +101,7 @@ typedef struct EvalOptions {
     int frame, frames; /* from 1; 0 counts as 1 */
     double time;       /* seconds */
     double srgb_to_working[9]; /* row-major, linear sRGB to the working space; all 0: identity */
-    /* Text of a built-in library file such as "std/glassware.mns", or NULL. */
-    const char *(*library)(const char *name);
+    const EvalLibrary *library; /* what `use` finds where no file of the scene's has the name; NULL: nothing */
     EvalLimits limits;
 } EvalOptions;
 

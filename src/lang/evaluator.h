@@ -199,7 +199,9 @@ bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp
 
 /* ---- files (find.c) ---- */
 
-/* Like eval_find_file, but also finds built-in library files, whose text goes to *library. */
-const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const char **library);
+/* Like eval_find_file, but also finds the built-in texts, before the data directory: then the result is NULL and
+ * *library set. A built-in text finds others before any file, so that a scene cannot get between them. */
+const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name,
+                        const EvalLibraryFile **library);
 
 #endif

@@ -54,7 +54,17 @@ static const char *try_path_list(Search *search, const char *list)
     return NULL;
 }
 
-static const char *search_file(Search *search)
+/* The text of the library that has the name, NULL where none has. */
+static const EvalLibraryFile *library_file(const EvalOptions *options, const char *name)
+{
+    for (size_t i = 0; options->library && i < options->library->n_files; i++)
+        if (strcmp(options->library->files[i].name, name) == 0) return &options->library->files[i];
+    return NULL;
+}
+
+/* library: not NULL where texts of the program will do as well. They come before what may lie in the data folder from
+ * another version. */
+static const char *search_file(Search *search, const EvalLibraryFile **library)
 {
     if (search->name[0] == 0) return NULL;
     if (search->name[0] == '/') return try_folder(search, "", 0);
@@ -64,33 +74,45 @@ static const char *search_file(Search *search)
     for (size_t i = 0; !path && i < search->options->n_include_folders; i++)
         path = try_folder(search, search->options->include_folders[i], strlen(search->options->include_folders[i]));
     if (!path) path = try_path_list(search, getenv("MENISCUS_PATH"));
-    if (!path) path = try_folder(search, MEN_DATA_FOLDER, strlen(MEN_DATA_FOLDER));
+    if (!path && library) *library = library_file(search->options, search->name);
+    if (!path && !(library && *library)) path = try_folder(search, MEN_DATA_FOLDER, strlen(MEN_DATA_FOLDER));
     return path;
 }
 
 static void report_missing(const Search *search)
 {
-    if (search->outside)
-        diag_report(search->diag, D_OUTSIDE_CONFINE, search->span, "'%s' is outside of '%s', to which the scene is confined",
+    Diag *diag = search->diag;
+    if (search->outside) {
+        diag_report(diag, D_OUTSIDE_CONFINE, search->span, "'%s' is outside of '%s', to which the scene is confined",
                     search->name, search->options->confine);
-    else
-        diag_report(search->diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", search->name);
+        return;
+    }
+    Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", search->name);
+    const EvalLibrary *library = search->options->library;
+    if (!library) return;
+    const char **names = ARENA_ARRAY(diag->arena, const char *, library->n_files);
+    for (size_t i = 0; i < library->n_files; i++) names[i] = library->files[i].name;
+    diag_suggest(diag, report, search->name, names, library->n_files);
+    if (!report->hint && strncmp(search->name, "std/", 4) == 0)
+        diag_hint(diag, report, "meniscus help std lists what the library has");
 }
 
 const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, const char *name)
 {
     Search search = {options, diag, span, name, false};
-    const char *path = search_file(&search);
+    const char *path = search_file(&search, NULL);
     if (!path) report_missing(&search);
     return path;
 }
 
-const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const char **library)
+const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const EvalLibraryFile **library)
 {
     Search search = {options, diag, span, name, false};
-    const char *path = search_file(&search);
+    const Source *source = &diag->sources->sources[span.source];
     *library = NULL;
-    if (!path && options->library) *library = options->library(name);
+    if (!source->path && library_file(options, source->name)) /* the texts of the library belong together */
+        *library = library_file(options, name);
+    const char *path = *library ? NULL : search_file(&search, library);
     if (!path && !*library) report_missing(&search);
     return path;
 }

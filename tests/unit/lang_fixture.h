@@ -23,15 +23,20 @@ typedef struct Run {
 } Run;
 
 /* What stands in for the program's own library. */
-static inline const char *fixture_library(const char *name)
-{
-    if (strcmp(name, "std/glassware.mns") != 0) return NULL;
-    return "meniscus 1.0\n"
-           "def tumbler(radius = 35mm, height = 90mm, wall = 2mm, base = 8mm, interior = none) {\n"
-           "  lathe { interior = interior  profile = [<0, 0>, <radius, 0>, <radius, height>,\n"
-           "    <radius - wall, height>, <radius - wall, base>, <0, base>] }\n"
-           "}\n";
-}
+#define FIXTURE_GLASSWARE                                                                                              \
+    "meniscus 1.0\n"                                                                                                   \
+    "use \"std/parts.mns\" as parts\n"                                                                                 \
+    "def tumbler(radius = 35mm, height = 90mm, wall = 2mm, base = 8mm, interior = none) {\n"                           \
+    "  lathe { interior = interior  profile = parts.cup(radius, height, wall, base) }\n"                               \
+    "}\n"
+#define FIXTURE_PARTS                                                                                                  \
+    "meniscus 1.0\n"                                                                                                   \
+    "def cup(r, h, wall, base) = [<0, 0>, <r, 0>, <r, h>, <r - wall, h>, <r - wall, base>, <0, base>]\n"
+static const EvalLibraryFile fixture_library_files[] = {
+    {"std/glassware.mns", FIXTURE_GLASSWARE, sizeof FIXTURE_GLASSWARE - 1},
+    {"std/parts.mns", FIXTURE_PARTS, sizeof FIXTURE_PARTS - 1},
+};
+static const EvalLibrary fixture_library = {fixture_library_files, 2};
 
 static inline void run_open(Run *run)
 {
@@ -40,7 +45,7 @@ static inline void run_open(Run *run)
     run->sources.arena = &run->arena;
     diag_init(&run->diag, &run->arena, &run->sources);
     run->options.schema = &test_schema;
-    run->options.library = fixture_library;
+    run->options.library = &fixture_library;
 }
 
 static inline void run_task(void *context)
