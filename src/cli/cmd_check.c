@@ -13,12 +13,15 @@ typedef struct Check {
     Pool *pool;
     Buf out;
     bool built;
+    Status status; /* of a guarded task, with its error */
+    Error *error;
 } Check;
 
 static void warn(void *context)
 {
     Check *check = context;
     report_warnings(check->input.compiled, &check->input.diag);
+    check->status = report_mesh_crossings(check->input.compiled, check->pool, &check->input.diag, check->error);
     if (!check->input.talk->quiet) report_remarks(check->input.compiled, &check->input.diag);
 }
 
@@ -62,7 +65,9 @@ static Status examine(Check *check, const Options *options, Error *error)
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &check->pool, error));
     TRY(scene_input_compile(&check->input, check->pool, error));
     check->built = true;
-    return scene_input_guard(&check->input, warn, check, error);
+    check->error = error;
+    TRY(scene_input_guard(&check->input, warn, check, error));
+    return check->status;
 }
 
 /* What was found goes out also when the scene has errors; only when nothing could be read there is nothing to say. */

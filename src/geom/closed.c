@@ -42,15 +42,16 @@ static bool same_position(Vec3f a, Vec3f b)
     return float_word(a.x) == float_word(b.x) && float_word(a.y) == float_word(b.y) && float_word(a.z) == float_word(b.z);
 }
 
-static Status number_positions(Topology *topology, Error *error)
+Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Error *error)
 {
-    const Mesh *mesh = topology->mesh;
     size_t room = 16;
     while (room < 2 * (size_t)mesh->n_vertices) room *= 2;
     uint32_t *table = calloc(room, sizeof *table); /* vertex + 1, 0: free */
-    topology->position_id = malloc(((size_t)mesh->n_vertices + 1) * sizeof *topology->position_id);
-    if (!table || !topology->position_id) {
+    *ids = malloc(((size_t)mesh->n_vertices + 1) * sizeof **ids);
+    if (!table || !*ids) {
         free(table);
+        free(*ids);
+        *ids = NULL;
         return fail_memory(error, room * sizeof *table, "the inspection of a mesh");
     }
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
@@ -60,7 +61,7 @@ static Status number_positions(Topology *topology, Error *error)
         size_t slot = (size_t)h & (room - 1);
         while (table[slot] && !same_position(mesh->positions[table[slot] - 1], p)) slot = (slot + 1) & (room - 1);
         if (!table[slot]) table[slot] = i + 1;
-        topology->position_id[i] = table[slot] - 1;
+        (*ids)[i] = table[slot] - 1;
     }
     free(table);
     return STATUS_OK;
@@ -176,7 +177,7 @@ static Status topology_make(const Mesh *mesh, Topology *topology, Error *error)
     topology->parent = malloc(((size_t)mesh->n_triangles + 1) * sizeof *topology->parent);
     if (!topology->parent) return fail_memory(error, mesh->n_triangles * sizeof *topology->parent, "the parts of a mesh");
     for (uint32_t i = 0; i < mesh->n_triangles; i++) topology->parent[i] = i;
-    TRY(number_positions(topology, error));
+    TRY(mesh_number_positions(mesh, &topology->position_id, error));
     return list_edges(topology, error);
 }
 
@@ -488,25 +489,32 @@ static bool sheet_is_inside(const Mesh *mesh, const Sheets *sheets, uint32_t whi
     return winding > 0.5;
 }
 
-/* Decides which side of each sheet of a closed mesh is outside. */
-static Status turn_outward(const Mesh *mesh, Sheets *sheets, Error *error)
+/* Bounds of the sheets, and their volumes: *volumes is malloc'd, one for each. */
+static Status measure_sheets(const Mesh *mesh, Sheets *sheets, double **volumes, Error *error)
 {
-    double *volumes = calloc((size_t)sheets->n + 1, sizeof *volumes);
+    *volumes = calloc((size_t)sheets->n + 1, sizeof **volumes);
     sheets->bounds = malloc(((size_t)sheets->n + 1) * sizeof *sheets->bounds);
-    if (!volumes || !sheets->bounds) {
-        free(volumes);
+    if (!*volumes || !sheets->bounds) {
+        free(*volumes);
         return fail_memory(error, sheets->n * sizeof *sheets->bounds, "the orientation of a mesh");
     }
-    double total = 0;
     for (uint32_t k = 0; k < sheets->n; k++) {
         sheets->bounds[k] = box3_empty();
         for (uint32_t at = sheets->first[k]; at < sheets->first[k + 1]; at++)
             for (int corner = 0; corner < 3; corner++)
                 sheets->bounds[k] = box3_add_point(
                     sheets->bounds[k], vec3_from_f(mesh->positions[mesh->triangles[sheets->members[at]][corner]]));
-        volumes[k] = sheet_volume(mesh, sheets, k, box_centre(sheets->bounds[k]));
-        total += volumes[k];
+        (*volumes)[k] = sheet_volume(mesh, sheets, k, box_centre(sheets->bounds[k]));
     }
+    return STATUS_OK;
+}
+
+/* Decides which side of each sheet of a closed mesh is outside. */
+static Status turn_outward(const Mesh *mesh, Sheets *sheets, Error *error)
+{
+    double *volumes, total = 0;
+    TRY(measure_sheets(mesh, sheets, &volumes, error));
+    for (uint32_t k = 0; k < sheets->n; k++) total += volumes[k];
     for (uint32_t k = 0; k < sheets->n && total < 0; k++) {
         turn_sheet(sheets, k);
         volumes[k] = -volumes[k];
@@ -564,6 +572,26 @@ Status mesh_orient(Mesh *mesh, bool *mended, Error *error)
             *mended = status == STATUS_OK;
         }
     }
+    sheets_clear(&sheets);
+    topology_clear(&topology);
+    return status;
+}
+
+Status mesh_find_nested(const Mesh *mesh, MeshNested *nested, Error *error)
+{
+    *nested = (MeshNested){0};
+    Topology topology;
+    Sheets sheets = {.n = 0};
+    double *volumes = NULL;
+    bool orientable = false;
+    Status status = topology_make(mesh, &topology, error);
+    if (status == STATUS_OK) status = make_sheets(&topology, &sheets, &orientable, error);
+    if (status == STATUS_OK && orientable && sheets.n > 1) status = measure_sheets(mesh, &sheets, &volumes, error);
+    for (uint32_t k = 0; volumes && k < sheets.n; k++) {
+        if (!(volumes[k] > 0) || !sheet_is_inside(mesh, &sheets, k)) continue;
+        if (nested->n++ == 0) nested->place = mesh->positions[mesh->triangles[sheets.members[sheets.first[k]]][0]];
+    }
+    free(volumes);
     sheets_clear(&sheets);
     topology_clear(&topology);
     return status;

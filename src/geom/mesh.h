@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/buf.h"
+#include "base/pool.h"
 #include "base/status.h"
 #include "base/vec3.h"
 
@@ -56,6 +56,34 @@ typedef struct MeshReport {
 /* Positions are compared bit by bit (-0 = 0), so a mesh that splits its vertices for normals or uvs is
  * closed all the same. Triangles with two equal vertices have no part in edges and components. */
 ATTR_NODISCARD Status mesh_inspect(const Mesh *mesh, MeshReport *report, Error *error);
+/* Numbers the vertices by position: each has the number of the first vertex at its place, bit by bit (-0 = 0). *ids is
+ * malloc'd, n_vertices long. */
+ATTR_NODISCARD Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Error *error);
+
+/* Where a mesh passes through itself. */
+typedef struct MeshCrossings {
+    uint64_t n;        /* pairs of triangles that cross, or overlap in one plane and look the same way */
+    bool gave_up;      /* so many triangles lie in each other's boxes that not all pairs were looked at: n is the least */
+    uint32_t n_places; /* of first[] */
+    struct {
+        uint32_t triangles[2];
+        Vec3f place; /* a point that both have in common, rounded */
+    } first[4]; /* apart from each other */
+} MeshCrossings;
+
+/* Neighbours do not cross, nor do parts that touch from outside (with a corner, along an edge, or face to face); a part
+ * that touches from within does. Decided without rounding; positions must be finite. A million triangles of a smooth
+ * surface take about half a second of one processor. The pool may be NULL; the result does not depend on it. */
+ATTR_NODISCARD Status mesh_find_crossings(const Mesh *mesh, Pool *pool, MeshCrossings *found, Error *error);
+
+/* Parts of a closed mesh that lie within another part and face outward all the same: not cavities, but matter that is
+ * there twice. A part is judged where its first triangle is. */
+typedef struct MeshNested {
+    uint32_t n;
+    Vec3f place; /* on the first */
+} MeshNested;
+ATTR_NODISCARD Status mesh_find_nested(const Mesh *mesh, MeshNested *nested, Error *error);
+
 /* Turns triangles so that neighbours agree, and the whole outward; false, with the mesh as it was, when
  * it cannot be (a Moebius band, edges of more than two triangles that do not come out even).
  * The rule: triangles joined by edges of exactly two triangles are a sheet. In every sheet the fewest

@@ -5,7 +5,7 @@
 #include "near.h"
 
 #include "base/hash.h"
-#include "geom/mesh.h"
+#include "mesh_joined.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -33,21 +33,6 @@ static void turn_triangle(Mesh *mesh, uint32_t i)
 static Mesh *turned(Mesh *mesh)
 {
     for (uint32_t i = 0; i < mesh->n_triangles; i++) turn_triangle(mesh, i);
-    return mesh;
-}
-
-/* One mesh of two; frees them. */
-static Mesh *joined(Mesh *a, Mesh *b)
-{
-    Mesh *mesh = NULL;
-    assert_int_equal(mesh_new(a->n_vertices + b->n_vertices, a->n_triangles + b->n_triangles, false, false, &mesh, NULL), STATUS_OK);
-    memcpy(mesh->positions, a->positions, a->n_vertices * sizeof *a->positions);
-    memcpy(mesh->positions + a->n_vertices, b->positions, b->n_vertices * sizeof *b->positions);
-    for (uint32_t i = 0; i < mesh->n_triangles; i++)
-        for (int k = 0; k < 3; k++)
-            mesh->triangles[i][k] = i < a->n_triangles ? a->triangles[i][k] : b->triangles[i - a->n_triangles][k] + a->n_vertices;
-    mesh_free(a);
-    mesh_free(b);
     return mesh;
 }
 
