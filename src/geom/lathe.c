@@ -1,7 +1,8 @@
-/* lathe.c - a profile turned about the y axis: checked, rounded, and made into bands.
+/* lathe.c - a profile turned about the y axis: checked, rounded, and made into bands and arcs.
  * The profile is a closed polygon in the half plane (r, y). Walked counter-clockwise (r to the right, y up)
  * the solid is on the left. Steps: clean the corners, orient, replace rounded corners by arcs, set normals,
- * search for crossings, make bands.
+ * search for crossings, make pieces. An arc stands in the outline as a run of short edges, for the search, and becomes
+ * one piece in the end, exactly round.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdbool.h>
@@ -11,13 +12,14 @@
 #include "base/array.h"
 #include "geom/piece.h"
 
+static const double pi = 3.14159265358979323846;
 static const double degree = 3.14159265358979323846 / 180;
 
 enum {
     MAX_POINTS = 100000,
-    MAX_BANDS = 200000,
+    MAX_EDGES = 200000,
     MAX_TESTS = 1000000000, /* box tests in the search for crossings */
-    ARC_STEP_DEGREES = 3
+    ARC_STEP_DEGREES = 1 /* of the search for crossings */
 };
 
 /* A point of the profile as written, with the length of the edges that its rounding takes away. */
@@ -32,6 +34,12 @@ typedef struct Dir2 {
     double r, y;
 } Dir2;
 
+/* An arc of the outline that goes up or down all along. */
+typedef struct Arc {
+    Dir2 centre;
+    bool outer; /* farther from the axis than its centre */
+} Arc;
+
 /* A point of the outline, after rounding. normal_in is the shading normal of the edge that ends here,
  * normal_out of the one that starts here; `given` says that an arc prescribes it. */
 typedef struct OutlinePoint {
@@ -39,11 +47,14 @@ typedef struct OutlinePoint {
     Dir2 normal_in, normal_out;
     bool given_in, given_out;
     uint32_t source;
+    uint32_t arc; /* that the edge from here is a part of; 0: it is straight */
 } OutlinePoint;
 
 typedef struct Outline {
     OutlinePoint *points;
     size_t n, capacity;
+    Arc *arcs; /* number 0 is none */
+    size_t n_arcs, arcs_capacity;
 } Outline;
 
 static Dir2 direction(double r0, double y0, double r1, double y1)
@@ -56,13 +67,6 @@ static Dir2 direction(double r0, double y0, double r1, double y1)
 static Dir2 outward(Dir2 along)
 {
     return (Dir2){along.y, -along.r};
-}
-
-static Dir2 rotate(Dir2 v, double angle)
-{
-    double c = cos(angle);
-    double s = sin(angle);
-    return (Dir2){c * v.r - s * v.y, s * v.r + c * v.y};
 }
 
 /* The angle from a to b, in (-pi, pi], positive to the left. */
@@ -199,6 +203,28 @@ static void give_out(OutlinePoint *point, Dir2 normal)
     point->given_out = true;
 }
 
+/* A part of an arc that does not turn from up to down: its normals go from `angle` by `turned`; its last point is left to
+ * what comes behind. side is the radius, negative where the solid is outside of the circle. */
+static bool add_monotonic_arc(Outline *outline, Dir2 centre, double side, double angle, double turned, uint32_t source)
+{
+    if (!ARRAY_ROOM(outline->arcs, outline->arcs_capacity, outline->n_arcs + 1)) return false;
+    if (outline->n_arcs == 0) outline->arcs[outline->n_arcs++] = (Arc){{0, 0}, false};
+    uint32_t arc = (uint32_t)outline->n_arcs;
+    outline->arcs[outline->n_arcs++] = (Arc){centre, side * cos(angle + 0.5 * turned) > 0};
+    unsigned steps = (unsigned)ceil(fabs(turned) / (ARC_STEP_DEGREES * degree) - 1e-9);
+    if (steps == 0) steps = 1;
+    for (unsigned k = 0; k < steps; k++) {
+        Dir2 normal = {cos(angle + turned * k / steps), sin(angle + turned * k / steps)};
+        if (fabs(normal.r) < 1e-15) normal.r = 0;
+        OutlinePoint *point = add_point(outline, fmax(centre.r + side * normal.r, 0), centre.y + side * normal.y, source);
+        if (!point) return false;
+        point->arc = arc;
+        give_in(point, normal);
+        give_out(point, normal);
+    }
+    return true;
+}
+
 /* The arc at a corner whose tangent is not 0, from the edge before it to the edge behind it. */
 static bool add_arc(Outline *outline, const Corner *corner, Dir2 in, Dir2 out)
 {
@@ -208,23 +234,26 @@ static bool add_arc(Outline *outline, const Corner *corner, Dir2 in, Dir2 out)
     bool ends_on_axis = corner->r == 0 && out.r == -1 && out.y == 0;
     Dir2 centre; /* from the tangent point on an edge that is really there */
     if (starts_on_axis)
-        centre = (Dir2){corner->r + corner->tangent * out.r - side * out.y, corner->y + corner->tangent * out.y + side * out.r};
+        centre = (Dir2){0, corner->y + corner->tangent * out.y + side * out.r};
     else
-        centre = (Dir2){corner->r - corner->tangent * in.r - side * in.y, corner->y - corner->tangent * in.y + side * in.r};
-    unsigned steps = (unsigned)ceil(fabs(angle) / (ARC_STEP_DEGREES * degree) - 1e-9);
-    if (steps == 0) steps = 1;
-    for (unsigned k = 0; k <= steps; k++) {
-        Dir2 normal = outward(rotate(in, angle * k / steps));
-        if (k == 0) normal = outward(in);
-        if (k == steps) normal = outward(out);
-        double r = centre.r + side * normal.r;
-        double y = centre.y + side * normal.y;
-        if ((k == 0 && starts_on_axis) || (k == steps && ends_on_axis) || r < 0) r = 0;
-        OutlinePoint *point = add_point(outline, r, y, corner->source);
-        if (!point) return false;
-        give_in(point, normal);
-        give_out(point, normal);
+        centre = (Dir2){ends_on_axis ? 0 : corner->r - corner->tangent * in.r - side * in.y,
+                        corner->y - corner->tangent * in.y + side * in.r};
+    /* cut where it turns between up and down */
+    Dir2 normal = outward(in);
+    double from = atan2(normal.y, normal.r), end = from + angle;
+    for (double at = from; at != end;) {
+        double quarters = (at / pi - 0.5) * (angle > 0 ? 1 : -1);
+        double next = (floor(quarters + 1e-9) + 1) * (angle > 0 ? 1 : -1) * pi + 0.5 * pi;
+        if (fabs(next - from) > fabs(angle) - 1e-9) next = end;
+        if (!add_monotonic_arc(outline, centre, side, at, next - at, corner->source)) return false;
+        at = next;
     }
+    normal = outward(out);
+    OutlinePoint *last = add_point(outline, ends_on_axis ? 0 : fmax(centre.r + side * normal.r, 0), centre.y + side * normal.y,
+                                   corner->source);
+    if (!last) return false;
+    give_in(last, normal);
+    give_out(last, normal);
     return true;
 }
 
@@ -244,6 +273,7 @@ static void merge_points(Outline *outline)
             outline->points[kept++] = *point;
             continue;
         }
+        last->arc = point->arc;
         last->normal_out = point->normal_out;
         last->given_out = point->given_out;
         if (point->r == 0) last->r = 0;
@@ -260,8 +290,8 @@ static Status make_outline(const Corner *corners, uint32_t n, Outline *outline, 
         bool added = corner->tangent > 0 ? add_arc(outline, corner, in, out)
                                          : add_point(outline, corner->r, corner->y, corner->source) != NULL;
         if (!added) return fail_memory(error, outline->n * sizeof *outline->points, "a profile");
-        if (outline->n > MAX_BANDS)
-            return fail(error, STATUS_SCENE, "the profile makes more than %d bands; round fewer of its corners", MAX_BANDS);
+        if (outline->n > MAX_EDGES)
+            return fail(error, STATUS_SCENE, "the profile makes more than %d edges; round fewer of its corners", MAX_EDGES);
     }
     merge_points(outline);
     return STATUS_OK;
@@ -437,6 +467,26 @@ static Status check_crossings(const Outline *outline, Error *error)
                 a->r, a->y, b->r, b->y, a->source, c->r, c->y, d->r, d->y, c->source);
 }
 
+/* Where the run of edges that starts at i ends: the edges of one arc, or a single one. */
+static size_t run_end(const Outline *outline, size_t i)
+{
+    size_t end = i + 1;
+    while (outline->points[i].arc && end < outline->n && outline->points[end].arc == outline->points[i].arc) end++;
+    return end;
+}
+
+static Piece make_piece(const Outline *outline, const OutlinePoint *a, const OutlinePoint *b)
+{
+    if (a->arc && a->y != b->y) {
+        const Arc *arc = &outline->arcs[a->arc];
+        return (Piece){.kind = arc->outer ? PIECE_OUTER_ARC : PIECE_INNER_ARC, .r0 = a->r, .y0 = a->y, .r1 = b->r, .y1 = b->y,
+                       .centre_r = arc->centre.r, .centre_y = arc->centre.y};
+    }
+    return (Piece){.kind = PIECE_BAND, .r0 = a->r, .y0 = a->y, .r1 = b->r, .y1 = b->y,
+                   .nr0 = (float)a->normal_out.r, .ny0 = (float)a->normal_out.y,
+                   .nr1 = (float)b->normal_in.r, .ny1 = (float)b->normal_in.y};
+}
+
 static Status make_pieces(const Outline *outline, Solid **solid, Error *error)
 {
     uint32_t n_pieces = 0;
@@ -452,19 +502,21 @@ static Status make_pieces(const Outline *outline, Solid **solid, Error *error)
     TRY(solid_new(n_pieces, &made, error));
     uint32_t n = 0;
     double along = 0;
-    for (size_t i = 0; i < outline->n; i++) {
+    for (size_t i = 0, end; i < outline->n; i = end) {
+        end = run_end(outline, i);
         if (edge_on_axis(outline, i)) continue;
-        const OutlinePoint *a = &outline->points[i];
-        const OutlinePoint *b = &outline->points[(i + 1) % outline->n];
         Piece *piece = &made->pieces[n++];
-        *piece = (Piece){.kind = PIECE_BAND, .r0 = a->r, .y0 = a->y, .r1 = b->r, .y1 = b->y,
-                         .nr0 = (float)a->normal_out.r, .ny0 = (float)a->normal_out.y,
-                         .nr1 = (float)b->normal_in.r, .ny1 = (float)b->normal_in.y};
+        *piece = make_piece(outline, &outline->points[i], &outline->points[end % outline->n]);
         piece->v0 = (float)fmin(along / length, 1);
-        along += hypot(b->r - a->r, b->y - a->y);
+        for (size_t k = i; k < end; k++) {
+            const OutlinePoint *a = &outline->points[k];
+            const OutlinePoint *b = &outline->points[(k + 1) % outline->n];
+            along += hypot(b->r - a->r, b->y - a->y);
+        }
         piece->v1 = (float)fmin(along / length, 1);
-        made->volume += piece_band_volume(piece);
+        made->volume += piece_volume(piece);
     }
+    made->n_pieces = n;
     if (!(made->volume > 0)) {
         solid_free(made);
         return fail(error, STATUS_SCENE, "the profile encloses no volume");
@@ -479,7 +531,7 @@ Status solid_make_lathe(const double (*profile)[2], uint32_t n, const double *ro
     TRY(check_points(profile, n, round, error));
     Corner *corners = calloc(n, sizeof *corners);
     if (!corners) return fail_memory(error, n * sizeof *corners, "a profile");
-    Outline outline = {NULL, 0, 0};
+    Outline outline = {0};
     uint32_t n_corners = clean_corners(profile, n, round, corners);
     Status status = STATUS_OK;
     if (n_corners < 3)
@@ -496,6 +548,7 @@ Status solid_make_lathe(const double (*profile)[2], uint32_t n, const double *ro
         status = make_pieces(&outline, solid, error);
     }
     free(outline.points);
+    free(outline.arcs);
     free(corners);
     return status;
 }

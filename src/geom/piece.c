@@ -1,4 +1,4 @@
-/* piece.c - where a line meets a sphere, a band of revolution, a rectangle or a plane.
+/* piece.c - where a line meets a sphere, a band or an arc of revolution, a torus, a rectangle or a plane.
  *
  * Bands are the difficult ones, because neighbours must agree about their shared circle. So nothing is
  * decided from the place of a rounded root. In the half plane (r, y) a line is the graph of a convex
@@ -10,13 +10,17 @@
  *   - both ends below: none or two, which is the band's own affair.
  * Along a closed profile the number of crossings is therefore even, with as many entries as exits,
  * whatever rounding does to the signs. Discs and rings follow the same rule with both ends at one height.
+ * Arcs follow it, too (tube.c): of an outer one the part of the line above its end is inside of the circle, of an inner one
+ * it is outside.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/piece.h"
 
 #include <math.h>
 #include <stdbool.h>
 
-/* The least cosine between a direction and the normal that piece_normal returns: far below what float can
+#include "geom/tube.h"
+
+/* The least cosine between a direction and the normal that piece_normal returns (tubes apart): far below what float can
  * tell, far above the rounding of a change of frame in double. */
 static const double least_cosine = 1e-9;
 
@@ -26,7 +30,7 @@ typedef struct BandRoots {
     bool leaving[2]; /* the line goes along the outward normal there */
 } BandRoots;
 
-/* One end of a band against the line: where the line passes the end's height, and whether the end is
+/* One end of a band or an arc against the line: where the line passes the end's height, and whether the end is
  * farther from the axis than the line is there. A line at constant height passes other heights at
  * infinity; its own height counts as below it, so that of two neighbours exactly one holds the line. */
 typedef struct BandEnd {
@@ -159,6 +163,40 @@ static BandRoots band_roots(const Piece *piece, Vec3 org, Vec3 dir)
     return roots;
 }
 
+static inline bool is_arc(const Piece *piece)
+{
+    return piece->kind == PIECE_OUTER_ARC || piece->kind == PIECE_INNER_ARC;
+}
+
+static Tube tube_of(const Piece *piece)
+{
+    if (piece->kind == PIECE_TORUS) return (Tube){TUBE_WHOLE, piece->r0, 0, piece->r1};
+    double r = piece->r0 - piece->centre_r, y = piece->y0 - piece->centre_y;
+    TubePart part = piece->kind == PIECE_OUTER_ARC ? TUBE_OUTER : TUBE_INNER;
+    return (Tube){part, piece->centre_r, piece->centre_y, sqrt(r * r + y * y)};
+}
+
+/* 1 where the outside is away from the circle's centre, -1 where it is towards it. */
+static double arc_side(const Piece *piece)
+{
+    return is_arc(piece) && (piece->kind == PIECE_OUTER_ARC) != (piece->y1 > piece->y0) ? -1 : 1;
+}
+
+static void curved_roots(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, TubeCrossings *out)
+{
+    Tube tube = tube_of(piece);
+    if (piece->kind == PIECE_TORUS) {
+        tube_cross(&tube, org, dir, NULL, t_min, t_max, out);
+        return;
+    }
+    BandEnd p = band_end(piece->r0, piece->y0, org, dir);
+    BandEnd q = band_end(piece->r1, piece->y1, org, dir);
+    bool outer = piece->kind == PIECE_OUTER_ARC;
+    TubeSpan span = {p.t, q.t, p.above == outer, q.above == outer};
+    if (q.t < p.t) span = (TubeSpan){q.t, p.t, q.above == outer, p.above == outer};
+    tube_cross(&tube, org, dir, &span, t_min, t_max, out);
+}
+
 /* The discriminant from the distance between line and centre: E. Haines, J. Gunther, T. Akenine-Moeller,
  * "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7 (2019). */
 static int sphere_roots(double radius, Vec3 org, Vec3 dir, double t[2], double *middle)
@@ -188,7 +226,8 @@ static int plane_root(const Piece *piece, Vec3 org, Vec3 dir, double t[2])
     return fabs(x) <= piece->r0 && fabs(z) <= piece->r1;
 }
 
-int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[2])
+int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max,
+                    double t[PIECE_MAX_ROOTS])
 {
     double found[2] = {0, 0};
     int n = 0;
@@ -200,6 +239,11 @@ int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double
     } else if (piece->kind == PIECE_SPHERE) {
         double middle;
         n = sphere_roots(piece->r0, org, dir, found, &middle);
+    } else if (piece->kind == PIECE_TORUS || is_arc(piece)) {
+        TubeCrossings crossings;
+        curved_roots(piece, org, dir, t_min, t_max, &crossings);
+        for (int i = 0; i < crossings.n; i++) t[i] = crossings.t[i];
+        return crossings.n;
     } else {
         n = plane_root(piece, org, dir, found);
     }
@@ -220,6 +264,16 @@ static Vec3 away_from_axis(Vec3 p)
 static bool crossing_leaves(const Piece *piece, Vec3 org, Vec3 dir, double t, double cosine)
 {
     if (piece->kind == PIECE_SPHERE) return t > -vec3_dot(org, dir) / vec3_dot(dir, dir);
+    if (piece->kind == PIECE_TORUS || is_arc(piece)) {
+        TubeCrossings crossings;
+        curved_roots(piece, org, dir, -HUGE_VAL, HUGE_VAL, &crossings);
+        int nearest = 0;
+        for (int i = 1; i < crossings.n; i++)
+            if (fabs(t - crossings.t[i]) < fabs(t - crossings.t[nearest])) nearest = i;
+        if (crossings.n == 0) return cosine > 0;
+        bool enters_tube = crossings.first_enters == (nearest % 2 == 0);
+        return enters_tube == (arc_side(piece) < 0);
+    }
     if (piece->kind != PIECE_BAND) return dir.y > 0;
     BandRoots roots = band_roots(piece, org, dir);
     if (roots.n == 0) return cosine > 0;
@@ -237,10 +291,40 @@ static Vec3 unaided_normal(const Piece *piece, Vec3 p)
         Vec3 out = away_from_axis(p);
         return vec3(out.x * ey * scale, -er * scale, out.z * ey * scale);
     }
+    case PIECE_TORUS:
+    case PIECE_OUTER_ARC:
+    case PIECE_INNER_ARC: {
+        Tube tube = tube_of(piece);
+        double r = sqrt(p.x * p.x + p.z * p.z) - tube.centre_r, y = p.y - tube.centre_y;
+        /* A crossing that rounding puts beyond the arc's top or bottom is still one of the arc. */
+        if (tube.part == TUBE_OUTER) r = fmax(r, 0);
+        if (tube.part == TUBE_INNER) r = fmin(r, 0);
+        double length = sqrt(r * r + y * y), scale = length > 0 ? arc_side(piece) / length : 0;
+        Vec3 out = away_from_axis(p);
+        return scale != 0 ? vec3(out.x * r * scale, y * scale, out.z * r * scale) : vec3(0, 1, 0);
+    }
     case PIECE_RECT:
     case PIECE_PLANE: break;
     }
     return vec3(0, 1, 0);
+}
+
+/* Below this cosine it is not for the normal to say which way a surface is crossed. On a tube that is grazed, the place of
+ * a crossing is known to the square root of rounding. */
+static double graze_of(const Piece *piece)
+{
+    if (piece->kind != PIECE_TORUS && !is_arc(piece)) return least_cosine;
+    Tube tube = tube_of(piece);
+    return 0x1p-24 * sqrt(1 + fabs(tube.centre_r) / tube.radius);
+}
+
+/* How far p must move to turn the normal by about 1. */
+static double turning_length(const Piece *piece, Vec3 p)
+{
+    double across = fabs(p.x) + fabs(p.z);
+    if (piece->kind == PIECE_TORUS) return fmin(across, piece->r1);
+    if (is_arc(piece)) return fmin(across, fabs(piece->r0 - piece->centre_r) + fabs(piece->y0 - piece->centre_y));
+    return across;
 }
 
 Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t)
@@ -250,15 +334,15 @@ Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t)
     double squared = vec3_dot(dir, dir);
     double length = sqrt(squared);
     double cosine = vec3_dot(normal, dir) / length;
-    /* Rounding of p turns the normal by as much as it turns p about the axis. */
     double reach = fabs(org.x) + fabs(org.z) + fabs(t) * (fabs(dir.x) + fabs(dir.z));
-    double across = fabs(p.x) + fabs(p.z);
-    if (LIKELY(fabs(cosine) * across > least_cosine * across + 1e-14 * reach)) return normal;
+    if (piece->kind != PIECE_BAND) reach += fabs(org.y) + fabs(t * dir.y);
+    double across = turning_length(piece, p), least = graze_of(piece);
+    if (LIKELY(fabs(cosine) * across > least * across + 1e-14 * reach)) return normal;
     /* A graze, or a place where the normal is all rounding: what counts is which way the surface is crossed,
      * and that is known. The normal is tilted to say the same. */
     double side = crossing_leaves(piece, org, dir, t, cosine) ? 1 : -1;
-    if (cosine * side >= least_cosine) return normal;
-    return vec3_normalize(vec3_along(normal, (side * 2 * least_cosine - cosine) / length, dir));
+    if (cosine * side >= least) return normal;
+    return vec3_normalize(vec3_along(normal, (side * 2 * least - cosine) / length, dir));
 }
 
 static double clamp_unit(double x)
@@ -280,6 +364,17 @@ static double turn_fraction(Vec3 p)
     double u = atan2(p.z, p.x) * 0.15915494309189535; /* 1 / (2 pi) */
     u = u < 0 ? u + 1 : u;
     return u < 1 ? u : 0;
+}
+
+/* How far along an arc, 0..1, a point in the half plane is. */
+static double arc_fraction(const Piece *piece, double r, double y)
+{
+    double r0 = piece->r0 - piece->centre_r, y0 = piece->y0 - piece->centre_y;
+    double r1 = piece->r1 - piece->centre_r, y1 = piece->y1 - piece->centre_y;
+    double rp = r - piece->centre_r, yp = y - piece->centre_y;
+    double whole = atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1);
+    double part = atan2(r0 * yp - y0 * rp, r0 * rp + y0 * yp);
+    return clamp_unit(part / whole);
 }
 
 void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root)
@@ -308,6 +403,17 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
         root->v = (double)piece->v0 + s * ((double)piece->v1 - (double)piece->v0);
         break;
     }
+    case PIECE_TORUS:
+        root->u = turn_fraction(p);
+        root->v = turn_fraction(vec3(sqrt(p.x * p.x + p.z * p.z) - piece->r0, 0, p.y));
+        break;
+    case PIECE_OUTER_ARC:
+    case PIECE_INNER_ARC: {
+        double s = arc_fraction(piece, sqrt(p.x * p.x + p.z * p.z), p.y);
+        root->u = turn_fraction(p);
+        root->v = (double)piece->v0 + s * ((double)piece->v1 - (double)piece->v0);
+        break;
+    }
     case PIECE_RECT:
         root->u = clamp_unit(0.5 + 0.5 * p.x / piece->r0);
         root->v = clamp_unit(0.5 + 0.5 * p.z / piece->r1);
@@ -326,10 +432,31 @@ static double keep_inside(double x, double low, double high, double margin)
     return fmin(fmax(x, low + margin), high - margin);
 }
 
+static Vec3 arc_inset(const Piece *piece, Vec3 p, double margin)
+{
+    Tube tube = tube_of(piece);
+    double r = sqrt(p.x * p.x + p.z * p.z);
+    double r0 = piece->r0 - tube.centre_r, y0 = piece->y0 - tube.centre_y;
+    double r1 = piece->r1 - tube.centre_r, y1 = piece->y1 - tube.centre_y;
+    double whole = atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1), length = tube.radius * fabs(whole);
+    double along = length * arc_fraction(piece, r, p.y);
+    double low = 0, high = length;
+    /* The pole of a sphere is no edge. */
+    if (tube.centre_r == 0 && piece->r0 == 0) low = -length;
+    if (tube.centre_r == 0 && piece->r1 == 0) high = 2 * length;
+    double kept = keep_inside(along, low, high, margin);
+    if (kept == along) return p;
+    double angle = whole * clamp_unit(kept / length), c = cos(angle), s = sin(angle);
+    double new_r = fmax(tube.centre_r + r0 * c - y0 * s, 0);
+    Vec3 out = away_from_axis(p);
+    return vec3(out.x * new_r, tube.centre_y + r0 * s + y0 * c, out.z * new_r);
+}
+
 Vec3 piece_inset(const Piece *piece, Vec3 p, double margin)
 {
     if (piece->kind == PIECE_RECT)
         return vec3(keep_inside(p.x, -piece->r0, piece->r0, margin), 0, keep_inside(p.z, -piece->r1, piece->r1, margin));
+    if (is_arc(piece)) return arc_inset(piece, p, margin);
     if (piece->kind != PIECE_BAND) return p;
     double er = piece->r1 - piece->r0;
     double ey = piece->y1 - piece->y0;
@@ -347,14 +474,30 @@ Vec3 piece_inset(const Piece *piece, Vec3 p, double margin)
     return vec3(out.x * r, piece->y0 + s * ey, out.z * r);
 }
 
+HalfBox piece_half_bounds(const Piece *piece)
+{
+    if (piece->kind == PIECE_TORUS)
+        return (HalfBox){fmax(piece->r0 - piece->r1, 0), -piece->r1, piece->r0 + piece->r1, piece->r1};
+    HalfBox box = {fmin(piece->r0, piece->r1), fmin(piece->y0, piece->y1), fmax(piece->r0, piece->r1), fmax(piece->y0, piece->y1)};
+    if (is_arc(piece) && box.y0 < piece->centre_y && piece->centre_y < box.y1) {
+        if (piece->kind == PIECE_OUTER_ARC) box.r1 = piece->centre_r + tube_of(piece).radius;
+        else box.r0 = fmax(piece->centre_r - tube_of(piece).radius, 0);
+    }
+    return box;
+}
+
 Box3 piece_bounds(const Piece *piece)
 {
     double r = piece->r0;
     switch (piece->kind) {
     case PIECE_SPHERE: break;
     case PIECE_BAND:
-        r = fmax(piece->r0, piece->r1);
-        return (Box3){{-r, fmin(piece->y0, piece->y1), -r}, {r, fmax(piece->y0, piece->y1), r}};
+    case PIECE_TORUS:
+    case PIECE_OUTER_ARC:
+    case PIECE_INNER_ARC: {
+        HalfBox box = piece_half_bounds(piece);
+        return (Box3){{-box.r1, box.y0, -box.r1}, {box.r1, box.y1, box.r1}};
+    }
     case PIECE_RECT: return (Box3){{-piece->r0, 0, -piece->r1}, {piece->r0, 0, piece->r1}};
     case PIECE_PLANE: return (Box3){{-HUGE_VAL, 0, -HUGE_VAL}, {HUGE_VAL, 0, HUGE_VAL}};
     }

@@ -14,17 +14,30 @@
 typedef enum PieceKind {
     PIECE_SPHERE, /* about the origin, radius r0 */
     PIECE_BAND,   /* the line from (r0, y0) to (r1, y1) turned about y: cylinder, cone, disc or ring (y0 == y1) */
+    PIECE_TORUS,  /* the circle of radius r1 about (r0, 0) turned about y; where r1 > r0 it reaches over the axis, and
+                   * what either side encloses is inside */
+    /* The arc of a circle about (centre_r, centre_y) turned about y: a part of a torus, or of a sphere (centre_r == 0).
+     * It runs from (r0, y0) to (r1, y1), always up or always down, on one side of the circle's centre. */
+    PIECE_OUTER_ARC, /* r >= centre_r */
+    PIECE_INNER_ARC, /* r <= centre_r, which is positive */
     PIECE_RECT,   /* the rectangle |x| <= r0, |z| <= r1 in the plane y = 0, facing +y; open */
     PIECE_PLANE   /* the plane y = 0, facing +y, without bounds (clipped to the scene by the caller); open */
 } PieceKind;
 
 typedef struct Piece {
     PieceKind kind;
-    /* PIECE_BAND: in the half plane with r to the right and y up, walking from point 0 to point 1 the
-     * outside is on the right-hand side: the outward normal (in r, y) is (y1 - y0, r0 - r1) normalized. */
+    /* Bands and arcs: in the half plane with r to the right and y up, walking from point 0 to point 1 the
+     * outside is on the right-hand side: a band's outward normal (in r, y) is (y1 - y0, r0 - r1) normalized. */
     double r0, y0, r1, y1;
-    float nr0, ny0, nr1, ny1; /* PIECE_BAND: shading normals in the half plane at both ends */
-    float v0, v1;             /* PIECE_BAND: the surface coordinate v at both ends */
+    union {
+        struct {
+            float nr0, ny0, nr1, ny1; /* PIECE_BAND: shading normals in the half plane at both ends */
+        };
+        struct {
+            double centre_r, centre_y; /* arcs */
+        };
+    };
+    float v0, v1; /* bands and arcs: the surface coordinate v at both ends */
 } Piece;
 
 /* One crossing of the line org + t dir with a piece. */
@@ -35,9 +48,11 @@ typedef struct PieceRoot {
     double u, v;     /* surface coordinates, 0..1: around from +x towards +z, along; PIECE_PLANE: x and z themselves */
 } PieceRoot;
 
-/* All crossings with t_min < t <= t_max in increasing t, at most 2; returns how many. org and dir are in
+enum { PIECE_MAX_ROOTS = 4 };
+/* All crossings with t_min < t <= t_max in increasing t; returns how many: at most 4 on a torus and on inner arcs, 2 elsewhere. org and dir are in
  * the piece's frame; dir need not be unit. Only t is filled. A tangent ray crosses twice or not at all. */
-int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[2]);
+int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max,
+                    double t[PIECE_MAX_ROOTS]);
 /* The outward normal at one of these crossings, unit, as in PieceRoot, and nothing else (no trigonometry).
  * The sign of its product with dir tells which way the surface is crossed, and never contradicts the order
  * of crossings: at grazing incidence, where rounding could turn it over, it is tilted by about 1e-9. */
@@ -48,6 +63,11 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
  * along the surface; the middle when the piece is narrower than that. */
 Vec3 piece_inset(const Piece *piece, Vec3 p, double margin);
 Box3 piece_bounds(const Piece *piece);
+/* The rectangle in the half plane that a band, an arc or a torus stays within. */
+typedef struct HalfBox {
+    double r0, y0, r1, y1;
+} HalfBox;
+HalfBox piece_half_bounds(const Piece *piece);
 
 /* A closed solid made of pieces. Owns them. */
 typedef struct Solid {
@@ -61,20 +81,26 @@ void solid_free(Solid *solid); /* NULL is fine */
 ATTR_NODISCARD Status solid_new(uint32_t n_pieces, Solid **solid, Error *error);
 /* A band with the shading normals of its own surface at both ends; v runs from 0 to 1. The ends differ. */
 Piece piece_make_band(double r0, double y0, double r1, double y1);
-/* The volume between the band and the axis, positive where the band faces away from the axis; the sum over
- * a closed solid is its volume. */
-double piece_band_volume(const Piece *piece);
+/* A part of a sphere about (0, centre_y) from one point to another, v from 0 to 1. */
+Piece piece_make_zone(double centre_y, double r0, double y0, double r1, double y1);
+/* The volume between a band or an arc and the axis, positive where it faces away from the axis; the sum over a closed
+ * solid is its volume. */
+double piece_volume(const Piece *piece);
 ATTR_NODISCARD Status solid_make_sphere(double radius, Solid **solid, Error *error);
+/* Everything within `tube` of the circle of that radius about the y axis, in the plane y = 0. A tube greater than the
+ * radius reaches over the axis; the solid is then the whole of it, like an apple, with no void inside. */
+ATTR_NODISCARD Status solid_make_torus(double radius, double tube, Solid **solid, Error *error);
+/* Everything within `radius` of the line from the origin to (0, height, 0). */
+ATTR_NODISCARD Status solid_make_capsule(double radius, double height, Solid **solid, Error *error);
 /* Between y = 0 and y = height about the y axis. radius0 at the bottom; either radius may be 0, not both. */
 ATTR_NODISCARD Status solid_make_cone(double radius0, double radius1, double height, Solid **solid, Error *error);
 /* profile: n points (r, y), r >= 0, a simple polygon (closed by its last edge, or open with both ends on
  * the axis), in either sense. Edges on the axis make no surface. Points equal to the one before them are
  * dropped. round[i] > 0 rounds corner i by an arc of that radius (NULL: none), a corner on the axis by an
- * arc that meets the axis at a right angle; the arc is made of bands with exact normals, each turning at
- * most 3 degrees. Other corners keep their edge, unless smooth_all: then normals are interpolated over all
+ * arc that meets the axis at a right angle; the arcs are exact. Other corners keep their edge, unless smooth_all: then normals are interpolated over all
  * corners that turn less than 40 degrees. STATUS_SCENE with the reason, the number and the coordinates of
  * the point when a number is negative, not finite or beyond 1e15, the profile crosses or touches itself
- * off the axis, has fewer than 3 or more than 100,000 points, makes more than 200,000 bands, encloses
+ * off the axis, has fewer than 3 or more than 100,000 points, makes more than 200,000 edges (of which an arc counts one for each degree), encloses
  * nothing, or a rounding does not fit. The search for crossings takes O(n log n) steps for
  * profiles that are not contrived, and gives up with an error after 1e9, some seconds. */
 ATTR_NODISCARD Status solid_make_lathe(const double (*profile)[2], uint32_t n, const double *round, bool smooth_all,

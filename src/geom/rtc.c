@@ -198,7 +198,7 @@ static bool consider_piece(Query *query, RtcPiece which)
         query->cached_origin = affine_point(&object->to_local, query->origin);
         query->cached_direction = affine_vector(&object->to_local, query->direction);
     }
-    double t[2];
+    double t[PIECE_MAX_ROOTS];
     double t_max = query->all ? query->ray->t_max : fmin(query->ray->t_max, query->reach);
     int n = piece_intersect(piece, query->cached_origin, query->cached_direction, query->ray->t_min, t_max, t);
     bool shrink = false;
@@ -249,8 +249,8 @@ void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
     if (!consider_embree((Query *)(void *)arguments->context, arguments->hit)) arguments->valid[0] = 0;
 }
 
-/* Around an eighth of a band: its four corners are extreme, as sine and cosine are monotonic in between. */
-static Box3 sector_bounds(const Piece *band, uint32_t sector)
+/* Around an eighth: the corners of its profile are extreme, as sine and cosine are monotonic in between. */
+static Box3 sector_bounds(const Piece *piece, uint32_t sector)
 {
     static const double half = 0.70710678118654757;
     static const double ends[RTC_SECTORS + 1][2] = {{1, 0}, {half, half}, {0, 1}, {-half, half}, {-1, 0},
@@ -258,10 +258,11 @@ static Box3 sector_bounds(const Piece *band, uint32_t sector)
     /* rtc_sector counts by quadrants and then by the larger coordinate: to the order of angles */
     static const uint32_t by_angle[RTC_SECTORS] = {0, 1, 3, 2, 4, 5, 7, 6};
     uint32_t k = by_angle[sector];
+    HalfBox half_box = piece_half_bounds(piece);
     Box3 box = box3_empty();
     for (uint32_t end = k; end <= k + 1; end++) {
-        box = box3_add_point(box, vec3(band->r0 * ends[end][0], band->y0, band->r0 * ends[end][1]));
-        box = box3_add_point(box, vec3(band->r1 * ends[end][0], band->y1, band->r1 * ends[end][1]));
+        box = box3_add_point(box, vec3(half_box.r0 * ends[end][0], half_box.y0, half_box.r0 * ends[end][1]));
+        box = box3_add_point(box, vec3(half_box.r1 * ends[end][0], half_box.y1, half_box.r1 * ends[end][1]));
     }
     return box;
 }

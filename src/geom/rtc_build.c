@@ -157,10 +157,12 @@ static Status add_meshes(RtcScene *scene, Error *error)
     return status;
 }
 
-/* Whether a band is hollow enough for eighths to have much smaller boxes. */
+/* Whether a piece is hollow enough for eighths to have much smaller boxes. */
 static uint32_t sectors_of(const Piece *piece)
 {
-    return piece->kind == PIECE_BAND && fmin(piece->r0, piece->r1) > 0.3 * fmax(piece->r0, piece->r1) ? RTC_SECTORS : 1;
+    if (piece->kind == PIECE_SPHERE || piece->kind == PIECE_RECT || piece->kind == PIECE_PLANE) return 1;
+    HalfBox box = piece_half_bounds(piece);
+    return box.r0 > 0.3 * box.r1 ? RTC_SECTORS : 1;
 }
 
 static void count_pieces(const RtcScene *scene, size_t *n, size_t *n_planes)

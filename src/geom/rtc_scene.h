@@ -20,8 +20,8 @@ typedef struct RtcPlaced {
     double stretch;             /* largest local-to-world scale */
 } RtcPlaced;
 
-/* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of a band. Bands are
- * cut into eighths so that the boxes around them are hollow: a ray down through a glass would else be tested
+/* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of one. Hollow
+ * ones are cut into eighths so that the boxes around them are hollow, too: a ray down through a glass would else be tested
  * against every band that it passes inside of. */
 typedef struct RtcPiece {
     uint32_t object, piece;

@@ -1,4 +1,4 @@
-/* solid.c - closed solids made of analytic pieces: storage, sphere, cone.
+/* solid.c - closed solids made of analytic pieces: storage, sphere, torus, capsule, cone; volumes.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
@@ -39,11 +39,27 @@ Piece piece_make_band(double r0, double y0, double r1, double y1)
                    .nr0 = unit_r, .ny0 = unit_y, .nr1 = unit_r, .ny1 = unit_y, .v0 = 0, .v1 = 1};
 }
 
-double piece_band_volume(const Piece *piece)
+Piece piece_make_zone(double centre_y, double r0, double y0, double r1, double y1)
+{
+    return (Piece){.kind = PIECE_OUTER_ARC, .r0 = r0, .y0 = y0, .r1 = r1, .y1 = y1,
+                   .centre_r = 0, .centre_y = centre_y, .v0 = 0, .v1 = 1};
+}
+
+/* The integral of r^2 over the height, along the arc of a circle about (c, 0) up to (c + side * s, h). */
+static double arc_integral(double c, double side, double squared, double s, double h)
+{
+    return (c * c + squared) * h - h * h * h / 3 + side * c * (h * s + squared * atan2(h, s));
+}
+
+double piece_volume(const Piece *piece)
 {
     double r0 = piece->r0;
     double r1 = piece->r1;
-    return pi / 3 * (r0 * r0 + r0 * r1 + r1 * r1) * (piece->y1 - piece->y0); /* a frustum */
+    if (piece->kind == PIECE_BAND) return pi / 3 * (r0 * r0 + r0 * r1 + r1 * r1) * (piece->y1 - piece->y0); /* a frustum */
+    double c = piece->centre_r, side = piece->kind == PIECE_OUTER_ARC ? 1 : -1;
+    double s0 = fabs(r0 - c), h0 = piece->y0 - piece->centre_y;
+    double s1 = fabs(r1 - c), h1 = piece->y1 - piece->centre_y, squared = s0 * s0 + h0 * h0;
+    return pi * (arc_integral(c, side, squared, s1, h1) - arc_integral(c, side, squared, s0, h0));
 }
 
 Status solid_make_sphere(double radius, Solid **solid, Error *error)
@@ -53,6 +69,42 @@ Status solid_make_sphere(double radius, Solid **solid, Error *error)
     TRY(solid_new(1, solid, error));
     (*solid)->pieces[0] = (Piece){.kind = PIECE_SPHERE, .r0 = radius};
     (*solid)->volume = 4 * pi / 3 * radius * radius * radius;
+    return STATUS_OK;
+}
+
+Status solid_make_torus(double radius, double tube, Solid **solid, Error *error)
+{
+    if (!(radius > 0) || !(tube > 0) || !(radius <= 1e15) || !(tube <= 1e15))
+        return fail(error, STATUS_SCENE, "a torus's radii must be greater than 0 and at most 1e15; they are %g and %g", radius, tube);
+    TRY(solid_new(1, solid, error));
+    (*solid)->pieces[0] = (Piece){.kind = PIECE_TORUS, .r0 = radius, .r1 = tube};
+    if (tube <= radius) {
+        (*solid)->volume = 2 * pi * pi * radius * tube * tube;
+        return STATUS_OK;
+    }
+    /* the outer half, less the dimples at both poles */
+    double pole = sqrt((tube - radius) * (tube + radius));
+    const Piece outer = {.kind = PIECE_OUTER_ARC, .r0 = radius, .y0 = -tube, .r1 = radius, .y1 = tube, .centre_r = radius};
+    const Piece dimple = {.kind = PIECE_INNER_ARC, .r0 = 0, .y0 = pole, .r1 = radius, .y1 = tube, .centre_r = radius};
+    (*solid)->volume = piece_volume(&outer) - 2 * piece_volume(&dimple);
+    return STATUS_OK;
+}
+
+Status solid_make_capsule(double radius, double height, Solid **solid, Error *error)
+{
+    if (!(radius > 0) || !(radius <= 1e15))
+        return fail(error, STATUS_SCENE, "a capsule's radius must be greater than 0 and at most 1e15; it is %g", radius);
+    if (!(height > 0) || !(height <= 1e15))
+        return fail(error, STATUS_SCENE, "a capsule's length must be greater than 0 and at most 1e15; it is %g", height);
+    TRY(solid_new(3, solid, error));
+    Piece *pieces = (*solid)->pieces;
+    pieces[0] = piece_make_zone(0, 0, -radius, radius, 0);
+    pieces[1] = piece_make_band(radius, 0, radius, height);
+    pieces[2] = piece_make_zone(height, radius, height, 0, height + radius);
+    double cap = pi / 2 * radius, whole = 2 * cap + height;
+    pieces[0].v1 = pieces[1].v0 = (float)(cap / whole);
+    pieces[1].v1 = pieces[2].v0 = (float)((cap + height) / whole);
+    (*solid)->volume = pi * radius * radius * (4.0 / 3 * radius + height);
     return STATUS_OK;
 }
 
@@ -79,7 +131,7 @@ Status solid_make_cone(double radius0, double radius1, double height, Solid **so
         pieces[i].v0 = (float)(along / length);
         along += hypot(pieces[i].r1 - pieces[i].r0, pieces[i].y1 - pieces[i].y0);
         pieces[i].v1 = (float)fmin(along / length, 1);
-        (*solid)->volume += piece_band_volume(&pieces[i]);
+        (*solid)->volume += piece_volume(&pieces[i]);
     }
     return STATUS_OK;
 }

@@ -66,9 +66,13 @@ static void add_solid(Hasher *h, const Solid *solid)
     for (uint32_t i = 0; i < solid->n_pieces; i++) {
         const Piece *p = &solid->pieces[i];
         add_integer(h, p->kind);
-        const double numbers[] = {p->r0,          p->y0,          p->r1,          p->y1,
-                                  (double)p->nr0, (double)p->ny0, (double)p->nr1, (double)p->ny1};
-        for (size_t k = 0; k < COUNT_OF(numbers); k++) add_number(h, numbers[k]);
+        bool arc = p->kind == PIECE_OUTER_ARC || p->kind == PIECE_INNER_ARC;
+        const double ends[] = {p->r0, p->y0, p->r1, p->y1};
+        const double centre[] = {p->centre_r, p->centre_y};
+        const double normals[] = {(double)p->nr0, (double)p->ny0, (double)p->nr1, (double)p->ny1};
+        for (size_t k = 0; k < COUNT_OF(ends); k++) add_number(h, ends[k]);
+        for (size_t k = 0; arc && k < COUNT_OF(centre); k++) add_number(h, centre[k]);
+        for (size_t k = 0; !arc && k < COUNT_OF(normals); k++) add_number(h, normals[k]);
     }
 }
 

@@ -42,8 +42,15 @@ static void check_chain(const Solid *solid)
         bool linked = here->r1 == next->r0 && here->y1 == next->y0;
         bool axis = here->r1 == 0 && next->r0 == 0;
         assert_true(linked || axis);
-        assert_near(hypot((double)here->nr0, (double)here->ny0), 1, 1e-6);
-        assert_near(hypot((double)here->nr1, (double)here->ny1), 1, 1e-6);
+        if (here->kind == PIECE_BAND) {
+            assert_near(hypot((double)here->nr0, (double)here->ny0), 1, 1e-6);
+            assert_near(hypot((double)here->nr1, (double)here->ny1), 1, 1e-6);
+            continue;
+        }
+        double radius = hypot(here->r0 - here->centre_r, here->y0 - here->centre_y);
+        assert_near(hypot(here->r1 - here->centre_r, here->y1 - here->centre_y) / radius, 1, 1e-12);
+        double side = here->kind == PIECE_OUTER_ARC ? 1 : -1;
+        assert_true(side * (here->r0 - here->centre_r) >= -1e-12 * radius && side * (here->r1 - here->centre_r) >= -1e-12 * radius);
     }
 }
 
@@ -111,30 +118,26 @@ static void test_rounded_corner(void **state)
     const double can[][2] = {{0, 0}, {5, 0}, {5, 10}, {0, 10}};
     const double round[] = {0, 2, 0, 0};
     Solid *solid = make(can, 4, round, false);
-    /* a disc, 30 bands of 3 degrees, the side, the lid */
-    assert_int_equal(solid->n_pieces, 33);
+    /* a disc, the arc, the side, the lid */
+    assert_int_equal(solid->n_pieces, 4);
     check_chain(solid);
-    double exact = pi * 250;
-    /* what a quarter round takes: the ring between a square and a quarter disc, by Pappus, in the limit */
+    /* what a quarter round takes: the ring between a square and a quarter disc, by Pappus */
     double square = 4.0 * 2 * pi * 4;
     double quarter = pi * 2 * pi * (3 + 4 * 2.0 / (3 * pi)) * 1.0;
-    exact -= square - quarter;
-    assert_true(fabs(solid->volume - exact) < 1e-3 * (square - quarter) + 0.02);
-    for (uint32_t i = 1; i <= 30; i++) {
-        const Piece *p = &solid->pieces[i];
-        assert_near(hypot(p->r0 - 3, p->y0 - 2), 2, 1e-12);
-        assert_near((double)p->nr0, (p->r0 - 3) / 2, 1e-6);
-        assert_near((double)p->ny0, (p->y0 - 2) / 2, 1e-6);
-        assert_near((double)p->nr1, (p->r1 - 3) / 2, 1e-6);
-        assert_near((double)p->ny1, (p->y1 - 2) / 2, 1e-6);
-    }
-    /* it starts and ends as its neighbours do */
-    assert_near((double)solid->pieces[1].ny0, -1, 0);
+    assert_near(solid->volume, pi * 250 - (square - quarter), 1e-10);
+    const Piece *p = &solid->pieces[1];
+    assert_int_equal(p->kind, PIECE_OUTER_ARC);
+    assert_near(p->centre_r, 3, 1e-12);
+    assert_near(p->centre_y, 2, 1e-12);
+    assert_near(p->r0, 3, 1e-12);
+    assert_near(p->y0, 0, 1e-12);
+    assert_near(p->r1, 5, 1e-12);
+    assert_near(p->y1, 2, 1e-12);
+    /* its neighbours start and end as it does */
     assert_near((double)solid->pieces[0].ny1, -1, 0);
-    assert_near((double)solid->pieces[30].nr1, 1, 0);
-    assert_near((double)solid->pieces[31].nr0, 1, 0);
-    assert_near(solid->pieces[1].r0, 3, 1e-12);
-    assert_near(solid->pieces[31].y0, 2, 1e-12);
+    assert_near((double)solid->pieces[2].nr0, 1, 0);
+    assert_near((double)p->v0, 3 / (3 + pi + 8 + 5), 1e-4);
+    assert_near((double)p->v1, (3 + pi) / (3 + pi + 8 + 5), 1e-4);
     solid_free(solid);
 }
 
@@ -145,17 +148,20 @@ static void test_rounds_that_meet(void **state)
     const double pill[][2] = {{0, 0}, {2, 0}, {2, 4}, {0, 4}};
     const double round[] = {0, 2, 2, 0};
     Solid *solid = make(pill, 4, round, false);
-    assert_int_equal(solid->n_pieces, 60);
+    assert_int_equal(solid->n_pieces, 2);
     check_chain(solid);
-    assert_true(fabs(solid->volume / (32 * pi / 3) - 1) < 2e-3);
+    assert_near(solid->volume / (32 * pi / 3), 1, 1e-12);
+    assert_near(solid->pieces[0].centre_r, 0, 1e-12);
     solid_free(solid);
     const double cone[][2] = {{0, 0}, {3, 0}, {0, 4}};
     const double tip[] = {0, 0, 1};
     solid = make(cone, 3, tip, false);
     check_chain(solid);
     const Piece *top = &solid->pieces[solid->n_pieces - 1];
+    assert_int_equal(top->kind, PIECE_OUTER_ARC);
     assert_near(top->r1, 0, 0);
-    assert_near((double)top->ny1, 1, 0);
+    assert_near(top->centre_r, 0, 0);
+    assert_near(top->y1 - top->centre_y, 1, 1e-12);
     /* the inscribed sphere of radius 1 touches the slope 4/3 from its tip and tops out 5/3 - 1 below it */
     assert_near(top->y1, 4 - (5.0 / 3 - 1), 1e-12);
     solid_free(solid);
@@ -163,13 +169,26 @@ static void test_rounds_that_meet(void **state)
     const double floor_round[] = {0, 0, 0, 0, 0, 8, 0};
     solid = make(tumbler, 7, floor_round, false);
     check_chain(solid);
-    assert_true(solid->volume > tumbler_volume);
-    for (uint32_t i = 0; i < solid->n_pieces; i++) {
-        const Piece *p = &solid->pieces[i];
-        if (p->r1 >= 37 || p->r1 <= 29 || p->y1 <= 10) continue;
-        assert_near((double)p->nr1, (29 - p->r1) / 8, 1e-6);
-        assert_near((double)p->ny1, (18 - p->y1) / 8, 1e-6);
-    }
+    double taken = 64 * 2 * pi * (37 - 4) - 16 * pi * 2 * pi * (29 + 4 * 8.0 / (3 * pi)); /* less hollow than with a corner */
+    assert_near(solid->volume, tumbler_volume + taken, 1e-8);
+    assert_int_equal(solid->n_pieces, 7);
+    const Piece *hollow = &solid->pieces[5];
+    assert_int_equal(hollow->kind, PIECE_OUTER_ARC);
+    assert_near(hollow->centre_r, 29, 1e-12);
+    assert_near(hollow->centre_y, 18, 1e-12);
+    assert_true(hollow->y1 < hollow->y0); /* downwards: the solid is outside of the circle */
+    solid_free(solid);
+    /* a groove: an arc that turns from up to down is cut there */
+    const double groove[][2] = {{5, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 5}, {9, 5}, {9, 8}, {5, 8}};
+    const double turns[] = {0, 0, 1.5, 1, 1, 1.5, 0, 0};
+    solid = make(groove, 8, turns, false);
+    check_chain(solid);
+    solid_free(solid);
+    const double wedge[][2] = {{3, 0}, {9, 4}, {3, 1}};
+    const double nose[] = {0, 0.1, 0};
+    solid = make(wedge, 3, nose, false);
+    check_chain(solid);
+    assert_int_equal(solid->n_pieces, 5); /* three sides, and the nose, over its top: twice */
     solid_free(solid);
 }
 

@@ -61,6 +61,21 @@ static Vec3 point_in(Dice *dice, Box3 b)
 static void point_on(Dice *dice, const Piece *piece, bool at_end, double *r, double *y)
 {
     double s = dice_unit(dice);
+    if (piece->kind == PIECE_TORUS) {
+        *r = fabs(piece->r0 + piece->r1 * cos(2 * pi * s));
+        *y = piece->r1 * sin(2 * pi * s);
+        return;
+    }
+    if (piece->kind == PIECE_OUTER_ARC || piece->kind == PIECE_INNER_ARC) {
+        double a = hypot(piece->r0 - piece->centre_r, piece->y0 - piece->centre_y);
+        *r = piece->r0;
+        *y = piece->y0;
+        if (at_end) return;
+        *y += s * (piece->y1 - piece->y0);
+        double h = *y - piece->centre_y, across = sqrt(fmax(a * a - h * h, 0));
+        *r = fmax(piece->centre_r + (piece->kind == PIECE_OUTER_ARC ? across : -across), 0);
+        return;
+    }
     if (piece->kind == PIECE_SPHERE) {
         *r = piece->r0 * sin(pi * s);
         *y = piece->r0 * cos(pi * s);
@@ -132,7 +147,7 @@ static void check_line(const char *name, const Solid *solid, Line line, double s
     Crossing crossings[MAX_CROSSINGS];
     int n = 0;
     for (uint32_t i = 0; i < solid->n_pieces; i++) {
-        double t[2];
+        double t[PIECE_MAX_ROOTS];
         int found = piece_intersect(&solid->pieces[i], line.org, line.dir, -HUGE_VAL, HUGE_VAL, t);
         for (int k = 0; k < found; k++) {
             assert_true(n < MAX_CROSSINGS);
@@ -196,6 +211,46 @@ static void test_simple_solids_are_closed(void **state)
     check_closed("needle", made_cone(1e-3, 2e-3, 50));
 }
 
+static Solid *made_torus(double radius, double tube)
+{
+    Solid *solid = NULL;
+    assert_int_equal(solid_make_torus(radius, tube, &solid, NULL), STATUS_OK);
+    return solid;
+}
+
+static Solid *made_capsule(double radius, double height)
+{
+    Solid *solid = NULL;
+    assert_int_equal(solid_make_capsule(radius, height, &solid, NULL), STATUS_OK);
+    return solid;
+}
+
+static void test_round_solids_are_closed(void **state)
+{
+    (void)state;
+    check_closed("ring", made_torus(3, 1));
+    check_closed("spindle", made_torus(1, 1.7));
+    check_closed("wire", made_torus(20, 0.01));
+    check_closed("capsule", made_capsule(2, 5));
+    check_closed("pill", made_capsule(3, 1e-3));
+    check_closed("hair", made_capsule(1e-3, 40));
+    const double rod[][2] = {{0, 0}, {5, 0}, {5, 10}, {0, 10}};
+    const double fine[] = {0, 0.5, 2, 0};
+    check_closed("rod", made_lathe(rod, 4, fine));
+    const double thread[][2] = {{5, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 5}, {9, 5}, {9, 8}, {5, 8}};
+    const double turns[] = {0.3, 0.3, 1.5, 1, 1, 1.5, 1.5, 1.5};
+    check_closed("thread", made_lathe(thread, 8, turns));
+    const double lemon[][2] = {{0, 0}, {1, 1}, {0, 2}};
+    const double bulge[] = {0, 1.2, 0};
+    check_closed("lemon", made_lathe(lemon, 3, bulge));
+    const double top[][2] = {{0, 0}, {3, 0.5}, {0, 4}};
+    const double blunt[] = {0.3, 0.4, 1};
+    check_closed("top", made_lathe(top, 3, blunt));
+    const double wedge[][2] = {{3, 0}, {9, 4}, {3, 1}};
+    const double nose[] = {0.05, 0.1, 0.03};
+    check_closed("wedge", made_lathe(wedge, 3, nose));
+}
+
 static void test_lathes_are_closed(void **state)
 {
     (void)state;
@@ -221,7 +276,7 @@ static void test_sphere_by_formula(void **state)
 {
     (void)state;
     Piece sphere = {.kind = PIECE_SPHERE, .r0 = 2};
-    double t[2];
+    double t[PIECE_MAX_ROOTS];
     assert_int_equal(piece_intersect(&sphere, vec3(1, 0, -10), vec3(0, 0, 1), 0, HUGE_VAL, t), 2);
     assert_near(t[0], 10 - sqrt(3), 1e-14);
     assert_near(t[1], 10 + sqrt(3), 1e-14);
@@ -240,7 +295,7 @@ static void test_sphere_by_formula(void **state)
 static void test_open_pieces(void **state)
 {
     (void)state;
-    double t[2];
+    double t[PIECE_MAX_ROOTS];
     Piece rect = {.kind = PIECE_RECT, .r0 = 2, .r1 = 1};
     Piece plane = {.kind = PIECE_PLANE};
     assert_int_equal(piece_intersect(&rect, vec3(1.9, 5, 0.9), vec3(0, -2, 0), 0, HUGE_VAL, t), 1);
@@ -278,7 +333,7 @@ static void test_normals_are_gradients(void **state)
         Piece piece = piece_make_band(b[0], b[1], b[2], b[3]);
         Vec3 org = vec3_scale(dice_direction(&dice), 6);
         Vec3 dir = vec3_sub(vec3_scale(dice_direction(&dice), 2.5 * dice_unit(&dice)), org);
-        double t[2];
+        double t[PIECE_MAX_ROOTS];
         int n = piece_intersect(&piece, org, dir, -HUGE_VAL, HUGE_VAL, t);
         for (int k = 0; k < n; k++) {
             PieceRoot root;
@@ -317,7 +372,7 @@ static void test_shared_walls_coincide(void **state)
         Vec3 org = vec3(200 * dice_unit(&dice) - 100, 100 * dice_unit(&dice), 200 * dice_unit(&dice) - 100);
         Vec3 dir = dice_direction(&dice);
         Vec3 lifted = vec3(org.x, org.y - 10, org.z); /* the drink stands 10 higher */
-        double t[2], s[2];
+        double t[PIECE_MAX_ROOTS], s[PIECE_MAX_ROOTS];
         int n = piece_intersect(wall, org, dir, -HUGE_VAL, HUGE_VAL, t);
         int m = piece_intersect(side, lifted, dir, -HUGE_VAL, HUGE_VAL, s);
         for (int k = 0; k < n; k++) {
@@ -387,6 +442,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_simple_solids_are_closed), cmocka_unit_test(test_lathes_are_closed),
+        cmocka_unit_test(test_round_solids_are_closed),
         cmocka_unit_test(test_sphere_by_formula),        cmocka_unit_test(test_open_pieces),
         cmocka_unit_test(test_normals_are_gradients),    cmocka_unit_test(test_shared_walls_coincide),
         cmocka_unit_test(test_inset),                    cmocka_unit_test(test_volumes_and_errors),
