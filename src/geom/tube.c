@@ -16,7 +16,10 @@
 
 #include <math.h>
 
-enum { MAX_STEPS = 100 };
+enum {
+    MAX_STEPS = 100,
+    DEPTH = 4 /* in noise: what counts as a dip */
+};
 
 /* The line as seen from the tube's centre; u = t - base is 0 at the point nearest to it. */
 typedef struct TubeLine {
@@ -112,7 +115,7 @@ static bool find_dip(const TubeLine *line, const Stop *left, const Stop *right, 
 {
     double sign = left->inside ? -1 : 1;
     Stop a = *left, b = *right;
-    double width = b.u - a.u, depth = 4 * line->noise;
+    double width = b.u - a.u, depth = DEPTH * line->noise;
     for (int i = 0; i < MAX_STEPS; i++) {
         double slope_a = sign * a.slope, slope_b = sign * b.slope;
         if (!(slope_a < 0 && slope_b > 0)) return false;
@@ -243,6 +246,9 @@ void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, doub
                      .squared = tube->radius * tube->radius, .first = span->a, .last = span->b, .t_min = t_min, .t_max = t_max,
                      .noise = 0x1p-53 * tube->radius * (fabs(tube->centre_r) + tube->radius)};
     line.org = vec3_along(org, line.base, dir);
+    /* along the top and the bottom, where the parts meet, no part may find crossings in what is only noise: dips of outer
+     * ones must be deeper than that, inner ones are as much thicker */
+    if (tube->part == TUBE_INNER) line.squared += DEPTH * line.noise;
     line.least_slope = 1e10 * line.noise / tube->radius * vec3_length(dir);
     out->n = 0;
     out->first_enters = true;
