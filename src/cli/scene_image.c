@@ -36,7 +36,7 @@ Status image_read_linear(const char *path, Image *image, Error *error)
     return STATUS_OK;
 }
 
-/* Without a named space an EXR file is linear in the working space already, and a PNG file is sRGB. */
+/* SCENE_SPACE_DATA leaves values as they are. Without a named space an EXR file is linear in the working space already, and a PNG file is sRGB. */
 Status load_scene_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
                         uint32_t *height, Error *error)
 {
@@ -45,8 +45,9 @@ Status load_scene_image(void *context, const char *path, const char *space, floa
     *rgb = NULL;
     Status status = space ? image_read(path, &image, error) : image_read_linear(path, &image, error);
     if (status == STATUS_OK) status = copy_colors(path, &image, rgb, error);
-    if (status == STATUS_OK && space) status = color_source_open(color, error);
-    if (status == STATUS_OK && space)
+    bool convert = space && strcmp(space, SCENE_SPACE_DATA) != 0;
+    if (status == STATUS_OK && convert) status = color_source_open(color, error);
+    if (status == STATUS_OK && convert)
         status = color_to_working(color->config, space, *rgb, (size_t)image.width * image.height, error);
     *width = image.width;
     *height = image.height;

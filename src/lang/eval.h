@@ -44,6 +44,8 @@ typedef struct EvalProp {
         struct {
             size_t n;
             const double *numbers;      /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */
+            size_t n_lists;             /* PROP_NUMBER_LISTS, PROP_VECTOR2_LISTS: n and numbers are of all together */
+            const size_t *lengths;      /* n_lists */
             const char *const *texts;   /* PROP_STRINGS */
             const EvalNode *const *nodes;
         } list;

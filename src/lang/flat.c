@@ -191,13 +191,13 @@ static void new_line(Flat *flat, unsigned depth)
 }
 
 /* "[a, b, c]", in lines */
-static void print_numbers(Flat *flat, const EvalProp *prop, ValueKind kind)
+static void print_numbers(Flat *flat, const double *numbers, size_t n, ValueKind kind)
 {
     unsigned width = value_width(kind);
     size_t line = line_start(flat->out);
     unsigned depth = line_depth(flat->out) + 1;
     buf_add(flat->out, "[");
-    for (size_t i = 0; i < prop->as.list.n; i++) {
+    for (size_t i = 0; i < n; i++) {
         if (i > 0) buf_add(flat->out, ",");
         if (flat->out->length - line > LINE_WIDTH) {
             new_line(flat, depth);
@@ -205,7 +205,22 @@ static void print_numbers(Flat *flat, const EvalProp *prop, ValueKind kind)
         } else if (i > 0) {
             buf_add(flat->out, " ");
         }
-        print_vector(flat->out, kind, prop->as.list.numbers + i * width);
+        print_vector(flat->out, kind, numbers + i * width);
+    }
+    buf_add(flat->out, "]");
+}
+
+static void print_number_lists(Flat *flat, const EvalProp *prop, ValueKind kind)
+{
+    const double *numbers = prop->as.list.numbers;
+    buf_add(flat->out, "[");
+    for (size_t i = 0; i < prop->as.list.n_lists; i++) {
+        if (i > 0) {
+            buf_add(flat->out, ",");
+            new_line(flat, line_depth(flat->out));
+        }
+        print_numbers(flat, numbers, prop->as.list.lengths[i], kind);
+        numbers += prop->as.list.lengths[i] * value_width(kind);
     }
     buf_add(flat->out, "]");
 }
@@ -293,9 +308,11 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_SPECTRUM:
     case PROP_TERM: print_spectrum(flat, prop); break;
     case PROP_NODE: print_reference(flat, prop->as.node); break;
-    case PROP_NUMBERS: print_numbers(flat, prop, VALUE_NUMBER); break;
-    case PROP_VECTORS2: print_numbers(flat, prop, VALUE_VECTOR2); break;
-    case PROP_VECTORS3: print_numbers(flat, prop, VALUE_VECTOR3); break;
+    case PROP_NUMBERS: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_NUMBER); break;
+    case PROP_VECTORS2: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR2); break;
+    case PROP_VECTORS3: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR3); break;
+    case PROP_NUMBER_LISTS: print_number_lists(flat, prop, VALUE_NUMBER); break;
+    case PROP_VECTOR2_LISTS: print_number_lists(flat, prop, VALUE_VECTOR2); break;
     case PROP_STRINGS:
     case PROP_NODES: print_list(flat, prop); break;
     }

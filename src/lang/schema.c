@@ -91,6 +91,8 @@ static const char *kind_text(Arena *arena, const PropType *type)
     case PROP_NUMBERS: return "a list of numbers";
     case PROP_VECTORS2: return "a list of vectors of 2";
     case PROP_VECTORS3: return "a list of vectors of 3";
+    case PROP_NUMBER_LISTS: return "a list of lists of numbers";
+    case PROP_VECTOR2_LISTS: return "a list of vectors of 2, or a list of such lists";
     case PROP_STRINGS: return "a list of strings";
     case PROP_NODES: break;
     }
@@ -238,10 +240,17 @@ static bool node_allowed(const PropType *type, const Value *value)
 
 /* ---- lists ---- */
 
+/* Numbers in each element of a list. */
+static unsigned list_width(PropKind kind)
+{
+    if (kind == PROP_NUMBERS || kind == PROP_NUMBER_LISTS) return 1;
+    return kind == PROP_VECTORS2 || kind == PROP_VECTOR2_LISTS ? 2 : 3;
+}
+
 static bool check_number_list(const Check *check, const Value *value, EvalProp *prop)
 {
     Check element = *check;
-    unsigned width = check->type->kind == PROP_NUMBERS ? 1 : check->type->kind == PROP_VECTORS2 ? 2 : 3;
+    unsigned width = list_width(check->type->kind);
     ValueKind wanted = width == 1 ? VALUE_NUMBER : value_vector_kind(width);
     bool single = width == 1 && value->kind == VALUE_NUMBER; /* as good as a list of one */
     if (!single && value->kind != VALUE_LIST && value->kind != VALUE_RANGE) return wrong_type(check, value);
@@ -264,6 +273,41 @@ static bool check_number_list(const Check *check, const Value *value, EvalProp *
     prop->as.list.n = n;
     prop->as.list.numbers = numbers;
     return check_numbers(check, numbers, n * width);
+}
+
+/* Lists of lists: the elements one behind the other, and the lengths. */
+static bool check_number_lists(const Check *check, const Value *value, EvalProp *prop)
+{
+    Evaluator *evaluator = check->evaluator;
+    unsigned width = list_width(check->type->kind);
+    if (value->kind != VALUE_LIST) return wrong_type(check, value);
+    size_t n_lists = value_count(value), n = 0;
+    Value first = n_lists ? value_element(value, 0) : value_none();
+    bool single = check->type->kind == PROP_VECTOR2_LISTS && first.kind == VALUE_VECTOR2;
+    if (single) n_lists = 1;
+    if (!eval_reserve(evaluator, (double)n_lists * sizeof(EvalProp), check->expr->span)) return false;
+    EvalProp *parts = ARENA_ARRAY(evaluator->arena, EvalProp, n_lists);
+    size_t *lengths = ARENA_ARRAY(evaluator->arena, size_t, n_lists);
+    Check element = *check;
+    for (size_t i = 0; i < n_lists; i++) {
+        Value item = single ? *value : value_element(value, i);
+        element.element = single ? 0 : i + 1;
+        if (item.kind == VALUE_POISON) return false;
+        if (item.kind != VALUE_LIST && item.kind != VALUE_RANGE) return wrong_type(&element, &item);
+        element.element = 0;
+        if (!check_number_list(&element, &item, &parts[i])) return false;
+        lengths[i] = parts[i].as.list.n;
+        n += lengths[i];
+    }
+    if (!eval_reserve(evaluator, (double)n * width * sizeof(double), check->expr->span)) return false;
+    double *numbers = ARENA_ARRAY(evaluator->arena, double, n * width);
+    prop->as.list.n = n;
+    prop->as.list.numbers = numbers;
+    prop->as.list.n_lists = n_lists;
+    prop->as.list.lengths = lengths;
+    for (size_t i = 0; i < n_lists; numbers += width * lengths[i], i++)
+        if (lengths[i]) memcpy(numbers, parts[i].as.list.numbers, lengths[i] * width * sizeof *numbers);
+    return true;
 }
 
 static bool check_string_list(const Check *check, const Value *value, EvalProp *prop)
@@ -340,6 +384,8 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
     case PROP_NUMBERS:
     case PROP_VECTORS2:
     case PROP_VECTORS3: return check_number_list(check, value, prop);
+    case PROP_NUMBER_LISTS:
+    case PROP_VECTOR2_LISTS: return check_number_lists(check, value, prop);
     case PROP_STRINGS: return check_string_list(check, value, prop);
     case PROP_NODES: break;
     }

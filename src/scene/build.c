@@ -160,6 +160,8 @@ static const struct {
     {"light", build_light},   {"camera", build_camera},
     {"union", build_union},   {"merge", build_union},   {"intersection", build_intersection},
     {"difference", build_difference},
+    {"prism", build_prism},   {"sweep", build_sweep},   {"superellipsoid", build_superellipsoid},
+    {"height_field", build_height_field},
 };
 
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent)

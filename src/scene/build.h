@@ -7,7 +7,9 @@
 #include "scene/scene.h"
 
 /* What images are read with: the layer below has no image files. rgb is malloc'd, linear Rec.709 (working
- * space). space: name of the colour space, NULL by the file's kind. */
+ * space). space: name of the colour space, NULL by the file's kind, SCENE_SPACE_DATA for values as they are in the
+ * file. */
+#define SCENE_SPACE_DATA ""
 typedef Status (*SceneImageLoader)(void *context, const char *path, const char *space, float **rgb,
                                    uint32_t *width, uint32_t *height, Error *error);
 

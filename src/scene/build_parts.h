@@ -133,6 +133,18 @@ void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world);
 bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape);
 void build_report_open(Builder *b, Span span, const char *name, uint32_t shape);
 
+/* build_meshed.c */
+void build_prism(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_sweep(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_superellipsoid(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_height_field(Builder *b, const EvalNode *node, const Affine *to_world);
+/* Makes the mesh of a node. STATUS_SCENE with a text, or with an empty one when it has been reported; *span is where
+ * the text points to, the node unless it is changed. */
+typedef Status BuildMaker(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error);
+/* Places the shape that the maker makes of the node's PROP_SHAPE properties (and of what is behind `more`, such as a
+ * path): made once for nodes that say the same. */
+void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildMaker *make, const char *more);
+
 /* build_light.c, build_view.c */
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_environment(Builder *b, const EvalNode *node);

@@ -18,6 +18,13 @@
     PROP(priority, INTEGER, UNIT_NONE, 0, -1000000, 1000000, NULL, NULL,                                               \
          "instead of its medium's priority: where objects overlap, the larger is on top")
 
+#define BEVEL_OF_ENDS                                                                                                  \
+    PROP(bevel, NUMBER, UNIT_LENGTH, PROP_SHAPE, 0, NO_MAX, NULL, "0",                                                 \
+         "how far from the edges of both ends the bevel begins; 0: sharp edges")                                       \
+    PROP(bevel_segments, INTEGER, UNIT_NONE, PROP_SHAPE, 1, 64, NULL, "4",                                             \
+         "steps of the bevel: 1 is a flat chamfer, more are rounded")
+#define TOLERANCE(doc) PROP(tolerance, NUMBER, UNIT_LENGTH, PROP_SHAPE | PROP_OPEN_MIN, 0, NO_MAX, NULL, NULL, doc)
+
 /* First the tables of properties ... */
 #define NODE(name, flags, child_types, doc) static const PropType name##_props[] = {
 #define PROP(name, kind, unit, flags, min, max, choices, default_text, doc)                                            \

@@ -1,0 +1,280 @@
+/* meshed_test.c - sweeps, superellipsoids, height fields and prisms as scenes say them: closed, as large as formulas
+ * say, with normals that face outward; and what is refused. SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/hash.h"
+#include "near.h"
+#include "scene_fixture.h"
+
+static const double pi = 3.14159265358979323846;
+
+#define M FIXTURE_MEDIA
+#define V FIXTURE_VIEW
+#define REFUSED(text, code) fixture_refused(M text V, code)
+
+/* The triangles' own normals and those at their corners must agree; returns the largest angle between them, in
+ * degrees. Slivers have no direction worth mentioning. */
+static double worst_normal(const Mesh *mesh)
+{
+    double worst = 1;
+    for (uint32_t i = 0; mesh->normals && i < mesh->n_triangles; i++) {
+        const uint32_t *t = mesh->triangles[i];
+        Vec3 a = vec3_from_f(mesh->positions[t[0]]), ab = vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
+             ac = vec3_sub(vec3_from_f(mesh->positions[t[2]]), a), n = vec3_cross(ab, ac);
+        if (!(vec3_length(n) > 1e-3 * vec3_length(ab) * vec3_length(ac))) continue;
+        for (int k = 0; k < 3; k++) worst = fmin(worst, vec3_dot(vec3_normalize(n), vec3_from_f(mesh->normals[t[k]])));
+    }
+    return acos(fmax(worst, -1)) * 180 / pi;
+}
+
+/* The only object of the scene: closed and of that volume, within a relative tolerance. */
+static void check_volume(const char *text, double volume, double tolerance, double degrees)
+{
+    Fixture f;
+    char whole[4096];
+    snprintf(whole, sizeof whole, "%s%s%s", M, text, V);
+    fixture_good(&f, whole);
+    const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
+    MeshReport report;
+    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    if (!report.closed || fabs(report.volume / volume - 1) > tolerance)
+        fail_msg("%s: closed %d, volume %.9g, not %.9g", text, report.closed, report.volume, volume);
+    if (worst_normal(mesh) > degrees) fail_msg("%s: a normal is off by %g degrees", text, worst_normal(mesh));
+    assert_near(f.scene->objects[0].volume, volume, tolerance * volume);
+    fixture_clear(&f);
+}
+
+static void prisms(void **state)
+{
+    (void)state;
+    check_volume("prism { interior = glass outline = [<0, 0>, <3, 0>, <3, 2>, <0, 2>] to = 5 }", 30, 1e-6, 1);
+    check_volume("prism { interior = glass from = 5 to = -1 outline = [[<0, 0>, <4, 0>, <4, 4>, <0, 4>], [<1, 1>, <1, "
+                 "2>, <2, 2>, "
+                 "<2, 1>]] }",
+                 90, 1e-6, 1);
+    check_volume("prism { interior = glass to = 3 scale_to = 0 outline = [<-1, -1>, <1, -1>, <1, 1>, <-1, 1>] }", 4,
+                 1e-6, 1);
+    /* the inset of a square of 4: rounded at both ends */
+    check_volume(
+        "prism { interior = glass to = 2 bevel = .5 bevel_segments = 64 outline = [<0, 0>, <4, 0>, <4, 4>, <0, 4>] }",
+        16 + 9 + 1.5 * pi + 2. / 3, 1e-4, 2);
+    check_volume("prism { interior = glass smooth = true outline = [for (i in 0..<360) <2 * cos(i), 2 * sin(i)>] }",
+                 4 * pi, 1e-4, 1);
+    check_volume("prism { interior = glass curve = cubic outline = [for (i in 0..<32) <2 * cos(11.25 * i), 2 * "
+                 "sin(11.25 * i)>] }",
+                 4 * pi, 1e-3, 4);
+}
+
+static void prisms_that_cannot_be(void **state)
+{
+    (void)state;
+    REFUSED("prism { interior = glass }", D_MISSING_PROPERTY);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <1, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [[]] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <1, 0>, <2, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>, <0, 2>] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] to = 0 }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] scale_from = 0 scale_to = 0 }",
+            D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] scale_to = .5 bevel = .1 }",
+            D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] bevel = 3 to = 20 }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] bevel = .1 to = .1 }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] bevel_segments = 3 }",
+            D_CONFLICTING_PROPERTIES);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>] tolerance = 3 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("prism { interior = glass outline = [<0, 0>, <2, 2>, <2, 0>, <1, 0>] curve = bezier }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass outline = [1, 2, 3] }", D_WRONG_TYPE);
+    REFUSED("prism { interior = glass outline = [[<0, 0>, <1, 0>, <0, 1>], 2] }", D_WRONG_TYPE);
+    REFUSED("prism { interior = glass outline = [[<0, 0>, <1, 0>, 3]] }", D_WRONG_TYPE);
+    Fixture f; /* the message says where */
+    fixture_text(&f, M
+                 "prism { interior = glass outline = [[<9, 9>, <8, 9>, <9, 8>], [<0, 0>, <2, 2>, <2, 0>, <0, 2>]] }" V);
+    const Diagnostic *report = fixture_find(&f, D_DEGENERATE_SHAPE);
+    assert_non_null(report);
+    assert_non_null(strstr(report->text, "<1, 1>: behind its point 0 of loop 1 and behind its point 2 of loop 1"));
+    fixture_clear(&f);
+}
+
+static void sweeps(void **state)
+{
+    (void)state;
+    /* a straight rod, a cone, a ring, a rod with a mitre, with round ends */
+    check_volume("sweep { interior = glass path = [<0, 0, 0>, <3, 4, 0>] radius = .5 segments = 1000 curve = linear }",
+                 5 * .25 * pi, 1e-4, 1);
+    check_volume(
+        "sweep { interior = glass path = [<0, 0, 0>, <0, 0, 3>] radius = [1, 0] segments = 1000 curve = linear }", pi,
+        1e-4, 2);
+    check_volume("sweep { interior = glass closed = true tolerance = .0002 radius = .5 "
+                 "path = [for (i in 0..<64) <3 * cos(5.625 * i), 0, 3 * sin(5.625 * i)>] }",
+                 2 * pi * pi * 3 * .25, 1e-3, 6);
+    check_volume("sweep { interior = glass path = [<0, 0, 0>, <3, 0, 0>, <3, 0, 3>] radius = .5 segments = 1000 curve "
+                 "= linear }",
+                 6 * .25 * pi, 1e-4, 1);
+    check_volume("sweep { interior = glass path = [<0, 0, 0>, <3, 0, 0>] radius = .5 segments = 1000 ends = round }",
+                 3 * .25 * pi + 4. / 3 * pi * .125, 1e-4, 1);
+    check_volume(
+        "sweep { interior = glass closed = true path = [<0, 0, 0>, <4, 0, 0>, <4, 3, 0>, <0, 3, 0>] curve = linear "
+        "outline = [<-.5, -.5>, <.5, -.5>, <.5, .5>, <-.5, .5>] }",
+        14, 1e-6, 1);
+    /* twisting keeps the area of each section, and so the volume */
+    check_volume("sweep { interior = glass path = [<0, 0, 0>, <0, 0, 10>] twist = 720 tolerance = 1e-4 "
+                 "outline = [<-1, -.5>, <1, -.5>, <1, .5>, <-1, .5>] }",
+                 20, 5e-3, 12);
+    /* a tube with a hole, around a whole turn */
+    check_volume("sweep { interior = glass closed = true twist = 360 path = [for (i in 0..<64) <9 * cos(5.625 * i), 0, "
+                 "9 * sin(5.625 * "
+                 "i)>] outline = [[<-2, -2>, <2, -2>, <2, 2>, <-2, 2>], [<-1, -1>, <1, -1>, <1, 1>, <-1, 1>]] }",
+                 2 * pi * 9 * 12, 1e-2, 10);
+    /* a helix: its length times its section */
+    check_volume("sweep { interior = glass radius = .2 tolerance = .0002 path = [for (i in 0..180) <cos(10 * i), i / "
+                 "36, sin(10 * i)>] }",
+                 pi * .04 * 5 * sqrt(4 * pi * pi + 1), 4e-3, 6);
+}
+
+static void sweeps_that_cannot_be(void **state)
+{
+    (void)state;
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <0, 0, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <1, 0, 0>] closed = true }", D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <1, 0, 0>] radius = 0 }", D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <1, 0, 0>] radius = [1, 2, 3] }", D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <1, 0, 0>, <0, 0, 0>] radius = .1 curve = linear }",
+            D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass radius = 2 path = [for (i in 0..9) <cos(20 * i), sin(20 * i), 0>] }",
+            D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass radius = 2 curve = linear path = [<0, 0, 0>, <1, 0, 0>, <1, 1, 0>] }",
+            D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <1, 0, 0>] twist = 5 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("sweep { interior = glass path = [<0, 0, 0>, <1, 0, 0>] ends = round outline = [<0, 0>, <1, 0>, <0, 1>] }",
+            D_CONFLICTING_PROPERTIES);
+    REFUSED("sweep { interior = glass closed = true twist = 90 path = [<0, 0, 0>, <9, 0, 0>, <9, 9, 0>] outline = [<0, "
+            "0>, <1, 0>, <0, "
+            "1>] }",
+            D_DEGENERATE_SHAPE);
+    Fixture f; /* a figure of eight that runs through itself is allowed, and said */
+    fixture_good(&f, M "sweep { interior = glass radius = .3 closed = true path = [for (i in 0..<36) <3 * sin(10 * i), "
+                       "2 * sin(20 * i), 0>] }" V);
+    assert_non_null(fixture_find(&f, D_SELF_OVERLAP));
+    fixture_clear(&f);
+    fixture_good(&f, M "sweep { interior = glass radius = .3 path = [for (i in 0..60) <3 * cos(20 * i), .05 * i, 3 * "
+                       "sin(20 * i)>] }" V);
+    assert_null(fixture_find(&f, D_SELF_OVERLAP));
+    fixture_clear(&f);
+}
+
+/* Random paths and outlines: what is made is closed. */
+static void sweeps_of_all_kinds(void **state)
+{
+    (void)state;
+    uint64_t seed = 7;
+    int n_made = 0;
+    for (int round = 0; round < 400; round++) {
+        char text[4096], path[2048] = "";
+        int n = 3 + round % 6;
+        for (int i = 0; i < n; i++) {
+            double p[3];
+            for (int k = 0; k < 3; k++) p[k] = 10 * hash_to_unit(seed = hash_u64(seed));
+            snprintf(path + strlen(path), sizeof path - strlen(path), "<%g, %g, %g>, ", p[0], p[1], p[2]);
+        }
+        snprintf(text, sizeof text, M "sweep { interior = glass path = [%s] %s curve = %s %s tolerance = .02 }" V, path,
+                 round % 3 ? "radius = .15" : "outline = [[<-.2, -.2>, <.2, -.2>, <0, .2>]]",
+                 round % 5 ? "cubic" : "linear",
+                 round % 2   ? "closed = true"
+                 : round % 3 ? "ends = round"
+                             : "twist = 90");
+        if (round % 6 == 3) continue;
+        Fixture f;
+        fixture_text(&f, text);
+        if (f.status == STATUS_OK) {
+            MeshReport report;
+            const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
+            assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+            if (!report.closed || report.volume <= 0) fail_msg("%s", text);
+            n_made++;
+        } else if (!fixture_find(&f, D_DEGENERATE_SHAPE)) {
+            fixture_print(&f);
+            fail_msg("%s", text);
+        }
+        fixture_clear(&f);
+    }
+    assert_true(n_made > 120);
+}
+
+static double beta(double a, double b)
+{
+    return tgamma(a) * tgamma(b) / tgamma(a + b);
+}
+
+static void superellipsoids(void **state)
+{
+    (void)state;
+    static const double exponents[] = {0.01, 0.1, 0.25, 0.5, 1, 1.5, 2, 3};
+    for (size_t i = 0; i < COUNT_OF(exponents); i++)
+        for (size_t k = 0; k < COUNT_OF(exponents); k++) {
+            char text[200];
+            double e = exponents[i], n = exponents[k];
+            snprintf(text, sizeof text, "superellipsoid { interior = glass exponents = <%g, %g> radius = <3, 2, 1> }",
+                     e, n);
+            double volume = 2 * 6 * e * n * beta(n / 2 + 1, n) * beta(e / 2, e / 2);
+            bool convex = e <= 2 && n <= 2; /* cusps have no normals to speak of */
+            check_volume(text, volume, 4e-3, convex && e > 0.05 && n > 0.05 ? 12 : 180);
+        }
+    REFUSED("superellipsoid { interior = glass exponents = <0, 1> }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("superellipsoid { interior = glass }", D_MISSING_PROPERTY);
+}
+
+static void height_fields(void **state)
+{
+    (void)state;
+    check_volume("height_field { interior = ice heights = [[1, 1], [1, 1]] base = 0 size = <2, 3, 4> }", 24, 1e-6, 1);
+    check_volume("height_field { interior = ice heights = [[0, 1], [0, 1]] base = -1 size = <2, 3, 4> }", 36, 1e-6, 1);
+    check_volume("height_field { interior = ice heights = [[0, 1], [0, 1]] size = <2, 3, 4> smooth = false }", 14.4,
+                 1e-6, 1);
+    /* z = x^2 + y^2 over the unit square, on a slab of 1 */
+    check_volume("height_field { interior = ice heights = [for (k in 0..64) [for (i in 0..64) (i ^ 2 + k ^ 2) / 4096]] "
+                 "base = -1 }",
+                 1 + 2. / 3, 1e-3, 3);
+    REFUSED("height_field { interior = ice }", D_MISSING_PROPERTY);
+    REFUSED("height_field { interior = ice heights = [[0, 1]] }", D_DEGENERATE_SHAPE);
+    REFUSED("height_field { interior = ice heights = [[0], [1]] }", D_DEGENERATE_SHAPE);
+    REFUSED("height_field { interior = ice heights = [] }", D_DEGENERATE_SHAPE);
+    REFUSED("height_field { interior = ice heights = [[0, 1], [0, 1, 2]] }", D_DEGENERATE_SHAPE);
+    REFUSED("height_field { interior = ice heights = [[0, 1], [0, -1]] }", D_DEGENERATE_SHAPE);
+    REFUSED("height_field { interior = ice heights = [0, 1] }", D_WRONG_TYPE);
+    REFUSED("height_field { interior = ice image = \"no-such-file.png\" }", D_FILE_NOT_FOUND);
+}
+
+static void equal_shapes_are_one(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_good(
+        &f,
+        M "def p(h, x) { prism { interior = glass to = h outline = [<0, 0>, <1, 0>, <0, 1>] translate(<x, 0, 0>) } }"
+          "p(1, 0) p(1, 5) p(2, 10)"
+          "prism { interior = water outline = [[<0, 0>, <1, 0>, <0, 1>]] }" V);
+    assert_int_equal(f.scene->objects[0].shape, f.scene->objects[1].shape);
+    assert_int_not_equal(f.scene->objects[0].shape, f.scene->objects[2].shape);
+    fixture_clear(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(prisms),
+        cmocka_unit_test(prisms_that_cannot_be),
+        cmocka_unit_test(sweeps),
+        cmocka_unit_test(sweeps_that_cannot_be),
+        cmocka_unit_test(sweeps_of_all_kinds),
+        cmocka_unit_test(superellipsoids),
+        cmocka_unit_test(height_fields),
+        cmocka_unit_test(equal_shapes_are_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
