@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 
+#include "cli/check_slice.h"
 #include "cli/commands.h"
 #include "cli/scene_input.h"
 #include "scene/report.h"
@@ -11,6 +12,7 @@ enum { NUMBER_SIZE = 32 };
 typedef struct Check {
     SceneInput input;
     Pool *pool;
+    CheckSlice slice;
     Buf out;
     bool built;
     Status status; /* of a guarded task, with its error */
@@ -29,6 +31,7 @@ static void print_report(void *context)
 {
     Check *check = context;
     report_print(check->input.compiled, &check->input.sources, &check->out);
+    if (check->slice.wanted) check_slice_print(&check->slice, check->input.compiled, &check->out);
 }
 
 /* One object: the diagnostics, and the report, which is null for a scene that could not be built. */
@@ -52,6 +55,7 @@ static void print_json(void *context)
     json_raw(&json, buf_text(&diagnostics));
     json_key(&json, "report");
     json_raw(&json, check->built ? buf_text(&report) : "null");
+    if (check->built && check->slice.wanted) check_slice_print_json(&check->slice, check->input.compiled, &json);
     json_end(&json);
     buf_add(&check->out, "\n");
     check->out.failed = check->out.failed || diagnostics.failed || report.failed;
@@ -67,7 +71,8 @@ static Status examine(Check *check, const Options *options, Error *error)
     check->built = true;
     check->error = error;
     TRY(scene_input_guard(&check->input, warn, check, error));
-    return check->status;
+    TRY(check->status);
+    return check->slice.wanted ? check_slice_make(&check->slice, check->input.compiled, check->pool, error) : STATUS_OK;
 }
 
 /* What was found goes out also when the scene has errors; only when nothing could be read there is nothing to say. */
@@ -89,7 +94,8 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
 {
     Check check = {0};
     scene_input_init(&check.input, options, talk);
-    Status status = examine(&check, options, error);
+    Status status = check_slice_init(&check.slice, options, error);
+    if (status == STATUS_OK) status = examine(&check, options, error);
     if (status == STATUS_OK || status == STATUS_SCENE) {
         Error own = {0};
         Status printed = print_findings(&check, option_given(options, OPTION_JSON), talk->quiet, &own);
@@ -99,6 +105,7 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
         }
     }
     buf_clear(&check.out);
+    check_slice_clear(&check.slice);
     scene_input_close(&check.input);
     pool_free(check.pool);
     return status;

@@ -18,4 +18,7 @@ void report_print(const CompiledScene *compiled, SourceSet *sources, Buf *out);
 /* The same facts, every pair by itself, as JSON. */
 void report_print_json(const CompiledScene *compiled, SourceSet *sources, Buf *out);
 
+/* A length in a unit that suits people: "0.1 mm". */
+void report_add_length(Buf *out, const Scene *scene, double length);
+
 #endif

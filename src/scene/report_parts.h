@@ -93,6 +93,5 @@ const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull);
 /* In units that suit people: "3.20 cm³", "0.1 mm". */
 void report_add_area(Buf *out, const Scene *scene, double area);
 void report_add_volume(Buf *out, const Scene *scene, double volume);
-void report_add_length(Buf *out, const Scene *scene, double length);
 
 #endif

@@ -128,6 +128,42 @@ exits 0
 empty out
 end
 
+begin "check: slices"
+small_scene
+run check small.mns --slice x=0
+exits 0
+there small-slice.png
+says out "The slice small-slice.png, 800 x 800 pixels, 8.8 x 8.8 units"
+matches out '^  #[0-9a-f]+  water: sphere$'
+run check small.mns --slice 0,5,0:1,1,1 --slice-output a.png --slice-region -2,-1,2,1 --slice-size 200x50 --json
+exits 0
+is_json out
+says out '"file": "a.png"'
+run info a.png
+matches out '^width +200$'
+run check small.mns --slice x=0 --slice-output b.png -j 1 -q
+empty out
+cmp -s small-slice.png b.png || flunk "the slice depends on the number of threads"
+for wrong in x q=1 x=1cm 1,2,3 0,0,0:0,0,0; do
+    run check small.mns --slice $wrong
+    exits 2
+    says err "option '--slice'"
+done
+run check small.mns --slice x=0 --slice-region 1,1,0,0
+exits 2
+run check small.mns --slice-size 100x100
+exits 2
+says err "means nothing without '--slice'"
+run check small.mns --slice x=0 --slice-output a.exr
+exits 2
+run check small.mns --slice x=0 --slice-output missing/a.png
+exits 5
+run check small.mns --slice x=0 --nesting entered
+exits 2
+says err "under the policy entered"
+no_leftovers
+end
+
 begin "check: remarks, which are no warnings"
 small_scene
 sed -i 's/^film/medium oil { ior = 1.47 }\nfilm/' small.mns

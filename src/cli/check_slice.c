@@ -1,0 +1,373 @@
+/* check_slice.c - the picture of a cross-section that `check --slice` makes: its options, its legend, its file.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/check_slice.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/num.h"
+#include "cli/output.h"
+#include "image/font.h"
+#include "image/image.h"
+#include "scene/report.h"
+
+enum { LONG_SIDE = 800, SHORT_SIDE = 64, NAMES_SHOWN = 5, LEGEND_TEXT = 240 };
+
+/* ---- options ---- */
+
+/* n numbers with commas between them, up to `end`; returns where reading stopped, NULL when there are not as many. */
+static const char *read_numbers(const char *text, double *numbers, int n)
+{
+    for (int i = 0; i < n; i++) {
+        size_t used = num_parse(text, strlen(text), &numbers[i]);
+        if (!used || !isfinite(numbers[i])) return NULL;
+        text += used;
+        if (i + 1 < n && *text++ != ',') return NULL;
+    }
+    return text;
+}
+
+static Status read_plane(CheckSlice *slice, const char *text, Error *error)
+{
+    double p[3] = {0}, n[3] = {0};
+    if (*text && strchr("xyz", *text) && text[1] == '=') {
+        double at;
+        const char *end = read_numbers(text + 2, &at, 1);
+        slice->normal = vec3(*text == 'x', *text == 'y', *text == 'z');
+        slice->point = vec3_scale(slice->normal, at);
+        if (end && !*end) return STATUS_OK;
+    }
+    const char *end = read_numbers(text, p, 3);
+    if (end && *end == ':') end = read_numbers(end + 1, n, 3);
+    slice->point = vec3(p[0], p[1], p[2]);
+    slice->normal = vec3(n[0], n[1], n[2]);
+    if (!end || *end)
+        return fail(error, STATUS_USAGE,
+                    "option '--slice': '%s' is not a plane, such as x=0, or 0,5,0:1,0,1 for a point and a normal",
+                    text);
+    if (!(vec3_length(slice->normal) > 0))
+        return fail(error, STATUS_USAGE, "option '--slice': the normal of '%s' is 0", text);
+    return STATUS_OK;
+}
+
+static Status read_region(CheckSlice *slice, const char *text, Error *error)
+{
+    const char *end = read_numbers(text, slice->region, 4);
+    if (!end || *end)
+        return fail(error, STATUS_USAGE, "option '--slice-region': '%s' is not four numbers, such as -40,0,40,90",
+                    text);
+    if (!(slice->region[0] < slice->region[2]) || !(slice->region[1] < slice->region[3]))
+        return fail(error, STATUS_USAGE, "option '--slice-region': %s is empty: it is left,bottom,right,top", text);
+    slice->has_region = true;
+    return STATUS_OK;
+}
+
+/* dir/glass.mns gives glass-slice.png, in the current folder. */
+static char *default_path(const char *scene_path)
+{
+    const char *slash = strrchr(scene_path, '/'), *name = slash ? slash + 1 : scene_path;
+    const char *extension = file_extension(scene_path);
+    size_t length = strlen(name) - (*extension ? strlen(extension) + 1 : 0);
+    Buf path = {0};
+    if (strcmp(scene_path, "-") == 0)
+        buf_add(&path, "scene");
+    else
+        buf_add_bytes(&path, name, length);
+    buf_add(&path, "-slice.png");
+    if (!path.failed) return path.text;
+    buf_clear(&path);
+    return NULL;
+}
+
+Status check_slice_init(CheckSlice *slice, const Options *options, Error *error)
+{
+    *slice = (CheckSlice){0};
+    const char *plane = option_text(options, OPTION_SLICE, NULL),
+               *region = option_text(options, OPTION_SLICE_REGION, NULL);
+    const char *path = option_text(options, OPTION_SLICE_OUTPUT, NULL);
+    bool sized = option_given(options, OPTION_SLICE_SIZE);
+    if (!plane) {
+        if (!region && !path && !sized) return STATUS_OK;
+        return fail(error, STATUS_USAGE, "option '--slice-%s' means nothing without '--slice'",
+                    region ? "region"
+                    : path ? "output"
+                           : "size");
+    }
+    slice->wanted = true;
+    TRY(read_plane(slice, plane, error));
+    if (region) TRY(read_region(slice, region, error));
+    if (sized) {
+        slice->width = options->values[OPTION_SLICE_SIZE].whole[0];
+        slice->height = options->values[OPTION_SLICE_SIZE].whole[1];
+    }
+    slice->path = path ? strdup(path) : default_path(options->operands[0]);
+    if (!slice->path) return fail_memory(error, 0, "the name of the slice");
+    if (path && strcmp(file_extension(path), "png") != 0)
+        return fail(error, STATUS_USAGE, "option '--slice-output': '%s' must end in .png", path);
+    return output_probe(slice->path, error);
+}
+
+void check_slice_clear(CheckSlice *slice)
+{
+    free(slice->path);
+    slice_image_clear(&slice->image);
+    *slice = (CheckSlice){0};
+}
+
+/* ---- the legend ---- */
+
+/* What one colour means. */
+typedef struct LegendLine {
+    float rgb[3];
+    bool hatched;
+    char medium[LEGEND_TEXT / 4];
+    char text[LEGEND_TEXT];
+} LegendLine;
+
+typedef struct Legend {
+    LegendLine *lines;
+    size_t n;
+} Legend;
+
+static size_t word_length(const char *name)
+{
+    size_t n = strlen(name), k = n;
+    while (k > 0 && isdigit((unsigned char)name[k - 1])) k--;
+    return k < n && k > 1 && name[k - 1] == ' ' ? k - 1 : n;
+}
+
+static void add_word(char *text, size_t size, const char *word, size_t length, unsigned *n)
+{
+    for (const char *p = text; *p;) { /* once each */
+        size_t m = strcspn(p, ",");
+        if (m == length && strncmp(p, word, m) == 0) return;
+        p += m + (p[m] ? 2 : 0);
+    }
+    if (++*n > NAMES_SHOWN + 1) return;
+    size_t used = strlen(text);
+    if (*n == NAMES_SHOWN + 1)
+        snprintf(text + used, size - used, ", ...");
+    else
+        snprintf(text + used, size - used, "%s%.*s", used ? ", " : "", (int)length, word);
+}
+
+static void add_line(Legend *legend, const float rgb[3], bool hatched, const char *medium, const char *text)
+{
+    LegendLine *line = &legend->lines[legend->n++];
+    for (int i = 0; i < 3; i++) line->rgb[i] = rgb[i];
+    line->hatched = hatched;
+    snprintf(line->medium, sizeof line->medium, "%s", medium);
+    snprintf(line->text, sizeof line->text, "%s", text);
+}
+
+/* The hulls that own some pixel, or NULL. */
+static bool *hulls_seen(const CheckSlice *slice, const CompiledScene *compiled)
+{
+    bool *seen = calloc(compiled->n_hulls + 1U, sizeof *seen);
+    size_t n = (size_t)slice->image.width * slice->image.height;
+    for (size_t i = 0; seen && i < n; i++)
+        if (slice->image.owner[i] != SCENE_NONE) seen[slice->image.owner[i]] = true;
+    return seen;
+}
+
+static bool legend_make(const CheckSlice *slice, const CompiledScene *compiled, Legend *legend)
+{
+    const Scene *scene = compiled->scene;
+    bool *seen = hulls_seen(slice, compiled);
+    *legend = (Legend){.lines = calloc(scene->n_media + 3U, sizeof *legend->lines)};
+    for (uint32_t m = 0; seen && legend->lines && m < scene->n_media; m++) {
+        char names[LEGEND_TEXT] = "";
+        unsigned n = 0;
+        float rgb[3];
+        if (m == 0) add_word(names, sizeof names, "the world", strlen("the world"), &n);
+        for (uint32_t h = 0; h < compiled->n_hulls; h++) {
+            const char *name = scene->objects[compiled->object_of_hull[h]].name;
+            if (seen[h] && compiled->hulls[h].medium == m) add_word(names, sizeof names, name, word_length(name), &n);
+        }
+        slice_color(m, rgb);
+        if (n) add_line(legend, rgb, false, scene->media[m].name, names);
+    }
+    bool ready = seen && legend->lines;
+    static const float hatch_color[3] = {0.55f, 0.55f, 0.55f};
+    if (ready && slice->image.opaque) add_line(legend, slice_opaque_color, false, "", "opaque");
+    if (ready && slice->image.overlaps)
+        add_line(legend, hatch_color, true, "", "overlap: the stripes are of what is below");
+    if (ready && slice->image.n_gaps) {
+        Buf gap = {0};
+        buf_add(&gap, "a gap about as thin as a pixel, or thinner; the thinnest is ");
+        report_add_length(&gap, scene, slice->image.least_gap);
+        add_line(legend, slice_gap_color, false, "", buf_text(&gap));
+        buf_clear(&gap);
+    }
+    free(seen);
+    return ready;
+}
+
+static void color_text(const float rgb[3], char text[8])
+{
+    snprintf(text, 8, "#%02x%02x%02x", (unsigned)lrintf(rgb[0] * 255), (unsigned)lrintf(rgb[1] * 255),
+             (unsigned)lrintf(rgb[2] * 255));
+}
+
+/* ---- the picture ---- */
+
+enum { SCALE = 2, PAD = 8, SWATCH = 24, LINE = FONT_HEIGHT * SCALE + PAD };
+
+static void fill(Image *image, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, const float rgb[3], bool hatched)
+{
+    for (uint32_t y = y0; y < y1 && y < image->height; y++)
+        for (uint32_t x = x0; x < x1 && x < image->width; x++)
+            for (size_t c = 0; c < 3; c++)
+                image->pixels[3 * ((size_t)y * image->width + x) + c] = hatched && (x + y) % 8 >= 3 ? 0.92f : rgb[c];
+}
+
+/* 1, 2 or 5 times a power of ten: a length that fits into a quarter of the picture. */
+static double bar_length(double width)
+{
+    double power = pow(10, floor(log10(width / 4)));
+    return width / 4 >= 5 * power ? 5 * power : width / 4 >= 2 * power ? 2 * power : power;
+}
+
+static void draw_bar(const CheckSlice *slice, const Scene *scene, Image *image, uint32_t y)
+{
+    static const char *const names[] = {"m", "cm", "mm", "um", "nm"};
+    static const double sizes[] = {1, 1e-2, 1e-3, 1e-6, 1e-9};
+    double length = bar_length(slice->plane.width * scene->unit_m);
+    size_t i = 0;
+    while (i + 1 < COUNT_OF(sizes) && length < sizes[i] * 0.999) i++;
+    char text[40];
+    snprintf(text, sizeof text, "%.4g %s", length / sizes[i], names[i]);
+    uint32_t pixels = (uint32_t)(length / scene->unit_m / slice->plane.width * slice->image.width);
+    uint32_t right = image->width - PAD, left = pixels < right ? right - pixels : 0, width = font_width(text, SCALE);
+    fill(image, left, y, right, y + 3, slice_line_color, false);
+    font_draw(image, width < right ? right - width : 0, y + 7, SCALE, text, slice_line_color);
+}
+
+static Status compose(const CheckSlice *slice, const Scene *scene, const Legend *legend, Image *image, Error *error)
+{
+    static const char *const names[] = {"R", "G", "B"};
+    static const float paper[3] = {0.97f, 0.97f, 0.97f};
+    const SliceImage *drawn = &slice->image;
+    uint32_t below = (uint32_t)(legend->n > 2 ? legend->n : 2) * LINE + PAD;
+    TRY(image_new(drawn->width, drawn->height + below, names, 3, image, error));
+    memcpy(image->pixels, drawn->rgb, 3 * (size_t)drawn->width * drawn->height * sizeof(float));
+    fill(image, 0, drawn->height, drawn->width, image->height, paper, false);
+    fill(image, 0, drawn->height, drawn->width, drawn->height + 1, slice_line_color, false);
+    for (size_t i = 0; i < legend->n; i++) {
+        const LegendLine *line = &legend->lines[i];
+        uint32_t y = drawn->height + PAD + (uint32_t)i * LINE;
+        char text[2 * LEGEND_TEXT];
+        snprintf(text, sizeof text, "%s%s%s", line->medium, *line->medium ? ": " : "", line->text);
+        fill(image, PAD - 1, y - 1, PAD + SWATCH + 1, y + FONT_HEIGHT * SCALE + 1, slice_line_color, false);
+        fill(image, PAD, y, PAD + SWATCH, y + FONT_HEIGHT * SCALE, line->rgb, line->hatched);
+        font_draw(image, PAD + SWATCH + PAD, y, SCALE, text, slice_line_color);
+    }
+    draw_bar(slice, scene, image, drawn->height + PAD);
+    return STATUS_OK;
+}
+
+/* The region as asked for, widened to the shape of the picture; the picture as the region wants it, where no size is
+ * given. */
+static void fit(CheckSlice *slice)
+{
+    SlicePlane *plane = &slice->plane;
+    if (slice->has_region) {
+        const double *r = slice->region;
+        plane->width = r[2] - r[0];
+        plane->height = r[3] - r[1];
+        plane->center =
+            vec3_along(vec3_along(slice->point, (r[0] + r[2]) / 2, plane->right), (r[1] + r[3]) / 2, plane->up);
+    }
+    if (!slice->width) {
+        double longer = fmax(plane->width, plane->height);
+        slice->width = (uint32_t)fmax(SHORT_SIDE, floor(LONG_SIDE * plane->width / longer + 0.5));
+        slice->height = (uint32_t)fmax(SHORT_SIDE, floor(LONG_SIDE * plane->height / longer + 0.5));
+    }
+    double aspect = (double)slice->width / slice->height;
+    if (plane->width < plane->height * aspect)
+        plane->width = plane->height * aspect;
+    else
+        plane->height = plane->width / aspect;
+}
+
+Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, Pool *pool, Error *error)
+{
+    NestPolicy policy = compiled->order.policy;
+    if (policy != NEST_AUTOMATIC && policy != NEST_PRIORITY)
+        return fail(error, STATUS_USAGE, "option '--slice': under the policy %s what owns a place depends on the ray",
+                    nest_policy_text(policy));
+    if (!slice_plane_make(compiled, slice->point, slice->normal, &slice->plane))
+        return fail(error, STATUS_USAGE, "option '--slice': the scene has no clear objects to cut");
+    fit(slice);
+    TRY(slice_draw(compiled, pool, &slice->plane, slice->width, slice->height, &slice->image, error));
+    Legend legend;
+    Image image = {0};
+    Status status = legend_make(slice, compiled, &legend) ? compose(slice, compiled->scene, &legend, &image, error)
+                                                          : fail_memory(error, 0, "a slice");
+    if (status == STATUS_OK) status = png_write(slice->path, &image, 8, error);
+    image_clear(&image);
+    free(legend.lines);
+    return status;
+}
+
+void check_slice_print(const CheckSlice *slice, const CompiledScene *compiled, Buf *out)
+{
+    Legend legend;
+    buf_format(out, "\nThe slice %s, %u x %u pixels, %.4g x %.4g units\n", slice->path, slice->width, slice->height,
+               slice->plane.width, slice->plane.height);
+    if (legend_make(slice, compiled, &legend)) {
+        for (size_t i = 0; i < legend.n; i++) {
+            const LegendLine *line = &legend.lines[i];
+            char color[8];
+            color_text(line->rgb, color);
+            buf_format(out, "  %s  %s%s%s\n", line->hatched ? "hatched" : color, line->medium,
+                       *line->medium ? ": " : "", line->text);
+        }
+    } else {
+        out->failed = true;
+    }
+    free(legend.lines);
+}
+
+static void add_vector(JsonWriter *json, const char *key, Vec3 v)
+{
+    const double numbers[3] = {v.x, v.y, v.z};
+    json_key(json, key);
+    json_begin_array(json);
+    for (int i = 0; i < 3; i++) json_number(json, numbers[i]);
+    json_end(json);
+}
+
+void check_slice_print_json(const CheckSlice *slice, const CompiledScene *compiled, JsonWriter *json)
+{
+    Legend legend;
+    json_key(json, "slice");
+    json_begin_object(json);
+    json_add_text(json, "file", slice->path);
+    json_add_whole(json, "width", slice->width);
+    json_add_whole(json, "height", slice->height);
+    add_vector(json, "center", slice->plane.center);
+    add_vector(json, "right", vec3_scale(slice->plane.right, slice->plane.width));
+    add_vector(json, "up", vec3_scale(slice->plane.up, slice->plane.height));
+    json_add_number(json, "least_gap", slice->image.least_gap); /* infinite: null */
+    json_key(json, "colors");
+    json_begin_array(json);
+    if (!legend_make(slice, compiled, &legend)) json->out->failed = true;
+    for (size_t i = 0; i < legend.n; i++) {
+        char color[8];
+        color_text(legend.lines[i].rgb, color);
+        if (legend.lines[i].hatched) continue;
+        json_begin_object(json);
+        json_add_text(json, "color", color);
+        json_add_text(json, "medium", *legend.lines[i].medium ? legend.lines[i].medium : NULL);
+        json_add_text(json, "objects", legend.lines[i].text);
+        json_end(json);
+    }
+    json_end(json);
+    json_end(json);
+    free(legend.lines);
+}
