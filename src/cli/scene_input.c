@@ -108,7 +108,8 @@ static void evaluate(void *context)
 {
     Stage *stage = context;
     SceneInput *input = stage->input;
-    stage->status = eval_scene(input->path, &input->scene_options.eval, &input->diag, stage->result, stage->error);
+    EvalOptions options = scene_eval_options(&input->scene_options);
+    stage->status = eval_scene(input->path, &options, &input->diag, stage->result, stage->error);
 }
 
 Status scene_input_evaluate(SceneInput *input, EvalResult *result, Error *error)

@@ -48,6 +48,7 @@ typedef enum ExprKind {
     EXPR_CALL_BUILTIN,
     EXPR_CALL_TERM,
     EXPR_MEMBER,    /* before resolving; afterwards a swizzle */
+    EXPR_FIELD,     /* a member of a record */
     EXPR_INDEX,
     EXPR_NODE,
     EXPR_EACH,      /* elements of a list only: for (name in list) element */

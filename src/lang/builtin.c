@@ -314,20 +314,23 @@ static uint64_t bits_of(double x)
     return bits;
 }
 
-/* h = rnd_start; for each number: h = hash_u64(h ^ bits of the double); the result is hash_to_unit(h). Vectors count
- * as their elements. */
-static void run_rnd(const BuiltinCall *call, Value *result)
+bool builtin_hash(const BuiltinCall *call, uint32_t first, uint64_t *h, Value *result)
 {
-    uint64_t h = rnd_start;
-    for (uint32_t i = 0; i < call->n; i++) {
+    for (uint32_t i = first; i < call->n; i++) {
         unsigned width = value_width(call->args[i].kind);
         if (width == 0) {
             builtin_wrong(call, i, "numbers", result);
-            return;
+            return false;
         }
-        for (unsigned k = 0; k < width; k++) h = hash_u64(h ^ bits_of(call->args[i].as.v[k]));
+        for (unsigned k = 0; k < width; k++) *h = hash_u64(*h ^ bits_of(call->args[i].as.v[k]));
     }
-    *result = value_number(hash_to_unit(h));
+    return true;
+}
+
+static void run_rnd(const BuiltinCall *call, Value *result)
+{
+    uint64_t h = rnd_start;
+    if (builtin_hash(call, 0, &h, result)) *result = value_number(hash_to_unit(h));
 }
 
 /* The value at a lattice point: h = noise_start; for each coordinate: h = hash_u64(h ^ coordinate as 64 bits in two's

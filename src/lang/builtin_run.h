@@ -10,6 +10,9 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
 /* Are all arguments numbers, and is the result finite? false after a report. */
 bool builtin_numbers(const BuiltinCall *call, Value *result);
 bool builtin_finite(const BuiltinCall *call, Value *result);
+/* What rnd() is made of: for each number from argument `first` on, h = hash_u64(h ^ bits of the double). Vectors count as their
+ * elements. false after a report. rnd() starts with the ASCII of "meniscus" and gives hash_to_unit(h). */
+bool builtin_hash(const BuiltinCall *call, uint32_t first, uint64_t *h, Value *result);
 
 /* builtin_transform.c */
 void run_rotate(const BuiltinCall *call, Value *result);
@@ -19,6 +22,16 @@ void run_matrix(const BuiltinCall *call, Value *result);
 void run_transform(const BuiltinCall *call, Value *result);
 void run_inverse(const BuiltinCall *call, Value *result);
 void run_apply(const BuiltinCall *call, Value *result);
+
+void run_align(const BuiltinCall *call, Value *result);
+
+/* builtin_geometry.c */
+void run_bounds(const BuiltinCall *call, Value *result);
+void run_inside(const BuiltinCall *call, Value *result);
+void run_hit(const BuiltinCall *call, Value *result);
+void run_hits(const BuiltinCall *call, Value *result);
+void run_scatter(const BuiltinCall *call, Value *result);
+void run_volume(const BuiltinCall *call, Value *result);
 
 /* builtin_curve.c */
 void run_spline(const BuiltinCall *call, Value *result);

@@ -123,6 +123,34 @@ void run_inverse(const BuiltinCall *call, Value *result)
         give_transform(call, call->args[0].as.transform, result); /* reports */
 }
 
+void run_align(const BuiltinCall *call, Value *result)
+{
+    for (uint32_t i = 0; i < 2; i++)
+        if (call->args[i].kind != VALUE_VECTOR3) {
+            builtin_wrong(call, i, "two directions, vectors of 3", result);
+            return;
+        }
+    Vec3 a = vec3_normalize(vector_of(&call->args[0])), b = vec3_normalize(vector_of(&call->args[1]));
+    /* Two reflections, in the planes between a and its opposite and between the middle and b. Where a and b are opposite,
+     * every way is as short: the middle is any direction across, of the coordinate axis that a has the least of. */
+    Vec3 middle = vec3_add(a, b);
+    if (vec3_dot(middle, middle) < 1e-24) {
+        double x = fabs(a.x), y = fabs(a.y), z = fabs(a.z);
+        middle = vec3_cross(a, x <= y && x <= z ? vec3(1, 0, 0) : y <= z ? vec3(0, 1, 0) : vec3(0, 0, 1));
+    }
+    middle = vec3_normalize(middle);
+    Affine affine = affine_identity();
+    for (int column = 0; column < 3; column++) {
+        Vec3 axis = vec3(column == 0, column == 1, column == 2);
+        Vec3 turned = vec3_along(axis, -2 * vec3_dot(axis, a), a);
+        turned = vec3_along(turned, -2 * vec3_dot(turned, middle), middle);
+        affine.m[0][column] = turned.x;
+        affine.m[1][column] = turned.y;
+        affine.m[2][column] = turned.z;
+    }
+    give_transform(call, &affine, result);
+}
+
 void run_apply(const BuiltinCall *call, Value *result)
 {
     if (call->args[0].kind != VALUE_TRANSFORM || call->args[1].kind != VALUE_VECTOR3) {

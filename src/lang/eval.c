@@ -20,7 +20,7 @@ enum {
     DEFAULT_CALLS = 1000,
     DEEPEST_IMPORT = 64,
     STACK_BYTES = 6 * 1024 * 1024,  /* of the C stack; systems give 8 MiB */
-    MEMORY_CHECK_MASK = 0xfff,      /* memory is looked at every so many steps */
+    STEPS_BETWEEN_LOOKS = 4096,     /* at memory */
     LONGEST_TEXT = 1 << 20,         /* of a computed string */
     GIVE_UP_AFTER = 10000           /* errors */
 };
@@ -112,6 +112,9 @@ bool eval_reserve(Evaluator *evaluator, double bytes, Span span)
 static bool over_limit(Evaluator *evaluator, Span span)
 {
     if (!eval_reserve(evaluator, 0, span)) return true;
+    evaluator->next_look = evaluator->limits.steps + 1;
+    if (evaluator->next_look > evaluator->steps + STEPS_BETWEEN_LOOKS)
+        evaluator->next_look = evaluator->steps + STEPS_BETWEEN_LOOKS;
     if (evaluator->steps <= evaluator->limits.steps) return false;
     if (!evaluator->stop)
         eval_report(evaluator, D_LIMIT, span, "the scene takes more than %.0f steps", (double)evaluator->limits.steps);
@@ -131,7 +134,7 @@ bool eval_text_fits(Evaluator *evaluator, size_t length, Span span)
 bool eval_step(Evaluator *evaluator, Span span)
 {
     if (UNLIKELY(evaluator->stop)) return false;
-    if (LIKELY(++evaluator->steps <= evaluator->limits.steps && (evaluator->steps & MEMORY_CHECK_MASK) != 0)) return true;
+    if (LIKELY(++evaluator->steps < evaluator->next_look)) return true;
     return !over_limit(evaluator, span);
 }
 
@@ -428,6 +431,7 @@ static void give_result(const Loader *loader, Evaluator *evaluator, const File *
 /* Everything that is not the arena's. A jump out of the arena when memory ends leaks it, once, before the end. */
 static void evaluator_clear(Evaluator *evaluator)
 {
+    if (evaluator->geometry) evaluator->options->geometry->close(evaluator->geometry);
     free(evaluator->params);
     free(evaluator->presets);
 }

@@ -88,6 +88,32 @@ typedef struct EvalLibrary {
     size_t n_files;
 } EvalLibrary;
 
+/* One place on a surface that a ray meets. */
+typedef struct EvalHit {
+    Vec3 point;
+    Vec3 normal;     /* of the surface as it is, unit, outward: not turned towards the ray */
+    double distance; /* from the ray's start */
+} EvalHit;
+
+/* What a scene may ask of the shape of a node (builtin_geometry.c). The language knows no shapes: the layer above answers,
+ * in the frame that the node would be placed in. Mistakes within the node go to diag. All but open and close return
+ * STATUS_OK; STATUS_SCENE when there is no answer, and why: the error's text, empty when diag has it; or what failed. */
+typedef struct EvalGeometry {
+    /* What is remembered from one question to the next; NULL when there is no memory for it. Work is added to *steps: a
+     * step for a ray, many for what is built. */
+    void *(*open)(const void *context, Diag *diag, uint64_t *steps);
+    void (*close)(void *state);
+    Status (*bounds)(void *state, const EvalNode *node, Box3 *box, Error *error);
+    Status (*volume)(void *state, const EvalNode *node, double *volume, Error *error);
+    Status (*inside)(void *state, const EvalNode *node, Vec3 point, bool *inside, Error *error);
+    /* The surfaces along a ray in order of their distance, or no more than the first. direction: unit. *hits stays valid until
+     * the next question. */
+    Status (*hits)(void *state, const EvalNode *node, Vec3 from, Vec3 direction, bool all, const EvalHit **hits, size_t *n,
+                   Error *error);
+    /* A place on the surface: a function of the seed, evenly distributed by area. */
+    Status (*scatter)(void *state, const EvalNode *node, uint64_t seed, EvalHit *place, Error *error);
+} EvalGeometry;
+
 /* What a scene is evaluated with. Zero is a fair default for all but the schema. */
 typedef struct EvalOptions {
     const Schema *schema;
@@ -104,6 +130,8 @@ typedef struct EvalOptions {
     double time;       /* seconds */
     double srgb_to_working[9]; /* row-major, linear sRGB to the working space; all 0: identity */
     const EvalLibrary *library; /* what `use` finds where no file of the scene's has the name; NULL: nothing */
+    const EvalGeometry *geometry; /* NULL: nothing can be asked of shapes */
+    const void *geometry_context; /* for geometry->open */
     EvalLimits limits;
 } EvalOptions;
 

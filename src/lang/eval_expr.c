@@ -451,6 +451,21 @@ static void eval_swizzle(Evaluator *evaluator, Expr *expr, Value *result)
     *result = out;
 }
 
+static void eval_field(Evaluator *evaluator, Expr *expr, Value *result)
+{
+    Value room;
+    const Value *base = eval_operand(evaluator, expr->as.member.base, &room);
+    const char *name = expr->as.member.name->text;
+    if (base->kind == VALUE_RECORD && record_field(base->as.record, name, result)) return;
+    if (base->kind != VALUE_POISON) {
+        Diagnostic *report = eval_error(evaluator, expr, D_WRONG_TYPE, "%s has no '.%s'",
+                                        value_describe(evaluator->arena, base), name);
+        if (base->kind == VALUE_NONE)
+            diag_hint(evaluator->diag, report, "a ray that meets nothing gives none: ask for '!= none' first");
+    }
+    result->kind = VALUE_POISON;
+}
+
 static void eval_index(Evaluator *evaluator, Expr *expr, Value *result)
 {
     Value room_a, room_b;
@@ -520,6 +535,7 @@ EvalFunction *const eval_functions[] = {
     [EXPR_CALL_BUILTIN] = eval_call_builtin,
     [EXPR_CALL_TERM] = eval_call_term,
     [EXPR_MEMBER] = eval_swizzle,
+    [EXPR_FIELD] = eval_field,
     [EXPR_INDEX] = eval_index,
     [EXPR_NODE] = eval_node_expr,
     [EXPR_EACH] = eval_poison,

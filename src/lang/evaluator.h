@@ -87,6 +87,7 @@ typedef struct Evaluator {
     SlotChunk *chunks;          /* memory of frames */
     PropRoom *rooms;            /* free ones */
     uint64_t steps, n_nodes;
+    uint64_t next_look;         /* the step at which limits are looked at again */
     uint32_t calls;             /* now running */
     uintptr_t stack_base;
     bool stop;                  /* a limit was reached: unwind */
@@ -106,6 +107,7 @@ typedef struct Evaluator {
     EvalParam *params;
     size_t n_params, param_capacity;
     Buf printed;
+    void *geometry;             /* of options->geometry; NULL until a question is asked */
     Diagnostic scratch;         /* takes the hints of reports that are not made */
 } Evaluator;
 

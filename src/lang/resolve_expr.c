@@ -183,6 +183,10 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         expr->kind = EXPR_POISON;
         return NULL;
     }
+    if (record_knows(name->text)) {
+        expr->kind = EXPR_FIELD;
+        return expr->as.member.base;
+    }
     if (!read_swizzle(expr)) {
         Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span,
                                          "'.%s' is no component", name->text);
@@ -398,7 +402,8 @@ static Expr *resolve_step(Resolver *resolver, Expr *expr)
     case EXPR_OUTER:
     case EXPR_CALL_DEF:
     case EXPR_CALL_BUILTIN:
-    case EXPR_CALL_TERM: return NULL;
+    case EXPR_CALL_TERM:
+    case EXPR_FIELD: return NULL;
     default:
         if (expr->as.op.b) resolve_expr(resolver, expr->as.op.b);
         if (expr->as.op.c) resolve_expr(resolver, expr->as.op.c);

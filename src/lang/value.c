@@ -15,6 +15,7 @@ const char *value_kind_text(ValueKind kind)
         [VALUE_VECTOR2] = "a vector of 2",    [VALUE_VECTOR3] = "a vector of 3",   [VALUE_VECTOR4] = "a vector of 4",
         [VALUE_COLOR] = "a colour",           [VALUE_TRANSFORM] = "a transform",   [VALUE_LIST] = "a list",
         [VALUE_RANGE] = "a range",            [VALUE_NODE] = "a node",             [VALUE_TERM] = "a term",
+        [VALUE_RECORD] = "a record",
     };
     return texts[kind];
 }
@@ -25,6 +26,7 @@ const char *value_describe(Arena *arena, const Value *value)
 {
     const char *name = NULL;
     if (value->kind == VALUE_NODE) name = value->as.node->type->name;
+    if (value->kind == VALUE_RECORD) return arena_format(arena, "what %s() found", value->as.record->type->name);
     if (value->kind == VALUE_TERM) return arena_format(arena, "%s(...)", value->as.term->type->name);
     if (!name) return value_kind_text(value->kind);
     return arena_format(arena, "%s %s", starts_with_vowel(name) ? "an" : "a", name);
@@ -104,6 +106,60 @@ Value list_builder_finish(ListBuilder *builder)
     return (Value){.kind = VALUE_LIST, .as.list = list};
 }
 
+/* ---- records ---- */
+
+const RecordType record_types[RECORD_COUNT] = {
+    [RECORD_HIT] = {"hit", 3, {{"point", VALUE_VECTOR3}, {"normal", VALUE_VECTOR3}, {"distance", VALUE_NUMBER}}},
+    [RECORD_PLACE] = {"scatter", 2, {{"point", VALUE_VECTOR3}, {"normal", VALUE_VECTOR3}}},
+    [RECORD_BOUNDS] = {"bounds", 4,
+                       {{"min", VALUE_VECTOR3}, {"max", VALUE_VECTOR3}, {"center", VALUE_VECTOR3}, {"size", VALUE_VECTOR3}}},
+};
+
+static size_t record_width(const RecordType *type)
+{
+    size_t n = 0;
+    for (unsigned i = 0; i < type->n_fields; i++) n += value_width(type->fields[i].kind);
+    return n;
+}
+
+Value record_new(Arena *arena, RecordKind kind, const double *numbers)
+{
+    size_t bytes = record_width(&record_types[kind]) * sizeof *numbers;
+    Record *record = arena_alloc(arena, sizeof *record + bytes);
+    record->type = &record_types[kind];
+    memcpy(record->numbers, numbers, bytes);
+    return (Value){.kind = VALUE_RECORD, .as.record = record};
+}
+
+/* The i-th field, whose numbers begin at `at`. */
+static Value field_value(const Record *record, unsigned i, size_t at)
+{
+    Value field = {.kind = record->type->fields[i].kind};
+    memcpy(field.as.v, record->numbers + at, value_width(field.kind) * sizeof(double));
+    return field;
+}
+
+bool record_field(const Record *record, const char *name, Value *field)
+{
+    size_t at = 0;
+    for (unsigned i = 0; i < record->type->n_fields; i++) {
+        if (strcmp(record->type->fields[i].name, name) == 0) {
+            *field = field_value(record, i, at);
+            return true;
+        }
+        at += value_width(record->type->fields[i].kind);
+    }
+    return false;
+}
+
+bool record_knows(const char *name)
+{
+    for (unsigned kind = 0; kind < RECORD_COUNT; kind++)
+        for (unsigned i = 0; i < record_types[kind].n_fields; i++)
+            if (strcmp(record_types[kind].fields[i].name, name) == 0) return true;
+    return false;
+}
+
 /* ---- comparison ---- */
 
 static bool equal_numbers(const double *a, const double *b, size_t n)
@@ -149,6 +205,9 @@ bool value_equal(const Value *a, const Value *b)
     case VALUE_TRANSFORM: return equal_affine(a->as.transform, b->as.transform);
     case VALUE_NODE: return a->as.node == b->as.node;
     case VALUE_TERM: return equal_terms(a->as.term, b->as.term);
+    case VALUE_RECORD:
+        return a->as.record->type == b->as.record->type &&
+               equal_numbers(a->as.record->numbers, b->as.record->numbers, record_width(a->as.record->type));
     case VALUE_NONE: return true;
     default: return equal_numbers(a->as.v, b->as.v, value_width(a->kind));
     }
@@ -228,6 +287,19 @@ static void print_term(Buf *out, const EvalTerm *term)
     buf_format(out, " * %s", factor);
 }
 
+static void print_record(Buf *out, const Record *record)
+{
+    size_t at = 0;
+    buf_format(out, "%s(", record->type->name);
+    for (unsigned i = 0; i < record->type->n_fields; i++) {
+        Value field = field_value(record, i, at);
+        buf_format(out, "%s%s = ", i ? ", " : "", record->type->fields[i].name);
+        value_print(out, &field, true);
+        at += value_width(field.kind);
+    }
+    buf_add(out, ")");
+}
+
 static void print_list(Buf *out, const Value *value)
 {
     size_t n = value_count(value);
@@ -276,5 +348,6 @@ void value_print(Buf *out, const Value *value, bool quoted)
         if (value->as.node->name) buf_format(out, " %s", value->as.node->name);
         break;
     case VALUE_TERM: print_term(out, value->as.term); break;
+    case VALUE_RECORD: print_record(out, value->as.record); break;
     }
 }

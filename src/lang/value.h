@@ -22,11 +22,13 @@ typedef enum ValueKind {
     VALUE_LIST,
     VALUE_RANGE,
     VALUE_NODE,
-    VALUE_TERM
+    VALUE_TERM,
+    VALUE_RECORD
 } ValueKind;
 
 typedef struct Value Value;
 typedef struct List List;
+typedef struct Record Record;
 
 /* first + i * step for i = 0 .. n - 1: never drifts */
 typedef struct Range {
@@ -46,8 +48,26 @@ struct Value {
         const Affine *transform;
         const EvalNode *node;
         const EvalTerm *term;
+        const Record *record;
     } as;
 };
+
+/* What a function gives back that has more than one answer: numbers and vectors of 3 under names. */
+enum { RECORD_MAX_FIELDS = 4 };
+typedef struct RecordType {
+    const char *name;
+    unsigned n_fields;
+    struct {
+        const char *name;
+        ValueKind kind; /* VALUE_NUMBER or VALUE_VECTOR3 */
+    } fields[RECORD_MAX_FIELDS];
+} RecordType;
+struct Record {
+    const RecordType *type;
+    double numbers[]; /* of one field after the other */
+};
+typedef enum RecordKind { RECORD_HIT, RECORD_PLACE, RECORD_BOUNDS, RECORD_COUNT } RecordKind;
+extern const RecordType record_types[RECORD_COUNT];
 
 /* Lists whose elements are all numbers, or all vectors of one size, or all colours are stored as plain doubles. */
 struct List {
@@ -105,6 +125,13 @@ typedef struct ListBuilder {
 } ListBuilder;
 void list_builder_add(ListBuilder *builder, const Value *value);
 Value list_builder_finish(ListBuilder *builder);
+
+/* A new record; numbers: those of all fields in a row. */
+Value record_new(Arena *arena, RecordKind kind, const double *numbers);
+/* false when the record has no such field */
+bool record_field(const Record *record, const char *name, Value *field);
+/* Does any type of record have such a field? */
+bool record_knows(const char *name);
 
 bool value_equal(const Value *a, const Value *b);
 /* Appends the value as print() shows it; quoted: texts within a list stand in quotes. */

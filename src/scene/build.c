@@ -11,6 +11,7 @@
 
 #include "base/hash.h"
 #include "scene/build_parts.h"
+#include "scene/geometry.h"
 
 /* ---- tables ---- */
 
@@ -255,6 +256,15 @@ static void build_all(Builder *b)
     if (b->status == STATUS_OK) scene->hash = scene_hash(scene, b->environment_hash, b->arena);
 }
 
+EvalOptions scene_eval_options(const SceneOptions *options)
+{
+    EvalOptions eval = options->eval;
+    eval.schema = scene_schema();
+    eval.geometry = &scene_geometry;
+    eval.geometry_context = options;
+    return eval;
+}
+
 /* ---- the two guards, and what is left when all is done ---- */
 
 typedef struct Request {
@@ -294,11 +304,10 @@ static Status build_from(Request *request, const SceneOptions *options, Diag *di
                    .arena = &made->arena,
                    .diag = diag,
                    .options = options,
-                   .eval_options = options->eval,
+                   .eval_options = scene_eval_options(options),
                    .black = SCENE_NONE,
                    .grey = SCENE_NONE,
                    .error = error};
-    b->eval_options.schema = scene_schema();
     const DiagChain *chain = diag->chain;
     bool done = arena_guard(diag->arena, task_in_diag, request);
     diag->chain = chain;

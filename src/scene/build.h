@@ -14,7 +14,7 @@ typedef Status (*SceneImageLoader)(void *context, const char *path, const char *
                                    uint32_t *width, uint32_t *height, Error *error);
 
 typedef struct SceneOptions {
-    EvalOptions eval; /* schema is filled in here */
+    EvalOptions eval; /* schema and geometry are filled in here */
     SceneImageLoader load_image;
     void *load_image_context;
 } SceneOptions;
@@ -27,6 +27,10 @@ ATTR_NODISCARD Status scene_build(const char *path, const SceneOptions *options,
 /* The same for text in memory. */
 ATTR_NODISCARD Status scene_build_text(const char *name, const char *text, const SceneOptions *options, Diag *diag,
                                        Scene **scene, Buf *printed, Error *error);
+
+/* options->eval with what the language must know of scenes: the schema, and answers about the shape of nodes. options must
+ * outlive every evaluation with it. */
+EvalOptions scene_eval_options(const SceneOptions *options);
 
 /* The table of nodes and properties (nodes.def), for the manual and the tests. */
 const Schema *scene_schema(void);

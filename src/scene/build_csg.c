@@ -43,6 +43,7 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
     const EvalProp *interior = find_prop(node, "interior"), *surface = find_prop(node, "surface"),
                    *priority = find_prop(node, "priority");
     const EvalProp *wrong = NULL;
+    if (b->only_shapes) return true;
     if (interior && (whole->medium == SCENE_NONE || build_medium(b, interior->as.node) != whole->medium))
         wrong = interior;
     if (surface && whole->surface == SCENE_NONE) wrong = surface;
@@ -115,12 +116,10 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
         return;
     }
     const EvalNode *said = find_matter(node);
-    const EvalProp *interior, *surface, *priority = find_prop(node, "priority");
-    if (!build_matter(b, said ? said : node, &interior, &surface)) return;
-    struct Combination whole = {.node = node,
-                                .medium = SCENE_NONE,
-                                .surface = SCENE_NONE,
-                                .matter_span = (interior ? interior : surface)->span};
+    const EvalProp *interior = NULL, *surface = NULL, *priority = find_prop(node, "priority");
+    if (!b->only_shapes && !build_matter(b, said ? said : node, &interior, &surface)) return;
+    struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE};
+    if (interior || surface) whole.matter_span = (interior ? interior : surface)->span;
     if (interior) whole.medium = build_medium(b, interior->as.node);
     if (surface) {
         build_needs(b, node, "priority", "on an opaque object");

@@ -151,6 +151,7 @@ static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light
 
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
 {
+    if (b->only_shapes) return;
     const double suns_angle = 0.53;
     Scene *scene = b->scene;
     SceneLight light = {.kind = kind_of(eval_word(node, "shape")), .span = node->span, .object = SCENE_NONE};

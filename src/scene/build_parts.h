@@ -58,12 +58,13 @@ typedef struct Builder {
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
     uint32_t grey;                             /* the surface of a ground that names none */
     uint64_t environment_hash;
+    bool only_shapes;                          /* for geometry.c: what objects are made of does not matter */
     Status status; /* a failure that is no mistake in the scene */
     Error *error;
 } Builder;
 
 /* build.c */
-/* Builds a placed node, and what is in it. */
+/* Builds a placed node, and what is in it; without lights and cameras when only_shapes is set. */
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent);
 /* A name of its own for every thing: as declared, or the word with a number. */
 const char *build_name(Builder *b, const EvalNode *node, const char *word);

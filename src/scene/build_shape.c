@@ -159,6 +159,10 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
         build_operand(b, node, shape, to_world);
         return;
     }
+    if (b->only_shapes) {
+        build_add_object(b, node, shape, to_world);
+        return;
+    }
     if (!build_matter(b, node, &interior, &surface)) return;
     uint32_t number = build_add_object(b, node, shape, to_world);
     SceneObject *object = &b->scene->objects[number];
@@ -359,5 +363,6 @@ void build_ground(Builder *b, const EvalNode *node, const Affine *to_world)
     place = affine_compose(to_world, &place);
     if (b->status != STATUS_OK || !within_reach(b, node, shape, &place)) return;
     uint32_t number = build_add_object(b, node, shape, &place);
+    if (b->only_shapes) return;
     b->scene->objects[number].surface = surface ? build_surface(b, surface->as.node) : build_grey_surface(b);
 }

@@ -62,6 +62,7 @@ static bool focus(Builder *b, const EvalNode *node, const Affine *to_world, Scen
 
 void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
 {
+    if (b->only_shapes) return;
     Scene *scene = b->scene;
     const EvalProp *from = eval_prop(node, "from");
     SceneCamera camera = {.name = build_name(b, node, node->type->name), .span = node->span};

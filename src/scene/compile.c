@@ -10,50 +10,6 @@
 
 /* ---- hulls ---- */
 
-static Box3 shape_bounds(const SceneShape *shape, const Affine *map)
-{
-    Box3 box = box3_empty();
-    if (shape->mesh) {
-        for (uint32_t i = 0; i < shape->mesh->n_vertices; i++)
-            box = box3_add_point(box, affine_point(map, vec3_from_f(shape->mesh->positions[i])));
-        return box;
-    }
-    for (uint32_t i = 0; i < shape->solid->n_pieces; i++) {
-        const Piece *piece = &shape->solid->pieces[i];
-        if (piece->kind == PIECE_SPHERE) { /* tighter than the box around its box */
-            double half[3];
-            for (int row = 0; row < 3; row++)
-                half[row] = piece->r0 * vec3_length(vec3(map->m[row][0], map->m[row][1], map->m[row][2]));
-            Vec3 reach = vec3(half[0], half[1], half[2]);
-            box = box3_union(box, (Box3){vec3_sub(map->t, reach), vec3_add(map->t, reach)});
-        } else {
-            box = box3_union(box, affine_box(map, piece_bounds(piece)));
-        }
-    }
-    return box;
-}
-
-static Box3 part_bounds(const Scene *scene, uint32_t number)
-{
-    const NestPart *part = &scene->parts[number];
-    if (part->operation == NEST_OPERAND) {
-        const SceneObject *object = &scene->objects[scene->operands[part->begin]];
-        return shape_bounds(&scene->shapes[object->shape], &object->to_world);
-    }
-    Box3 box = part->n_children ? part_bounds(scene, part->first_child) : box3_empty();
-    for (uint32_t i = 1; i < part->n_children && part->operation != NEST_DIFFERENCE; i++) {
-        Box3 other = part_bounds(scene, part->first_child + i);
-        box = part->operation == NEST_UNION ? box3_union(box, other) : box3_intersection(box, other);
-    }
-    return box;
-}
-
-static Box3 object_bounds(const Scene *scene, const SceneObject *object)
-{
-    if (object->tree != SCENE_NONE) return part_bounds(scene, scene->trees[object->tree].root);
-    return shape_bounds(&scene->shapes[object->shape], &object->to_world);
-}
-
 static Status number_hulls(CompiledScene *compiled, Error *error)
 {
     const Scene *scene = compiled->scene;
@@ -75,7 +31,7 @@ static Status number_hulls(CompiledScene *compiled, Error *error)
                                            .priority = object->priority,
                                            .state = scene->media[object->medium].state,
                                            .volume = object->volume};
-        compiled->hull_bounds[hull] = object_bounds(scene, object);
+        compiled->hull_bounds[hull] = scene_object_bounds(scene, object, NULL);
     }
     return STATUS_OK;
 }

@@ -1,4 +1,4 @@
-/* scene.c - letting go of a scene.
+/* scene.c - letting go of a scene; the bounds of a shape.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/scene.h"
 
@@ -14,4 +14,63 @@ void scene_free(Scene *scene)
     environment_free(scene->environment);
     arena_clear(&scene->arena);
     free(scene);
+}
+
+/* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the map's row
+ * without its y column is long. */
+static Box3 circle_bounds(const Affine *map, double r, double y)
+{
+    Vec3 center = affine_point(map, vec3(0, y, 0));
+    Vec3 reach = vec3(r * hypot(map->m[0][0], map->m[0][2]), r * hypot(map->m[1][0], map->m[1][2]),
+                      r * hypot(map->m[2][0], map->m[2][2]));
+    return (Box3){vec3_sub(center, reach), vec3_add(center, reach)};
+}
+
+static Box3 piece_bounds_under(const Piece *piece, const Affine *map)
+{
+    double half[3];
+    Vec3 reach;
+    switch (piece->kind) {
+    case PIECE_PLANE: return box3_empty();
+    case PIECE_SPHERE: /* tighter than the box around its box */
+        for (int row = 0; row < 3; row++)
+            half[row] = piece->r0 * vec3_length(vec3(map->m[row][0], map->m[row][1], map->m[row][2]));
+        reach = vec3(half[0], half[1], half[2]);
+        return (Box3){vec3_sub(map->t, reach), vec3_add(map->t, reach)};
+    case PIECE_BAND: /* lies between the two circles at its ends */
+        return box3_union(circle_bounds(map, piece->r0, piece->y0), circle_bounds(map, piece->r1, piece->y1));
+    default: return affine_box(map, piece_bounds(piece));
+    }
+}
+
+static Box3 shape_bounds(const SceneShape *shape, const Affine *map)
+{
+    Box3 box = box3_empty();
+    for (uint32_t i = 0; shape->mesh && i < shape->mesh->n_vertices; i++)
+        box = box3_add_point(box, affine_point(map, vec3_from_f(shape->mesh->positions[i])));
+    for (uint32_t i = 0; shape->solid && i < shape->solid->n_pieces; i++) {
+        Box3 piece = piece_bounds_under(&shape->solid->pieces[i], map);
+        if (!box3_is_empty(piece)) box = box3_union(box, piece);
+    }
+    return box;
+}
+
+static Box3 part_bounds(const Scene *scene, uint32_t number, const Affine *after)
+{
+    const NestPart *part = &scene->parts[number];
+    if (part->operation == NEST_OPERAND)
+        return scene_object_bounds(scene, &scene->objects[scene->operands[part->begin]], after);
+    Box3 box = part->n_children ? part_bounds(scene, part->first_child, after) : box3_empty();
+    for (uint32_t i = 1; i < part->n_children && part->operation != NEST_DIFFERENCE; i++) {
+        Box3 other = part_bounds(scene, part->first_child + i, after);
+        box = part->operation == NEST_UNION ? box3_union(box, other) : box3_intersection(box, other);
+    }
+    return box;
+}
+
+Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after)
+{
+    if (object->tree != SCENE_NONE) return part_bounds(scene, scene->trees[object->tree].root, after);
+    Affine map = after ? affine_compose(after, &object->to_world) : object->to_world;
+    return shape_bounds(&scene->shapes[object->shape], &map);
 }
