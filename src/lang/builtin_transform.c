@@ -123,16 +123,21 @@ void run_inverse(const BuiltinCall *call, Value *result)
         give_transform(call, call->args[0].as.transform, result); /* reports */
 }
 
-void run_align(const BuiltinCall *call, Value *result)
+/* Rodrigues' formula with the sine and cosine that the two directions have; exact for coordinate axes. */
+static Affine turn_by_axis(Vec3 a, Vec3 b)
 {
-    for (uint32_t i = 0; i < 2; i++)
-        if (call->args[i].kind != VALUE_VECTOR3) {
-            builtin_wrong(call, i, "two directions, vectors of 3", result);
-            return;
-        }
-    Vec3 a = vec3_normalize(vector_of(&call->args[0])), b = vec3_normalize(vector_of(&call->args[1]));
-    /* Two reflections, in the planes between a and its opposite and between the middle and b. Where a and b are opposite,
-     * every way is as short: the middle is any direction across, of the coordinate axis that a has the least of. */
+    Vec3 v = vec3_cross(a, b);
+    double c = vec3_dot(a, b), k = 1 / (1 + c);
+    return (Affine){{{c + k * v.x * v.x, k * v.x * v.y - v.z, k * v.x * v.z + v.y},
+                     {k * v.x * v.y + v.z, c + k * v.y * v.y, k * v.y * v.z - v.x},
+                     {k * v.x * v.z - v.y, k * v.y * v.z + v.x, c + k * v.z * v.z}},
+                    {0, 0, 0}};
+}
+
+/* For directions that are nearly opposite: one reflection turns a round, a second one across the middle of a and b turns that
+ * into b. Where they are opposite, every way is as short: the middle is any direction across. */
+static Affine turn_by_reflections(Vec3 a, Vec3 b)
+{
     Vec3 middle = vec3_add(a, b);
     if (vec3_dot(middle, middle) < 1e-24) {
         double x = fabs(a.x), y = fabs(a.y), z = fabs(a.z);
@@ -148,6 +153,18 @@ void run_align(const BuiltinCall *call, Value *result)
         affine.m[1][column] = turned.y;
         affine.m[2][column] = turned.z;
     }
+    return affine;
+}
+
+void run_align(const BuiltinCall *call, Value *result)
+{
+    for (uint32_t i = 0; i < 2; i++)
+        if (call->args[i].kind != VALUE_VECTOR3) {
+            builtin_wrong(call, i, "two directions, vectors of 3", result);
+            return;
+        }
+    Vec3 a = vec3_normalize(vector_of(&call->args[0])), b = vec3_normalize(vector_of(&call->args[1]));
+    Affine affine = vec3_dot(a, b) > -0.5 ? turn_by_axis(a, b) : turn_by_reflections(a, b);
     give_transform(call, &affine, result);
 }
 

@@ -1,10 +1,9 @@
 /* geometry.c - answers about the shape of nodes.
  *
- * A node is built as for the picture, into a scene of its own (a Model) without
- * its own transforms, so that all instances of a prototype share one; what is
- * asked is carried into the Model's frame. Rays are traced by geom/rtc, whose
- * directions are floats, and then met with the surface that was found once
- * more, in double. SPDX-License-Identifier: Apache-2.0 */
+ * A node is built as for the picture, into a scene of its own (a Model) without its own transforms, so that all
+ * instances of a prototype share one; what is asked is carried into the Model's frame. Rays are traced by geom/rtc,
+ * whose directions are floats, and then met with the surface that was found once more, in double.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/geometry.h"
 
 #include <stdlib.h>
@@ -16,651 +15,582 @@
 #include "scene/lines.h"
 
 enum {
-  MODELS_MAX = 1000,  /* kept at a time; each has an Embree device of its own */
-  ASKED_MAX = 100000, /* nodes, instances of the models */
-  SCATTER_TRIALS =
-      256, /* rays that find out how many surfaces a ray can meet */
-  SCATTER_RAYS = 100000 /* after which there is no surface to be found */
+    MODELS_MAX = 1000,    /* kept at a time; each has an Embree device of its own */
+    ASKED_MAX = 100000,   /* nodes, instances of the models */
+    SCATTER_TRIALS = 256, /* rays that find out how many surfaces a ray can meet */
+    SCATTER_RAYS = 100000 /* after which there is no surface to be found */
 };
 #define MODEL_BYTES_MAX ((size_t)1 << 30)
 
 /* What answers need of an object of the model. */
 typedef struct Part {
-  Affine to_shape;
-  bool closed, plane;
-  int32_t net; /* how often a ray left it, less how often it entered it: 0
-                  between questions */
+    Affine to_shape;
+    bool closed, plane;
+    int32_t net; /* how often a ray left it, less how often it entered it: 0 between questions */
 } Part;
 
 typedef struct Model {
-  const EvalNode *origin; /* the node without its transforms */
-  Scene *scene;
-  Part *parts;                      /* beside the objects */
-  RtcScene *rtc;                    /* NULL until a ray is asked for */
-  Box3 bounds;                      /* of all but planes */
-  uint32_t first_open, first_plane; /* objects; SCENE_NONE */
-  bool mistaken;                    /* diag says why */
-  size_t bytes;
+    const EvalNode *origin; /* the node without its transforms */
+    Scene *scene;
+    Part *parts;                      /* beside the objects */
+    RtcScene *rtc;                    /* NULL until a ray is asked for */
+    Box3 bounds;                      /* of all but planes */
+    uint32_t first_open, first_plane; /* objects; SCENE_NONE */
+    bool mistaken;                    /* diag says why */
+    size_t bytes;
 } Model;
 
 /* A node that was asked of. */
 typedef struct Asked {
-  const EvalNode *node;
-  Model *model;
-  Affine to_model;
-  bool flat, has_bounds;
-  Box3 bounds;
-  size_t most_hits; /* scatter: of the rays that were tried; 0: none were */
+    const EvalNode *node;
+    Model *model;
+    Affine to_model;
+    bool flat, has_bounds;
+    Box3 bounds;
+    size_t most_hits; /* scatter: of the rays that were tried; 0: none were */
 } Asked;
 
 typedef struct Table {
-  void **items; /* Model or Asked: both begin with the node */
-  size_t n, capacity;
+    void **items; /* Model or Asked: both begin with the node */
+    size_t n, capacity;
 } Table;
 
 typedef struct Geometry {
-  const SceneOptions *options;
-  Diag *diag;
-  Table models, asked;
-  Asked *last;
-  size_t bytes;
-  HitList hits;
-  EvalHit *found;
-  size_t found_capacity;
+    const SceneOptions *options;
+    Diag *diag;
+    Table models, asked;
+    Asked *last;
+    size_t bytes;
+    HitList hits;
+    EvalHit *found;
+    size_t found_capacity;
 } Geometry;
 
 /* ---- what is remembered ---- */
 
-static const EvalNode *node_of(const void *item) {
-  return *(const EvalNode *const *)item;
+static const EvalNode *node_of(const void *item)
+{
+    return *(const EvalNode *const *)item;
 }
 
 /* Where the node stands, or a free place. */
-static void **table_place(const Table *table, const EvalNode *node) {
-  size_t place = (size_t)hash_u64((uintptr_t)node) & (table->capacity - 1);
-  while (table->items[place] && node_of(table->items[place]) != node)
-    place = (place + 1) & (table->capacity - 1);
-  return &table->items[place];
+static void **table_place(const Table *table, const EvalNode *node)
+{
+    size_t place = (size_t)hash_u64((uintptr_t)node) & (table->capacity - 1);
+    while (table->items[place] && node_of(table->items[place]) != node) place = (place + 1) & (table->capacity - 1);
+    return &table->items[place];
 }
 
-static void *table_find(const Table *table, const EvalNode *node) {
-  return table->capacity ? *table_place(table, node) : NULL;
+static void *table_find(const Table *table, const EvalNode *node)
+{
+    return table->capacity ? *table_place(table, node) : NULL;
 }
 
-static bool table_reserve(Table *table) {
-  if (2 * (table->n + 1) <= table->capacity)
+static bool table_reserve(Table *table)
+{
+    if (2 * (table->n + 1) <= table->capacity) return true;
+    Table grown = {.capacity = table->capacity ? 2 * table->capacity : 64, .n = table->n};
+    grown.items = calloc(grown.capacity, sizeof *grown.items);
+    if (!grown.items) return false;
+    for (size_t i = 0; i < table->capacity; i++)
+        if (table->items[i]) *table_place(&grown, node_of(table->items[i])) = table->items[i];
+    free(table->items);
+    *table = grown;
     return true;
-  Table grown = {.capacity = table->capacity ? 2 * table->capacity : 64,
-                 .n = table->n};
-  grown.items = calloc(grown.capacity, sizeof *grown.items);
-  if (!grown.items)
-    return false;
-  for (size_t i = 0; i < table->capacity; i++)
-    if (table->items[i])
-      *table_place(&grown, node_of(table->items[i])) = table->items[i];
-  free(table->items);
-  *table = grown;
-  return true;
 }
 
 /* after table_reserve */
-static void table_add(Table *table, void *item) {
-  *table_place(table, node_of(item)) = item;
-  table->n++;
+static void table_add(Table *table, void *item)
+{
+    *table_place(table, node_of(item)) = item;
+    table->n++;
 }
 
-static void model_free(Model *model) {
-  rtc_scene_free(model->rtc);
-  scene_free(model->scene);
-  free(model->parts);
-  free(model);
+static void model_free(Model *model)
+{
+    rtc_scene_free(model->rtc);
+    scene_free(model->scene);
+    free(model->parts);
+    free(model);
 }
 
-static void forget(Geometry *geometry) {
-  for (size_t i = 0; i < geometry->models.capacity; i++)
-    if (geometry->models.items[i])
-      model_free(geometry->models.items[i]);
-  for (size_t i = 0; i < geometry->asked.capacity; i++)
-    free(geometry->asked.items[i]);
-  free(geometry->models.items);
-  free(geometry->asked.items);
-  geometry->models = geometry->asked = (Table){0};
-  geometry->last = NULL;
-  geometry->bytes = 0;
+static void forget(Geometry *geometry)
+{
+    for (size_t i = 0; i < geometry->models.capacity; i++)
+        if (geometry->models.items[i]) model_free(geometry->models.items[i]);
+    for (size_t i = 0; i < geometry->asked.capacity; i++) free(geometry->asked.items[i]);
+    free(geometry->models.items);
+    free(geometry->asked.items);
+    geometry->models = geometry->asked = (Table){0};
+    geometry->last = NULL;
+    geometry->bytes = 0;
 }
 
-static void *geometry_open(const void *context, Diag *diag) {
-  Geometry *geometry = calloc(1, sizeof *geometry);
-  if (!geometry)
-    return NULL;
-  geometry->options = context;
-  geometry->diag = diag;
-  return geometry;
+static void *geometry_open(const void *context, Diag *diag)
+{
+    Geometry *geometry = calloc(1, sizeof *geometry);
+    if (!geometry) return NULL;
+    geometry->options = context;
+    geometry->diag = diag;
+    return geometry;
 }
 
-static void geometry_close(void *state) {
-  Geometry *geometry = state;
-  forget(geometry);
-  hit_list_clear(&geometry->hits);
-  free(geometry->found);
-  free(geometry);
+static void geometry_close(void *state)
+{
+    Geometry *geometry = state;
+    forget(geometry);
+    hit_list_clear(&geometry->hits);
+    free(geometry->found);
+    free(geometry);
 }
 
 /* ---- building ---- */
 
 typedef struct BuildTask {
-  Builder builder;
-  EvalNode node;
+    Builder builder;
+    EvalNode node;
 } BuildTask;
 
-static void build_node(void *context) {
-  BuildTask *task = context;
-  Affine frame = affine_identity();
-  build_placed(&task->builder, &task->node, &frame);
+static void build_node(void *context)
+{
+    BuildTask *task = context;
+    Affine frame = affine_identity();
+    build_placed(&task->builder, &task->node, &frame);
 }
 
-static size_t mesh_bytes(const Mesh *mesh) {
-  return mesh ? mesh->n_vertices * sizeof(Vec3f) +
-                    mesh->n_triangles * sizeof *mesh->triangles
-              : 0;
+static size_t mesh_bytes(const Mesh *mesh)
+{
+    return mesh ? mesh->n_vertices * sizeof(Vec3f) + mesh->n_triangles * sizeof *mesh->triangles : 0;
 }
 
-static bool is_plane(const SceneShape *shape) {
-  return shape->solid && shape->solid->n_pieces == 1 &&
-         shape->solid->pieces[0].kind == PIECE_PLANE;
+static bool is_plane(const SceneShape *shape)
+{
+    return shape->solid && shape->solid->n_pieces == 1 && shape->solid->pieces[0].kind == PIECE_PLANE;
 }
 
-static Status describe_parts(Model *model, const ShapeFacts *facts,
-                             Error *error) {
-  Scene *scene = model->scene;
-  model->parts = calloc(scene->n_objects + 1U, sizeof *model->parts);
-  if (!model->parts)
-    return fail_memory(error, scene->n_objects * sizeof *model->parts,
-                       "the shape of a node");
-  model->bounds = box3_empty();
-  model->first_open = model->first_plane = SCENE_NONE;
-  for (uint32_t i = scene->n_objects; i-- > 0;) {
-    const SceneObject *object = &scene->objects[i];
-    const SceneShape *shape = &scene->shapes[object->shape];
-    Part *part = &model->parts[i];
-    part->plane = is_plane(shape);
-    part->closed = facts[object->shape].closed;
-    if (!affine_invert(&object->to_world, &part->to_shape))
-      return fail(error, STATUS_SCENE, "the transforms of %s squash it flat",
-                  object->name);
-    if (part->plane)
-      model->first_plane = i;
-    else if (!part->closed)
-      model->first_open = i;
-    Box3 bounds = scene_shape_bounds(shape, &object->to_world);
-    if (!box3_is_empty(bounds))
-      model->bounds = box3_union(model->bounds, bounds);
-  }
-  model->bytes = sizeof *model + scene->arena.total +
-                 scene->n_objects * sizeof *model->parts;
-  for (uint32_t i = 0; i < scene->n_shapes; i++)
-    model->bytes += mesh_bytes(scene->shapes[i].mesh);
-  return STATUS_OK;
-}
-
-static Status build_model(Geometry *geometry, Model *model, Error *error) {
-  Scene *scene = model->scene = calloc(1, sizeof *scene);
-  if (!scene)
-    return fail_memory(error, sizeof *scene, "the shape of a node");
-  arena_init(&scene->arena);
-  Diag *diag = geometry->diag;
-  BuildTask task = {
-      .node = *model->origin,
-      .builder = {.scene = scene,
-                  .arena = &scene->arena,
-                  .diag = diag,
-                  .options = geometry->options,
-                  .eval_options = scene_eval_options(geometry->options),
-                  .black = SCENE_NONE,
-                  .grey = SCENE_NONE,
-                  .only_shapes = true,
-                  .error = error}};
-  task.node.transform = affine_identity();
-  uint32_t n_errors = diag->n_errors;
-  const DiagChain *chain = diag->chain;
-  bool done = arena_guard(&scene->arena, build_node, &task);
-  diag->chain = chain;
-  if (!done)
-    return fail(error, STATUS_NOMEM, "out of memory for the shape of a node");
-  TRY(task.builder.status);
-  model->mistaken = diag->n_errors != n_errors;
-  return model->mistaken ? STATUS_OK
-                         : describe_parts(model, task.builder.facts, error);
-}
-
-static Status find_model(Geometry *geometry, const EvalNode *origin,
-                         Model **out, Error *error) {
-  *out = table_find(&geometry->models, origin);
-  if (*out)
+static Status describe_parts(Model *model, const ShapeFacts *facts, Error *error)
+{
+    Scene *scene = model->scene;
+    model->parts = calloc(scene->n_objects + 1U, sizeof *model->parts);
+    if (!model->parts) return fail_memory(error, scene->n_objects * sizeof *model->parts, "the shape of a node");
+    model->bounds = box3_empty();
+    model->first_open = model->first_plane = SCENE_NONE;
+    for (uint32_t i = scene->n_objects; i-- > 0;) {
+        const SceneObject *object = &scene->objects[i];
+        const SceneShape *shape = &scene->shapes[object->shape];
+        Part *part = &model->parts[i];
+        part->plane = is_plane(shape);
+        part->closed = facts[object->shape].closed;
+        if (!affine_invert(&object->to_world, &part->to_shape))
+            return fail(error, STATUS_SCENE, "the transforms of %s squash it flat", object->name);
+        if (part->plane)
+            model->first_plane = i;
+        else if (!part->closed)
+            model->first_open = i;
+        Box3 bounds = scene_shape_bounds(shape, &object->to_world);
+        if (!box3_is_empty(bounds)) model->bounds = box3_union(model->bounds, bounds);
+    }
+    model->bytes = sizeof *model + scene->arena.total + scene->n_objects * sizeof *model->parts;
+    for (uint32_t i = 0; i < scene->n_shapes; i++) model->bytes += mesh_bytes(scene->shapes[i].mesh);
     return STATUS_OK;
-  Model *model = calloc(1, sizeof *model);
-  if (!model || !table_reserve(&geometry->models)) {
-    free(model);
-    return fail_memory(error, sizeof(Model), "the shape of a node");
-  }
-  model->origin = origin;
-  Status status = build_model(geometry, model, error);
-  if (status != STATUS_OK) {
-    model_free(model);
-    return status;
-  }
-  table_add(&geometry->models, model);
-  geometry->bytes += model->bytes;
-  *out = model;
-  return STATUS_OK;
 }
 
-static Status ask_first(Geometry *geometry, const EvalNode *node, Asked **out,
-                        Error *error) {
-  if (geometry->bytes > MODEL_BYTES_MAX || geometry->models.n >= MODELS_MAX ||
-      geometry->asked.n >= ASKED_MAX)
-    forget(geometry);
-  const EvalNode *origin = node;
-  while (origin->prototype)
-    origin = origin->prototype;
-  Model *model;
-  TRY(find_model(geometry, origin, &model, error));
-  Asked *asked = calloc(1, sizeof *asked);
-  if (!asked || !table_reserve(&geometry->asked)) {
-    free(asked);
-    return fail_memory(error, sizeof(Asked), "the shape of a node");
-  }
-  *asked = (Asked){.node = node, .model = model};
-  asked->flat = !affine_invert(&node->transform, &asked->to_model);
-  table_add(&geometry->asked, asked);
-  *out = asked;
-  return STATUS_OK;
+static Status build_model(Geometry *geometry, Model *model, Error *error)
+{
+    Scene *scene = model->scene = calloc(1, sizeof *scene);
+    if (!scene) return fail_memory(error, sizeof *scene, "the shape of a node");
+    arena_init(&scene->arena);
+    Diag *diag = geometry->diag;
+    BuildTask task = {.node = *model->origin,
+                      .builder = {.scene = scene,
+                                  .arena = &scene->arena,
+                                  .diag = diag,
+                                  .options = geometry->options,
+                                  .eval_options = scene_eval_options(geometry->options),
+                                  .black = SCENE_NONE,
+                                  .grey = SCENE_NONE,
+                                  .only_shapes = true,
+                                  .error = error}};
+    task.node.transform = affine_identity();
+    uint32_t n_errors = diag->n_errors;
+    const DiagChain *chain = diag->chain;
+    bool done = arena_guard(&scene->arena, build_node, &task);
+    diag->chain = chain;
+    if (!done) return fail(error, STATUS_NOMEM, "out of memory for the shape of a node");
+    TRY(task.builder.status);
+    model->mistaken = diag->n_errors != n_errors;
+    return model->mistaken ? STATUS_OK : describe_parts(model, task.builder.facts, error);
 }
 
-/* What is known of the node, which is built when it is asked of for the first
- * time. */
-static Status ask(Geometry *geometry, const EvalNode *node, Asked **out,
-                  Error *error) {
-  Asked *asked = geometry->last;
-  if (!asked || asked->node != node)
-    asked = table_find(&geometry->asked, node);
-  if (!asked)
-    TRY(ask_first(geometry, node, &asked, error));
-  geometry->last = asked;
-  *out = asked;
-  const Scene *scene = asked->model->scene;
-  if (asked->model->mistaken)
-    return fail(error, STATUS_SCENE, "%s", "");
-  if (asked->flat)
-    return fail(error, STATUS_SCENE, "the transforms of this %s squash it flat",
-                node->type->name);
-  if (scene->n_objects == 0 && !(node->type->flags & NODE_CHILDREN))
-    return fail(error, STATUS_SCENE,
-                "a %s has no shape: ask of an object, or of a group of them",
-                node->type->name);
-  return STATUS_OK;
-}
-
-static Status refuse_planes(const Asked *asked, const char *what,
-                            Error *error) {
-  const Model *model = asked->model;
-  if (model->first_plane == SCENE_NONE)
+static Status find_model(Geometry *geometry, const EvalNode *origin, Model **out, Error *error)
+{
+    *out = table_find(&geometry->models, origin);
+    if (*out) return STATUS_OK;
+    Model *model = calloc(1, sizeof *model);
+    if (!model || !table_reserve(&geometry->models)) {
+        free(model);
+        return fail_memory(error, sizeof(Model), "the shape of a node");
+    }
+    model->origin = origin;
+    Status status = build_model(geometry, model, error);
+    if (status != STATUS_OK) {
+        model_free(model);
+        return status;
+    }
+    table_add(&geometry->models, model);
+    geometry->bytes += model->bytes;
+    *out = model;
     return STATUS_OK;
-  return fail(error, STATUS_SCENE, "'%s' has no end, and so no %s",
-              model->scene->objects[model->first_plane].name, what);
 }
 
-static Status refuse_open(const Asked *asked, Error *error) {
-  const Model *model = asked->model;
-  if (model->first_open == SCENE_NONE)
+static Status ask_first(Geometry *geometry, const EvalNode *node, Asked **out, Error *error)
+{
+    if (geometry->bytes > MODEL_BYTES_MAX || geometry->models.n >= MODELS_MAX || geometry->asked.n >= ASKED_MAX)
+        forget(geometry);
+    const EvalNode *origin = node;
+    while (origin->prototype) origin = origin->prototype;
+    Model *model;
+    TRY(find_model(geometry, origin, &model, error));
+    Asked *asked = calloc(1, sizeof *asked);
+    if (!asked || !table_reserve(&geometry->asked)) {
+        free(asked);
+        return fail_memory(error, sizeof(Asked), "the shape of a node");
+    }
+    *asked = (Asked){.node = node, .model = model};
+    asked->flat = !affine_invert(&node->transform, &asked->to_model);
+    table_add(&geometry->asked, asked);
+    *out = asked;
     return STATUS_OK;
-  return fail(error, STATUS_SCENE, "'%s' is an open mesh: it encloses nothing",
-              model->scene->objects[model->first_open].name);
+}
+
+/* What is known of the node, which is built when it is asked of for the first time. */
+static Status ask(Geometry *geometry, const EvalNode *node, Asked **out, Error *error)
+{
+    Asked *asked = geometry->last;
+    if (!asked || asked->node != node) asked = table_find(&geometry->asked, node);
+    if (!asked) TRY(ask_first(geometry, node, &asked, error));
+    geometry->last = asked;
+    *out = asked;
+    const Scene *scene = asked->model->scene;
+    if (asked->model->mistaken) return fail(error, STATUS_SCENE, "%s", "");
+    if (asked->flat) return fail(error, STATUS_SCENE, "the transforms of this %s squash it flat", node->type->name);
+    if (scene->n_objects == 0 && !(node->type->flags & NODE_CHILDREN))
+        return fail(error, STATUS_SCENE, "a %s has no shape: ask of an object, or of a group of them",
+                    node->type->name);
+    return STATUS_OK;
+}
+
+static Status refuse_planes(const Asked *asked, const char *what, Error *error)
+{
+    const Model *model = asked->model;
+    if (model->first_plane == SCENE_NONE) return STATUS_OK;
+    return fail(error, STATUS_SCENE, "'%s' has no end, and so no %s", model->scene->objects[model->first_plane].name,
+                what);
+}
+
+static Status refuse_open(const Asked *asked, Error *error)
+{
+    const Model *model = asked->model;
+    if (model->first_open == SCENE_NONE) return STATUS_OK;
+    return fail(error, STATUS_SCENE, "'%s' is an open mesh: it encloses nothing",
+                model->scene->objects[model->first_open].name);
 }
 
 /* ---- bounds and volume ---- */
 
-static Status find_bounds(Asked *asked, Error *error) {
-  const Scene *scene = asked->model->scene;
-  TRY(refuse_planes(asked, "bounds", error));
-  if (asked->has_bounds)
+static Status find_bounds(Asked *asked, Error *error)
+{
+    const Scene *scene = asked->model->scene;
+    TRY(refuse_planes(asked, "bounds", error));
+    if (asked->has_bounds) return STATUS_OK;
+    Box3 box = box3_empty();
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        Affine map = affine_compose(&asked->node->transform, &scene->objects[i].to_world);
+        Box3 bounds = scene_shape_bounds(&scene->shapes[scene->objects[i].shape], &map);
+        if (!box3_is_empty(bounds)) box = box3_union(box, bounds);
+    }
+    if (box3_is_empty(box)) return fail(error, STATUS_SCENE, "this %s holds no objects", asked->node->type->name);
+    if (!vec3_is_finite(box.min) || !vec3_is_finite(box.max) ||
+        fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)) > SCENE_REACH)
+        return fail(error, STATUS_SCENE, "this %s reaches beyond coordinates of %g", asked->node->type->name,
+                    SCENE_REACH);
+    asked->bounds = box;
+    asked->has_bounds = true;
     return STATUS_OK;
-  Box3 box = box3_empty();
-  for (uint32_t i = 0; i < scene->n_objects; i++) {
-    Affine map =
-        affine_compose(&asked->node->transform, &scene->objects[i].to_world);
-    Box3 bounds =
-        scene_shape_bounds(&scene->shapes[scene->objects[i].shape], &map);
-    if (!box3_is_empty(bounds))
-      box = box3_union(box, bounds);
-  }
-  if (box3_is_empty(box))
-    return fail(error, STATUS_SCENE, "this %s holds no objects",
-                asked->node->type->name);
-  if (!vec3_is_finite(box.min) || !vec3_is_finite(box.max) ||
-      fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)) > SCENE_REACH)
-    return fail(error, STATUS_SCENE, "this %s reaches beyond coordinates of %g",
-                asked->node->type->name, SCENE_REACH);
-  asked->bounds = box;
-  asked->has_bounds = true;
-  return STATUS_OK;
 }
 
-static Status geometry_bounds(void *state, const EvalNode *node, Box3 *box,
-                              Error *error) {
-  Asked *asked;
-  TRY(ask(state, node, &asked, error));
-  TRY(find_bounds(asked, error));
-  *box = asked->bounds;
-  return STATUS_OK;
+static Status geometry_bounds(void *state, const EvalNode *node, Box3 *box, Error *error)
+{
+    Asked *asked;
+    TRY(ask(state, node, &asked, error));
+    TRY(find_bounds(asked, error));
+    *box = asked->bounds;
+    return STATUS_OK;
 }
 
-static Status geometry_volume(void *state, const EvalNode *node, double *volume,
-                              Error *error) {
-  Asked *asked;
-  TRY(ask(state, node, &asked, error));
-  TRY(refuse_planes(asked, "volume", error));
-  TRY(refuse_open(asked, error));
-  const Scene *scene = asked->model->scene;
-  *volume = 0;
-  for (uint32_t i = 0; i < scene->n_objects; i++)
-    *volume += scene->objects[i].volume;
-  *volume *= fabs(affine_determinant(&node->transform));
-  return STATUS_OK;
+static Status geometry_volume(void *state, const EvalNode *node, double *volume, Error *error)
+{
+    Asked *asked;
+    TRY(ask(state, node, &asked, error));
+    TRY(refuse_planes(asked, "volume", error));
+    TRY(refuse_open(asked, error));
+    const Scene *scene = asked->model->scene;
+    *volume = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) *volume += scene->objects[i].volume;
+    *volume *= fabs(affine_determinant(&node->transform));
+    return STATUS_OK;
 }
 
 /* ---- rays ---- */
 
-static Status need_rtc(Geometry *geometry, Model *model, Error *error) {
-  if (model->rtc)
+static Status need_rtc(Geometry *geometry, Model *model, Error *error)
+{
+    if (model->rtc) return STATUS_OK;
+    const Scene *scene = model->scene;
+    RtcObject *objects = malloc((scene->n_objects + 1U) * sizeof *objects);
+    if (!objects) return fail_memory(error, scene->n_objects * sizeof *objects, "the shape of a node");
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneShape *shape = &scene->shapes[scene->objects[i].shape];
+        objects[i] = (RtcObject){.mesh = shape->mesh, .solid = shape->solid, .to_world = scene->objects[i].to_world};
+    }
+    Status status = rtc_scene_new(objects, scene->n_objects, 1, &model->rtc, error);
+    free(objects);
+    TRY(status);
+    size_t bytes = rtc_scene_bytes(model->rtc);
+    model->bytes += bytes;
+    geometry->bytes += bytes;
     return STATUS_OK;
-  const Scene *scene = model->scene;
-  RtcObject *objects = malloc((scene->n_objects + 1U) * sizeof *objects);
-  if (!objects)
-    return fail_memory(error, scene->n_objects * sizeof *objects,
-                       "the shape of a node");
-  for (uint32_t i = 0; i < scene->n_objects; i++) {
-    const SceneShape *shape = &scene->shapes[scene->objects[i].shape];
-    objects[i] = (RtcObject){.mesh = shape->mesh,
-                             .solid = shape->solid,
-                             .to_world = scene->objects[i].to_world};
-  }
-  Status status =
-      rtc_scene_new(objects, scene->n_objects, 1, &model->rtc, error);
-  free(objects);
-  TRY(status);
-  size_t bytes = rtc_scene_bytes(model->rtc);
-  model->bytes += bytes;
-  geometry->bytes += bytes;
-  return STATUS_OK;
 }
 
-/* A ray in the frame of the model; t of the true ray is t of rtc's divided by
- * length. */
+/* A ray in the frame of the model; t of the true ray is t of rtc's divided by length. */
 typedef struct ModelRay {
-  Vec3 origin, direction;
-  double length;
-  Ray ray;
+    Vec3 origin, direction;
+    double length;
+    Ray ray;
 } ModelRay;
 
-static Status model_ray(const Asked *asked, Vec3 from, Vec3 direction,
-                        ModelRay *ray, Error *error) {
-  ray->origin = affine_point(&asked->to_model, from);
-  ray->direction = affine_vector(&asked->to_model, direction);
-  ray->length = vec3_length(ray->direction);
-  if (!(vec3_max_abs(ray->origin) <= SCENE_REACH) || !isfinite(ray->length) ||
-      !(ray->length > 0))
-    return fail(error, STATUS_SCENE,
-                "<%g, %g, %g> is out of reach: coordinates may not exceed %g",
-                from.x, from.y, from.z, SCENE_REACH);
-  ray->ray = ray_make(ray->origin,
-                      vec3f_from(vec3_scale(ray->direction, 1 / ray->length)));
-  return STATUS_OK;
+static Status model_ray(const Asked *asked, Vec3 from, Vec3 direction, ModelRay *ray, Error *error)
+{
+    ray->origin = affine_point(&asked->to_model, from);
+    ray->direction = affine_vector(&asked->to_model, direction);
+    ray->length = vec3_length(ray->direction);
+    if (!(vec3_max_abs(ray->origin) <= SCENE_REACH) || !isfinite(ray->length) || !(ray->length > 0))
+        return fail(error, STATUS_SCENE, "<%g, %g, %g> is out of reach: coordinates may not exceed %g", from.x, from.y,
+                    from.z, SCENE_REACH);
+    ray->ray = ray_make(ray->origin, vec3f_from(vec3_scale(ray->direction, 1 / ray->length)));
+    return STATUS_OK;
 }
 
-/* Where the true ray meets the plane of a triangle that rtc's ray met. false:
- * it is parallel to it. */
-static bool meet_triangle(const Mesh *mesh, uint32_t triangle, Vec3 origin,
-                          Vec3 direction, double *t, Vec3 *normal) {
-  Vec3 corner[3];
-  for (int i = 0; i < 3; i++)
-    corner[i] = vec3_from_f(mesh->positions[mesh->triangles[triangle][i]]);
-  *normal = vec3_cross(vec3_sub(corner[1], corner[0]),
-                       vec3_sub(corner[2], corner[0]));
-  double slope = vec3_dot(*normal, direction);
-  if (slope == 0)
-    return false;
-  *t = vec3_dot(*normal, vec3_sub(corner[0], origin)) / slope;
-  return true;
+/* Where the true ray meets the plane of a triangle that rtc's ray met. false: it is parallel to it. */
+static bool meet_triangle(const Mesh *mesh, uint32_t triangle, Vec3 origin, Vec3 direction, double *t, Vec3 *normal)
+{
+    Vec3 corner[3];
+    for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(mesh->positions[mesh->triangles[triangle][i]]);
+    *normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    double slope = vec3_dot(*normal, direction);
+    if (slope == 0) return false;
+    *t = vec3_dot(*normal, vec3_sub(corner[0], origin)) / slope;
+    return true;
 }
 
-/* The crossing with a piece next to that of rtc's ray, in the same sense.
- * false: the true ray just misses it. */
-static bool meet_piece(const Piece *piece, bool entering, Vec3 origin,
-                       Vec3 direction, double *t, Vec3 *normal) {
-  double rough = *t, roots[2], best = HUGE_VAL;
-  int n = piece_intersect(piece, origin, direction, 0, HUGE_VAL, roots);
-  for (int i = 0; i < n; i++) {
-    Vec3 outward = piece_normal(piece, origin, direction, roots[i]);
-    if ((vec3_dot(outward, direction) < 0) != entering ||
-        fabs(roots[i] - rough) >= best)
-      continue;
-    best = fabs(roots[i] - rough);
-    *t = roots[i];
-    *normal = outward;
-  }
-  return best < HUGE_VAL;
+/* The crossing with a piece next to that of rtc's ray, in the same sense. false: the true ray just misses it. */
+static bool meet_piece(const Piece *piece, bool entering, Vec3 origin, Vec3 direction, double *t, Vec3 *normal)
+{
+    double rough = *t, roots[2], best = HUGE_VAL;
+    int n = piece_intersect(piece, origin, direction, 0, HUGE_VAL, roots);
+    for (int i = 0; i < n; i++) {
+        Vec3 outward = piece_normal(piece, origin, direction, roots[i]);
+        if ((vec3_dot(outward, direction) < 0) != entering || fabs(roots[i] - rough) >= best) continue;
+        best = fabs(roots[i] - rough);
+        *t = roots[i];
+        *normal = outward;
+    }
+    return best < HUGE_VAL;
 }
 
 /* What rtc's float ray found, for the true ray. */
-static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from,
-                        Vec3 direction, const Hit *hit) {
-  const Model *model = asked->model;
-  const SceneShape *shape =
-      &model->scene->shapes[model->scene->objects[hit->object].shape];
-  const Affine *to_shape = &model->parts[hit->object].to_shape;
-  Vec3 origin = affine_point(to_shape, ray->origin),
-       along = affine_vector(to_shape, ray->direction);
-  Vec3 normal = {0};
-  double rough = hit->t / ray->length, t = rough;
-  bool met = shape->mesh
-                 ? meet_triangle(shape->mesh, hit->primitive, origin, along, &t,
-                                 &normal)
-                 : meet_piece(&shape->solid->pieces[hit->primitive],
-                              hit->entering, origin, along, &t, &normal);
-  /* at a silhouette the two rays part */
-  Vec3 in_model;
-  if (met && fabs(t - rough) <= 1e-4 * rough + 1e-6 * vec3_length(from)) {
-    in_model = affine_normal(to_shape, normal);
-  } else {
-    t = rough;
-    in_model = vec3_from_f(hit->normal);
-  }
-  in_model = vec3_normalize(affine_normal(&asked->to_model, in_model));
-  return (EvalHit){
-      .point = vec3_along(from, t, direction),
-      .normal = vec3_add(
-          in_model, vec3(0, 0, 0)), /* no -0, which would be printed as such */
-      .distance = t};
+static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from, Vec3 direction, const Hit *hit)
+{
+    const Model *model = asked->model;
+    const SceneShape *shape = &model->scene->shapes[model->scene->objects[hit->object].shape];
+    const Affine *to_shape = &model->parts[hit->object].to_shape;
+    Vec3 origin = affine_point(to_shape, ray->origin), along = affine_vector(to_shape, ray->direction);
+    Vec3 normal = {0};
+    double rough = hit->t / ray->length, t = rough;
+    bool met = shape->mesh
+                   ? meet_triangle(shape->mesh, hit->primitive, origin, along, &t, &normal)
+                   : meet_piece(&shape->solid->pieces[hit->primitive], hit->entering, origin, along, &t, &normal);
+    /* at a silhouette the two rays part */
+    Vec3 in_model;
+    if (met && fabs(t - rough) <= 1e-4 * rough + 1e-6 * vec3_length(from)) {
+        in_model = affine_normal(to_shape, normal);
+    } else {
+        t = rough;
+        in_model = vec3_from_f(hit->normal);
+    }
+    in_model = vec3_normalize(affine_normal(&asked->to_model, in_model));
+    return (EvalHit){.point = vec3_along(from, t, direction),
+                     .normal = vec3_add(in_model, vec3(0, 0, 0)), /* no -0, which would be printed as such */
+                     .distance = t};
 }
 
-static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray,
-                    bool all, Error *error) {
-  HitList *hits = &geometry->hits;
-  TRY(need_rtc(geometry, asked->model, error));
-  if (all)
-    rtc_all(asked->model->rtc, &ray->ray, false, hits);
-  else if (rtc_nearest(asked->model->rtc, &ray->ray, hits))
-    hits->n = 1;
-  if (hits->out_of_memory)
-    return fail(error, STATUS_NOMEM,
-                "out of memory for the surfaces along a ray");
-  if (!all)
+static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray, bool all, Error *error)
+{
+    HitList *hits = &geometry->hits;
+    TRY(need_rtc(geometry, asked->model, error));
+    if (all)
+        rtc_all(asked->model->rtc, &ray->ray, false, hits);
+    else if (rtc_nearest(asked->model->rtc, &ray->ray, hits))
+        hits->n = 1;
+    if (hits->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray");
+    if (!all) return STATUS_OK;
+    size_t kept = 0; /* hit_repeats looks back at what it is shown: the list shrinks behind it */
+    for (size_t i = 0; i < hits->n; i++) {
+        HitList seen = {.items = hits->items, .n = kept + 1};
+        hits->items[kept] = hits->items[i];
+        if (!hit_repeats(&seen, kept)) kept++;
+    }
+    hits->n = kept;
     return STATUS_OK;
-  size_t kept = 0; /* hit_repeats looks back at what it is shown: the list
-                      shrinks behind it */
-  for (size_t i = 0; i < hits->n; i++) {
-    HitList seen = {.items = hits->items, .n = kept + 1};
-    hits->items[kept] = hits->items[i];
-    if (!hit_repeats(&seen, kept))
-      kept++;
-  }
-  hits->n = kept;
-  return STATUS_OK;
 }
 
-static Status geometry_hits(void *state, const EvalNode *node, Vec3 from,
-                            Vec3 direction, bool all, const EvalHit **found,
-                            size_t *n, Error *error) {
-  Geometry *geometry = state;
-  Asked *asked;
-  ModelRay ray;
-  *n = 0;
-  TRY(ask(geometry, node, &asked, error));
-  TRY(model_ray(asked, from, direction, &ray, error));
-  TRY(trace(geometry, asked, &ray, all, error));
-  for (size_t i = 0; i < geometry->hits.n; i++) {
-    if (!ARRAY_ROOM(geometry->found, geometry->found_capacity, *n))
-      return fail(error, STATUS_NOMEM,
-                  "out of memory for the surfaces along a ray");
-    geometry->found[(*n)++] =
-        true_hit(asked, &ray, from, direction, &geometry->hits.items[i]);
-  }
-  *found = geometry->found;
-  return STATUS_OK;
+static Status geometry_hits(void *state, const EvalNode *node, Vec3 from, Vec3 direction, bool all,
+                            const EvalHit **found, size_t *n, Error *error)
+{
+    Geometry *geometry = state;
+    Asked *asked;
+    ModelRay ray;
+    *n = 0;
+    TRY(ask(geometry, node, &asked, error));
+    TRY(model_ray(asked, from, direction, &ray, error));
+    TRY(trace(geometry, asked, &ray, all, error));
+    for (size_t i = 0; i < geometry->hits.n; i++) {
+        if (!ARRAY_ROOM(geometry->found, geometry->found_capacity, *n))
+            return fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray");
+        geometry->found[(*n)++] = true_hit(asked, &ray, from, direction, &geometry->hits.items[i]);
+    }
+    *found = geometry->found;
+    return STATUS_OK;
 }
 
 /* ---- inside and outside ---- */
 
-static bool below_plane(const Model *model, Vec3 point) {
-  for (uint32_t i = model->first_plane; i < model->scene->n_objects; i++)
-    if (model->parts[i].plane &&
-        affine_point(&model->parts[i].to_shape, point).y < 0)
-      return true;
-  return false;
+static bool below_plane(const Model *model, Vec3 point)
+{
+    for (uint32_t i = model->first_plane; i < model->scene->n_objects; i++)
+        if (model->parts[i].plane && affine_point(&model->parts[i].to_shape, point).y < 0) return true;
+    return false;
 }
 
-static bool box_holds(const Box3 *box, Vec3 p) {
-  return p.x >= box->min.x && p.x <= box->max.x && p.y >= box->min.y &&
-         p.y <= box->max.y && p.z >= box->min.z && p.z <= box->max.z;
+static bool box_holds(const Box3 *box, Vec3 p)
+{
+    return p.x >= box->min.x && p.x <= box->max.x && p.y >= box->min.y && p.y <= box->max.y && p.z >= box->min.z &&
+           p.z <= box->max.z;
 }
 
-/* Whether any object is left more often than it is entered by a ray from the
- * point. */
-static Status inside_along(Geometry *geometry, const Asked *asked, Vec3 point,
-                           int direction, bool *inside, Error *error) {
-  Part *parts = asked->model->parts;
-  ModelRay ray = {.ray =
-                      ray_make(point, vec3f_from(line_direction(direction)))};
-  TRY(trace(geometry, asked, &ray, true, error));
-  const HitList *hits = &geometry->hits;
-  *inside = false;
-  for (size_t i = 0; i < hits->n; i++)
-    parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
-  for (size_t i = 0; i < hits->n; i++) {
-    Part *part = &parts[hits->items[i].object];
-    if (part->net > 0 && !part->plane)
-      *inside = true;
-    part->net = 0;
-  }
-  return STATUS_OK;
+/* Whether any object is left more often than it is entered by a ray from the point. */
+static Status inside_along(Geometry *geometry, const Asked *asked, Vec3 point, int direction, bool *inside,
+                           Error *error)
+{
+    Part *parts = asked->model->parts;
+    ModelRay ray = {.ray = ray_make(point, vec3f_from(line_direction(direction)))};
+    TRY(trace(geometry, asked, &ray, true, error));
+    const HitList *hits = &geometry->hits;
+    *inside = false;
+    for (size_t i = 0; i < hits->n; i++) parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
+    for (size_t i = 0; i < hits->n; i++) {
+        Part *part = &parts[hits->items[i].object];
+        if (part->net > 0 && !part->plane) *inside = true;
+        part->net = 0;
+    }
+    return STATUS_OK;
 }
 
 /* Two directions must agree; else a third decides. */
-static Status geometry_inside(void *state, const EvalNode *node, Vec3 point,
-                              bool *inside, Error *error) {
-  Geometry *geometry = state;
-  Asked *asked;
-  TRY(ask(geometry, node, &asked, error));
-  TRY(refuse_open(asked, error));
-  const Model *model = asked->model;
-  Vec3 p = affine_point(&asked->to_model, point);
-  *inside = below_plane(model, p);
-  if (*inside || !box_holds(&model->bounds, p))
+static Status geometry_inside(void *state, const EvalNode *node, Vec3 point, bool *inside, Error *error)
+{
+    Geometry *geometry = state;
+    Asked *asked;
+    TRY(ask(geometry, node, &asked, error));
+    TRY(refuse_open(asked, error));
+    const Model *model = asked->model;
+    Vec3 p = affine_point(&asked->to_model, point);
+    *inside = below_plane(model, p);
+    if (*inside || !box_holds(&model->bounds, p)) return STATUS_OK;
+    bool answers[3];
+    TRY(inside_along(geometry, asked, p, 0, &answers[0], error));
+    TRY(inside_along(geometry, asked, p, 1, &answers[1], error));
+    *inside = answers[0];
+    if (answers[0] == answers[1]) return STATUS_OK;
+    TRY(inside_along(geometry, asked, p, 2, &answers[2], error));
+    *inside = answers[2];
     return STATUS_OK;
-  bool answers[3];
-  TRY(inside_along(geometry, asked, p, 0, &answers[0], error));
-  TRY(inside_along(geometry, asked, p, 1, &answers[1], error));
-  *inside = answers[0];
-  if (answers[0] == answers[1])
-    return STATUS_OK;
-  TRY(inside_along(geometry, asked, p, 2, &answers[2], error));
-  *inside = answers[2];
-  return STATUS_OK;
 }
 
 /* ---- places on the surface ---- */
 
-static double next_unit(uint64_t *h) {
-  *h = hash_u64(*h);
-  return hash_to_unit(*h);
+static double next_unit(uint64_t *h)
+{
+    *h = hash_u64(*h);
+    return hash_to_unit(*h);
 }
 
-/* The surfaces along a random line through the ball around the node. Lines that
- * are spread evenly over all directions and over the ball's disc across each
- * meet every piece of surface as often as it is large (Cauchy and Crofton). */
-static Status random_line(Geometry *geometry, const Asked *asked, uint64_t *h,
-                          Vec3 *start, Vec3 *direction, ModelRay *ray,
-                          Error *error) {
-  Vec3 half = vec3_scale(vec3_sub(asked->bounds.max, asked->bounds.min), 0.5);
-  double radius = vec3_length(half) * (1 + 1e-6);
-  double y = 2 * next_unit(h) - 1, turn = 6.283185307179586 * next_unit(h),
-         ring = sqrt(fmax(0, 1 - y * y));
-  double off = radius * sqrt(next_unit(h)),
-         at = 6.283185307179586 * next_unit(h);
-  *direction = vec3(ring * cos(turn), y, ring * sin(turn));
-  Affine frame = build_frame(vec3_add(asked->bounds.min, half), *direction);
-  *start =
-      affine_point(&frame, vec3(off * cos(at), -2 * radius, off * sin(at)));
-  TRY(model_ray(asked, *start, *direction, ray, error));
-  return trace(geometry, asked, ray, true, error);
+/* The surfaces along a random line through the ball around the node. Lines that are spread evenly over all
+ * directions and over the ball's disc across each meet every piece of surface as often as it is large (Cauchy and
+ * Crofton). */
+static Status random_line(Geometry *geometry, const Asked *asked, uint64_t *h, Vec3 *start, Vec3 *direction,
+                          ModelRay *ray, Error *error)
+{
+    Vec3 half = vec3_scale(vec3_sub(asked->bounds.max, asked->bounds.min), 0.5);
+    double radius = vec3_length(half) * (1 + 1e-6);
+    double y = 2 * next_unit(h) - 1, turn = 6.283185307179586 * next_unit(h), ring = sqrt(fmax(0, 1 - y * y));
+    double off = radius * sqrt(next_unit(h)), at = 6.283185307179586 * next_unit(h);
+    *direction = vec3(ring * cos(turn), y, ring * sin(turn));
+    Affine frame = build_frame(vec3_add(asked->bounds.min, half), *direction);
+    *start = affine_point(&frame, vec3(off * cos(at), -2 * radius, off * sin(at)));
+    TRY(model_ray(asked, *start, *direction, ray, error));
+    return trace(geometry, asked, ray, true, error);
 }
 
-static Status find_most_hits(Geometry *geometry, Asked *asked, unsigned *n_rays,
-                             Error *error) {
-  Vec3 start, direction;
-  ModelRay ray;
-  uint64_t h = 1;
-  TRY(find_bounds(asked, error));
-  if (asked->most_hits)
+static Status find_most_hits(Geometry *geometry, Asked *asked, unsigned *n_rays, Error *error)
+{
+    Vec3 start, direction;
+    ModelRay ray;
+    uint64_t h = 1;
+    TRY(find_bounds(asked, error));
+    if (asked->most_hits) return STATUS_OK;
+    asked->most_hits = 1;
+    for (int i = 0; i < SCATTER_TRIALS; i++) {
+        TRY(random_line(geometry, asked, &h, &start, &direction, &ray, error));
+        if (geometry->hits.n > asked->most_hits) asked->most_hits = geometry->hits.n;
+    }
+    *n_rays += SCATTER_TRIALS;
     return STATUS_OK;
-  asked->most_hits = 1;
-  for (int i = 0; i < SCATTER_TRIALS; i++) {
-    TRY(random_line(geometry, asked, &h, &start, &direction, &ray, error));
-    if (geometry->hits.n > asked->most_hits)
-      asked->most_hits = geometry->hits.n;
-  }
-  *n_rays += SCATTER_TRIALS;
-  return STATUS_OK;
 }
 
-/* A line counts as often as it has hits: it is taken with the chance that it
- * has of the most, and then one of them. A line with more hits than any of the
- * trials counts as one of those. */
-static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed,
-                               EvalHit *place, unsigned *n_rays, Error *error) {
-  Geometry *geometry = state;
-  Asked *asked;
-  Vec3 start, direction;
-  ModelRay ray;
-  TRY(ask(geometry, node, &asked, error));
-  TRY(refuse_planes(asked, "evenly distributed places", error));
-  TRY(find_most_hits(geometry, asked, n_rays, error));
-  for (int i = 0; i < SCATTER_RAYS; i++) {
-    TRY(random_line(geometry, asked, &seed, &start, &direction, &ray, error));
-    ++*n_rays;
-    double chosen = next_unit(&seed) * (double)asked->most_hits;
-    size_t n = geometry->hits.n;
-    if (n >= asked->most_hits)
-      chosen *= (double)n / (double)asked->most_hits;
-    if (!(chosen < (double)n))
-      continue;
-    *place = true_hit(asked, &ray, start, direction,
-                      &geometry->hits.items[(size_t)chosen]);
-    return STATUS_OK;
-  }
-  return fail(error, STATUS_SCENE, "no ray out of %d met a surface of this %s",
-              SCATTER_RAYS, node->type->name);
+/* A line counts as often as it has hits: it is taken with the chance that it has of the most, and then one of them.
+ * A line with more hits than any of the trials counts as one of those. */
+static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed, EvalHit *place, unsigned *n_rays,
+                               Error *error)
+{
+    Geometry *geometry = state;
+    Asked *asked;
+    Vec3 start, direction;
+    ModelRay ray;
+    TRY(ask(geometry, node, &asked, error));
+    TRY(refuse_planes(asked, "evenly distributed places", error));
+    TRY(find_most_hits(geometry, asked, n_rays, error));
+    for (int i = 0; i < SCATTER_RAYS; i++) {
+        TRY(random_line(geometry, asked, &seed, &start, &direction, &ray, error));
+        ++*n_rays;
+        double chosen = next_unit(&seed) * (double)asked->most_hits;
+        size_t n = geometry->hits.n;
+        if (n >= asked->most_hits) chosen *= (double)n / (double)asked->most_hits;
+        if (!(chosen < (double)n)) continue;
+        *place = true_hit(asked, &ray, start, direction, &geometry->hits.items[(size_t)chosen]);
+        return STATUS_OK;
+    }
+    return fail(error, STATUS_SCENE, "no ray out of %d met a surface of this %s", SCATTER_RAYS, node->type->name);
 }
 
 const EvalGeometry scene_geometry = {
