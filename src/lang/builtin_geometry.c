@@ -24,7 +24,7 @@ static bool begin(const BuiltinCall *call, Value *result)
     }
     if (!eval_step(evaluator, call->expr->span)) return false;
     if (!evaluator->geometry && options->geometry)
-        evaluator->geometry = options->geometry->open(options->geometry_context, evaluator->diag);
+        evaluator->geometry = options->geometry->open(options->geometry_context, evaluator->diag, &evaluator->steps);
     if (evaluator->geometry) return true;
     eval_error(evaluator, call->expr, D_NO_GEOMETRY, "nothing is known of shapes here");
     return false;
@@ -143,11 +143,9 @@ void run_scatter(const BuiltinCall *call, Value *result)
     if (!begin(call, result) || !builtin_hash(call, 1, &seed, result)) return;
     Error error = {0};
     EvalHit place;
-    unsigned n_rays = 0;
     Evaluator *evaluator = call->evaluator;
-    Status status = evaluator->options->geometry->scatter(evaluator->geometry, call->args[0].as.node, seed, &place,
-                                                          &n_rays, &error);
-    evaluator->steps += n_rays;
+    Status status =
+        evaluator->options->geometry->scatter(evaluator->geometry, call->args[0].as.node, seed, &place, &error);
     if (!answered(call, status, &error)) return;
     *result = record_new(
         evaluator->arena, RECORD_PLACE,

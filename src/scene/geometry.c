@@ -2,7 +2,8 @@
  *
  * A node is built as for the picture, into a scene of its own (a Model) without its own transforms, so that all
  * instances of a prototype share one; what is asked is carried into the Model's frame. Rays are traced by geom/rtc,
- * whose directions are floats, and then met with the surface that was found once more, in double.
+ * whose directions are floats, and then met with the surface that was found once more, in double. Of combinations
+ * (nest/csg.h) all operands are traced, and the surfaces are where what holds the ray changes.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/geometry.h"
 
@@ -11,14 +12,17 @@
 
 #include "base/array.h"
 #include "base/hash.h"
+#include "nest/csg.h"
 #include "scene/build_parts.h"
 #include "scene/lines.h"
 
 enum {
-    MODELS_MAX = 1000,    /* kept at a time; each has an Embree device of its own */
-    ASKED_MAX = 100000,   /* nodes, instances of the models */
-    SCATTER_TRIALS = 256, /* rays that find out how many surfaces a ray can meet */
-    SCATTER_RAYS = 100000 /* after which there is no surface to be found */
+    MODELS_MAX = 1000,     /* kept at a time; each has an Embree device of its own */
+    ASKED_MAX = 100000,    /* nodes, instances of the models */
+    SCATTER_TRIALS = 256,  /* rays that find out how many surfaces a ray can meet */
+    SCATTER_RAYS = 100000, /* after which there is no surface to be found */
+    VOLUME_LINES = 6000,   /* of each direction, to measure a combination: an error of about 1e-3 of plain ones */
+    STEPS_TO_BUILD = 500   /* what a model counts, at least: the time of so many rays */
 };
 #define MODEL_BYTES_MAX ((size_t)1 << 30)
 
@@ -26,17 +30,22 @@ enum {
 typedef struct Part {
     Affine to_shape;
     bool closed, plane;
-    int32_t net; /* how often a ray left it, less how often it entered it: 0 between questions */
+    uint32_t operand; /* of a combination, the number of it; SCENE_NONE */
+    int32_t net;      /* how often a ray left it, less how often it entered it: 0 between questions */
 } Part;
 
 typedef struct Model {
     const EvalNode *origin; /* the node without its transforms */
     Scene *scene;
     Part *parts;                      /* beside the objects */
+    NestCsg csg;                      /* its operands begin with 0; hulls are the rows of combinations */
+    NestList held;                    /* operands that hold the ray: empty between questions */
     RtcScene *rtc;                    /* NULL until a ray is asked for */
     Box3 bounds;                      /* of all but planes */
     uint32_t first_open, first_plane; /* objects; SCENE_NONE */
     bool mistaken;                    /* diag says why */
+    bool measured;                    /* volume is known */
+    double volume;
     size_t bytes;
 } Model;
 
@@ -58,6 +67,7 @@ typedef struct Table {
 typedef struct Geometry {
     const SceneOptions *options;
     Diag *diag;
+    uint64_t *steps;
     Table models, asked;
     Asked *last;
     size_t bytes;
@@ -110,6 +120,9 @@ static void model_free(Model *model)
 {
     rtc_scene_free(model->rtc);
     scene_free(model->scene);
+    nest_list_clear(&model->held);
+    free(model->csg.trees);
+    free(model->csg.tree_of_operand);
     free(model->parts);
     free(model);
 }
@@ -126,12 +139,13 @@ static void forget(Geometry *geometry)
     geometry->bytes = 0;
 }
 
-static void *geometry_open(const void *context, Diag *diag)
+static void *geometry_open(const void *context, Diag *diag, uint64_t *steps)
 {
     Geometry *geometry = calloc(1, sizeof *geometry);
     if (!geometry) return NULL;
     geometry->options = context;
     geometry->diag = diag;
+    geometry->steps = steps;
     return geometry;
 }
 
@@ -155,7 +169,7 @@ static void build_node(void *context)
 {
     BuildTask *task = context;
     Affine frame = affine_identity();
-    build_placed(&task->builder, &task->node, &frame);
+    build_visit(&task->builder, &task->node, &frame);
 }
 
 static size_t mesh_bytes(const Mesh *mesh)
@@ -177,9 +191,13 @@ static Status describe_parts(Model *model, const ShapeFacts *facts, Error *error
     model->first_open = model->first_plane = SCENE_NONE;
     for (uint32_t i = scene->n_objects; i-- > 0;) {
         const SceneObject *object = &scene->objects[i];
-        const SceneShape *shape = &scene->shapes[object->shape];
         Part *part = &model->parts[i];
-        part->plane = is_plane(shape);
+        part->operand = SCENE_NONE;
+        part->closed = true;
+        Box3 bounds = scene_object_bounds(scene, object, NULL);
+        if (!box3_is_empty(bounds) && object->part_of == SCENE_NONE) model->bounds = box3_union(model->bounds, bounds);
+        if (object->shape == SCENE_NONE) continue;
+        part->plane = is_plane(&scene->shapes[object->shape]);
         part->closed = facts[object->shape].closed;
         if (!affine_invert(&object->to_world, &part->to_shape))
             return fail(error, STATUS_SCENE, "the transforms of %s squash it flat", object->name);
@@ -187,11 +205,29 @@ static Status describe_parts(Model *model, const ShapeFacts *facts, Error *error
             model->first_plane = i;
         else if (!part->closed)
             model->first_open = i;
-        Box3 bounds = scene_shape_bounds(shape, &object->to_world);
-        if (!box3_is_empty(bounds)) model->bounds = box3_union(model->bounds, bounds);
     }
     model->bytes = sizeof *model + scene->arena.total + scene->n_objects * sizeof *model->parts;
     for (uint32_t i = 0; i < scene->n_shapes; i++) model->bytes += mesh_bytes(scene->shapes[i].mesh);
+    return STATUS_OK;
+}
+
+/* Which operand is what, and of which combination. */
+static Status describe_combinations(Model *model, Error *error)
+{
+    const Scene *scene = model->scene;
+    NestCsg *csg = &model->csg;
+    *csg = (NestCsg){0, scene->n_operands, scene->n_trees, scene->n_parts, scene->parts, NULL, NULL};
+    csg->trees = malloc((scene->n_trees + 1U) * sizeof *csg->trees);
+    csg->tree_of_operand = malloc((scene->n_operands + 1U) * sizeof *csg->tree_of_operand);
+    if (!csg->trees || !csg->tree_of_operand || nest_list_reserve(&model->held, scene->n_operands) != STATUS_OK)
+        return fail_memory(error, scene->n_operands * sizeof *csg->trees, "a combination of objects");
+    for (uint32_t i = 0; i < scene->n_trees; i++)
+        csg->trees[i] = (NestTree){scene->trees[i].root, scene->trees[i].object};
+    for (uint32_t i = 0; i < scene->n_operands; i++) {
+        const SceneObject *object = &scene->objects[scene->operands[i]];
+        model->parts[scene->operands[i]].operand = i;
+        csg->tree_of_operand[i] = scene->objects[object->part_of].tree;
+    }
     return STATUS_OK;
 }
 
@@ -219,7 +255,9 @@ static Status build_model(Geometry *geometry, Model *model, Error *error)
     if (!done) return fail(error, STATUS_NOMEM, "out of memory for the shape of a node");
     TRY(task.builder.status);
     model->mistaken = diag->n_errors != n_errors;
-    return model->mistaken ? STATUS_OK : describe_parts(model, task.builder.facts, error);
+    if (model->mistaken) return STATUS_OK;
+    TRY(describe_parts(model, task.builder.facts, error));
+    return describe_combinations(model, error);
 }
 
 static Status find_model(Geometry *geometry, const EvalNode *origin, Model **out, Error *error)
@@ -232,6 +270,7 @@ static Status find_model(Geometry *geometry, const EvalNode *origin, Model **out
         return fail_memory(error, sizeof(Model), "the shape of a node");
     }
     model->origin = origin;
+    nest_list_init(&model->held);
     Status status = build_model(geometry, model, error);
     if (status != STATUS_OK) {
         model_free(model);
@@ -239,6 +278,7 @@ static Status find_model(Geometry *geometry, const EvalNode *origin, Model **out
     }
     table_add(&geometry->models, model);
     geometry->bytes += model->bytes;
+    *geometry->steps += STEPS_TO_BUILD + model->bytes / 64;
     *out = model;
     return STATUS_OK;
 }
@@ -296,7 +336,7 @@ static Status refuse_open(const Asked *asked, Error *error)
                 model->scene->objects[model->first_open].name);
 }
 
-/* ---- bounds and volume ---- */
+/* ---- bounds ---- */
 
 static Status find_bounds(Asked *asked, Error *error)
 {
@@ -305,8 +345,8 @@ static Status find_bounds(Asked *asked, Error *error)
     if (asked->has_bounds) return STATUS_OK;
     Box3 box = box3_empty();
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        Affine map = affine_compose(&asked->node->transform, &scene->objects[i].to_world);
-        Box3 bounds = scene_shape_bounds(&scene->shapes[scene->objects[i].shape], &map);
+        if (scene->objects[i].part_of != SCENE_NONE) continue;
+        Box3 bounds = scene_object_bounds(scene, &scene->objects[i], &asked->node->transform);
         if (!box3_is_empty(bounds)) box = box3_union(box, bounds);
     }
     if (box3_is_empty(box)) return fail(error, STATUS_SCENE, "this %s holds no objects", asked->node->type->name);
@@ -328,19 +368,6 @@ static Status geometry_bounds(void *state, const EvalNode *node, Box3 *box, Erro
     return STATUS_OK;
 }
 
-static Status geometry_volume(void *state, const EvalNode *node, double *volume, Error *error)
-{
-    Asked *asked;
-    TRY(ask(state, node, &asked, error));
-    TRY(refuse_planes(asked, "volume", error));
-    TRY(refuse_open(asked, error));
-    const Scene *scene = asked->model->scene;
-    *volume = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++) *volume += scene->objects[i].volume;
-    *volume *= fabs(affine_determinant(&node->transform));
-    return STATUS_OK;
-}
-
 /* ---- rays ---- */
 
 static Status need_rtc(Geometry *geometry, Model *model, Error *error)
@@ -350,8 +377,10 @@ static Status need_rtc(Geometry *geometry, Model *model, Error *error)
     RtcObject *objects = malloc((scene->n_objects + 1U) * sizeof *objects);
     if (!objects) return fail_memory(error, scene->n_objects * sizeof *objects, "the shape of a node");
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const SceneShape *shape = &scene->shapes[scene->objects[i].shape];
-        objects[i] = (RtcObject){.mesh = shape->mesh, .solid = shape->solid, .to_world = scene->objects[i].to_world};
+        objects[i] = (RtcObject){.to_world = scene->objects[i].to_world};
+        if (scene->objects[i].shape == SCENE_NONE) continue; /* a combination: its operands have the geometry */
+        objects[i].mesh = scene->shapes[scene->objects[i].shape].mesh;
+        objects[i].solid = scene->shapes[scene->objects[i].shape].solid;
     }
     Status status = rtc_scene_new(objects, scene->n_objects, 1, &model->rtc, error);
     free(objects);
@@ -419,7 +448,8 @@ static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from, Vec3
     double rough = hit->t / ray->length, t = rough;
     bool met = shape->mesh
                    ? meet_triangle(shape->mesh, hit->primitive, origin, along, &t, &normal)
-                   : meet_piece(&shape->solid->pieces[hit->primitive], hit->entering, origin, along, &t, &normal);
+                   : meet_piece(&shape->solid->pieces[hit->primitive], hit->entering != hit->inside, origin, along, &t, &normal);
+    if (hit->inside) normal = vec3_scale(normal, -1);
     /* at a silhouette the two rays part */
     Vec3 in_model;
     if (met && fabs(t - rough) <= 1e-4 * rough + 1e-6 * vec3_length(from)) {
@@ -434,16 +464,14 @@ static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from, Vec3
                      .distance = t};
 }
 
-static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray, bool all, Error *error)
+/* Every surface of every object and operand along the ray; an edge that two faces of an object share is one. */
+static Status trace_all(Geometry *geometry, Model *model, const Ray *ray, Error *error)
 {
     HitList *hits = &geometry->hits;
-    TRY(need_rtc(geometry, asked->model, error));
-    if (all)
-        rtc_all(asked->model->rtc, &ray->ray, false, hits);
-    else if (rtc_nearest(asked->model->rtc, &ray->ray, hits))
-        hits->n = 1;
+    TRY(need_rtc(geometry, model, error));
+    rtc_all(model->rtc, ray, false, hits);
+    ++*geometry->steps;
     if (hits->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray");
-    if (!all) return STATUS_OK;
     size_t kept = 0; /* hit_repeats looks back at what it is shown: the list shrinks behind it */
     for (size_t i = 0; i < hits->n; i++) {
         HitList seen = {.items = hits->items, .n = kept + 1};
@@ -452,6 +480,81 @@ static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray,
     }
     hits->n = kept;
     return STATUS_OK;
+}
+
+/* Puts the operands that hold the start of the ray into model->held: those that it leaves more often than it enters. */
+static void find_held(Model *model, const HitList *hits)
+{
+    for (size_t i = 0; i < hits->n; i++) model->parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
+    for (size_t i = 0; i < hits->n; i++) {
+        Part *part = &model->parts[hits->items[i].object];
+        if (part->net > 0 && part->operand != SCENE_NONE) nest_csg_pass(&model->csg, &model->held, part->operand, true);
+        part->net = 0;
+    }
+}
+
+/* Whether the hit crosses the surface of the combination that it belongs to; *entering is then said of that. */
+static bool crosses_combination(Model *model, const Hit *hit, bool *entering)
+{
+    uint32_t operand = model->parts[hit->object].operand, tree = nest_csg_tree(&model->csg, operand);
+    bool before = nest_csg_holds(&model->csg, tree, &model->held);
+    nest_csg_pass(&model->csg, &model->held, operand, hit->entering);
+    *entering = nest_csg_holds(&model->csg, tree, &model->held);
+    return *entering != before;
+}
+
+/* A crossing of a combination at the place of the last one kept, the other way: between them there is nothing. */
+static bool cancels(const Model *model, const HitList *hits, size_t kept, const Hit *hit)
+{
+    if (kept == 0) return false;
+    const Hit *last = &hits->items[kept - 1];
+    uint32_t a = model->parts[last->object].operand, b = model->parts[hit->object].operand;
+    if (a == SCENE_NONE || nest_csg_tree(&model->csg, a) != nest_csg_tree(&model->csg, b)) return false;
+    double steep = fmax(fabs(hit->cos_normal), fabs(last->cos_normal));
+    return (hit->t - last->t) * steep <= fmax(hit->rounding, last->rounding);
+}
+
+/* Of the surfaces of operands those are left that are surfaces of the whole, with normals out of that. Hit.inside is
+ * set where that is not the operand's own normal. */
+static void combine(Model *model, HitList *hits)
+{
+    if (!model->csg.n_trees) return;
+    find_held(model, hits);
+    size_t kept = 0;
+    for (size_t i = 0; i < hits->n; i++) {
+        Hit hit = hits->items[i];
+        bool entering = hit.entering;
+        if (model->parts[hit.object].operand != SCENE_NONE) {
+            if (!crosses_combination(model, &hit, &entering)) continue;
+            if (cancels(model, hits, kept, &hit)) {
+                kept--;
+                continue;
+            }
+        }
+        hit.inside = entering != hit.entering;
+        if (hit.inside) hit.normal = vec3f_negate(hit.normal);
+        hit.entering = entering;
+        hits->items[kept++] = hit;
+    }
+    hits->n = kept;
+    model->held.n = 0;
+}
+
+/* The surfaces along the ray, or the first of them. */
+static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray, bool all, Error *error)
+{
+    Model *model = asked->model;
+    HitList *hits = &geometry->hits;
+    if (all || model->csg.n_trees) {
+        TRY(trace_all(geometry, model, &ray->ray, error));
+        combine(model, hits);
+        if (!all && hits->n > 1) hits->n = 1;
+        return STATUS_OK;
+    }
+    TRY(need_rtc(geometry, model, error));
+    if (rtc_nearest(model->rtc, &ray->ray, hits)) hits->n = 1;
+    ++*geometry->steps;
+    return hits->out_of_memory ? fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray") : STATUS_OK;
 }
 
 static Status geometry_hits(void *state, const EvalNode *node, Vec3 from, Vec3 direction, bool all,
@@ -488,18 +591,24 @@ static bool box_holds(const Box3 *box, Vec3 p)
            p.z <= box->max.z;
 }
 
-/* Whether any object is left more often than it is entered by a ray from the point. */
-static Status inside_along(Geometry *geometry, const Asked *asked, Vec3 point, int direction, bool *inside,
-                           Error *error)
+/* The object that a hit belongs to: of an operand its combination. */
+static Part *whole_of(Model *model, const Hit *hit)
 {
-    Part *parts = asked->model->parts;
-    ModelRay ray = {.ray = ray_make(point, vec3f_from(line_direction(direction)))};
-    TRY(trace(geometry, asked, &ray, true, error));
-    const HitList *hits = &geometry->hits;
+    uint32_t whole = model->scene->objects[hit->object].part_of;
+    return &model->parts[whole == SCENE_NONE ? hit->object : whole];
+}
+
+/* Whether any object is left more often than it is entered by a ray from the point. */
+static Status inside_along(Geometry *geometry, Model *model, Vec3 point, int direction, bool *inside, Error *error)
+{
+    Ray ray = ray_make(point, vec3f_from(line_direction(direction)));
+    HitList *hits = &geometry->hits;
+    TRY(trace_all(geometry, model, &ray, error));
+    combine(model, hits);
     *inside = false;
-    for (size_t i = 0; i < hits->n; i++) parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
+    for (size_t i = 0; i < hits->n; i++) whole_of(model, &hits->items[i])->net += hits->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < hits->n; i++) {
-        Part *part = &parts[hits->items[i].object];
+        Part *part = whole_of(model, &hits->items[i]);
         if (part->net > 0 && !part->plane) *inside = true;
         part->net = 0;
     }
@@ -513,17 +622,57 @@ static Status geometry_inside(void *state, const EvalNode *node, Vec3 point, boo
     Asked *asked;
     TRY(ask(geometry, node, &asked, error));
     TRY(refuse_open(asked, error));
-    const Model *model = asked->model;
+    Model *model = asked->model;
     Vec3 p = affine_point(&asked->to_model, point);
     *inside = below_plane(model, p);
     if (*inside || !box_holds(&model->bounds, p)) return STATUS_OK;
-    bool answers[3];
-    TRY(inside_along(geometry, asked, p, 0, &answers[0], error));
-    TRY(inside_along(geometry, asked, p, 1, &answers[1], error));
-    *inside = answers[0];
-    if (answers[0] == answers[1]) return STATUS_OK;
-    TRY(inside_along(geometry, asked, p, 2, &answers[2], error));
-    *inside = answers[2];
+    bool first, second;
+    TRY(inside_along(geometry, model, p, 0, &first, error));
+    TRY(inside_along(geometry, model, p, 1, &second, error));
+    *inside = first;
+    return first == second ? STATUS_OK : inside_along(geometry, model, p, 2, inside, error);
+}
+
+/* ---- volume ---- */
+
+/* What a combination encloses has no closed form: it is measured along evenly spread lines. */
+static Status measure_combination(Geometry *geometry, Model *model, uint32_t object, double *volume, Error *error)
+{
+    Box3 box = scene_object_bounds(model->scene, &model->scene->objects[object], NULL);
+    for (int direction = 0; direction < LINE_DIRECTIONS && !box3_is_empty(box); direction++) {
+        LineSet set;
+        Line line;
+        line_set_begin(&set, box, direction, VOLUME_LINES, 0);
+        while (line_set_next(&set, &line)) {
+            Ray ray = ray_make(line.start, line.direction);
+            TRY(trace_all(geometry, model, &ray, error));
+            combine(model, &geometry->hits);
+            for (size_t i = 0; i < geometry->hits.n; i++) {
+                const Hit *hit = &geometry->hits.items[i];
+                if (model->scene->objects[hit->object].part_of != object) continue;
+                *volume += (hit->entering ? -hit->t : hit->t) * line.area / LINE_DIRECTIONS;
+            }
+        }
+    }
+    return STATUS_OK;
+}
+
+static Status geometry_volume(void *state, const EvalNode *node, double *volume, Error *error)
+{
+    Asked *asked;
+    TRY(ask(state, node, &asked, error));
+    TRY(refuse_planes(asked, "volume", error));
+    TRY(refuse_open(asked, error));
+    Model *model = asked->model;
+    for (uint32_t i = 0; i < model->scene->n_objects && !model->measured; i++) {
+        const SceneObject *object = &model->scene->objects[i];
+        if (object->tree != SCENE_NONE)
+            TRY(measure_combination(state, model, i, &model->volume, error));
+        else if (object->part_of == SCENE_NONE)
+            model->volume += object->volume;
+    }
+    model->measured = true;
+    *volume = model->volume * fabs(affine_determinant(&node->transform));
     return STATUS_OK;
 }
 
@@ -552,7 +701,7 @@ static Status random_line(Geometry *geometry, const Asked *asked, uint64_t *h, V
     return trace(geometry, asked, ray, true, error);
 }
 
-static Status find_most_hits(Geometry *geometry, Asked *asked, unsigned *n_rays, Error *error)
+static Status find_most_hits(Geometry *geometry, Asked *asked, Error *error)
 {
     Vec3 start, direction;
     ModelRay ray;
@@ -564,14 +713,12 @@ static Status find_most_hits(Geometry *geometry, Asked *asked, unsigned *n_rays,
         TRY(random_line(geometry, asked, &h, &start, &direction, &ray, error));
         if (geometry->hits.n > asked->most_hits) asked->most_hits = geometry->hits.n;
     }
-    *n_rays += SCATTER_TRIALS;
     return STATUS_OK;
 }
 
 /* A line counts as often as it has hits: it is taken with the chance that it has of the most, and then one of them.
  * A line with more hits than any of the trials counts as one of those. */
-static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed, EvalHit *place, unsigned *n_rays,
-                               Error *error)
+static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed, EvalHit *place, Error *error)
 {
     Geometry *geometry = state;
     Asked *asked;
@@ -579,10 +726,9 @@ static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed,
     ModelRay ray;
     TRY(ask(geometry, node, &asked, error));
     TRY(refuse_planes(asked, "evenly distributed places", error));
-    TRY(find_most_hits(geometry, asked, n_rays, error));
+    TRY(find_most_hits(geometry, asked, error));
     for (int i = 0; i < SCATTER_RAYS; i++) {
         TRY(random_line(geometry, asked, &seed, &start, &direction, &ray, error));
-        ++*n_rays;
         double chosen = next_unit(&seed) * (double)asked->most_hits;
         size_t n = geometry->hits.n;
         if (n >= asked->most_hits) chosen *= (double)n / (double)asked->most_hits;

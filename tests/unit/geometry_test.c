@@ -144,6 +144,31 @@ static void directions_are_aligned(void **state)
           "assert(align(y, y) == transform(translate(<0, 0, 0>)))");
 }
 
+static void combinations_answer_as_one(void **state)
+{
+    (void)state;
+    HOLDS("let bowl = difference { sphere { radius = 2 } sphere { radius = 1.5 } box { from = <-3, .5, -3>  to = <3, "
+          "3, 3> } } "
+          "let lens = intersection { sphere { center = <1, 0, 0>  radius = 2 } sphere { center = <-1, 0, 0>  radius = "
+          "2 } } "
+          "let both = group { bowl { } lens { rotate(z, 90)  translate(<5, 0, 0>) } } "
+          "for (i in 1..3000) { let p = 2.2 * point(1, i)  let r = length(p) "
+          "assert(inside(bowl, p) == (r < 2 and r > 1.5 and p.y < .5)) "
+          "assert(inside(lens, p) == (distance(p, x) < 2 and distance(p, -x) < 2)) "
+          "assert(inside(both, p) == inside(bowl, p)) } "
+          "let walls = hits(bowl, <-9, 0, 0>, x) for (i in 0..3) { assert(near(walls[i].distance, [7, 7.5, 10.5, "
+          "11][i])) } "
+          "assert([for (h in hits(bowl, <-9, 0, 0>, x)) h.normal.x] == [-1, 1, -1, 1]) "
+          "let cut = hit(bowl, <1.7, 9, 0>, -y) assert(cut.point == <1.7, .5, 0> and cut.normal == y) "
+          "let floor = hit(bowl, <0, 9, 0>, -y) assert(near(floor.point, <0, -1.5, 0>) and floor.normal == y) "
+          "assert(hit(lens, <-9, 0, 0>, x).distance == 8 and hit(both, <5, 9, 0>, -y).distance == 8) "
+          "assert(hit(lens, <0, 1.8, 0>, x) == none) "
+          "assert(bounds(both).min == <-2, -2, -2> and bounds(lens).size.x == 2) "
+          "assert(near(volume(lens), 5 * pi / 12 * 8, .01)) "
+          "for (i in 1..200) { let s = scatter(bowl, i) let r = length(s.point) "
+          "assert(near(r, 2, 1e-9) or near(r, 1.5, 1e-9) or near(s.point.y, .5, 1e-9)) }");
+}
+
 /* ---- refusals ---- */
 
 static void what_has_no_shape_is_refused(void **state)
@@ -233,6 +258,7 @@ int main(void)
         cmocka_unit_test(all_hits_come_in_order),
         cmocka_unit_test(places_are_spread_by_area),
         cmocka_unit_test(directions_are_aligned),
+        cmocka_unit_test(combinations_answer_as_one),
         cmocka_unit_test(what_has_no_shape_is_refused),
         cmocka_unit_test(an_open_mesh_has_no_inside),
         cmocka_unit_test(mistakes_are_told_once),
