@@ -425,7 +425,7 @@ static bool meet_triangle(const Mesh *mesh, uint32_t triangle, Vec3 origin, Vec3
 /* The crossing with a piece next to that of rtc's ray, in the same sense. false: the true ray just misses it. */
 static bool meet_piece(const Piece *piece, bool entering, Vec3 origin, Vec3 direction, double *t, Vec3 *normal)
 {
-    double rough = *t, roots[2], best = HUGE_VAL;
+    double rough = *t, roots[PIECE_MAX_ROOTS], best = HUGE_VAL;
     int n = piece_intersect(piece, origin, direction, 0, HUGE_VAL, roots);
     for (int i = 0; i < n; i++) {
         Vec3 outward = piece_normal(piece, origin, direction, roots[i]);

@@ -26,17 +26,27 @@ static Box3 circle_bounds(const Affine *map, double r, double y)
     return (Box3){vec3_sub(center, reach), vec3_add(center, reach)};
 }
 
-static Box3 piece_bounds_under(const Piece *piece, const Affine *map)
+/* Around a ball of radius r about the origin, whose image may be an ellipsoid. */
+static Vec3 ball_reach(const Affine *map, double r)
 {
     double half[3];
+    for (int row = 0; row < 3; row++) half[row] = r * vec3_length(vec3(map->m[row][0], map->m[row][1], map->m[row][2]));
+    return vec3(half[0], half[1], half[2]);
+}
+
+static Box3 piece_bounds_under(const Piece *piece, const Affine *map)
+{
+    Box3 box;
     Vec3 reach;
     switch (piece->kind) {
     case PIECE_PLANE: return box3_empty();
-    case PIECE_SPHERE: /* tighter than the box around its box */
-        for (int row = 0; row < 3; row++)
-            half[row] = piece->r0 * vec3_length(vec3(map->m[row][0], map->m[row][1], map->m[row][2]));
-        reach = vec3(half[0], half[1], half[2]);
+    case PIECE_SPHERE:
+        reach = ball_reach(map, piece->r0);
         return (Box3){vec3_sub(map->t, reach), vec3_add(map->t, reach)};
+    case PIECE_TORUS: /* a ball at every point of a circle */
+        reach = ball_reach(map, piece->r1);
+        box = circle_bounds(map, piece->r0, 0);
+        return (Box3){vec3_sub(box.min, reach), vec3_add(box.max, reach)};
     case PIECE_BAND: /* lies between the two circles at its ends */
         return box3_union(circle_bounds(map, piece->r0, piece->y0), circle_bounds(map, piece->r1, piece->y1));
     default: return affine_box(map, piece_bounds(piece));
