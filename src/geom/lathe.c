@@ -19,7 +19,7 @@ enum {
     MAX_POINTS = 100000,
     MAX_EDGES = 200000,
     MAX_TESTS = 1000000000, /* box tests in the search for crossings */
-    ARC_STEP_DEGREES = 1 /* of the search for crossings */
+    ARC_STEP_DEGREES = 1    /* of the search for crossings */
 };
 
 /* A point of the profile as written, with the length of the edges that its rounding takes away. */
@@ -86,10 +86,11 @@ static Status check_points(const double (*profile)[2], uint32_t n, const double 
         if (!(fabs(r) <= 1e15) || !(fabs(y) <= 1e15))
             return fail(error, STATUS_SCENE, "profile[%u] = <%g, %g> is not within +-1e15", i, r, y);
         if (r < 0)
-            return fail(error, STATUS_SCENE, "profile[%u] = <%g, %g> is left of the axis; r must not be negative", i, r, y);
+            return fail(error, STATUS_SCENE, "profile[%u] = <%g, %g> is left of the axis; r must not be negative", i, r,
+                        y);
         if (round && !(round[i] >= 0 && round[i] <= 1e15))
-            return fail(error, STATUS_SCENE, "the rounding %g of profile[%u] = <%g, %g> is not within 0..1e15", round[i], i,
-                        r, y);
+            return fail(error, STATUS_SCENE, "the rounding %g of profile[%u] = <%g, %g> is not within 0..1e15",
+                        round[i], i, r, y);
     }
     return STATUS_OK;
 }
@@ -161,11 +162,12 @@ static Status measure_roundings(Corner *corners, uint32_t n, Error *error)
         double angle = fabs(turn(in, out));
         bool tip = on_axis(&corners[(i + n - 1) % n], corner) || on_axis(corner, &corners[(i + 1) % n]);
         if (!tip && angle > 179.999999 * degree)
-            return fail(error, STATUS_SCENE, "the profile turns back on itself at profile[%u] = <%g, %g>", corner->source,
-                        corner->r, corner->y);
+            return fail(error, STATUS_SCENE, "the profile turns back on itself at profile[%u] = <%g, %g>",
+                        corner->source, corner->r, corner->y);
         if (corner->round == 0 || angle < 1e-9) continue;
         if (!tip && corner->r == 0)
-            return fail(error, STATUS_SCENE, "profile[%u] = <%g, %g> touches the axis between two edges and cannot be rounded",
+            return fail(error, STATUS_SCENE,
+                        "profile[%u] = <%g, %g> touches the axis between two edges and cannot be rounded",
                         corner->source, corner->r, corner->y);
         corner->tangent = corner->round * tan(tip ? angle : angle / 2); /* a tip's arc is half of one */
     }
@@ -176,7 +178,8 @@ static Status measure_roundings(Corner *corners, uint32_t n, Error *error)
         double length = hypot(b->r - a->r, b->y - a->y);
         if (a->tangent + b->tangent > length * (1 + 1e-12))
             return fail(error, STATUS_SCENE,
-                        "the edge from profile[%u] = <%g, %g> to profile[%u] = <%g, %g> is %g long; rounding takes %g of it at the "
+                        "the edge from profile[%u] = <%g, %g> to profile[%u] = <%g, %g> is %g long; rounding takes %g "
+                        "of it at the "
                         "first point and %g at the second",
                         a->source, a->r, a->y, b->source, b->r, b->y, length, a->tangent, b->tangent);
     }
@@ -203,8 +206,8 @@ static void give_out(OutlinePoint *point, Dir2 normal)
     point->given_out = true;
 }
 
-/* A part of an arc that does not turn from up to down: its normals go from `angle` by `turned`; its last point is left to
- * what comes behind. side is the radius, negative where the solid is outside of the circle. */
+/* A part of an arc that does not turn from up to down: its normals go from `angle` by `turned`; its last point is left
+ * to what comes behind. side is the radius, negative where the solid is outside of the circle. */
 static bool add_monotonic_arc(Outline *outline, Dir2 centre, double side, double angle, double turned, uint32_t source)
 {
     if (!ARRAY_ROOM(outline->arcs, outline->arcs_capacity, outline->n_arcs + 1)) return false;
@@ -216,7 +219,8 @@ static bool add_monotonic_arc(Outline *outline, Dir2 centre, double side, double
     for (unsigned k = 0; k < steps; k++) {
         Dir2 normal = {cos(angle + turned * k / steps), sin(angle + turned * k / steps)};
         if (fabs(normal.r) < 1e-15) normal.r = 0;
-        OutlinePoint *point = add_point(outline, fmax(centre.r + side * normal.r, 0), centre.y + side * normal.y, source);
+        OutlinePoint *point =
+            add_point(outline, fmax(centre.r + side * normal.r, 0), centre.y + side * normal.y, source);
         if (!point) return false;
         point->arc = arc;
         give_in(point, normal);
@@ -249,8 +253,8 @@ static bool add_arc(Outline *outline, const Corner *corner, Dir2 in, Dir2 out)
         at = next;
     }
     normal = outward(out);
-    OutlinePoint *last = add_point(outline, ends_on_axis ? 0 : fmax(centre.r + side * normal.r, 0), centre.y + side * normal.y,
-                                   corner->source);
+    OutlinePoint *last = add_point(outline, ends_on_axis ? 0 : fmax(centre.r + side * normal.r, 0),
+                                   centre.y + side * normal.y, corner->source);
     if (!last) return false;
     give_in(last, normal);
     give_out(last, normal);
@@ -291,7 +295,8 @@ static Status make_outline(const Corner *corners, uint32_t n, Outline *outline, 
                                          : add_point(outline, corner->r, corner->y, corner->source) != NULL;
         if (!added) return fail_memory(error, outline->n * sizeof *outline->points, "a profile");
         if (outline->n > MAX_EDGES)
-            return fail(error, STATUS_SCENE, "the profile makes more than %d edges; round fewer of its corners", MAX_EDGES);
+            return fail(error, STATUS_SCENE, "the profile makes more than %d edges; round fewer of its corners",
+                        MAX_EDGES);
     }
     merge_points(outline);
     return STATUS_OK;
@@ -325,8 +330,10 @@ static void set_normals(Outline *outline, bool smooth_all)
             /* On the axis the surface meets its mirror image: it turns by twice the angle to the axis. */
             double c = in.r * out.r + in.y * out.y;
             if (2 * c * c - 1 > limit && c > 0) {
-                if (axis_in) out = in;
-                else in = out;
+                if (axis_in)
+                    out = in;
+                else
+                    in = out;
             }
         } else if (smooth && in.r * out.r + in.y * out.y > limit) {
             double length = hypot(in.r + out.r, in.y + out.y);
@@ -461,10 +468,11 @@ static Status check_crossings(const Outline *outline, Error *error)
     const OutlinePoint *b = &outline->points[(search.edge_a + 1) % outline->n];
     const OutlinePoint *c = &outline->points[search.edge_b];
     const OutlinePoint *d = &outline->points[(search.edge_b + 1) % outline->n];
-    return fail(error, STATUS_SCENE,
-                "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets <%g, %g> to <%g, %g> (at "
-                "profile[%u])",
-                a->r, a->y, b->r, b->y, a->source, c->r, c->y, d->r, d->y, c->source);
+    return fail(
+        error, STATUS_SCENE,
+        "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets <%g, %g> to <%g, %g> (at "
+        "profile[%u])",
+        a->r, a->y, b->r, b->y, a->source, c->r, c->y, d->r, d->y, c->source);
 }
 
 /* Where the run of edges that starts at i ends: the edges of one arc, or a single one. */
@@ -479,12 +487,23 @@ static Piece make_piece(const Outline *outline, const OutlinePoint *a, const Out
 {
     if (a->arc && a->y != b->y) {
         const Arc *arc = &outline->arcs[a->arc];
-        return (Piece){.kind = arc->outer ? PIECE_OUTER_ARC : PIECE_INNER_ARC, .r0 = a->r, .y0 = a->y, .r1 = b->r, .y1 = b->y,
-                       .centre_r = arc->centre.r, .centre_y = arc->centre.y};
+        return (Piece){.kind = arc->outer ? PIECE_OUTER_ARC : PIECE_INNER_ARC,
+                       .r0 = a->r,
+                       .y0 = a->y,
+                       .r1 = b->r,
+                       .y1 = b->y,
+                       .centre_r = arc->centre.r,
+                       .centre_y = arc->centre.y};
     }
-    return (Piece){.kind = PIECE_BAND, .r0 = a->r, .y0 = a->y, .r1 = b->r, .y1 = b->y,
-                   .nr0 = (float)a->normal_out.r, .ny0 = (float)a->normal_out.y,
-                   .nr1 = (float)b->normal_in.r, .ny1 = (float)b->normal_in.y};
+    return (Piece){.kind = PIECE_BAND,
+                   .r0 = a->r,
+                   .y0 = a->y,
+                   .r1 = b->r,
+                   .y1 = b->y,
+                   .nr0 = (float)a->normal_out.r,
+                   .ny0 = (float)a->normal_out.y,
+                   .nr1 = (float)b->normal_in.r,
+                   .ny1 = (float)b->normal_in.y};
 }
 
 static Status make_pieces(const Outline *outline, Solid **solid, Error *error)

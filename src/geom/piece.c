@@ -10,9 +10,8 @@
  *   - both ends below: none or two, which is the band's own affair.
  * Along a closed profile the number of crossings is therefore even, with as many entries as exits,
  * whatever rounding does to the signs. Discs and rings follow the same rule with both ends at one height.
- * Arcs follow it, too (tube.c): of an outer one the part of the line above its end is inside of the circle, of an inner one
- * it is outside.
- * SPDX-License-Identifier: Apache-2.0 */
+ * Arcs follow it, too (tube.c): of an outer one the part of the line above its end is inside of the circle, of an inner
+ * one it is outside. SPDX-License-Identifier: Apache-2.0 */
 #include "geom/piece.h"
 
 #include <math.h>
@@ -124,7 +123,8 @@ static double band_single(const Piece *piece, Vec3 org, Vec3 dir, const BandEnd 
         BandQuadratic f = band_quadratic(piece, org, dir);
         if (!f.grazing) return band_root(&f, p->above == (q->t > p->t), p->t);
     }
-    return p->above ? band_single_root(piece, dir, p, piece->r0, q->t) : band_single_root(piece, dir, q, piece->r1, p->t);
+    return p->above ? band_single_root(piece, dir, p, piece->r0, q->t)
+                    : band_single_root(piece, dir, q, piece->r1, p->t);
 }
 
 static double keep_between(double t, double a, double b)
@@ -226,8 +226,7 @@ static int plane_root(const Piece *piece, Vec3 org, Vec3 dir, double t[2])
     return fabs(x) <= piece->r0 && fabs(z) <= piece->r1;
 }
 
-int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max,
-                    double t[PIECE_MAX_ROOTS])
+int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS])
 {
     double found[2] = {0, 0};
     int n = 0;
@@ -309,8 +308,8 @@ static Vec3 unaided_normal(const Piece *piece, Vec3 p)
     return vec3(0, 1, 0);
 }
 
-/* Below this cosine it is not for the normal to say which way a surface is crossed. On a tube that is grazed, the place of
- * a crossing is known to the square root of rounding. */
+/* Below this cosine it is not for the normal to say which way a surface is crossed. On a tube that is grazed, the place
+ * of a crossing is known to the square root of rounding. */
 static double graze_of(const Piece *piece)
 {
     if (piece->kind != PIECE_TORUS && !is_arc(piece)) return least_cosine;
@@ -366,15 +365,19 @@ static double turn_fraction(Vec3 p)
     return u < 1 ? u : 0;
 }
 
+/* The angle at an arc's centre from its start to (r, y), positive along the arc, -90 to 270 degrees. */
+static double arc_angle(const Piece *piece, double r, double y)
+{
+    double r0 = piece->r0 - piece->centre_r, y0 = piece->y0 - piece->centre_y;
+    double r1 = r - piece->centre_r, y1 = y - piece->centre_y;
+    double angle = arc_side(piece) * atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1);
+    return angle < -1.5707963267948966 ? angle + 6.283185307179586 : angle;
+}
+
 /* How far along an arc, 0..1, a point in the half plane is. */
 static double arc_fraction(const Piece *piece, double r, double y)
 {
-    double r0 = piece->r0 - piece->centre_r, y0 = piece->y0 - piece->centre_y;
-    double r1 = piece->r1 - piece->centre_r, y1 = piece->y1 - piece->centre_y;
-    double rp = r - piece->centre_r, yp = y - piece->centre_y;
-    double whole = atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1);
-    double part = atan2(r0 * yp - y0 * rp, r0 * rp + y0 * yp);
-    return clamp_unit(part / whole);
+    return clamp_unit(arc_angle(piece, r, y) / arc_angle(piece, piece->r1, piece->y1));
 }
 
 void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root)
@@ -437,8 +440,7 @@ static Vec3 arc_inset(const Piece *piece, Vec3 p, double margin)
     Tube tube = tube_of(piece);
     double r = sqrt(p.x * p.x + p.z * p.z);
     double r0 = piece->r0 - tube.centre_r, y0 = piece->y0 - tube.centre_y;
-    double r1 = piece->r1 - tube.centre_r, y1 = piece->y1 - tube.centre_y;
-    double whole = atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1), length = tube.radius * fabs(whole);
+    double whole = arc_angle(piece, piece->r1, piece->y1), length = tube.radius * whole;
     double along = length * arc_fraction(piece, r, p.y);
     double low = 0, high = length;
     /* The pole of a sphere is no edge. */
@@ -446,7 +448,7 @@ static Vec3 arc_inset(const Piece *piece, Vec3 p, double margin)
     if (tube.centre_r == 0 && piece->r1 == 0) high = 2 * length;
     double kept = keep_inside(along, low, high, margin);
     if (kept == along) return p;
-    double angle = whole * clamp_unit(kept / length), c = cos(angle), s = sin(angle);
+    double angle = arc_side(piece) * whole * clamp_unit(kept / length), c = cos(angle), s = sin(angle);
     double new_r = fmax(tube.centre_r + r0 * c - y0 * s, 0);
     Vec3 out = away_from_axis(p);
     return vec3(out.x * new_r, tube.centre_y + r0 * s + y0 * c, out.z * new_r);
@@ -455,7 +457,8 @@ static Vec3 arc_inset(const Piece *piece, Vec3 p, double margin)
 Vec3 piece_inset(const Piece *piece, Vec3 p, double margin)
 {
     if (piece->kind == PIECE_RECT)
-        return vec3(keep_inside(p.x, -piece->r0, piece->r0, margin), 0, keep_inside(p.z, -piece->r1, piece->r1, margin));
+        return vec3(keep_inside(p.x, -piece->r0, piece->r0, margin), 0,
+                    keep_inside(p.z, -piece->r1, piece->r1, margin));
     if (is_arc(piece)) return arc_inset(piece, p, margin);
     if (piece->kind != PIECE_BAND) return p;
     double er = piece->r1 - piece->r0;
@@ -478,10 +481,13 @@ HalfBox piece_half_bounds(const Piece *piece)
 {
     if (piece->kind == PIECE_TORUS)
         return (HalfBox){fmax(piece->r0 - piece->r1, 0), -piece->r1, piece->r0 + piece->r1, piece->r1};
-    HalfBox box = {fmin(piece->r0, piece->r1), fmin(piece->y0, piece->y1), fmax(piece->r0, piece->r1), fmax(piece->y0, piece->y1)};
+    HalfBox box = {fmin(piece->r0, piece->r1), fmin(piece->y0, piece->y1), fmax(piece->r0, piece->r1),
+                   fmax(piece->y0, piece->y1)};
     if (is_arc(piece) && box.y0 < piece->centre_y && piece->centre_y < box.y1) {
-        if (piece->kind == PIECE_OUTER_ARC) box.r1 = piece->centre_r + tube_of(piece).radius;
-        else box.r0 = fmax(piece->centre_r - tube_of(piece).radius, 0);
+        if (piece->kind == PIECE_OUTER_ARC)
+            box.r1 = piece->centre_r + tube_of(piece).radius;
+        else
+            box.r0 = fmax(piece->centre_r - tube_of(piece).radius, 0);
     }
     return box;
 }

@@ -20,8 +20,8 @@ typedef enum PieceKind {
      * It runs from (r0, y0) to (r1, y1), always up or always down, on one side of the circle's centre. */
     PIECE_OUTER_ARC, /* r >= centre_r */
     PIECE_INNER_ARC, /* r <= centre_r, which is positive */
-    PIECE_RECT,   /* the rectangle |x| <= r0, |z| <= r1 in the plane y = 0, facing +y; open */
-    PIECE_PLANE   /* the plane y = 0, facing +y, without bounds (clipped to the scene by the caller); open */
+    PIECE_RECT,      /* the rectangle |x| <= r0, |z| <= r1 in the plane y = 0, facing +y; open */
+    PIECE_PLANE      /* the plane y = 0, facing +y, without bounds (clipped to the scene by the caller); open */
 } PieceKind;
 
 typedef struct Piece {
@@ -43,16 +43,16 @@ typedef struct Piece {
 /* One crossing of the line org + t dir with a piece. */
 typedef struct PieceRoot {
     double t;
-    Vec3 normal;     /* geometric, outward, NOT normalized in world units: local frame, unit there */
-    Vec3 shading;    /* shading normal, local frame, unit */
-    double u, v;     /* surface coordinates, 0..1: around from +x towards +z, along; PIECE_PLANE: x and z themselves */
+    Vec3 normal;  /* geometric, outward, NOT normalized in world units: local frame, unit there */
+    Vec3 shading; /* shading normal, local frame, unit */
+    double u, v;  /* surface coordinates, 0..1: around from +x towards +z, along; PIECE_PLANE: x and z themselves */
 } PieceRoot;
 
 enum { PIECE_MAX_ROOTS = 4 };
-/* All crossings with t_min < t <= t_max in increasing t; returns how many: at most 4 on a torus and on inner arcs, 2 elsewhere. org and dir are in
- * the piece's frame; dir need not be unit. Only t is filled. A tangent ray crosses twice or not at all. */
-int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max,
-                    double t[PIECE_MAX_ROOTS]);
+/* All crossings with t_min < t <= t_max in increasing t; returns how many: at most 4 on a torus and on inner arcs, 2
+ * elsewhere. org and dir are in the piece's frame; dir need not be unit. Only t is filled. A tangent ray crosses twice
+ * or not at all. */
+int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS]);
 /* The outward normal at one of these crossings, unit, as in PieceRoot, and nothing else (no trigonometry).
  * The sign of its product with dir tells which way the surface is crossed, and never contradicts the order
  * of crossings: at grazing incidence, where rounding could turn it over, it is tilted by about 1e-9. */
@@ -92,17 +92,21 @@ ATTR_NODISCARD Status solid_make_sphere(double radius, Solid **solid, Error *err
 ATTR_NODISCARD Status solid_make_torus(double radius, double tube, Solid **solid, Error *error);
 /* Everything within `radius` of the line from the origin to (0, height, 0). */
 ATTR_NODISCARD Status solid_make_capsule(double radius, double height, Solid **solid, Error *error);
-/* Between y = 0 and y = height about the y axis. radius0 at the bottom; either radius may be 0, not both. */
-ATTR_NODISCARD Status solid_make_cone(double radius0, double radius1, double height, Solid **solid, Error *error);
+/* Between y = 0 and y = height about the y axis. radius0 at the bottom; either radius may be 0, not both. Edges and
+ * a tip are rounded by arcs of radius `rounding`, at most solid_cone_rounding; 0: sharp. */
+ATTR_NODISCARD Status solid_make_cone(double radius0, double radius1, double height, double rounding, Solid **solid,
+                                      Error *error);
+/* The largest rounding that fits such a cone. */
+double solid_cone_rounding(double radius0, double radius1, double height);
 /* profile: n points (r, y), r >= 0, a simple polygon (closed by its last edge, or open with both ends on
  * the axis), in either sense. Edges on the axis make no surface. Points equal to the one before them are
  * dropped. round[i] > 0 rounds corner i by an arc of that radius (NULL: none), a corner on the axis by an
- * arc that meets the axis at a right angle; the arcs are exact. Other corners keep their edge, unless smooth_all: then normals are interpolated over all
- * corners that turn less than 40 degrees. STATUS_SCENE with the reason, the number and the coordinates of
- * the point when a number is negative, not finite or beyond 1e15, the profile crosses or touches itself
- * off the axis, has fewer than 3 or more than 100,000 points, makes more than 200,000 edges (of which an arc counts one for each degree), encloses
- * nothing, or a rounding does not fit. The search for crossings takes O(n log n) steps for
- * profiles that are not contrived, and gives up with an error after 1e9, some seconds. */
+ * arc that meets the axis at a right angle; the arcs are exact. Other corners keep their edge, unless smooth_all: then
+ * normals are interpolated over all corners that turn less than 40 degrees. STATUS_SCENE with the reason, the number
+ * and the coordinates of the point when a number is negative, not finite or beyond 1e15, the profile crosses or touches
+ * itself off the axis, has fewer than 3 or more than 100,000 points, makes more than 200,000 edges (of which an arc
+ * counts one for each degree), encloses nothing, or a rounding does not fit. The search for crossings takes O(n log n)
+ * steps for profiles that are not contrived, and gives up with an error after 1e9, some seconds. */
 ATTR_NODISCARD Status solid_make_lathe(const double (*profile)[2], uint32_t n, const double *round, bool smooth_all,
                                        Solid **solid, Error *error);
 

@@ -35,14 +35,30 @@ Piece piece_make_band(double r0, double y0, double r1, double y1)
     double length = hypot(nr, ny);
     float unit_r = (float)(nr / length);
     float unit_y = (float)(ny / length);
-    return (Piece){.kind = PIECE_BAND, .r0 = r0, .y0 = y0, .r1 = r1, .y1 = y1,
-                   .nr0 = unit_r, .ny0 = unit_y, .nr1 = unit_r, .ny1 = unit_y, .v0 = 0, .v1 = 1};
+    return (Piece){.kind = PIECE_BAND,
+                   .r0 = r0,
+                   .y0 = y0,
+                   .r1 = r1,
+                   .y1 = y1,
+                   .nr0 = unit_r,
+                   .ny0 = unit_y,
+                   .nr1 = unit_r,
+                   .ny1 = unit_y,
+                   .v0 = 0,
+                   .v1 = 1};
 }
 
 Piece piece_make_zone(double centre_y, double r0, double y0, double r1, double y1)
 {
-    return (Piece){.kind = PIECE_OUTER_ARC, .r0 = r0, .y0 = y0, .r1 = r1, .y1 = y1,
-                   .centre_r = 0, .centre_y = centre_y, .v0 = 0, .v1 = 1};
+    return (Piece){.kind = PIECE_OUTER_ARC,
+                   .r0 = r0,
+                   .y0 = y0,
+                   .r1 = r1,
+                   .y1 = y1,
+                   .centre_r = 0,
+                   .centre_y = centre_y,
+                   .v0 = 0,
+                   .v1 = 1};
 }
 
 /* The integral of r^2 over the height, along the arc of a circle about (c, 0) up to (c + side * s, h). */
@@ -55,7 +71,8 @@ double piece_volume(const Piece *piece)
 {
     double r0 = piece->r0;
     double r1 = piece->r1;
-    if (piece->kind == PIECE_BAND) return pi / 3 * (r0 * r0 + r0 * r1 + r1 * r1) * (piece->y1 - piece->y0); /* a frustum */
+    if (piece->kind == PIECE_BAND)
+        return pi / 3 * (r0 * r0 + r0 * r1 + r1 * r1) * (piece->y1 - piece->y0); /* a frustum */
     double c = piece->centre_r, side = piece->kind == PIECE_OUTER_ARC ? 1 : -1;
     double s0 = fabs(r0 - c), h0 = piece->y0 - piece->centre_y;
     double s1 = fabs(r1 - c), h1 = piece->y1 - piece->centre_y, squared = s0 * s0 + h0 * h0;
@@ -75,7 +92,8 @@ Status solid_make_sphere(double radius, Solid **solid, Error *error)
 Status solid_make_torus(double radius, double tube, Solid **solid, Error *error)
 {
     if (!(radius > 0) || !(tube > 0) || !(radius <= 1e15) || !(tube <= 1e15))
-        return fail(error, STATUS_SCENE, "a torus's radii must be greater than 0 and at most 1e15; they are %g and %g", radius, tube);
+        return fail(error, STATUS_SCENE, "a torus's radii must be greater than 0 and at most 1e15; they are %g and %g",
+                    radius, tube);
     TRY(solid_new(1, solid, error));
     (*solid)->pieces[0] = (Piece){.kind = PIECE_TORUS, .r0 = radius, .r1 = tube};
     if (tube <= radius) {
@@ -84,7 +102,8 @@ Status solid_make_torus(double radius, double tube, Solid **solid, Error *error)
     }
     /* the outer half, less the dimples at both poles */
     double pole = sqrt((tube - radius) * (tube + radius));
-    const Piece outer = {.kind = PIECE_OUTER_ARC, .r0 = radius, .y0 = -tube, .r1 = radius, .y1 = tube, .centre_r = radius};
+    const Piece outer = {
+        .kind = PIECE_OUTER_ARC, .r0 = radius, .y0 = -tube, .r1 = radius, .y1 = tube, .centre_r = radius};
     const Piece dimple = {.kind = PIECE_INNER_ARC, .r0 = 0, .y0 = pole, .r1 = radius, .y1 = tube, .centre_r = radius};
     (*solid)->volume = piece_volume(&outer) - 2 * piece_volume(&dimple);
     return STATUS_OK;
@@ -93,9 +112,11 @@ Status solid_make_torus(double radius, double tube, Solid **solid, Error *error)
 Status solid_make_capsule(double radius, double height, Solid **solid, Error *error)
 {
     if (!(radius > 0) || !(radius <= 1e15))
-        return fail(error, STATUS_SCENE, "a capsule's radius must be greater than 0 and at most 1e15; it is %g", radius);
+        return fail(error, STATUS_SCENE, "a capsule's radius must be greater than 0 and at most 1e15; it is %g",
+                    radius);
     if (!(height > 0) || !(height <= 1e15))
-        return fail(error, STATUS_SCENE, "a capsule's length must be greater than 0 and at most 1e15; it is %g", height);
+        return fail(error, STATUS_SCENE, "a capsule's length must be greater than 0 and at most 1e15; it is %g",
+                    height);
     TRY(solid_new(3, solid, error));
     Piece *pieces = (*solid)->pieces;
     pieces[0] = piece_make_zone(0, 0, -radius, radius, 0);
@@ -108,7 +129,18 @@ Status solid_make_capsule(double radius, double height, Solid **solid, Error *er
     return STATUS_OK;
 }
 
-Status solid_make_cone(double radius0, double radius1, double height, Solid **solid, Error *error)
+double solid_cone_rounding(double radius0, double radius1, double height)
+{
+    /* an arc takes its radius times the tangent of half the turn off both edges, at a tip of the whole turn */
+    double turn0 = atan2(height, radius1 - radius0), turn1 = pi - turn0;
+    double part0 = tan(radius0 > 0 ? turn0 / 2 : turn0), part1 = tan(radius1 > 0 ? turn1 / 2 : turn1);
+    double limit = hypot(radius1 - radius0, height) / (part0 + part1);
+    if (radius0 > 0) limit = fmin(limit, radius0 / part0);
+    if (radius1 > 0) limit = fmin(limit, radius1 / part1);
+    return limit;
+}
+
+Status solid_make_cone(double radius0, double radius1, double height, double rounding, Solid **solid, Error *error)
 {
     if (!(radius0 >= 0) || !(radius1 >= 0) || !(radius0 <= 1e15) || !(radius1 <= 1e15))
         return fail(error, STATUS_SCENE, "a cone's radii must be from 0 to 1e15; they are %g and %g", radius0, radius1);
@@ -118,6 +150,12 @@ Status solid_make_cone(double radius0, double radius1, double height, Solid **so
         return fail(error, STATUS_SCENE, "a cone's height must be greater than 0 and at most 1e15; it is %g", height);
     radius0 += 0.0; /* -0 becomes 0 */
     radius1 += 0.0;
+    if (rounding > 0) {
+        const double profile[4][2] = {
+            {0, 0}, {radius0, 0}, {radius1, height}, {0, height}}; /* a tip is dropped as a repetition */
+        const double round[4] = {radius0 > 0 ? 0 : rounding, rounding, rounding, radius1 > 0 ? 0 : rounding};
+        return solid_make_lathe(profile, 4, round, false, solid, error);
+    }
     TRY(solid_new(1U + (radius0 > 0) + (radius1 > 0), solid, error));
     Piece *pieces = (*solid)->pieces;
     double side = hypot(radius1 - radius0, height);

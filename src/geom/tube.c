@@ -1,11 +1,11 @@
 /* tube.c - where a line meets a circle that is turned about the y axis.
  *
  * No polynomial is made. Along the line, f = (r - c)^2 + y^2 - a^2 is how far (squared) a point is from the circle that
- * the tube is about, less the tube's own radius; it is negative inside. In double it can be had everywhere to within the
- * rounding of the coordinates, which the coefficients of the quartic cannot give. And its shape is known: r is a hyperbola,
- * r'' = K^2 / r^3 with the moment K of the line about the axis, so that f'' = 2 (d.d - c K^2 / r^3) has at most two zeros.
- * They stand symmetrically about the point nearest to the axis: f is convex, then concave, then convex. (For the outer
- * half, with 0 for a negative r - c, f is convex throughout.) So:
+ * the tube is about, less the tube's own radius; it is negative inside. In double it can be had everywhere to within
+ * the rounding of the coordinates, which the coefficients of the quartic cannot give. And its shape is known: r is a
+ * hyperbola, r'' = K^2 / r^3 with the moment K of the line about the axis, so that f'' = 2 (d.d - c K^2 / r^3) has at
+ * most two zeros. They stand symmetrically about the point nearest to the axis: f is convex, then concave, then convex.
+ * (For the outer half, with 0 for a negative r - c, f is convex throughout.) So:
  *   - the line is cut at those two points, and the signs of f there are taken once;
  *   - in a convex stretch between two positive ends the least value is sought, and in a concave one between two
  *     negative ends the greatest; tangents at both sides bound it, which ends most searches at once;
@@ -50,7 +50,8 @@ static inline Stop stop_at(const TubeLine *line, double u)
     if (line->tube->part == TUBE_INNER) away = fmin(away, 0);
     double outward = r > 0 ? (x * line->dir.x + z * line->dir.z) / r : 0;
     double f = away * away + (y * y - line->squared);
-    bool beyond = line->tube->part != TUBE_WHOLE && away == 0; /* what f knows only to rounding, at the top and the bottom */
+    bool beyond =
+        line->tube->part != TUBE_WHOLE && away == 0; /* what f knows only to rounding, at the top and the bottom */
     return (Stop){u, f, 2 * (away * outward + y * line->dir.y), f < 0 || beyond};
 }
 
@@ -70,9 +71,9 @@ static double parabola_root(const Stop *at, const Stop *other)
     return at->u - 2 * at->f / divisor;
 }
 
-/* The crossing between a and b, a.u < b.u, of which one is inside, in a convex or concave stretch; guess may be anything.
- * Where f slopes the wrong way for this crossing, the crossing is on the side where it does not. So a sign at the end of a
- * span that contradicts that of f there, by rounding, leads to the right crossing all the same. */
+/* The crossing between a and b, a.u < b.u, of which one is inside, in a convex or concave stretch; guess may be
+ * anything. Where f slopes the wrong way for this crossing, the crossing is on the side where it does not. So a sign at
+ * the end of a span that contradicts that of f there, by rounding, leads to the right crossing all the same. */
 static double crossing_between(const TubeLine *line, const Stop *a, const Stop *b, bool concave, double guess)
 {
     double low = a->u, high = b->u;
@@ -80,8 +81,10 @@ static double crossing_between(const TubeLine *line, const Stop *a, const Stop *
     for (int i = 0; i < MAX_STEPS; i++) {
         Stop stop = stop_at(line, u);
         bool slopes = a->inside ? stop.slope > 0 : stop.slope < 0;
-        if (slopes ? stop.inside == a->inside : a->inside != concave) low = u;
-        else high = u;
+        if (slopes ? stop.inside == a->inside : a->inside != concave)
+            low = u;
+        else
+            high = u;
         double step = slopes ? stop.f / stop.slope : HUGE_VAL;
         double next = u - step;
         bool settled = fabs(stop.f) <= line->noise || fabs(step) <= 0x1p-52 * fabs(u);
@@ -128,8 +131,10 @@ static bool find_dip(const TubeLine *line, const Stop *left, const Stop *right, 
         if (!(u > a.u && u < b.u)) return false;
         *dip = stop_at(line, u);
         if (sign * dip->f < -depth) return true;
-        if (sign * dip->slope < 0) a = *dip;
-        else b = *dip;
+        if (sign * dip->slope < 0)
+            a = *dip;
+        else
+            b = *dip;
     }
     return false;
 }
@@ -142,7 +147,8 @@ static bool passes_middle(const TubeLine *line, const Stop *a, const Stop *b, St
     double level = line->dir.x * line->dir.x + line->dir.z * line->dir.z;
     double moment = line->org.x * line->dir.z - line->org.z * line->dir.x;
     double u = -(line->org.x * line->dir.x + line->org.z * line->dir.z) / level;
-    if (line->tube->part != TUBE_OUTER || !(c > 0) || !(moment * moment < c * c * level) || !(u > a->u && u < b->u)) return false;
+    if (line->tube->part != TUBE_OUTER || !(c > 0) || !(moment * moment < c * c * level) || !(u > a->u && u < b->u))
+        return false;
     *nearest = stop_at(line, u);
     return nearest->inside;
 }
@@ -237,17 +243,24 @@ static void cross_stretches(const TubeLine *line, Stop a, Stop b, TubeCrossings 
     }
 }
 
-void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, double t_min, double t_max, TubeCrossings *out)
+void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, double t_min, double t_max,
+                TubeCrossings *out)
 {
     static const TubeSpan everything = {-HUGE_VAL, HUGE_VAL, false, false};
     if (!span) span = &everything;
     org.y -= tube->centre_y;
-    TubeLine line = {.tube = tube, .base = -vec3_dot(org, dir) / vec3_dot(dir, dir), .dir = dir,
-                     .squared = tube->radius * tube->radius, .first = span->a, .last = span->b, .t_min = t_min, .t_max = t_max,
+    TubeLine line = {.tube = tube,
+                     .base = -vec3_dot(org, dir) / vec3_dot(dir, dir),
+                     .dir = dir,
+                     .squared = tube->radius * tube->radius,
+                     .first = span->a,
+                     .last = span->b,
+                     .t_min = t_min,
+                     .t_max = t_max,
                      .noise = 0x1p-53 * tube->radius * (fabs(tube->centre_r) + tube->radius)};
     line.org = vec3_along(org, line.base, dir);
-    /* along the top and the bottom, where the parts meet, no part may find crossings in what is only noise: dips of outer
-     * ones must be deeper than that, inner ones are as much thicker */
+    /* along the top and the bottom, where the parts meet, no part may find crossings in what is only noise: dips of
+     * outer ones must be deeper than that, inner ones are as much thicker */
     if (tube->part == TUBE_INNER) line.squared += DEPTH * line.noise;
     line.least_slope = 1e10 * line.noise / tube->radius * vec3_length(dir);
     out->n = 0;
@@ -255,7 +268,8 @@ void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, doub
     double low = span->a - line.base, high = span->b - line.base;
     if (span->inside_a == span->inside_b && !(low < high)) return;
     double from = low, to = high;
-    if (!clip(&line, &from, &to)) { /* ends that differ all the same do so by rounding: the one near the surface is known */
+    if (!clip(&line, &from,
+              &to)) { /* ends that differ all the same do so by rounding: the one near the surface is known */
         if (span->inside_a == span->inside_b) return;
         out->t[0] = span->inside_a == (tube->part != TUBE_INNER) ? span->a : span->b;
         out->n = out->t[0] > t_min && out->t[0] <= t_max;

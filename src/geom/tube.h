@@ -11,7 +11,8 @@
 enum { TUBE_MAX_CROSSINGS = 4 };
 
 typedef enum TubePart {
-    TUBE_WHOLE, /* the whole circle; where it reaches over the axis, the union of both sides (a spindle torus without void) */
+    TUBE_WHOLE, /* the whole circle; where it reaches over the axis, the union of both sides (a spindle torus without
+                   void) */
     TUBE_OUTER, /* r >= centre_r; what is nearer to the axis than that counts as inside */
     TUBE_INNER  /* r <= centre_r; what is farther from the axis than that counts as inside */
 } TubePart;
@@ -23,8 +24,8 @@ typedef struct Tube {
     double radius;
 } Tube;
 
-/* The part of the line that counts, t from a to b (either may be infinite), and whether its ends are inside of the tube,
- * which the caller knows better than rounding does. */
+/* The part of the line that counts, t from a to b (either may be infinite), and whether its ends are inside of the
+ * tube, which the caller knows better than rounding does. */
 typedef struct TubeSpan {
     double a, b;
     bool inside_a, inside_b;
@@ -39,6 +40,7 @@ typedef struct TubeCrossings {
 /* The crossings of org + t dir with t_min < t <= t_max, in increasing t. Without a span (NULL) the line starts and ends
  * outside. With one the number of crossings is odd if and only if its ends differ, whatever rounding does, and none is
  * beyond the ends. A crossing that is found does not depend on t_min and t_max. */
-void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, double t_min, double t_max, TubeCrossings *out);
+void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, double t_min, double t_max,
+                TubeCrossings *out);
 
 #endif

@@ -95,11 +95,7 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
 bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out);
 
 /* build_shape.c */
-void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_box(Builder *b, const EvalNode *node, const Affine *to_world);
-void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world);
-void build_cone(Builder *b, const EvalNode *node, const Affine *to_world);
-void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world);
 /* What an object is made of, one of the two; false after reporting. */
 bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface);
@@ -114,6 +110,9 @@ uint32_t build_shape_of(Builder *b, const void *key, size_t length, bool *found)
 /* A solid from a single open piece, for grounds and lights. */
 uint32_t build_piece_shape(Builder *b, const Piece *piece);
 uint32_t build_sphere_shape(Builder *b, double radius);
+/* What came of making the solid of a new shape: fills in its facts, or reports and returns false. A failed shape stays in
+ * the table, empty: the scene is thrown away in the end. */
+bool build_keep_solid(Builder *b, uint32_t shape, Status status, const Error *error, Span span);
 /* false (after reporting a scene mistake at span, or noting a failure) unless status is STATUS_OK. */
 bool build_succeeded(Builder *b, Status status, const Error *error, Span span);
 /* A right-handed frame at `origin` whose y axis is the unit vector y. */
@@ -127,6 +126,15 @@ void build_difference(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOperation operation);
 /* A shape as an operand of the present combination. */
 void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
+
+/* build_round.c */
+void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_ellipsoid(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_torus(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_capsule(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_cone(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world);
 
 /* build_mesh.c */
 void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world);

@@ -1,9 +1,7 @@
-/* build_shape.c - spheres, boxes, cylinders, cones, lathes, the ground; shapes that objects share; objects.
+/* build_shape.c - boxes and the ground; shapes that objects share; objects.
  *
  * What a shape's properties say about its place goes into the object's transform, so that equal shapes are
- * one Solid or Mesh however many objects use it: all spheres share the unit sphere, for which a uniform scale is exact
- * enough (the intersection is in double); cylinders and cones keep their true sizes, so that only a rigid map
- * stands between a hull's edge and the numbers in the scene. Boxes keep their coordinates as well.
+ * one Solid or Mesh however many objects use it. Boxes keep their coordinates.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
 #include <stdlib.h>
@@ -59,8 +57,7 @@ static void finish_solid(Builder *b, uint32_t shape)
     facts->closed = true;
 }
 
-/* A failed shape stays in the table, empty: the scene is thrown away in the end. */
-static bool keep_solid(Builder *b, uint32_t shape, Status status, const Error *error, Span span)
+bool build_keep_solid(Builder *b, uint32_t shape, Status status, const Error *error, Span span)
 {
     if (!build_succeeded(b, status, error, span)) return false;
     finish_solid(b, shape);
@@ -77,7 +74,7 @@ uint32_t build_sphere_shape(Builder *b, double radius)
     Error error;
     uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
     if (!found)
-        keep_solid(b, shape, solid_make_sphere(radius, &b->scene->shapes[shape].solid, &error), &error, (Span){0});
+        build_keep_solid(b, shape, solid_make_sphere(radius, &b->scene->shapes[shape].solid, &error), &error, (Span){0});
     return shape;
 }
 
@@ -88,7 +85,7 @@ uint32_t build_piece_shape(Builder *b, const Piece *piece)
     Solid **solid = &b->scene->shapes[shape].solid;
     Status status = solid_new(1, solid, &error);
     if (status == STATUS_OK) (*solid)->pieces[0] = *piece;
-    keep_solid(b, shape, status, &error, (Span){0});
+    build_keep_solid(b, shape, status, &error, (Span){0});
     return shape;
 }
 
@@ -183,15 +180,6 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
 
 /* ---- node types ---- */
 
-void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world)
-{
-    Vec3 center = eval_vector(node, "center");
-    double radius = eval_number(node, "radius");
-    Affine place = {{{radius, 0, 0}, {0, radius, 0}, {0, 0, radius}}, center};
-    place = affine_compose(to_world, &place);
-    build_object(b, node, build_sphere_shape(b, 1), &place);
-}
-
 /* The corners of a box, sorted; false after reporting. */
 static bool box_corners(Builder *b, const EvalNode *node, Vec3 *low, Vec3 *high)
 {
@@ -252,101 +240,6 @@ void build_box(Builder *b, const EvalNode *node, const Affine *to_world)
     build_object(b, node, shape, to_world);
 }
 
-/* Cylinders are cones of two equal radii. */
-static void build_round(Builder *b, const EvalNode *node, const Affine *to_world, double radius_from, double radius_to)
-{
-    Vec3 from = eval_vector(node, "from"), to = eval_vector(node, "to");
-    Vec3 along = vec3_sub(to, from);
-    double height = vec3_length(along);
-    if (!(height > 0) || !isfinite(height)) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"),
-                    "'from' and 'to' of this %s are the same point", node->type->name);
-        return;
-    }
-    if (radius_from == 0 && radius_to == 0) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "radius_from"), "both radii of this cone are 0");
-        return;
-    }
-    struct {
-        char kind[8];
-        double radius_from, radius_to, height;
-    } key = {"cone", radius_from, radius_to, height};
-    bool found;
-    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
-    if (!found) {
-        Error error;
-        Status status = solid_make_cone(radius_from, radius_to, height, &b->scene->shapes[shape].solid, &error);
-        if (!keep_solid(b, shape, status, &error, node->span)) return;
-    }
-    Affine frame = build_frame(from, vec3_scale(along, 1 / height));
-    Affine place = affine_compose(to_world, &frame);
-    build_object(b, node, shape, &place);
-}
-
-void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world)
-{
-    double radius = eval_number(node, "radius");
-    build_round(b, node, to_world, radius, radius);
-}
-
-void build_cone(Builder *b, const EvalNode *node, const Affine *to_world)
-{
-    build_round(b, node, to_world, eval_number(node, "radius_from"), eval_number(node, "radius_to"));
-}
-
-/* One radius for each corner, from a list or a single number; NULL when there is no rounding. *ok is false
- * after reporting. */
-static const double *lathe_rounding(Builder *b, const EvalNode *node, const EvalProp *profile, bool *ok)
-{
-    const EvalProp *rounding = eval_prop(node, "rounding");
-    size_t n = profile->as.list.n;
-    *ok = true;
-    if (!rounding || rounding->as.list.n == n) return rounding ? rounding->as.list.numbers : NULL;
-    if (rounding->as.list.n != 1) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, rounding->span,
-                    "'rounding' has %zu numbers for %zu corners of the profile", rounding->as.list.n, n);
-        *ok = false;
-        return NULL;
-    }
-    double *all = ARENA_ARRAY(b->arena, double, n);
-    for (size_t i = 0; i < n; i++) /* the axis is no edge: there is nothing to round on it */
-        all[i] = profile->as.list.numbers[2 * i] > 0 ? rounding->as.list.numbers[0] : 0;
-    return all;
-}
-
-void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
-{
-    const EvalProp *profile = eval_prop(node, "profile");
-    bool ok;
-    const double *round = lathe_rounding(b, node, profile, &ok);
-    if (!ok) return;
-    bool smooth = eval_truth(node, "smooth");
-    size_t n = profile->as.list.n;
-    if (n > 100000) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, profile->span,
-                    "a profile of %zu corners is too long; the limit is 100000", n);
-        return;
-    }
-    /* key: kind, smooth, profile, rounding */
-    size_t n_numbers = 2 + 2 * n + (round ? n : 0);
-    double *key = ARENA_ARRAY(b->arena, double, n_numbers);
-    memcpy(key, "lathe", 6);
-    key[1] = smooth;
-    if (n) memcpy(key + 2, profile->as.list.numbers, 2 * n * sizeof *key);
-    if (round) memcpy(key + 2 + 2 * n, round, n * sizeof *key);
-    bool found;
-    uint32_t shape = build_shape_of(b, key, n_numbers * sizeof *key, &found);
-    if (!found) {
-        double(*corners)[2] = arena_array(b->arena, n ? n : 1, sizeof *corners);
-        for (size_t i = 0; i < 2 * n; i++) corners[i / 2][i % 2] = profile->as.list.numbers[i];
-        Error error;
-        Status status = solid_make_lathe((const double(*)[2])corners, (uint32_t)n, round, smooth,
-                                         &b->scene->shapes[shape].solid, &error);
-        if (!keep_solid(b, shape, status, &error, profile->span)) return;
-    }
-    if (b->scene->shapes[shape].solid) build_object(b, node, shape, to_world);
-}
-
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     const EvalProp *surface = eval_prop(node, "surface");
@@ -356,7 +249,7 @@ void build_ground(Builder *b, const EvalNode *node, const Affine *to_world)
         Error error;
         Status status = solid_new(1, &b->scene->shapes[shape].solid, &error);
         if (status == STATUS_OK) b->scene->shapes[shape].solid->pieces[0] = (Piece){.kind = PIECE_PLANE};
-        if (!keep_solid(b, shape, status, &error, node->span)) return;
+        if (!build_keep_solid(b, shape, status, &error, node->span)) return;
     }
     Affine place = affine_identity();
     place.t.y = eval_number(node, "y");

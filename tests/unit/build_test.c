@@ -125,6 +125,11 @@ static void volumes_are_exact(void **state)
         {"cone { interior = glass to = <0, 3, 0> radius_from = 1 radius_to = 2 }", 7},
         {"lathe { interior = glass profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] }", 20},
         {"lathe { interior = glass profile = [<1, 0>, <2, 0>, <2, 1>, <1, 1>] }", 3},
+        {"ellipsoid { interior = glass radii = <1, 2, 3> center = <4, 5, 6> }", 8},
+        {"torus { interior = glass radius = 2 tube = .5 }", pi},
+        {"capsule { interior = glass to = <0, 0, 5> radius = 2 }", 20 + 32 / 3.0},
+        {"cylinder { interior = glass to = <4, 0, 0> radius = 2 rounding = 2 }", 32 / 3.0},
+        {"cone { interior = glass to = <0, 4, 0> radius_from = 3 rounding = 1.5 }", 4.5}, /* what is left is its inscribed ball */
         {"group { scale(2) sphere { interior = glass } }", 32 / 3.0},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -150,13 +155,16 @@ static void shapes_are_shared(void **state)
     Fixture f;
     GOOD(&f, "for (i in 1..50) { sphere { interior = glass radius = i center = <0, i, 0> } }"
              "for (i in 1..50) { cylinder { interior = glass from = <i, 0, 0> to = <i, 2, 0> } }"
+             "for (i in 1..50) { torus { interior = glass center = <i, 0, 0> } }"
+             "for (i in 1..50) { capsule { interior = glass from = <i, 0, 0> to = <i, 2, 0> } }"
+             "for (i in 1..50) { ellipsoid { interior = glass radii = <i, 1, 2> } }"
              "let c = box { size = <1, 2, 3> interior = ice } for (i in 1..50) { c { translate(<i, 0, 0>) } }"
              "let l = lathe { interior = ice profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] rounding = .1 } l { } l { "
              "rotate(x, 10) }"
              "let m = mesh { interior = ice positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>] "
              "triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>] } m { } m { scale(2) } m { interior = glass }");
-    assert_int_equal(f.scene->n_objects, 155);
-    assert_int_equal(f.scene->n_shapes, 5);
+    assert_int_equal(f.scene->n_objects, 305);
+    assert_int_equal(f.scene->n_shapes, 7);
     assert_near(f.scene->objects[fixture_object(&f, "m 2")].volume, 8 / 6.0, 1e-6);
     assert_string_equal(f.scene->objects[49].name, "sphere 50");
     assert_vector(f.scene->objects[49].to_world.t, 0, 50, 0);
@@ -203,6 +211,12 @@ static void wrong_shapes_are_refused(void **state)
     REFUSED("box { interior = glass size = <1, 1, 1> bevel_segments = 3 }", D_CONFLICTING_PROPERTIES);
     REFUSED("cylinder { interior = glass to = <0, 0, 0> }", D_DEGENERATE_SHAPE);
     REFUSED("cone { interior = glass radius_from = 0 }", D_DEGENERATE_SHAPE);
+    REFUSED("capsule { interior = glass to = <0, 0, 0> }", D_DEGENERATE_SHAPE);
+    REFUSED("torus { interior = glass tube = 0 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("ellipsoid { interior = glass radii = <1, 0, 1> }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("ellipsoid { interior = glass }", D_MISSING_PROPERTY);
+    REFUSED("cylinder { interior = glass to = <0, 3, 0> radius = 2 rounding = 1.51 }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("cone { interior = glass to = <0, 4, 0> radius_from = 3 rounding = 1.501 }", D_VALUE_OUT_OF_RANGE);
     REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 1>] }", D_DEGENERATE_SHAPE);
     REFUSED("lathe { interior = glass profile = [<0, 0>, <-1, 1>, <1, 1>] }", D_DEGENERATE_SHAPE);
     REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 0>, <0, 1>] rounding = [.1, .1] }", D_VALUE_OUT_OF_RANGE);

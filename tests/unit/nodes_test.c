@@ -76,7 +76,8 @@ static void bare_nodes_are_accepted(void **state)
     Fixture f;
     fixture_good(
         &f, "meniscus 1.0 unit mm medium m { ior = 1.5 } surface s { } world { } sphere { surface = s } "
-            "cylinder { interior = m } cone { interior = m } box { size = <1, 1, 1> interior = m } "
+            "cylinder { interior = m } torus { interior = m } capsule { interior = m } "
+            "ellipsoid { radii = <1, 2, 3> interior = m } cone { interior = m } box { size = <1, 1, 1> interior = m } "
             "lathe { profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>] interior = m } ground { } group { } "
             "mesh { positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>] triangles = [<0, 1, 2>] surface = s } "
             "light { to = <1, 0, 0> size = <1, 1> } environment { } camera { from = <9, 9, 9> } film { } render { }");

@@ -97,11 +97,11 @@ static Line awkward_line(Dice *dice, const Solid *solid, Box3 bounds, int kind)
     Vec3 rounded = vec3(to_float(p.x), to_float(p.y), to_float(p.z));
     double radius = bounds.max.x;
     switch (kind) {
-    case 0: return (Line){a, vec3_sub(b, a)};                                         /* through the solid */
-    case 1: return (Line){vec3_along(a, -3, random), random};                         /* from outside */
-    case 2: return (Line){rounded, random};                                           /* from the surface, as float has it */
-    case 3: return (Line){rounded, vec3(0, random.y > 0 ? 1 : -1, 0)};                /* vertical there */
-    case 4: return (Line){vec3(0, y, 0), random};                                     /* through the axis */
+    case 0: return (Line){a, vec3_sub(b, a)};                          /* through the solid */
+    case 1: return (Line){vec3_along(a, -3, random), random};          /* from outside */
+    case 2: return (Line){rounded, random};                            /* from the surface, as float has it */
+    case 3: return (Line){rounded, vec3(0, random.y > 0 ? 1 : -1, 0)}; /* vertical there */
+    case 4: return (Line){vec3(0, y, 0), random};                      /* through the axis */
     case 5: return (Line){vec3(rounded.x, y, rounded.z), vec3(random.x, 0, random.z)}; /* in a horizontal plane */
     case 6: return (Line){vec3(rounded.x, y, rounded.z), vec3(random.x, random.y * dice_tiny(dice), random.z)};
     case 7:
@@ -152,7 +152,8 @@ static void check_line(const char *name, const Solid *solid, Line line, double s
         for (int k = 0; k < found; k++) {
             assert_true(n < MAX_CROSSINGS);
             Vec3 normal = piece_normal(&solid->pieces[i], line.org, line.dir, t[k]);
-            if (!(fabs(vec3_length(normal) - 1) < 1e-12)) fail_msg("%s: a normal of length %g", name, vec3_length(normal));
+            if (!(fabs(vec3_length(normal) - 1) < 1e-12))
+                fail_msg("%s: a normal of length %g", name, vec3_length(normal));
             crossings[n++] = (Crossing){t[k], vec3_dot(normal, line.dir) > 0 ? 1 : -1};
         }
     }
@@ -160,10 +161,11 @@ static void check_line(const char *name, const Solid *solid, Line line, double s
     int depth = 0;
     for (int i = 0; i < n; i++) {
         depth -= crossings[i].side;
-        bool place_ends = i + 1 == n || crossings[i + 1].t - crossings[i].t > place_tolerance(line, crossings[i].t, size);
+        bool place_ends =
+            i + 1 == n || crossings[i + 1].t - crossings[i].t > place_tolerance(line, crossings[i].t, size);
         if (place_ends && depth != 0 && depth != 1)
-            fail_msg("%s: depth %d after crossing %d of %d (kind %d), from %.17g %.17g %.17g along %.17g %.17g %.17g", name, depth,
-                     i, n, kind, line.org.x, line.org.y, line.org.z, line.dir.x, line.dir.y, line.dir.z);
+            fail_msg("%s: depth %d after crossing %d of %d (kind %d), from %.17g %.17g %.17g along %.17g %.17g %.17g",
+                     name, depth, i, n, kind, line.org.x, line.org.y, line.org.z, line.dir.x, line.dir.y, line.dir.z);
     }
     if (depth != 0 || n % 2 != 0) fail_msg("%s: %d crossings end at depth %d (kind %d)", name, n, depth, kind);
 }
@@ -190,7 +192,7 @@ static Solid *made_sphere(double radius)
 static Solid *made_cone(double radius0, double radius1, double height)
 {
     Solid *solid = NULL;
-    assert_int_equal(solid_make_cone(radius0, radius1, height, &solid, NULL), STATUS_OK);
+    assert_int_equal(solid_make_cone(radius0, radius1, height, 0, &solid, NULL), STATUS_OK);
     return solid;
 }
 
@@ -258,7 +260,8 @@ static void test_lathes_are_closed(void **state)
     const double rounds[] = {0, 1, 1, 1.5, 1.5, 8, 0};
     check_closed("tumbler", made_lathe(tumbler, 7, NULL));
     check_closed("rounded tumbler", made_lathe(tumbler, 7, rounds));
-    const double shell[][2] = {{0, 0}, {1, 0.3}, {1.3, 1}, {1, 1.8}, {0, 2}, {0, 1.9}, {0.9, 1.7}, {1.2, 1}, {0.9, 0.4}, {0, 0.1}};
+    const double shell[][2] = {{0, 0},   {1, 0.3},   {1.3, 1}, {1, 1.8},   {0, 2},
+                               {0, 1.9}, {0.9, 1.7}, {1.2, 1}, {0.9, 0.4}, {0, 0.1}};
     check_closed("shell", made_lathe(shell, 10, NULL));
     const double crown[][2] = {{2, 0}, {2.5, 0.1}, {3, 0}, {3, 1}, {2.7, 0.5}, {2.5, 1}, {2.2, 0.5}, {2, 1}};
     check_closed("crown", made_lathe(crown, 8, NULL));
@@ -341,12 +344,14 @@ static void test_normals_are_gradients(void **state)
             Vec3 p = vec3_along(org, t[k], dir);
             if (hypot(p.x, p.z) < 0.05) continue; /* the gradient turns fast at the axis */
             const double h = 1e-5;
-            Vec3 gradient = vec3(cone_distance(&piece, vec3(p.x + h, p.y, p.z)) - cone_distance(&piece, vec3(p.x - h, p.y, p.z)),
-                                 cone_distance(&piece, vec3(p.x, p.y + h, p.z)) - cone_distance(&piece, vec3(p.x, p.y - h, p.z)),
-                                 cone_distance(&piece, vec3(p.x, p.y, p.z + h)) - cone_distance(&piece, vec3(p.x, p.y, p.z - h)));
+            Vec3 gradient =
+                vec3(cone_distance(&piece, vec3(p.x + h, p.y, p.z)) - cone_distance(&piece, vec3(p.x - h, p.y, p.z)),
+                     cone_distance(&piece, vec3(p.x, p.y + h, p.z)) - cone_distance(&piece, vec3(p.x, p.y - h, p.z)),
+                     cone_distance(&piece, vec3(p.x, p.y, p.z + h)) - cone_distance(&piece, vec3(p.x, p.y, p.z - h)));
             gradient = vec3_scale(gradient, 1 / (2 * h));
             if (vec3_length(vec3_sub(gradient, root.normal)) > 1e-5) fail_msg("a normal off its gradient");
-            if (vec3_length(vec3_sub(root.shading, root.normal)) > 1e-6) fail_msg("a shading normal off the band's own");
+            if (vec3_length(vec3_sub(root.shading, root.normal)) > 1e-6)
+                fail_msg("a shading normal off the band's own");
             if (fabs(cone_distance(&piece, p)) > 1e-9) fail_msg("a root %g off the surface", cone_distance(&piece, p));
             if (!(root.u >= 0 && root.u < 1 && root.v >= 0 && root.v <= 1)) fail_msg("uv %g %g", root.u, root.v);
             n_checked++;
@@ -407,10 +412,62 @@ static void test_inset(void **state)
     assert_near(p.x, 0, 0);
     p = piece_inset(&disc, vec3(0, 1, -2), 0.5);
     assert_near(p.z, -1.5, 1e-15);
+    /* an arc by its angle; a pole is no edge */
+    Piece arc = {.kind = PIECE_OUTER_ARC, .r0 = 5, .y0 = 1, .r1 = 3, .y1 = 3, .centre_r = 3, .centre_y = 1};
+    p = piece_inset(&arc, vec3(0, 1, 5), pi / 3); /* of a quarter of 2 pi */
+    assert_near(p.z, 3 + 2 * cos(pi / 6), 1e-14);
+    assert_near(p.y, 1 + 2 * sin(pi / 6), 1e-14);
+    Piece cap = piece_make_zone(0, 2, 0, 0, 2);
+    Vec3 pole = vec3(0, 2, 0);
+    p = piece_inset(&cap, pole, 0.5);
+    assert_memory_equal(&p, &pole, sizeof p);
     Piece tip = piece_make_band(3, 0, 0, 4);
     p = piece_inset(&tip, vec3(0, 4, 0), 1);
     assert_near(hypot(p.x, p.z), 0.6, 1e-15);
     assert_near(p.y, 3.2, 1e-15);
+}
+
+/* Normals are gradients of the distance, u goes around and v along; the half of an arc that turns inwards faces the
+ * other way. */
+static void test_arcs_and_tori(void **state)
+{
+    (void)state;
+    Dice dice = {31};
+    const Piece pieces[] = {
+        {.kind = PIECE_TORUS, .r0 = 3, .r1 = 1},
+        {.kind = PIECE_OUTER_ARC, .r0 = 3, .y0 = -1, .r1 = 3, .y1 = 1, .centre_r = 3, .v1 = 1},
+        {.kind = PIECE_OUTER_ARC, .r0 = 3, .y0 = 1, .r1 = 3, .y1 = -1, .centre_r = 3, .v1 = 1},
+        {.kind = PIECE_INNER_ARC, .r0 = 3, .y0 = 1, .r1 = 3, .y1 = -1, .centre_r = 3, .v1 = 1},
+        {.kind = PIECE_INNER_ARC, .r0 = 3, .y0 = -1, .r1 = 3, .y1 = 1, .centre_r = 3, .v1 = 1},
+    };
+    const double sides[] = {1, 1, -1, 1, -1};
+    int n_checked = 0;
+    for (int i = 0; i < 20000; i++) {
+        const Piece *piece = &pieces[i % (int)COUNT_OF(pieces)];
+        Vec3 org = vec3_scale(dice_direction(&dice), 6), to = vec3_scale(dice_direction(&dice), 4 * dice_unit(&dice));
+        Vec3 dir = vec3_sub(to, org);
+        double t[PIECE_MAX_ROOTS];
+        int n = piece_intersect(piece, org, dir, -HUGE_VAL, HUGE_VAL, t);
+        for (int k = 0; k < n; k++) {
+            PieceRoot root;
+            piece_surface(piece, org, dir, t[k], &root);
+            Vec3 p = vec3_along(org, t[k], dir);
+            double r = hypot(p.x, p.z), side = sides[i % (int)COUNT_OF(pieces)];
+            Vec3 normal = vec3_scale(vec3((r - 3) * p.x / r, p.y, (r - 3) * p.z / r), side);
+            if (fabs(hypot(r - 3, p.y) - 1) > 1e-13) fail_msg("a root off the surface");
+            if (vec3_length(vec3_sub(normal, root.normal)) > 1e-6) fail_msg("a normal off its gradient");
+            if (piece->kind == PIECE_OUTER_ARC && r < 3 - 1e-12) fail_msg("a root on the other half");
+            if (piece->kind == PIECE_INNER_ARC && r > 3 + 1e-12) fail_msg("a root on the other half");
+            double turn = atan2(p.z, p.x) / (2 * pi), around = atan2(p.y, r - 3) / (2 * pi);
+            assert_near(root.u, turn < 0 ? turn + 1 : turn, 1e-12);
+            double v = around < 0 ? around + 1 : around;
+            if (piece->kind == PIECE_OUTER_ARC) v = 0.5 + (piece->y1 > piece->y0 ? 2 : -2) * around;
+            if (piece->kind == PIECE_INNER_ARC) v = piece->y1 < piece->y0 ? 2 * v - 0.5 : 1.5 - 2 * v;
+            assert_near(root.v, v, 1e-9);
+            n_checked++;
+        }
+    }
+    assert_true(n_checked > 10000);
 }
 
 static void test_volumes_and_errors(void **state)
@@ -428,24 +485,52 @@ static void test_volumes_and_errors(void **state)
     assert_near(solid->volume, 15 * pi, 1e-12);
     assert_int_equal(solid->n_pieces, 2);
     solid_free(solid);
+    /* a spindle: by slices; a ring and a capsule by Pappus */
+    solid = made_torus(1, 1.7);
+    double slices = 0;
+    enum { SLICES = 200000 };
+    for (int i = 0; i < SLICES; i++) {
+        double y = 1.7 * (2 * (i + 0.5) / SLICES - 1), half = sqrt(1.7 * 1.7 - y * y);
+        double hole = fmax(1 - half, 0);
+        slices += pi * ((1 + half) * (1 + half) - hole * hole) * 3.4 / SLICES;
+    }
+    assert_near(solid->volume, slices, 1e-6);
+    solid_free(solid);
+    solid = made_torus(3, 1);
+    assert_near(solid->volume, 6 * pi * pi, 1e-12);
+    solid_free(solid);
+    solid = made_capsule(2, 5);
+    assert_near(solid->volume, 20 * pi + 32 * pi / 3, 1e-12);
+    double pieces = 0;
+    for (uint32_t i = 0; i < solid->n_pieces; i++) pieces += piece_volume(&solid->pieces[i]);
+    assert_near(pieces, solid->volume, 1e-12);
+    solid_free(solid);
     Error error;
+    assert_int_equal(solid_make_torus(1, 0, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_torus((double)NAN, 1, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_capsule(1, 0, &solid, &error), STATUS_SCENE);
     assert_int_equal(solid_make_sphere(0, &solid, &error), STATUS_SCENE);
     assert_int_equal(solid_make_sphere((double)NAN, &solid, &error), STATUS_SCENE);
-    assert_int_equal(solid_make_cone(0, 0, 1, &solid, &error), STATUS_SCENE);
-    assert_int_equal(solid_make_cone(1, -1, 1, &solid, &error), STATUS_SCENE);
-    assert_int_equal(solid_make_cone(1, 1, 0, &solid, &error), STATUS_SCENE);
-    assert_int_equal(solid_make_cone(1, 1, (double)INFINITY, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_cone(0, 0, 1, 0, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_cone(1, -1, 1, 0, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_cone(1, 1, 0, 0, &solid, &error), STATUS_SCENE);
+    assert_int_equal(solid_make_cone(1, 1, (double)INFINITY, 0, &solid, &error), STATUS_SCENE);
     solid_free(NULL);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_simple_solids_are_closed), cmocka_unit_test(test_lathes_are_closed),
+        cmocka_unit_test(test_simple_solids_are_closed),
+        cmocka_unit_test(test_lathes_are_closed),
         cmocka_unit_test(test_round_solids_are_closed),
-        cmocka_unit_test(test_sphere_by_formula),        cmocka_unit_test(test_open_pieces),
-        cmocka_unit_test(test_normals_are_gradients),    cmocka_unit_test(test_shared_walls_coincide),
-        cmocka_unit_test(test_inset),                    cmocka_unit_test(test_volumes_and_errors),
+        cmocka_unit_test(test_sphere_by_formula),
+        cmocka_unit_test(test_open_pieces),
+        cmocka_unit_test(test_arcs_and_tori),
+        cmocka_unit_test(test_normals_are_gradients),
+        cmocka_unit_test(test_shared_walls_coincide),
+        cmocka_unit_test(test_inset),
+        cmocka_unit_test(test_volumes_and_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

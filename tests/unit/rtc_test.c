@@ -222,7 +222,7 @@ static void test_solids(void **state)
     static const double rounding[] = {0, 0, 0.4, 0.2, 0.2, 0.6, 0};
     Status status = solid_make_lathe(profile, 7, rounding, false, &tumbler, NULL);
     tumbler = keep_solid(&s, status, tumbler);
-    status = solid_make_cone(7.45, 8, 8, &drink, NULL);
+    status = solid_make_cone(7.45, 8, 8, 0, &drink, NULL);
     drink = keep_solid(&s, status, drink);
     add(&s, NULL, tumbler, turned(20, vec3(0, 0, 1), vec3(0, -9, 0)));
     add(&s, NULL, drink, turned(20, vec3(0, 0, 1), vec3(-1, -6.1, 0)));
@@ -237,9 +237,9 @@ static void test_coincident_solids(void **state)
     static const double profile[][2] = {{0, 0}, {9, 0}, {9, 20}, {7, 20}, {7, 2}, {0, 2}};
     Status status = solid_make_lathe(profile, 6, NULL, false, &glass, NULL);
     glass = keep_solid(&s, status, glass);
-    status = solid_make_cone(7, 7, 10, &inner, NULL);
+    status = solid_make_cone(7, 7, 10, 0, &inner, NULL);
     inner = keep_solid(&s, status, inner);
-    status = solid_make_cone(9, 9, 20, &outer, NULL);
+    status = solid_make_cone(9, 9, 20, 0, &outer, NULL);
     outer = keep_solid(&s, status, outer);
     add(&s, NULL, glass, turned(0, vec3(0, 1, 0), vec3(0, 0, 0)));
     add(&s, NULL, inner, turned(0, vec3(0, 1, 0), vec3(0, 2, 0))); /* fills the glass exactly */

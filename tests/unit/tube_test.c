@@ -65,8 +65,10 @@ static int poly_roots(const Poly *p, long double reach, long double *roots)
         if (sign == (poly_at(p, b) < 0)) continue;
         for (int k = 0; k < 70; k++) {
             long double m = 0.5L * (a + b);
-            if ((poly_at(p, m) < 0) == sign) a = m;
-            else b = m;
+            if ((poly_at(p, m) < 0) == sign)
+                a = m;
+            else
+                b = m;
         }
         roots[n++] = 0.5L * (a + b);
     }
@@ -90,8 +92,9 @@ static Poly torus_quartic(double c, double a, Vec3 org, Vec3 dir, long double *b
     }
     long double C = c, A = a, s = oo + (C - A) * (C + A), four = 4 * C * C;
     long double level[3] = {o[0] * o[0] + o[2] * o[2], 2 * (o[0] * d[0] + o[2] * d[2]), d[0] * d[0] + d[2] * d[2]};
-    return (Poly){4, {s * s - four * level[0], 4 * s * od - four * level[1], 4 * od * od + 2 * s * dd - four * level[2], 4 * dd * od,
-                      dd * dd}};
+    return (Poly){4,
+                  {s * s - four * level[0], 4 * s * od - four * level[1], 4 * od * od + 2 * s * dd - four * level[2],
+                   4 * dd * od, dd * dd}};
 }
 
 /* ---- tori ---- */
@@ -110,20 +113,48 @@ static void torus_line(Dice *dice, double c, double a, int kind, Vec3 *org, Vec3
 {
     Vec3 p = torus_point(dice, c, a), q = torus_point(dice, c, a), random = dice_direction(dice);
     double size = c + a, tiny = dice_tiny(dice);
-    Vec3 box = vec3(size * (2.2 * dice_unit(dice) - 1.1), a * (2.2 * dice_unit(dice) - 1.1), size * (2.2 * dice_unit(dice) - 1.1));
+    Vec3 box = vec3(size * (2.2 * dice_unit(dice) - 1.1), a * (2.2 * dice_unit(dice) - 1.1),
+                    size * (2.2 * dice_unit(dice) - 1.1));
     *org = vec3_scale(random, 3 * size);
     *dir = vec3_sub(box, *org);
     switch (kind) {
-    case 0: break;                                             /* from outside */
-    case 1: *org = box; *dir = random; break;                  /* from anywhere in or about it */
-    case 2: *org = p; *dir = random; break;                    /* from the surface */
-    case 3: *org = p; *dir = vec3_sub(q, p); break;            /* from one point of it to another */
-    case 4: *org = vec3_scale(random, 1e6 * size); *dir = vec3_sub(box, *org); break;
-    case 5: *org = vec3(box.x, 5 * size, box.z); *dir = vec3(0, -1, 0); break;
-    case 6: *org = p; *dir = vec3(tiny * random.x, 1, tiny * random.z); break;
-    case 7: *org = vec3(p.x, p.y, p.z); *dir = vec3(random.x, tiny * random.y, random.z); break;
-    case 8: *org = vec3(0, box.y, 0); *dir = random; break;    /* through the axis */
-    case 9: *org = vec3(p.x, p.y, p.z); *dir = vec3(-p.z, tiny * size, p.x); break; /* along a circle of latitude */
+    case 0: break; /* from outside */
+    case 1:
+        *org = box;
+        *dir = random;
+        break; /* from anywhere in or about it */
+    case 2:
+        *org = p;
+        *dir = random;
+        break; /* from the surface */
+    case 3:
+        *org = p;
+        *dir = vec3_sub(q, p);
+        break; /* from one point of it to another */
+    case 4:
+        *org = vec3_scale(random, 1e6 * size);
+        *dir = vec3_sub(box, *org);
+        break;
+    case 5:
+        *org = vec3(box.x, 5 * size, box.z);
+        *dir = vec3(0, -1, 0);
+        break;
+    case 6:
+        *org = p;
+        *dir = vec3(tiny * random.x, 1, tiny * random.z);
+        break;
+    case 7:
+        *org = vec3(p.x, p.y, p.z);
+        *dir = vec3(random.x, tiny * random.y, random.z);
+        break;
+    case 8:
+        *org = vec3(0, box.y, 0);
+        *dir = random;
+        break; /* through the axis */
+    case 9:
+        *org = vec3(p.x, p.y, p.z);
+        *dir = vec3(-p.z, tiny * size, p.x);
+        break; /* along a circle of latitude */
     case 10: { /* tangent to the tube's own circle */
         double r = hypot(p.x, p.z);
         Vec3 out = vec3(p.x / r, 0, p.z / r);
@@ -176,7 +207,8 @@ static void check_torus_line(const Piece *torus, Vec3 org, Vec3 dir, int kind, T
     for (int i = 0; i < n; i++) {
         if (i && !(t[i] > t[i - 1])) fail_msg("crossings out of order");
         double side = vec3_dot(piece_normal(torus, org, dir, t[i]), dir);
-        if ((side > 0) != (i % 2 == 1)) fail_msg("crossing %d of %d (kind %d) goes the wrong way: %g", i, n, kind, side);
+        if ((side > 0) != (i % 2 == 1))
+            fail_msg("crossing %d of %d (kind %d) goes the wrong way: %g", i, n, kind, side);
         long double off = torus_distance(c, a, org, dir, t[i]) / (DBL_EPSILON * (scale + fabs(t[i]) * length));
         tally->worst = fmax(tally->worst, (double)off);
         tally->crossings++;
@@ -211,14 +243,16 @@ static void check_torus_line(const Piece *torus, Vec3 org, Vec3 dir, int kind, T
         Vec3 normal = vec3_normalize(vec3(r > 0 ? p.x / r * nr : nr, p.y, r > 0 ? p.z / r * nr : 0));
         double cosine = fabs(vec3_dot(normal, dir)) / length;
         bool pole = r < 1e-6 * (c + a); /* a spindle's tips: no tangent plane */
-        if (!partner && !pole && cosine > 1e-3 * sqrt(scale / a)) fail_msg("kind %d: %d crossings instead of %d, cosine %g", kind, n, m, cosine);
+        if (!partner && !pole && cosine > 1e-3 * sqrt(scale / a))
+            fail_msg("kind %d: %d crossings instead of %d, cosine %g", kind, n, m, cosine);
     }
 }
 
 static void test_tori_against_the_quartic(void **state)
 {
     (void)state;
-    const double sizes[][2] = {{1, 0.5}, {3, 1}, {1, 0.999}, {1, 1}, {1, 1.5}, {1, 40}, {10, 0.01}, {1e-6, 3e-7}, {1e8, 4e7}, {2, 1.9}};
+    const double sizes[][2] = {{1, 0.5}, {3, 1},     {1, 0.999},   {1, 1},     {1, 1.5},
+                               {1, 40},  {10, 0.01}, {1e-6, 3e-7}, {1e8, 4e7}, {2, 1.9}};
     for (size_t s = 0; s < COUNT_OF(sizes); s++) {
         Tally tally = {0};
         Dice dice = {1000003 * (s + 1)};
@@ -228,7 +262,8 @@ static void test_tori_against_the_quartic(void **state)
             torus_line(&dice, torus.r0, torus.r1, i % TORUS_KINDS, &org, &dir);
             if (vec3_dot(dir, dir) > 0) check_torus_line(&torus, org, dir, i % TORUS_KINDS, &tally);
         }
-        printf("    torus %g, %g: %ld crossings of %ld lines, %ld met it four times; %ld grazing ones counted otherwise; at most "
+        printf("    torus %g, %g: %ld crossings of %ld lines, %ld met it four times; %ld grazing ones counted "
+               "otherwise; at most "
                "%.1f roundings off the surface\n",
                torus.r0, torus.r1, tally.crossings, tally.lines, tally.several, tally.unlike, tally.worst);
         assert_true(tally.crossings > LINES_PER_TORUS);

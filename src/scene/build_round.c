@@ -1,0 +1,176 @@
+/* build_round.c - solids of revolution: spheres, ellipsoids, tori, cylinders, capsules, cones, lathes.
+ *
+ * All spheres and ellipsoids share the unit sphere, for which a scale is exact enough (the intersection is in double);
+ * the others keep their true sizes, so that only a rigid map stands between a hull's edge and the numbers in the scene.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "scene/build_parts.h"
+
+void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Vec3 center = eval_vector(node, "center");
+    double radius = eval_number(node, "radius");
+    Affine place = {{{radius, 0, 0}, {0, radius, 0}, {0, 0, radius}}, center};
+    place = affine_compose(to_world, &place);
+    build_object(b, node, build_sphere_shape(b, 1), &place);
+}
+
+void build_ellipsoid(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Vec3 radii = eval_vector(node, "radii");
+    Affine place = {{{radii.x, 0, 0}, {0, radii.y, 0}, {0, 0, radii.z}}, eval_vector(node, "center")};
+    place = affine_compose(to_world, &place);
+    build_object(b, node, build_sphere_shape(b, 1), &place);
+}
+
+void build_torus(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    struct {
+        char kind[8];
+        double radius, tube;
+    } key = {"torus", eval_number(node, "radius"), eval_number(node, "tube")};
+    bool found;
+    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
+    if (!found) {
+        Error error;
+        Status status = solid_make_torus(key.radius, key.tube, &b->scene->shapes[shape].solid, &error);
+        if (!build_keep_solid(b, shape, status, &error, node->span)) return;
+    }
+    Affine place = affine_identity();
+    place.t = eval_vector(node, "center");
+    place = affine_compose(to_world, &place);
+    build_object(b, node, shape, &place);
+}
+
+/* What stands between two points: the frame at `from` whose y axis goes to `to`, and how far that is; false after
+ * reporting. */
+static bool rod_of(Builder *b, const EvalNode *node, Affine *frame, double *length)
+{
+    Vec3 from = eval_vector(node, "from"), to = eval_vector(node, "to");
+    Vec3 along = vec3_sub(to, from);
+    *length = vec3_length(along);
+    if (!(*length > 0) || !isfinite(*length)) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"),
+                    "'from' and 'to' of this %s are the same point", node->type->name);
+        return false;
+    }
+    *frame = build_frame(from, vec3_scale(along, 1 / *length));
+    return true;
+}
+
+void build_capsule(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Affine place;
+    struct {
+        char kind[8];
+        double radius, length;
+    } key = {"capsule", eval_number(node, "radius"), 0};
+    if (!rod_of(b, node, &place, &key.length)) return;
+    bool found;
+    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
+    if (!found) {
+        Error error;
+        Status status = solid_make_capsule(key.radius, key.length, &b->scene->shapes[shape].solid, &error);
+        if (!build_keep_solid(b, shape, status, &error, node->span)) return;
+    }
+    place = affine_compose(to_world, &place);
+    build_object(b, node, shape, &place);
+}
+
+/* Cylinders are cones of two equal radii. */
+static void build_cone_of(Builder *b, const EvalNode *node, const Affine *to_world, double radius_from,
+                          double radius_to)
+{
+    Affine place;
+    struct {
+        char kind[8];
+        double radius_from, radius_to, height, rounding;
+    } key = {"cone", radius_from, radius_to, 0, eval_number(node, "rounding")};
+    if (!rod_of(b, node, &place, &key.height)) return;
+    if (radius_from == 0 && radius_to == 0) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "radius_from"), "both radii of this cone are 0");
+        return;
+    }
+    double limit = solid_cone_rounding(radius_from, radius_to, key.height);
+    if (key.rounding > limit * (1 + 1e-12)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "rounding"),
+                    "a rounding of %g does not fit this %s; the largest that does is %.9g", key.rounding,
+                    node->type->name, limit);
+        return;
+    }
+    bool found;
+    uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
+    if (!found) {
+        Error error;
+        Status status =
+            solid_make_cone(radius_from, radius_to, key.height, key.rounding, &b->scene->shapes[shape].solid, &error);
+        if (!build_keep_solid(b, shape, status, &error, node->span)) return;
+    }
+    place = affine_compose(to_world, &place);
+    build_object(b, node, shape, &place);
+}
+
+void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    double radius = eval_number(node, "radius");
+    build_cone_of(b, node, to_world, radius, radius);
+}
+
+void build_cone(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    build_cone_of(b, node, to_world, eval_number(node, "radius_from"), eval_number(node, "radius_to"));
+}
+
+/* One radius for each corner, from a list or a single number; NULL when there is no rounding. *ok is false
+ * after reporting. */
+static const double *lathe_rounding(Builder *b, const EvalNode *node, const EvalProp *profile, bool *ok)
+{
+    const EvalProp *rounding = eval_prop(node, "rounding");
+    size_t n = profile->as.list.n;
+    *ok = true;
+    if (!rounding || rounding->as.list.n == n) return rounding ? rounding->as.list.numbers : NULL;
+    if (rounding->as.list.n != 1) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, rounding->span,
+                    "'rounding' has %zu numbers for %zu corners of the profile", rounding->as.list.n, n);
+        *ok = false;
+        return NULL;
+    }
+    double *all = ARENA_ARRAY(b->arena, double, n);
+    for (size_t i = 0; i < n; i++) /* the axis is no edge: there is nothing to round on it */
+        all[i] = profile->as.list.numbers[2 * i] > 0 ? rounding->as.list.numbers[0] : 0;
+    return all;
+}
+
+void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    const EvalProp *profile = eval_prop(node, "profile");
+    bool ok;
+    const double *round = lathe_rounding(b, node, profile, &ok);
+    if (!ok) return;
+    bool smooth = eval_truth(node, "smooth");
+    size_t n = profile->as.list.n;
+    if (n > 100000) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, profile->span,
+                    "a profile of %zu corners is too long; the limit is 100000", n);
+        return;
+    }
+    /* key: kind, smooth, profile, rounding */
+    size_t n_numbers = 2 + 2 * n + (round ? n : 0);
+    double *key = ARENA_ARRAY(b->arena, double, n_numbers);
+    memcpy(key, "lathe", 6);
+    key[1] = smooth;
+    if (n) memcpy(key + 2, profile->as.list.numbers, 2 * n * sizeof *key);
+    if (round) memcpy(key + 2 + 2 * n, round, n * sizeof *key);
+    bool found;
+    uint32_t shape = build_shape_of(b, key, n_numbers * sizeof *key, &found);
+    if (!found) {
+        double(*corners)[2] = arena_array(b->arena, n ? n : 1, sizeof *corners);
+        for (size_t i = 0; i < 2 * n; i++) corners[i / 2][i % 2] = profile->as.list.numbers[i];
+        Error error;
+        Status status = solid_make_lathe((const double(*)[2])corners, (uint32_t)n, round, smooth,
+                                         &b->scene->shapes[shape].solid, &error);
+        if (!build_keep_solid(b, shape, status, &error, profile->span)) return;
+    }
+    if (b->scene->shapes[shape].solid) build_object(b, node, shape, to_world);
+}
