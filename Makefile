@@ -33,6 +33,7 @@ EXR_CFLAGS ?= -isystem /usr/include/OpenEXR
 EXR_LIBS ?= -lOpenEXRCore
 PNG_LIBS ?= -lpng -lz
 OCIO_LIBS ?= -lOpenColorIO
+JANSSON_LIBS ?= -ljansson
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow \
   -Wundef -Wformat=2 -Wcast-qual -Wpointer-arith -Wwrite-strings -Wimplicit-fallthrough -Wvla
@@ -50,7 +51,7 @@ CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSI
   -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(CPPFLAGS)
 CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
-LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) -lstdc++ -lpthread -lm
+LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) -lstdc++ -lpthread -lm
 
 GENERATORS := src/optics/upsample_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
@@ -136,7 +137,7 @@ $(BUILD)/truth/%: tests/truth/%.c tests/truth/truth.c $(BUILD)/libmeniscus.a
 
 # ---- packages ----
 
-PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libcmocka-dev mandoc python3
+PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjansson-dev libcmocka-dev mandoc python3
 
 deps: ## install the Debian packages that are missing (with sudo where not root)
 	@missing=''; for p in $(PACKAGES); do \

@@ -19,6 +19,8 @@ static const struct {
     {"ply", mesh_load_ply},
     {"obj", mesh_load_obj},
     {"stl", mesh_load_stl},
+    {"gltf", mesh_load_gltf},
+    {"glb", mesh_load_gltf},
 };
 
 enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8 };
@@ -103,14 +105,16 @@ uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name
     return (uint32_t)source->n_parts - 1;
 }
 
-bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n)
+bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles)
 {
     if (!source) return true;
     bool wanted = source->part == NULL;
     for (size_t i = 0; i < n; i++) {
-        if (parts[i] == UINT32_MAX) continue;
+        bool again = false; /* a node and one below it may have one name */
+        for (size_t k = 0; k < i; k++) again = again || parts[k] == parts[i];
+        if (parts[i] == UINT32_MAX || again) continue;
         MeshPart *part = &source->parts[parts[i]];
-        part->n_triangles++;
+        part->n_triangles += n_triangles;
         wanted = wanted || strcmp(part->name, source->part) == 0;
     }
     return wanted;

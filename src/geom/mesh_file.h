@@ -48,12 +48,14 @@ ATTR_NODISCARD Status mesh_load_obj(const char *path, MeshSource *source, Mesh *
  * over. Parts: the solids of a text. */
 ATTR_NODISCARD Status mesh_load_stl(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
+/* glTF 2.0, .gltf and .glb: see gltf.c. The unit is the metre. Parts: nodes (with all below them), meshes, materials. */
+ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *error);
+
 /* For readers. The number of the part, new or known; UINT32_MAX when memory
  * ends. The name is cut at 255 bytes. */
 uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name, size_t length);
-/* Counts a triangle of up to n parts (UINT32_MAX: none) and says whether it is
- * wanted. source may be NULL. */
-bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n);
+/* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted. source may be NULL. */
+bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles);
 /* Why no triangle is left: no part of that name, one without triangles, or no
  * faces at all. STATUS_INPUT. */
 ATTR_NODISCARD Status mesh_source_nothing(const MeshSource *source, const char *path, Error *error);

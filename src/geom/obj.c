@@ -192,7 +192,7 @@ static Status read_corner(Obj *obj, ObjCorner *corner)
 
 static Status add_triangle(Obj *obj, ObjCorner a, ObjCorner b, ObjCorner c)
 {
-    if (!mesh_source_wants(obj->source, obj->parts, N_PART_KINDS)) return STATUS_OK;
+    if (!mesh_source_wants(obj->source, obj->parts, N_PART_KINDS, 1)) return STATUS_OK;
     if (obj->n_lines >= most_items) return too_many(obj, "triangles");
     if (!array_reserve(&obj->corners, &obj->corner_capacity, obj->n_corners + 3, sizeof *obj->corners) ||
         !ARRAY_ROOM(obj->lines, obj->line_capacity, obj->n_lines))

@@ -156,7 +156,7 @@ static Status facet(Stl *stl)
     }
     if (!take(stl, "endloop")) return unexpected(stl, "'endloop'; a facet has three corners");
     if (!take(stl, "endfacet")) return unexpected(stl, "'endfacet'");
-    if (mesh_source_wants(stl->source, &stl->solid, 1)) stl->n_corners += 3;
+    if (mesh_source_wants(stl->source, &stl->solid, 1, 1)) stl->n_corners += 3;
     return STATUS_OK;
 }
 
