@@ -29,6 +29,8 @@ mandir ?= $(datarootdir)/man
 # Embree 3 and 4 have no .pc file on Debian; set EMBREE_VERSION=4 where that is installed.
 EMBREE_VERSION ?= 3
 EMBREE_LIBS ?= -lembree$(EMBREE_VERSION)
+FREETYPE_CFLAGS ?= $(shell $(PKG_CONFIG) --cflags freetype2 2>/dev/null || echo -I/usr/include/freetype2)
+FREETYPE_LIBS ?= -lfreetype
 EXR_CFLAGS ?= -isystem /usr/include/OpenEXR
 EXR_LIBS ?= -lOpenEXRCore
 PNG_LIBS ?= -lpng -lz
@@ -48,10 +50,10 @@ FLAGS_hostile := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -
 FLAGS := $(FLAGS_$(VARIANT)) -ffp-contract=off -fno-math-errno -fno-trapping-math
 WERROR ?=
 CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSION='"$(VERSION)"' -DMEN_EMBREE=$(EMBREE_VERSION) \
-  -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(CPPFLAGS)
+  -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(patsubst -I%,-isystem %,$(FREETYPE_CFLAGS)) $(CPPFLAGS)
 CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
-LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) -lstdc++ -lpthread -lm
+LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) -lstdc++ -lpthread -lm
 
 GENERATORS := src/optics/upsample_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
@@ -137,7 +139,7 @@ $(BUILD)/truth/%: tests/truth/%.c tests/truth/truth.c $(BUILD)/libmeniscus.a
 
 # ---- packages ----
 
-PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjansson-dev libcmocka-dev mandoc python3
+PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjansson-dev libfreetype-dev fonts-dejavu-core libcmocka-dev mandoc python3
 
 deps: ## install the Debian packages that are missing (with sudo where not root)
 	@missing=''; for p in $(PACKAGES); do \

@@ -77,7 +77,7 @@ static void add_surface(FieldMaker *maker)
         }
 }
 
-/* One side: from point to point along the rim, with the outside on the right of the way. */
+/* One side: from point to point along the rim, with the outside on the left of the way, seen from above. */
 static void add_side(FieldMaker *maker, uint32_t i, uint32_t k, int step_i, int step_k, uint32_t n, double base,
                      Vec3 normal, uint32_t centre)
 {
@@ -87,9 +87,9 @@ static void add_side(FieldMaker *maker, uint32_t i, uint32_t k, int step_i, int 
         uint32_t bottom = add_vertex(maker, field_point(maker, i, k, base), normal);
         uint32_t under = add_vertex(maker, field_point(maker, i, k, base), vec3(0, -1, 0));
         if (j > 0) {
-            add_triangle(maker, top, top - 3, bottom - 3);
-            add_triangle(maker, top, bottom - 3, bottom);
-            add_triangle(maker, under, under - 3, centre);
+            add_triangle(maker, top, bottom - 3, top - 3);
+            add_triangle(maker, top, bottom, bottom - 3);
+            add_triangle(maker, under, centre, under - 3);
         }
         i = (uint32_t)((int64_t)i + step_i);
         k = (uint32_t)((int64_t)k + step_k);

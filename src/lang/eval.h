@@ -177,5 +177,7 @@ Vec3 eval_vector(const EvalNode *node, const char *name);
  * folders, then MENISCUS_PATH and the data directory; honours confinement. NULL when there is none,
  * after reporting D_FILE_NOT_FOUND (or D_OUTSIDE_CONFINE) at span. The path is the arena's. */
 const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, const char *name);
+/* The same without a report: for names that may also be found elsewhere. */
+const char *eval_seek_file(const EvalOptions *options, Diag *diag, Span span, const char *name);
 
 #endif

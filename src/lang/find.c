@@ -105,6 +105,12 @@ const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, co
     return path;
 }
 
+const char *eval_seek_file(const EvalOptions *options, Diag *diag, Span span, const char *name)
+{
+    Search search = {options, diag, span, name, false};
+    return search_file(&search, NULL);
+}
+
 const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const EvalLibraryFile **library)
 {
     Search search = {options, diag, span, name, false};

@@ -174,7 +174,7 @@ static const struct {
     {"intersection", build_intersection},
     {"difference", build_difference},
     {"prism", build_prism},   {"sweep", build_sweep},   {"superellipsoid", build_superellipsoid},
-    {"height_field", build_height_field},
+    {"height_field", build_height_field}, {"text", build_text},
 };
 
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent)

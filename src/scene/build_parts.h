@@ -154,6 +154,9 @@ typedef Status BuildMaker(Builder *b, const EvalNode *node, Mesh **mesh, Span *s
  * path): made once for nodes that say the same. */
 void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildMaker *make, const char *more);
 
+/* build_text.c */
+void build_text(Builder *b, const EvalNode *node, const Affine *to_world);
+
 /* build_light.c, build_view.c */
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_environment(Builder *b, const EvalNode *node);

@@ -37,6 +37,8 @@ static void check_volume(const char *text, double volume, double tolerance, doub
     char whole[4096];
     snprintf(whole, sizeof whole, "%s%s%s", M, text, V);
     fixture_good(&f, whole);
+    if (f.diag.first) fixture_print(&f);
+    assert_null(f.diag.first); /* nothing had to be mended */
     const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
     MeshReport report;
     assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
@@ -195,7 +197,7 @@ static void sweeps_of_all_kinds(void **state)
             MeshReport report;
             const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
             assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
-            if (!report.closed || report.volume <= 0) fail_msg("%s", text);
+            if (!report.closed || report.volume <= 0 || fixture_find(&f, D_MESH_MENDED)) fail_msg("%s", text);
             n_made++;
         } else if (!fixture_find(&f, D_DEGENERATE_SHAPE)) {
             fixture_print(&f);
@@ -250,6 +252,44 @@ static void height_fields(void **state)
     REFUSED("height_field { interior = ice image = \"no-such-file.png\" }", D_FILE_NOT_FOUND);
 }
 
+/* The area of a glyph is that of its outline: a ring for "o"; a bar for "l", and so on. What is checked here is what
+ * any font does. */
+static void texts(void **state)
+{
+    (void)state;
+    Fixture f;
+    double volume[4];
+    static const char *const words[] = {"o", "oo", "o\\no o", "\\u{e9}\\u{c5}8&Q\\u{d8}"};
+    for (int i = 0; i < 4; i++) {
+        char text[1000];
+        snprintf(text, sizeof text, M "text { interior = glass size = 10 depth = 2 text = \"%s\" } " V, words[i]);
+        fixture_good(&f, text);
+        assert_null(f.diag.first);
+        volume[i] = f.scene->objects[0].volume;
+        const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
+        MeshReport report;
+        assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+        assert_true(report.closed && report.n_degenerate == 0);
+        if (worst_normal(mesh) > 8) fail_msg("normals are off by %g degrees", worst_normal(mesh));
+        assert_near(report.bounds.max.z, 0, 0);
+        assert_near(report.bounds.min.z, -2, 1e-6);
+        fixture_clear(&f);
+    }
+    assert_near(volume[1], 2 * volume[0], 1e-3 * volume[0]);
+    assert_near(volume[2], 3 * volume[0], 1e-3 * volume[0]);
+    assert_true(volume[0] > 5 && volume[0] < 80 && volume[3] > 0);
+    fixture_good(&f, M "text { interior = glass size = 10 bevel = .1 text = \"Qg\" align = right } " V);
+    assert_null(f.diag.first);
+    fixture_clear(&f);
+    REFUSED("text { interior = glass }", D_MISSING_PROPERTY);
+    REFUSED("text { interior = glass text = \"\" }", D_DEGENERATE_SHAPE);
+    REFUSED("text { interior = glass text = \"  \" }", D_DEGENERATE_SHAPE);
+    REFUSED("text { interior = glass text = \"\\u{10fff0}\" }", D_DEGENERATE_SHAPE);
+    REFUSED("text { interior = glass text = \"a\" bevel = 1 }", D_DEGENERATE_SHAPE);
+    REFUSED("text { interior = glass text = \"a\" font = \"there-is-no-such-font\" }", D_FILE_NOT_FOUND);
+    REFUSED("text { interior = glass text = \"a\" font = \"/etc/passwd\" }", D_DEGENERATE_SHAPE);
+}
+
 static void equal_shapes_are_one(void **state)
 {
     (void)state;
@@ -274,6 +314,7 @@ int main(void)
         cmocka_unit_test(sweeps_of_all_kinds),
         cmocka_unit_test(superellipsoids),
         cmocka_unit_test(height_fields),
+        cmocka_unit_test(texts),
         cmocka_unit_test(equal_shapes_are_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
