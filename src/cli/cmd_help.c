@@ -22,8 +22,15 @@ static const char *nearest_topic(const char *wrong)
         if (command_row(command)->summary) names[n++] = command_row(command)->name;
     for (size_t i = 0; i < schema->n_nodes; i++) names[n++] = schema->nodes[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
+    size_t first_file = n;
     for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
     const char *near = suggest_nearest(wrong, names, n);
+    if (!near) { /* the ending of a file may be left out */
+        Buf whole = {0};
+        buf_format(&whole, "%s.mns", wrong);
+        near = suggest_nearest(buf_text(&whole), names + first_file, n - first_file);
+        buf_clear(&whole);
+    }
     free(names);
     return near;
 }

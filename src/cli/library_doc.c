@@ -1,6 +1,5 @@
-/* library_doc.c - reads the comments of the standard library: the one at the head of a text, headings, and the one above
- * each medium, def and let. Names that begin with '_' are the text's own.
- * SPDX-License-Identifier: Apache-2.0 */
+/* library_doc.c - reads the comments of the standard library: the one at the head of a text, headings, and the one
+ * above each medium, def and let. Names that begin with '_' are the text's own. SPDX-License-Identifier: Apache-2.0 */
 #include "cli/library_doc.h"
 
 #include <string.h>
@@ -16,7 +15,8 @@ const EvalLibraryFile *library_named(const char *topic)
     for (size_t i = 0; i < std_library.n_files; i++) {
         const EvalLibraryFile *file = &std_library.files[i];
         size_t length = strlen(file->name), stem = length - strlen(".mns");
-        if (strcmp(topic, file->name) == 0 || (strlen(topic) == stem && strncmp(topic, file->name, stem) == 0)) return file;
+        if (strcmp(topic, file->name) == 0 || (strlen(topic) == stem && strncmp(topic, file->name, stem) == 0))
+            return file;
     }
     return NULL;
 }
@@ -141,7 +141,7 @@ static void print_plain(DocKind kind, const char *signature, const char *text, B
         buf_format(out, "\n%s:\n", text);
     } else {
         buf_add(out, "  ");
-        help_wrap(out, signature, DOC_INDENT, 2);
+        help_wrap(out, signature, 2, 2);
         help_wrap(out, text, DOC_INDENT, 0);
     }
 }

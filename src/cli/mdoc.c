@@ -34,6 +34,14 @@ static void end_line(Writer *writer)
     writer->column = 0;
 }
 
+/* J. Opt. Soc. Am. of a source: no end of a sentence, neither here nor for roff */
+static bool is_abbreviation(const char *word, size_t length)
+{
+    enum { LONGEST = 6 };
+    bool capital = word[0] >= 'A' && word[0] <= 'Z', capitals = word[1] >= 'A' && word[1] <= 'Z';
+    return length <= LONGEST && word[length - 1] == '.' && capital && !capitals;
+}
+
 static void add_word(Writer *writer, const char *word, size_t length)
 {
     if (writer->column && (writer->after_sentence || writer->column + 1 + length > LINE)) end_line(writer);
@@ -55,7 +63,9 @@ static void add_word(Writer *writer, const char *word, size_t length)
         i = (size_t)(close - word) + 1;
     }
     writer->column += writer->out->length - start + 1;
-    writer->after_sentence = strchr(".?!", word[length - 1]) != NULL;
+    bool abbreviated = is_abbreviation(word, length);
+    if (abbreviated) buf_add(writer->out, "\\&");
+    writer->after_sentence = !abbreviated && strchr(".?!", word[length - 1]) != NULL;
 }
 
 /* A span that stands by itself: `.Fl -json` for an option, `.Ql text` for anything else, with the punctuation behind it. */

@@ -158,6 +158,7 @@ typedef struct Layout {
     Bracket *brackets;
     size_t n_brackets, capacity;
     size_t line_indent;   /* of the present line */
+    size_t closed_indent; /* of the line that the bracket closed last opened on */
     const Item *last;     /* the last one written; NULL at the start */
     const Item *token;    /* the last token written */
     bool value_ends;      /* the last token can end a value: what follows is a binary operator, an index, a call */
@@ -393,7 +394,10 @@ static void write_bytes(Layout *layout, const Item *item)
 static void open_bracket(Layout *layout, const Item *item, bool header)
 {
     bool last = item + 1 == layout->list->items + layout->list->n, broken = !last && item[1].breaks > 0;
-    Bracket bracket = {.kind = item->kind, .indent = layout->line_indent, .depth = layout->line_indent + INDENT,
+    /* a block behind arguments that took several lines belongs to the line where those began */
+    bool behind_args = item->kind == TOKEN_BRACE_OPEN && layout->token && layout->token->kind == TOKEN_PAREN_CLOSE;
+    size_t indent = behind_args ? layout->closed_indent : layout->line_indent;
+    Bracket bracket = {.kind = item->kind, .indent = indent, .depth = indent + INDENT,
                        .opener = item, .first = last || broken ? NULL : item + 1, .header = header, .broken = broken};
     if (ARRAY_ROOM(layout->brackets, layout->capacity, layout->n_brackets)) layout->brackets[layout->n_brackets++] = bracket;
 }
@@ -408,7 +412,7 @@ static void write_token(Layout *layout, const Item *item)
     write_bytes(layout, item);
     if (item->kind == TOKEN_QUESTION) innermost(layout)->questions++;
     if (item->kind == TOKEN_COLON && innermost(layout)->questions > 0) innermost(layout)->questions--;
-    if (closing && layout->n_brackets > 1) layout->n_brackets--;
+    if (closing && layout->n_brackets > 1) layout->closed_indent = layout->brackets[--layout->n_brackets].indent;
     if (opening) open_bracket(layout, item, header && item->kind == TOKEN_PAREN_OPEN);
     layout->value_ends = value_ends;
     layout->token = item;

@@ -89,6 +89,23 @@ run fmt aligned.mns
 says out 'medium whisky { ior = 1.36  state = liquid }'
 end
 
+begin "fmt: a block behind arguments in several lines stands as deep as behind one"
+cat > arguments.mns <<'SCENE'
+meniscus 1.0 unit mm
+def post(at,
+         radius = 2) {
+  sphere { center = at  radius = radius  interior = air }
+  if (radius > 3 and
+      radius < 4) {
+    post(at + y,
+         radius - 1) { }
+  }
+}
+SCENE
+run fmt --check arguments.mns
+exits 0
+end
+
 begin "fmt: line ends of other systems, a byte order mark, an empty tail"
 printf '\357\273\277meniscus 1.0\r\nlet a = 1   // x \r\n\r\n\r\n/* y\r\n z */\r\n' > dos.mns
 run fmt dos.mns

@@ -1,0 +1,167 @@
+# std.sh - the standard library: found, explained, and right in any unit.
+# SPDX-License-Identifier: Apache-2.0
+
+# Everything that the library places, once, and every function.
+std_scene() {
+cat > all.mns << SCENE
+meniscus 1.0 unit $1
+use "std/gems.mns" as gems
+use "std/glassware.mns" as glassware
+use "std/lights.mns" as lights
+use "std/media.mns" as media
+use "std/shapes.mns" as shapes
+use "std/studio.mns" as studio
+group { glassware.tumbler { drink = media.whisky }  translate(<-5m, 0, 0>) }
+group { glassware.highball { drink = media.cola }  translate(<-4m, 0, 0>) }
+group { glassware.shot_glass { drink = media.ethanol }  translate(<-3m, 0, 0>) }
+group { glassware.wine_glass { drink = media.red_wine }  translate(<-2m, 0, 0>) }
+group { glassware.champagne_flute { drink = media.white_wine }  translate(<-1m, 0, 0>) }
+group { glassware.cocktail_glass { drink = media.curacao } }
+group { glassware.coupe { drink = media.white_wine }  translate(<1m, 0, 0>) }
+group { glassware.beer_mug { drink = media.beer }  translate(<2m, 0, 0>) }
+group { glassware.carafe { drink = media.water }  translate(<3m, 0, 0>) }
+group { glassware.bottle { drink = media.olive_oil }  translate(<4m, 0, 0>) }
+group { glassware.bowl { drink = media.tea }  translate(<5m, 0, 0>) }
+group { glassware.vase { drink = media.pond_water  interior = media.lead_crystal }  translate(<6m, 0, 0>) }
+group { glassware.beaker { drink = media.honey }  translate(<7m, 0, 0>) }
+group { glassware.flask { drink = media.glycerol }  translate(<8m, 0, 0>) }
+group { glassware.test_tube { drink = media.coffee }  translate(<9m, 0, 0>) }
+let inside = shapes.round_corners([<0, 5mm, 0>, <30mm, 5mm, 4mm>, <30mm, 50mm, 0>])
+group {
+  glassware.vessel([<0, 0, 0>, <34mm, 0, 2mm>, <34mm, 50mm, 0>], inside)
+  glassware.pour(inside, 30mm, media.water)
+  translate(<10m, 0, 0>)
+}
+group { glassware.stemware([for (p in shapes.offset(inside, 1mm)) p + <0, 80mm>])  translate(<11m, 0, 0>) }
+assert(abs(glassware.radius_at(inside, 40mm) - 30mm) < 1e-6mm and glassware.radius_at(inside, 60mm) == 0)
+group { gems.round_brilliant()  translate(<-5m, 0, 1m>) }
+group { gems.rose()  translate(<-4m, 0, 1m>) }
+group { gems.cabochon()  translate(<-3m, 0, 1m>) }
+group { gems.emerald_cut()  translate(<-2m, 0, 1m>) }
+group { gems.princess()  translate(<-1m, 0, 1m>) }
+group { shapes.bubbles(5)  translate(<0, 0, 1m>) }
+group { shapes.bubble_chain(5)  translate(<1m, 0, 1m>) }
+group { shapes.drop { interior = media.water }  translate(<2m, 0, 1m>) }
+group { shapes.droplets { n = 5  interior = media.water }  translate(<3m, 0, 1m>) }
+group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4m, 0, 1m>) }
+group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5m, 0, 1m>) }
+assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
+let ball = sphere { radius = 2mm  interior = media.borosilicate }
+group { shapes.ring(4, 20mm) { ball { } }  translate(<6m, 0, 1m>) }
+group { shapes.row(4, 20mm * z) { ball { } }  translate(<7m, 0, 1m>) }
+group { shapes.grid(2, 2, <20mm, 0, 20mm>) { ball { } }  translate(<8m, 0, 1m>) }
+group { shapes.scatter(3, 90mm, 4) { ball { } }  translate(<9m, 0, 1m>) }
+studio.sweep()
+group { studio.table()  translate(<0, -1m, 2m>) }
+studio.light_tent()
+studio.product_camera()
+studio.top_camera()
+studio.hero_camera()
+lights.softbox()
+lights.strip { power = 3  color = lights.tungsten() }
+lights.window()
+lights.lamp { color = lights.candle_light() }
+lights.lamp { color = lights.illuminant_a()  power = 2 }
+lights.sparkle { n = 2  color = lights.sodium() }
+lights.three_point { color = lights.sunlight() }
+lights.lamp { color = lights.skylight() }
+lights.sun()
+lights.plain_sky()
+SCENE
+}
+
+begin "std: all of it makes closed hulls, without a warning, of the same size in every unit"
+for unit in mm cm m; do
+    std_scene $unit
+    run check all.mns --werror
+    exits 0
+    empty err
+    sed -n '/^Clear/,$p' out > "report.$unit"
+done
+says report.mm drink
+cmp -s report.mm report.cm || flunk "$(diff report.mm report.cm)"
+cmp -s report.mm report.m || flunk "$(diff report.mm report.m)"
+end
+
+begin "std: nothing that it offers is missing from that scene, but whole set-ups"
+std_scene mm
+for file in "$root"/src/std/*.mns; do
+    for entry in $(sed -n 's/^def \([a-z][a-z0-9_]*\)(.*/\1/p' "$file"); do
+        case $entry in product_shot|tent_shot|dark_field|gem_shot|abbe|gem_ior|air_at) continue ;; esac
+        grep -q "\\.$entry\\b" all.mns || flunk "$file: $entry is not tried"
+    done
+done
+end
+
+begin "std: whole set-ups in five lines"
+for shot in product_shot tent_shot dark_field gem_shot; do
+    cat > shot.mns << SCENE
+meniscus 1.0 unit cm
+use "std/gems.mns" as gems
+use "std/studio.mns" as studio
+studio.$shot(1cm) { gems.round_brilliant { translate(.5cm * y) } }
+film { size = <8, 8> }
+SCENE
+    run check shot.mns --werror
+    exits 0
+    run render shot.mns -s 2
+    exits 0
+done
+end
+
+begin "std: the texts are laid out, and every entry is explained"
+for file in "$root"/src/std/*.mns; do
+    run fmt --check "$file"
+    exits 0
+    topic=std/$(basename "$file" .mns)
+    run help "$topic"
+    exits 0
+    says out "use \"$topic.mns\" as"
+    run help "$topic.mns"
+    cmp -s out "$file" || flunk "$topic.mns is not printed as it is"
+    undocumented=$(awk '/^(def|let|medium) [a-z]/ && last !~ /^\/\// { print FILENAME ": " $0 } { last = $0 }' "$file")
+    [ -z "$undocumented" ] || flunk "$undocumented"
+done
+run help std
+exits 0
+says out std/media.mns
+run help std/glasware
+exits 2
+says err "did you mean 'std/glassware.mns'?"
+end
+
+begin "std: a file of the scene's own comes first; the library's own parts do not change"
+mkdir -p std
+printf 'meniscus 1.0\ndef n() = 7\n' > std/media.mns
+printf 'meniscus 1.0 unit mm\nuse "std/media.mns" as m\nuse "std/gems.mns" as gems\nprint(m.n())\ngems.round_brilliant()\ncamera { from = 50 * z }\nenvironment { }\n' > own.mns
+run check own.mns
+exits 0
+says err 7
+says out diamond
+end
+
+begin "std: confinement and standard input leave it as it is"
+small_scene
+printf 'meniscus 1.0 unit mm\nuse "std/gems.mns" as gems\ngems.rose()\ncamera { from = 50 * z }\nenvironment { }\n' > a.mns
+
+run check a.mns --confine .
+exits 0
+"$program" check - < a.mns > out 2> err
+status=$?
+exits 0
+says out garnet
+end
+
+begin "std: what is not there, and mistakes within, are shown with their lines"
+printf 'meniscus 1.0 unit mm\nuse "std/glaswares.mns" as g\nuse "std/nothing.mns" as n\n' > wrong.mns
+run check wrong.mns
+exits 3
+says err "no file 'std/glaswares.mns'"
+says err "did you mean 'std/glassware.mns'?"
+says err "meniscus help std lists what the library has"
+printf 'meniscus 1.0 unit mm\nuse "std/glassware.mns" as g\nuse "std/media.mns" as m\ng.tumbler { drink = m.water  level = 500mm }\n' > high.mns
+run check high.mns
+exits 3
+matches err '^std/glassware\.mns:[0-9]+:[0-9]+: error: the level 500 is not between the floor at 11 and the rim at 92'
+says err "called from high.mns:4"
+end
