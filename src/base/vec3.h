@@ -104,6 +104,10 @@ static inline Box3 box3_add_point(Box3 b, Vec3 p)
 }
 static inline Box3 box3_union(Box3 a, Box3 b) { return box3_add_point(box3_add_point(a, b.min), b.max); }
 static inline bool box3_is_empty(Box3 b) { return !(b.min.x <= b.max.x); }
+static inline bool box3_is_unbounded(Box3 b)
+{
+    return !box3_is_empty(b) && !(vec3_is_finite(b.min) && vec3_is_finite(b.max));
+}
 static inline Box3 box3_intersection(Box3 a, Box3 b)
 {
     Box3 box = {vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),

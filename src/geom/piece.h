@@ -21,7 +21,7 @@ typedef enum PieceKind {
     PIECE_OUTER_ARC, /* r >= centre_r */
     PIECE_INNER_ARC, /* r <= centre_r, which is positive */
     PIECE_RECT,      /* the rectangle |x| <= r0, |z| <= r1 in the plane y = 0, facing +y; open */
-    PIECE_PLANE      /* the plane y = 0, facing +y, without bounds (clipped to the scene by the caller); open */
+    PIECE_PLANE      /* the plane y = 0, facing +y, without bounds; as a solid all that is below it */
 } PieceKind;
 
 typedef struct Piece {

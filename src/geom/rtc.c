@@ -21,6 +21,8 @@
 #define START_BACK 0x1p-9
 /* What double precision makes of a point on a surface. */
 #define DOUBLE_NOISE 0x1p-42
+/* Below this cosine a ray creeps along a curved surface, and is started off it by a step of double's rounding. */
+#define CREEPING_COSINE 1e-4
 /* Below this cosine the window for surfaces at one place grows no further. */
 #define LEAST_COSINE 1e-4
 
@@ -476,6 +478,17 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     return true;
 }
 
+bool rtc_is_plane(const RtcScene *scene, uint32_t object)
+{
+    const Solid *solid = scene->objects[object].solid;
+    return solid && solid->pieces[0].kind == PIECE_PLANE;
+}
+
+bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point)
+{
+    return affine_point(&scene->objects[object].to_local, point).y < 0;
+}
+
 /* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
  * other side. */
 static Vec3f mesh_shading(const RtcPlaced *object, const Hit *hit)
@@ -564,6 +577,11 @@ Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool 
         bool on_surface = fabs(height) <= DOUBLE_NOISE * next.start_scale + UNIT_ROUNDING * vec3_length(from_surface);
         hits[i].inside = on_surface ? slope < 0 : height < 0;
     }
-    next.nudge = vec3_scale(vec3_from_f(hit->normal), hit->inside ? -margin : margin);
+    Vec3 normal = vec3_from_f(hit->normal);
+    next.nudge = vec3_scale(normal, hit->inside ? -margin : margin);
+    /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
+     * end. */
+    if (scene->objects[hit->object].solid && fabs(vec3_dot(normal, vec3_from_f(direction))) < CREEPING_COSINE)
+        next.origin = vec3_along(next.origin, (hit->inside ? -0.25 : 0.25) * DOUBLE_NOISE * next.start_scale, normal);
     return next;
 }

@@ -36,6 +36,10 @@ ATTR_NODISCARD Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects
 void rtc_scene_free(RtcScene *scene);
 /* Around everything but unbounded planes; empty for an empty scene. */
 Box3 rtc_scene_bounds(const RtcScene *scene);
+/* Whether the object is a plane without end, which divides space: rays that stay on one side never tell which it is. */
+bool rtc_is_plane(const RtcScene *scene, uint32_t object);
+/* Whether a point is on the side of such an object that its normal does not point to. */
+bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point);
 /* Bytes that Embree holds for geometry and hierarchy. */
 size_t rtc_scene_bytes(const RtcScene *scene);
 /* "Embree 3.13.5 (isa ...)", for `version` and reports */

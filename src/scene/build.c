@@ -146,7 +146,7 @@ static bool is_operand(Builder *b, const EvalNode *node)
         if (strcmp(node->type->name, others[i]) != 0) continue;
         Diagnostic *report =
             diag_report(b->diag, D_MISPLACED, node->span, "a %s has no inside: it cannot be an operand", others[i]);
-        diag_hint(b->diag, report, "closed shapes, groups and other combinations can");
+        diag_hint(b->diag, report, strcmp(others[i], "ground") == 0 ? "a plane can, which has an inside" : "closed shapes, groups and other combinations can");
         return false;
     }
     return true;
@@ -165,6 +165,7 @@ static const struct {
     {"capsule", build_capsule},
     {"lathe", build_lathe},
     {"mesh", build_mesh},
+    {"plane", build_plane},
     {"ground", build_ground},
     {"group", visit_group},
     {"light", build_light},

@@ -96,6 +96,7 @@ bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out
 
 /* build_shape.c */
 void build_box(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_plane(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world);
 /* What an object is made of, one of the two; false after reporting. */
 bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface);

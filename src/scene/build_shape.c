@@ -49,6 +49,8 @@ static void finish_solid(Builder *b, uint32_t shape)
     for (uint32_t i = 0; i < solid->n_pieces; i++) {
         if (solid->pieces[i].kind == PIECE_PLANE) {
             facts->bounds = (Box3){{0, 0, 0}, {0, 0, 0}};
+            facts->volume = HUGE_VAL;
+            facts->closed = true;
             return;
         }
         facts->bounds = box3_union(facts->bounds, piece_bounds(&solid->pieces[i]));
@@ -173,7 +175,7 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
     object->priority = priority ? (int32_t)priority->as.number : b->scene->media[object->medium].priority;
     if (!b->facts[shape].closed)
         build_report_open(b, node->span, object->name, shape);
-    else if (!(object->volume > 0) || !isfinite(object->volume))
+    else if (!(object->volume > 0) || (!isfinite(object->volume) && isfinite(b->facts[shape].volume)))
         diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "%s encloses a volume of %g", object->name,
                     object->volume);
 }
@@ -240,22 +242,43 @@ void build_box(Builder *b, const EvalNode *node, const Affine *to_world)
     build_object(b, node, shape, to_world);
 }
 
+/* Shared by all that has no end: the plane y = 0; SCENE_NONE after reporting. */
+static uint32_t plane_shape(Builder *b, Span span)
+{
+    bool found;
+    uint32_t shape = build_shape_of(b, "plane", 6, &found);
+    if (found) return shape;
+    Error error;
+    Status status = solid_new(1, &b->scene->shapes[shape].solid, &error);
+    if (status == STATUS_OK) b->scene->shapes[shape].solid->pieces[0] = (Piece){.kind = PIECE_PLANE};
+    return build_keep_solid(b, shape, status, &error, span) ? shape : SCENE_NONE;
+}
+
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     const EvalProp *surface = eval_prop(node, "surface");
-    bool found;
-    uint32_t shape = build_shape_of(b, "ground", 7, &found);
-    if (!found) {
-        Error error;
-        Status status = solid_new(1, &b->scene->shapes[shape].solid, &error);
-        if (status == STATUS_OK) b->scene->shapes[shape].solid->pieces[0] = (Piece){.kind = PIECE_PLANE};
-        if (!build_keep_solid(b, shape, status, &error, node->span)) return;
-    }
+    uint32_t shape = plane_shape(b, node->span);
     Affine place = affine_identity();
     place.t.y = eval_number(node, "y");
     place = affine_compose(to_world, &place);
-    if (b->status != STATUS_OK || !within_reach(b, node, shape, &place)) return;
+    if (b->status != STATUS_OK || shape == SCENE_NONE || !within_reach(b, node, shape, &place)) return;
     uint32_t number = build_add_object(b, node, shape, &place);
     if (b->only_shapes) return;
     b->scene->objects[number].surface = surface ? build_surface(b, surface->as.node) : build_grey_surface(b);
+}
+
+void build_plane(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    Vec3 normal = eval_vector(node, "normal");
+    double length = vec3_length(normal);
+    uint32_t shape = plane_shape(b, node->span);
+    if (!(length > 0) || !isfinite(length)) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "normal"), "the normal of this plane has no direction");
+        return;
+    }
+    if (shape == SCENE_NONE) return;
+    normal = vec3_scale(normal, 1 / length);
+    Affine frame = build_frame(vec3_scale(normal, eval_number(node, "distance")), normal);
+    Affine place = affine_compose(to_world, &frame);
+    build_object(b, node, shape, &place);
 }

@@ -90,6 +90,34 @@ static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
     return status;
 }
 
+/* Marks what reaches to infinity, and clips its bounds to where bounded things and cameras are. */
+static Status find_unbounded(CompiledScene *compiled, Error *error)
+{
+    const Scene *scene = compiled->scene;
+    size_t n = (size_t)compiled->n_hulls + compiled->csg.n_operands + 1;
+    compiled->unbounded = calloc(n, sizeof *compiled->unbounded);
+    compiled->planes = malloc((scene->n_objects + 1U) * sizeof *compiled->planes);
+    if (!compiled->unbounded || !compiled->planes) return fail_memory(error, n * sizeof *compiled->planes, "the hulls");
+    Box3 region = rtc_scene_bounds(compiled->rtc);
+    for (uint32_t i = 0; i < scene->n_cameras; i++) region = box3_add_point(region, scene->cameras[i].from);
+    if (box3_is_empty(region)) region = box3_add_point(region, vec3(0, 0, 0));
+    double reach = fmax(vec3_length(vec3_sub(region.max, region.min)), 1);
+    region = (Box3){vec3_sub(region.min, vec3(reach, reach, reach)), vec3_add(region.max, vec3(reach, reach, reach))};
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        uint32_t pass = compiled->hull_of_object[i];
+        if (pass == SCENE_NONE || scene->objects[i].shape == SCENE_NONE || !rtc_is_plane(compiled->rtc, i)) continue;
+        compiled->planes[compiled->n_planes++] = i;
+        compiled->unbounded[pass] = true;
+    }
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) {
+        if (!box3_is_unbounded(compiled->hull_bounds[h])) continue;
+        compiled->unbounded[h] = true;
+        compiled->hulls[h].volume = HUGE_VAL;
+        compiled->hull_bounds[h] = box3_intersection(compiled->hull_bounds[h], region);
+    }
+    return STATUS_OK;
+}
+
 /* What a combination encloses has no closed form: it is measured along evenly spread lines. */
 static Status measure_combinations(CompiledScene *compiled, Error *error)
 {
@@ -98,7 +126,7 @@ static Status measure_combinations(CompiledScene *compiled, Error *error)
     TRY(probe_init(&probe, compiled, error));
     for (uint32_t t = 0; t < compiled->csg.n_trees && !probe.out_of_memory; t++) {
         uint32_t hull = compiled->csg.trees[t].hull;
-        if (hull == NEST_OPAQUE || box3_is_empty(compiled->hull_bounds[hull])) continue;
+        if (hull == NEST_OPAQUE || compiled->unbounded[hull] || box3_is_empty(compiled->hull_bounds[hull])) continue;
         double volume = 0;
         for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
             LineSet set;
@@ -199,6 +227,7 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
     TRY(number_hulls(compiled, error));
     TRY(number_operands(compiled, error));
     TRY(build_geometry(compiled, pool, error));
+    TRY(find_unbounded(compiled, error));
     if (compiled->csg.n_trees) TRY(measure_combinations(compiled, error));
     if (diag) report_empty_combinations(compiled, diag);
     TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, error));
@@ -239,6 +268,8 @@ void compiled_scene_free(CompiledScene *compiled)
     free(compiled->object_of_hull);
     free(compiled->hulls);
     free(compiled->hull_bounds);
+    free(compiled->unbounded);
+    free(compiled->planes);
     free(compiled->pairs);
     free(compiled->csg.parts);
     free(compiled->csg.trees);
@@ -273,8 +304,18 @@ static void add_combinations(const CompiledScene *compiled, NestList *list)
     }
 }
 
+/* Puts a hull on top of the list, or an operand in its place. There must be room. */
+static void add_inside(const CompiledScene *compiled, NestList *list, uint32_t object)
+{
+    uint32_t pass = compiled->hull_of_object[object];
+    if (pass < compiled->n_hulls)
+        nest_list_insert(list, list->n, pass);
+    else
+        nest_csg_pass(&compiled->csg, list, pass, true);
+}
+
 /* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than
- * they are entered. They come in the order in which a ray from outside enters them: the one that is left last first. */
+ * they are entered, and halves of space that it is in. They come in the order in which a ray from outside enters them: the one that is left last first. */
 static Status interior_along(const CompiledScene *compiled, Vec3 point, int direction, HitList *hits, NestList *list)
 {
     Ray ray = ray_make(point, vec3f_from(line_direction(direction)));
@@ -282,7 +323,8 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, int dire
     if (hits->out_of_memory) return STATUS_NOMEM;
     size_t n = 0, n_inside = 0;
     for (size_t i = 0; i < hits->n; i++)
-        if (compiled->hull_of_object[hits->items[i].object] != SCENE_NONE && !hit_repeats(hits, i))
+        if (compiled->hull_of_object[hits->items[i].object] != SCENE_NONE && !hit_repeats(hits, i) &&
+            !rtc_is_plane(compiled->rtc, hits->items[i].object))
             hits->items[n++] = hits->items[i];
     hits->n = n;
     if (n > 1) qsort(hits->items, n, sizeof *hits->items, compare_by_object);
@@ -299,14 +341,10 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, int dire
     }
     if (n_inside > 1) qsort(hits->items, n_inside, sizeof *hits->items, compare_farthest_first);
     list->n = 0;
-    TRY(nest_list_reserve(list, 2 * (uint32_t)n_inside));
-    for (size_t i = 0; i < n_inside; i++) {
-        uint32_t pass = compiled->hull_of_object[hits->items[i].object];
-        if (pass < compiled->n_hulls)
-            nest_list_insert(list, list->n, pass);
-        else
-            nest_csg_pass(&compiled->csg, list, pass, true);
-    }
+    TRY(nest_list_reserve(list, 2 * ((uint32_t)n_inside + compiled->n_planes)));
+    for (uint32_t i = 0; i < compiled->n_planes; i++)
+        if (rtc_below_plane(compiled->rtc, compiled->planes[i], point)) add_inside(compiled, list, compiled->planes[i]);
+    for (size_t i = 0; i < n_inside; i++) add_inside(compiled, list, hits->items[i].object);
     add_combinations(compiled, list);
     return STATUS_OK;
 }

@@ -34,7 +34,10 @@ typedef struct CompiledScene {
     uint32_t *object_of_hull;
     NestHull *hulls;
     uint32_t n_hulls;
-    Box3 *hull_bounds; /* in the world */
+    Box3 *hull_bounds; /* in the world; of hulls without end the part in which anything else is */
+    bool *unbounded;   /* of hulls and operands: reach to infinity */
+    uint32_t *planes;  /* objects that are half of space */
+    uint32_t n_planes;
     HullPair *pairs;   /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
     NestOrder order;
@@ -43,6 +46,13 @@ typedef struct CompiledScene {
 
 /* The hull that an object is, or is an operand of; SCENE_NONE for what is opaque. */
 uint32_t compiled_hull(const CompiledScene *compiled, uint32_t object);
+/* How many members of a list do not reach to infinity. */
+static inline uint32_t compiled_bounded_in(const CompiledScene *compiled, const NestList *list)
+{
+    uint32_t n = list->n;
+    for (uint32_t i = 0; compiled->n_planes && i < list->n; i++) n -= compiled->unbounded[nest_list_items(list)[i]];
+    return n;
+}
 /* The hulls of an interior list, outermost first, without the operands of combinations that it holds too. */
 const uint32_t *compiled_hulls_in(const CompiledScene *compiled, const NestList *list, uint32_t *n);
 

@@ -41,8 +41,8 @@ typedef struct Model {
     NestCsg csg;                      /* its operands begin with 0; hulls are the rows of combinations */
     NestList held;                    /* operands that hold the ray: empty between questions */
     RtcScene *rtc;                    /* NULL until a ray is asked for */
-    Box3 bounds;                      /* of all but planes */
-    uint32_t first_open, first_plane; /* objects; SCENE_NONE */
+    Box3 bounds;
+    uint32_t first_open, first_unbounded; /* objects; SCENE_NONE */
     bool mistaken;                    /* diag says why */
     bool measured;                    /* volume is known */
     double volume;
@@ -188,23 +188,22 @@ static Status describe_parts(Model *model, const ShapeFacts *facts, Error *error
     model->parts = calloc(scene->n_objects + 1U, sizeof *model->parts);
     if (!model->parts) return fail_memory(error, scene->n_objects * sizeof *model->parts, "the shape of a node");
     model->bounds = box3_empty();
-    model->first_open = model->first_plane = SCENE_NONE;
+    model->first_open = model->first_unbounded = SCENE_NONE;
     for (uint32_t i = scene->n_objects; i-- > 0;) {
         const SceneObject *object = &scene->objects[i];
         Part *part = &model->parts[i];
         part->operand = SCENE_NONE;
         part->closed = true;
         Box3 bounds = scene_object_bounds(scene, object, NULL);
-        if (!box3_is_empty(bounds) && object->part_of == SCENE_NONE) model->bounds = box3_union(model->bounds, bounds);
+        if (object->part_of == SCENE_NONE && box3_is_unbounded(bounds))
+            model->first_unbounded = i;
+        if (object->part_of == SCENE_NONE && !box3_is_empty(bounds)) model->bounds = box3_union(model->bounds, bounds);
         if (object->shape == SCENE_NONE) continue;
         part->plane = is_plane(&scene->shapes[object->shape]);
         part->closed = facts[object->shape].closed;
         if (!affine_invert(&object->to_world, &part->to_shape))
             return fail(error, STATUS_SCENE, "the transforms of %s squash it flat", object->name);
-        if (part->plane)
-            model->first_plane = i;
-        else if (!part->closed)
-            model->first_open = i;
+        if (!part->closed) model->first_open = i;
     }
     model->bytes = sizeof *model + scene->arena.total + scene->n_objects * sizeof *model->parts;
     for (uint32_t i = 0; i < scene->n_shapes; i++) model->bytes += mesh_bytes(scene->shapes[i].mesh);
@@ -320,11 +319,11 @@ static Status ask(Geometry *geometry, const EvalNode *node, Asked **out, Error *
     return STATUS_OK;
 }
 
-static Status refuse_planes(const Asked *asked, const char *what, Error *error)
+static Status refuse_unbounded(const Asked *asked, const char *what, Error *error)
 {
     const Model *model = asked->model;
-    if (model->first_plane == SCENE_NONE) return STATUS_OK;
-    return fail(error, STATUS_SCENE, "'%s' has no end, and so no %s", model->scene->objects[model->first_plane].name,
+    if (model->first_unbounded == SCENE_NONE) return STATUS_OK;
+    return fail(error, STATUS_SCENE, "'%s' has no end, and so no %s", model->scene->objects[model->first_unbounded].name,
                 what);
 }
 
@@ -341,7 +340,7 @@ static Status refuse_open(const Asked *asked, Error *error)
 static Status find_bounds(Asked *asked, Error *error)
 {
     const Scene *scene = asked->model->scene;
-    TRY(refuse_planes(asked, "bounds", error));
+    TRY(refuse_unbounded(asked, "bounds", error));
     if (asked->has_bounds) return STATUS_OK;
     Box3 box = box3_empty();
     for (uint32_t i = 0; i < scene->n_objects; i++) {
@@ -482,13 +481,22 @@ static Status trace_all(Geometry *geometry, Model *model, const Ray *ray, Error 
     return STATUS_OK;
 }
 
-/* Puts the operands that hold the start of the ray into model->held: those that it leaves more often than it enters. */
-static void find_held(Model *model, const HitList *hits)
+static bool below_plane(const Model *model, uint32_t object, Vec3 point)
 {
+    return affine_point(&model->parts[object].to_shape, point).y < 0;
+}
+
+/* Puts the operands that hold the start of the ray into model->held: those that it leaves more often than it enters,
+ * and halves of space that it starts in. */
+static void find_held(Model *model, const HitList *hits, Vec3 start)
+{
+    for (uint32_t i = 0; i < model->scene->n_objects; i++)
+        if (model->parts[i].plane && model->parts[i].operand != SCENE_NONE && below_plane(model, i, start))
+            nest_csg_pass(&model->csg, &model->held, model->parts[i].operand, true);
     for (size_t i = 0; i < hits->n; i++) model->parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < hits->n; i++) {
         Part *part = &model->parts[hits->items[i].object];
-        if (part->net > 0 && part->operand != SCENE_NONE) nest_csg_pass(&model->csg, &model->held, part->operand, true);
+        if (part->net > 0 && part->operand != SCENE_NONE && !part->plane) nest_csg_pass(&model->csg, &model->held, part->operand, true);
         part->net = 0;
     }
 }
@@ -516,10 +524,10 @@ static bool cancels(const Model *model, const HitList *hits, size_t kept, const 
 
 /* Of the surfaces of operands those are left that are surfaces of the whole, with normals out of that. Hit.inside is
  * set where that is not the operand's own normal. */
-static void combine(Model *model, HitList *hits)
+static void combine(Model *model, HitList *hits, Vec3 start)
 {
     if (!model->csg.n_trees) return;
-    find_held(model, hits);
+    find_held(model, hits, start);
     size_t kept = 0;
     for (size_t i = 0; i < hits->n; i++) {
         Hit hit = hits->items[i];
@@ -547,7 +555,7 @@ static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray,
     HitList *hits = &geometry->hits;
     if (all || model->csg.n_trees) {
         TRY(trace_all(geometry, model, &ray->ray, error));
-        combine(model, hits);
+        combine(model, hits, ray->ray.origin);
         if (!all && hits->n > 1) hits->n = 1;
         return STATUS_OK;
     }
@@ -578,40 +586,34 @@ static Status geometry_hits(void *state, const EvalNode *node, Vec3 from, Vec3 d
 
 /* ---- inside and outside ---- */
 
-static bool below_plane(const Model *model, Vec3 point)
-{
-    for (uint32_t i = model->first_plane; i < model->scene->n_objects; i++)
-        if (model->parts[i].plane && affine_point(&model->parts[i].to_shape, point).y < 0) return true;
-    return false;
-}
-
 static bool box_holds(const Box3 *box, Vec3 p)
 {
     return p.x >= box->min.x && p.x <= box->max.x && p.y >= box->min.y && p.y <= box->max.y && p.z >= box->min.z &&
            p.z <= box->max.z;
 }
 
-/* The object that a hit belongs to: of an operand its combination. */
-static Part *whole_of(Model *model, const Hit *hit)
-{
-    uint32_t whole = model->scene->objects[hit->object].part_of;
-    return &model->parts[whole == SCENE_NONE ? hit->object : whole];
-}
-
-/* Whether any object is left more often than it is entered by a ray from the point. */
+/* Whether any object is left more often than it is entered by a ray from the point, or a combination is made up of such
+ * ones. */
 static Status inside_along(Geometry *geometry, Model *model, Vec3 point, int direction, bool *inside, Error *error)
 {
     Ray ray = ray_make(point, vec3f_from(line_direction(direction)));
     HitList *hits = &geometry->hits;
     TRY(trace_all(geometry, model, &ray, error));
-    combine(model, hits);
     *inside = false;
-    for (size_t i = 0; i < hits->n; i++) whole_of(model, &hits->items[i])->net += hits->items[i].entering ? -1 : 1;
+    for (uint32_t i = 0; i < model->scene->n_objects; i++)
+        if (model->parts[i].plane && model->parts[i].operand == SCENE_NONE) *inside = *inside || below_plane(model, i, point);
+    for (size_t i = 0; i < hits->n; i++) model->parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < hits->n; i++) {
-        Part *part = whole_of(model, &hits->items[i]);
-        if (part->net > 0 && !part->plane) *inside = true;
-        part->net = 0;
+        const Part *part = &model->parts[hits->items[i].object];
+        if (part->net > 0 && !part->plane && part->operand == SCENE_NONE) *inside = true;
     }
+    for (size_t i = 0; i < hits->n; i++) model->parts[hits->items[i].object].net = 0;
+    if (!model->csg.n_trees) return STATUS_OK;
+    find_held(model, hits, point);
+    for (uint32_t i = 0; i < model->held.n; i++)
+        if (nest_csg_holds(&model->csg, nest_csg_tree(&model->csg, nest_list_items(&model->held)[i]), &model->held))
+            *inside = true;
+    model->held.n = 0;
     return STATUS_OK;
 }
 
@@ -624,8 +626,8 @@ static Status geometry_inside(void *state, const EvalNode *node, Vec3 point, boo
     TRY(refuse_open(asked, error));
     Model *model = asked->model;
     Vec3 p = affine_point(&asked->to_model, point);
-    *inside = below_plane(model, p);
-    if (*inside || !box_holds(&model->bounds, p)) return STATUS_OK;
+    *inside = false;
+    if (!box_holds(&model->bounds, p)) return STATUS_OK;
     bool first, second;
     TRY(inside_along(geometry, model, p, 0, &first, error));
     TRY(inside_along(geometry, model, p, 1, &second, error));
@@ -646,7 +648,7 @@ static Status measure_combination(Geometry *geometry, Model *model, uint32_t obj
         while (line_set_next(&set, &line)) {
             Ray ray = ray_make(line.start, line.direction);
             TRY(trace_all(geometry, model, &ray, error));
-            combine(model, &geometry->hits);
+            combine(model, &geometry->hits, ray.origin);
             for (size_t i = 0; i < geometry->hits.n; i++) {
                 const Hit *hit = &geometry->hits.items[i];
                 if (model->scene->objects[hit->object].part_of != object) continue;
@@ -661,7 +663,7 @@ static Status geometry_volume(void *state, const EvalNode *node, double *volume,
 {
     Asked *asked;
     TRY(ask(state, node, &asked, error));
-    TRY(refuse_planes(asked, "volume", error));
+    TRY(refuse_unbounded(asked, "volume", error));
     TRY(refuse_open(asked, error));
     Model *model = asked->model;
     for (uint32_t i = 0; i < model->scene->n_objects && !model->measured; i++) {
@@ -725,7 +727,7 @@ static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed,
     Vec3 start, direction;
     ModelRay ray;
     TRY(ask(geometry, node, &asked, error));
-    TRY(refuse_planes(asked, "evenly distributed places", error));
+    TRY(refuse_unbounded(asked, "evenly distributed places", error));
     TRY(find_most_hits(geometry, asked, error));
     for (int i = 0; i < SCATTER_RAYS; i++) {
         TRY(random_line(geometry, asked, &seed, &start, &direction, &ray, error));

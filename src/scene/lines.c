@@ -160,23 +160,34 @@ static bool add_interval(Probe *probe, uint32_t hull, double begin, const Hit *e
     return true;
 }
 
+/* The line's start is inside of that hull, or operand. */
+static void starts_inside(Probe *probe, const CompiledScene *compiled, uint32_t pass)
+{
+    if (pass < compiled->n_hulls)
+        add_interval(probe, pass, 0, NULL);
+    else if (nest_list_reserve(&probe->operands, 1) != STATUS_OK)
+        probe->out_of_memory = true;
+    else
+        nest_csg_pass(&compiled->csg, &probe->operands, pass, true);
+}
+
 /* Opens the intervals of hulls that the line's start is inside of. */
-static void intervals_at_start(Probe *probe, const CompiledScene *compiled)
+static void intervals_at_start(Probe *probe, const CompiledScene *compiled, Vec3 start)
 {
     const HitList *behind = &probe->backward;
     const NestCsg *csg = &compiled->csg;
+    for (uint32_t i = 0; i < compiled->n_planes; i++) {
+        uint32_t pass = compiled->hull_of_object[compiled->planes[i]];
+        if (compiled_hull(compiled, compiled->planes[i]) != SCENE_NONE &&
+            rtc_below_plane(compiled->rtc, compiled->planes[i], start))
+            starts_inside(probe, compiled, pass);
+    }
     for (size_t i = 0; i < behind->n; i++)
-        if (!hit_repeats(behind, i))
+        if (!hit_repeats(behind, i) && !rtc_is_plane(compiled->rtc, behind->items[i].object))
             probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < behind->n; i++) {
         uint32_t pass = compiled->hull_of_object[behind->items[i].object];
-        if (probe->depth[pass] > 0 && pass < compiled->n_hulls) add_interval(probe, pass, 0, NULL);
-        if (probe->depth[pass] > 0 && pass >= compiled->n_hulls) {
-            if (nest_list_reserve(&probe->operands, 1) != STATUS_OK)
-                probe->out_of_memory = true;
-            else
-                nest_csg_pass(csg, &probe->operands, pass, true);
-        }
+        if (probe->depth[pass] > 0) starts_inside(probe, compiled, pass);
         probe->depth[pass] = 0;
     }
     const uint32_t *inside = nest_list_items(&probe->operands);
@@ -209,7 +220,7 @@ void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *li
     trace(probe, compiled, line->start, back, HUGE_VAL, &probe->backward);
     for (size_t i = 0; i < probe->n_intervals; i++) probe->first[probe->intervals[i].hull] = INTERVAL_NONE;
     probe->n_intervals = 0;
-    intervals_at_start(probe, compiled);
+    intervals_at_start(probe, compiled, line->start);
     const HitList *ahead = &probe->forward;
     /* from here on: 1 + the number of the hull's open interval */
     for (size_t i = 0; i < probe->n_intervals; i++) probe->depth[probe->intervals[i].hull] = (int32_t)i + 1;

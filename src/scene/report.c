@@ -46,6 +46,10 @@ static void add_amount(Buf *out, double amount, const Unit *units, size_t n, siz
 void report_add_volume(Buf *out, const Scene *scene, double volume)
 {
     static const Unit units[] = {{1e-2, 1, "m³"}, {1e-7, 1e-6, "cm³"}, {1e-13, 1e-9, "mm³"}, {0, 1e-18, "µm³"}};
+    if (isinf(volume)) {
+        buf_add(out, "no end");
+        return;
+    }
     add_amount(out, volume * scene->unit_m * scene->unit_m * scene->unit_m, units, COUNT_OF(units), 1);
 }
 

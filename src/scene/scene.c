@@ -34,12 +34,14 @@ static Vec3 ball_reach(const Affine *map, double r)
     return vec3(half[0], half[1], half[2]);
 }
 
+static const Box3 everywhere = {{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
+
 static Box3 piece_bounds_under(const Piece *piece, const Affine *map)
 {
     Box3 box;
     Vec3 reach;
     switch (piece->kind) {
-    case PIECE_PLANE: return box3_empty();
+    case PIECE_PLANE: return everywhere;
     case PIECE_SPHERE:
         reach = ball_reach(map, piece->r0);
         return (Box3){vec3_sub(map->t, reach), vec3_add(map->t, reach)};

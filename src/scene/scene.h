@@ -141,7 +141,7 @@ typedef struct Scene {
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */
-/* The smallest box around an object, moved by `after` (NULL: not); empty for one without any surface, and planes add nothing. Of a
+/* The smallest box around an object, moved by `after` (NULL: not); empty for one without any surface, without end for planes. Of a
  * combination it is what follows from the boxes of its operands: there may be less of it. */
 Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after);
 

@@ -19,6 +19,8 @@
 
 /* A straight line that crosses more surfaces than this without any event is given up, and counted. */
 enum { SILENT_LIMIT = 100000 };
+/* What the radiance of light from infinity is given in, whatever it comes through: a sea may reach there, too. */
+enum { WORLD_MEDIUM = 0 };
 /* Bounces before Russian roulette begins. */
 enum { ROULETTE_START = 4 };
 
@@ -341,6 +343,7 @@ static void add_direct_light(Path *path, Event *event, const HitSurface *at, Vec
     float scatter_pdf = cosine / SAMPLING_PI;
     float weight = sampling_balance(light.pdf_w, scatter_pdf);
     Lanes factor = lanes_mul(lanes_scale(albedo, scatter_pdf / light.pdf_w * weight), transmittance);
+    if (isinf(light.distance)) medium = WORLD_MEDIUM;
     add_radiance(path, factor, basic_radiance(world, light.radiance, medium, path->wavelengths.nm));
 }
 
@@ -491,10 +494,10 @@ static bool follow(Path *path)
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {
             Lanes radiance = light_from_infinity(world, path->ray.direction, path->scatter_pdf, path->wavelengths.nm);
-            uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
-            add_radiance(path, lanes_all(1), basic_radiance(world, radiance, medium, path->wavelengths.nm));
-            /* all hulls are bounded: out here the ray is in none, or a surface was lost */
-            if (world->compiled->order.policy != NEST_NONE) tracer->counters.nesting_faults += tracer->list.n;
+            add_radiance(path, lanes_all(1), basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
+            /* out here the ray is in nothing that is bounded, or a surface was lost */
+            if (world->compiled->order.policy != NEST_NONE)
+                tracer->counters.nesting_faults += compiled_bounded_in(world->compiled, &tracer->list);
             return !first;
         }
         if (path->bounce >= world->max_bounces) {

@@ -88,6 +88,15 @@ static const Arrangement arrangements[] = {
      "sphere { interior = gas  center = <3, 12, 8>  radius = 4 }\n"
      "camera { from = <-30, 110, -230>  to = <-20, 26, 0>  fov = 36deg }\n",
      true},
+    {"a sea without end", /* and what floats in it, with a dome cut from a ball */
+     ARRANGEMENT_MEDIA_PLAIN
+     "plane { interior = water }\n"
+     "sphere { interior = glass  center = <-20, 0, 0>  radius = 10 }\n"
+     "sphere { interior = gas  center = <20, -3, 10>  radius = 8 }\n"
+     "intersection { interior = ice  sphere { center = <0, 12, -10>  radius = 14 }\n"
+     "  plane { normal = <0, 1, .3>  distance = 13 }  plane { normal = <0, -1, 0>  distance = 2 } }\n"
+     "camera { from = <0, 12, 90>  to = <0, 0, 0>  fov = 40deg }\n",
+     false},
     {"three overlapping spheres", /* [SB02] fig. 1, with indices that show */
      ARRANGEMENT_MEDIA
      "sphere { interior = water  center = <-5, 0, 0>  radius = 10 }\n"

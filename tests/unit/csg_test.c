@@ -208,6 +208,41 @@ static void interiors_of_points_are_found(void **state)
     fixture_clear(&scene);
 }
 
+/* A sea, a block of ice cut off by planes, and what a ray meets below. */
+static void planes_divide_space(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_compile(
+        &scene,
+        FIXTURE_MEDIA
+        "plane { interior = water  distance = 3 }"
+        "intersection { interior = ice  plane { normal = <0, 1, 0>  distance = 5 }"
+        "  plane { normal = <0, -1, 0>  distance = 1 }  cylinder { from = <0, -9, 0>  to = <0, 9, 0>  radius = 2 } }"
+        "plane { interior = glass  normal = <1, 0, 1>  distance = -50 }" FIXTURE_VIEW,
+        1);
+    assert_true(isinf(scene.compiled->hulls[0].volume) && isinf(scene.compiled->hulls[2].volume));
+    assert_true(fabs(scene.compiled->hulls[1].volume - 6 * 4 * pi) < 0.1);
+    static const struct {
+        float at[3];
+        const char *owner;
+    } points[] = {{{0, 2, 0}, "ice"},     {{0, 4.5f, 0}, "ice"},     {{3, 2.9f, 0}, "water"},
+                  {{3, 3.1f, 0}, "air"},  {{0, -1.5f, 0}, "water"},  {{0, 5.1f, 0}, "air"},
+                  {{-90, 9, 0}, "glass"}, {{-90, -900, 0}, "glass"}, {{1e6f, -1e6f, 3}, "water"}};
+    HitList hits = {0};
+    NestList list;
+    nest_list_init(&list);
+    for (size_t i = 0; i < COUNT_OF(points); i++) {
+        Vec3f p = {points[i].at[0], points[i].at[1], points[i].at[2]};
+        assert_int_equal(compiled_interior(scene.compiled, p, &hits, &list, NULL), STATUS_OK);
+        uint32_t medium = nest_medium(&scene.compiled->order, &list);
+        assert_string_equal(scene.scene->media[medium].name, points[i].owner);
+    }
+    nest_list_clear(&list);
+    hit_list_clear(&hits);
+    fixture_clear(&scene);
+}
+
 static void mistakes_are_reported(void **state)
 {
     (void)state;
@@ -264,6 +299,7 @@ int main(void)
         cmocka_unit_test(lists_hold_what_the_operands_make_up),
         cmocka_unit_test(volumes_are_measured),
         cmocka_unit_test(interiors_of_points_are_found),
+        cmocka_unit_test(planes_divide_space),
         cmocka_unit_test(mistakes_are_reported),
         cmocka_unit_test(operands_may_say_what_the_whole_is_made_of),
     };
