@@ -242,6 +242,24 @@ static void print_functions(Buf *out)
     buf_add(out, ".El\n");
 }
 
+static void print_aovs(Buf *out)
+{
+    buf_add(out, ".Bl -tag -width Ds\n");
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) {
+        Buf text = {0};
+        const char *channels = aov_channels(aov);
+        size_t length = strlen(channels);
+        buf_format(out, ".It Li %s\n", aov_name(aov));
+        mdoc_sentence(out, aov_doc(aov));
+        buf_add(&text, "Channels: ");
+        for (size_t i = 0; i < length; i++) buf_add_bytes(&text, channels[i] == '|' ? " " : channels + i, 1);
+        buf_add(&text, ".");
+        mdoc_text(out, buf_text(&text));
+        buf_clear(&text);
+    }
+    buf_add(out, ".El\n");
+}
+
 static void print_diagnostics(DiagSeverity severity, Buf *out)
 {
     buf_add(out, ".Bl -tag -width Ds\n");
@@ -273,6 +291,8 @@ static Status print_section(const char *kind, Buf *out, Error *error)
         print_functions(out);
     else if (strcmp(kind, "library") == 0)
         library_print_manual(out);
+    else if (strcmp(kind, "aovs") == 0)
+        print_aovs(out);
     else if (strcmp(kind, "errors") == 0)
         print_diagnostics(DIAG_ERROR, out);
     else if (strcmp(kind, "warnings") == 0)

@@ -3,14 +3,16 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
 #include "cli/render_run.h"
 #include "cli/signals.h"
+#include "render/aov_film.h"
 
-enum { MOST_ATTRIBUTES = 16, NUMBER_SIZE = 32 };
+enum { MOST_ATTRIBUTES = 32, NUMBER_SIZE = 32 };
 
 static const char *display_of(const RenderRun *run)
 {
@@ -78,12 +80,30 @@ static Status render(RenderRun *run, Error *error)
 typedef struct Attributes {
     ImageAttribute items[MOST_ATTRIBUTES];
     size_t n;
+    char *owned[2 * MOST_ATTRIBUTES];
+    size_t n_owned;
     char hash[NUMBER_SIZE], seed[NUMBER_SIZE], crossings[NUMBER_SIZE], faults[NUMBER_SIZE];
 } Attributes;
 
 static void add_text(Attributes *attributes, const char *name, const char *text)
 {
     if (text) attributes->items[attributes->n++] = (ImageAttribute){.name = name, .type = ATTRIBUTE_TEXT, .text = text};
+}
+
+static void attributes_clear(Attributes *attributes)
+{
+    for (size_t i = 0; i < attributes->n_owned; i++) free(attributes->owned[i]);
+}
+
+/* Of the further channels; left out when memory ends. */
+static void add_aov_attribute(void *context, const char *name, const char *text)
+{
+    Attributes *attributes = context;
+    if (attributes->n == MOST_ATTRIBUTES) return;
+    char *own_name = strdup(name), *own_text = strdup(text);
+    attributes->owned[attributes->n_owned++] = own_name;
+    attributes->owned[attributes->n_owned++] = own_text;
+    if (own_name) add_text(attributes, own_name, own_text);
 }
 
 /* Counts that can be beyond the format's 32-bit integers are text. No times: two renders of one scene are one file,
@@ -110,6 +130,7 @@ static void describe(const RenderRun *run, Attributes *attributes)
     if (run->noise >= 0)
         attributes->items[attributes->n++] =
             (ImageAttribute){.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = run->noise};
+    aov_visit_attributes(run->settings.aovs, scene, add_aov_attribute, attributes);
 }
 
 /* Writes every output, also when one of them fails: each is worth the time that the render took. */
@@ -131,6 +152,7 @@ static Status write_outputs(const RenderRun *run, Error *error)
             talk_error(run->talk, &own);
         first = first == STATUS_OK ? status : first;
     }
+    attributes_clear(&attributes);
     return first;
 }
 

@@ -1,6 +1,7 @@
 /* render_settings.c - how to render: what the scene says, and what options say instead.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "cli/render_run.h"
@@ -76,6 +77,36 @@ static Status merge_camera(RenderRun *run, Error *error)
     return STATUS_SCENE;
 }
 
+/* The names of all that there is, for a message. */
+static void list_aovs(char *text, size_t size)
+{
+    *text = 0;
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) {
+        size_t used = strlen(text);
+        snprintf(text + used, size - used, "%s%s", aov == 0 ? "" : aov + 1 == AOV_COUNT ? " and " : ", ", aov_name(aov));
+    }
+}
+
+static Status merge_aovs(RenderRun *run, Error *error)
+{
+    const char *rest = option_text(run->options, OPTION_AOV, NULL);
+    run->settings.aovs = rest ? 0 : run->input.scene->film.aovs;
+    while (rest) {
+        size_t length = strcspn(rest, ",");
+        Aov aov = aov_named(rest, length);
+        char known[256];
+        list_aovs(known, sizeof known);
+        if (length == 3 && strncmp(rest, "all", length) == 0)
+            run->settings.aovs = ((AovSet)1 << AOV_COUNT) - 1;
+        else if (aov < AOV_COUNT)
+            run->settings.aovs |= (AovSet)1 << aov;
+        else
+            return fail(error, STATUS_USAGE, "option '--aov': there is no '%.*s'; there are %s", (int)length, rest, known);
+        rest = rest[length] ? rest + length + 1 : NULL;
+    }
+    return STATUS_OK;
+}
+
 Status render_settings_merge(RenderRun *run, Error *error)
 {
     const Options *options = run->options;
@@ -89,6 +120,7 @@ Status render_settings_merge(RenderRun *run, Error *error)
         .seed = count_of(options, OPTION_SEED, render->seed),
         .no_absorption = option_given(options, OPTION_NO_ABSORPTION),
     };
+    TRY(merge_aovs(run, error));
     TRY(merge_size(run, error));
     TRY(merge_crop(run, error));
     return merge_camera(run, error);

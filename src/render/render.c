@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "render/aov_film.h"
 #include "render/film.h"
 #include "trace/path.h"
 
@@ -19,9 +20,11 @@ typedef struct Job {
     const RenderEvents *events;
     const World *world;
     Tracer *tracers; /* one per thread */
+    FirstSight *sights; /* one per thread, or NULL */
     unsigned n_threads;
     uint64_t *saturated;
     Film film;
+    AovFilm aovs;
     uint32_t crop[4];
     uint32_t tiles_x, tiles_y;
     uint32_t first, n; /* samples of this pass */
@@ -61,22 +64,28 @@ static void report_progress(Job *job, double fraction_of_pass)
     job->events->progress(job->events->context, &progress);
 }
 
+static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uint32_t index)
+{
+    Tracer *tracer = &job->tracers[worker];
+    const RenderSettings *settings = job->settings;
+    PathCounters before = {0};
+    float rgb[3], alpha;
+    if (tracer->first_sight) before = tracer->counters;
+    trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
+    if (tracer->first_sight) aov_film_add(&job->aovs, x, y, tracer->first_sight, &before, &tracer->counters);
+    job->saturated[worker] += film_add(&job->film, x, y, rgb, alpha);
+}
+
 static void render_tile(void *context, uint32_t index, unsigned worker)
 {
     Job *job = context;
     if (asked_to_stop(job)) return;
-    Tracer *tracer = &job->tracers[worker];
-    const RenderSettings *settings = job->settings;
     uint32_t x0 = job->crop[0] + index % job->tiles_x * TILE, y0 = job->crop[1] + index / job->tiles_x * TILE;
     uint32_t x1 = x0 + TILE < job->crop[2] ? x0 + TILE : job->crop[2];
     uint32_t y1 = y0 + TILE < job->crop[3] ? y0 + TILE : job->crop[3];
     for (uint32_t y = y0; y < y1; y++)
         for (uint32_t x = x0; x < x1; x++)
-            for (uint32_t s = 0; s < job->n; s++) {
-                float rgb[3], alpha;
-                trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, job->first + s, rgb, &alpha);
-                job->saturated[worker] += film_add(&job->film, x, y, rgb, alpha);
-            }
+            for (uint32_t s = 0; s < job->n; s++) render_sample(job, worker, x, y, job->first + s);
     job->tile_done[index] = true;
     if (worker == 0) report_progress(job, (double)index / (job->tiles_x * job->tiles_y));
 }
@@ -147,7 +156,13 @@ static Status job_init(Job *job, Error *error)
     if (!job->tracers || !job->saturated || !job->tile_done)
         return fail_memory(error, job->n_threads * sizeof *job->tracers, "threads");
     for (unsigned i = 0; i < job->n_threads; i++) tracer_init(&job->tracers[i], job->world);
-    return film_init(&job->film, settings->width, settings->height, error);
+    TRY(film_init(&job->film, settings->width, settings->height, error));
+    TRY(aov_film_init(&job->aovs, settings->aovs, job->world, settings->width, settings->height, error));
+    if (!aov_film_needs_sight(&job->aovs)) return STATUS_OK;
+    job->sights = calloc(job->n_threads, sizeof *job->sights);
+    if (!job->sights) return fail_memory(error, job->n_threads * sizeof *job->sights, "threads");
+    for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].first_sight = &job->sights[i];
+    return STATUS_OK;
 }
 
 static void job_clear(Job *job)
@@ -157,6 +172,8 @@ static void job_clear(Job *job)
     free(job->saturated);
     free(job->tile_done);
     film_clear(&job->film);
+    aov_film_clear(&job->aovs);
+    free(job->sights);
 }
 
 Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
@@ -175,7 +192,7 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
         stats->samples = job.done;
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
-        status = film_resolve(&job.film, image, error);
+        status = aov_film_resolve(&job.aovs, &job.film, image, error);
     }
     job_clear(&job);
     world_clear(&world);

@@ -18,6 +18,7 @@ typedef struct RenderSettings {
     double noise;               /* stop at this mean relative error; 0: never */
     double time_limit_s;        /* 0: none */
     uint32_t bounces, seed, camera;
+    AovSet aovs;                /* further channels */
     bool no_absorption;         /* media neither absorb nor emit: for tests */
 } RenderSettings;
 
@@ -49,7 +50,7 @@ typedef struct RenderEvents {
     const volatile sig_atomic_t *stop; /* not NULL and not 0: finish the tile, then return; may be NULL */
 } RenderEvents;
 
-/* Renders. *image gets channels R G B A and, with_noise, "noise.Y" (standard error of the luminance), by
+/* Renders. *image gets channels R G B A, "noise.Y" (standard error of the luminance), and those of the AOVs, by
  * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */
 ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error);

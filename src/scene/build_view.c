@@ -82,6 +82,22 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     scene->cameras[scene->n_cameras++] = camera;
 }
 
+static void build_aovs(Builder *b, const EvalProp *aovs)
+{
+    for (size_t i = 0; aovs && i < aovs->as.list.n; i++) {
+        const char *name = aovs->as.list.texts[i];
+        Aov aov = aov_named(name, strlen(name));
+        if (aov < AOV_COUNT) {
+            b->scene->film.aovs |= (AovSet)1 << aov;
+            continue;
+        }
+        const char *names[AOV_COUNT];
+        for (Aov k = 0; k < AOV_COUNT; k++) names[k] = aov_name(k);
+        Diagnostic *report = diag_report(b->diag, D_UNKNOWN_CHOICE, aovs->span, "a picture can hold no '%s'", name);
+        diag_suggest(b->diag, report, name, names, AOV_COUNT);
+    }
+}
+
 void build_film(Builder *b, const EvalNode *node)
 {
     SceneFilm *film = &b->scene->film;
@@ -91,6 +107,7 @@ void build_film(Builder *b, const EvalNode *node)
                     "a film of %g x %g pixels: pixels are whole", size.x, size.y);
     film->width = (uint32_t)size.x;
     film->height = (uint32_t)size.y;
+    build_aovs(b, eval_prop(node, "aovs"));
     const EvalProp *output = eval_prop(node, "output");
     if (!output) return;
     const char **outputs = ARENA_ARRAY(b->arena, const char *, output->as.list.n + 1);

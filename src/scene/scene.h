@@ -13,6 +13,7 @@
 #include "nest/order.h"
 #include "optics/spectrum.h"
 #include "optics/texture.h"
+#include "scene/aov.h"
 
 #define SCENE_NONE UINT32_MAX
 
@@ -100,6 +101,7 @@ typedef struct SceneFilm {
     uint32_t width, height;
     const char *const *outputs;
     uint32_t n_outputs;
+    AovSet aovs;
 } SceneFilm;
 
 typedef struct SceneRender {

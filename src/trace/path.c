@@ -310,6 +310,51 @@ static Lanes surface_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelengt
     return spectrum_at(&surface->albedo, wavelength_nm);
 }
 
+/* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
+static void reflectance_color(const SceneSurface *surface, Vec3 p, float rgb[3])
+{
+    enum { SAMPLES = 32 }; /* of four wavelengths each */
+    double sum[3] = {0}, white[3] = {0};
+    for (int i = 0; i < SAMPLES; i++) {
+        WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / (4 * SAMPLES));
+        Lanes light = white_at(wavelengths.nm);
+        float reflected[3], given[3];
+        color_from_lanes(lanes_mul(surface_albedo(surface, p, wavelengths.nm), light), &wavelengths, reflected);
+        color_from_lanes(light, &wavelengths, given);
+        for (int c = 0; c < 3; c++) {
+            sum[c] += (double)reflected[c];
+            white[c] += (double)given[c];
+        }
+    }
+    for (int c = 0; c < 3; c++) rgb[c] = (float)(sum[c] / white[c]);
+}
+
+static void note_first_sight(const Path *path, const Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const Scene *scene = world->scene;
+    FirstSight *sight = tracer->first_sight;
+    *sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
+    if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return;
+    bool opaque = event->kind == EVENT_OPAQUE;
+    const SceneObject *object = &scene->objects[event->hit.object];
+    HitSurface at;
+    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
+    const NestList *list = opaque ? &tracer->list : &tracer->next;
+    sight->met = true;
+    sight->object = object->part_of != SCENE_NONE ? object->part_of : event->hit.object;
+    sight->medium = nest_medium(&world->compiled->order, list);
+    compiled_hulls_in(world->compiled, list, &sight->n_hulls);
+    sight->distance = event->hit.t;
+    sight->position = at.position;
+    sight->normal = event->hit.cos_normal < 0 ? at.shading : vec3f_negate(at.shading);
+    for (int i = 0; i < 2; i++) sight->uv[i] = at.uv[i];
+    for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
+    if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
+        reflectance_color(&scene->surfaces[object->surface], at.position, sight->albedo);
+}
+
 /* Sends the path on from the surfaces that it has come to: through them, or back. */
 static void leave(Path *path, Event *event, bool through, Vec3f direction)
 {
@@ -490,6 +535,7 @@ static bool follow(Path *path)
     for (bool first = true;; first = false) {
         Event event;
         next_event(path, &event);
+        if (UNLIKELY(first && tracer->first_sight)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {

@@ -16,6 +16,18 @@ typedef struct PathCounters {
     uint64_t paths, rays, crossings, silent_crossings, nesting_faults, silent_limit, bad_samples;
 } PathCounters;
 
+/* What a camera's ray meets first: the first surface that is there, behind silent ones. */
+typedef struct FirstSight {
+    bool met;
+    uint32_t object;  /* a combination's own row, not its operand's */
+    uint32_t medium;  /* behind the surface; in front of it where it is opaque */
+    uint32_t n_hulls; /* that hold the place there */
+    double distance;
+    Vec3 position;
+    Vec3f normal; /* for shading, towards the camera */
+    float uv[2], albedo[3];
+} FirstSight;
+
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     const World *world;
@@ -25,6 +37,7 @@ typedef struct Tracer {
     NestPass *passes;
     size_t passes_capacity;
     PathCounters counters;
+    FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;
 } Tracer;
 

@@ -161,3 +161,31 @@ run render long.mns -o a.exr -n 50% --progress none
 exits 0
 there a.exr
 end
+
+begin "aov: further channels"
+small_scene
+run render small.mns -o plain.exr
+run render small.mns -o a.exr --aov normal,depth,nesting,cryptomatte
+exits 0
+run info a.exr
+for channel in N.X N.Z Z nesting.silent CryptoObject00.R CryptoMaterial02.A; do says out " $channel float"; done
+says_not out "albedo"
+matches out '^cryptomatte/[0-9a-f]{7}/manifest +\{.*"sphere 1": "[0-9a-f]{8}"'
+run compare a.exr plain.exr --max-rmse 0
+exits 0
+run render small.mns -o b.exr --aov normal,depth,nesting,cryptomatte -j 1
+cmp -s a.exr b.exr || flunk "the channels depend on the number of threads"
+sed -i 's/size = <16, 16>/size = <16, 16> aovs = ["medium"]/' small.mns
+run render small.mns -o c.exr
+run info c.exr
+says out "medium.G float"
+says out '"water"'
+run render small.mns -o c.exr --aov normals
+exits 2
+says err "there is no 'normals'; there are albedo,"
+run render small.mns -o c.exr --aov all --half
+exits 0
+run info c.exr
+says out "R half"
+says out "Z float"
+end

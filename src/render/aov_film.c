@@ -1,0 +1,424 @@
+/* aov_film.c - sums of what the samples of each pixel see first, and what they mean.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "render/aov_film.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/json.h"
+
+/* What is added up for each pixel. */
+enum {
+    SUM_MET,
+    SUM_ALBEDO,
+    SUM_NORMAL = SUM_ALBEDO + 3,
+    SUM_DISTANCE = SUM_NORMAL + 3,
+    SUM_POSITION,
+    SUM_UV = SUM_POSITION + 3,
+    SUM_OBJECT = SUM_UV + 2,
+    SUM_MEDIUM = SUM_OBJECT + 3,
+    SUM_DEPTH = SUM_MEDIUM + 3,
+    SUM_SILENT,
+    SUM_FAULTS,
+    AOV_SUMS
+};
+
+enum { RANKS = 6 };
+static const float nothing_met = 1e30f;
+
+static bool has(AovSet set, Aov aov)
+{
+    return (set >> aov & 1) != 0;
+}
+
+/* ---- names, hashes, colours ---- */
+
+static uint32_t rotate(uint32_t x, int by)
+{
+    return x << by | x >> (32 - by);
+}
+
+uint32_t aov_hash(const char *name)
+{
+    const uint8_t *bytes = (const uint8_t *)name;
+    const uint32_t length = (uint32_t)strlen(name), c1 = 0xcc9e2d51U, c2 = 0x1b873593U;
+    uint32_t hash = 0, at = 0;
+    for (; at + 4 <= length; at += 4) {
+        uint32_t block =
+            bytes[at] | (uint32_t)bytes[at + 1] << 8 | (uint32_t)bytes[at + 2] << 16 | (uint32_t)bytes[at + 3] << 24;
+        hash ^= rotate(block * c1, 15) * c2;
+        hash = rotate(hash, 13) * 5 + 0xe6546b64U;
+    }
+    uint32_t rest = 0;
+    for (uint32_t i = length; i > at; i--) rest = rest << 8 | bytes[i - 1];
+    if (length > at) hash ^= rotate(rest * c1, 15) * c2;
+    hash ^= length;
+    hash = (hash ^ hash >> 16) * 0x85ebca6bU;
+    hash = (hash ^ hash >> 13) * 0xc2b2ae35U;
+    return hash ^ hash >> 16;
+}
+
+/* Exponents of zeros, denormals, infinities and NaN are avoided. */
+static uint32_t plain_hash(const char *name)
+{
+    uint32_t hash = aov_hash(name), exponent = hash >> 23 & 255;
+    return exponent == 0 || exponent == 255 ? hash ^ 1U << 23 : hash;
+}
+
+float aov_hash_float(const char *name)
+{
+    uint32_t hash = plain_hash(name);
+    float value;
+    memcpy(&value, &hash, sizeof value);
+    return value;
+}
+
+static void id_color(const char *name, float rgb[3])
+{
+    uint32_t hash = aov_hash(name);
+    for (int i = 0; i < 3; i++) rgb[i] = 0.1f + 0.9f * (float)(hash >> 8 * i & 255) / 255;
+}
+
+static const char *object_name(const Scene *scene, uint32_t object)
+{
+    const char *name = scene->objects[object].name;
+    return name ? name : "object";
+}
+
+/* Media, then surfaces. */
+static uint32_t material_of(const Scene *scene, uint32_t object)
+{
+    const SceneObject *o = &scene->objects[object];
+    if (o->medium != SCENE_NONE) return o->medium;
+    return o->surface != SCENE_NONE ? scene->n_media + o->surface : SCENE_NONE;
+}
+
+static const char *material_name(const Scene *scene, uint32_t material)
+{
+    const char *name =
+        material < scene->n_media ? scene->media[material].name : scene->surfaces[material - scene->n_media].name;
+    return name ? name : "surface";
+}
+
+/* ---- adding up ---- */
+
+Status aov_film_init(AovFilm *film, AovSet set, const World *world, uint32_t width, uint32_t height, Error *error)
+{
+    *film = (AovFilm){.set = set, .world = world, .width = width, .height = height};
+    size_t n = (size_t)width * height;
+    if (!(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE))) return STATUS_OK; /* the film has these */
+    film->sums = calloc(n * AOV_SUMS, sizeof *film->sums);
+    bool ready = film->sums != NULL;
+    if (ready && has(set, AOV_CRYPTOMATTE)) {
+        film->objects = calloc(n, sizeof *film->objects);
+        film->materials = calloc(n, sizeof *film->materials);
+        ready = film->objects && film->materials;
+    }
+    if (!ready) return fail_memory(error, n * AOV_SUMS * sizeof *film->sums, "the film's further channels");
+    /* 2^-36 of the scene's size, so that 2^19 samples of up to 2^8 times that size can be added up */
+    Box3 box = box3_add_point(rtc_scene_bounds(world->compiled->rtc), world->camera->from);
+    double size = fmax(fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)), 1e-30);
+    int exponent;
+    (void)frexp(size, &exponent);
+    film->unit = ldexp(1, exponent - 36);
+    return STATUS_OK;
+}
+
+static void counts_clear(AovCounts *counts, size_t n)
+{
+    for (size_t i = 0; counts && i < n; i++) free(counts[i].items);
+    free(counts);
+}
+
+void aov_film_clear(AovFilm *film)
+{
+    size_t n = (size_t)film->width * film->height;
+    counts_clear(film->objects, n);
+    counts_clear(film->materials, n);
+    free(film->sums);
+    *film = (AovFilm){0};
+}
+
+static bool count(AovCounts *counts, uint32_t id)
+{
+    for (uint32_t i = 0; i < counts->n; i++)
+        if (counts->items[i].id == id) {
+            counts->items[i].n++;
+            return true;
+        }
+    if (counts->n == counts->capacity) {
+        uint32_t capacity = counts->capacity ? 2 * counts->capacity : 2;
+        AovCount *grown = realloc(counts->items, capacity * sizeof *grown);
+        if (!grown) return false;
+        counts->items = grown;
+        counts->capacity = capacity;
+    }
+    counts->items[counts->n++] = (AovCount){id, 1};
+    return true;
+}
+
+static int64_t whole(double value, double unit)
+{
+    const double largest = 0x1p44;
+    double units = value / unit;
+    return isfinite(units) ? llrint(fmax(-largest, fmin(largest, units))) : 0;
+}
+
+static void add_floats(int64_t *sums, const float *values, int n)
+{
+    for (int i = 0; i < n; i++) sums[i] += whole((double)values[i], FILM_UNIT);
+}
+
+static void add_sight(AovFilm *film, int64_t *sums, const FirstSight *sight)
+{
+    const Scene *scene = film->world->scene;
+    const double position[3] = {sight->position.x, sight->position.y, sight->position.z};
+    const float normal[3] = {sight->normal.x, sight->normal.y, sight->normal.z};
+    float color[3];
+    sums[SUM_MET]++;
+    sums[SUM_DEPTH] += sight->n_hulls;
+    sums[SUM_DISTANCE] += whole(sight->distance, film->unit);
+    for (int i = 0; i < 3; i++) sums[SUM_POSITION + i] += whole(position[i], film->unit);
+    add_floats(sums + SUM_ALBEDO, sight->albedo, 3);
+    add_floats(sums + SUM_NORMAL, normal, 3);
+    add_floats(sums + SUM_UV, sight->uv, 2);
+    id_color(object_name(scene, sight->object), color);
+    add_floats(sums + SUM_OBJECT, color, 3);
+    id_color(scene->media[sight->medium].name, color);
+    add_floats(sums + SUM_MEDIUM, color, 3);
+}
+
+void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
+                  const PathCounters *after)
+{
+    size_t pixel = (size_t)y * film->width + x;
+    int64_t *sums = film->sums + pixel * AOV_SUMS;
+    sums[SUM_SILENT] += (int64_t)(after->silent_crossings - before->silent_crossings);
+    sums[SUM_FAULTS] += (int64_t)(after->nesting_faults - before->nesting_faults);
+    if (!sight->met) return;
+    add_sight(film, sums, sight);
+    if (!film->objects) return;
+    uint32_t material = material_of(film->world->scene, sight->object);
+    bool kept = count(&film->objects[pixel], sight->object);
+    if (material != SCENE_NONE) kept = count(&film->materials[pixel], material) && kept;
+    if (!kept) film->out_of_memory = true;
+}
+
+/* ---- what it means ---- */
+
+typedef struct Ranked {
+    float hash;
+    uint32_t n;
+} Ranked;
+
+static int compare_hashes(const void *left, const void *right)
+{
+    const Ranked *a = left, *b = right;
+    return a->hash < b->hash ? -1 : a->hash > b->hash;
+}
+
+static int compare_ranked(const void *left, const void *right)
+{
+    const Ranked *a = left, *b = right;
+    if (a->n != b->n) return a->n > b->n ? -1 : 1;
+    return compare_hashes(left, right);
+}
+
+/* Things of one name are one. Returns how many are left. */
+static uint32_t join_alike(Ranked *ranked, uint32_t n)
+{
+    uint32_t kept = 0;
+    if (n > 1) qsort(ranked, n, sizeof *ranked, compare_hashes);
+    for (uint32_t i = 0; i < n; i++) {
+        if (kept && ranked[kept - 1].hash == ranked[i].hash)
+            ranked[kept - 1].n += ranked[i].n;
+        else
+            ranked[kept++] = ranked[i];
+    }
+    return kept;
+}
+
+/* Pairs of hash and coverage, the largest coverage first. */
+static void put_ranks(const AovCounts *counts, const Scene *scene, const char *(*name_of)(const Scene *, uint32_t),
+                      uint32_t n_samples, float *out)
+{
+    Ranked few[16], *ranked = counts->n <= COUNT_OF(few) ? few : malloc(counts->n * sizeof *ranked);
+    uint32_t n = 0;
+    for (; ranked && n < counts->n; n++)
+        ranked[n] = (Ranked){aov_hash_float(name_of(scene, counts->items[n].id)), counts->items[n].n};
+    n = join_alike(ranked, n);
+    if (n > 1) qsort(ranked, n, sizeof *ranked, compare_ranked);
+    for (uint32_t i = 0; i < RANKS; i++) {
+        bool there = i < n && n_samples;
+        out[2 * i] = there ? ranked[i].hash : 0;
+        out[2 * i + 1] = there ? (float)((double)ranked[i].n / n_samples) : 0;
+    }
+    if (ranked != few) free(ranked);
+}
+
+static float *put_means(const int64_t *sums, int n, double unit, double among, float *out)
+{
+    for (int i = 0; i < n; i++) *out++ = among > 0 ? (float)((double)sums[i] * unit / among) : 0;
+    return out;
+}
+
+/* The channels of one AOV of one pixel. */
+static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov aov, float *out)
+{
+    const FilmPixel *p = &film->pixels[pixel];
+    const int64_t *sums = aovs->sums ? aovs->sums + pixel * AOV_SUMS : NULL;
+    double n = p->n, met = sums ? (double)sums[SUM_MET] : 0, mean, standard_error;
+    const Scene *scene = aovs->world->scene;
+    switch (aov) {
+    case AOV_ALBEDO: return put_means(sums + SUM_ALBEDO, 3, FILM_UNIT, n, out);
+    case AOV_NORMAL: return put_means(sums + SUM_NORMAL, 3, FILM_UNIT, met, out);
+    case AOV_DEPTH:
+        put_means(sums + SUM_DISTANCE, 1, aovs->unit, met, out);
+        if (met == 0) *out = nothing_met;
+        return out + 1;
+    case AOV_POSITION: return put_means(sums + SUM_POSITION, 3, aovs->unit, met, out);
+    case AOV_UV: return put_means(sums + SUM_UV, 2, FILM_UNIT, met, out);
+    case AOV_OBJECT: return put_means(sums + SUM_OBJECT, 3, FILM_UNIT, n, out);
+    case AOV_MEDIUM: return put_means(sums + SUM_MEDIUM, 3, FILM_UNIT, n, out);
+    case AOV_NESTING: return put_means(sums + SUM_DEPTH, 3, 1, n, out);
+    case AOV_SAMPLES: *out = (float)n; return out + 1;
+    case AOV_VARIANCE:
+        film_luminance(p, &mean, &standard_error);
+        *out = standard_error > 0 ? (float)(standard_error * standard_error * n) : 0;
+        return out + 1;
+    case AOV_CRYPTOMATTE:
+        put_ranks(&aovs->objects[pixel], scene, object_name, p->n, out);
+        put_ranks(&aovs->materials[pixel], scene, material_name, p->n, out + 2 * RANKS);
+        return out + 4 * RANKS;
+    case AOV_COUNT: break;
+    }
+    return out;
+}
+
+/* The names of all channels: of the film, then of the AOVs in the order of the table. Returns how many. */
+static uint32_t channel_names(AovSet set, const Image *plain, char (*names)[64])
+{
+    uint32_t n = plain->n_channels;
+    memcpy(names, plain->names, n * sizeof *names);
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) {
+        if (!has(set, aov)) continue;
+        for (const char *rest = aov_channels(aov); *rest;) {
+            size_t length = strcspn(rest, "|");
+            memcpy(names[n], rest, length);
+            names[n++][length] = 0;
+            rest += length + (rest[length] != 0);
+        }
+    }
+    return n;
+}
+
+Status aov_film_resolve(const AovFilm *aovs, const Film *film, Image *image, Error *error)
+{
+    enum { MOST_CHANNELS = 64 };
+    TRY(film_resolve(film, image, error));
+    if (!aovs->set) return STATUS_OK;
+    if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
+    char names[MOST_CHANNELS][64];
+    const char *pointers[MOST_CHANNELS];
+    uint32_t n = channel_names(aovs->set, image, names), n_plain = image->n_channels;
+    for (uint32_t i = 0; i < n; i++) pointers[i] = names[i];
+    Image whole_image;
+    Status status = image_new(image->width, image->height, pointers, n, &whole_image, error);
+    if (status == STATUS_OK) {
+        for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+            float *out = whole_image.pixels + i * n;
+            memcpy(out, image->pixels + i * n_plain, n_plain * sizeof *out);
+            out += n_plain;
+            for (Aov aov = 0; aov < AOV_COUNT; aov++)
+                if (has(aovs->set, aov)) out = put_aov(aovs, film, i, aov, out);
+        }
+    }
+    image_clear(image);
+    if (status == STATUS_OK) *image = whole_image;
+    return status;
+}
+
+/* ---- attributes ---- */
+
+typedef void Visit(void *context, const char *name, const char *text);
+
+static int compare_names(const void *left, const void *right)
+{
+    return strcmp(*(const char *const *)left, *(const char *const *)right);
+}
+
+/* The names of all objects, or of all media and, where asked for, surfaces: sorted, each once. NULL when memory ends.
+ */
+static const char **all_names(const Scene *scene, bool objects, bool surfaces, uint32_t *n)
+{
+    uint32_t n_all = objects ? scene->n_objects : scene->n_media + (surfaces ? scene->n_surfaces : 0), kept = 0;
+    const char **names = malloc((n_all + 1U) * sizeof *names);
+    *n = 0;
+    if (!names) return NULL;
+    for (uint32_t i = 0; i < n_all; i++)
+        if (!objects || scene->objects[i].part_of == SCENE_NONE)
+            names[kept++] = objects ? object_name(scene, i) : material_name(scene, i);
+    if (kept > 1) qsort(names, kept, sizeof *names, compare_names);
+    for (uint32_t i = 0; i < kept; i++)
+        if (i == 0 || strcmp(names[i], names[*n - 1]) != 0) names[(*n)++] = names[i];
+    return names;
+}
+
+static void add_color(JsonWriter *json, const char *name)
+{
+    float rgb[3];
+    id_color(name, rgb);
+    json_key(json, name);
+    json_begin_array(json);
+    for (int i = 0; i < 3; i++) json_number(json, (double)rgb[i]);
+    json_end(json);
+}
+
+static void add_hash(JsonWriter *json, const char *name)
+{
+    char hash[16];
+    snprintf(hash, sizeof hash, "%08x", (unsigned)plain_hash(name));
+    json_add_text(json, name, hash);
+}
+
+/* One attribute: an object with a member for each name. */
+static void visit_names(const Scene *scene, bool objects, bool surfaces, void (*add)(JsonWriter *, const char *),
+                        const char *attribute, Visit *visit, void *context)
+{
+    uint32_t n;
+    const char **names = all_names(scene, objects, surfaces, &n);
+    Buf text = {0};
+    JsonWriter json = json_writer(&text, false);
+    json_begin_object(&json);
+    for (uint32_t i = 0; i < n; i++) add(&json, names[i]);
+    json_end(&json);
+    if (names && !text.failed) visit(context, attribute, buf_text(&text));
+    buf_clear(&text);
+    free(names);
+}
+
+/* The key of a layer is the first seven digits of its name's hash (Cryptomatte 1.2, "metadata"). */
+static void visit_cryptomatte(const Scene *scene, const char *layer, bool objects, Visit *visit, void *context)
+{
+    static const char *const keys[] = {"name", "hash", "conversion"};
+    const char *const values[] = {layer, "MurmurHash3_32", "uint32_to_float32"};
+    char name[64], id[16];
+    snprintf(id, sizeof id, "%08x", (unsigned)aov_hash(layer));
+    for (size_t i = 0; i < COUNT_OF(keys); i++) {
+        snprintf(name, sizeof name, "cryptomatte/%.7s/%s", id, keys[i]);
+        visit(context, name, values[i]);
+    }
+    snprintf(name, sizeof name, "cryptomatte/%.7s/manifest", id);
+    visit_names(scene, objects, true, add_hash, name, visit, context);
+}
+
+void aov_visit_attributes(AovSet set, const Scene *scene, Visit *visit, void *context)
+{
+    if (has(set, AOV_MEDIUM)) visit_names(scene, false, false, add_color, "meniscus/media", visit, context);
+    if (has(set, AOV_OBJECT)) visit_names(scene, true, false, add_color, "meniscus/objects", visit, context);
+    if (!has(set, AOV_CRYPTOMATTE)) return;
+    visit_cryptomatte(scene, "CryptoObject", true, visit, context);
+    visit_cryptomatte(scene, "CryptoMaterial", false, visit, context);
+}

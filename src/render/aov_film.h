@@ -1,0 +1,55 @@
+/* aov_film.h - what a picture holds besides its colours, added up in integers as the film is.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_AOV_FILM_H
+#define MEN_AOV_FILM_H
+
+#include "base/buf.h"
+#include "render/film.h"
+#include "trace/path.h"
+
+/* How many samples of a pixel saw one thing. */
+typedef struct AovCount {
+    uint32_t id, n;
+} AovCount;
+
+/* The things that a pixel's samples saw first. */
+typedef struct AovCounts {
+    AovCount *items;
+    uint32_t n, capacity;
+} AovCounts;
+
+typedef struct AovFilm {
+    AovSet set;
+    const World *world;
+    uint32_t width, height;
+    double unit;                    /* of lengths: fine against the size of the scene, and a power of two */
+    int64_t *sums;                  /* for each pixel AOV_SUMS of them, see aov_film.c; NULL when nothing is needed */
+    AovCounts *objects, *materials; /* for each pixel, or NULL */
+    bool out_of_memory;
+} AovFilm;
+
+/* With an empty set nothing is allocated, and the other functions do next to nothing. */
+ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, const World *world, uint32_t width, uint32_t height,
+                                    Error *error);
+void aov_film_clear(AovFilm *film);
+/* Whether tracers must fill in what is met first. */
+static inline bool aov_film_needs_sight(const AovFilm *film)
+{
+    return film->sums != NULL;
+}
+/* One sample; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
+void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
+                  const PathCounters *after);
+/* The whole picture: the film's channels, and these. */
+ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, Image *image, Error *error);
+
+/* The attributes of a file that holds these: name and text of each, for EXR. */
+void aov_visit_attributes(AovSet set, const Scene *scene,
+                          void (*visit)(void *context, const char *name, const char *text), void *context);
+
+/* MurmurHash3_x86_32 (A. Appleby, public domain algorithm), seed 0: what Cryptomatte names things by. */
+uint32_t aov_hash(const char *name);
+/* The hash with an exponent that makes it a plain float, bit by bit (Cryptomatte 1.2, "hash conversion"). */
+float aov_hash_float(const char *name);
+
+#endif

@@ -1,0 +1,175 @@
+/* aov_test.c - what a picture holds besides its colours, against formulas; hashes; threads.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "near.h"
+#include "render/aov_film.h"
+#include "render/render.h"
+#include "scene_fixture.h"
+
+enum { SIDE = 24, SAMPLES = 8 };
+#define ALL (((AovSet)1 << AOV_COUNT) - 1)
+
+static void render(const char *text, AovSet set, unsigned n_threads, Fixture *f, Image *image)
+{
+    Error error;
+    Pool *pool;
+    RenderStats stats;
+    fixture_compile(f, text, 1);
+    assert_int_equal(pool_new(n_threads, &pool, &error), STATUS_OK);
+    RenderSettings settings = {.width = SIDE, .height = SIDE, .samples = SAMPLES, .bounces = 16, .aovs = set};
+    if (render_image(f->compiled, &settings, pool, NULL, image, &stats, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
+    pool_free(pool);
+}
+
+static double value(const Image *image, uint32_t x, uint32_t y, const char *channel)
+{
+    int c = image_channel(image, channel);
+    if (c < 0) fail_msg("no channel %s", channel);
+    return (double)image->pixels[((size_t)y * SIDE + x) * image->n_channels + (size_t)c];
+}
+
+/* A ball of radius 3 in a box of water, over a grey ground, seen along -z. */
+#define SCENE                                                                                                          \
+    FIXTURE_MEDIA                                                                                                      \
+    "surface clay { albedo = rgb(.5, .25, .125) } box tank { interior = water from = <-6, -6, -6> to = <6, 6, 6> } "   \
+    "sphere ball { radius = 3 center = <0, 0, 5> surface = clay } "                                                    \
+    "camera { from = <0, 0, 100> to = <0, 0, 0> fov = 10 } environment { }"
+
+static void channels_hold_what_they_say(void **state)
+{
+    (void)state;
+    Fixture f;
+    Image image;
+    render(SCENE, ALL, 1, &f, &image);
+    uint32_t m = SIDE / 2; /* the ball sticks out of the water by 2, and is met in the air */
+    assert_true(value(&image, m, m, "Z") > 91.99 && value(&image, m, m, "Z") < 92.1);
+    assert_true(value(&image, m, m, "P.Z") > 7.9 && value(&image, m, m, "P.Z") <= 8.000001);
+    assert_true(value(&image, m, m, "N.Z") > 0.95);
+    assert_near(value(&image, m, m, "albedo.R"), .5, 2e-3);
+    assert_near(value(&image, m, m, "albedo.G"), .25, 2e-3);
+    assert_near(value(&image, m, m, "albedo.B"), .125, 2e-3);
+    assert_near(value(&image, m, m, "nesting.depth"), 0, 0);
+    assert_near(value(&image, m, m, "nesting.faults"), 0, 0);
+    assert_near(value(&image, m, m, "samples"), SAMPLES, 0);
+    /* beside it the face of the water, flat */
+    assert_near(value(&image, m, 6, "P.Z"), 6, 1e-6);
+    assert_near(value(&image, m, 6, "N.Z"), 1, 1e-6);
+    assert_near(value(&image, m, 6, "albedo.G"), 1, 1e-6);
+    assert_near(value(&image, m, 6, "nesting.depth"), 1, 0);
+    /* and nothing in the corner */
+    assert_true(value(&image, 0, 0, "Z") > 9e29);
+    assert_near(value(&image, 0, 0, "N.Z"), 0, 0);
+    assert_near(value(&image, 0, 0, "CryptoObject00.G"), 0, 0);
+    image_clear(&image);
+    fixture_clear(&f);
+}
+
+static void mattes_add_up(void **state)
+{
+    (void)state;
+    Fixture f;
+    Image image;
+    render(SCENE, (AovSet)1 << AOV_CRYPTOMATTE | (AovSet)1 << AOV_OBJECT, 1, &f, &image);
+    double tank = (double)aov_hash_float("tank"), ball = (double)aov_hash_float("ball");
+    double water = (double)aov_hash_float("water"), clay = (double)aov_hash_float("clay");
+    unsigned n_mixed = 0, n_ball = 0;
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            double ids[2] = {value(&image, x, y, "CryptoObject00.R"), value(&image, x, y, "CryptoObject00.B")};
+            double parts[2] = {value(&image, x, y, "CryptoObject00.G"), value(&image, x, y, "CryptoObject00.A")};
+            assert_true(parts[0] >= parts[1] && parts[0] + parts[1] <= 1.000001);
+            for (int i = 0; i < 2; i++) assert_true(parts[i] == 0 ? ids[i] == 0 : ids[i] == tank || ids[i] == ball);
+            double material = value(&image, x, y, "CryptoMaterial00.R");
+            if (parts[0] == 1) assert_true(material == (ids[0] == ball ? clay : water));
+            assert_near(value(&image, x, y, "CryptoObject01.G"), 0, 0);
+            n_mixed += parts[1] > 0;
+            n_ball += ids[0] == ball;
+        }
+    assert_true(n_mixed > 8 && n_ball > 40);
+    assert_int_equal(image_channel(&image, "Z"), -1);
+    image_clear(&image);
+    fixture_clear(&f);
+}
+
+/* Asking for more changes nothing else, and threads do not matter. */
+static void pictures_stay_as_they_are(void **state)
+{
+    (void)state;
+    Fixture f[3];
+    Image plain, one, many;
+    render(SCENE, 0, 1, &f[0], &plain);
+    render(SCENE, ALL, 1, &f[1], &one);
+    render(SCENE, ALL, 3, &f[2], &many);
+    assert_int_equal(plain.n_channels, 5);
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+        assert_memory_equal(plain.pixels + i * plain.n_channels, one.pixels + i * one.n_channels, 5 * sizeof(float));
+    assert_int_equal(one.n_channels, many.n_channels);
+    assert_memory_equal(one.pixels, many.pixels, (size_t)SIDE * SIDE * one.n_channels * sizeof(float));
+    Image *images[] = {&plain, &one, &many};
+    for (int i = 0; i < 3; i++) {
+        image_clear(images[i]);
+        fixture_clear(&f[i]);
+    }
+}
+
+/* Of a combination the whole counts, and of silent surfaces none. */
+static void what_is_seen_first(void **state)
+{
+    (void)state;
+    Fixture f;
+    Image image;
+    render(FIXTURE_MEDIA
+           "difference cut { interior = glass box { size = <9, 9, 9> } sphere { radius = 3 center = <0, 0, 4.5> } } "
+           "box wrap { interior = air size = <12, 12, 12> } "
+           "camera { from = <0, 0, 100> to = <0, 0, 0> fov = 6 } environment { }",
+           ALL, 1, &f, &image);
+    uint32_t m = SIDE / 2;
+    assert_true(value(&image, m, m, "CryptoObject00.R") == (double)aov_hash_float("cut"));
+    assert_near(value(&image, m, m, "CryptoObject00.G"), 1, 0);
+    assert_true(value(&image, m, m, "P.Z") >= 1.49 && value(&image, m, m, "P.Z") < 1.7);
+    assert_true(value(&image, m, m, "N.Z") > 0.9); /* towards the camera, though the ball looks the other way */
+    assert_near(value(&image, m, m, "nesting.depth"), 2, 0);
+    assert_true(value(&image, m, m, "nesting.silent") >= 1);
+    image_clear(&image);
+    fixture_clear(&f);
+}
+
+static void names_are_hashed_as_others_do(void **state)
+{
+    (void)state;
+    assert_int_equal(aov_hash(""), 0);
+    assert_int_equal(aov_hash("hello"), 0x248bfa47);
+    assert_int_equal(aov_hash("hello, world"), 0x149bbb7f);
+    assert_int_equal(aov_hash("The quick brown fox jumps over the lazy dog"), 0x2e4ff723);
+    for (int i = 0; i < 10000; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "bubble %d", i);
+        assert_true(isnormal(aov_hash_float(name)));
+    }
+}
+
+static void scenes_name_them(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_good(&f, FIXTURE_MEDIA "film { aovs = [\"normal\", \"depth\"] }" FIXTURE_VIEW);
+    assert_int_equal(f.scene->film.aovs, 1U << AOV_NORMAL | 1U << AOV_DEPTH);
+    fixture_clear(&f);
+    fixture_refused(FIXTURE_MEDIA "film { aovs = [\"normals\"] }" FIXTURE_VIEW, D_UNKNOWN_CHOICE);
+    assert_int_equal(aov_named("depth", 5), AOV_DEPTH);
+    assert_int_equal(aov_named("depth", 4), AOV_COUNT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(channels_hold_what_they_say),   cmocka_unit_test(mattes_add_up),
+        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(what_is_seen_first),
+        cmocka_unit_test(names_are_hashed_as_others_do), cmocka_unit_test(scenes_name_them),
+    };
+    return cmocka_run_group_tests_name("aov", tests, NULL, NULL);
+}
