@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 
+#include "base/hash.h"
 #include "cli/check_slice.h"
 #include "cli/commands.h"
 #include "cli/scene_input.h"
@@ -13,9 +14,12 @@ typedef struct Check {
     SceneInput input;
     Pool *pool;
     CheckSlice slice;
-    Buf out;
-    bool built;
-    Status status; /* of a guarded task, with its error */
+    Buf out, report;  /* report: of the first frame that could be built, as text or as JSON */
+    bool as_json, built;
+    uint64_t hash;    /* of that frame's scene */
+    FrameList frames;
+    uint64_t texts;   /* a hash of the scene's texts, in which the reports of all frames point */
+    Status status;    /* of a guarded task, with its error */
     Error *error;
 } Check;
 
@@ -30,8 +34,13 @@ static void warn(void *context)
 static void print_report(void *context)
 {
     Check *check = context;
-    report_print(check->input.compiled, &check->input.sources, &check->out);
-    if (check->slice.wanted) check_slice_print(&check->slice, check->input.compiled, &check->out);
+    if (check->as_json)
+        report_print_json(check->input.compiled, &check->input.sources, &check->report);
+    else
+        report_print(check->input.compiled, &check->input.sources, &check->report);
+    if (!check->as_json && check->slice.wanted) check_slice_print(&check->slice, check->input.compiled, &check->report);
+    check->hash = check->input.scene->hash;
+    check->built = true;
 }
 
 /* One object: the diagnostics, and the report, which is null for a scene that could not be built. */
@@ -39,13 +48,12 @@ static void print_json(void *context)
 {
     Check *check = context;
     Diag *diag = &check->input.diag;
-    Buf diagnostics = {0}, report = {0};
+    Buf diagnostics = {0};
     diag_print_json(diag, &diagnostics);
-    if (check->built) report_print_json(check->input.compiled, &check->input.sources, &report);
     JsonWriter json = json_writer(&check->out, true);
     json_begin_object(&json);
     char hash[NUMBER_SIZE];
-    snprintf(hash, sizeof hash, "%016llx", check->built ? (unsigned long long)check->input.scene->hash : 0);
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)check->hash);
     json_add_text(&json, "scene", check->input.path);
     json_add_text(&json, "hash", check->built ? hash : NULL); /* as in the EXR files of its renders */
     json_add_whole(&json, "errors", diag->n_errors);
@@ -54,31 +62,67 @@ static void print_json(void *context)
     json_key(&json, "diagnostics");
     json_raw(&json, buf_text(&diagnostics));
     json_key(&json, "report");
-    json_raw(&json, check->built ? buf_text(&report) : "null");
+    json_raw(&json, check->built ? buf_text(&check->report) : "null");
     if (check->built && check->slice.wanted) check_slice_print_json(&check->slice, check->input.compiled, &json);
     json_end(&json);
     buf_add(&check->out, "\n");
-    check->out.failed = check->out.failed || diagnostics.failed || report.failed;
+    check->out.failed = check->out.failed || diagnostics.failed || check->report.failed;
     buf_clear(&diagnostics);
-    buf_clear(&report);
+}
+
+/* Everything that can be wrong with the input's frame. */
+static Status examine_frame(Check *check, Error *error)
+{
+    Status status = scene_input_build(&check->input, error);
+    scene_input_print_said(&check->input);
+    TRY(status);
+    TRY(scene_input_compile(&check->input, check->pool, error));
+    if (check->slice.wanted) TRY(check_slice_make(&check->slice, check->input.compiled, check->pool, error));
+    if (!check->built) TRY(scene_input_guard(&check->input, print_report, check, error));
+    check->error = error;
+    TRY(scene_input_guard(&check->input, warn, check, error));
+    return check->status;
+}
+
+static uint64_t hash_of_texts(const SourceSet *sources)
+{
+    uint64_t hash = sources->n;
+    for (uint32_t i = 0; i < sources->n; i++) hash = hash_bytes(sources->sources[i].text, sources->sources[i].length, hash);
+    return hash;
+}
+
+/* Keeps what was found in a frame; mistakes of the scene do not keep the next one from being looked at. */
+static Status keep_findings(Check *check, Status status, Error *error)
+{
+    if (status != STATUS_OK && status != STATUS_SCENE) return status;
+    uint64_t texts = hash_of_texts(&check->input.sources);
+    if (check->texts && texts != check->texts)
+        return fail(error, STATUS_INPUT, "the files of the scene changed while its frames were checked");
+    check->texts = texts;
+    return scene_input_gather(&check->input, error);
 }
 
 static Status examine(Check *check, const Options *options, Error *error)
 {
-    TRY(scene_input_build(&check->input, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &check->pool, error));
-    TRY(scene_input_compile(&check->input, check->pool, error));
-    check->built = true;
-    check->error = error;
-    TRY(scene_input_guard(&check->input, warn, check, error));
-    TRY(check->status);
-    return check->slice.wanted ? check_slice_make(&check->slice, check->input.compiled, check->pool, error) : STATUS_OK;
+    Status status = examine_frame(check, error);
+    if ((status != STATUS_OK && status != STATUS_SCENE) || check->input.instant.animation.n_frames == 0) return status;
+    TRY(frames_choose(options, &check->input.instant.animation, false, &check->frames, error));
+    if (check->frames.n < 2) return status;
+    if (check->slice.wanted) return fail(error, STATUS_USAGE, "'--slice' is of one frame, and these are %u", check->frames.n);
+    TRY(keep_findings(check, status, error));
+    for (uint32_t i = 1; i < check->frames.n; i++) {
+        scene_input_next(&check->input, frames_at(&check->frames, i));
+        TRY(keep_findings(check, examine_frame(check, error), error));
+    }
+    scene_input_use_gathered(&check->input);
+    return check->input.diag.n_errors ? STATUS_SCENE : STATUS_OK;
 }
 
 /* What was found goes out also when the scene has errors; only when nothing could be read there is nothing to say. */
-static Status print_findings(Check *check, bool as_json, bool quiet, Error *error)
+static Status print_findings(Check *check, bool quiet, Error *error)
 {
-    if (as_json) {
+    if (check->as_json) {
         TRY(scene_input_guard(&check->input, print_json, check, error));
         TRY(print_out(&check->out, error));
         error->text[0] = 0;
@@ -86,19 +130,18 @@ static Status print_findings(Check *check, bool as_json, bool quiet, Error *erro
     }
     TRY(scene_input_print_reports(&check->input, error));
     if (quiet || !check->built) return STATUS_OK;
-    TRY(scene_input_guard(&check->input, print_report, check, error));
-    return print_out(&check->out, error);
+    return print_out(&check->report, error);
 }
 
 Status cmd_check(const Options *options, const Talk *talk, Error *error)
 {
-    Check check = {0};
+    Check check = {.as_json = option_given(options, OPTION_JSON)};
     scene_input_init(&check.input, options, talk);
     Status status = check_slice_init(&check.slice, options, error);
     if (status == STATUS_OK) status = examine(&check, options, error);
     if (status == STATUS_OK || status == STATUS_SCENE) {
         Error own = {0};
-        Status printed = print_findings(&check, option_given(options, OPTION_JSON), talk->quiet, &own);
+        Status printed = print_findings(&check, talk->quiet, &own);
         if (printed != STATUS_OK) {
             status = printed;
             *error = own;
@@ -106,6 +149,7 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
     }
     buf_clear(&check.out);
     check_slice_clear(&check.slice);
+    buf_clear(&check.report);
     scene_input_close(&check.input);
     pool_free(check.pool);
     return status;

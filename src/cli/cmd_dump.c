@@ -19,6 +19,7 @@ static void print_flat(void *context)
 {
     Dump *dump = context;
     SceneInput *input = dump->input;
+    scene_keep_one_frame(&dump->result, &input->instant, &input->arena);
     FlatOptions options = {.eval = &input->scene_options.eval, .sources = &input->sources, .files = file_properties};
     dump->status = flat_print(&dump->result, &options, &input->diag, &dump->out, dump->error);
 }

@@ -7,7 +7,6 @@
 
 #include "base/clock.h"
 #include "cli/commands.h"
-#include "cli/progress.h"
 #include "cli/render_run.h"
 #include "cli/signals.h"
 #include "render/aov_film.h"
@@ -36,19 +35,27 @@ static Status probe_view(RenderRun *run, Error *error)
     return status;
 }
 
+/* All that can be done before the first frame's turn. */
 static Status prepare(RenderRun *run, Error *error)
 {
     const Options *options = run->options;
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
-    TRY(outputs_collect(&run->outputs, options, run->input.scene, 1, error));
-    if (run->outputs.has_png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
+    TRY(render_plan_frames(run, error));
+    if (run->plan.has_png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
-    TRY(outputs_probe(&run->outputs, error));
-    const char *stats = option_text(options, OPTION_STATS, NULL);
-    if (stats) TRY(output_probe(stats, error));
-    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
-    return scene_input_compile(&run->input, run->pool, error);
+    return pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error);
+}
+
+/* Prints what was found in the scene; status: of what was done so far. */
+static Status print_findings(RenderRun *run, Status status, Error *error)
+{
+    Error own = {0};
+    scene_input_print_said(&run->input);
+    Status printed = scene_input_print_reports(&run->input, &own);
+    if (status != STATUS_OK || printed == STATUS_OK) return status;
+    *error = own;
+    return printed;
 }
 
 static void note_scene(const RenderRun *run)
@@ -65,12 +72,10 @@ static void note_scene(const RenderRun *run)
 static Status render(RenderRun *run, Error *error)
 {
     const RenderSettings *settings = &run->settings;
-    Progress progress;
-    progress_init(&progress, run->options, run->talk, signals_flag());
-    RenderEvents events = {.context = &progress, .progress = progress_show, .stop = signals_flag()};
+    RenderEvents events = {.context = &run->progress, .progress = progress_show, .stop = signals_flag()};
     Status status =
         render_image(run->input.compiled, settings, run->pool, &events, &run->image, &run->stats, error);
-    progress_end(&progress, status == STATUS_OK && !run->stats.stopped);
+    progress_end(&run->progress, status == STATUS_OK && !run->stats.stopped);
     if (status == STATUS_OK) run->noise = render_noise_of(&run->image, settings);
     return status;
 }
@@ -120,6 +125,9 @@ static void describe(const RenderRun *run, Attributes *attributes)
     add_text(attributes, "meniscus/version", MEN_VERSION);
     add_text(attributes, "meniscus/scene", run->input.path);
     add_text(attributes, "meniscus/sceneHash", attributes->hash);
+    if (run->plan.numbered)
+        attributes->items[attributes->n++] =
+            (ImageAttribute){.name = "meniscus/frame", .type = ATTRIBUTE_INT, .whole = (int)scene->frame};
     add_text(attributes, "meniscus/camera", scene->cameras[run->settings.camera].name);
     add_text(attributes, "meniscus/nesting", nest_policy_text(run->input.compiled->order.policy));
     add_text(attributes, "meniscus/seed", attributes->seed);
@@ -162,38 +170,51 @@ static Status render_and_write(RenderRun *run, Error *error)
     const char **paths = malloc((n + 1) * sizeof *paths);
     if (!paths) return fail_memory(error, (n + 1) * sizeof *paths, "the names of outputs");
     for (size_t i = 0; i < n; i++) paths[i] = run->outputs.items[i].path;
-    const char *stats = option_text(run->options, OPTION_STATS, NULL);
-    if (stats) paths[n++] = stats;
-    Status status = signals_begin(paths, n, run->talk->json, error);
+    if (run->stats_path) paths[n++] = run->stats_path;
+    bool keeps = !render_has_frames(run);
+    Status status = signals_begin(paths, n, run->talk->json, keeps, error);
     free(paths);
     if (status == STATUS_OK) status = render(run, error);
-    if (status == STATUS_OK) {
+    bool writes = status == STATUS_OK && (keeps || !*signals_flag());
+    if (writes) {
         render_warn(run);
         status = write_outputs(run, error);
     }
-    if (status == STATUS_OK) status = render_print_stats(run, error);
-    if (status == STATUS_OK) render_summarize(run);
+    if (writes && status == STATUS_OK) status = render_print_stats(run, error);
+    if (writes && status == STATUS_OK) {
+        render_summarize(run);
+        run->n_rendered++;
+    }
     signals_end();
+    return status;
+}
+
+/* The input's scene is at the frame. */
+static Status render_frame(RenderRun *run, Error *error)
+{
+    Status status = render_settings_merge(run, error);
+    if (status == STATUS_OK) status = scene_input_compile(&run->input, run->pool, error);
+    TRY(print_findings(run, status, error));
+    note_scene(run);
+    status = render_and_write(run, error);
+    image_clear(&run->image);
     return status;
 }
 
 Status cmd_render(const Options *options, const Talk *talk, Error *error)
 {
-    RenderRun run = {.options = options, .talk = talk, .noise = -1, .start_s = clock_now_s()};
+    double now = clock_now_s();
+    RenderRun run = {.options = options, .talk = talk, .noise = -1, .start_s = now, .command_start_s = now};
     scene_input_init(&run.input, options, talk);
     Status status = prepare(&run, error);
-    Error report_error = {0};
-    Status reported = scene_input_print_reports(&run.input, &report_error);
-    if (status == STATUS_OK && reported != STATUS_OK) {
-        status = reported;
-        *error = report_error;
-    }
     if (status == STATUS_OK) {
-        note_scene(&run);
-        status = render_and_write(&run, error);
+        progress_init(&run.progress, options, talk, signals_flag());
+        status = render_each_frame(&run, render_frame, error);
     }
+    status = print_findings(&run, status, error);
+    if (run.begun && render_has_frames(&run)) render_summarize_frames(&run);
     image_clear(&run.image);
-    outputs_clear(&run.outputs);
+    render_frames_clear(&run);
     scene_input_close(&run.input);
     pool_free(run.pool);
     return status;

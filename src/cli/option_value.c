@@ -117,6 +117,44 @@ static Status read_crop(const char *spelled, const char *text, OptionValue *valu
     return STATUS_OK;
 }
 
+/* The rest of a text behind the separator, NULL where it does not go on so; a whole number goes to *whole. */
+static const char *read_behind(const char *text, const char *separator, uint32_t *whole)
+{
+    size_t length = strlen(separator);
+    if (strncmp(text, separator, length) != 0) return NULL;
+    size_t n = read_whole(text + length, whole);
+    return n ? text + length + n : NULL;
+}
+
+static Status read_frames(const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    uint32_t *first = &value->whole[0], *last = &value->whole[1], *step = &value->whole[2];
+    *step = 0;
+    if (strcmp(text, "all") == 0) return STATUS_OK;
+    const char *rest = read_behind(text, "", first);
+    *step = 1;
+    *last = *first;
+    if (rest && *rest) {
+        rest = read_behind(rest, "..", last);
+        if (rest && *rest) rest = read_behind(rest, "/", step);
+    }
+    if (!rest || *rest || *step == 0)
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not all, a frame or a range of frames, such as 12, 1..120 or 1..120/2",
+                    spelled, text);
+    if (*last >= *first) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '%s': %s holds no frame: the last one comes before the first", spelled, text);
+}
+
+static Status read_shard(const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    const char *rest = read_behind(text, "", &value->whole[0]);
+    rest = rest ? read_behind(rest, "/", &value->whole[1]) : NULL;
+    if (!rest || *rest)
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not two whole numbers, such as 1/4", spelled, text);
+    if (value->whole[0] >= 1 && value->whole[0] <= value->whole[1]) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '%s': %s: shards are counted from 1 to their number", spelled, text);
+}
+
 const char *choice_next(const char **rest, char *word, size_t size)
 {
     if (!*rest) return NULL;
@@ -164,6 +202,8 @@ Status option_value_read(const OptionRow *row, const char *spelled, const char *
     case KIND_DURATION: return read_duration(spelled, text, value, error);
     case KIND_SIZE: return read_size(row, spelled, text, value, error);
     case KIND_CROP: return read_crop(spelled, text, value, error);
+    case KIND_FRAMES: return read_frames(spelled, text, value, error);
+    case KIND_SHARD: return read_shard(spelled, text, value, error);
     case KIND_CHOICE: return read_choice(row, spelled, text, value, error);
     case KIND_TEXT:
     case KIND_FILE:

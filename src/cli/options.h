@@ -40,7 +40,9 @@ typedef enum OptionKind {
     KIND_FRACTION,      /* 0.5 or 50% */
     KIND_DURATION,      /* in seconds */
     KIND_SIZE,          /* WxH */
-    KIND_CROP           /* X0,Y0,X1,Y1 */
+    KIND_CROP,          /* X0,Y0,X1,Y1 */
+    KIND_FRAMES,        /* N, A..B, A..B/STEP: whole holds first, last, step; or all: step is 0 */
+    KIND_SHARD          /* I/N */
 } OptionKind;
 
 /* What the shell offers for operands. */

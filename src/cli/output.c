@@ -12,23 +12,41 @@
 
 #include "base/file.h"
 
+enum { FEWEST_DIGITS = 4, LONGEST_NUMBER = 64 };
+
 /* ---- names ---- */
 
-/* A row of '#' becomes the number with at least as many digits. */
-static char *with_frame(const char *path, unsigned frame)
+char *output_of_frame(const char *name, uint32_t frame)
 {
     Buf out = {0};
-    while (*path) {
-        size_t n = strspn(path, "#"), m = strcspn(path, "#");
-        if (n) buf_format(&out, "%0*u", (int)n, frame);
-        buf_add_bytes(&out, path + n, n ? 0 : m);
-        path += n ? n : m;
+    while (*name) {
+        size_t n = strspn(name, "#"), m = strcspn(name, "#");
+        if (n) buf_format(&out, "%0*u", (int)(n < LONGEST_NUMBER ? n : LONGEST_NUMBER), frame);
+        buf_add_bytes(&out, name + n, n ? 0 : m);
+        name += n ? n : m;
     }
     if (out.failed) {
         buf_clear(&out);
         return NULL;
     }
-    return out.text; /* a path is not empty */
+    return out.text; /* a name is not empty */
+}
+
+char *output_numbered(const char *name, uint32_t last_frame)
+{
+    Buf out = {0};
+    const char *extension = file_extension(name);
+    size_t stem = strlen(name) - (*extension ? strlen(extension) + 1 : 0), digits = FEWEST_DIGITS;
+    for (uint32_t rest = last_frame / 10000; rest; rest /= 10) digits++;
+    bool has_own = strchr(name, '#') != NULL;
+    buf_add_bytes(&out, name, has_own ? strlen(name) : stem);
+    if (!has_own) {
+        buf_add(&out, ".");
+        buf_add_repeat(&out, '#', digits);
+        buf_add(&out, name + stem);
+    }
+    if (out.failed) buf_clear(&out);
+    return out.text;
 }
 
 static bool is_device(const char *path)
@@ -46,27 +64,25 @@ static Status choose_format(const char *path, bool *png, Error *error)
     return fail(error, STATUS_USAGE, "output '%s' must end in .exr or .png", path);
 }
 
-static Status add_output(OutputList *list, const char *path, unsigned frame, Error *error)
+static Status add_name(OutputPlan *plan, const char *name, bool numbered, uint32_t last_frame, Error *error)
 {
-    Output *output = &list->items[list->n];
-    if (!*path) return fail(error, STATUS_USAGE, "the name of an output is empty");
-    output->path = with_frame(path, frame);
-    if (!output->path) return fail_memory(error, strlen(path) + 1, "the name of an output");
-    list->n++;
-    TRY(choose_format(output->path, &output->png, error));
-    list->has_png = list->has_png || output->png;
-    for (size_t i = 0; i + 1 < list->n; i++)
-        if (strcmp(list->items[i].path, output->path) == 0)
-            return fail(error, STATUS_USAGE, "output '%s' is named twice", output->path);
-    if (strcmp(output->path, "-") == 0 && isatty(STDOUT_FILENO))
+    bool png;
+    if (!*name) return fail(error, STATUS_USAGE, "the name of an output is empty");
+    TRY(choose_format(name, &png, error));
+    plan->has_png = plan->has_png || png;
+    bool stream = strcmp(name, "-") == 0 || is_device(name);
+    if (strcmp(name, "-") == 0 && isatty(STDOUT_FILENO))
         return fail(error, STATUS_USAGE, "standard output is a terminal; a picture would only confuse it");
+    char *own = numbered && !stream ? output_numbered(name, last_frame) : strdup(name);
+    if (!own) return fail_memory(error, strlen(name) + 1, "the name of an output");
+    plan->names[plan->n++] = own;
     return STATUS_OK;
 }
 
 /* dir/glass.mns gives glass.exr, in the current folder; standard input gives scene.exr. */
-static Status add_default(OutputList *list, const char *scene_path, Error *error)
+static Status add_default(OutputPlan *plan, const char *scene_path, bool numbered, uint32_t last_frame, Error *error)
 {
-    if (strcmp(scene_path, "-") == 0) return add_output(list, "scene.exr", 1, error);
+    if (strcmp(scene_path, "-") == 0) return add_name(plan, "scene.exr", numbered, last_frame, error);
     const char *slash = strrchr(scene_path, '/'), *name = slash ? slash + 1 : scene_path;
     const char *extension = file_extension(scene_path);
     size_t length = strlen(name) - (*extension ? strlen(extension) + 1 : 0);
@@ -74,20 +90,45 @@ static Status add_default(OutputList *list, const char *scene_path, Error *error
     buf_add_bytes(&path, name, length);
     buf_add(&path, ".exr");
     Status status = path.failed ? fail_memory(error, length, "the name of an output")
-                                : add_output(list, path.text, 1, error);
+                                : add_name(plan, path.text, numbered, last_frame, error);
     buf_clear(&path);
     return status;
 }
 
-Status outputs_collect(OutputList *list, const Options *options, const Scene *scene, unsigned frame, Error *error)
+Status outputs_plan(OutputPlan *plan, const Options *options, const Scene *scene, bool numbered, Error *error)
 {
     const OptionValue *given = &options->values[OPTION_OUTPUT];
-    const char *const *paths = given->n_items ? given->items : scene->film.outputs;
+    const char *const *names = given->n_items ? given->items : scene->film.outputs;
     size_t n = given->n_items ? given->n_items : scene->film.n_outputs;
-    *list = (OutputList){.items = calloc(n + 1, sizeof *list->items)};
-    if (!list->items) return fail_memory(error, (n + 1) * sizeof *list->items, "the names of outputs");
-    for (size_t i = 0; i < n; i++) TRY(add_output(list, paths[i], frame, error));
-    return n ? STATUS_OK : add_default(list, options->operands[0], error);
+    uint32_t last = scene_last_frame(&scene->animation);
+    *plan = (OutputPlan){.names = calloc(n + 1, sizeof *plan->names), .numbered = numbered};
+    if (!plan->names) return fail_memory(error, (n + 1) * sizeof *plan->names, "the names of outputs");
+    for (size_t i = 0; i < n; i++) TRY(add_name(plan, names[i], numbered, last, error));
+    return n ? STATUS_OK : add_default(plan, options->operands[0], numbered, last, error);
+}
+
+void outputs_plan_clear(OutputPlan *plan)
+{
+    for (size_t i = 0; i < plan->n; i++) free(plan->names[i]);
+    free(plan->names);
+    *plan = (OutputPlan){0};
+}
+
+Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame, Error *error)
+{
+    *list = (OutputList){.items = calloc(plan->n + 1, sizeof *list->items)};
+    if (!list->items) return fail_memory(error, (plan->n + 1) * sizeof *list->items, "the names of outputs");
+    for (size_t i = 0; i < plan->n; i++) {
+        Output *output = &list->items[i];
+        output->path = output_of_frame(plan->names[i], frame);
+        if (!output->path) return fail_memory(error, strlen(plan->names[i]) + 1, "the name of an output");
+        list->n++;
+        TRY(choose_format(output->path, &output->png, error));
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(list->items[k].path, output->path) == 0)
+                return fail(error, STATUS_USAGE, "output '%s' is named twice", output->path);
+    }
+    return STATUS_OK;
 }
 
 void outputs_clear(OutputList *list)
@@ -120,6 +161,13 @@ Status outputs_probe(const OutputList *list, Error *error)
 {
     for (size_t i = 0; i < list->n; i++) TRY(output_probe(list->items[i].path, error));
     return STATUS_OK;
+}
+
+bool outputs_exist(const OutputList *list)
+{
+    for (size_t i = 0; i < list->n; i++)
+        if (is_device(list->items[i].path) || !file_exists(list->items[i].path)) return false;
+    return true;
 }
 
 /* ---- after it ---- */

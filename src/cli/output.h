@@ -14,16 +14,33 @@ typedef struct Output {
 typedef struct OutputList {
     Output *items;
     size_t n;
-    bool has_png;
 } OutputList;
 
-/* From -o, else the scene's film, else the scene's name; frame replaces rows of '#'. STATUS_USAGE where a name
- * cannot be (unknown extension, twice the same, a picture to a terminal). outputs_clear is due in every case. */
-ATTR_NODISCARD Status outputs_collect(OutputList *list, const Options *options, const Scene *scene, unsigned frame,
-                                      Error *error);
+/* What the files of all frames are called. */
+typedef struct OutputPlan {
+    char **names; /* with rows of '#' for the frame's number */
+    size_t n;
+    bool has_png, numbered;
+} OutputPlan;
+
+/* From -o, else the scene's film, else the scene's name. numbered: a name without '#' gets a row of it, unless it is a
+ * device; the number of the last frame says how long. STATUS_USAGE for an unknown extension, or a picture to a
+ * terminal. outputs_plan_clear is due in every case. */
+ATTR_NODISCARD Status outputs_plan(OutputPlan *plan, const Options *options, const Scene *scene, bool numbered,
+                                   Error *error);
+void outputs_plan_clear(OutputPlan *plan);
+/* name with a row of '#' before its extension, unless it has one somewhere; malloc'd, NULL when memory ends. */
+char *output_numbered(const char *name, uint32_t last_frame);
+/* name with the frame's number for each row of '#'; the same. */
+char *output_of_frame(const char *name, uint32_t frame);
+
+/* The files of one frame. STATUS_USAGE where two have one name. outputs_clear is due in every case. */
+ATTR_NODISCARD Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame, Error *error);
 void outputs_clear(OutputList *list);
 /* Tries each one as writing it will, and leaves no trace. STATUS_OUTPUT. */
 ATTR_NODISCARD Status outputs_probe(const OutputList *list, Error *error);
+/* Are all of them there, as files? */
+bool outputs_exist(const OutputList *list);
 /* The same for one path, also of other files than pictures. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
 /* color is NULL when no output is a PNG file. display, view: NULL for the defaults. */

@@ -23,6 +23,13 @@ void progress_init(Progress *progress, const Options *options, const Talk *talk,
     if (option_is(options, OPTION_PROGRESS, "json")) progress->form = PROGRESS_JSON;
 }
 
+void progress_begin_frame(Progress *progress, uint32_t frame, uint32_t frames_done)
+{
+    progress->frame = frame;
+    progress->frames_done = frames_done;
+    progress->last_line_s = 0; /* times are those of the frame */
+}
+
 static void add(char *line, const char *text)
 {
     size_t used = strlen(line);
@@ -54,7 +61,13 @@ static void add_time_left(char *line, const RenderProgress *state)
     add(line, text);
 }
 
-/* [=====     ]  42%  107/256 samples  3.21 Mrays/s  noise 1.2%  1m10s to 1m25s left */
+/* of all frames */
+static double whole_fraction(const Progress *progress, double fraction)
+{
+    return progress->n_frames ? (progress->frames_done + fraction) / progress->n_frames : fraction;
+}
+
+/* frame 12 (3 of 120)  [=====     ]  42%  107/256 samples  3.21 Mrays/s  noise 1.2%  1m10s to 1m25s left */
 static void show_bar(Progress *progress, const RenderProgress *state)
 {
     char facts[LINE_SIZE] = "", text[64];
@@ -67,10 +80,14 @@ static void show_bar(Progress *progress, const RenderProgress *state)
         add(facts, text);
     }
     add_time_left(facts, state);
-    int columns = (int)terminal_columns() - 1, width = columns - (int)strlen(facts) - 2;
+    char front[64] = "";
+    if (progress->n_frames)
+        snprintf(front, sizeof front, "frame %u (%u of %u)  ", progress->frame, progress->frames_done + 1, progress->n_frames);
+    int columns = (int)terminal_columns() - 1 - (int)strlen(front), width = columns - (int)strlen(facts) - 2;
     if (width > WIDEST_BAR) width = WIDEST_BAR;
     Buf line = {0};
     buf_add(&line, TO_LINE_START);
+    buf_add(&line, front);
     if (width >= NARROWEST_BAR) {
         int done = (int)(state->fraction * width);
         buf_add(&line, "[");
@@ -86,28 +103,37 @@ static void show_bar(Progress *progress, const RenderProgress *state)
     progress->bar_is_shown = true;
 }
 
-static void print_percent(int percent)
+static void print_percent(const Progress *progress, int percent)
 {
-    fprintf(stderr, "Progress: %d%%\n", percent);
+    fprintf(stderr, "Progress: %d%%", percent);
+    if (progress->n_frames) fprintf(stderr, " (frame %u)", progress->frame);
+    fputs("\n", stderr);
     fflush(stderr);
 }
 
 static void show_plain(Progress *progress, const RenderProgress *state)
 {
-    int tenths = (int)floor(state->fraction * 10);
+    double fraction = whole_fraction(progress, state->fraction);
+    int tenths = (int)floor(fraction * 10);
     bool minute = state->seconds - progress->last_line_s >= plain_interval_s;
     if (tenths <= progress->tenths_printed && !minute) return;
-    int percent = (int)floor(state->fraction * 100);
+    int percent = (int)floor(fraction * 100);
     if (tenths > progress->tenths_printed) progress->tenths_printed = tenths;
     if (percent >= 100) return; /* progress_end says so */
     progress->last_line_s = state->seconds;
-    print_percent(percent);
+    print_percent(progress, percent);
 }
 
-static void show_json(const RenderProgress *state)
+static void show_json(const Progress *progress, const RenderProgress *state)
 {
     Buf line = {0};
     JsonWriter json = talk_event_begin(&line, "progress");
+    if (progress->n_frames) {
+        json_add_whole(&json, "frame", progress->frame);
+        json_add_whole(&json, "framesDone", progress->frames_done);
+        json_add_whole(&json, "framesTotal", progress->n_frames);
+        json_add_number(&json, "fractionOfAll", whole_fraction(progress, state->fraction));
+    }
     json_add_number(&json, "fraction", state->fraction);
     json_add_whole(&json, "samples", state->samples_done);
     json_add_whole(&json, "samplesTotal", state->samples_total);
@@ -128,7 +154,7 @@ void progress_show(void *context, const RenderProgress *state)
     case PROGRESS_NONE: break;
     case PROGRESS_BAR: show_bar(progress, state); break;
     case PROGRESS_PLAIN: show_plain(progress, state); break;
-    case PROGRESS_JSON: show_json(state); break;
+    case PROGRESS_JSON: show_json(progress, state); break;
     }
 }
 
@@ -138,6 +164,7 @@ void progress_end(Progress *progress, bool complete)
         fputs(TO_LINE_START CLEAR_TO_LINE_END, stderr);
         fflush(stderr);
     }
-    if (progress->form == PROGRESS_PLAIN && complete) print_percent(100);
-    *progress = (Progress){.form = PROGRESS_NONE};
+    bool last = progress->frames_done + 1 >= progress->n_frames;
+    if (progress->form == PROGRESS_PLAIN && complete && last) print_percent(progress, 100);
+    progress->bar_is_shown = false;
 }

@@ -13,13 +13,16 @@ typedef struct Progress {
     bool color, bar_is_shown;
     int tenths_printed;   /* of the work, for plain lines */
     double last_line_s;   /* when the last plain line was printed */
+    uint32_t frame, frames_done, n_frames; /* of an animation; n_frames 0: a single picture */
     const volatile sig_atomic_t *stop; /* nothing is drawn over what the signal handler says */
 } Progress;
 
 void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop);
+/* The next frame of an animation; frames_done: those before it. */
+void progress_begin_frame(Progress *progress, uint32_t frame, uint32_t frames_done);
 /* For RenderEvents; context is a Progress. */
 void progress_show(void *context, const RenderProgress *state);
-/* Takes the bar off the terminal; with all of the work done, plain progress says so. */
+/* At the end of each frame: takes the bar off the terminal; with all of the work done, plain progress says so. */
 void progress_end(Progress *progress, bool complete);
 
 #endif

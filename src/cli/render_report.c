@@ -66,6 +66,7 @@ static void summarize_as_json(const RenderRun *run, double seconds)
 {
     Buf line = {0};
     JsonWriter json = talk_event_begin(&line, "done");
+    if (run->plan.numbered) json_add_whole(&json, "frame", run->input.scene->frame);
     json_key(&json, "outputs");
     json_begin_array(&json);
     for (size_t i = 0; i < run->outputs.n; i++) json_text(&json, run->outputs.items[i].path);
@@ -101,6 +102,42 @@ void render_summarize(const RenderRun *run)
     buf_clear(&line);
 }
 
+static void count_frames(Buf *line, uint32_t n)
+{
+    if (n == 0)
+        buf_add(line, "no frame");
+    else
+        buf_format(line, "%u frame%s", n, plural(n));
+}
+
+void render_summarize_frames(const RenderRun *run)
+{
+    double seconds = clock_now_s() - run->command_start_s;
+    uint32_t rendered = run->n_rendered, skipped = run->n_skipped;
+    Buf line = {0};
+    char time[32];
+    if (run->talk->quiet) return;
+    if (run->talk->json) {
+        JsonWriter json = talk_event_begin(&line, "frames");
+        json_add_whole(&json, "wanted", run->frames.n);
+        json_add_whole(&json, "rendered", rendered);
+        json_add_whole(&json, "skipped", skipped);
+        json_add_number(&json, "seconds", seconds);
+        talk_event_end(&json);
+        return;
+    }
+    seconds_print(seconds, time);
+    buf_add(&line, "rendered ");
+    count_frames(&line, rendered);
+    if (rendered + skipped < run->frames.n) buf_format(&line, " of %u", run->frames.n);
+    buf_format(&line, " in %s", time);
+    if (skipped) buf_format(&line, "; %u %s there already", skipped, skipped == 1 ? "was" : "were");
+    if (run->frames.n == 0) buf_add(&line, "; this share holds none");
+    buf_add(&line, "\n");
+    talk_write(&line);
+    buf_clear(&line);
+}
+
 /* ---- --stats ---- */
 
 static void print_stats_json(const RenderRun *run, Buf *out)
@@ -111,6 +148,7 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_begin_object(&json);
     json_add_text(&json, "version", MEN_VERSION);
     json_add_text(&json, "scene", input->path);
+    if (run->plan.numbered) json_add_whole(&json, "frame", input->scene->frame);
     json_add_whole(&json, "width", run->settings.width);
     json_add_whole(&json, "height", run->settings.height);
     json_add_whole(&json, "seed", run->settings.seed);
@@ -170,7 +208,7 @@ static Status write_stats_file(const char *path, const Buf *text, Error *error)
 Status render_print_stats(const RenderRun *run, Error *error)
 {
     if (!option_given(run->options, OPTION_STATS)) return STATUS_OK;
-    const char *path = option_text(run->options, OPTION_STATS, NULL);
+    const char *path = run->stats_path;
     Buf text = {0};
     Status status = STATUS_OK;
     if (path) {

@@ -4,6 +4,7 @@
 #define MEN_RENDER_RUN_H
 
 #include "cli/output.h"
+#include "cli/progress.h"
 #include "render/render.h"
 
 typedef struct RenderRun {
@@ -11,13 +12,30 @@ typedef struct RenderRun {
     const Talk *talk;
     SceneInput input;
     Pool *pool;
+    FrameList frames;
+    OutputPlan plan;
+    char *stats_name; /* of --stats, with '#' for the frame's number; NULL */
+    char *stats_path; /* of the present frame */
     OutputList outputs;
+    Progress progress;
+    bool begun;                     /* the frames */
+    uint32_t n_rendered, n_skipped; /* so far */
     RenderSettings settings;
     Image image;
     RenderStats stats;
     double noise;   /* that was reached: mean relative standard error per pixel */
-    double start_s; /* of the whole command */
+    double start_s; /* of the frame's work, which begins with the command or the end of the frame before */
+    double command_start_s;
 } RenderRun;
+
+/* Is the run about more than one picture, or one that may be there already? (render_frames.c) */
+bool render_has_frames(const RenderRun *run);
+/* Chooses the frames, names and tries the files of all of them. The scene is at one of its frames. */
+ATTR_NODISCARD Status render_plan_frames(RenderRun *run, Error *error);
+/* Each frame in turn: names its files, makes its scene the input's, and calls render. Stops at the first failure, or after
+ * a signal. */
+ATTR_NODISCARD Status render_each_frame(RenderRun *run, Status (*render)(RenderRun *run, Error *error), Error *error);
+void render_frames_clear(RenderRun *run);
 
 /* The scene's film and render nodes, overridden by options (render_settings.c). STATUS_SCENE, after a report, when
  * there is no such camera. */
@@ -26,6 +44,7 @@ ATTR_NODISCARD Status render_settings_merge(RenderRun *run, Error *error);
 /* What is said of a finished render (render_report.c). */
 void render_warn(const RenderRun *run);
 void render_summarize(const RenderRun *run);
+void render_summarize_frames(const RenderRun *run);
 ATTR_NODISCARD Status render_print_stats(const RenderRun *run, Error *error);
 /* The mean over the crop of noise.Y relative to luminance; negative without that channel. */
 double render_noise_of(const Image *image, const RenderSettings *settings);

@@ -3,22 +3,35 @@
 #include "cli/scene_input.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "scene/library.h"
+
+/* Of a scene on standard input; longer ones are files. */
+static const size_t largest_text = (size_t)1 << 30;
 
 Status color_source_open(ColorSource *color, Error *error)
 {
     return color->config ? STATUS_OK : color_config_open(color->path, &color->config, error);
 }
 
-void scene_input_init(SceneInput *input, const Options *options, const Talk *talk)
+static void start(SceneInput *input)
 {
-    *input = (SceneInput){.options = options, .talk = talk, .path = options->operands[0]};
     arena_init(&input->arena);
     input->sources = (SourceSet){.arena = &input->arena};
     diag_init(&input->diag, &input->arena, &input->sources);
-    input->diag.warnings_are_errors = option_given(options, OPTION_WERROR);
+    input->diag.warnings_are_errors = option_given(input->options, OPTION_WERROR);
+    input->diag_printed = false;
+}
+
+void scene_input_init(SceneInput *input, const Options *options, const Talk *talk)
+{
+    *input = (SceneInput){.options = options, .talk = talk, .path = options->operands[0]};
+    start(input);
+    arena_init(&input->known_arena);
+    diag_init(&input->known, &input->known_arena, NULL);
     input->color.path = option_text(options, OPTION_OCIO, NULL);
     const OptionValue *defines = &options->values[OPTION_DEFINE], *folders = &options->values[OPTION_INCLUDE],
                       *overrides = &options->values[OPTION_SET];
@@ -33,21 +46,36 @@ void scene_input_init(SceneInput *input, const Options *options, const Talk *tal
                  .n_include_folders = folders->n_items,
                  /* a scene that comes through a pipe may be anybody's */
                  .confine = option_text(options, OPTION_CONFINE, strcmp(input->path, "-") == 0 ? "." : NULL),
-                 .preset = option_text(options, OPTION_PRESET, NULL),
-                 .frame = 1,
-                 .frames = 1},
+                 .preset = option_text(options, OPTION_PRESET, NULL)},
         .load_image = load_scene_image,
         .load_image_context = &input->color,
     };
 }
 
-void scene_input_close(SceneInput *input)
+static void clear_scene(SceneInput *input)
 {
     compiled_scene_free(input->compiled);
     scene_free(input->scene);
-    color_config_close(input->color.config);
     buf_clear(&input->printed);
     arena_clear(&input->arena);
+    input->compiled = NULL;
+    input->scene = NULL;
+}
+
+void scene_input_next(SceneInput *input, uint32_t frame)
+{
+    clear_scene(input);
+    start(input);
+    input->animation = input->instant.animation;
+    input->scene_options.moment = (SceneMoment){.has_frame = true, .frame = frame, .animation = &input->animation};
+}
+
+void scene_input_close(SceneInput *input)
+{
+    clear_scene(input);
+    color_config_close(input->color.config);
+    free(input->text);
+    arena_clear(&input->known_arena);
     *input = (SceneInput){0};
 }
 
@@ -82,41 +110,60 @@ void scene_input_print_said(SceneInput *input)
     if (input->talk->json) {
         Buf line = {0};
         JsonWriter json = talk_event_begin(&line, "print");
+        if (input->diag.in_frame) json_add_whole(&json, "frame", input->diag.frame);
         json_add_text(&json, "text", buf_text(&input->printed));
         talk_event_end(&json);
     } else {
         talk_write(&input->printed);
     }
+    buf_clear(&input->printed);
+}
+
+static SceneText text_of(const SceneInput *input)
+{
+    if (!input->text) return (SceneText){.path = input->path};
+    return (SceneText){"<stdin>", input->text, input->text_length};
+}
+
+/* What stands before any look at the scene: which moment, and the text where it comes from standard input. */
+static Status get_ready(SceneInput *input, Error *error)
+{
+    if (!input->scene_options.moment.animation) TRY(frames_moment(input->options, &input->scene_options.moment, error));
+    if (input->text || strcmp(input->path, "-") != 0) return STATUS_OK;
+    return file_read("-", largest_text, &input->text, &input->text_length, error);
 }
 
 static void build(void *context)
 {
     Stage *stage = context;
     SceneInput *input = stage->input;
-    stage->status = scene_build(input->path, &input->scene_options, &input->diag, &input->scene, &input->printed, stage->error);
+    SceneText text = text_of(input);
+    stage->status = scene_build_from(&text, &input->scene_options, &input->diag, &input->scene, &input->printed,
+                                     &input->instant, stage->error);
 }
 
 Status scene_input_build(SceneInput *input, Error *error)
 {
     Stage stage = {.input = input, .error = error};
-    Status status = run_stage(&stage, build);
-    scene_input_print_said(input);
-    return status;
+    TRY(get_ready(input, error));
+    return run_stage(&stage, build);
 }
 
 static void evaluate(void *context)
 {
     Stage *stage = context;
     SceneInput *input = stage->input;
+    SceneText text = text_of(input);
     EvalOptions options = scene_eval_options(&input->scene_options);
-    stage->status = eval_scene(input->path, &options, &input->diag, stage->result, stage->error);
+    stage->status = scene_evaluate(&text, &options, &input->scene_options.moment, &input->diag, stage->result,
+                                   &input->instant, stage->error);
 }
 
 Status scene_input_evaluate(SceneInput *input, EvalResult *result, Error *error)
 {
     Stage stage = {.input = input, .error = error, .result = result};
-    Status status = run_stage(&stage, evaluate);
-    return status;
+    TRY(get_ready(input, error));
+    return run_stage(&stage, evaluate);
 }
 
 static void compile(void *context)
@@ -148,7 +195,9 @@ static void count_print(Buf *out, uint32_t n, const char *what)
 static void print_counts(const SceneInput *input, Buf *out)
 {
     const Diag *diag = &input->diag;
-    buf_format(out, "%s: ", strcmp(input->path, "-") == 0 ? "<stdin>" : input->path);
+    buf_add(out, strcmp(input->path, "-") == 0 ? "<stdin>" : input->path);
+    if (diag->in_frame && !input->several_frames) buf_format(out, ", frame %u", diag->frame);
+    buf_add(out, ": ");
     const uint32_t counts[] = {diag->n_errors, diag->n_warnings, diag->n_remarks};
     bool any = false, more = false;
     for (size_t i = 0; i < COUNT_OF(counts); i++) {
@@ -167,6 +216,7 @@ static void print_json_line(Diag *diag, Buf *out)
     Buf array = {0};
     diag_print_json(diag, &array);
     JsonWriter json = talk_event_begin(out, "diagnostics");
+    if (diag->in_frame) json_add_whole(&json, "frame", diag->frame);
     json_add_whole(&json, "errors", diag->n_errors);
     json_add_whole(&json, "warnings", diag->n_warnings);
     json_add_whole(&json, "remarks", diag->n_remarks);
@@ -193,10 +243,36 @@ static void print_reports(void *context)
     print_counts(input, &stage->text);
 }
 
+static void remember_reports(void *context)
+{
+    SceneInput *input = context;
+    diag_merge(&input->known, &input->diag);
+}
+
+Status scene_input_gather(SceneInput *input, Error *error)
+{
+    if (arena_guard(&input->known_arena, remember_reports, input)) return STATUS_OK;
+    return fail(error, STATUS_NOMEM, "out of memory: the reports took %zu bytes so far", input->known_arena.total);
+}
+
+void scene_input_use_gathered(SceneInput *input)
+{
+    input->diag.first = input->known.first;
+    input->diag.last = input->known.last;
+    input->diag.n_errors = input->known.n_errors;
+    input->diag.n_warnings = input->known.n_warnings;
+    input->diag.n_remarks = input->known.n_remarks;
+    input->several_frames = true;
+}
+
 Status scene_input_print_reports(SceneInput *input, Error *error)
 {
     Stage stage = {.input = input, .error = error};
     Status status = STATUS_OK;
+    if (!input->diag_printed && input->instant.animation.n_frames > 1 && !input->several_frames) {
+        diag_drop_known(&input->diag, &input->known);
+        TRY(scene_input_gather(input, error));
+    }
     if (!input->diag_printed && (input->diag.n_errors || input->diag.n_warnings || input->diag.n_remarks)) {
         status = scene_input_guard(input, print_reports, &stage, error);
         talk_write(&stage.text);

@@ -4,6 +4,7 @@
 #ifndef MEN_SCENE_INPUT_H
 #define MEN_SCENE_INPUT_H
 
+#include "cli/frames.h"
 #include "cli/talk.h"
 #include "image/view.h"
 #include "scene/build.h"
@@ -21,11 +22,18 @@ typedef struct SceneInput {
     const Options *options;
     const Talk *talk;
     const char *path;
+    char *text; /* of standard input, which cannot be read twice; NULL until it is needed */
+    size_t text_length;
     SceneOptions scene_options;
+    SceneInstant instant;     /* of the scene, once it is built or evaluated */
+    SceneAnimation animation; /* the same, for the next frame */
     Arena arena;
     SourceSet sources;
     Diag diag;
     bool diag_printed;
+    Arena known_arena;
+    bool several_frames; /* diag holds reports of several frames */
+    Diag known; /* reports of earlier frames, printed already */
     ColorSource color;
     Scene *scene;
     CompiledScene *compiled;
@@ -34,7 +42,9 @@ typedef struct SceneInput {
 
 void scene_input_init(SceneInput *input, const Options *options, const Talk *talk);
 void scene_input_close(SceneInput *input);
-/* Builds the scene, and prints what print() said. STATUS_SCENE leaves the reports in diag. */
+/* Lets go of the scene, its reports and its memory, and makes ready for another frame of the same animation. */
+void scene_input_next(SceneInput *input, uint32_t frame);
+/* Builds the scene. STATUS_SCENE leaves the reports in diag. */
 ATTR_NODISCARD Status scene_input_build(SceneInput *input, Error *error);
 /* Compiles it, with the policy of --nesting, else the scene's own. */
 ATTR_NODISCARD Status scene_input_compile(SceneInput *input, Pool *pool, Error *error);
@@ -42,10 +52,15 @@ ATTR_NODISCARD Status scene_input_compile(SceneInput *input, Pool *pool, Error *
 ATTR_NODISCARD Status scene_input_evaluate(SceneInput *input, EvalResult *result, Error *error);
 /* Runs a task with the arena guarded. STATUS_NOMEM when memory ran out in it. */
 ATTR_NODISCARD Status scene_input_guard(SceneInput *input, void (*task)(void *context), void *context, Error *error);
-/* Prints the reports, once; STATUS_SCENE without a text when there are errors among them. */
-/* Shows what the scene said with print(), which is in input->printed. scene_input_build does that itself. */
+/* Shows what the scene said with print(), which is in input->printed, once. */
 void scene_input_print_said(SceneInput *input);
+/* Prints the reports, once, and no warning that another frame had; STATUS_SCENE without a text when there are errors
+ * among them. */
 ATTR_NODISCARD Status scene_input_print_reports(SceneInput *input, Error *error);
+/* Keeps the reports of the present frame; at the end all that were kept become those of the input. The scene's texts
+ * must be the same in all frames. */
+ATTR_NODISCARD Status scene_input_gather(SceneInput *input, Error *error);
+void scene_input_use_gathered(SceneInput *input);
 
 /* Reads a picture; one that is a PNG file is taken for sRGB and made linear. */
 ATTR_NODISCARD Status image_read_linear(const char *path, Image *image, Error *error);

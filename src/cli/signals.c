@@ -79,10 +79,14 @@ static void remember_temporaries(const char *output)
     free(target);
 }
 
-Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Error *error)
+Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, bool keeps, Error *error)
 {
-    announcement = json ? "{\"event\": \"stopping\", \"message\": \"writing what there is; again to stop at once\"}\n"
-                        : "\nmeniscus: stopping; writing what there is (again to stop at once)\n";
+    static const char *const announcements[2][2] = {
+        {"\nmeniscus: stopping; this frame is not written (again to stop at once)\n",
+         "\nmeniscus: stopping; writing what there is (again to stop at once)\n"},
+        {"{\"event\": \"stopping\", \"message\": \"this frame is not written; again to stop at once\"}\n",
+         "{\"event\": \"stopping\", \"message\": \"writing what there is; again to stop at once\"}\n"}};
+    announcement = announcements[json][keeps];
     size_t size = (n_outputs * TEMPORARY_TRIES + 1) * sizeof *temporaries;
     temporaries = malloc(size);
     if (!temporaries) return fail_memory(error, size, "the names of outputs");

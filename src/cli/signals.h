@@ -13,8 +13,8 @@
 #include "base/status.h"
 
 /* From here on signals are held. outputs: paths that will be written; not needed afterwards. json: the form of
- * what is said. */
-ATTR_NODISCARD Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Error *error);
+ * what is said. keeps: what there is is written after the first signal. */
+ATTR_NODISCARD Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, bool keeps, Error *error);
 /* Not 0 after the first signal: its number. */
 const volatile sig_atomic_t *signals_flag(void);
 /* Signals act as they did before; what signals_begin keeps is freed. Safe without signals_begin. */

@@ -69,20 +69,56 @@ static Diagnostic *find_repetition(const Diag *diag, const Diagnostic *wanted)
     return NULL;
 }
 
-static Diagnostic *keep(Diag *diag, Diagnostic *report)
+/* ---- frames ---- */
+
+/* Frames come in rising order; runs with one step between them are one entry. */
+static void add_frames(Arena *arena, Diagnostic *report, uint32_t first, uint32_t last, uint32_t step)
 {
-    report->severity = diag_table[report->code].severity;
-    if (diag->warnings_are_errors && report->severity == DIAG_WARNING) report->severity = DIAG_ERROR;
-    report->chain = diag->chain;
-    if (find_repetition(diag, report)) return report; /* hints for it go to the copy that is not kept */
+    DiagFrames *end = report->last_frames;
+    if (end && first <= end->last) return;
+    bool joins = end && step == 0 && (end->step == 0 || first - end->last == end->step);
+    if (joins) {
+        end->step = first - end->last;
+        end->last = first;
+        return;
+    }
+    DiagFrames *frames = ARENA_NEW(arena, DiagFrames);
+    *frames = (DiagFrames){NULL, first, last, step};
+    if (end)
+        end->next = frames;
+    else
+        report->frames = frames;
+    report->last_frames = frames;
+}
+
+/* ---- reporting ---- */
+
+static uint32_t *count_of(Diag *diag, DiagSeverity severity)
+{
     uint32_t *const counts[] = {&diag->n_errors, &diag->n_warnings, &diag->n_remarks};
-    uint32_t *count = counts[report->severity];
-    if (++*count > diag->limit) return report;
+    return counts[severity];
+}
+
+/* Puts a report at the end unless there are too many already. */
+static void append(Diag *diag, Diagnostic *report)
+{
+    uint32_t *count = count_of(diag, report->severity);
+    if (++*count > diag->limit) return;
     if (diag->last)
         diag->last->next = report;
     else
         diag->first = report;
     diag->last = report;
+}
+
+static Diagnostic *keep(Diag *diag, Diagnostic *report)
+{
+    report->severity = diag_table[report->code].severity;
+    if (diag->warnings_are_errors && report->severity == DIAG_WARNING) report->severity = DIAG_ERROR;
+    report->chain = diag->chain;
+    if (diag->in_frame) add_frames(diag->arena, report, diag->frame, diag->frame, 0);
+    if (find_repetition(diag, report)) return report; /* hints for it go to the copy that is not kept */
+    append(diag, report);
     return report;
 }
 
@@ -186,4 +222,96 @@ void diag_sort(Diag *diag)
     diag->first = sorted(diag->first);
     diag->last = diag->first;
     while (diag->last && diag->last->next) diag->last = diag->last->next;
+}
+
+/* ---- several evaluations ---- */
+
+DiagMark diag_mark(const Diag *diag)
+{
+    return (DiagMark){diag->last, diag->n_errors, diag->n_warnings, diag->n_remarks, diag->sources->n};
+}
+
+void diag_rewind(Diag *diag, DiagMark mark)
+{
+    if (mark.last)
+        mark.last->next = NULL;
+    else
+        diag->first = NULL;
+    diag->last = mark.last;
+    diag->n_errors = mark.n_errors;
+    diag->n_warnings = mark.n_warnings;
+    diag->n_remarks = mark.n_remarks;
+    diag->sources->n = mark.n_sources;
+}
+
+static const char *copy_text(Arena *arena, const char *text)
+{
+    return text ? arena_copy_text(arena, text, strlen(text)) : NULL;
+}
+
+static Diagnostic *copy_report(Arena *arena, const Diagnostic *report)
+{
+    Diagnostic *copy = ARENA_NEW(arena, Diagnostic);
+    *copy = *report;
+    copy->next = NULL;
+    copy->text = copy_text(arena, report->text);
+    copy->hint = copy_text(arena, report->hint);
+    copy->notes = NULL;
+    copy->frames = copy->last_frames = NULL;
+    DiagNote **note_end = &copy->notes;
+    for (const DiagNote *note = report->notes; note; note = note->next) {
+        *note_end = ARENA_NEW(arena, DiagNote);
+        **note_end = (DiagNote){NULL, note->has_span, note->span, copy_text(arena, note->text)};
+        note_end = &(*note_end)->next;
+    }
+    const DiagChain **chain_end = &copy->chain;
+    copy->chain = NULL;
+    for (const DiagChain *link = report->chain; link; link = link->outer) {
+        DiagChain *own = ARENA_NEW(arena, DiagChain);
+        *own = (DiagChain){NULL, link->span, copy_text(arena, link->what)};
+        *chain_end = own;
+        chain_end = &own->outer;
+    }
+    return copy;
+}
+
+/* The same mistake: the same words, or else the same code at the same place, as words can name a frame's numbers. */
+static Diagnostic *find_mistake(const Diag *diag, const Diagnostic *wanted)
+{
+    Diagnostic *found = find_repetition(diag, wanted);
+    for (Diagnostic *d = diag->first; d && !found && wanted->has_span; d = d->next)
+        if (d->code == wanted->code && d->has_span && d->span.source == wanted->span.source && d->span.begin == wanted->span.begin)
+            found = d;
+    return found;
+}
+
+void diag_merge(Diag *into, const Diag *from)
+{
+    for (const Diagnostic *report = from->first; report; report = report->next) {
+        Diagnostic *here = find_mistake(into, report);
+        if (!here) {
+            here = copy_report(into->arena, report);
+            append(into, here);
+        }
+        for (const DiagFrames *frames = report->frames; frames; frames = frames->next)
+            add_frames(into->arena, here, frames->first, frames->last, frames->step);
+    }
+    if (from->n_errors > into->n_errors) into->n_errors = from->n_errors; /* those beyond the limit */
+    if (from->n_warnings > into->n_warnings) into->n_warnings = from->n_warnings;
+    if (from->n_remarks > into->n_remarks) into->n_remarks = from->n_remarks;
+}
+
+void diag_drop_known(Diag *diag, const Diag *known)
+{
+    Diagnostic **end = &diag->first;
+    diag->last = NULL;
+    for (Diagnostic *report = diag->first; report; report = report->next) {
+        if (report->severity != DIAG_ERROR && find_mistake(known, report)) {
+            --*count_of(diag, report->severity);
+            continue;
+        }
+        *end = diag->last = report;
+        end = &report->next;
+    }
+    *end = NULL;
 }

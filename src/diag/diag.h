@@ -39,6 +39,13 @@ struct DiagNote {
     const char *text;
 };
 
+/* Frames of an animation, in rising order. */
+typedef struct DiagFrames DiagFrames;
+struct DiagFrames {
+    DiagFrames *next;
+    uint32_t first, last, step; /* step: 0 for a single frame */
+};
+
 typedef struct Diagnostic Diagnostic;
 struct Diagnostic {
     Diagnostic *next;
@@ -50,6 +57,7 @@ struct Diagnostic {
     const char *hint; /* NULL, or an edit: "did you mean 'ior'?" */
     DiagNote *notes;
     const DiagChain *chain;
+    DiagFrames *frames, *last_frames; /* in which it was found; NULL: the scene is no animation, or it is not known */
 };
 
 typedef struct Diag {
@@ -60,6 +68,8 @@ typedef struct Diag {
     uint32_t limit;           /* kept of each severity; more are counted only. 20 */
     bool warnings_are_errors; /* --werror */
     const DiagChain *chain;   /* the present chain, set by the evaluator; copied into each report */
+    bool in_frame;            /* reports are of a frame of an animation: the next */
+    uint32_t frame;
 } Diag;
 
 void diag_init(Diag *diag, Arena *arena, SourceSet *sources);
@@ -74,6 +84,20 @@ void diag_note(Diag *diag, Diagnostic *report, Span span, const char *format, ..
 void diag_note_nowhere(Diag *diag, Diagnostic *report, const char *format, ...) ATTR_PRINTF(3, 4);
 /* "did you mean 'X'?" when exactly one of the candidates is near enough to the wrong word. */
 void diag_suggest(Diag *diag, Diagnostic *report, const char *wrong, const char *const *candidates, size_t n);
+
+/* A sink and its sources as they are, to come back to: what is added after diag_mark is forgotten by diag_rewind. */
+typedef struct DiagMark {
+    Diagnostic *last;
+    uint32_t n_errors, n_warnings, n_remarks, n_sources;
+} DiagMark;
+DiagMark diag_mark(const Diag *diag);
+void diag_rewind(Diag *diag, DiagMark mark);
+
+/* Takes over copies of the reports of another evaluation of the same texts; of a mistake that is here already (by its
+ * code and place) only the frames are added. Frames must come in rising order. */
+void diag_merge(Diag *into, const Diag *from);
+/* Forgets the warnings and remarks of mistakes that known holds, too. */
+void diag_drop_known(Diag *diag, const Diag *known);
 
 /* All reports as text, in order of place (source, byte): "file:line:col: error: text [slug]", the
  * source line with a gutter, the caret line, hint, notes and chain; then "N errors, M warnings" is

@@ -11,6 +11,7 @@ enum {
     LINE_WIDTH = 100,  /* columns of source text shown at most */
     LEFT_CONTEXT = 30, /* of them, in front of the caret, when the line is cut there */
     CHAIN_SHOWN = 8,
+    FRAMES_SHOWN = 8,
     REPLACEMENT = 0xfffd
 };
 
@@ -132,6 +133,22 @@ static void add_chain(Diag *diag, Buf *out, const DiagChain *chain, const Style 
     }
 }
 
+/* "in frame 37", "in frames 1 to 9, 12, 20 to 40 by 2" */
+static void add_frames(Buf *out, const DiagFrames *frames, const Style *style)
+{
+    if (!frames) return;
+    bool one = !frames->next && frames->step == 0;
+    buf_format(out, "%s      =%s in frame%s ", style->gutter, style->plain, one ? "" : "s");
+    int shown = 0;
+    for (; frames && shown < FRAMES_SHOWN; frames = frames->next, shown++) {
+        bool two = frames->step && frames->last - frames->first == frames->step;
+        buf_format(out, "%s%u", shown ? ", " : "", frames->first);
+        if (frames->step) buf_format(out, "%s%u", two ? ", " : " to ", frames->last);
+        if (frames->step > 1 && !two) buf_format(out, " by %u", frames->step);
+    }
+    buf_add(out, frames ? " and others\n" : "\n");
+}
+
 static void add_report(Diag *diag, Buf *out, const Diagnostic *report, const Style *style)
 {
     const char *const colors[] = {style->error, style->warning, style->note};
@@ -155,6 +172,7 @@ static void add_report(Diag *diag, Buf *out, const Diagnostic *report, const Sty
         add_quote(diag, out, note->span, style, style->note);
     }
     add_chain(diag, out, report->chain, style);
+    add_frames(out, report->frames, style);
 }
 
 void diag_print(Diag *diag, Buf *out, bool color)
@@ -239,6 +257,13 @@ static void add_json_report(Diag *diag, Buf *out, const Diagnostic *report)
             add_json_text(out, link->what);
             buf_add(out, link->outer ? "}, " : "}");
         }
+        buf_add(out, "]");
+    }
+    if (report->frames) {
+        buf_add(out, ", \"frames\": [");
+        for (const DiagFrames *frames = report->frames; frames; frames = frames->next)
+            buf_format(out, "{\"first\": %u, \"last\": %u, \"step\": %u}%s", frames->first, frames->last,
+                       frames->step ? frames->step : 1, frames->next ? ", " : "");
         buf_add(out, "]");
     }
     buf_add(out, "}");

@@ -36,6 +36,7 @@ typedef struct Loader {
     File *files;
     uint32_t n_files;
     double unit_m; /* of the scene, 0 until its header is read */
+    bool in_frame; /* once the scene runs; what is wrong before is so in every frame */
     const char **paths;
     size_t n_paths, path_capacity;
 } Loader;
@@ -323,7 +324,7 @@ static bool parse_override(Loader *loader, const char *text, Override *override)
 static void set_predeclared(Evaluator *evaluator)
 {
     const EvalOptions *options = evaluator->options;
-    double frames = options->frames > 0 ? options->frames : 1, frame = options->frame > 0 ? options->frame : 1;
+    double frames = options->frames > 0 ? options->frames : 1, frame = options->frames > 0 ? options->frame : 1;
     Value *globals = evaluator->globals;
     globals[PREDECLARED_CLOCK] = value_number(options->clock);
     globals[PREDECLARED_FRAME] = value_number(frame);
@@ -417,6 +418,10 @@ static void give_result(const Loader *loader, Evaluator *evaluator, const File *
     Arena *arena = loader->arena;
     result->nodes = evaluator->top.items;
     result->n_nodes = evaluator->top.n;
+    result->settings = ARENA_ARRAY(arena, EvalNode *, evaluator->top.n);
+    for (size_t i = 0; i < evaluator->top.n; i++)
+        if (evaluator->top.items[i]->type->flags & NODE_SINGLE)
+            result->settings[result->n_settings++] = evaluator->top.items[i];
     result->unit_m = scene->unit_m;
     result->n_params = evaluator->n_params;
     result->params = ARENA_ARRAY(arena, EvalParam, evaluator->n_params);
@@ -456,6 +461,7 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     evaluator.globals = ARENA_ARRAY(loader->arena, Value, resolver.n_globals);
     evaluator.singles = ARENA_ARRAY(loader->arena, EvalNode *, options->schema->n_nodes);
     evaluator.single_sources = ARENA_ARRAY(loader->arena, uint32_t, options->schema->n_nodes);
+    diag->in_frame = loader->in_frame;
     run_scene(&evaluator, prelude, scene);
     give_result(loader, &evaluator, scene, result);
     evaluator_clear(&evaluator);
@@ -487,7 +493,11 @@ static Status load_and_evaluate(Loader *loader, const char *name, const char *pa
 static Loader new_loader(const EvalOptions *options, Diag *diag, EvalResult *result)
 {
     *result = (EvalResult){0};
-    return (Loader){.diag = diag, .arena = diag->arena, .options = options, .limits = limits_of(options)};
+    Loader loader = {.diag = diag, .arena = diag->arena, .options = options, .limits = limits_of(options)};
+    loader.in_frame = diag->in_frame;
+    diag->in_frame = false;
+    loader.limits.memory += diag->arena->total; /* what is there already is not this scene's */
+    return loader;
 }
 
 Status eval_text(const char *name, const char *text, size_t length, const EvalOptions *options, Diag *diag,

@@ -126,7 +126,7 @@ typedef struct EvalOptions {
     const char *confine; /* NULL, or the folder that every file must be under */
     const char *preset;
     double clock;
-    int frame, frames; /* from 1; 0 counts as 1 */
+    int frame, frames; /* of an animation; frames 0: the only frame, 1 */
     double time;       /* seconds */
     double srgb_to_working[9]; /* row-major, linear sRGB to the working space; all 0: identity */
     const EvalLibrary *library; /* what `use` finds where no file of the scene's has the name; NULL: nothing */
@@ -146,6 +146,8 @@ typedef struct EvalParam {
 typedef struct EvalResult {
     EvalNode **nodes; /* at top level, in order of the text: placed nodes, NODE_SINGLE settings (merged, one each), and named declarations */
     size_t n_nodes;
+    EvalNode **settings; /* the NODE_SINGLE ones, also when errors were reported: what was understood of them */
+    size_t n_settings;
     double unit_m;    /* metres per scene unit */
     const char *const *files; /* paths that were read, the scene first */
     size_t n_files;

@@ -260,6 +260,8 @@ static void build_all(Builder *b)
 {
     Scene *scene = b->scene;
     scene->unit_m = b->result.unit_m;
+    scene->animation = b->instant.animation;
+    scene->frame = b->instant.frame;
     for (size_t i = 0; i < b->result.n_files; i++) build_note_file(b, b->result.files[i]);
     build_media(b);
     Affine world = affine_identity();
@@ -282,8 +284,7 @@ EvalOptions scene_eval_options(const SceneOptions *options)
 
 typedef struct Request {
     Builder builder;
-    const char *path; /* or */
-    const char *name, *text;
+    SceneText text;
     bool scene_memory_ended;
 } Request;
 
@@ -296,16 +297,15 @@ static void task_in_diag(void *context)
 {
     Request *request = context;
     Builder *b = &request->builder;
-    b->status = request->path ? eval_scene(request->path, &b->eval_options, b->diag, &b->result, b->error)
-                              : eval_text(request->name, request->text, strlen(request->text), &b->eval_options,
-                                          b->diag, &b->result, b->error);
+    b->status = scene_evaluate(&request->text, &b->eval_options, &b->options->moment, b->diag, &b->result, &b->instant,
+                               b->error);
     if (b->status != STATUS_OK) return;
     /* The scene's arena is guarded inside, so that a jump out of the other one leaves no guard behind in
      * anything but the scene, which is then thrown away. */
     if (!arena_guard(b->arena, task_in_scene, request)) request->scene_memory_ended = true;
 }
 
-static Status build_from(Request *request, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
+static Status build_requested(Request *request, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
                          Error *error)
 {
     *scene = NULL;
@@ -339,15 +339,22 @@ static Status build_from(Request *request, const SceneOptions *options, Diag *di
     return status;
 }
 
+Status scene_build_from(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
+                        SceneInstant *instant, Error *error)
+{
+    Request request = {.text = *text};
+    Status status = build_requested(&request, options, diag, scene, printed, error);
+    if (instant) *instant = request.builder.instant;
+    return status;
+}
+
 Status scene_build(const char *path, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed, Error *error)
 {
-    Request request = {.path = path};
-    return build_from(&request, options, diag, scene, printed, error);
+    return scene_build_from(&(SceneText){.path = path}, options, diag, scene, printed, NULL, error);
 }
 
 Status scene_build_text(const char *name, const char *text, const SceneOptions *options, Diag *diag, Scene **scene,
                         Buf *printed, Error *error)
 {
-    Request request = {.name = name, .text = text};
-    return build_from(&request, options, diag, scene, printed, error);
+    return scene_build_from(&(SceneText){name, text, strlen(text)}, options, diag, scene, printed, NULL, error);
 }

@@ -3,8 +3,7 @@
 #ifndef MEN_BUILD_H
 #define MEN_BUILD_H
 
-#include "lang/eval.h"
-#include "scene/scene.h"
+#include "scene/animation.h"
 
 /* What images are read with: the layer below has no image files. rgb is malloc'd, linear Rec.709 (working
  * space). space: name of the colour space, NULL by the file's kind, SCENE_SPACE_DATA for values as they are in the
@@ -14,7 +13,8 @@ typedef Status (*SceneImageLoader)(void *context, const char *path, const char *
                                    uint32_t *width, uint32_t *height, Error *error);
 
 typedef struct SceneOptions {
-    EvalOptions eval; /* schema and geometry are filled in here */
+    EvalOptions eval; /* schema and geometry are filled in here, and so are clock, frame, frames and time */
+    SceneMoment moment;
     SceneImageLoader load_image;
     void *load_image_context;
 } SceneOptions;
@@ -24,6 +24,9 @@ typedef struct SceneOptions {
  * printed (may be NULL) receives what the scene's print() said. */
 ATTR_NODISCARD Status scene_build(const char *path, const SceneOptions *options, Diag *diag, Scene **scene,
                                   Buf *printed, Error *error);
+/* The same for a file or a text. instant (may be NULL) is as far as it became known, also of a scene with errors. */
+ATTR_NODISCARD Status scene_build_from(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene,
+                                       Buf *printed, SceneInstant *instant, Error *error);
 /* The same for text in memory. */
 ATTR_NODISCARD Status scene_build_text(const char *name, const char *text, const SceneOptions *options, Diag *diag,
                                        Scene **scene, Buf *printed, Error *error);

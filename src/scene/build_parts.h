@@ -49,6 +49,7 @@ typedef struct Builder {
     const SceneOptions *options;
     EvalOptions eval_options;
     EvalResult result;
+    SceneInstant instant;
     ShapeFacts *facts;
     struct Combination *combination; /* that the nodes being built are operands of; NULL outside of any */
     uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, objects_capacity, lights_capacity,

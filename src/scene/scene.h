@@ -112,6 +112,13 @@ typedef struct SceneRender {
     uint32_t seed;
 } SceneRender;
 
+/* What the animation node says. */
+typedef struct SceneAnimation {
+    uint32_t n_frames, first_frame;
+    double fps;
+    bool cyclic;
+} SceneAnimation;
+
 typedef struct Scene {
     Arena arena; /* holds everything but meshes, solids and the environment, which scene_free frees too */
     SceneMedium *media; /* [0] is the world's */
@@ -136,6 +143,8 @@ typedef struct Scene {
     Affine world_to_environment; /* rotation */
     SceneFilm film;
     SceneRender render;
+    SceneAnimation animation;
+    uint32_t frame; /* of the animation, that the scene is at */
     double unit_m;
     const char *const *files; /* everything that was read: scene files, meshes, images */
     uint32_t n_files;

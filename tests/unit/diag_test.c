@@ -199,10 +199,76 @@ static void test_table(void **state)
     }
 }
 
+/* Reports one warning at word, as the evaluation of a frame does. */
+static void report_in_frame(Sink *sink, uint32_t frame, const char *word, const char *text)
+{
+    sink->diag.in_frame = true;
+    sink->diag.frame = frame;
+    diag_report(&sink->diag, D_SCENE_WARNING, span_of(sink, word), "%s", text);
+}
+
+static void open_frame(Sink *one, uint32_t frame)
+{
+    sink_open(one, "early late\n");
+    if (frame <= 2) report_in_frame(one, frame, "early", "is early");
+    report_in_frame(one, frame, "late", frame == 1 ? "is late, at 1" : "is late");
+}
+
+static void test_frames(void **state)
+{
+    static const uint32_t seen[] = {1, 2, 3, 7, 9, 11, 13, 20};
+    Sink all, one;
+    (void)state;
+    sink_open(&all, "early late\n");
+    for (size_t i = 0; i < COUNT_OF(seen); i++) {
+        open_frame(&one, seen[i]);
+        diag_drop_known(&one.diag, &all.diag);
+        assert_int_equal(one.diag.n_warnings, i == 0 ? 2 : 0);
+        sink_close(&one);
+        open_frame(&one, seen[i]);
+        diag_merge(&all.diag, &one.diag);
+        sink_close(&one); /* what was merged is a copy */
+    }
+    assert_int_equal(all.diag.n_warnings, 2);
+    expect_print(&all, "glass.mns:1:1: warning: is early [scene-warning]\n"
+                       "    1 | early late\n"
+                       "      | ^~~~~\n"
+                       "      = in frames 1, 2\n"
+                       "glass.mns:1:7: warning: is late, at 1 [scene-warning]\n"
+                       "    1 | early late\n"
+                       "      |       ^~~~\n"
+                       "      = in frames 1 to 3, 7 to 13 by 2, 20\n");
+    sink_close(&all);
+}
+
+static void test_rewind(void **state)
+{
+    Sink sink;
+    (void)state;
+    sink_open(&sink, "early late\n");
+    DiagMark nothing = diag_mark(&sink.diag);
+    report_in_frame(&sink, 4, "early", "is early");
+    DiagMark mark = diag_mark(&sink.diag);
+    report_in_frame(&sink, 5, "late", "is late");
+    source_add(&sink.sources, "more.mns", NULL, "", 0);
+    diag_rewind(&sink.diag, mark);
+    assert_int_equal(sink.sources.n, 1);
+    expect_print(&sink, "glass.mns:1:1: warning: is early [scene-warning]\n"
+                        "    1 | early late\n"
+                        "      | ^~~~~\n"
+                        "      = in frame 4\n");
+    diag_rewind(&sink.diag, nothing);
+    assert_null(sink.diag.first);
+    assert_int_equal(sink.diag.n_warnings, 0);
+    report_in_frame(&sink, 5, "late", "is late");
+    assert_ptr_equal(sink.diag.first, sink.diag.last);
+    sink_close(&sink);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shape),        cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_shape), cmocka_unit_test(test_frames), cmocka_unit_test(test_rewind), cmocka_unit_test(test_columns),
         cmocka_unit_test(test_empty_source), cmocka_unit_test(test_order_limit_repetition),
         cmocka_unit_test(test_warnings_as_errors), cmocka_unit_test(test_color),
         cmocka_unit_test(test_json),         cmocka_unit_test(test_suggest),
