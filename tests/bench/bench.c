@@ -13,6 +13,7 @@
 #include "nest/cross.h"
 #include "render/render.h"
 #include "scene/build.h"
+#include "scene/report.h"
 
 enum { RUNS = 7, RAYS = 200000 };
 
@@ -58,9 +59,13 @@ static double time_bare(RTCScene scene, const RaySet *rays)
     embree_init_context(&context);
     double start = clock_cpu_s();
     for (int i = 0; i < RAYS; i++) {
-        struct RTCRayHit ray = {.ray = {.org_x = (float)rays->origin[i].x, .org_y = (float)rays->origin[i].y,
-                                        .org_z = (float)rays->origin[i].z, .dir_x = rays->direction[i].x,
-                                        .dir_y = rays->direction[i].y, .dir_z = rays->direction[i].z, .tfar = INFINITY,
+        struct RTCRayHit ray = {.ray = {.org_x = (float)rays->origin[i].x,
+                                        .org_y = (float)rays->origin[i].y,
+                                        .org_z = (float)rays->origin[i].z,
+                                        .dir_x = rays->direction[i].x,
+                                        .dir_y = rays->direction[i].y,
+                                        .dir_z = rays->direction[i].z,
+                                        .tfar = INFINITY,
                                         .mask = 0xffffffffU}};
         ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         embree_intersect(scene, &context, &ray);
@@ -95,8 +100,10 @@ static void bench_rays(void)
     RTCScene bare = rtcNewScene(device);
     rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, sizeof(Vec3f), mesh->n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12, mesh->n_triangles);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                               sizeof(Vec3f), mesh->n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12,
+                               mesh->n_triangles);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(bare, geometry);
     rtcReleaseGeometry(geometry);
@@ -146,7 +153,8 @@ static void bench_crossing(void)
 
 /* ---- whole renders ---- */
 
-static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height, Error *error)
+static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                         uint32_t *height, Error *error)
 {
     (void)context;
     (void)space;
@@ -194,7 +202,8 @@ static void bench_scene(const char *path)
     arena_init(&arena);
     diag_init(&diag, &arena, &sources);
     SceneOptions options = {.load_image = load_image};
-    if (pool_new(2, &pool, &error) != STATUS_OK || scene_build(path, &options, &diag, &scene, NULL, &error) != STATUS_OK ||
+    if (pool_new(2, &pool, &error) != STATUS_OK ||
+        scene_build(path, &options, &diag, &scene, NULL, &error) != STATUS_OK ||
         compile_scene(scene, scene->render.nesting, pool, NULL, &compiled, &error) != STATUS_OK) {
         fprintf(stderr, "bench: %s: %s\n", path, error.text);
         exit(1);
@@ -209,7 +218,8 @@ static void bench_scene(const char *path)
         two[i] = one.seconds / both.seconds;
     }
     printf("%s: %.2f rays a path, %.1f %% of crossings silent, %llu faults in %llu crossings\n", path,
-           (double)one.rays / (double)one.paths, 100 * (double)one.silent_crossings / (double)(one.crossings ? one.crossings : 1),
+           (double)one.rays / (double)one.paths,
+           100 * (double)one.silent_crossings / (double)(one.crossings ? one.crossings : 1),
            (unsigned long long)one.nesting_faults, (unsigned long long)one.crossings);
     print_figure("  a path", path_us, RUNS, "us");
     print_figure("  a ray, shading and all", ray_ns, RUNS, "ns");
@@ -220,10 +230,116 @@ static void bench_scene(const char *path)
     arena_clear(&arena);
 }
 
+/* ---- many objects ---- */
+
+/* A scene from text, compiled, with the time that the compiling took. */
+typedef struct Made {
+    Arena arena;
+    SourceSet sources;
+    Diag diag;
+    Scene *scene;
+    CompiledScene *compiled;
+    double build_s, compile_s;
+} Made;
+
+static void make_scene(Made *made, const char *text)
+{
+    Error error = {0};
+    *made = (Made){0};
+    arena_init(&made->arena);
+    made->sources.arena = &made->arena;
+    diag_init(&made->diag, &made->arena, &made->sources);
+    SceneOptions options = {.load_image = load_image};
+    double start = clock_cpu_s();
+    Status status = scene_build_text("bench", text, &options, &made->diag, &made->scene, NULL, &error);
+    made->build_s = clock_cpu_s() - start;
+    start = clock_cpu_s();
+    if (status == STATUS_OK) status = compile_scene(made->scene, NEST_AUTOMATIC, NULL, NULL, &made->compiled, &error);
+    made->compile_s = clock_cpu_s() - start;
+    if (status == STATUS_OK) return;
+    fprintf(stderr, "bench: %s\n", error.text);
+    exit(1);
+}
+
+static void made_clear(Made *made)
+{
+    compiled_scene_free(made->compiled);
+    scene_free(made->scene);
+    arena_clear(&made->arena);
+}
+
+#define SODA                                                                                                           \
+    "meniscus 1.0 unit mm medium glass { ior = 1.5 state = solid } medium soda { ior = 1.33 state = liquid } "         \
+    "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] } "           \
+    "cylinder drink { interior = soda from = <0, 9.9, 0> to = <0, 80, 0> radius = 37.1 } "                             \
+    "ground { y = -.01 } environment { } camera { from = <0, 90, -240> to = <0, 45, 0> fov = 24 } "                    \
+    "render { bounces = 64 } let n = %u let size = 16 / n ^ (1 / 3) "                                                  \
+    "for (i in 1..n) { let r = 34 * sqrt(rnd(i, 2)) let a = 360 * rnd(i, 1) "                                          \
+    "%s translate(<r * cos(a), 14 + 60 * rnd(i, 4), r * sin(a)>) } }"
+
+/* A soda with ever more, ever smaller bubbles, that fill the same part of it: what a ray costs should grow as the depth
+ * of the hierarchy does, what a scene costs as the number of bubbles. */
+static void bench_bubbles(const char *name, const char *bubble)
+{
+    enum { SIZES = 5, TURNS = 3 };
+    double first_ns = 0;
+    printf("%s in a soda: for each ray, in ratio to 10 of them; building, compiling, and checking the scene\n", name);
+    for (unsigned k = 0, n = 10; k < SIZES; k++, n *= 10) {
+        char text[2000];
+        Made made;
+        double ns[TURNS];
+        RenderStats stats = {0};
+        snprintf(text, sizeof text, SODA, n, bubble);
+        make_scene(&made, text);
+        for (int i = 0; i < TURNS; i++) {
+            stats = render_once(made.compiled, 1);
+            ns[i] = stats.cpu_seconds / (double)stats.rays * 1e9;
+        }
+        qsort(ns, TURNS, sizeof *ns, compare_double);
+        double start = clock_cpu_s();
+        Buf out = {0};
+        report_warnings(made.compiled, &made.diag);
+        report_remarks(made.compiled, &made.diag);
+        report_print(made.compiled, &made.sources, &out);
+        double check_s = clock_cpu_s() - start;
+        buf_clear(&out);
+        if (k == 0) first_ns = ns[TURNS / 2];
+        printf("  %7u %9.0f ns a ray %6.2f x %7.1f rays a path %8.3f s to build %8.3f s to compile %8.3f s to check, "
+               "%llu faults\n",
+               n, ns[TURNS / 2], ns[TURNS / 2] / first_ns, (double)stats.rays / (double)stats.paths, made.build_s,
+               made.compile_s, check_s, (unsigned long long)stats.nesting_faults);
+        made_clear(&made);
+    }
+}
+
+/* Every one of them overlaps every other one. */
+static void bench_shells(void)
+{
+    printf("boxes, each inside of all before it, in a lathe's room\n");
+    for (unsigned n = 250; n <= 1000; n *= 2) {
+        char text[1000];
+        Made made;
+        snprintf(
+            text, sizeof text,
+            "meniscus 1.0 unit mm medium glass { ior = 1.5 state = solid } medium soda { ior = 1.33 state = liquid } "
+            "lathe { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] } "
+            "camera { from = <0, 90, -240> to = <0, 45, 0> } environment { } let n = %u "
+            "for (i in 1..n) { box { interior = i %% 2 == 0 ? soda : glass size = vec3(50 * (n + 1 - i) / n) "
+            "translate(50 * y) } }",
+            n);
+        make_scene(&made, text);
+        printf("  %7u %9zu pairs %8.3f s to compile\n", n, made.compiled->n_pairs, made.compile_s);
+        made_clear(&made);
+    }
+}
+
 int main(int argc, char **argv)
 {
     bench_rays();
     bench_crossing();
+    bench_bubbles("spheres", "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3))");
+    bench_bubbles("ellipsoids", "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3)) scale(<1, 1.2, 1>)");
+    bench_shells();
     for (int i = 1; i < argc; i++) bench_scene(argv[i]);
     return 0;
 }
