@@ -92,6 +92,22 @@ static size_t key_hash(const VertexKey *key)
     return (size_t)h;
 }
 
+/* Gives back what the arrays have more than the mesh needs; a failure leaves them as they are. */
+static void shrink(void *array_pointer, size_t bytes)
+{
+    void *array;
+    memcpy(&array, array_pointer, sizeof array);
+    void *smaller = array ? realloc(array, bytes) : NULL;
+    if (smaller) memcpy(array_pointer, &smaller, sizeof smaller);
+}
+
+static void shrink_vertices(Mesh *mesh)
+{
+    shrink(&mesh->positions, mesh->n_vertices * sizeof(Vec3f) + EMBREE_PADDING);
+    shrink(&mesh->normals, mesh->n_vertices * sizeof(Vec3f) + EMBREE_PADDING);
+    shrink(&mesh->uvs, (2 * (size_t)mesh->n_vertices + 1) * sizeof(float));
+}
+
 Status mesh_weld(Mesh *mesh, Error *error)
 {
     size_t room = 16;
@@ -104,7 +120,11 @@ Status mesh_weld(Mesh *mesh, Error *error)
         return fail_memory(error, room * sizeof *table, "the welding of a mesh");
     }
     uint32_t kept = 0;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) moved_to[i] = UINT32_MAX;
+    for (uint32_t i = 0; i < mesh->n_triangles; i++)
+        for (int k = 0; k < 3; k++) moved_to[mesh->triangles[i][k]] = 0;
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        if (moved_to[i] == UINT32_MAX) continue; /* used by nothing */
         VertexKey key = vertex_key(mesh, i);
         size_t slot = key_hash(&key) & (room - 1);
         for (; table[slot]; slot = (slot + 1) & (room - 1)) {
@@ -123,7 +143,10 @@ Status mesh_weld(Mesh *mesh, Error *error)
     }
     for (uint32_t i = 0; i < mesh->n_triangles; i++)
         for (int k = 0; k < 3; k++) mesh->triangles[i][k] = moved_to[mesh->triangles[i][k]];
-    mesh->n_vertices = kept;
+    if (kept < mesh->n_vertices) {
+        mesh->n_vertices = kept;
+        shrink_vertices(mesh);
+    }
     free(table);
     free(moved_to);
     return STATUS_OK;

@@ -26,7 +26,8 @@ ATTR_NODISCARD Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool n
                                Error *error);
 ATTR_NODISCARD Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error);
 
-/* Merges vertices whose positions (and normals and uvs, where present) are equal bit by bit (-0 = 0). */
+/* Merges vertices whose positions (and normals and uvs, where present) are equal bit by bit (-0 = 0), and
+ * drops those that no triangle uses. */
 ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Error *error);
 /* Moves every vertex; a map that mirrors also turns the triangles round, so that outside stays outside. */
 void mesh_transform(Mesh *mesh, const Affine *transform);

@@ -5,10 +5,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/hash.h"
 #include "geom/embree.h"
+#include "geom/mesh_file.h"
 #include "geom/rtc.h"
 #include "nest/cross.h"
 #include "render/render.h"
@@ -51,6 +53,21 @@ static void make_rays(RaySet *rays)
         rays->origin[i] = vec3_scale(from, 4);
         rays->direction[i] = vec3f_from(vec3_normalize(vec3_sub(to, rays->origin[i])));
     }
+}
+
+/* What Embree alone makes of a mesh. */
+static RTCScene bare_scene(RTCDevice device, const Mesh *mesh)
+{
+    RTCScene bare = rtcNewScene(device);
+    rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, sizeof(Vec3f), mesh->n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12, mesh->n_triangles);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(bare, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(bare);
+    return bare;
 }
 
 static double time_bare(RTCScene scene, const RaySet *rays)
@@ -97,6 +114,7 @@ static void bench_rays(void)
     RtcObject object = {.mesh = mesh, .to_world = affine_identity()};
     if (rtc_scene_new(&object, 1, 1, &scene, &error) != STATUS_OK) exit(1);
     RTCDevice device = rtcNewDevice("threads=1");
+<<<<<<< HEAD
     RTCScene bare = rtcNewScene(device);
     rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -108,6 +126,9 @@ static void bench_rays(void)
     rtcAttachGeometry(bare, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(bare);
+=======
+    RTCScene bare = bare_scene(device, mesh);
+>>>>>>> d8dcc39 (tests: mesh files at their worst; bench: from a mesh file to a scene; weld gives back memory)
     double ratio[RUNS], bare_ns[RUNS];
     for (int i = 0; i < RUNS; i++) {
         double b = time_bare(bare, &rays), e = time_exact(scene, &rays);
@@ -121,6 +142,73 @@ static void bench_rays(void)
     rtcReleaseDevice(device);
     rtc_scene_free(scene);
     mesh_free(mesh);
+}
+
+/* ---- from a mesh file to a scene ---- */
+
+static void write_ply(const char *path, const Mesh *mesh)
+{
+    FILE *file = fopen(path, "wb");
+    if (!file) exit(1);
+    fprintf(file,
+            "ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty float x\nproperty float y\n"
+            "property float z\nelement face %u\nproperty list uchar int vertex_indices\nend_header\n",
+            mesh->n_vertices, mesh->n_triangles);
+    fwrite(mesh->positions, sizeof *mesh->positions, mesh->n_vertices, file);
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        fputc(3, file);
+        fwrite(mesh->triangles[i], sizeof *mesh->triangles, 1, file);
+    }
+    if (fclose(file) != 0) exit(1);
+}
+
+/* Load, weld, closedness, geometry and hierarchy; or Embree's part of it alone. Both with two threads. */
+static void bench_mesh_file(void)
+{
+    enum { THREADS = 2 };
+    char path[] = "/tmp/meniscus-bench-XXXXXX";
+    int descriptor = mkstemp(path);
+    Mesh *sphere;
+    Error error;
+    if (descriptor < 0 || mesh_make_sphere(1, 8, &sphere, &error) != STATUS_OK) exit(1);
+    close(descriptor);
+    write_ply(path, sphere);
+    RTCDevice device = rtcNewDevice("threads=2");
+    Pool *pool;
+    if (pool_new(THREADS, &pool, &error) != STATUS_OK) exit(1);
+    double ratio[RUNS], crossing[RUNS], bare_ms[RUNS], bytes = 0;
+    for (int i = 0; i < RUNS; i++) {
+        double start = clock_now_s();
+        rtcReleaseScene(bare_scene(device, sphere));
+        double bare = clock_now_s() - start;
+        Mesh *mesh;
+        MeshReport report;
+        MeshCrossings found;
+        RtcScene *scene;
+        start = clock_now_s();
+        if (mesh_load_ply(path, NULL, &mesh, &error) != STATUS_OK || mesh_weld(mesh, &error) != STATUS_OK ||
+            mesh_inspect(mesh, &report, &error) != STATUS_OK || !report.closed)
+            exit(1);
+        RtcObject object = {.mesh = mesh, .to_world = affine_identity()};
+        if (rtc_scene_new(&object, 1, THREADS, &scene, &error) != STATUS_OK) exit(1);
+        ratio[i] = (clock_now_s() - start) / bare;
+        start = clock_now_s();
+        if (mesh_find_crossings(mesh, pool, &found, &error) != STATUS_OK || found.n) exit(1);
+        crossing[i] = (clock_now_s() - start) / bare;
+        bare_ms[i] = bare * 1e3;
+        bytes = (double)rtc_scene_bytes(scene) / mesh->n_triangles;
+        rtc_scene_free(scene);
+        mesh_free(mesh);
+    }
+    printf("a binary PLY file of %u triangles, two threads; Embree holds %.1f bytes a triangle beside the mesh\n",
+           sphere->n_triangles, bytes);
+    print_figure("  Embree's own building of it", bare_ms, RUNS, "ms");
+    print_figure("  from the file to the scene, over that", ratio, RUNS, "x");
+    print_figure("  looking whether it crosses itself, over that", crossing, RUNS, "x");
+    rtcReleaseDevice(device);
+    pool_free(pool);
+    mesh_free(sphere);
+    remove(path);
 }
 
 /* ---- crossings alone ---- */
@@ -336,6 +424,7 @@ static void bench_shells(void)
 int main(int argc, char **argv)
 {
     bench_rays();
+    bench_mesh_file();
     bench_crossing();
     bench_bubbles("spheres", "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3))");
     bench_bubbles("ellipsoids", "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3)) scale(<1, 1.2, 1>)");

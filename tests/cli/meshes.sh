@@ -1,0 +1,103 @@
+# meshes.sh - mesh files at their worst: what is wrong is said, and nothing crashes.
+# SPDX-License-Identifier: Apache-2.0
+
+tetrahedron() { # tetrahedron SIZE: as OBJ, on standard output
+    printf 'v 0 0 0\nv %s 0 0\nv 0 %s 0\nv 0 0 %s\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' "$1" "$1" "$1"
+}
+# mesh_scene MESH...: a small scene of glass meshes, each given by its properties
+mesh_scene() {
+    echo 'meniscus 1.0 unit cm
+medium glass { ior = 1.5  tint = rgb(.9, .5, .2)  depth = 1cm }
+environment { }
+camera { from = <1, 2, 8>  to = <.3, .3, .3>  fov = 20 }
+film { size = <16, 12> }
+render { samples = 4 }'
+    for mesh; do echo "mesh { interior = glass  $mesh }"; done
+}
+refuses_mesh() { # refuses_mesh FILE TEXT
+    mesh_scene "file = \"$1\"" > scene.mns
+    run render scene.mns
+    exits 3
+    says err "$2"
+    gone scene.exr
+}
+
+begin "meshes: damaged files name the file and the place"
+: > empty.ply
+refuses_mesh empty.ply "'empty.ply' is not a PLY file"
+printf 'v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n' > nan.obj
+refuses_mesh nan.obj "'nan.obj':3: 'nan' stands where a number should be"
+printf 'v 0 0 0\nv 1e60 0 0\nv 0 1 0\nf 1 2 3\n' > far.obj
+refuses_mesh far.obj "'far.obj':2: the number 1e+60 is too large"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n' > index.obj
+refuses_mesh index.obj "'index.obj':4: a face uses position 7; there are 3"
+printf '# nothing\n' > nothing.obj
+refuses_mesh nothing.obj "'nothing.obj' has no faces"
+printf 'solid and then nothing that a text or a binary STL file could be, for more than eighty-four bytes' > lie.stl
+refuses_mesh lie.stl "'lie.stl' "
+printf '{"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"]}' > packed.gltf
+refuses_mesh packed.gltf "KHR_draco_mesh_compression"
+printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 1 2\nf 3 3 3\n' > flat.obj
+refuses_mesh flat.obj "the mesh has no triangles"
+tetrahedron 1 | sed 's/f 1 3 2//' > open.obj
+refuses_mesh open.obj "is open and encloses nothing: 3 edges have a face on one side only"
+end
+
+begin "meshes: transforms that flatten are refused, mirrored ones make the same picture"
+tetrahedron 1 > t.obj
+mesh_scene 'file = "t.obj"  scale(<1, 0, 1>)' > scene.mns
+run render scene.mns
+exits 3
+says err "[singular-transform]"
+tetrahedron -1 > m.obj
+mesh_scene 'file = "t.obj"' > plain.mns
+mesh_scene 'file = "m.obj"  scale(-1)' > mirrored.mns
+run render plain.mns
+exits 0
+run render mirrored.mns
+exits 0
+run compare plain.exr mirrored.exr --max-rmse 0.01
+exits 0
+end
+
+begin "meshes: one a billion times larger than another"
+tetrahedron 1 > t.obj
+mesh_scene 'file = "t.obj"' 'file = "t.obj"  scale(1e9)  translate(<-1e8, -1e8, -1e8>)' > scene.mns
+run render scene.mns
+exits 0
+there scene.exr
+run check scene.mns
+says err "times larger than anything else" # a remark: floats end there
+mesh_scene 'file = "t.obj"' 'file = "t.obj"  scale(1e18)' > scene.mns
+run render scene.mns
+exits 3
+says err "[value-out-of-range]"
+end
+
+begin "meshes: what crosses itself is found by check and by info"
+{ tetrahedron 1; printf 'v .2 .2 .2\nv 2 .2 .2\nv .2 2 .2\nv .2 .2 2\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n'; } > two.obj
+mesh_scene 'file = "two.obj"' > scene.mns
+run check scene.mns
+exits 0
+says err "[mesh-crosses-itself]"
+says err "3 pairs of its triangles pass through each other"
+matches err 'note: near <0\.[0-9]'
+run info two.obj
+exits 0
+matches out '^faces that cross +3$'
+end
+
+begin "meshes: parts, units, and what has no effect without a file"
+{ echo 'o one'; tetrahedron 1; echo 'o two'; tetrahedron 2 | sed '/^f/d'; printf 'f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n'; } > two.obj
+run info two.obj
+exits 0
+matches out "^object +'two', 4 triangles$"
+mesh_scene 'file = "two.obj"  part = "two"  unit = 1mm' > scene.mns
+run check scene.mns
+exits 0
+says out "1.33 mm³"
+mesh_scene 'positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>]  triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>]  up = z' > scene.mns
+run check scene.mns
+exits 3
+says err "'up'"
+end
