@@ -114,21 +114,7 @@ static void bench_rays(void)
     RtcObject object = {.mesh = mesh, .to_world = affine_identity()};
     if (rtc_scene_new(&object, 1, 1, &scene, &error) != STATUS_OK) exit(1);
     RTCDevice device = rtcNewDevice("threads=1");
-<<<<<<< HEAD
-    RTCScene bare = rtcNewScene(device);
-    rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
-                               sizeof(Vec3f), mesh->n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12,
-                               mesh->n_triangles);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(bare, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(bare);
-=======
     RTCScene bare = bare_scene(device, mesh);
->>>>>>> d8dcc39 (tests: mesh files at their worst; bench: from a mesh file to a scene; weld gives back memory)
     double ratio[RUNS], bare_ns[RUNS];
     for (int i = 0; i < RUNS; i++) {
         double b = time_bare(bare, &rays), e = time_exact(scene, &rays);

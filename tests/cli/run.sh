@@ -83,11 +83,7 @@ all_scenes() {
 }
 scene_hash() { "$program" check --json "$1" 2> err | grep '"hash": "'; }
 
-<<<<<<< HEAD
-if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set std frames; fi
-=======
-if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set std meshes; fi
->>>>>>> d8dcc39 (tests: mesh files at their worst; bench: from a mesh file to a scene; weld gives back memory)
+if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set std frames meshes; fi
 for part; do . "$folder/$part.sh"; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]
