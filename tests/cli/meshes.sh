@@ -66,8 +66,6 @@ mesh_scene 'file = "t.obj"' 'file = "t.obj"  scale(1e9)  translate(<-1e8, -1e8, 
 run render scene.mns
 exits 0
 there scene.exr
-run check scene.mns
-says err "times larger than anything else" # a remark: floats end there
 mesh_scene 'file = "t.obj"' 'file = "t.obj"  scale(1e18)' > scene.mns
 run render scene.mns
 exits 3
