@@ -142,35 +142,96 @@ static const double *lathe_rounding(Builder *b, const EvalNode *node, const Eval
     return all;
 }
 
+typedef struct LatheParts {
+    const EvalProp *profile;
+    const double *round; /* or NULL */
+    const bool *corner;  /* of a cubic curve, else NULL */
+    double curve;        /* 0: straight edges; else LatheCurve + 1 */
+    double smooth, tolerance;
+} LatheParts;
+
+/* Which points a cubic curve has corners at; NULL after reporting. */
+static const bool *lathe_corners(Builder *b, const EvalNode *node, size_t n)
+{
+    const EvalProp *corners = eval_prop(node, "corners");
+    bool *corner = ARENA_ARRAY(b->arena, bool, n + 1);
+    for (size_t i = 0; i < n; i++) corner[i] = false;
+    for (size_t i = 0; corners && i < corners->as.list.n; i++) {
+        double number = corners->as.list.numbers[i];
+        if (!(number < (double)n) || number != floor(number)) {
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, corners->span,
+                        "corner %g is none of the profile's points, which are 0 to %zu", number, n ? n - 1 : 0);
+            return NULL;
+        }
+        corner[(size_t)number] = true;
+    }
+    return corner;
+}
+
+/* false after reporting */
+static bool lathe_parts(Builder *b, const EvalNode *node, LatheParts *parts)
+{
+    const EvalProp *tolerance = eval_prop(node, "tolerance");
+    const char *curve = eval_word(node, "curve");
+    *parts = (LatheParts){.profile = eval_prop(node, "profile"), .tolerance = tolerance ? tolerance->as.number : 0};
+    size_t n = parts->profile->as.list.n;
+    if (n > 100000) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, parts->profile->span,
+                    "a profile of %zu corners is too long; the limit is 100000", n);
+        return false;
+    }
+    bool cubic = strcmp(curve, "cubic") == 0, ok = true;
+    if (!cubic) build_needs(b, node, "corners", "on a curve that is not cubic");
+    if (strcmp(curve, "linear") == 0) {
+        build_needs(b, node, "tolerance", "without a curve");
+        parts->smooth = eval_truth(node, "smooth");
+        parts->round = lathe_rounding(b, node, parts->profile, &ok);
+        return ok;
+    }
+    build_needs(b, node, "rounding", "on a curve");
+    build_needs(b, node, "smooth", "on a curve, which is smooth");
+    parts->curve = 1 + (cubic ? LATHE_CUBIC : LATHE_BEZIER);
+    if (cubic) parts->corner = lathe_corners(b, node, n);
+    return !cubic || parts->corner;
+}
+
+/* What tells shapes apart: kind, curve, smooth, tolerance, profile, rounding, corners. */
+static uint32_t lathe_shape(Builder *b, const LatheParts *parts, bool *found)
+{
+    size_t n = parts->profile->as.list.n;
+    size_t n_numbers = 4 + 2 * n + (parts->round || parts->corner ? n : 0);
+    double *key = ARENA_ARRAY(b->arena, double, n_numbers);
+    memcpy(key, "lathe\0\0", 8);
+    key[1] = parts->curve;
+    key[2] = parts->smooth;
+    key[3] = parts->tolerance;
+    if (n) memcpy(key + 4, parts->profile->as.list.numbers, 2 * n * sizeof *key);
+    if (parts->round) memcpy(key + 4 + 2 * n, parts->round, n * sizeof *key);
+    for (size_t i = 0; parts->corner && i < n; i++) key[4 + 2 * n + i] = parts->corner[i];
+    return build_shape_of(b, key, n_numbers * sizeof *key, found);
+}
+
 void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
 {
-    const EvalProp *profile = eval_prop(node, "profile");
-    bool ok;
-    const double *round = lathe_rounding(b, node, profile, &ok);
-    if (!ok) return;
-    bool smooth = eval_truth(node, "smooth");
-    size_t n = profile->as.list.n;
-    if (n > 100000) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, profile->span,
-                    "a profile of %zu corners is too long; the limit is 100000", n);
-        return;
-    }
-    /* key: kind, smooth, profile, rounding */
-    size_t n_numbers = 2 + 2 * n + (round ? n : 0);
-    double *key = ARENA_ARRAY(b->arena, double, n_numbers);
-    memcpy(key, "lathe", 6);
-    key[1] = smooth;
-    if (n) memcpy(key + 2, profile->as.list.numbers, 2 * n * sizeof *key);
-    if (round) memcpy(key + 2 + 2 * n, round, n * sizeof *key);
+    LatheParts parts;
+    if (!lathe_parts(b, node, &parts)) return;
+    size_t n = parts.profile->as.list.n;
     bool found;
-    uint32_t shape = build_shape_of(b, key, n_numbers * sizeof *key, &found);
+    uint32_t shape = lathe_shape(b, &parts, &found);
+    Solid **solid = &b->scene->shapes[shape].solid;
     if (!found) {
-        double(*corners)[2] = arena_array(b->arena, n ? n : 1, sizeof *corners);
-        for (size_t i = 0; i < 2 * n; i++) corners[i / 2][i % 2] = profile->as.list.numbers[i];
+        double(*points)[2] = arena_array(b->arena, n ? n : 1, sizeof *points);
+        for (size_t i = 0; i < 2 * n; i++) points[i / 2][i % 2] = parts.profile->as.list.numbers[i];
         Error error;
-        Status status = solid_make_lathe((const double(*)[2])corners, (uint32_t)n, round, smooth,
-                                         &b->scene->shapes[shape].solid, &error);
-        if (!build_keep_solid(b, shape, status, &error, profile->span)) return;
+        Status status;
+        if (parts.curve > 0)
+            status =
+                solid_make_curved_lathe((const double(*)[2])points, (uint32_t)n, (LatheCurve)((int)parts.curve - 1),
+                                        parts.corner, parts.tolerance, solid, &error);
+        else
+            status = solid_make_lathe((const double(*)[2])points, (uint32_t)n, parts.round, parts.smooth != 0, solid,
+                                      &error);
+        if (!build_keep_solid(b, shape, status, &error, parts.profile->span)) return;
     }
-    if (b->scene->shapes[shape].solid) build_object(b, node, shape, to_world);
+    if (*solid) build_object(b, node, shape, to_world);
 }

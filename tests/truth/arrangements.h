@@ -47,6 +47,22 @@ static const Arrangement arrangements[] = {
      "           center = <d * cos(a), 12 + 28 * rnd(7, i, 3), d * sin(a)> } }\n"
      "camera { from = <0, 120, -260>  to = <0, 40, 0>  fov = 22deg }\n",
      true},
+    {"round solids in each other",
+     ARRANGEMENT_MEDIA_PLAIN
+     "torus ring { interior = glass  radius = 30  tube = 12 }\n"
+     "torus hollow { interior = gas  radius = 30  tube = 8 }\n"
+     "torus core { interior = water  radius = 30.5  tube = 5  rotate(x, 4) }\n"
+     "torus knot { interior = ice  radius = 11  tube = 4  rotate(z, 80)  translate(<30, 0, 0>) }\n"
+     "torus apple { interior = ice  radius = 5  tube = 9  rotate(<20, 0, 30>) }\n"
+     "capsule pill { interior = whisky  from = <-40, -3, 2>  to = <25, 6, -1>  radius = 7 }\n"
+     "capsule seed { interior = gas  from = <-30, -1, 2>  to = <10, 4, 0>  radius = 4 }\n"
+     "ellipsoid drop { interior = water  center = <0, 8, 20>  radii = <30, 6, 9>  rotate(y, 25) }\n"
+     "cylinder rod { interior = glass  from = <-5, -25, -15>  to = <9, 25, -20>  radius = 6  rounding = 2 }\n"
+     "cone bung { interior = glass  from = <18, -22, 10>  to = <18, 14, 14>  radius_from = 9  radius_to = 4  rounding = 3 }\n"
+     "lathe vase { interior = ice  curve = cubic  corners = [1]  translate(<-22, -20, 8>)\n"
+     "  profile = [<0, 0>, <8, 0>, <9, 1>, <3, 6>, <10, 16>, <6, 30>, <8, 38>, <7, 38>, <5, 30>, <9, 16>, <0, 8>] }\n"
+     "camera { from = <40, 90, -150>  to = <0, 0, 0>  fov = 34deg }\n",
+     false},
     {"aquarium",
      ARRANGEMENT_MEDIA_PLAIN ARRANGEMENT_FIT
      "medium stone_glass { ior = 1.62  state = solid }\n"

@@ -130,6 +130,7 @@ static void volumes_are_exact(void **state)
         {"capsule { interior = glass to = <0, 0, 5> radius = 2 }", 20 + 32 / 3.0},
         {"cylinder { interior = glass to = <4, 0, 0> radius = 2 rounding = 2 }", 32 / 3.0},
         {"cone { interior = glass to = <0, 4, 0> radius_from = 3 rounding = 1.5 }", 4.5}, /* what is left is its inscribed ball */
+        {"lathe { interior = glass profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] curve = cubic corners = [0, 1, 2, 3] }", 20},
         {"group { scale(2) sphere { interior = glass } }", 32 / 3.0},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -217,6 +218,16 @@ static void wrong_shapes_are_refused(void **state)
     REFUSED("ellipsoid { interior = glass }", D_MISSING_PROPERTY);
     REFUSED("cylinder { interior = glass to = <0, 3, 0> radius = 2 rounding = 1.51 }", D_VALUE_OUT_OF_RANGE);
     REFUSED("cone { interior = glass to = <0, 4, 0> radius_from = 3 rounding = 1.501 }", D_VALUE_OUT_OF_RANGE);
+#define CAN "lathe { interior = glass profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>] "
+    REFUSED(CAN "curve = cubic corners = [4] }", D_VALUE_OUT_OF_RANGE);
+    REFUSED(CAN "curve = cubic corners = [1.5] }", D_VALUE_OUT_OF_RANGE);
+    REFUSED(CAN "corners = [1] }", D_CONFLICTING_PROPERTIES);
+    REFUSED(CAN "curve = bezier corners = [1] }", D_CONFLICTING_PROPERTIES);
+    REFUSED(CAN "tolerance = 1 }", D_CONFLICTING_PROPERTIES);
+    REFUSED(CAN "curve = cubic rounding = .1 }", D_CONFLICTING_PROPERTIES);
+    REFUSED(CAN "curve = cubic smooth = true }", D_CONFLICTING_PROPERTIES);
+    REFUSED("lathe { interior = glass curve = bezier profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>, <0, 0>] }", D_DEGENERATE_SHAPE);
+#undef CAN
     REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 1>] }", D_DEGENERATE_SHAPE);
     REFUSED("lathe { interior = glass profile = [<0, 0>, <-1, 1>, <1, 1>] }", D_DEGENERATE_SHAPE);
     REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 0>, <0, 1>] rounding = [.1, .1] }", D_VALUE_OUT_OF_RANGE);

@@ -275,6 +275,146 @@ static void test_many_points(void **state)
     free(profile);
 }
 
+static Solid *make_curve(Profile profile, uint32_t n, LatheCurve kind, const bool *corner, double tolerance)
+{
+    Solid *solid = NULL;
+    Error error = {STATUS_OK, ""};
+    if (solid_make_curved_lathe(profile, n, kind, corner, tolerance, &solid, &error) != STATUS_OK) fail_msg("%s", error.text);
+    check_chain(solid);
+    return solid;
+}
+
+static void refuse_curve(Profile profile, uint32_t n, LatheCurve kind, const char *reason)
+{
+    static const bool corner[16] = {false};
+    Solid *solid = NULL;
+    Error error = {STATUS_OK, ""};
+    assert_int_equal(solid_make_curved_lathe(profile, n, kind, corner, 0, &solid, &error), STATUS_SCENE);
+    if (!strstr(error.text, reason)) fail_msg("'%s' does not say '%s'", error.text, reason);
+}
+
+/* The direction of a piece at one of its ends, in the sense of the walk. */
+static void piece_direction(const Piece *p, bool at_end, double *r, double *y)
+{
+    *r = p->r1 - p->r0;
+    *y = p->y1 - p->y0;
+    if (p->kind != PIECE_BAND) {
+        double up = p->y1 > p->y0 ? 1 : -1, outer = p->kind == PIECE_OUTER_ARC ? 1 : -1;
+        *r = -up * outer * ((at_end ? p->y1 : p->y0) - p->centre_y);
+        *y = up * outer * ((at_end ? p->r1 : p->r0) - p->centre_r);
+    }
+    double length = hypot(*r, *y);
+    *r /= length;
+    *y /= length;
+}
+
+/* The largest turn, in radians, from one piece to the next, off the axis. */
+static double largest_kink(const Solid *solid)
+{
+    double largest = 0;
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *here = &solid->pieces[i], *next = &solid->pieces[(i + 1) % solid->n_pieces];
+        if (here->r1 == 0) continue;
+        double r0, y0, r1, y1;
+        piece_direction(here, true, &r0, &y0);
+        piece_direction(next, false, &r1, &y1);
+        largest = fmax(largest, fabs(atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1)));
+    }
+    return largest;
+}
+
+static const double quarter = 0.5522847498307936; /* of Bezier's control points for a quarter of a circle */
+
+static void test_bezier(void **state)
+{
+    (void)state;
+    /* half a circle, as everybody draws it: a ball to 2.7e-4 of its radius */
+    const double ball[][2] = {{0, -1}, {quarter, -1}, {1, -quarter}, {1, 0}, {1, quarter}, {quarter, 1}, {0, 1}};
+    Solid *solid = make_curve(ball, 7, LATHE_BEZIER, NULL, 1e-3);
+    assert_int_equal(solid->n_pieces, 4);
+    assert_near(solid->volume / (4 * pi / 3), 1, 1e-3);
+    solid_free(solid);
+    /* finer, the arcs follow the curve instead of the circle; the other way round, and closed, it is the same */
+    solid = make_curve(ball, 7, LATHE_BEZIER, NULL, 1e-9);
+    uint32_t n_fine = solid->n_pieces;
+    double volume = solid->volume;
+    printf("    a ball of two Bezier pieces within 1e-9: %u arcs\n", n_fine);
+    assert_true(n_fine > 20 && n_fine < 1000);
+    /* the curve's own volume, pi times the integral of r^2 dy, by the midpoint rule */
+    double exact = 0;
+    enum { STEPS = 1000000 };
+    for (int i = 0; i < STEPS; i++) {
+        double t = (i + 0.5) / STEPS, s = 1 - t;
+        double r = 3 * s * t * t + t * t * t + 3 * s * s * t * quarter;
+        double slope = 3 * s * s * 0 + 6 * s * t * (1 - quarter) + 3 * t * t * quarter;
+        exact += 2 * pi * r * r * slope / STEPS;
+    }
+    assert_near(volume, exact, 1e-7);
+    assert_true(largest_kink(solid) < 1e-6);
+    solid_free(solid);
+    double back[7][2];
+    for (int i = 0; i < 7; i++) memcpy(back[i], ball[6 - i], sizeof back[i]);
+    solid = make_curve((Profile)back, 7, LATHE_BEZIER, NULL, 1e-9);
+    assert_int_equal(solid->n_pieces, n_fine);
+    assert_near(solid->volume, volume, 1e-12);
+    solid_free(solid);
+    refuse_curve(ball, 5, LATHE_BEZIER, "3 points for each piece");
+    const double over[][2] = {{0, -1}, {-2, -1}, {1, -quarter}, {1, 0}, {1, quarter}, {quarter, 1}, {0, 1}};
+    refuse_curve(over, 7, LATHE_BEZIER, "crosses the axis behind profile[0]");
+}
+
+static void test_smooth_curve(void **state)
+{
+    (void)state;
+    /* through points of a circle about the axis: smooth, and square to it at both poles */
+    double ball[13][2];
+    for (int i = 0; i < 13; i++) {
+        ball[i][0] = i % 12 ? sin(pi * i / 12) : 0;
+        ball[i][1] = -cos(pi * i / 12);
+    }
+    const bool none[16] = {false};
+    Solid *solid = make_curve((Profile)ball, 13, LATHE_CUBIC, none, 0);
+    assert_near(solid->volume / (4 * pi / 3), 1, 2e-4);
+    assert_true(largest_kink(solid) < 1e-6);
+    double r, y;
+    piece_direction(&solid->pieces[0], false, &r, &y);
+    assert_near(y, 0, 1e-7);
+    piece_direction(&solid->pieces[solid->n_pieces - 1], true, &r, &y);
+    assert_near(y, 0, 1e-7);
+    solid_free(solid);
+    /* a closed curve, off the axis */
+    double ring[8][2];
+    for (int i = 0; i < 8; i++) {
+        ring[i][0] = 3 + cos(2 * pi * i / 8);
+        ring[i][1] = sin(2 * pi * i / 8);
+    }
+    solid = make_curve((Profile)ring, 8, LATHE_CUBIC, none, 0);
+    assert_near(solid->volume / (6 * pi * pi), 1, 1e-2);
+    assert_true(largest_kink(solid) < 1e-6);
+    solid_free(solid);
+    /* corners, with straight lines between them: a can, whatever the curve */
+    const double can[][2] = {{0, 0}, {2, 0}, {2, 3}, {0, 3}};
+    const bool all[] = {true, true, true, true};
+    solid = make_curve(can, 4, LATHE_CUBIC, all, 0);
+    assert_int_equal(solid->n_pieces, 3);
+    assert_near(solid->volume, 12 * pi, 1e-12);
+    assert_near(largest_kink(solid), pi / 2, 1e-12);
+    assert_near((double)solid->pieces[0].ny1, -1, 0);
+    solid_free(solid);
+    const bool rim[] = {false, true, false, false};
+    solid = make_curve(can, 4, LATHE_CUBIC, rim, 0);
+    assert_true(largest_kink(solid) > 0.1);
+    solid_free(solid);
+    const double twice[][2] = {{0, 0}, {2, 0}, {2, 0}, {0, 3}};
+    refuse_curve(twice, 4, LATHE_CUBIC, "profile[2] = <2, 0> repeats");
+    const double closed[][2] = {{1, 0}, {2, 0}, {2, 1}, {1, 0}};
+    refuse_curve(closed, 4, LATHE_CUBIC, "profile[3] repeats the first point");
+    const double left[][2] = {{0, 0}, {2, 0}, {-2, 1}};
+    refuse_curve(left, 3, LATHE_CUBIC, "left of the axis");
+    const double knot[][2] = {{0, 0}, {3, 0}, {1, 2}, {3, 2}, {1, 0.5}, {0, 3}};
+    refuse_curve(knot, 6, LATHE_CUBIC, "crosses or touches itself");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -287,6 +427,8 @@ int main(void)
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_beads_may_touch_on_the_axis),
         cmocka_unit_test(test_many_points),
+        cmocka_unit_test(test_bezier),
+        cmocka_unit_test(test_smooth_curve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
