@@ -13,6 +13,7 @@
 #include "cli/library_doc.h"
 #include "cli/mdoc.h"
 #include "cli/reference.h"
+#include "diag/limits.h"
 #include "lang/builtin.h"
 #include "scene/build.h"
 
@@ -272,6 +273,18 @@ static void print_diagnostics(DiagSeverity severity, Buf *out)
     buf_add(out, ".El\n");
 }
 
+static void print_limits(Buf *out)
+{
+    buf_add(out, ".Bl -column \"1073741824\" \"elements\"\n");
+    for (Limit limit = 0; limit < LIMIT_COUNT; limit++) {
+        const LimitRow *row = limit_row(limit);
+        buf_format(out, ".It %.0f Ta ", row->number);
+        mdoc_escape(out, row->what, strlen(row->what), true);
+        buf_add(out, "\n");
+    }
+    buf_add(out, ".El\n");
+}
+
 /* ---- pages ---- */
 
 static Status print_section(const char *kind, Buf *out, Error *error)
@@ -293,6 +306,8 @@ static Status print_section(const char *kind, Buf *out, Error *error)
         library_print_manual(out);
     else if (strcmp(kind, "aovs") == 0)
         print_aovs(out);
+    else if (strcmp(kind, "limits") == 0)
+        print_limits(out);
     else if (strcmp(kind, "errors") == 0)
         print_diagnostics(DIAG_ERROR, out);
     else if (strcmp(kind, "warnings") == 0)

@@ -5,9 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "diag/limits.h"
 #include "diag/suggest.h"
-
-enum { DEFAULT_LIMIT = 20 };
 
 static const struct {
     DiagSeverity severity;
@@ -20,7 +19,7 @@ static const struct {
 
 void diag_init(Diag *diag, Arena *arena, SourceSet *sources)
 {
-    *diag = (Diag){.arena = arena, .sources = sources, .limit = DEFAULT_LIMIT};
+    *diag = (Diag){.arena = arena, .sources = sources, .limit = LIMIT_ERRORS_SHOWN};
 }
 
 const char *diag_slug(DiagCode code)

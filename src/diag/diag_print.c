@@ -162,7 +162,9 @@ static void add_report(Diag *diag, Buf *out, const Diagnostic *report, const Sty
     if (report->has_span) add_quote(diag, out, report->span, style, style->caret);
     if (report->hint) buf_format(out, "%s      =%s hint: %s\n", style->gutter, style->plain, report->hint);
     for (const DiagNote *note = report->notes; note; note = note->next) {
-        if (!note->has_span) {
+        bool same_place = note->has_span && report->has_span && note->span.source == report->span.source &&
+                          note->span.begin == report->span.begin; /* the line stands there already */
+        if (!note->has_span || same_place) {
             buf_format(out, "%s      =%s note: %s\n", style->gutter, style->plain, note->text);
             continue;
         }

@@ -5,6 +5,7 @@
 #define MEN_AST_H
 
 #include "lang/lex.h"
+#include "diag/limits.h"
 #include "lang/value.h"
 
 typedef struct Expr Expr;
@@ -78,7 +79,6 @@ typedef struct Path {
     uint32_t n;
     Span span;
 } Path;
-enum { LONGEST_PATH = 4 };
 
 typedef struct NodeExpr NodeExpr;
 struct NodeExpr {
@@ -92,6 +92,7 @@ struct NodeExpr {
     Def *def;             /* resolved: the macro that is used like a node */
     uint32_t def_hops;
     Slot name_slot;       /* resolved: of the declared name */
+    bool has_unknown;     /* a property has been reported as unknown: it may be one that is missing */
     bool has_defaults;
     Slot defaults;        /* resolved: the slot of the defaults that are in force for type */
 };

@@ -446,8 +446,10 @@ static void run_print(const BuiltinCall *call, Value *result)
 {
     join(call, 0, &call->evaluator->printed);
     buf_add(&call->evaluator->printed, "\n");
-    if (call->evaluator->printed.length > call->evaluator->limits.memory / 8) {
-        eval_report(call->evaluator, D_LIMIT, call->expr->span, "the scene prints too much");
+    if (call->evaluator->printed.length > LIMIT_PRINTED_BYTES) {
+        Diagnostic *report = eval_report(call->evaluator, D_LIMIT, call->expr->span,
+                                         "the scene prints more than %d bytes", LIMIT_PRINTED_BYTES);
+        limit_hint(call->evaluator->diag, report, OVER_PRINTED_BYTES);
         call->evaluator->stop = true;
     }
     result->kind = VALUE_NONE;

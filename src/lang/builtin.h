@@ -24,7 +24,7 @@ struct Builtin {
     const char *doc;
 };
 
-enum { BUILTIN_MAX_ARGS = 64 };
+enum { BUILTIN_MAX_ARGS = LIMIT_ARGUMENTS };
 
 const Builtin *builtin_find(const char *name); /* NULL when there is none */
 size_t builtin_count(void);

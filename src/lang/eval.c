@@ -14,17 +14,10 @@
 #include "lang/resolve.h"
 
 enum {
-    DEFAULT_STEPS = 200000000,
-    DEFAULT_NODES = 10000000,
-    DEFAULT_FILES = 1000,
-    DEFAULT_CALLS = 1000,
-    DEEPEST_IMPORT = 64,
-    STACK_BYTES = 6 * 1024 * 1024,  /* of the C stack; systems give 8 MiB */
-    STEPS_BETWEEN_LOOKS = 4096,     /* at memory */
-    LONGEST_TEXT = 1 << 20,         /* of a computed string */
-    GIVE_UP_AFTER = 10000           /* errors */
+    MEGABYTE = 1 << 20,
+    STACK_BYTES = 6 * 1024 * 1024, /* of the C stack; systems give 8 MiB */
+    STEPS_BETWEEN_LOOKS = 4096     /* at memory */
 };
-static const uint64_t default_memory = (uint64_t)4 << 30, default_file_bytes = (uint64_t)1 << 30;
 
 /* Reading: what is needed before there is anything to run. */
 typedef struct Loader {
@@ -71,7 +64,7 @@ static Diagnostic *report_text(Evaluator *evaluator, DiagCode code, Span span, c
     evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
     Diagnostic *report = diag_report(evaluator->diag, code, span, "%s", text);
     evaluator->diag->chain = NULL;
-    if (evaluator->diag->n_errors > GIVE_UP_AFTER) evaluator->stop = true;
+    if (evaluator->diag->n_errors > LIMIT_ERRORS) evaluator->stop = true;
     return report;
 }
 
@@ -104,8 +97,10 @@ bool eval_reserve(Evaluator *evaluator, double bytes, Span span)
 {
     if ((double)evaluator->arena->total + bytes <= (double)evaluator->limits.memory) return true;
     if (!evaluator->stop)
-        eval_report(evaluator, D_LIMIT, span, "the scene needs more than %.0f MB of memory",
-                    (double)evaluator->limits.memory / 1e6);
+        limit_hint(evaluator->diag,
+                   eval_report(evaluator, D_LIMIT, span, "the scene needs more than %.0f MB of memory",
+                               (double)evaluator->limits.memory / MEGABYTE),
+                   OVER_MEMORY_MB);
     evaluator->stop = true;
     return false;
 }
@@ -118,16 +113,22 @@ static bool over_limit(Evaluator *evaluator, Span span)
         evaluator->next_look = evaluator->steps + STEPS_BETWEEN_LOOKS;
     if (evaluator->steps <= evaluator->limits.steps) return false;
     if (!evaluator->stop)
-        eval_report(evaluator, D_LIMIT, span, "the scene takes more than %.0f steps", (double)evaluator->limits.steps);
+        limit_hint(evaluator->diag,
+                   eval_report(evaluator, D_LIMIT, span, "the scene takes more than %.0f steps",
+                               (double)evaluator->limits.steps),
+                   OVER_STEPS);
     evaluator->stop = true;
     return true;
 }
 
 bool eval_text_fits(Evaluator *evaluator, size_t length, Span span)
 {
-    if (length <= LONGEST_TEXT) return true;
+    if (length <= LIMIT_STRING_BYTES) return true;
     if (!evaluator->stop)
-        eval_report(evaluator, D_LIMIT, span, "a string of %zu bytes; the limit is %d", length, LONGEST_TEXT);
+        limit_hint(
+            evaluator->diag,
+            eval_report(evaluator, D_LIMIT, span, "a string of %zu bytes; the limit is %d", length, LIMIT_STRING_BYTES),
+            OVER_STRING_BYTES);
     evaluator->stop = true;
     return false;
 }
@@ -144,7 +145,9 @@ bool eval_stack_is_deep(Evaluator *evaluator, Span span)
     char here;
     uintptr_t at = (uintptr_t)&here, base = evaluator->stack_base;
     if (LIKELY((at < base ? base - at : at - base) < STACK_BYTES)) return false;
-    if (!evaluator->stop) eval_report(evaluator, D_TOO_DEEP, span, "nested too deeply to be evaluated");
+    if (!evaluator->stop)
+        limit_hint(evaluator->diag, eval_report(evaluator, D_TOO_DEEP, span, "nested too deeply to be evaluated"),
+                   OVER_CALLS);
     evaluator->stop = true;
     return true;
 }
@@ -154,12 +157,12 @@ bool eval_stack_is_deep(Evaluator *evaluator, Span span)
 static EvalLimits limits_of(const EvalOptions *options)
 {
     EvalLimits limits = options->limits;
-    if (!limits.steps) limits.steps = DEFAULT_STEPS;
-    if (!limits.nodes) limits.nodes = DEFAULT_NODES;
-    if (!limits.memory) limits.memory = default_memory;
-    if (!limits.file_bytes || limits.file_bytes > default_file_bytes) limits.file_bytes = default_file_bytes;
-    if (!limits.files) limits.files = DEFAULT_FILES;
-    if (!limits.calls) limits.calls = DEFAULT_CALLS;
+    if (!limits.steps) limits.steps = LIMIT_STEPS;
+    if (!limits.nodes) limits.nodes = LIMIT_NODES;
+    if (!limits.memory) limits.memory = (uint64_t)LIMIT_MEMORY_MB * MEGABYTE;
+    if (!limits.file_bytes || limits.file_bytes > LIMIT_FILE_BYTES) limits.file_bytes = LIMIT_FILE_BYTES;
+    if (!limits.files) limits.files = LIMIT_FILES;
+    if (!limits.calls) limits.calls = LIMIT_CALLS;
     return limits;
 }
 
@@ -213,7 +216,8 @@ static File *parse_import(Loader *loader, const Stmt *stmt, const char *path, co
     const char *text = library ? library->text : NULL;
     size_t length = library ? library->length : 0;
     Error error;
-    if (!library && read_text(loader, path, &text, &length, &error) != STATUS_OK) {
+    Status status = library ? STATUS_OK : read_text(loader, path, &text, &length, &error);
+    if (status != STATUS_OK) {
         diag_report(diag, D_FILE_UNREADABLE, span, "%s", error.text);
         return NULL;
     }
@@ -242,12 +246,15 @@ static void load_import(Loader *loader, Stmt *stmt, int depth)
         diag_report(diag, D_IMPORT_CIRCLE, span, "'%s' comes to itself again", stmt->as.import.text);
         return;
     }
-    if (!file && depth >= DEEPEST_IMPORT) {
-        diag_report(diag, D_TOO_DEEP, span, "files are nested deeper than %d levels", DEEPEST_IMPORT);
+    if (!file && depth >= LIMIT_IMPORT_DEPTH) {
+        limit_hint(diag,
+                   diag_report(diag, D_TOO_DEEP, span, "files are nested deeper than %d levels", LIMIT_IMPORT_DEPTH),
+                   OVER_IMPORT_DEPTH);
         return;
     }
     if (!file && loader->n_files >= loader->limits.files) {
-        diag_report(diag, D_LIMIT, span, "the scene reads more than %u files", loader->limits.files);
+        limit_hint(diag, diag_report(diag, D_LIMIT, span, "the scene reads more than %u files", loader->limits.files),
+                   OVER_FILES);
         return;
     }
     stmt->as.import.file = file ? file : parse_import(loader, stmt, path, library, depth);
@@ -394,6 +401,8 @@ static void run_preset(Evaluator *evaluator)
     }
     Diagnostic *report = diag_report_nowhere(evaluator->diag, D_UNKNOWN_PRESET, "the scene has no preset '%s'", wanted);
     diag_suggest(evaluator->diag, report, wanted, names, evaluator->n_presets);
+    for (size_t i = 0; i < evaluator->n_presets && !report->hint; i++)
+        diag_note(evaluator->diag, report, evaluator->presets[i].node->name_span, "there is this one");
 }
 
 static void run_scene(Evaluator *evaluator, File *prelude, File *scene)

@@ -63,18 +63,17 @@ struct EvalNode {
     size_t n_props;
     EvalNode **children;         /* in order of the text */
     size_t n_children;
-    unsigned depth;              /* of children and prototypes within each other, at most EVAL_DEEPEST_NODE */
+    unsigned depth;              /* of children and prototypes within each other, at most LIMIT_NODE_DEPTH */
 };
-enum { EVAL_DEEPEST_NODE = 1000 };
 
-/* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default. */
+/* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default, of limits.def. */
 typedef struct EvalLimits {
-    uint64_t steps;       /* turns of loops and calls; 200 million */
-    uint64_t nodes;       /* 10 million */
-    uint64_t memory;      /* bytes; 4 GiB */
-    uint64_t file_bytes;  /* of one text; 1 GiB */
-    uint32_t files;       /* that a scene reads as scene text; 1000 */
-    uint32_t calls;       /* nested; 1000 */
+    uint64_t steps;      /* turns of loops and calls */
+    uint64_t nodes;
+    uint64_t memory;     /* bytes */
+    uint64_t file_bytes; /* of one text; never more than the default */
+    uint32_t files;      /* that a scene reads as scene text */
+    uint32_t calls;      /* nested */
 } EvalLimits;
 
 /* A scene text that is built into the program. */

@@ -121,7 +121,7 @@ static bool bind_args(Evaluator *evaluator, Expr *expr, const Def *def, Value *s
         int index = arg->name ? formal_of(def, arg->name) : (int)position++;
         if (index < 0 && !expr->reported) report_formal(evaluator, def, arg);
         if (index >= (int)def->n_formals) {
-            Diagnostic *report = eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' takes %u argument%s, not %u",
+            Diagnostic *report = eval_error(evaluator, arg->value, D_WRONG_ARGUMENT, "'%s' takes %u argument%s, not %u",
                                             def->name->text, def->n_formals, def->n_formals == 1 ? "" : "s", args->n);
             diag_note(evaluator->diag, report, def->span, "declared here");
         }
@@ -131,7 +131,8 @@ static bool bind_args(Evaluator *evaluator, Expr *expr, const Def *def, Value *s
         }
         Value *slot = &slots[def->formals[index].slot.index];
         if (slot->kind != VALUE_UNSET) {
-            eval_error(evaluator, expr, D_DUPLICATE_ARGUMENT, "'%s' is given twice", def->formals[index].name->text);
+            eval_error(evaluator, arg->value, D_DUPLICATE_ARGUMENT, "'%s' is given twice",
+                       def->formals[index].name->text);
             fine = false;
         }
         eval_value(evaluator, arg->value, slot);
@@ -174,7 +175,10 @@ static bool call_begin(Evaluator *evaluator, const Def *def, Span span)
 {
     if (!eval_step(evaluator, span) || eval_stack_is_deep(evaluator, span)) return false;
     if (evaluator->calls >= evaluator->limits.calls) {
-        eval_report(evaluator, D_TOO_DEEP, span, "more than %u calls within each other", evaluator->limits.calls);
+        limit_hint(
+            evaluator->diag,
+            eval_report(evaluator, D_TOO_DEEP, span, "more than %u calls within each other", evaluator->limits.calls),
+            OVER_CALLS);
         evaluator->stop = true;
         return false;
     }

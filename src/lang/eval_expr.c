@@ -376,8 +376,10 @@ static void eval_list(Evaluator *evaluator, Expr *expr, Value *result)
     ListBuilder builder = {.arena = evaluator->arena};
     for (uint32_t i = 0; i < expr->as.list.n; i++) add_elements(evaluator, expr->as.list.items[i], &builder);
     *result = list_builder_finish(&builder);
-    if (result->as.list->depth <= DEEPEST_LIST) return;
-    eval_error(evaluator, expr, D_TOO_DEEP, "lists within lists, deeper than %d levels", DEEPEST_LIST);
+    if (result->as.list->depth <= LIMIT_LIST_DEPTH) return;
+    limit_hint(evaluator->diag,
+               eval_error(evaluator, expr, D_TOO_DEEP, "lists within lists, deeper than %d levels", LIMIT_LIST_DEPTH),
+               OVER_LIST_DEPTH);
     result->kind = VALUE_POISON;
 }
 

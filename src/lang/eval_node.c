@@ -73,6 +73,7 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
             evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
             report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text);
             evaluator->diag->chain = NULL;
+            target->has_unknown = true;
         }
     }
     if (!prop) return;
@@ -180,7 +181,10 @@ static bool count_node(Evaluator *evaluator, Span span)
 {
     if (++evaluator->n_nodes <= evaluator->limits.nodes) return true;
     if (!evaluator->stop)
-        eval_report(evaluator, D_LIMIT, span, "the scene makes more than %.0f nodes", (double)evaluator->limits.nodes);
+        limit_hint(evaluator->diag,
+                   eval_report(evaluator, D_LIMIT, span, "the scene makes more than %.0f nodes",
+                               (double)evaluator->limits.nodes),
+                   OVER_NODES);
     evaluator->stop = true;
     return false;
 }
@@ -202,8 +206,11 @@ static void check_depth(Evaluator *evaluator, const NodeList *own, const EvalNod
     for (size_t i = 0; i < own->n; i++)
         if (own->items[i]->depth >= depth) depth = own->items[i]->depth + 1;
     node->depth = depth;
-    if (depth <= EVAL_DEEPEST_NODE || evaluator->stop) return;
-    eval_report(evaluator, D_TOO_DEEP, node->span, "nodes within nodes, deeper than %d levels", EVAL_DEEPEST_NODE);
+    if (depth <= LIMIT_NODE_DEPTH || evaluator->stop) return;
+    limit_hint(
+        evaluator->diag,
+        eval_report(evaluator, D_TOO_DEEP, node->span, "nodes within nodes, deeper than %d levels", LIMIT_NODE_DEPTH),
+        OVER_NODE_DEPTH);
     evaluator->stop = true;
 }
 
@@ -301,7 +308,7 @@ static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *nam
     evaluator->target = outer;
     if (evaluator->stop) return NULL;
     if (!partial && evaluator->n_overrides) apply_overrides(evaluator, &target, name, prototype != NULL);
-    if (!partial) check_required(evaluator, &target);
+    if (!partial && !expr->has_unknown && !target.has_unknown) check_required(evaluator, &target);
     return finish_node(evaluator, &target, prototype, name);
 }
 

@@ -48,6 +48,7 @@ struct Target {
     Affine transform;
     NodeList children;
     bool shape_changed;
+    bool has_unknown;          /* a property has been reported as unknown */
     bool collects;             /* takes any placed node: the nodes that a macro places */
 };
 

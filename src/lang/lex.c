@@ -7,8 +7,10 @@
 
 #include "base/num.h"
 #include "base/utf8.h"
+#include "diag/limits.h"
+#include "lang/habits.h"
 
-enum { LONGEST_NAME = 255, LONGEST_UNIT = 4, LONGEST_STRING = 1 << 20, DEEPEST_COMMENT = 1000 };
+enum { LONGEST_UNIT = 4 };
 
 static const UnitType unit_table[] = {
     {"nm", UNIT_LENGTH, 1e-9},   {"um", UNIT_LENGTH, 1e-6}, {"mm", UNIT_LENGTH, 1e-3},  {"cm", UNIT_LENGTH, 1e-2},
@@ -163,10 +165,11 @@ static uint32_t name_end(const Lexer *lexer, uint32_t begin)
 static void read_name(Lexer *lexer, Token *token)
 {
     uint32_t end = name_end(lexer, lexer->at), length = end - lexer->at;
-    if (length > LONGEST_NAME) {
-        diag_report(lexer->diag, D_LIMIT, (Span){lexer->source, lexer->at, lexer->at + 1},
-                    "this name has %u bytes; the limit is %d", length, LONGEST_NAME);
-        length = LONGEST_NAME;
+    if (length > LIMIT_NAME_BYTES) {
+        Diagnostic *report = diag_report(lexer->diag, D_LIMIT, (Span){lexer->source, lexer->at, lexer->at + 1},
+                                         "this name has %u bytes; the limit is %d", length, LIMIT_NAME_BYTES);
+        limit_hint(lexer->diag, report, OVER_NAME_BYTES);
+        length = LIMIT_NAME_BYTES;
     }
     token->as.symbol = symbol_of(lexer->symbols, lexer->text + lexer->at, length);
     token->kind = token->as.symbol->keyword ? (TokenKind)token->as.symbol->keyword : TOKEN_NAME;
@@ -182,7 +185,13 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
     const char *wrong = arena_copy_text(lexer->diag->arena, lexer->text + begin, end - begin);
     Diagnostic *report =
         diag_report(lexer->diag, D_UNKNOWN_UNIT, (Span){lexer->source, begin, end}, "unknown unit '%s'", wrong);
-    diag_suggest(lexer->diag, report, wrong, names, COUNT_OF(names));
+    bool hexadecimal = begin > 0 && lexer->text[begin - 1] == '0' && (wrong[0] == 'x' || wrong[0] == 'X');
+    if (hexadecimal)
+        diag_hint(lexer->diag, report, "numbers are decimal; a colour is #rrggbb");
+    else if (habit_unit(wrong))
+        diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
+    else
+        diag_suggest(lexer->diag, report, wrong, names, COUNT_OF(names));
     if (!report->hint) diag_hint(lexer->diag, report, "the units are nm um mm cm m km in ft deg rad turn ms s K");
 }
 
@@ -291,21 +300,33 @@ static void read_string(Lexer *lexer, Token *token)
         if (code == UTF8_INVALID || code == 0) {
             if (!bad) lex_error_at(lexer, D_INVALID_UTF8, at, at + 1, "this byte is not text in UTF-8");
             bad = true;
-        } else {
+        } else if (value.length <= LIMIT_STRING_BYTES) { /* the rest is only looked
+                                                            through for its end */
             buf_add_bytes(&value, lexer->text + at, n);
         }
         at += n;
     }
     if (lexer->text[at] == '"') at++;
-    if (value.length > LONGEST_STRING && !bad) {
-        diag_report(lexer->diag, D_LIMIT, (Span){lexer->source, begin, begin + 1},
-                    "this string has %zu bytes; the limit is %d", value.length, LONGEST_STRING);
+    if (value.length > LIMIT_STRING_BYTES && !bad) {
+        Diagnostic *report = diag_report(lexer->diag, D_LIMIT, (Span){lexer->source, begin, begin + 1},
+                                         "this string has %u bytes; the limit is %d", at - begin, LIMIT_STRING_BYTES);
+        limit_hint(lexer->diag, report, OVER_STRING_BYTES);
         bad = true;
     }
     token->as.text = bad ? "" : arena_copy_text(lexer->diag->arena, buf_text(&value), value.length);
     token->bad = bad || value.failed;
     buf_clear(&value);
     lexer->at = at;
+}
+
+/* A '#' in front of a word that POV-Ray knows, or in front of a comment of other languages. */
+static bool read_directive(Lexer *lexer, Token *token)
+{
+    uint32_t begin = lexer->at, end = name_end(lexer, begin + 1);
+    if (habit_directive(lexer->text + begin + 1, end - begin - 1) == DIRECTIVE_NONE) return false;
+    token->kind = TOKEN_DIRECTIVE;
+    lexer->at = end;
+    return true;
 }
 
 static void read_color(Lexer *lexer, Token *token)
@@ -353,12 +374,88 @@ static void skip_unknown(Lexer *lexer)
     else
         report = diag_report(lexer->diag, D_INVALID_CHARACTER, span, "'%s' has no meaning here", shown);
     if (code == 0x201c || code == 0x201d || code == '\'') diag_hint(lexer->diag, report, "strings stand in '\"'");
-    if (code == 0x2212 || code == 0x2013) diag_hint(lexer->diag, report, "write '-'");
-    if (code == 0xd7) diag_hint(lexer->diag, report, "write '*'");
-    if (code == '&') diag_hint(lexer->diag, report, "write 'and'");
-    if (code == '|') diag_hint(lexer->diag, report, "write 'or'");
-    if (code == '!') diag_hint(lexer->diag, report, "write 'not'");
+    if (code == 0xb0) diag_hint(lexer->diag, report, "write 'deg'");
     while (code != 0 && lexer->at + n <= lexer->length && memcmp(lexer->text + lexer->at, shown, n) == 0) lexer->at += n;
+}
+
+/* "# text": a comment in other languages */
+static bool skip_hash_comment(Lexer *lexer)
+{
+    uint32_t begin = lexer->at;
+    if (class_of(lexer->text[begin + 1]) != CLASS_BLANK && lexer->text[begin + 1] != '!') return false;
+    Diagnostic *report = lex_error_at(lexer, D_INVALID_CHARACTER, begin, begin + 1, "'#' begins no comment");
+    diag_hint(lexer->diag, report, "comments begin with '//'");
+    const char *end = memchr(lexer->text + begin, '\n', lexer->length - begin);
+    lexer->at = end ? (uint32_t)(end - lexer->text) : lexer->length;
+    return true;
+}
+
+enum { LONGEST_FOREIGN_STRING = 80 };
+
+/* 'text' and the quotes of word processors: a string, with a report */
+static bool read_foreign_string(Lexer *lexer, Token *token)
+{
+    const char *p = lexer->text + lexer->at;
+    static const struct {
+        const char *open, *close;
+    } quotes[] = {{"'", "'"},
+                  {"\xe2\x80\x9c", "\xe2\x80\x9d"},
+                  {"\xe2\x80\x98", "\xe2\x80\x99"},
+                  {"\xe2\x80\x9e", "\xe2\x80\x9c"},
+                  {"\xc2\xab", "\xc2\xbb"},
+                  {"`", "`"}};
+    for (size_t i = 0; i < COUNT_OF(quotes); i++) {
+        size_t n = strlen(quotes[i].open);
+        if (strncmp(p, quotes[i].open, n) != 0) continue;
+        size_t length = 0, n_close = strlen(quotes[i].close);
+        while (p[n + length] && p[n + length] != '\n' && strncmp(p + n + length, quotes[i].close, n_close) != 0)
+            if (++length > LONGEST_FOREIGN_STRING) return false;
+        if (p[n + length] == 0 || p[n + length] == '\n') return false;
+        uint32_t begin = lexer->at;
+        lexer->at += (uint32_t)(n + length + n_close);
+        Diagnostic *report =
+            lex_error_at(lexer, D_INVALID_CHARACTER, begin, lexer->at, "these quotes have no meaning here");
+        diag_hint(lexer->diag, report, "write: \"%s\"", arena_copy_text(lexer->diag->arena, p + n, length));
+        *token = (Token){.kind = TOKEN_STRING, .bad = true, .begin = begin, .as.text = ""};
+        return true;
+    }
+    return false;
+}
+
+/* &&, ×, ≤ and the like go on as what they mean */
+static bool read_foreign_operator(Lexer *lexer, Token *token)
+{
+    static const struct {
+        const char *text;
+        TokenKind kind;
+    } operators[] = {{"&&", TOKEN_AND},
+                     {"||", TOKEN_OR},
+                     {"&", TOKEN_AND},
+                     {"|", TOKEN_OR},
+                     {"!", TOKEN_NOT},
+                     {"\xc3\x97", TOKEN_STAR},
+                     {"\xc2\xb7", TOKEN_STAR},
+                     {"\xc3\xb7", TOKEN_SLASH},
+                     {"\xe2\x88\x92", TOKEN_MINUS},
+                     {"\xe2\x80\x93", TOKEN_MINUS},
+                     {"\xe2\x80\x94", TOKEN_MINUS},
+                     {"\xe2\x89\xa4", TOKEN_LESS_EQUAL},
+                     {"\xe2\x89\xa5", TOKEN_GREATER_EQUAL},
+                     {"\xe2\x89\xa0", TOKEN_NOT_EQUAL},
+                     {"\xe2\x80\xa6", TOKEN_RANGE}};
+    const char *p = lexer->text + lexer->at;
+    for (size_t i = 0; i < COUNT_OF(operators); i++) {
+        uint32_t n = (uint32_t)strlen(operators[i].text);
+        if (strncmp(p, operators[i].text, n) != 0) continue;
+        token->kind = operators[i].kind;
+        Diagnostic *report =
+            diag_report(lexer->diag, D_INVALID_CHARACTER, (Span){lexer->source, lexer->at, lexer->at + n},
+                        "'%s' has no meaning here", operators[i].text);
+        diag_hint(lexer->diag, report, "write %s", token_text(token->kind));
+        lexer->at += n;
+        return true;
+    }
+    return false;
 }
 
 static TokenKind punctuation(const char *p, uint32_t *n)
@@ -416,7 +513,8 @@ Token lexer_next(Lexer *lexer)
             break;
         }
         if (*p == '#') {
-            read_color(lexer, &token);
+            if (skip_hash_comment(lexer)) continue;
+            if (!read_directive(lexer, &token)) read_color(lexer, &token);
             break;
         }
         uint32_t n;
@@ -425,6 +523,7 @@ Token lexer_next(Lexer *lexer)
             lexer->at += n;
             break;
         }
+        if (read_foreign_operator(lexer, &token) || read_foreign_string(lexer, &token)) break;
         skip_unknown(lexer);
     }
     token.end = lexer->at;

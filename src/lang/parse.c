@@ -20,7 +20,12 @@ void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Dia
 
 void advance(Parser *parser)
 {
-    if (!parser->fatal) parser->token = lexer_next(&parser->lexer);
+    if (parser->fatal) return;
+    parser->previous = parser->token.kind;
+    parser->swallowed = parser->token.kind == TOKEN_STRING && parser->token.bad &&
+                        parser->lexer.text[parser->token.begin] == '"' &&
+                        parser->lexer.text[parser->token.end - 1] != '"';
+    parser->token = lexer_next(&parser->lexer);
 }
 
 bool accept(Parser *parser, TokenKind kind)
@@ -30,19 +35,12 @@ bool accept(Parser *parser, TokenKind kind)
     return true;
 }
 
-Token peek(const Parser *parser)
-{
-    Lexer ahead = parser->lexer;
-    return lexer_next(&ahead);
-}
-
 Span token_span(const Parser *parser)
 {
     return (Span){parser->lexer.source, parser->token.begin, parser->token.end};
 }
 
-/* where the last consumed token ends */
-static uint32_t consumed_end(const Parser *parser)
+uint32_t consumed_end(const Parser *parser)
 {
     return parser->token.kind == TOKEN_END ? parser->lexer.last_end : parser->lexer.previous_end;
 }
@@ -57,6 +55,7 @@ Diagnostic *syntax_error(Parser *parser, Span span, const char *format, ...)
 {
     if (parser->panic) return NULL;
     parser->panic = true;
+    parser->panic_brackets = parser->brackets;
     char text[512];
     va_list args;
     va_start(args, format);
@@ -65,7 +64,15 @@ Diagnostic *syntax_error(Parser *parser, Span span, const char *format, ...)
     return diag_report(parser->diag, D_SYNTAX, span, "%s", text);
 }
 
-static const char *found_text(const Parser *parser)
+Diagnostic *limit_error(Parser *parser, Limit limit)
+{
+    const LimitRow *row = limit_row(limit);
+    Diagnostic *report = syntax_error(parser, token_span(parser), "more than %.0f %s", row->number, row->what);
+    if (report) limit_hint(parser->diag, report, limit);
+    return report;
+}
+
+const char *found_text(const Parser *parser)
 {
     const Token *token = &parser->token;
     if (token->kind == TOKEN_NAME) return arena_format(parser->arena, "'%s'", token->as.symbol->text);
@@ -91,6 +98,9 @@ bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expe
     if (accept(parser, kind)) return true;
     if (parser->panic) return false;
     parser->panic = true;
+    parser->panic_brackets = parser->brackets; /* where this one is closed further on, something else is missing */
+    if (parser->brackets > 0 && !brackets_close_ahead(parser, parser->brackets)) parser->panic_brackets--;
+    if (parser->swallowed) return false; /* by a string that is not closed: that is reported */
     uint32_t end = consumed_end(parser);
     Diagnostic *report = diag_report(parser->diag, D_UNCLOSED_BRACKET, (Span){parser->lexer.source, end, end},
                                      "expected %s, found %s", expected, found_text(parser));
@@ -117,12 +127,13 @@ bool expect_name(Parser *parser, const char *context, Symbol **name, Span *span)
 
 bool enter(Parser *parser)
 {
-    if (parser->depth < DEEPEST_NESTING) {
+    if (parser->depth < LIMIT_NESTING) {
         parser->depth++;
         return true;
     }
     if (!parser->fatal && !parser->panic)
-        diag_report(parser->diag, D_TOO_DEEP, token_span(parser), "nested deeper than %d levels", DEEPEST_NESTING);
+        limit_hint(parser->diag, diag_report(parser->diag, D_TOO_DEEP, token_span(parser), "nested deeper than %d levels",
+                                             LIMIT_NESTING), OVER_NESTING);
     parser->panic = parser->fatal = true;
     parser->token.kind = TOKEN_END;
     return false;
@@ -132,7 +143,7 @@ void leave(Parser *parser) { parser->depth--; }
 
 /* ---- the way back from a mistake ---- */
 
-static bool first_on_line(const Parser *parser)
+bool first_on_line(const Parser *parser)
 {
     const char *text = parser->lexer.text;
     uint32_t at = parser->token.begin;
@@ -168,10 +179,11 @@ static bool starts_statement(const Parser *parser, int brackets)
 static void synchronize(Parser *parser, int brackets, uint32_t statement_begin)
 {
     int braces = 0;
+    bool closes = brackets > 0 && brackets_close_ahead(parser, brackets);
     parser->panic = parser->fatal;
     while (parser->token.kind != TOKEN_END) {
         TokenKind kind = parser->token.kind;
-        if (braces == 0) {
+        if (braces == 0 && !(closes && brackets > 0)) {
             if (kind == TOKEN_BRACE_CLOSE) return;
             if (parser->token.begin > statement_begin && starts_statement(parser, brackets)) return;
         }
@@ -185,8 +197,6 @@ static void synchronize(Parser *parser, int brackets, uint32_t statement_begin)
 }
 
 /* ---- statements ---- */
-
-static Stmt *parse_stmt(Parser *parser);
 
 static Stmt *stmt_new(Parser *parser, StmtKind kind, Span span)
 {
@@ -202,27 +212,88 @@ static void remember_start(File *file, const Token *token)
     if (ARRAY_ROOM(file->starts, file->starts_capacity, file->n_starts)) file->starts[file->n_starts++] = token->begin;
 }
 
-/* Statements up to (not including) the end token; each mistake is one report. */
-static Stmt *parse_stmts(Parser *parser, TokenKind end)
+/* ---- what indentation says ---- */
+
+enum { LONGEST_LINE = 1000 };
+
+/* Columns of blanks in front of the line that byte at stands on; a tab counts as one, like any blank. 0 for very long
+ * lines. */
+static uint32_t line_indent(const Parser *parser, uint32_t at)
+{
+    const char *text = parser->lexer.text;
+    for (uint32_t end = at; at > 0 && text[at - 1] != '\n'; at--)
+        if (end - at > LONGEST_LINE) return 0;
+    uint32_t begin = at;
+    while (text[at] == ' ' || text[at] == '\t') at++;
+    return at - begin;
+}
+
+/* A statement of a block that begins its line: where does it stand, compared with the block? */
+static void watch_indent(Parser *parser, const Block *block, uint32_t *siblings, uint32_t *begun)
+{
+    Indents *indents = &parser->indents;
+    uint32_t column = line_indent(parser, parser->token.begin);
+    if (block && !*begun && column <= line_indent(parser, block->span.begin)) {
+        *begun = consumed_end(parser);
+    } else if (parser->previous == TOKEN_BRACE_CLOSE && column > *siblings && *siblings != UINT32_MAX &&
+               !indents->extra) {
+        indents->extra = true;
+        uint32_t end = consumed_end(parser);
+        indents->extra_close = (Span){parser->lexer.source, end - 1, end};
+    }
+    if (*siblings == UINT32_MAX) *siblings = column;
+}
+
+/* Statements up to (not including) the end token; each mistake is one report. block: whose they are; NULL at the
+ * top. */
+static Stmt *parse_statements(Parser *parser, TokenKind end, const Block *block)
 {
     Stmt *first = NULL, **tail = &first;
     int brackets = parser->brackets;
+    bool comma_reported = parser->comma_reported, no_blocks = parser->no_blocks;
+    uint32_t siblings = UINT32_MAX, left_at = 0;
+    parser->comma_reported = parser->no_blocks = false;
     while (parser->token.kind != end && parser->token.kind != TOKEN_END) {
         uint32_t begin = parser->token.begin;
         parser->brackets = 0;
         remember_start(parser->file, &parser->token);
+        if (first_on_line(parser)) watch_indent(parser, block, &siblings, &left_at);
         Stmt *stmt = parse_stmt(parser);
-        if (parser->panic) {
-            synchronize(parser, parser->brackets, begin);
-        }
+        if (parser->panic) synchronize(parser, parser->panic_brackets, begin);
         if (stmt && stmt->kind != STMT_EMPTY) {
             *tail = stmt;
             tail = &stmt->next;
         }
         if (parser->fatal) break;
     }
+    bool in_place = parser->token.kind == end && first_on_line(parser) && block &&
+                    line_indent(parser, parser->token.begin) == line_indent(parser, block->span.begin);
+    if (left_at && !in_place && !parser->indents.missing) {
+        parser->indents.missing = true;
+        parser->indents.opening = block->span;
+        parser->indents.missing_at = left_at;
+    }
     parser->brackets = brackets;
+    parser->comma_reported = comma_reported;
+    parser->no_blocks = no_blocks;
     return first;
+}
+
+Stmt *parse_stmts(Parser *parser, TokenKind end) { return parse_statements(parser, end, NULL); }
+
+/* The '}' of a block is missing: at the end of the file, or where the indentation says so. */
+static void report_missing_close(Parser *parser, Span opening)
+{
+    const Indents *indents = &parser->indents;
+    if (parser->token.kind != TOKEN_END || !indents->missing || parser->panic) {
+        expect_close(parser, TOKEN_BRACE_CLOSE, opening, "'}'");
+        return;
+    }
+    parser->panic = parser->fatal = true; /* the blocks around it miss theirs for the same reason */
+    Diagnostic *report = diag_report(parser->diag, D_UNCLOSED_BRACKET,
+                                     (Span){parser->lexer.source, indents->missing_at, indents->missing_at},
+                                     "expected '}', by the indentation of what follows");
+    diag_note(parser->diag, report, indents->opening, "to close this");
 }
 
 /* block = "{" { stmt } "}" ; */
@@ -230,11 +301,25 @@ Block *parse_block(Parser *parser)
 {
     Block *block = ARENA_NEW(parser->arena, Block);
     block->span = token_span(parser);
-    if (!expect(parser, TOKEN_BRACE_OPEN, "to begin a block")) return block;
+    if (!accept(parser, TOKEN_BRACE_OPEN)) {
+        if (!parser->panic) parse_bare_block(parser, block);
+        return block;
+    }
     if (!enter(parser)) return block;
-    block->first = parse_stmts(parser, TOKEN_BRACE_CLOSE);
+    parser->blocks++;
+    block->first = parse_statements(parser, TOKEN_BRACE_CLOSE, block);
+    parser->blocks--;
     leave(parser);
-    expect_close(parser, TOKEN_BRACE_CLOSE, block->span, "'}'");
+    if (!accept(parser, TOKEN_BRACE_CLOSE)) report_missing_close(parser, block->span);
+    return block;
+}
+
+Block *parse_node_block(Parser *parser, const char *node)
+{
+    const char *outer = parser->node;
+    parser->node = node;
+    Block *block = parse_block(parser);
+    parser->node = outer;
     return block;
 }
 
@@ -249,7 +334,7 @@ static Stmt *parse_bind(Parser *parser)
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "':=' changes a var that is declared already");
     }
-    expect(parser, TOKEN_ASSIGN, "behind the name");
+    if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */
     return stmt;
 }
@@ -281,7 +366,13 @@ static Stmt *parse_param(Parser *parser)
 static bool parse_formal(Parser *parser, Formal *formal)
 {
     *formal = (Formal){0};
-    if (!expect_name(parser, "of a parameter", &formal->name, &formal->span)) return false;
+    if (!expect_name(parser, "for a parameter", &formal->name, &formal->span)) return false;
+    if (parser->token.kind == TOKEN_NAME && !first_on_line(parser)) { /* float x */
+        Diagnostic *report = expected_error(parser, "',' or ')'");
+        diag_hint(parser->diag, report, "a type stands behind its name: x: number");
+        parser->panic = false;
+        advance(parser);
+    }
     parse_type(parser, &formal->type, &formal->type_span);
     if (accept(parser, TOKEN_ASSIGN)) formal->fallback = parse_expr(parser);
     return !parser->panic;
@@ -308,30 +399,53 @@ static void parse_formals(Parser *parser, Def *def, Span opening)
 }
 
 /* def = "def" name "(" [ formal { "," formal } [ "," ] ] ")" ( "=" expr | block ) ; */
-static Stmt *parse_def(Parser *parser)
+Stmt *parse_def(Parser *parser, Span begin)
 {
-    Stmt *stmt = stmt_new(parser, STMT_DEF, token_span(parser));
+    Stmt *stmt = stmt_new(parser, STMT_DEF, begin);
     Def *def = stmt->as.def = ARENA_NEW(parser->arena, Def);
-    advance(parser);
     if (!expect_name(parser, "to declare", &def->name, &def->span)) return NULL;
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
     if (accept(parser, TOKEN_ASSIGN))
         def->body = parse_expr(parser);
     else if (parser->panic || parser->token.kind == TOKEN_BRACE_OPEN)
-        def->block = parse_block(parser);
+        def->block = parse_node_block(parser, NULL);
     else
-        expected_error(parser, "'=' or '{' behind the parameters");
+        parse_bodiless_def(parser);
     return stmt;
+}
+
+/* 'if a {': goes on as if the brackets were there */
+static void parse_without_brackets(Parser *parser, const char *context)
+{
+    if (parser->panic) return;
+    Diagnostic *report = expected_error(parser, arena_format(parser->arena, "'(' %s", context));
+    if (report) diag_hint(parser->diag, report, "a condition stands in brackets: (...)");
+    parser->panic = false;
+    bool no_blocks = parser->no_blocks;
+    parser->no_blocks = true;
+    parse_expr(parser);
+    parser->no_blocks = no_blocks;
+    accept(parser, TOKEN_PAREN_CLOSE);
 }
 
 static void parse_condition(Parser *parser, Expr **condition, const char *context)
 {
     Span opening = token_span(parser);
     *condition = NULL;
-    if (!expect(parser, TOKEN_PAREN_OPEN, context)) return;
+    if (!accept(parser, TOKEN_PAREN_OPEN)) {
+        parse_without_brackets(parser, context);
+        return;
+    }
     parser->brackets++;
     *condition = parse_expr(parser);
+    if (!parser->panic && parser->token.kind == TOKEN_ASSIGN) {
+        Diagnostic *report = expected_error(parser, "')'");
+        diag_hint(parser->diag, report, "write '==' to compare");
+        parser->panic = false;
+        advance(parser);
+        parse_expr(parser);
+    }
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
     parser->brackets--;
 }
@@ -360,6 +474,44 @@ static Stmt *parse_ifs(Parser *parser)
     return first;
 }
 
+/* '1:9' and 'of' are read as they are meant */
+static void parse_loop_source(Parser *parser, Stmt *stmt)
+{
+    bool of =
+        parser->token.kind == TOKEN_COLON || (parser->token.kind == TOKEN_NAME && peek(parser).kind != TOKEN_ASSIGN);
+    if (!expect(parser, TOKEN_IN, "behind the name of the loop") && of) {
+        parser->panic = false;
+        advance(parser);
+    }
+    stmt->as.loop.source = parse_expr(parser);
+    if (parser->panic || parser->token.kind != TOKEN_COLON) return;
+    Diagnostic *report = expected_error(parser, "'..'");
+    diag_hint(parser->diag, report, "a range is written 1..9");
+    parser->panic = false;
+    advance(parser);
+    parse_expr(parser);
+}
+
+/* "(" name "in" expr ")" */
+static void parse_loop_head(Parser *parser, Stmt *stmt)
+{
+    Span opening = token_span(parser);
+    bool bare = !expect(parser, TOKEN_PAREN_OPEN, "behind 'for'"), no_blocks = parser->no_blocks;
+    if (bare) parser->panic = false; /* go on as if it were there */
+    if (!bare && parse_counting_loop(parser)) return;
+    parser->brackets += !bare;
+    parser->no_blocks |= bare;
+    if (expect_name(parser, "for the loop", &stmt->as.loop.name, &stmt->as.loop.name_span)) {
+        parse_loop_source(parser, stmt);
+        if (bare)
+            accept(parser, TOKEN_PAREN_CLOSE);
+        else
+            expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
+    }
+    parser->no_blocks = no_blocks;
+    parser->brackets -= !bare;
+}
+
 /* flow = ifs | "for" "(" name "in" expr ")" block | "while" "(" expr ")" block ; */
 static Stmt *parse_flow(Parser *parser)
 {
@@ -372,14 +524,7 @@ static Stmt *parse_flow(Parser *parser)
         stmt->as.branch.then = parse_block(parser);
         return stmt;
     }
-    Span opening = token_span(parser);
-    if (!expect(parser, TOKEN_PAREN_OPEN, "behind 'for'")) return NULL;
-    parser->brackets++;
-    if (!expect_name(parser, "of the loop", &stmt->as.loop.name, &stmt->as.loop.name_span)) return NULL;
-    expect(parser, TOKEN_IN, "behind the name of the loop");
-    stmt->as.loop.source = parse_expr(parser);
-    expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
-    parser->brackets--;
+    parse_loop_head(parser, stmt);
     stmt->as.loop.block = parse_block(parser);
     return stmt;
 }
@@ -404,7 +549,13 @@ static Stmt *parse_import(Parser *parser)
     stmt->as.import.include = parser->token.kind == TOKEN_INCLUDE;
     advance(parser);
     if (parser->token.kind != TOKEN_STRING) {
-        expected_error(parser, "the name of a file in quotes");
+        Diagnostic *report = expected_error(parser, "the name of a file in quotes");
+        if (report && parser->token.kind == TOKEN_NAME) {
+            const char *name = parser->token.as.symbol->text;
+            diag_hint(parser->diag, report, "write: %s \"%s.mns\"", stmt->as.import.include ? "include" : "use", name);
+            parser->panic = false;
+            advance(parser);
+        }
         return NULL;
     }
     bool bad = parser->token.bad;
@@ -426,7 +577,7 @@ static Stmt *parse_defaults(Parser *parser)
     advance(parser);
     if (!expect_name(parser, "of a node type", &node->path.names[0], &node->path.span)) return NULL;
     node->path.n = 1;
-    node->block = parse_block(parser);
+    node->block = parse_node_block(parser, node->path.names[0]->text);
     return stmt;
 }
 
@@ -446,8 +597,8 @@ Path parse_path(Parser *parser)
     Path path = {.span = token_span(parser)};
     Span span;
     do {
-        if (path.n == LONGEST_PATH) {
-            syntax_error(parser, token_span(parser), "more than %d names in a row", LONGEST_PATH);
+        if (path.n == LIMIT_PATH_NAMES) {
+            limit_error(parser, OVER_PATH_NAMES);
             break;
         }
         if (!expect_name(parser, "behind '.'", &path.names[path.n], &span)) break;
@@ -477,30 +628,21 @@ static Stmt *parse_call_stmt(Parser *parser, Path path)
     advance(parser);
     stmt->as.call.call->as.call.args = parse_args(parser, opening);
     stmt->as.call.call->span = span_from(parser, path.span);
-    if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN) stmt->as.call.block = parse_block(parser);
+    if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN) stmt->as.call.block = parse_node_block(parser, NULL);
     return stmt;
 }
 
 /* node = path [ name ] block ; */
 static Stmt *parse_node(Parser *parser, Path path)
 {
+    if (parse_block_habit(parser, path)) return NULL;
     bool preset = path.n == 1 && strcmp(path.names[0]->text, "preset") == 0 && parser->token.kind == TOKEN_NAME;
     Stmt *stmt = stmt_new(parser, preset ? STMT_PRESET : STMT_NODE, path.span);
     NodeExpr *node = stmt->as.node = ARENA_NEW(parser->arena, NodeExpr);
     node->path = path;
     if (parser->token.kind == TOKEN_NAME) expect_name(parser, "", &node->name, &node->name_span);
-    node->block = parse_block(parser);
+    node->block = parse_node_block(parser, preset ? NULL : path.names[path.n - 1]->text);
     return stmt;
-}
-
-/* Two names and no '{': often a word of the language that is not spelled right. */
-static Stmt *report_two_names(Parser *parser, Path path)
-{
-    static const char *const words[] = {"let", "var", "param", "def", "defaults", "use", "include"};
-    advance(parser);
-    Diagnostic *report = expected_error(parser, "'{'");
-    if (report) diag_suggest(parser->diag, report, path.names[0]->text, words, COUNT_OF(words));
-    return NULL;
 }
 
 /* assign = name ":=" expr ;   prop = name "=" expr ;   and call, node */
@@ -513,13 +655,18 @@ static Stmt *parse_named(Parser *parser)
     case TOKEN_BRACE_OPEN: return parse_node(parser, path);
     case TOKEN_NAME:
         if (peek(parser).kind == TOKEN_BRACE_OPEN) return parse_node(parser, path);
-        return report_two_names(parser, path);
+        parse_two_names(parser, path);
+        return NULL;
     case TOKEN_ASSIGN:
     case TOKEN_CHANGE:
         if (path.n == 1) break;
         syntax_error(parser, path.span, "only a plain name can be set");
         return NULL;
-    default: expected_error(parser, "'=', ':=', '(' or '{' behind the name"); return NULL;
+    default:
+        if (!parse_name_habit(parser, path))
+            expected_error(
+                parser, arena_format(parser->arena, "'=', ':=', '(' or '{' behind '%s'", path.names[path.n - 1]->text));
+        return NULL;
     }
     bool assign = parser->token.kind == TOKEN_CHANGE;
     Stmt *stmt = stmt_new(parser, assign ? STMT_ASSIGN : STMT_PROP, path.span);
@@ -537,14 +684,18 @@ static Stmt *parse_named(Parser *parser)
 }
 
 /* stmt = ";" | bind | param | def | flow | import | defaults | assign | prop | call | node | kids ; */
-static Stmt *parse_stmt(Parser *parser)
+Stmt *parse_stmt(Parser *parser)
 {
     switch (parser->token.kind) {
     case TOKEN_SEMICOLON: advance(parser); return NULL;
     case TOKEN_LET:
     case TOKEN_VAR: return parse_bind(parser);
     case TOKEN_PARAM: return parse_param(parser);
-    case TOKEN_DEF: return parse_def(parser);
+    case TOKEN_DEF: {
+        Span begin = token_span(parser);
+        advance(parser);
+        return parse_def(parser, begin);
+    }
     case TOKEN_IF:
     case TOKEN_FOR:
     case TOKEN_WHILE: return parse_flow(parser);
@@ -554,7 +705,11 @@ static Stmt *parse_stmt(Parser *parser)
     case TOKEN_CHILDREN: return parse_kids(parser);
     case TOKEN_NAME: return parse_named(parser);
     case TOKEN_ELSE: syntax_error(parser, token_span(parser), "'else' without an 'if' before it"); return NULL;
-    default: syntax_error(parser, token_span(parser), "expected a statement, found %s", found_text(parser)); return NULL;
+    case TOKEN_DIRECTIVE: parse_directive(parser); return NULL;
+    default:
+        if (!parse_comma_habit(parser) && !parse_brace_habit(parser) && !parse_value_habit(parser))
+            syntax_error(parser, token_span(parser), "expected a statement, found %s", found_text(parser));
+        return NULL;
     }
 }
 
@@ -589,6 +744,11 @@ static void parse_header(Parser *parser, double unit_m)
         Span span = token_span(parser);
         Diagnostic *report = diag_report(parser->diag, D_MISSING_HEADER, span, "the file does not begin with its header");
         diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
+        if (parser->token.kind == TOKEN_DIRECTIVE)
+            diag_note_nowhere(parser->diag, report, "meniscus-povray(7) says how scenes of POV-Ray are written here");
+        if (span.end - span.begin == 8 && memcmp(parser->lexer.text + span.begin, "#version", 8) == 0) do
+                advance(parser); /* it is the header of those */
+            while (parser->token.kind != TOKEN_END && !first_on_line(parser));
         return;
     }
     advance(parser);
@@ -616,6 +776,20 @@ static void parse_header(Parser *parser, double unit_m)
     advance(parser);
 }
 
+/* The surplus '}' may be one further up, behind which the indentation goes on as if it were not there. */
+static void report_stray_close(Parser *parser)
+{
+    Indents *indents = &parser->indents;
+    if (!indents->extra) {
+        diag_report(parser->diag, D_SYNTAX, token_span(parser), "this '}' closes nothing");
+        return;
+    }
+    Diagnostic *report = diag_report(parser->diag, D_SYNTAX, indents->extra_close,
+                                     "there is a '}' too many, this one by the indentation of what follows");
+    diag_note(parser->diag, report, token_span(parser), "so that this one closes nothing");
+    indents->extra = false;
+}
+
 /* file = "meniscus" number [ "unit" unit ] { stmt } ; */
 void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTable *symbols)
 {
@@ -634,7 +808,7 @@ void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTa
         *tail = parse_stmts(&parser, TOKEN_BRACE_CLOSE);
         while (*tail) tail = &(*tail)->next;
         if (parser.token.kind != TOKEN_BRACE_CLOSE || parser.fatal) break;
-        diag_report(diag, D_SYNTAX, token_span(&parser), "this '}' closes nothing");
+        report_stray_close(&parser);
         advance(&parser);
     }
 }

@@ -162,6 +162,26 @@ static void add_plain_elements(Parser *parser, ExprList *list, Span span, const 
     }
 }
 
+/* The comma between elements. Where it is missing in front of another value, that is all that is reported. */
+static bool accept_comma(Parser *parser, const char *expected, bool over_lines)
+{
+    if (accept(parser, TOKEN_COMMA)) return true;
+    if (parser->panic) return false;
+    TokenKind kind = parser->token.kind;
+    bool value = kind == TOKEN_NUMBER || kind == TOKEN_STRING || kind == TOKEN_COLOR;
+    bool fresh = first_on_line(parser);
+    if (kind == TOKEN_NAME && !fresh) {
+        TokenKind next = peek(parser).kind;
+        value =
+            next == TOKEN_COMMA || next == TOKEN_PAREN_CLOSE || next == TOKEN_BRACKET_CLOSE || next == TOKEN_GREATER;
+    }
+    if (!value || (fresh && !over_lines)) return false;
+    Diagnostic *report = expected_error(parser, expected);
+    if (report) diag_hint(parser->diag, report, "is a ',' missing?");
+    parser->panic = false;
+    return true;
+}
+
 /* elem = "for" "(" name "in" expr ")" elem | "if" "(" expr ")" elem | expr ; */
 static Expr *parse_elem(Parser *parser)
 {
@@ -206,7 +226,7 @@ static Expr *parse_list(Parser *parser)
     parser->brackets++;
     while (!parser->panic && parser->token.kind != TOKEN_BRACKET_CLOSE) {
         expr_list_add(parser, &list, parse_elem(parser));
-        if (!accept(parser, TOKEN_COMMA)) break;
+        if (!accept_comma(parser, "',' or ']'", true)) break;
     }
     expect_close(parser, TOKEN_BRACKET_CLOSE, opening, "',' or ']'");
     parser->brackets--;
@@ -241,11 +261,9 @@ static Expr *parse_vector(Parser *parser)
     Span opening = token_span(parser);
     ExprList list = {0};
     advance(parser);
-    parser->brackets++;
     do expr_list_add(parser, &list, parse_add(parser));
-    while (!parser->panic && accept(parser, TOKEN_COMMA) && list.n < 64);
+    while (!parser->panic && accept_comma(parser, "',' or '>'", false) && list.n < 64);
     expect_close(parser, TOKEN_GREATER, opening, "',' or '>'");
-    parser->brackets--;
     Span span = span_from(parser, opening);
     if (!parser->panic && (list.n < 2 || list.n > 4)) {
         diag_report(parser->diag, D_SYNTAX, span, "a vector has 2 to 4 elements, not %u", list.n);
@@ -266,6 +284,7 @@ static Expr *parse_number(Parser *parser)
     Span span = token_span(parser);
     advance(parser);
     if (token.bad) return expr_new(parser, EXPR_POISON, span);
+    if (parser->token.kind == TOKEN_NAME && !token.unit) parse_apart_unit(parser, span);
     return constant_expr(parser, span, value_number(in_scene_units(parser, token.number, token.unit)), token.unit);
 }
 
@@ -303,8 +322,17 @@ static Expr *parse_parens(Parser *parser)
     Span opening = token_span(parser);
     advance(parser);
     parser->brackets++;
+    bool no_blocks = parser->no_blocks;
+    parser->no_blocks = false;
     Expr *expr = parse_expr(parser);
+    if (!parser->panic && parser->token.kind == TOKEN_COMMA) {
+        Diagnostic *report = expected_error(parser, "')'");
+        diag_hint(parser->diag, report, "a vector stands in '<' and '>', a list in '[' and ']'");
+        parser->panic = false;
+        while (accept(parser, TOKEN_COMMA)) parse_expr(parser);
+    }
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
+    parser->no_blocks = no_blocks;
     parser->brackets--;
     return expr;
 }
@@ -317,7 +345,7 @@ static Expr *parse_name(Parser *parser)
     Expr *expr = expr_new(parser, EXPR_NAME, begin);
     expr->as.name.symbol = parser->token.as.symbol;
     advance(parser);
-    while (parser->token.kind == TOKEN_DOT && path.n < LONGEST_PATH) {
+    while (parser->token.kind == TOKEN_DOT && path.n < LIMIT_PATH_NAMES) {
         advance(parser);
         Expr *member = expr_new(parser, EXPR_MEMBER, begin);
         member->as.member.base = expr;
@@ -326,16 +354,30 @@ static Expr *parse_name(Parser *parser)
         path.span = member->span = span_from(parser, begin);
         expr = member;
     }
-    if (parser->token.kind != TOKEN_BRACE_OPEN) return expr;
+    if (parser->token.kind != TOKEN_BRACE_OPEN || parser->no_blocks) return expr;
     Expr *node = expr_new(parser, EXPR_NODE, path.span);
     node->as.node = ARENA_NEW(parser->arena, NodeExpr);
     node->as.node->path = path;
-    node->as.node->block = parse_block(parser);
+    node->as.node->block = parse_node_block(parser, path.names[path.n - 1]->text);
     return node;
 }
 
-/* prim = number | string | hexcol | "true" | "false" | "none" | "(" expr ")" | path block | name
-        | "<" add "," add [ "," add [ "," add ] ] ">" | "[" [ elem { "," elem } [ "," ] ] "]" ; */
+/* "{1, 2, 3}" is read over; a '{' that no value stands behind may begin a block. */
+static Expr *parse_braced_list(Parser *parser)
+{
+    TokenKind first = peek(parser).kind;
+    bool list = first == TOKEN_NUMBER || first == TOKEN_STRING || first == TOKEN_LESS || first == TOKEN_MINUS;
+    Diagnostic *report = expected_error(parser, "an expression");
+    if (report && list && !parser->no_blocks) {
+        diag_hint(parser->diag, report, "a list stands in '[' and ']'");
+        parser->panic = false;
+        skip_brackets(parser);
+    }
+    return poison_expr(parser);
+}
+
+/* prim = number | string | hexcol | "true" | "false" | "none" | "(" expr ")" | path block | name | "<" add "," add [
+ * "," add [ "," add ] ] ">" | "[" [ elem { "," elem } [ "," ] ] "]" ; */
 static Expr *parse_prim(Parser *parser)
 {
     switch (parser->token.kind) {
@@ -349,6 +391,7 @@ static Expr *parse_prim(Parser *parser)
     case TOKEN_NAME: return parse_name(parser);
     case TOKEN_LESS: return parse_vector(parser);
     case TOKEN_BRACKET_OPEN: return parse_list(parser);
+    case TOKEN_BRACE_OPEN: return parse_braced_list(parser);
     default: expected_error(parser, "an expression"); return poison_expr(parser);
     }
 }
@@ -382,7 +425,7 @@ Args parse_args(Parser *parser, Span opening)
             args.items = items;
         }
         args.items[args.n++] = arg;
-        if (!accept(parser, TOKEN_COMMA)) break;
+        if (!accept_comma(parser, "',' or ')'", false)) break;
     }
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "',' or ')'");
     parser->brackets--;
@@ -431,8 +474,8 @@ static Expr *parse_post(Parser *parser)
     for (int links = 0; !parser->panic; links++) {
         TokenKind kind = parser->token.kind;
         if (kind != TOKEN_DOT && kind != TOKEN_BRACKET_OPEN && kind != TOKEN_PAREN_OPEN) break;
-        if (links == DEEPEST_NESTING) { /* the chain is walked by recursion later */
-            syntax_error(parser, token_span(parser), "more than %d '.', '[' or '(' in a row", DEEPEST_NESTING);
+        if (links == LIMIT_LINKS) { /* the chain is walked by recursion later */
+            limit_error(parser, OVER_LINKS);
             break;
         }
         expr = kind == TOKEN_DOT            ? parse_member(parser, expr)
@@ -448,7 +491,7 @@ static Expr *parse_post(Parser *parser)
 static Expr *parse_unary(Parser *parser)
 {
     Span begin = token_span(parser);
-    if (!enter(parser)) return poison_expr(parser);
+    if (parser->panic || !enter(parser)) return poison_expr(parser); /* in panic nothing more is consumed */
     Expr *expr;
     TokenKind kind = parser->token.kind;
     if (kind == TOKEN_MINUS || kind == TOKEN_PLUS) {
@@ -472,13 +515,11 @@ static Expr *parse_unary(Parser *parser)
     return expr;
 }
 
-/* A chain of operators is a tree that leans left; deeper than this the walks over it would use too much stack. */
-enum { LONGEST_CHAIN = 2000 };
-
+/* A chain of operators is a tree that leans left; deeper than the limit the walks over it would use too much stack. */
 static bool chain_too_long(Parser *parser, int links)
 {
-    if (links < LONGEST_CHAIN) return false;
-    syntax_error(parser, token_span(parser), "more than %d operators in a row", LONGEST_CHAIN);
+    if (links < LIMIT_OPERATORS) return false;
+    limit_error(parser, OVER_OPERATORS);
     return true;
 }
 
@@ -492,6 +533,12 @@ static Expr *parse_mul(Parser *parser)
         if (kind != TOKEN_STAR && kind != TOKEN_SLASH && kind != TOKEN_PERCENT) break;
         if (chain_too_long(parser, links)) break;
         advance(parser);
+        if (kind == TOKEN_STAR && parser->token.kind == TOKEN_STAR) {
+            Diagnostic *report = expected_error(parser, "an expression");
+            diag_hint(parser->diag, report, "a power is written a ^ b");
+            parser->panic = false;
+            advance(parser);
+        }
         expr = binary_expr(parser,
                            kind == TOKEN_STAR    ? EXPR_MULTIPLY
                            : kind == TOKEN_SLASH ? EXPR_DIVIDE

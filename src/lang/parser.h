@@ -5,10 +5,16 @@
 #ifndef MEN_PARSER_H
 #define MEN_PARSER_H
 
+#include "diag/limits.h"
 #include "lang/parse.h"
 
-/* Nesting of blocks and of brackets together; bounds the C stack of the parser and of everything that walks the tree. */
-enum { DEEPEST_NESTING = 200 };
+/* What indentation says of braces: kept on the way, and believed only when they do not match. */
+typedef struct Indents {
+    bool missing, extra; /* is there such a place? */
+    Span opening;        /* of a block behind which a statement stands as far left as the block itself */
+    uint32_t missing_at; /* where its '}' seems to be missing */
+    Span extra_close;    /* a '}' behind which the lines go on as if it were not there */
+} Indents;
 
 typedef struct Parser {
     Lexer lexer;
@@ -17,10 +23,21 @@ typedef struct Parser {
     Arena *arena;
     File *file;
     double unit_m;
-    int depth;    /* of nesting */
-    int brackets; /* open ( [ < of the statement */
+    int depth;          /* of nesting */
+    int brackets;       /* open ( and [ of the statement */
+    int panic_brackets; /* of them, at the mistake */
+    int blocks;         /* open { of statements */
+    TokenKind previous; /* of the last consumed token */
+    const char *node;   /* the word of the node whose block is being read; NULL at
+                           the top of a file and in a def */
     bool panic;
-    bool fatal;   /* gave up on this file */
+    bool fatal;          /* gave up on this file */
+    bool swallowed;      /* the last consumed token is a string that goes on to the end of its line */
+    bool no_blocks;      /* a '{' belongs to the statement, not to the expression: 'if a {' */
+    bool comma_reported; /* in this block */
+    int directives;      /* open ones of POV-Ray */
+    int looks;           /* far ahead */
+    Indents indents;
 } Parser;
 
 void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Diag *diag, SymbolTable *symbols);
@@ -33,22 +50,47 @@ bool expect(Parser *parser, TokenKind kind, const char *context);
 /* Consumes a closing bracket, or reports it as missing with a note on the opening one. */
 bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expected);
 bool expect_name(Parser *parser, const char *context, Symbol **name, Span *span);
-Token peek(const Parser *parser); /* the token behind the next one */
+Token peek(const Parser *parser); /* the token behind the next one; nothing is reported */
+bool first_on_line(const Parser *parser);
+uint32_t consumed_end(const Parser *parser);  /* where the last consumed token ends */
+const char *found_text(const Parser *parser); /* the next token, for a message */
 Span token_span(const Parser *parser);
 Span span_from(const Parser *parser, Span begin); /* from begin to the end of the last consumed token */
 /* Starts panic. NULL when in panic already: there is nothing to add a hint to. */
 Diagnostic *syntax_error(Parser *parser, Span span, const char *format, ...) ATTR_PRINTF(3, 4);
+Diagnostic *limit_error(Parser *parser, Limit limit); /* a syntax error, at the next token */
 Diagnostic *expected_error(Parser *parser, const char *expected);
-/* Counts one level of nesting; false, and the end of this file, when it is too deep. Pairs with leave. */
+/* Counts one level of nesting, of blocks and brackets together, which bounds the C stack of the parser and of all that
+ * walks the tree; false, and the end of this file, when it is too deep. Pairs with leave. */
 bool enter(Parser *parser);
 void leave(Parser *parser);
 
 /* -- nonterminals -- */
+Stmt *parse_stmt(Parser *parser);
+Stmt *parse_stmts(Parser *parser, TokenKind end); /* up to the end token */
 Block *parse_block(Parser *parser);
+Block *parse_node_block(Parser *parser, const char *node); /* of a node of that word; NULL: of no node */
+Stmt *parse_def(Parser *parser, Span begin);               /* behind the word 'def' */
 Expr *parse_expr(Parser *parser);
 Expr *parse_tern(Parser *parser);
 Args parse_args(Parser *parser, Span opening); /* behind the '(' */
 Path parse_path(Parser *parser);
 Expr *expr_new(Parser *parser, ExprKind kind, Span span);
+
+/* -- the ways of other languages (parse_habits.c): true when something was read, after a report -- */
+bool starts_value(const Parser *parser);
+bool parse_value_habit(Parser *parser);
+bool parse_comma_habit(Parser *parser);
+bool parse_brace_habit(Parser *parser);
+void parse_bodiless_def(Parser *parser);
+bool parse_name_habit(Parser *parser, Path path);
+bool parse_block_habit(Parser *parser, Path path);
+bool parse_counting_loop(Parser *parser);
+void parse_two_names(Parser *parser, Path path);
+void parse_bare_block(Parser *parser, Block *block);
+void parse_directive(Parser *parser);
+void parse_apart_unit(Parser *parser, Span number);            /* at a name behind the number */
+bool brackets_close_ahead(const Parser *parser, int brackets); /* so many open ones, before the statement ends */
+void skip_brackets(Parser *parser);
 
 #endif

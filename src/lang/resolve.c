@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "diag/suggest.h"
 #include "lang/schema_find.h"
 
 const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "frames", "time", "x", "y", "z", "pi"};
@@ -77,26 +78,40 @@ Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span)
     return slot_of(resolver, binding);
 }
 
-static const Span *declared_by(const Stmt *stmt, const Symbol *symbol)
+/* what a statement declares; NULL when it declares nothing */
+static const Symbol *declared_by(const Stmt *stmt, Span *span)
 {
     switch (stmt->kind) {
     case STMT_BIND:
-    case STMT_PARAM: return stmt->as.bind.name == symbol ? &stmt->as.bind.name_span : NULL;
-    case STMT_NODE: return stmt->as.node->name == symbol ? &stmt->as.node->name_span : NULL;
+    case STMT_PARAM: *span = stmt->as.bind.name_span; return stmt->as.bind.name;
+    case STMT_NODE: *span = stmt->as.node->name_span; return stmt->as.node->name;
     default: return NULL;
     }
 }
 
 bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol *symbol)
 {
+    Span span;
     for (const Scope *scope = resolver->scope; scope; scope = scope->outer)
         for (const Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
-            const Span *span = declared_by(stmt, symbol);
-            if (!span) continue;
-            diag_note(resolver->diag, report, *span, "it is declared only here");
+            if (declared_by(stmt, &span) != symbol) continue;
+            diag_note(resolver->diag, report, span, "it is declared only here");
             return true;
         }
     return false;
+}
+
+void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong)
+{
+    Span span;
+    for (const Scope *scope = resolver->scope; scope; scope = scope->outer)
+        for (const Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
+            const Symbol *symbol = declared_by(stmt, &span);
+            if (!symbol || !suggest_nearest(wrong->text, &symbol->text, 1)) continue;
+            diag_hint(resolver->diag, report, "did you mean '%s'?", symbol->text);
+            diag_note(resolver->diag, report, span, "it is declared only here");
+            return;
+        }
 }
 
 /* ---- statements ---- */
@@ -165,16 +180,31 @@ static void resolve_word(Resolver *resolver, Expr *expr)
         expr->as.name.nearest = nearest_visible(resolver, symbol);
 }
 
+/* Often a declaration, or a change of a var, as other languages write them. */
+static void report_free_property(Resolver *resolver, const Stmt *stmt)
+{
+    const char *name = stmt->as.prop.name->text;
+    const Binding *binding = stmt->as.prop.name->binding;
+    Diagnostic *report = diag_report(resolver->diag, D_MISPLACED, stmt->span, "property '%s' outside of a node", name);
+    if (binding && binding->kind == BINDING_SLOT && binding->variable)
+        diag_hint(resolver->diag, report, "a var is changed by %s := ...", name);
+    else
+        diag_hint(resolver->diag, report, "a name is declared by let %s = ...", name);
+}
+
 static void resolve_prop(Resolver *resolver, Stmt *stmt)
 {
     Expr *value = stmt->as.prop.value;
     const NodeType *type = resolver->context_type;
     const PropType *prop = NULL;
     if (resolver->context == CONTEXT_FREE) {
-        diag_report(resolver->diag, D_MISPLACED, stmt->span, "property '%s' outside of a node", stmt->as.prop.name->text);
+        report_free_property(resolver, stmt);
     } else if (resolver->context == CONTEXT_NODE && type) {
         prop = schema_prop(type, stmt->as.prop.name->text);
-        if (!prop) report_unknown_property(resolver->diag, stmt->span, type, stmt->as.prop.name->text);
+        if (!prop) {
+            report_unknown_property(resolver->diag, stmt->span, type, stmt->as.prop.name->text);
+            resolver->context_node->has_unknown = true;
+        }
     }
     bool misplaced = resolver->context == CONTEXT_FREE || (type && !prop);
     bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);

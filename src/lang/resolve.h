@@ -54,6 +54,7 @@ typedef struct Resolver {
     Def *def;               /* the innermost macro or function */
     NodeContext context;
     const NodeType *context_type; /* CONTEXT_NODE: NULL when it is not known before running */
+    NodeExpr *context_node;       /* CONTEXT_NODE: the node around the statement */
     const Def *context_def;       /* CONTEXT_MACRO */
     bool warns_unused;      /* of names at the top of the present file */
     Expr **late;            /* expressions that see all that the scene declares at its top (--set) */
@@ -89,6 +90,8 @@ void resolve_defaults_of(Resolver *resolver, NodeExpr *node);
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes);
 /* Notes where an unknown name is declared after all, further down; false when it is not. */
 bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol *symbol);
+/* A hint at a name like the wrong one that is declared behind the place, with a note on where. */
+void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong);
 const char *nearest_visible(Resolver *resolver, const Symbol *wrong);
 
 #endif

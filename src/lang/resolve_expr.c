@@ -7,10 +7,13 @@
 #include "base/array.h"
 #include "diag/suggest.h"
 #include "lang/builtin.h"
+#include "lang/habits.h"
 #include "lang/resolve.h"
 #include "lang/schema_find.h"
 
 /* ---- did you mean ---- */
+
+enum { MOST_PLACES = 3 }; /* where the same unknown name stands, in one report */
 
 typedef struct Words {
     const char **items;
@@ -38,9 +41,21 @@ static Words visible_words(const Resolver *resolver, bool functions, bool nodes)
 
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes)
 {
+    const char *block = nodes ? habit_block(wrong->text) : NULL, *word = nodes ? NULL : habit_word(wrong->text);
+    if (block || word) {
+        diag_hint(resolver->diag, report, block ? "%s" : "write: %s", block ? block : word);
+        return;
+    }
     Words words = visible_words(resolver, functions, nodes);
-    diag_suggest(resolver->diag, report, wrong->text, words.items, words.n);
+    const char *nearest = suggest_nearest(wrong->text, words.items, words.n);
     free(words.items);
+    if (nearest) {
+        diag_hint(resolver->diag, report, "did you mean '%s'?", nearest);
+        const Binding *binding = symbol_of(resolver->symbols, nearest, strlen(nearest))->binding;
+        if (binding && binding->has_span && binding->span.source == report->span.source)
+            diag_note(resolver->diag, report, binding->span, "'%s' is declared here", nearest);
+    }
+    if (!report->hint && !functions) suggest_later(resolver, report, wrong);
 }
 
 const char *nearest_visible(Resolver *resolver, const Symbol *wrong)
@@ -102,6 +117,15 @@ static void make_variable(const Resolver *resolver, Expr *expr, const Binding *b
     expr->as.variable.symbol = symbol;
 }
 
+/* A name that is missing everywhere is one mistake: further places are notes of its report. */
+static bool known_to_be_unknown(Resolver *resolver, Symbol *symbol, Span span)
+{
+    Diagnostic *report = symbol->unknown;
+    if (!report) return false;
+    if (symbol->n_unknown++ < MOST_PLACES) diag_note(resolver->diag, report, span, "it is used here, too");
+    return true;
+}
+
 static void resolve_name(Resolver *resolver, Expr *expr)
 {
     Symbol *symbol = expr->as.name.symbol;
@@ -120,7 +144,9 @@ static void resolve_name(Resolver *resolver, Expr *expr)
                                                     : "a macro");
         return;
     }
+    if (known_to_be_unknown(resolver, symbol, expr->span)) return;
     Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->span, "unknown name '%s'", symbol->text);
+    symbol->unknown = report;
     if (builtin_find(symbol->text))
         diag_hint(resolver->diag, report, "'%s' is a function: write '%s(...)'", symbol->text, symbol->text);
     else if (!note_later_declaration(resolver, report, symbol))
@@ -244,8 +270,10 @@ static void report_no_function(Resolver *resolver, const Expr *callee, const Bin
     Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "unknown function '%s'", symbol->text);
     if (schema_node(resolver->schema, symbol->text))
         diag_hint(resolver->diag, report, "'%s' is a node: write '%s { ... }'", symbol->text, symbol->text);
+    else if (habit_word(symbol->text))
+        diag_hint(resolver->diag, report, "write: %s", habit_word(symbol->text));
     else
-        suggest_visible(resolver, report, symbol, true, false);
+        suggest_visible(resolver, report, symbol, true, true);
 }
 
 /* The binding that a callee names, through modules; *silent when a mistake has been reported. */
@@ -336,12 +364,15 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
     }
     NodeContext context = resolver->context;
     const NodeType *type = resolver->context_type;
+    NodeExpr *outer = resolver->context_node;
+    resolver->context_node = node;
     resolver->context = node->def ? CONTEXT_MACRO : CONTEXT_NODE;
     /* a name in scope may turn out to be a prototype of another type */
     resolver->context_type = node->has_prototype ? NULL : node->type;
     resolve_block(resolver, node->block);
     resolver->context = context;
     resolver->context_type = type;
+    resolver->context_node = outer;
 }
 
 /* ---- expressions ---- */

@@ -5,6 +5,7 @@
 
 #include "base/num.h"
 #include "lang/evaluator.h"
+#include "lang/habits.h"
 
 /* ---- looking up ---- */
 
@@ -50,18 +51,26 @@ size_t choice_words(Arena *arena, const char *choices, const char **words, size_
 
 enum { MAX_CHOICES = 64 };
 
+/* "a, b and c" */
+static const char *word_list(Arena *arena, const char *const *words, size_t n, const char *last)
+{
+    const char *text = n ? words[0] : "nothing";
+    for (size_t i = 1; i < n; i++)
+        text = i + 1 < n ? arena_format(arena, "%s, %s", text, words[i])
+                         : arena_format(arena, "%s %s %s", text, last, words[i]);
+    return text;
+}
+
 const char *choice_text(Arena *arena, const char *choices)
 {
     const char *words[MAX_CHOICES];
-    size_t n = choice_words(arena, choices, words, MAX_CHOICES);
-    const char *text = n ? words[0] : "nothing";
-    for (size_t i = 1; i < n; i++) text = arena_format(arena, "%s%s%s", text, i + 1 < n ? ", " : " or ", words[i]);
-    return text;
+    return word_list(arena, words, choice_words(arena, choices, words, MAX_CHOICES), "or");
 }
 
 const char *with_article(Arena *arena, const char *name)
 {
-    return arena_format(arena, "%s %s", *name && strchr("aeiou", *name) ? "an" : "a", name);
+    bool vowel = *name && strchr("aeiou", *name) && strncmp(name, "uni", 3) != 0; /* a union */
+    return arena_format(arena, "%s %s", vowel ? "an" : "a", name);
 }
 
 void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name)
@@ -69,7 +78,16 @@ void report_unknown_property(Diag *diag, Span span, const NodeType *type, const 
     const char **words = ARENA_ARRAY(diag->arena, const char *, type->n_props);
     for (size_t i = 0; i < type->n_props; i++) words[i] = type->props[i].name;
     Diagnostic *report = diag_report(diag, D_UNKNOWN_PROPERTY, span, "'%s' has no property '%s'", type->name, name);
+    const char *other;
+    for (unsigned i = 0; (other = habit_property(type->name, name, i)); i++)
+        if (schema_prop(type, other)) {
+            diag_hint(diag, report, "write: %s = ...", other);
+            return;
+        }
     diag_suggest(diag, report, name, words, type->n_props);
+    if (!report->hint && type->n_props)
+        diag_note_nowhere(diag, report, "%s has %s", with_article(diag->arena, type->name),
+                          word_list(diag->arena, words, type->n_props, "and"));
 }
 
 /* ---- messages ---- */
@@ -107,6 +125,17 @@ typedef struct Check {
     size_t element; /* from 1, of a list; 0: the value itself */
 } Check;
 
+/* How a value of the wanted kind is written, where that is not plain from its name. */
+static void hint_form(const Check *check, const Value *value, Diagnostic *report)
+{
+    Diag *diag = check->evaluator->diag;
+    bool number = value->kind == VALUE_NUMBER;
+    if (check->type->kind == PROP_COLOR && value->kind == VALUE_VECTOR3)
+        diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
+    if (check->type->kind == PROP_VECTOR3 && number) diag_hint(diag, report, "write: <x, y, z>");
+    if (check->type->kind == PROP_VECTOR2 && number) diag_hint(diag, report, "write: <x, y>");
+}
+
 static bool wrong_type(const Check *check, const Value *value)
 {
     Arena *arena = check->evaluator->arena;
@@ -115,8 +144,9 @@ static bool wrong_type(const Check *check, const Value *value)
         eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", check->type->name,
                    kind_text(arena, check->type), check->element - 1, found);
     else
-        eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", check->type->name,
-                   kind_text(arena, check->type), found);
+        hint_form(check, value,
+                  eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", check->type->name,
+                             kind_text(arena, check->type), found));
     return false;
 }
 

@@ -15,6 +15,8 @@ struct Symbol {
     int keyword;             /* the TokenKind of a keyword, 0 for a name */
     struct Binding *binding; /* the innermost declaration that is visible while names are resolved */
     const char *text;
+    struct Diagnostic *unknown; /* the report that nothing of that name is visible, and how often it was added to */
+    uint32_t n_unknown;
 };
 
 typedef struct SymbolTable {

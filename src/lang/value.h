@@ -115,7 +115,6 @@ size_t value_count(const Value *value);
 Value value_element(const Value *value, size_t index);
 
 /* A list that grows; begun zeroed. Plain doubles as long as the elements allow. */
-enum { DEEPEST_LIST = 200 };
 typedef struct ListBuilder {
     Arena *arena;
     List list;

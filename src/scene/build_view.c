@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
+#include "base/file.h"
 #include "scene/build_parts.h"
 
 static const double degree = 3.14159265358979323846 / 180;
@@ -98,6 +100,18 @@ static void build_aovs(Builder *b, const EvalProp *aovs)
     }
 }
 
+static void check_output(Builder *b, Span span, const char *name)
+{
+    const char *extension = file_extension(name);
+    if (!*name) {
+        diag_report(b->diag, D_BAD_OUTPUT, span, "an output has no name");
+    } else if (strcasecmp(extension, "exr") != 0 && strcasecmp(extension, "png") != 0) {
+        Diagnostic *report =
+            diag_report(b->diag, D_BAD_OUTPUT, span, "'%s' is no kind of file that can be written", name);
+        diag_hint(b->diag, report, "end it in .exr for what comes after, or in .png to look at");
+    }
+}
+
 void build_film(Builder *b, const EvalNode *node)
 {
     SceneFilm *film = &b->scene->film;
@@ -113,7 +127,7 @@ void build_film(Builder *b, const EvalNode *node)
     const char **outputs = ARENA_ARRAY(b->arena, const char *, output->as.list.n + 1);
     for (size_t i = 0; i < output->as.list.n; i++) {
         outputs[i] = arena_copy_text(b->arena, output->as.list.texts[i], strlen(output->as.list.texts[i]));
-        if (!*outputs[i]) diag_report(b->diag, D_BAD_OUTPUT, output->span, "an output has no name");
+        check_output(b, output->span, outputs[i]);
     }
     film->outputs = outputs;
     film->n_outputs = (uint32_t)output->as.list.n;

@@ -1,0 +1,164 @@
+/* habits.c - looks words up in habits.def. Only done for messages, so that a walk along the rows is fast enough.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "lang/habits.h"
+
+#include <string.h>
+
+#include "base/attr.h"
+
+#define HABIT_DIRECTIVE(word, form, pattern)
+#define HABIT_VALUES(node, names)
+#define HABIT_BLOCK(word, text)
+#define HABIT_SETTING(word, pattern)
+#define HABIT_TYPE(word)
+#define HABIT_FUNCTION(word)
+#define HABIT_WORD(word, text)
+#define HABIT_PROPERTY(node, word, property)
+#define HABIT_UNIT(word, unit)
+
+typedef struct WordRow {
+    const char *word, *text;
+} WordRow;
+
+static const struct {
+    const char *word;
+    DirectiveForm form;
+    const char *pattern;
+} directives[] = {
+#undef HABIT_DIRECTIVE
+#define HABIT_DIRECTIVE(word, form, pattern) {#word, DIRECTIVE_##form, pattern},
+#include "lang/habits.def"
+#undef HABIT_DIRECTIVE
+#define HABIT_DIRECTIVE(word, form, pattern)
+};
+
+static const WordRow value_rows[] = {
+#undef HABIT_VALUES
+#define HABIT_VALUES(node, names) {#node, names},
+#include "lang/habits.def"
+#undef HABIT_VALUES
+#define HABIT_VALUES(node, names)
+};
+
+static const WordRow block_rows[] = {
+#undef HABIT_BLOCK
+#define HABIT_BLOCK(word, text) {#word, text},
+#include "lang/habits.def"
+#undef HABIT_BLOCK
+#define HABIT_BLOCK(word, text)
+};
+
+static const WordRow setting_rows[] = {
+#undef HABIT_SETTING
+#define HABIT_SETTING(word, pattern) {#word, pattern},
+#include "lang/habits.def"
+#undef HABIT_SETTING
+#define HABIT_SETTING(word, pattern)
+};
+
+static const WordRow type_rows[] = {
+#undef HABIT_TYPE
+#define HABIT_TYPE(word) {#word, #word},
+#include "lang/habits.def"
+#undef HABIT_TYPE
+#define HABIT_TYPE(word)
+};
+
+static const WordRow function_rows[] = {
+#undef HABIT_FUNCTION
+#define HABIT_FUNCTION(word) {#word, #word},
+#include "lang/habits.def"
+#undef HABIT_FUNCTION
+#define HABIT_FUNCTION(word)
+};
+
+static const WordRow word_rows[] = {
+#undef HABIT_WORD
+#define HABIT_WORD(word, text) {#word, text},
+#include "lang/habits.def"
+#undef HABIT_WORD
+#define HABIT_WORD(word, text)
+};
+
+static const struct {
+    const char *node, *word, *property;
+} property_rows[] = {
+#undef HABIT_PROPERTY
+#define HABIT_PROPERTY(node, word, property) {node, word, property},
+#include "lang/habits.def"
+#undef HABIT_PROPERTY
+#define HABIT_PROPERTY(node, word, property)
+};
+
+static const WordRow unit_rows[] = {
+#undef HABIT_UNIT
+#define HABIT_UNIT(word, unit) {#word, #unit},
+#include "lang/habits.def"
+};
+
+static const char *find(const WordRow *rows, size_t n, const char *word)
+{
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(rows[i].word, word) == 0) return rows[i].text;
+    return NULL;
+}
+
+DirectiveForm habit_directive(const char *word, size_t length)
+{
+    for (size_t i = 0; i < COUNT_OF(directives); i++)
+        if (strlen(directives[i].word) == length && memcmp(directives[i].word, word, length) == 0)
+            return directives[i].form;
+    return DIRECTIVE_NONE;
+}
+
+const char *habit_directive_pattern(const char *word)
+{
+    for (size_t i = 0; i < COUNT_OF(directives); i++)
+        if (strcmp(directives[i].word, word) == 0) return directives[i].pattern;
+    return NULL;
+}
+
+const char *habit_values(const char *node)
+{
+    return find(value_rows, COUNT_OF(value_rows), node);
+}
+const char *habit_block(const char *word)
+{
+    return find(block_rows, COUNT_OF(block_rows), word);
+}
+const char *habit_setting(const char *word)
+{
+    return find(setting_rows, COUNT_OF(setting_rows), word);
+}
+const char *habit_word(const char *word)
+{
+    return find(word_rows, COUNT_OF(word_rows), word);
+}
+const char *habit_unit(const char *word)
+{
+    return find(unit_rows, COUNT_OF(unit_rows), word);
+}
+bool habit_is_type(const char *word)
+{
+    return find(type_rows, COUNT_OF(type_rows), word) != NULL;
+}
+bool habit_is_function(const char *word)
+{
+    return find(function_rows, COUNT_OF(function_rows), word) != NULL;
+}
+
+const char *habit_property(const char *node, const char *word, unsigned number)
+{
+    for (size_t i = 0; i < COUNT_OF(property_rows); i++) {
+        if (strcmp(property_rows[i].word, word) != 0) continue;
+        if (*property_rows[i].node && strcmp(property_rows[i].node, node) != 0) continue;
+        if (number-- == 0) return property_rows[i].property;
+    }
+    return NULL;
+}
+
+const char *habit_fill(Arena *arena, const char *pattern, const char *text)
+{
+    const char *mark = strchr(pattern, '@');
+    return mark ? arena_format(arena, "%.*s%s%s", (int)(mark - pattern), pattern, text, mark + 1) : pattern;
+}

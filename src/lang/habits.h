@@ -1,0 +1,36 @@
+/* habits.h - what writers of other languages write by habit, for the hints of messages: the rows of habits.def.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_HABITS_H
+#define MEN_HABITS_H
+
+#include <stdbool.h>
+
+#include "base/arena.h"
+
+/* How a directive of POV-Ray goes on, so that the parser can, too. */
+typedef enum DirectiveForm {
+    DIRECTIVE_NONE,
+    DIRECTIVE_BIND,   /* name = expression */
+    DIRECTIVE_LOOP,   /* (name, first, last [, step]), up to its #end */
+    DIRECTIVE_OPENS,  /* something in brackets, up to its #end */
+    DIRECTIVE_MIDDLE, /* between an opening one and its #end */
+    DIRECTIVE_END,
+    DIRECTIVE_LINE /* nothing that matters behind it */
+} DirectiveForm;
+
+/* Word is length bytes, without its '#'; DIRECTIVE_NONE when POV-Ray has none of that name. */
+DirectiveForm habit_directive(const char *word, size_t length);
+/* The rest answer NULL for words that they do not know. */
+const char *habit_directive_pattern(const char *word);
+const char *habit_values(const char *node);
+const char *habit_block(const char *word);
+const char *habit_setting(const char *word);
+const char *habit_word(const char *word);
+const char *habit_unit(const char *word);
+const char *habit_property(const char *node, const char *word, unsigned number); /* the candidates, from number 0 */
+bool habit_is_type(const char *word);
+bool habit_is_function(const char *word);
+/* The pattern with text for its '@'. */
+const char *habit_fill(Arena *arena, const char *pattern, const char *text);
+
+#endif

@@ -1,0 +1,594 @@
+/* parse_habits.c - statements in the way of other languages, and with a bracket left out: each is reported with what
+ * is written here, and then read as it was meant, so that the text behind it is checked and nothing is reported
+ * twice. SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "diag/suggest.h"
+#include "lang/builtin.h"
+#include "lang/habits.h"
+#include "lang/parser.h"
+
+enum {
+    LONGEST_QUOTE = 60,     /* bytes of the scene in a hint */
+    LONGEST_LOOK = 1 << 18, /* bytes to look ahead for a closing brace */
+    NEAR_LOOK = 4096,       /* bytes to look ahead for a closing bracket */
+    MOST_LOOKS = 64,        /* of those, for one file */
+    MOST_VALUES = 8         /* values without a name that a hint names */
+};
+
+/* The text from begin to end on one line, for a hint. */
+static const char *quote(const Parser *parser, uint32_t begin, uint32_t end)
+{
+    const char *text = parser->lexer.text + begin;
+    size_t length = end > begin ? end - begin : 0;
+    bool whole = length <= LONGEST_QUOTE && !memchr(text, '\n', length);
+    return whole ? arena_copy_text(parser->arena, text, length) : "...";
+}
+
+static Diagnostic *report_at(Parser *parser, Span span, const char *text)
+{
+    return diag_report(parser->diag, D_SYNTAX, span, "%s", text);
+}
+
+static Span behind_last(const Parser *parser)
+{
+    uint32_t end = consumed_end(parser);
+    return (Span){parser->lexer.source, end, end};
+}
+
+static void hint_write(Parser *parser, Diagnostic *report, const char *text)
+{
+    diag_hint(parser->diag, report, "write: %s", text);
+}
+
+bool starts_value(const Parser *parser)
+{
+    switch (parser->token.kind) {
+    case TOKEN_NUMBER:
+    case TOKEN_STRING:
+    case TOKEN_COLOR:
+    case TOKEN_LESS:
+    case TOKEN_MINUS:
+    case TOKEN_BRACKET_OPEN:
+    case TOKEN_TRUE:
+    case TOKEN_FALSE:
+    case TOKEN_NONE: return true;
+    default: return false;
+    }
+}
+
+/* ---- looking ahead without reporting ---- */
+
+typedef struct Look {
+    Lexer lexer;
+    Diag mute;
+} Look;
+
+static void look_from(const Parser *parser, Look *look)
+{
+    look->lexer = parser->lexer;
+    look->mute = (Diag){.arena = parser->diag->arena, .sources = parser->diag->sources};
+    look->lexer.diag = &look->mute;
+}
+
+Token peek(const Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    return lexer_next(&look.lexer);
+}
+
+/* How many blocks stay open to the end of the text; -1: there is a '}' too many, so that a '{' must be missing. */
+static long blocks_at_end(Parser *parser)
+{
+    if (++parser->looks > MOST_LOOKS) return 0;
+    Look look;
+    look_from(parser, &look);
+    long open = parser->blocks;
+    for (Token token = parser->token; token.kind != TOKEN_END && open >= 0; token = lexer_next(&look.lexer)) {
+        if (token.begin > parser->token.begin + LONGEST_LOOK) return 0;
+        open += (token.kind == TOKEN_BRACE_OPEN) - (token.kind == TOKEN_BRACE_CLOSE);
+    }
+    return open;
+}
+
+static bool lacks_opening_brace(Parser *parser)
+{
+    return blocks_at_end(parser) < 0;
+}
+
+/* Is what stands between the braces, of which the next token is the opening one, nothing that the grammar allows,
+ * and without any '='? Then it is a block of POV-Ray's. */
+static bool block_is_foreign(Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    int braces = 1, brackets = 0;
+    bool foreign = false, named = false;
+    TokenKind before = TOKEN_BRACE_OPEN;
+    while (braces > 0) {
+        Token token = lexer_next(&look.lexer);
+        TokenKind kind = token.kind;
+        if (kind == TOKEN_END || kind == TOKEN_ASSIGN || kind == TOKEN_CHANGE ||
+            token.begin > parser->token.begin + LONGEST_LOOK)
+            return false;
+        bool value = kind == TOKEN_NUMBER || kind == TOKEN_LESS || kind == TOKEN_STRING;
+        if (brackets == 0) {
+            foreign |= value && (before == TOKEN_NAME || before == TOKEN_BRACE_OPEN);
+            foreign |= before == TOKEN_NAME && (kind == TOKEN_COMMA || kind == TOKEN_BRACE_CLOSE);
+            foreign |= named && kind != TOKEN_BRACE_OPEN; /* two names, and no block behind them */
+        }
+        named = brackets == 0 && before == TOKEN_NAME && kind == TOKEN_NAME;
+        braces += (kind == TOKEN_BRACE_OPEN) - (kind == TOKEN_BRACE_CLOSE);
+        brackets += (kind == TOKEN_PAREN_OPEN || kind == TOKEN_BRACKET_OPEN);
+        brackets -= (kind == TOKEN_PAREN_CLOSE || kind == TOKEN_BRACKET_CLOSE) && brackets > 0;
+        before = kind;
+    }
+    return foreign;
+}
+
+bool brackets_close_ahead(const Parser *parser, int brackets)
+{
+    Look look;
+    look_from(parser, &look);
+    int braces = 0;
+    for (Token token = parser->token;; token = lexer_next(&look.lexer)) {
+        switch (token.kind) {
+        case TOKEN_PAREN_OPEN:
+        case TOKEN_BRACKET_OPEN: brackets++; break;
+        case TOKEN_PAREN_CLOSE:
+        case TOKEN_BRACKET_CLOSE:
+            if (--brackets == 0) return true;
+            break;
+        case TOKEN_BRACE_OPEN: braces++; break;
+        case TOKEN_BRACE_CLOSE:
+            if (--braces < 0) return false;
+            break;
+        case TOKEN_VAR:
+        case TOKEN_PARAM:
+        case TOKEN_DEF:
+        case TOKEN_DEFAULTS:
+        case TOKEN_WHILE:
+        case TOKEN_USE:
+        case TOKEN_INCLUDE:
+        case TOKEN_SEMICOLON:
+            if (braces == 0) return false;
+            break;
+        case TOKEN_END: return false;
+        default: break;
+        }
+        if (token.begin > parser->token.begin + NEAR_LOOK) return false;
+    }
+}
+
+/* Over what stands in brackets, of which the next token is the opening one. */
+void skip_brackets(Parser *parser)
+{
+    int depth = 0;
+    do {
+        TokenKind kind = parser->token.kind;
+        depth += kind == TOKEN_BRACE_OPEN || kind == TOKEN_PAREN_OPEN || kind == TOKEN_BRACKET_OPEN;
+        depth -= kind == TOKEN_BRACE_CLOSE || kind == TOKEN_PAREN_CLOSE || kind == TOKEN_BRACKET_CLOSE;
+        if (kind == TOKEN_END) return;
+        advance(parser);
+    } while (depth > 0);
+}
+
+/* ---- values without '=', or without a name ---- */
+
+/* name value */
+static void value_behind_name(Parser *parser, Path path)
+{
+    const char *word = path.names[path.n - 1]->text;
+    const char *pattern = habit_setting(word);
+    bool call = path.n == 1 && builtin_find(word) && !(parser->node && pattern);
+    Diagnostic *report = report_at(
+        parser, behind_last(parser),
+        arena_format(parser->arena, "expected '%s' behind '%s', found %s", call ? "(" : "=", word, found_text(parser)));
+    while (parser->token.kind == TOKEN_NAME) { /* color rgb <1, 0, 0> */
+        TokenKind next = peek(parser).kind;
+        if (next != TOKEN_LESS && next != TOKEN_NUMBER && next != TOKEN_STRING && next != TOKEN_NAME) break;
+        advance(parser);
+    }
+    uint32_t begin = parser->token.begin;
+    parse_expr(parser);
+    if (parser->panic) return;
+    const char *value = quote(parser, begin, consumed_end(parser));
+    if (call)
+        hint_write(parser, report, arena_format(parser->arena, "%s(%s)", word, value));
+    else
+        hint_write(parser, report,
+                   pattern ? habit_fill(parser->arena, pattern, value)
+                           : arena_format(parser->arena, "%s = %s", word, value));
+}
+
+/* The next word of names ("center* radius"), behind which *names moves; *vector: whether it is marked as one. */
+static const char *next_value_name(Arena *arena, const char **names, bool *vector)
+{
+    size_t length = strcspn(*names, " *");
+    const char *name = arena_copy_text(arena, *names, length);
+    *vector = (*names)[length] == '*';
+    *names += length + *vector;
+    *names += strspn(*names, " ");
+    return length ? name : "PROPERTY";
+}
+
+/* value, value ... in the block of a node; the first one may have been read as a name already */
+static void values_without_names(Parser *parser, const Path *first)
+{
+    const char *node = parser->node, *known = habit_values(node), *names = known ? known : "", *hint = NULL;
+    Span span = first ? first->span : token_span(parser);
+    Diagnostic *report = report_at(parser, span, arena_format(parser->arena, "a value of '%s' has no name", node));
+    for (int i = 0; i < MOST_VALUES && !parser->panic; i++) {
+        uint32_t begin = parser->token.begin, end;
+        if (i == 0 && first) {
+            begin = span.begin;
+            end = span.end;
+        } else {
+            parse_expr(parser);
+            end = consumed_end(parser);
+        }
+        if (parser->panic) break;
+        bool vector;
+        const char *name = next_value_name(parser->arena, &names, &vector), *value = quote(parser, begin, end);
+        if (vector && (*value == '-' || (*value >= '0' && *value <= '9')))
+            value = arena_format(parser->arena, "<%s, %s, %s>", value, value, value);
+        hint = arena_format(parser->arena, "%s%s%s = %s", hint ? hint : "", hint ? "  " : "", name, value);
+        if (!accept(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
+    }
+    if (hint) hint_write(parser, report, hint);
+}
+
+bool parse_value_habit(Parser *parser)
+{
+    if (!parser->node || !starts_value(parser)) return false;
+    values_without_names(parser, NULL);
+    return true;
+}
+
+bool parse_comma_habit(Parser *parser)
+{
+    if (parser->token.kind != TOKEN_COMMA) return false;
+    Look look;
+    look_from(parser, &look);
+    Token next = lexer_next(&look.lexer);
+    bool decimal = parser->previous == TOKEN_NUMBER && next.kind == TOKEN_NUMBER &&
+                   consumed_end(parser) == parser->token.begin && next.begin == parser->token.end;
+    if (decimal) {
+        Diagnostic *report = report_at(parser, token_span(parser), "expected a statement, found ','");
+        diag_hint(parser->diag, report, "decimals stand behind a point");
+        advance(parser);
+        advance(parser);
+        return true;
+    }
+    if (!parser->comma_reported) {
+        Diagnostic *report = report_at(parser, token_span(parser), "no comma stands between statements or properties");
+        diag_hint(parser->diag, report, "remove it; a blank is enough");
+    }
+    parser->comma_reported = true;
+    advance(parser);
+    return true;
+}
+
+/* ---- a name, and something that cannot follow it ---- */
+
+static bool parse_change(Parser *parser, Path path)
+{
+    TokenKind kind = parser->token.kind;
+    if (kind != TOKEN_PLUS && kind != TOKEN_MINUS && kind != TOKEN_STAR && kind != TOKEN_SLASH) return false;
+    Token next = peek(parser);
+    bool one = next.kind == kind && (kind == TOKEN_PLUS || kind == TOKEN_MINUS);
+    if (next.begin != parser->token.end || (!one && next.kind != TOKEN_ASSIGN)) return false;
+    const char *name = quote(parser, path.span.begin, path.span.end);
+    char sign = parser->lexer.text[parser->token.begin];
+    Span span = {parser->lexer.source, parser->token.begin, next.end};
+    Diagnostic *report =
+        report_at(parser, span, arena_format(parser->arena, "there is no '%c%c' here", sign, one ? sign : '='));
+    advance(parser);
+    advance(parser);
+    const char *value = "1";
+    if (!one) {
+        uint32_t begin = parser->token.begin;
+        parse_expr(parser);
+        value = quote(parser, begin, consumed_end(parser));
+    }
+    hint_write(parser, report, arena_format(parser->arena, "%s := %s %c %s", name, name, sign, value));
+    return true;
+}
+
+bool parse_name_habit(Parser *parser, Path path)
+{
+    const char *word = path.names[path.n - 1]->text;
+    if (parse_change(parser, path)) return true;
+    if (parser->token.kind == TOKEN_COLON) {
+        Diagnostic *report = expected_error(parser, arena_format(parser->arena, "'=' behind '%s'", word));
+        parser->panic = false;
+        advance(parser);
+        uint32_t begin = parser->token.begin;
+        parse_expr(parser);
+        if (!parser->panic)
+            hint_write(parser, report,
+                       arena_format(parser->arena, "%s = %s", word, quote(parser, begin, consumed_end(parser))));
+        return true;
+    }
+    bool fresh = first_on_line(parser);
+    if (parser->node && parser->token.kind == TOKEN_COMMA && path.n == 1) {
+        values_without_names(parser, &path);
+        return true;
+    }
+    if (starts_value(parser) && !fresh) {
+        value_behind_name(parser, path);
+        return true;
+    }
+    if (parser->node && (fresh || parser->token.kind == TOKEN_BRACE_CLOSE)) { /* hollow */
+        expected_error(parser, arena_format(parser->arena, "'=' and a value behind '%s'", word));
+        parser->panic = false;
+        return true;
+    }
+    return false;
+}
+
+static void block_without_opening(Parser *parser, const char *node)
+{
+    const char *outer = parser->node;
+    parser->node = node;
+    parser->blocks++;
+    parse_stmts(parser, TOKEN_BRACE_CLOSE);
+    parser->blocks--;
+    parser->node = outer;
+    accept(parser, TOKEN_BRACE_CLOSE);
+}
+
+/* "sphere ball = {" */
+static bool parse_assigned_block(Parser *parser, Path path)
+{
+    Look look;
+    look_from(parser, &look);
+    if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN || lexer_next(&look.lexer).kind != TOKEN_BRACE_OPEN) return false;
+    const char *name = parser->token.as.symbol->text;
+    advance(parser);
+    Diagnostic *report = expected_error(parser, "'{'");
+    parser->panic = false;
+    hint_write(parser, report, arena_format(parser->arena, "%s %s { ... }", path.names[0]->text, name));
+    advance(parser);
+    const char *outer = parser->node;
+    parser->node = path.names[0]->text;
+    parse_block(parser);
+    parser->node = outer;
+    return true;
+}
+
+/* name name, without a '{' behind them */
+void parse_two_names(Parser *parser, Path path)
+{
+    static const char *const words[] = {"let", "var", "param", "def", "defaults", "use", "include"};
+    const char *first = path.names[0]->text, *second = parser->token.as.symbol->text;
+    const char *nearest = path.n == 1 ? suggest_nearest(first, words, COUNT_OF(words)) : NULL;
+    TokenKind next = peek(parser).kind;
+    if (parse_assigned_block(parser, path)) return;
+    if (next == TOKEN_PAREN_OPEN && habit_is_function(first)) {
+        Diagnostic *report =
+            report_at(parser, path.span, arena_format(parser->arena, "'%s' begins nothing here", first));
+        hint_write(parser, report, arena_format(parser->arena, "def %s(...)", second));
+        parse_def(parser, path.span);
+        return;
+    }
+    if (next == TOKEN_ASSIGN && (habit_is_type(first) || nearest) && !lacks_opening_brace(parser)) {
+        advance(parser);
+        Diagnostic *report = expected_error(parser, "'{'");
+        parser->panic = false;
+        if (habit_is_type(first))
+            hint_write(parser, report, arena_format(parser->arena, "let %s = ...", second));
+        else
+            diag_hint(parser->diag, report, "did you mean '%s'?", nearest);
+        advance(parser);
+        parse_expr(parser);
+        return;
+    }
+    bool fresh = first_on_line(parser);
+    if (nearest || (next != TOKEN_ASSIGN && next != TOKEN_NAME && !fresh && !parser->node)) {
+        bool value = !nearest && (builtin_find(first) || habit_setting(first));
+        if (value) {
+            value_behind_name(parser, path);
+            return;
+        }
+        advance(parser);
+        Diagnostic *report = expected_error(parser, "'{'");
+        if (report && nearest) diag_hint(parser->diag, report, "did you mean '%s'?", nearest);
+        return;
+    }
+    if (lacks_opening_brace(parser)) {
+        if (next == TOKEN_NAME) advance(parser);
+        expected_error(parser, "'{'");
+        parser->panic = false;
+        block_without_opening(parser, first);
+    } else if (fresh || next == TOKEN_ASSIGN || next == TOKEN_BRACE_OPEN || !parser->node) {
+        expected_error(parser, arena_format(parser->arena, "'=', ':=', '(' or '{' behind '%s'", first));
+        parser->panic = false; /* the second name begins a statement of its own */
+    } else {
+        value_behind_name(parser, path);
+    }
+}
+
+/* ---- blocks ---- */
+
+bool parse_block_habit(Parser *parser, Path path)
+{
+    const char *text = path.n == 1 ? habit_block(path.names[0]->text) : NULL;
+    if (!text || parser->token.kind != TOKEN_BRACE_OPEN || !block_is_foreign(parser)) return false;
+    Diagnostic *report =
+        report_at(parser, path.span,
+                  arena_format(parser->arena, "'%s' and what stands in it are POV-Ray's", path.names[0]->text));
+    diag_hint(parser->diag, report, "%s", text);
+    skip_brackets(parser);
+    return true;
+}
+
+/* A block without anything in front of it, or a '{' too many. */
+bool parse_brace_habit(Parser *parser)
+{
+    if (parser->token.kind != TOKEN_BRACE_OPEN) return false;
+    report_at(parser, token_span(parser), "expected a statement, found '{'");
+    if (blocks_at_end(parser) > 0)
+        advance(parser);
+    else
+        parse_block(parser);
+    return true;
+}
+
+/* def name(...), without the '=' or '{' */
+void parse_bodiless_def(Parser *parser)
+{
+    expected_error(parser, "'=' or '{' behind the parameters");
+    TokenKind next = peek(parser).kind;
+    bool expression = parser->token.kind == TOKEN_NAME && next != TOKEN_BRACE_OPEN && next != TOKEN_NAME &&
+                      next != TOKEN_ASSIGN && next != TOKEN_CHANGE;
+    if (expression || starts_value(parser) || !lacks_opening_brace(parser)) return;
+    parser->panic = false;
+    block_without_opening(parser, NULL);
+}
+
+/* Behind 'if (...)' and the like, where the '{' is missing: the block up to its '}', or one statement. */
+void parse_bare_block(Parser *parser, Block *block)
+{
+    Diagnostic *report = expected_error(parser, "'{' to begin a block");
+    if (!report || parser->token.kind == TOKEN_BRACE_CLOSE || parser->token.kind == TOKEN_END) return;
+    parser->panic = false;
+    if (lacks_opening_brace(parser)) {
+        block_without_opening(parser, parser->node);
+        return;
+    }
+    diag_hint(parser->diag, report, "a block stands in braces, even if it is one statement: { ... }");
+    block->first = parse_stmt(parser);
+}
+
+/* ---- loops ---- */
+
+/* for (int i = 0; i < 10; i++), behind the '(' */
+bool parse_counting_loop(Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    Token name = parser->token, next = lexer_next(&look.lexer);
+    if (name.kind == TOKEN_NAME && next.kind == TOKEN_NAME) {
+        name = next;
+        next = lexer_next(&look.lexer);
+    }
+    if (name.kind != TOKEN_NAME || next.kind != TOKEN_ASSIGN) return false;
+    Token tokens[64];
+    size_t n = 0, semicolons[2] = {0, 0}, n_semicolons = 0;
+    for (; n < COUNT_OF(tokens); n++) {
+        tokens[n] = lexer_next(&look.lexer);
+        if (tokens[n].kind == TOKEN_END) break;
+        if (tokens[n].kind == TOKEN_SEMICOLON && n_semicolons < 2) semicolons[n_semicolons++] = n;
+        if (n_semicolons == 2) break;
+    }
+    Diagnostic *report = report_at(parser, token_span(parser), "a loop runs over a list or a range");
+    size_t a = semicolons[0], b = semicolons[1];
+    const char *variable = name.as.symbol->text,
+               *hint = arena_format(parser->arena, "for (%s in 1..10) { ... }", variable);
+    if (n_semicolons == 2 && a > 0 && b > a + 3 &&
+        (tokens[a + 2].kind == TOKEN_LESS || tokens[a + 2].kind == TOKEN_LESS_EQUAL))
+        hint = arena_format(
+            parser->arena, "for (%s in %s%s%s) { ... }", variable, quote(parser, tokens[0].begin, tokens[a - 1].end),
+            tokens[a + 2].kind == TOKEN_LESS ? "..<" : "..", quote(parser, tokens[a + 3].begin, tokens[b - 1].end));
+    hint_write(parser, report, hint);
+    int depth = 1; /* to behind the ')' */
+    while (depth > 0 && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_OPEN) {
+        depth += (parser->token.kind == TOKEN_PAREN_OPEN) - (parser->token.kind == TOKEN_PAREN_CLOSE);
+        advance(parser);
+    }
+    return true;
+}
+
+/* ---- units ---- */
+
+/* "3 mm" is read as "3mm", unless what follows makes the word a name of its own. */
+void parse_apart_unit(Parser *parser, Span number)
+{
+    const Symbol *word = parser->token.as.symbol;
+    const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
+    if (!unit || first_on_line(parser)) return;
+    Look look;
+    look_from(parser, &look);
+    switch (lexer_next(&look.lexer).kind) {
+    case TOKEN_NAME:
+        if (lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN) return;
+        break;
+    case TOKEN_ASSIGN:
+    case TOKEN_CHANGE:
+    case TOKEN_DOT:
+    case TOKEN_PAREN_OPEN:
+    case TOKEN_BRACE_OPEN: return;
+    default: break;
+    }
+    Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
+    hint_write(parser, report, arena_format(parser->arena, "%s%s", quote(parser, number.begin, number.end), unit));
+    advance(parser);
+}
+
+/* ---- directives ---- */
+
+/* (I, 1, 9): what stands between the brackets, as a range */
+static const char *loop_text(const Parser *parser, const char *inner)
+{
+    const char *comma = strchr(inner, ','), *second = comma ? strchr(comma + 1, ',') : NULL;
+    if (!second) return "i in 1..9";
+    int length = (int)(second - comma) - 1;
+    const char *first = comma + 1 + strspn(comma + 1, " "), *last = second + 1 + strspn(second + 1, " ");
+    const char *third = strchr(last, ',');
+    int last_length = third ? (int)(third - last) : (int)strlen(last);
+    const char *step = third ? arena_format(parser->arena, " by%s", third + 1) : "";
+    return arena_format(parser->arena, "%.*s in %.*s..%.*s%s", (int)(comma - inner), inner,
+                        length - (int)(first - comma - 1), first, last_length, last, step);
+}
+
+/* The text behind the directive as the pattern wants it; the parser stands behind what was read. */
+static const char *directive_rest(Parser *parser, DirectiveForm form)
+{
+    uint32_t begin = parser->token.begin;
+    if (form == DIRECTIVE_BIND && parser->token.kind == TOKEN_NAME) {
+        Span name = token_span(parser);
+        advance(parser);
+        if (!accept(parser, TOKEN_ASSIGN)) return "NAME = VALUE";
+        parse_expr(parser);
+        uint32_t end = consumed_end(parser);
+        return memchr(parser->lexer.text + begin, '{', end - begin)
+                   ? arena_format(parser->arena, "%s = ...", quote(parser, name.begin, name.end))
+                   : quote(parser, begin, end);
+    }
+    if (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP) {
+        if (parser->token.kind == TOKEN_NAME) advance(parser); /* of a macro */
+        uint32_t inner = parser->token.end;
+        if (parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
+        uint32_t end = consumed_end(parser);
+        if (form == DIRECTIVE_OPENS) return quote(parser, begin, end);
+        return loop_text(parser, quote(parser, inner, end > inner ? end - 1 : inner));
+    }
+    if (form == DIRECTIVE_LINE)
+        while (!first_on_line(parser) && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_CLOSE)
+            advance(parser);
+    return "...";
+}
+
+void parse_directive(Parser *parser)
+{
+    Span span = token_span(parser);
+    const char *word = quote(parser, span.begin + 1, span.end), *pattern = habit_directive_pattern(word);
+    DirectiveForm form = habit_directive(word, strlen(word));
+    advance(parser);
+    bool inner = parser->directives > 0 && (form == DIRECTIVE_MIDDLE || form == DIRECTIVE_END);
+    Diagnostic *report = NULL; /* the opening one has said it */
+    if (!inner) report = report_at(parser, span, arena_format(parser->arena, "'#%s' is POV-Ray's", word));
+    parser->directives += (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP);
+    parser->directives -= inner && form == DIRECTIVE_END;
+    if (form == DIRECTIVE_MIDDLE && parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
+    uint32_t name_end = parser->token.end, name_begin = parser->token.begin;
+    const char *rest = directive_rest(parser, form), *name = quote(parser, name_begin, name_end);
+    const char *again =
+        form == DIRECTIVE_BIND && strlen(rest) > strlen(name) ? strstr(rest + strlen(name), name) : NULL;
+    if (again) /* #declare N = N + 1; */
+        pattern = arena_format(parser->arena, "%s := %s, and var %s where it is declared", name,
+                               rest + strlen(name) + strspn(rest + strlen(name), " ="), name);
+    if (report && pattern && !parser->panic) hint_write(parser, report, habit_fill(parser->arena, pattern, rest));
+}
