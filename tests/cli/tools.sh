@@ -92,3 +92,19 @@ run completion fish
 exits 0
 if command -v fish > /dev/null; then fish -n out || flunk "fish does not read it"; fi
 end
+
+begin "check --json: the facts of the printed reports, each of them"
+for scene in "$root"/tests/diag/*.mns "$root"/tests/diag/scene/*.mns; do cp "$scene" .; done
+cp -r "$root/tests/diag/parts" "$root"/tests/diag/scene/broken.* .
+"$python" "$root/tests/cli/check_json.py" "$program" *.mns > out 2> err
+status=$?
+exits 0
+end
+
+begin "unknown-camera: a camera that the scene does not have"
+small_scene
+run render small.mns --camera sdie -o x.exr
+exits 3
+says err '[unknown-camera]'
+says err "did you mean 'side'?"
+end

@@ -3,7 +3,7 @@
  * Marks: "// error: slug, slug" and "// warning: slug" mean their own line; "// error-in NAME: slug" and
  * "// error-nowhere: slug" stand for reports in another text and for those without a place; "// warning-in" and
  * "// warning-nowhere" likewise; "// option: ..." sets define, set, preset, confine, or a limit: steps, nodes, memory,
- * files, calls, file_bytes.
+ * files, calls, file_bytes; "remarks on" asks for the remarks, too, which "// remark: slug" expects.
  * The scenes in tests/diag are read with the schema of the tests, so that they do not change with the program's nodes;
  * those in tests/diag/scene are built and compiled as by `meniscus check`.
  * DIAG_ACCEPT=1 in the environment writes the .expected files anew: read them before they are kept.
@@ -43,6 +43,7 @@ typedef struct Tally {
 } Tally;
 
 static Tally tally;
+static bool with_remarks; /* of the scene that is being checked */
 static bool slug_seen[D_COUNT];
 
 static void add_marks(Expectation *expected, const char *file, unsigned line, DiagSeverity severity, const char *slugs)
@@ -76,6 +77,8 @@ static void read_option(Run *run, Expectation *expected, const char *text)
         assert_true(run->options.n_overrides < MAX_DEFINES);
         expected->overrides[run->options.n_overrides++] = kept;
         run->options.overrides = expected->overrides;
+    } else if (strcmp(word, "remarks") == 0) {
+        with_remarks = strcmp(value, "on") == 0;
     } else if (strcmp(word, "preset") == 0) {
         run->options.preset = kept;
     } else if (strcmp(word, "confine") == 0) {
@@ -98,8 +101,8 @@ static void read_mark(Run *run, Expectation *expected, const char *path, unsigne
     if (strncmp(comment, "// option: ", 11) == 0) {
         read_option(run, expected, comment + 11);
     } else if (sscanf(comment, "// %31[a-z]%n", severity, &used) == 1 &&
-               (strcmp(severity, "error") == 0 || strcmp(severity, "warning") == 0)) {
-        DiagSeverity kind = *severity == 'e' ? DIAG_ERROR : DIAG_WARNING;
+               (strcmp(severity, "error") == 0 || strcmp(severity, "warning") == 0 || strcmp(severity, "remark") == 0)) {
+        DiagSeverity kind = *severity == 'e' ? DIAG_ERROR : *severity == 'w' ? DIAG_WARNING : DIAG_REMARK;
         const char *rest = comment + used;
         int behind = 0;
         if (strncmp(rest, ": ", 2) == 0) {
@@ -209,7 +212,11 @@ static void scene_task(void *context)
     run->status = scene_build(run->path, &options, &run->diag, &scene, NULL, &run->error);
     if (run->status == STATUS_OK)
         run->status = compile_scene(scene, scene->render.nesting, NULL, &run->diag, &compiled, &run->error);
-    if (run->status == STATUS_OK && run->diag.n_errors == 0) report_warnings(compiled, &run->diag);
+    if (run->status == STATUS_OK && run->diag.n_errors == 0) {
+        report_warnings(compiled, &run->diag);
+        run->status = report_mesh_crossings(compiled, NULL, &run->diag, &run->error);
+        if (with_remarks) report_remarks(compiled, &run->diag);
+    }
     compiled_scene_free(compiled);
     scene_free(scene);
 }
@@ -221,6 +228,7 @@ static void check_file(const char *path)
     memset(&expected, 0, sizeof expected);
     run_open(&run);
     run.diag.limit = MAX_MARKS;
+    with_remarks = false;
     read_marks(&run, &expected, path);
     run.path = path;
     if (strncmp(path, SCENE_FOLDER, strlen(SCENE_FOLDER)) == 0)
