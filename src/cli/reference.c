@@ -30,6 +30,7 @@ static const char *kind_text(PropKind kind)
         [PROP_VECTORS3] = "list of vectors of 3",
         [PROP_NUMBER_LISTS] = "list of lists of numbers",
         [PROP_VECTOR2_LISTS] = "list of vectors of 2, or list of such lists",
+        [PROP_FUNCTION] = "name of a function",
         [PROP_STRINGS] = "string or list of strings",
         [PROP_NODES] = "list of",
     };

@@ -45,6 +45,7 @@ typedef enum ExprKind {
     EXPR_LET,
     EXPR_RANGE,
     EXPR_CALL,      /* before resolving */
+    EXPR_FUNCTION, /* the name of a function as the value of a property; in as.call */
     EXPR_CALL_DEF,
     EXPR_CALL_BUILTIN,
     EXPR_CALL_TERM,

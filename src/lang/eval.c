@@ -468,6 +468,7 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
                            .n_defines = options->n_defines, .overrides = overrides,
                            .n_overrides = options->n_overrides};
     evaluator.globals = ARENA_ARRAY(loader->arena, Value, resolver.n_globals);
+    evaluator.n_globals = resolver.n_globals;
     evaluator.singles = ARENA_ARRAY(loader->arena, EvalNode *, options->schema->n_nodes);
     evaluator.single_sources = ARENA_ARRAY(loader->arena, uint32_t, options->schema->n_nodes);
     diag->in_frame = loader->in_frame;

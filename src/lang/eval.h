@@ -24,6 +24,11 @@ typedef struct EvalTerm {
     Span span;    /* of the call, wherever the value is used */
 } EvalTerm;
 
+/* A function of the scene, which can be called as long as the arena of the evaluation lives. */
+typedef struct EvalFunctionValue EvalFunctionValue;
+/* The function at a point. false when it has no number there, after a report; calls count as steps of the evaluation. */
+bool eval_function_at(const EvalFunctionValue *function, Vec3 p, double *value);
+
 typedef enum SpectrumForm { SPECTRUM_NUMBER, SPECTRUM_COLOR, SPECTRUM_VECTOR, SPECTRUM_TERM } SpectrumForm;
 
 /* A property after checking. Which member of the union holds depends on type->kind. */
@@ -41,6 +46,7 @@ typedef struct EvalProp {
             EvalTerm term;
         } spectrum; /* PROP_SPECTRUM, PROP_TERM */
         const EvalNode *node;
+        const EvalFunctionValue *function; /* PROP_FUNCTION */
         struct {
             size_t n;
             const double *numbers;      /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */

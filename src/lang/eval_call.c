@@ -253,6 +253,97 @@ void eval_call_macro_values(Evaluator *evaluator, const Def *def, uint32_t hops,
     call_end(evaluator, &frame);
 }
 
+/* ---- functions that are called when the evaluation is over ---- */
+
+struct EvalFunctionValue {
+    Evaluator *evaluator; /* of its own: the names of the scene as they were */
+    const Def *def;
+    Frame *lexical;
+    Span span;
+    bool by_coordinates; /* takes x, y, z, not a point */
+};
+
+/* The frame and those around it in the text, with copies of their slots. */
+static Frame *capture_frame(Evaluator *evaluator, const Frame *frame)
+{
+    if (!frame || !frame->def) return NULL;
+    Frame *copy = ARENA_NEW(evaluator->arena, Frame);
+    *copy = (Frame){.def = frame->def, .call_span = frame->call_span, .has_chain = true};
+    copy->slots = ARENA_ARRAY(evaluator->arena, Value, frame->def->n_slots);
+    if (frame->def->n_slots) memcpy(copy->slots, frame->slots, frame->def->n_slots * sizeof *copy->slots);
+    copy->lexical = capture_frame(evaluator, frame->lexical);
+    return copy;
+}
+
+const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr)
+{
+    const Def *def = expr->as.call.to.def;
+    uint32_t n_needed = 0;
+    for (uint32_t i = 0; i < def->n_formals; i++) n_needed += !def->formals[i].fallback;
+    bool by_point = def->n_formals >= 1 && n_needed <= 1, by_coordinates = def->n_formals >= 3 && n_needed == 3;
+    if (!by_point && !by_coordinates) {
+        Diagnostic *report = eval_error(evaluator, expr, D_WRONG_TYPE, "'%s' is no function of a point, f(p), or of f(x, y, z)",
+                                        def->name->text);
+        diag_note(evaluator->diag, report, def->span, "declared here");
+        return NULL;
+    }
+    double bytes = (double)evaluator->n_globals * sizeof(Value) + sizeof(Evaluator);
+    if (!eval_reserve(evaluator, bytes, expr->span)) return NULL;
+    Evaluator *own = ARENA_NEW(evaluator->arena, Evaluator);
+    *own = *evaluator;
+    own->globals = ARENA_ARRAY(evaluator->arena, Value, evaluator->n_globals);
+    memcpy(own->globals, evaluator->globals, evaluator->n_globals * sizeof *own->globals);
+    own->frame = NULL;
+    own->target = NULL;
+    own->chunks = NULL;
+    own->rooms = NULL;
+    own->calls = 0;
+    own->bind_name = NULL;
+    own->printed = (Buf){0};
+    EvalFunctionValue *function = ARENA_NEW(evaluator->arena, EvalFunctionValue);
+    *function = (EvalFunctionValue){.evaluator = own, .def = def, .span = expr->span, .by_coordinates = by_coordinates};
+    if (def->level) function->lexical = capture_frame(evaluator, eval_lexical(evaluator, expr->as.call.hops));
+    return function;
+}
+
+static bool not_a_number(const EvalFunctionValue *function, Vec3 p, const Value *value)
+{
+    Evaluator *evaluator = function->evaluator;
+    if (value->kind != VALUE_POISON)
+        eval_report(evaluator, D_WRONG_TYPE, function->span, "'%s' gives %s, not a number, at <%g, %g, %g>",
+                    function->def->name->text, value_describe(evaluator->arena, value), p.x, p.y, p.z);
+    evaluator->stop = true;
+    return false;
+}
+
+bool eval_function_at(const EvalFunctionValue *function, Vec3 p, double *value)
+{
+    char here;
+    Evaluator *evaluator = function->evaluator;
+    const Def *def = function->def;
+    Frame top = {.has_chain = true};
+    evaluator->stack_base = (uintptr_t)&here;
+    evaluator->frame = &top;
+    if (evaluator->stop || !call_begin(evaluator, def, function->span)) return false;
+    Frame frame = {.def = def, .caller = &top, .call_span = function->span, .lexical = function->lexical};
+    frame.slots = take_slots(evaluator, def->n_slots);
+    const double coordinates[3] = {p.x, p.y, p.z};
+    if (function->by_coordinates)
+        for (int i = 0; i < 3; i++) frame.slots[def->formals[i].slot.index] = value_number(coordinates[i]);
+    else
+        frame.slots[def->formals[0].slot.index] = value_vector3(p.x, p.y, p.z);
+    Value result = value_poison();
+    bool reported = false;
+    evaluator->frame = &frame;
+    if (bind_fallbacks(evaluator, def, function->span, &reported)) eval_value(evaluator, def->body, &result);
+    evaluator->frame = &top;
+    call_end(evaluator, &frame);
+    *value = result.as.number;
+    bool is_number = result.kind == VALUE_NUMBER || not_a_number(function, p, &result);
+    evaluator->frame = NULL;
+    return is_number && !evaluator->stop;
+}
+
 /* ---- builtins and terms ---- */
 
 void eval_call_builtin(Evaluator *evaluator, Expr *expr, Value *result)

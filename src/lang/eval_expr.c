@@ -533,6 +533,7 @@ EvalFunction *const eval_functions[] = {
     [EXPR_LET] = eval_let,
     [EXPR_RANGE] = eval_range,
     [EXPR_CALL] = eval_poison,
+    [EXPR_FUNCTION] = eval_poison, /* prop_check looks for it first */
     [EXPR_CALL_DEF] = eval_call_def,
     [EXPR_CALL_BUILTIN] = eval_call_builtin,
     [EXPR_CALL_TERM] = eval_call_term,

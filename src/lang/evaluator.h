@@ -83,6 +83,7 @@ typedef struct Evaluator {
     EvalLimits limits;
     const double *srgb_to_working;
     Value *globals;
+    uint32_t n_globals;
     Frame *frame;
     Target *target;             /* NULL: the top of the scene */
     SlotChunk *chunks;          /* memory of frames */
@@ -170,6 +171,8 @@ bool eval_sequence(Evaluator *evaluator, Expr *expr, Value *value);
 /* ---- calls (eval_call.c) ---- */
 
 EvalFunction eval_call_def, eval_call_builtin, eval_call_term;
+/* The function that an EXPR_FUNCTION names, with all that is visible in it as it is now; NULL after a report. */
+const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr);
 /* Calls a macro with the arguments of expr; block: its children. */
 void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block);
 /* Calls a macro with ready arguments (VALUE_UNSET: not given). */

@@ -311,6 +311,9 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_NUMBERS: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_NUMBER); break;
     case PROP_VECTORS2: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR2); break;
     case PROP_VECTORS3: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR3); break;
+    case PROP_FUNCTION:
+        diag_report(flat->diag, D_NOT_FLAT, prop->span, "'%s' is a function, and a flat scene has none", prop->type->name);
+        break;
     case PROP_NUMBER_LISTS: print_number_lists(flat, prop, VALUE_NUMBER); break;
     case PROP_VECTOR2_LISTS: print_number_lists(flat, prop, VALUE_VECTOR2); break;
     case PROP_STRINGS:

@@ -192,6 +192,22 @@ static void report_free_property(Resolver *resolver, const Stmt *stmt)
         diag_hint(resolver->diag, report, "a name is declared by let %s = ...", name);
 }
 
+/* The name of a function, which is no value anywhere else. */
+static void resolve_function(Resolver *resolver, Expr *expr)
+{
+    Binding *binding = expr->kind == EXPR_NAME ? expr->as.name.symbol->binding : NULL;
+    if (!binding || binding->kind != BINDING_DEF || !binding->def->body) {
+        resolve_expr(resolver, expr);
+        return;
+    }
+    binding->used = true;
+    Def *def = binding->def;
+    expr->kind = EXPR_FUNCTION;
+    expr->as.call.name = def->name->text;
+    expr->as.call.to.def = def;
+    expr->as.call.hops = def->level ? resolver->level - def->level : 0;
+}
+
 static void resolve_prop(Resolver *resolver, Stmt *stmt)
 {
     Expr *value = stmt->as.prop.value;
@@ -208,7 +224,9 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     }
     bool misplaced = resolver->context == CONTEXT_FREE || (type && !prop);
     bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);
-    if (words && value->kind == EXPR_NAME) {
+    if (resolver->context == CONTEXT_NODE && prop && prop->kind == PROP_FUNCTION) {
+        resolve_function(resolver, value);
+    } else if (words && value->kind == EXPR_NAME) {
         resolve_word(resolver, value);
     } else if (words && value->kind == EXPR_LIST) {
         for (uint32_t i = 0; i < value->as.list.n; i++) {

@@ -431,6 +431,7 @@ static Expr *resolve_step(Resolver *resolver, Expr *expr)
     case EXPR_GLOBAL:
     case EXPR_LOCAL:
     case EXPR_OUTER:
+    case EXPR_FUNCTION:
     case EXPR_CALL_DEF:
     case EXPR_CALL_BUILTIN:
     case EXPR_CALL_TERM:

@@ -111,6 +111,7 @@ static const char *kind_text(Arena *arena, const PropType *type)
     case PROP_VECTORS3: return "a list of vectors of 3";
     case PROP_NUMBER_LISTS: return "a list of lists of numbers";
     case PROP_VECTOR2_LISTS: return "a list of vectors of 2, or a list of such lists";
+    case PROP_FUNCTION: return "the name of a function, declared as def f(p) = ...";
     case PROP_STRINGS: return "a list of strings";
     case PROP_NODES: break;
     }
@@ -416,6 +417,7 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
     case PROP_VECTORS3: return check_number_list(check, value, prop);
     case PROP_NUMBER_LISTS:
     case PROP_VECTOR2_LISTS: return check_number_lists(check, value, prop);
+    case PROP_FUNCTION: return wrong_type(check, value);
     case PROP_STRINGS: return check_string_list(check, value, prop);
     case PROP_NODES: break;
     }
@@ -463,6 +465,10 @@ bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp
             return check_string_list(&check, &value, prop);
         }
         if (!words_to_strings(&check, expr)) return false;
+    }
+    if (type->kind == PROP_FUNCTION && expr->kind == EXPR_FUNCTION) {
+        prop->as.function = eval_capture(evaluator, expr);
+        return prop->as.function != NULL;
     }
     if (!check_unit(&check, expr)) return false;
     Value room;

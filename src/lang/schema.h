@@ -27,7 +27,8 @@ typedef enum PropKind {
     PROP_NUMBER_LISTS,  /* a list of lists of numbers */
     PROP_VECTOR2_LISTS, /* a list of vectors, or a list of such lists */
     PROP_STRINGS,  /* or bare words, when `choices` lists them */
-    PROP_NODES
+    PROP_NODES,
+    PROP_FUNCTION  /* the name of a def that is a function of a point: f(p), or f(x, y, z) */
 } PropKind;
 
 typedef enum PropUnit { UNIT_NONE, UNIT_LENGTH, UNIT_ANGLE, UNIT_TIME, UNIT_PER_LENGTH, UNIT_KELVIN } PropUnit;

@@ -176,6 +176,7 @@ static const struct {
     {"difference", build_difference},
     {"prism", build_prism},   {"sweep", build_sweep},   {"superellipsoid", build_superellipsoid},
     {"height_field", build_height_field}, {"text", build_text},
+    {"blob", build_blob},     {"isosurface", build_isosurface},
 };
 
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent)

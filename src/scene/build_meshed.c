@@ -36,10 +36,11 @@ static void add_value(Buf *key, const EvalProp *prop)
 }
 
 /* Everything that makes the shape: the same bytes, the same shape. */
-static void make_key(Buf *key, const EvalNode *node, const char *more)
+static void make_key(Buf *key, const EvalNode *node, const void *more, size_t n_more)
 {
     buf_add_bytes(key, node->type->name, strlen(node->type->name) + 1);
-    buf_add_bytes(key, more, strlen(more) + 1);
+    buf_add_bytes(key, (const char *)&n_more, sizeof n_more);
+    buf_add_bytes(key, more, n_more);
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
         if (!(prop->type->flags & PROP_SHAPE)) continue;
@@ -50,11 +51,12 @@ static void make_key(Buf *key, const EvalNode *node, const char *more)
     }
 }
 
-void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildMaker *make, const char *more)
+void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildMaker *make, const void *more,
+                size_t n_more)
 {
     Buf key = {0};
     bool found;
-    make_key(&key, node, more);
+    make_key(&key, node, more, n_more);
     uint32_t shape = build_shape_of(b, buf_text(&key), key.length, &found);
     buf_clear(&key);
     if (!found) {
@@ -179,7 +181,7 @@ void build_prism(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (eval_number(node, "bevel") == 0) build_needs(b, node, "bevel_segments", "without a bevel");
     if (strcmp(eval_word(node, "curve"), "linear") == 0) build_needs(b, node, "tolerance", "without curves");
-    build_made(b, node, to_world, make_prism, "");
+    build_made(b, node, to_world, make_prism, "", 0);
 }
 
 /* ---- sweep ---- */
@@ -251,7 +253,7 @@ void build_sweep(Builder *b, const EvalNode *node, const Affine *to_world)
         build_needs(b, node, "up", "without an outline");
     }
     if (eval_truth(node, "closed")) build_needs(b, node, "ends", "on a closed path");
-    build_made(b, node, to_world, make_sweep, "");
+    build_made(b, node, to_world, make_sweep, "", 0);
 }
 
 /* ---- superellipsoid ---- */
@@ -267,7 +269,7 @@ static Status make_superellipsoid(Builder *b, const EvalNode *node, Mesh **mesh,
 
 void build_superellipsoid(Builder *b, const EvalNode *node, const Affine *to_world)
 {
-    build_made(b, node, to_world, make_superellipsoid, "");
+    build_made(b, node, to_world, make_superellipsoid, "", 0);
 }
 
 /* ---- height field ---- */
@@ -336,5 +338,5 @@ void build_height_field(Builder *b, const EvalNode *node, const Affine *to_world
     const char *path = image ? eval_find_file(&b->eval_options, b->diag, image->span, image->as.text) : "";
     if (!path) return;
     if (image) build_note_file(b, path);
-    build_made(b, node, to_world, make_height_field, path);
+    build_made(b, node, to_world, make_height_field, path, strlen(path));
 }

@@ -152,9 +152,14 @@ void build_height_field(Builder *b, const EvalNode *node, const Affine *to_world
 /* Makes the mesh of a node. STATUS_SCENE with a text, or with an empty one when it has been reported; *span is where
  * the text points to, the node unless it is changed. */
 typedef Status BuildMaker(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error);
-/* Places the shape that the maker makes of the node's PROP_SHAPE properties (and of what is behind `more`, such as a
+/* Places the shape that the maker makes of the node's PROP_SHAPE properties (and of the bytes of `more`, such as a
  * path): made once for nodes that say the same. */
-void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildMaker *make, const char *more);
+void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildMaker *make, const void *more,
+                size_t n_more);
+
+/* build_implicit.c */
+void build_blob(Builder *b, const EvalNode *node, const Affine *to_world);
+void build_isosurface(Builder *b, const EvalNode *node, const Affine *to_world);
 
 /* build_text.c */
 void build_text(Builder *b, const EvalNode *node, const Affine *to_world);

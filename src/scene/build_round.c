@@ -11,6 +11,7 @@ void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     Vec3 center = eval_vector(node, "center");
     double radius = eval_number(node, "radius");
+    build_needs(b, node, "strength", "outside of a blob");
     Affine place = {{{radius, 0, 0}, {0, radius, 0}, {0, 0, radius}}, center};
     place = affine_compose(to_world, &place);
     build_object(b, node, build_sphere_shape(b, 1), &place);
@@ -114,6 +115,7 @@ static void build_cone_of(Builder *b, const EvalNode *node, const Affine *to_wor
 void build_cylinder(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     double radius = eval_number(node, "radius");
+    build_needs(b, node, "strength", "outside of a blob");
     build_cone_of(b, node, to_world, radius, radius);
 }
 

@@ -23,6 +23,9 @@
          "how far from the edges of both ends the bevel begins; 0: sharp edges")                                       \
     PROP(bevel_segments, INTEGER, UNIT_NONE, PROP_SHAPE, 1, 64, NULL, "4",                                             \
          "steps of the bevel: 1 is a flat chamfer, more are rounded")
+#define STRENGTH                                                                                                       \
+    PROP(strength, NUMBER, UNIT_NONE, PROP_SHAPE, NO_MIN, NO_MAX, NULL, "1",                                           \
+         "in a blob only: the density in its middle, which falls to 0 at the radius; below 0 it takes away")
 #define TOLERANCE(doc) PROP(tolerance, NUMBER, UNIT_LENGTH, PROP_SHAPE | PROP_OPEN_MIN, 0, NO_MAX, NULL, NULL, doc)
 
 /* First the tables of properties ... */

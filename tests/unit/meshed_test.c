@@ -24,7 +24,8 @@ static double worst_normal(const Mesh *mesh)
         const uint32_t *t = mesh->triangles[i];
         Vec3 a = vec3_from_f(mesh->positions[t[0]]), ab = vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
              ac = vec3_sub(vec3_from_f(mesh->positions[t[2]]), a), n = vec3_cross(ab, ac);
-        if (!(vec3_length(n) > 1e-3 * vec3_length(ab) * vec3_length(ac))) continue;
+        double longest = fmax(vec3_length(vec3_sub(ac, ab)), fmax(vec3_length(ab), vec3_length(ac)));
+        if (!(vec3_length(n) > 0.02 * longest * longest)) continue;
         for (int k = 0; k < 3; k++) worst = fmin(worst, vec3_dot(vec3_normalize(n), vec3_from_f(mesh->normals[t[k]])));
     }
     return acos(fmax(worst, -1)) * 180 / pi;
@@ -290,6 +291,102 @@ static void texts(void **state)
     REFUSED("text { interior = glass text = \"a\" font = \"/etc/passwd\" }", D_DEGENERATE_SHAPE);
 }
 
+static void blobs(void **state)
+{
+    (void)state;
+    /* one ball: (1 - d^2)^2 = t at d = sqrt(1 - sqrt(t)) */
+    double d = sqrt(1 - sqrt(.5));
+    check_volume("blob { interior = water  tolerance = .0005 sphere { radius = 2 center = <5, 6, 7> } }",
+                 4. / 3 * pi * 8 * d * d * d, 1e-3, 30);
+    check_volume("blob { interior = water  tolerance = .0005 sphere { scale(<1, 2, 3>) } }",
+                 4. / 3 * pi * 6 * d * d * d, 3e-3, 60);
+    check_volume("blob { interior = water  tolerance = .0005 cylinder { from = <0, 0, 0> to = <1, 2, 2> } }",
+                 pi * d * d * 3 + 4. / 3 * pi * d * d * d, 1e-3, 30);
+    /* two far from each other, one that is taken away, and a threshold */
+    double c = sqrt(1 - sqrt(.1));
+    check_volume("blob { interior = water  threshold = .1 tolerance = .0005 sphere { } sphere { center = <4, 0, 0> } "
+                 "sphere { center = <4, 9, 0> strength = "
+                 "-1 } }",
+                 8. / 3 * pi * c * c * c, 1e-3, 30);
+    REFUSED("blob { interior = water }", D_DEGENERATE_SHAPE);
+    REFUSED("blob { interior = water sphere { strength = -1 } }", D_DEGENERATE_SHAPE);
+    REFUSED("blob { interior = water sphere { strength = .4 } }", D_DEGENERATE_SHAPE);
+    REFUSED("blob { interior = water sphere { interior = glass } }", D_CONFLICTING_PROPERTIES);
+    REFUSED("blob { interior = water box { size = 1 } }", D_WRONG_TYPE);
+    REFUSED("blob { interior = water cone { } }", D_MISPLACED);
+    REFUSED("sphere { interior = water strength = 2 }", D_CONFLICTING_PROPERTIES);
+}
+
+/* Whatever flows together is closed. */
+static void blobs_of_all_kinds(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    for (int round = 0; round < 60; round++) {
+        char text[8000];
+        snprintf(text, sizeof text, M "blob { interior = water tolerance = .05");
+        int n = 1 + round % 12;
+        for (int i = 0; i < n; i++) {
+            double r[8];
+            for (int k = 0; k < 8; k++) r[k] = hash_to_unit(seed = hash_u64(seed));
+            size_t at = strlen(text);
+            if (i % 3 == 2)
+                snprintf(text + at, sizeof text - at,
+                         " cylinder { from = <%g, %g, %g> to = <%g, %g, %g> radius = %g strength = %g }", 4 * r[0],
+                         4 * r[1], 4 * r[2], 4 * r[3], 4 * r[4], 4 * r[5], .2 + r[6], 2 * r[7] - .7);
+            else
+                snprintf(text + at, sizeof text - at, " sphere { center = <%g, %g, %g> radius = %g strength = %g }",
+                         4 * r[0], 4 * r[1], 4 * r[2], .3 + r[6], i ? 2 * r[7] - .5 : 1);
+        }
+        snprintf(text + strlen(text), sizeof text - strlen(text), " }" V);
+        Fixture f;
+        fixture_text(&f, text);
+        if (f.status == STATUS_OK) {
+            MeshReport report;
+            const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
+            assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+            if (!report.closed || report.volume <= 0 || fixture_find(&f, D_MESH_MENDED)) fail_msg("%s", text);
+        } else if (!fixture_find(&f, D_DEGENERATE_SHAPE)) {
+            fixture_print(&f);
+            fail_msg("%s", text);
+        }
+        fixture_clear(&f);
+    }
+}
+
+static void isosurfaces(void **state)
+{
+    (void)state;
+    check_volume("def f(p) = length(p) - .8  isosurface { interior = ice  function = f }", 4. / 3 * pi * .512, 2e-3,
+                 30);
+    check_volume("def f(x, y, z) = x ^ 2 + y ^ 2 isosurface { interior = ice  function = f threshold = .25 }",
+                 pi * .25 * 2, 2e-3, 30);
+    /* everything is inside: the bounds themselves */
+    check_volume("def f(p) = -1 isosurface { interior = ice function = f from = <0, 0, 0> to = <1, 2, 3> }", 6, 1e-6,
+                 1);
+    /* a slope, cut by the bounds */
+    check_volume("def f(p) = p.y - p.x / 2 isosurface { interior = ice function = f cells = 7 }", 4, 1e-5, 1);
+    /* a function within a macro sees its names as they are where it is used */
+    check_volume("def ball(r) { def f(p) = length(p) - r  isosurface { interior = ice function = f } } ball(.5)",
+                 pi / 6, 3e-3, 30);
+    Fixture f;
+    fixture_good(&f,
+                 M "for (i in 1..3) { def f(p) = length(p) - .2 * i  isosurface { interior = ice  function = f } }" V);
+    for (uint32_t i = 0; i < 3; i++)
+        assert_near(f.scene->objects[i].volume, 4. / 3 * pi * pow(.2 * (i + 1), 3), .01 * pow(i + 1, 3));
+    fixture_clear(&f);
+    REFUSED("isosurface { interior = ice }", D_MISSING_PROPERTY);
+    REFUSED("isosurface { interior = ice function = 3 }", D_WRONG_TYPE);
+    REFUSED("isosurface { interior = ice function = sin }", D_UNKNOWN_NAME);
+    REFUSED("def f(a, b) = 1 isosurface { interior = ice function = f }", D_WRONG_TYPE);
+    REFUSED("def f(p) = p isosurface { interior = ice function = f }", D_WRONG_TYPE);
+    REFUSED("def f(p) = 1 / (p.x - p.x) isosurface { interior = ice function = f }", D_BAD_NUMBER);
+    REFUSED("def f(p) = 1 isosurface { interior = ice function = f }", D_DEGENERATE_SHAPE);
+    REFUSED("def f(p) = f(p) isosurface { interior = ice function = f }", D_TOO_DEEP);
+    REFUSED("def f(p) { sphere { interior = ice } } isosurface { interior = ice function = f }", D_WRONG_TYPE);
+    REFUSED("def f(p) = -1 isosurface { interior = ice function = f from = <1, 1, 1> }", D_DEGENERATE_SHAPE);
+}
+
 static void equal_shapes_are_one(void **state)
 {
     (void)state;
@@ -315,6 +412,9 @@ int main(void)
         cmocka_unit_test(superellipsoids),
         cmocka_unit_test(height_fields),
         cmocka_unit_test(texts),
+        cmocka_unit_test(blobs),
+        cmocka_unit_test(blobs_of_all_kinds),
+        cmocka_unit_test(isosurfaces),
         cmocka_unit_test(equal_shapes_are_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

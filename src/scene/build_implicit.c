@@ -1,0 +1,128 @@
+/* build_implicit.c - solids that a function of space describes: blobs and isosurfaces.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "geom/implicit.h"
+#include "scene/build_parts.h"
+
+/* Says when the grid could not be made fine enough. */
+static void check_reached(Builder *b, const EvalNode *node, double reached, double tolerance)
+{
+    if (reached <= 1.5 * tolerance) return;
+    diag_report(b->diag, D_COARSE_SURFACE, build_span(node, "tolerance"),
+                "parts of this %s are off by up to %.2g; the tolerance is %.2g", node->type->name, reached, tolerance);
+}
+
+/* ---- blobs ---- */
+
+/* What belongs to the whole, and not to its components. */
+static bool check_component(Builder *b, const EvalNode *component)
+{
+    static const char *const of_the_whole[] = {"interior", "surface", "priority"};
+    for (size_t i = 0; i < COUNT_OF(of_the_whole); i++)
+        build_needs(b, component, of_the_whole[i], "within a blob: set it there");
+    return build_check_transform(b, component, &component->transform);
+}
+
+static bool read_component(Builder *b, const EvalNode *node, BlobComponent *component)
+{
+    bool ball = strcmp(node->type->name, "sphere") == 0;
+    memset(component, 0, sizeof *component); /* its bytes are compared */
+    component->to_world = node->transform;
+    component->from = eval_vector(node, ball ? "center" : "from");
+    component->to = ball ? component->from : eval_vector(node, "to");
+    component->radius = eval_number(node, "radius");
+    component->strength = eval_number(node, "strength");
+    Box3 box = box3_add_point(box3_add_point(box3_empty(), component->from), component->to);
+    return check_component(b, node) &&
+           build_check_reach(b, node->span, node->type->name, affine_box(&node->transform, box));
+}
+
+/* The components of a blob, in the scene's arena; NULL after reporting. */
+static const BlobComponent *read_components(Builder *b, const EvalNode *node)
+{
+    BlobComponent *components = ARENA_ARRAY(b->arena, BlobComponent, node->n_children);
+    bool fine = true;
+    for (size_t i = 0; i < node->n_children; i++) fine = read_component(b, node->children[i], &components[i]) && fine;
+    if (fine && node->n_children) return components;
+    if (fine) {
+        Diagnostic *report = diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this blob has no components");
+        diag_hint(b->diag, report, "put spheres and cylinders into it: blob { sphere { radius = 2 } }");
+    }
+    return NULL;
+}
+
+static Status make_blob(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)
+{
+    (void)span;
+    const EvalProp *tolerance = eval_prop(node, "tolerance");
+    double reached = 0;
+    const BlobComponent *components = read_components(b, node);
+    if (!components) return STATUS_SCENE;
+    TRY(mesh_make_blob(components, node->n_children, eval_number(node, "threshold"),
+                       tolerance ? tolerance->as.number : 0, mesh, &reached, error));
+    if (tolerance) check_reached(b, node, reached, tolerance->as.number);
+    return STATUS_OK;
+}
+
+void build_blob(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    const BlobComponent *components = read_components(b, node);
+    if (components) build_made(b, node, to_world, make_blob, components, node->n_children * sizeof *components);
+}
+
+/* ---- isosurfaces ---- */
+
+typedef struct SceneFunction {
+    const EvalFunctionValue *function;
+    double threshold;
+} SceneFunction;
+
+/* Outside is where the function is greater; the mesh wants it the other way round. */
+static bool function_value(void *context, Vec3 p, double *value)
+{
+    const SceneFunction *scene_function = context;
+    if (!eval_function_at(scene_function->function, p, value)) return false;
+    *value = scene_function->threshold - *value;
+    return true;
+}
+
+static bool function_layer(void *context, const Lattice *lattice, uint32_t k, double *values)
+{
+    for (uint32_t j = 0; j < lattice->n[1]; j++)
+        for (uint32_t i = 0; i < lattice->n[0]; i++) {
+            Vec3 p = vec3(lattice->origin.x + lattice->step.x * i, lattice->origin.y + lattice->step.y * j,
+                          lattice->origin.z + lattice->step.z * k);
+            if (!function_value(context, p, &values[(size_t)j * lattice->n[0] + i])) return false;
+        }
+    return true;
+}
+
+static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)
+{
+    Vec3 from = eval_vector(node, "from"), to = eval_vector(node, "to");
+    Box3 bounds = box3_add_point(box3_add_point(box3_empty(), from), to);
+    Vec3 size = vec3_sub(bounds.max, bounds.min);
+    if (!(size.x > 0 && size.y > 0 && size.z > 0)) {
+        *span = build_span(node, "to");
+        return fail(error, STATUS_SCENE, "the bounds of this isosurface measure %g x %g x %g", size.x, size.y, size.z);
+    }
+    if (!build_check_reach(b, node->span, "isosurface", bounds)) return STATUS_SCENE;
+    const EvalProp *tolerance = eval_prop(node, "tolerance"), *function = eval_prop(node, "function");
+    SceneFunction context = {function->as.function, eval_number(node, "threshold")};
+    const ImplicitField field = {&context, function_layer, function_value, NULL};
+    const ImplicitOptions options = {.bounds = bounds,
+                                     .tolerance = tolerance ? tolerance->as.number : vec3_max_abs(size) / 2000,
+                                     .cells = (uint32_t)eval_number(node, "cells"),
+                                     .max_points = 16000000};
+    double reached = 0;
+    *span = function->span;
+    TRY(mesh_make_implicit(&field, &options, "the isosurface", mesh, &reached, error));
+    if (tolerance) check_reached(b, node, reached, options.tolerance);
+    return STATUS_OK;
+}
+
+void build_isosurface(Builder *b, const EvalNode *node, const Affine *to_world)
+{
+    build_made(b, node, to_world, make_isosurface, "", 0);
+}
