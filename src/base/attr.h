@@ -7,12 +7,15 @@
 #define ATTR_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #define ATTR_NODISCARD __attribute__((warn_unused_result))
 #define ATTR_NORETURN __attribute__((noreturn))
+/* Seldom called: kept out of the way of what is called often. */
+#define ATTR_COLD __attribute__((cold, noinline))
 #define LIKELY(x) __builtin_expect(!!(x), 1)
 #define UNLIKELY(x) __builtin_expect(!!(x), 0)
 #else
 #define ATTR_PRINTF(text, first)
 #define ATTR_NODISCARD
 #define ATTR_NORETURN
+#define ATTR_COLD
 #define LIKELY(x) (x)
 #define UNLIKELY(x) (x)
 #endif

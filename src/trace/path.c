@@ -311,7 +311,7 @@ static Lanes surface_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelengt
 }
 
 /* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
-static void reflectance_color(const SceneSurface *surface, Vec3 p, float rgb[3])
+ATTR_COLD static void reflectance_color(const SceneSurface *surface, Vec3 p, float rgb[3])
 {
     enum { SAMPLES = 32 }; /* of four wavelengths each */
     double sum[3] = {0}, white[3] = {0};
@@ -329,7 +329,7 @@ static void reflectance_color(const SceneSurface *surface, Vec3 p, float rgb[3])
     for (int c = 0; c < 3; c++) rgb[c] = (float)(sum[c] / white[c]);
 }
 
-static void note_first_sight(const Path *path, const Event *event)
+ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
