@@ -1,6 +1,8 @@
 /* implicit.c - closed meshes of what a function of space says is inside: marching tetrahedra.
  * The grid fills the bounds, with one more layer of points around them that counts as outside. Edges that lead out
  * there have their vertex at the point that they come from, so that what the bounds cut off ends flat.
+ * Vertices stay on the edges that they belong to, so that every triangle stays in its own tetrahedron: no mesh crosses
+ * itself. Where an edge is cut near its end this makes slivers, which are too small to be seen.
  * Only two layers are kept in memory.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/implicit.h"
@@ -12,9 +14,7 @@
 #include "base/array.h"
 #include "geom/grower.h"
 
-enum { NO_VERTEX = UINT32_MAX, EDGES_PER_POINT = 8, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
-
-static const double near_corner = 0.2; /* of the shortest step */
+enum { NO_VERTEX = UINT32_MAX, EDGES_PER_POINT = 8 /* the first is not used */, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
 
 /* A point of the grid counts from 0 in the layer around, so that 1 .. n are the field's. */
 typedef struct Marcher {
@@ -117,32 +117,6 @@ static Vec3 cube_point(const Marcher *marcher, const Cube *cube, unsigned corner
     return grid_point(marcher, cube->i + (corner & 1), cube->j + (corner >> 1 & 1), cube->k + (corner >> 2));
 }
 
-/* The vertex of all edges whose own would stand close to a corner: triangles between such would be slivers (G. M.
- * Treece, R. W. Prager, A. H. Gee, "Regularised Marching Tetrahedra", Computers & Graphics 23(4), 1999). The corner is
- * moved onto the surface, and stays in the bounds' sides that it lies in. */
-static uint32_t corner_vertex(Marcher *marcher, const Cube *cube, unsigned corner)
-{
-    size_t i = cube->i + (corner & 1), j = cube->j + (corner >> 1 & 1), k = cube->k + (corner >> 2);
-    uint32_t *vertex = &marcher->vertices[corner >> 2][(j * marcher->width + i) * EDGES_PER_POINT];
-    if (*vertex != NO_VERTEX) return *vertex;
-    Vec3 start = cube_point(marcher, cube, corner), at = start;
-    const Lattice *l = &marcher->lattice;
-    double reach = near_corner * shortest_step(marcher);
-    for (int step = 0; step < 3; step++) {
-        Vec3 slope = field_gradient(marcher, at);
-        if (i == 1 || i == l->n[0]) slope.x = 0;
-        if (j == 1 || j == l->n[1]) slope.y = 0;
-        if (k == 1 || k == l->n[2]) slope.z = 0;
-        double steepness = vec3_dot(slope, slope);
-        if (!(steepness > 0)) break;
-        Vec3 next = vec3_along(at, -field_value(marcher, at) / steepness, slope);
-        if (!(vec3_length(vec3_sub(next, start)) <= reach)) break;
-        at = next;
-    }
-    *vertex = grower_vertex(&marcher->grower, at, vec3_scale(field_gradient(marcher, at), -1));
-    return *vertex;
-}
-
 /* The vertex on the edge between two corners, one of which is inside. */
 static uint32_t edge_vertex(Marcher *marcher, const Cube *cube, unsigned inner, unsigned outer)
 {
@@ -156,9 +130,6 @@ static uint32_t edge_vertex(Marcher *marcher, const Cube *cube, unsigned inner, 
         double to = corner_value(marcher, cube->i + (outer & 1), cube->j + (outer >> 1 & 1), outer >> 2);
         Vec3 end = cube_point(marcher, cube, outer);
         double t = find_root(marcher, at, from, end, to);
-        double length = vec3_length(vec3_sub(end, at));
-        if (fmin(t, 1 - t) * length < near_corner * shortest_step(marcher))
-            return *vertex = corner_vertex(marcher, cube, t < 0.5 ? inner : outer);
         at = vec3_along(at, t, vec3_sub(end, at));
         normal = vec3_scale(field_gradient(marcher, at), -1);
     }

@@ -19,12 +19,15 @@ static const double pi = 3.14159265358979323846;
  * degrees. Slivers have no direction worth mentioning. */
 static double worst_normal(const Mesh *mesh)
 {
-    double worst = 1;
+    double worst = 1, extent = 0;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        extent = fmax(extent, vec3_length(vec3_sub(vec3_from_f(mesh->positions[i]), vec3_from_f(mesh->positions[0]))));
     for (uint32_t i = 0; mesh->normals && i < mesh->n_triangles; i++) {
         const uint32_t *t = mesh->triangles[i];
         Vec3 a = vec3_from_f(mesh->positions[t[0]]), ab = vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
              ac = vec3_sub(vec3_from_f(mesh->positions[t[2]]), a), n = vec3_cross(ab, ac);
         double longest = fmax(vec3_length(vec3_sub(ac, ab)), fmax(vec3_length(ab), vec3_length(ac)));
+        if (longest < 1e-4 * extent) continue; /* float has rounded it away */
         if (!(vec3_length(n) > 0.02 * longest * longest)) continue;
         for (int k = 0; k < 3; k++) worst = fmin(worst, vec3_dot(vec3_normalize(n), vec3_from_f(mesh->normals[t[k]])));
     }
