@@ -65,3 +65,15 @@ Box3 affine_box(const Affine *a, Box3 b)
                                                            corner & 4 ? b.max.z : b.min.z)));
     return image;
 }
+
+Affine affine_between(const Affine *keys, uint32_t n, double time)
+{
+    double place = time * (n - 1);
+    uint32_t k = place < n - 2 ? (uint32_t)place : n - 2;
+    double b = place - k, a = 1 - b;
+    const Affine *from = &keys[k], *to = &keys[k + 1];
+    Affine map = {.t = vec3_add(vec3_scale(from->t, a), vec3_scale(to->t, b))};
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++) map.m[row][column] = a * from->m[row][column] + b * to->m[row][column];
+    return map;
+}

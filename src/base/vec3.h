@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef struct Vec3 {
     double x, y, z;
@@ -79,6 +80,8 @@ static inline Vec3 affine_normal(const Affine *inverse, Vec3 n)
                 inverse->m[0][2] * n.x + inverse->m[1][2] * n.y + inverse->m[2][2] * n.z);
 }
 /* first b, then a */
+/* The map at a time 0..1, of n >= 2 maps that are evenly spread over it; linear between them, entry by entry. */
+Affine affine_between(const Affine *keys, uint32_t n, double time);
 Affine affine_compose(const Affine *a, const Affine *b);
 double affine_determinant(const Affine *a);
 /* The largest factor by which the map stretches a length, at most sqrt(3) too large. */

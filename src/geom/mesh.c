@@ -212,3 +212,9 @@ Status mesh_normalize_normals(Mesh *mesh, Error *error)
     free(sums);
     return STATUS_OK;
 }
+
+bool mesh_same_triangles(const Mesh *a, const Mesh *b)
+{
+    return a->n_vertices == b->n_vertices && a->n_triangles == b->n_triangles && !a->normals == !b->normals &&
+           memcmp(a->triangles, b->triangles, a->n_triangles * sizeof *a->triangles) == 0;
+}

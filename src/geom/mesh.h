@@ -26,6 +26,8 @@ ATTR_NODISCARD Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool n
                                Error *error);
 ATTR_NODISCARD Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error);
 
+/* Whether two meshes differ in nothing but places and normals. */
+bool mesh_same_triangles(const Mesh *a, const Mesh *b);
 /* Merges vertices whose positions (and normals and uvs, where present) are equal bit by bit (-0 = 0), and
  * drops those that no triangle uses. */
 ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Error *error);

@@ -40,6 +40,8 @@ typedef struct Query {
     HitList *hits;
     uint32_t cached_object; /* whose local ray is cached: pieces of one solid come in a row */
     Vec3 cached_origin, cached_direction;
+    const Affine *cached_to_local; /* the object's own, or */
+    Affine moved_to_local;
 } Query;
 
 void hit_list_clear(HitList *list)
@@ -120,14 +122,27 @@ static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
     return object->triangles ? object->triangles[primitive] : object->mesh->triangles[primitive];
 }
 
+static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
+{
+    Vec3 p = vec3_from_f(object->mesh->positions[vertex]);
+    if (!object->mesh_end) return p;
+    return vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(object->mesh_end->positions[vertex]), time));
+}
+
 /* World-space corners in double; a mirrored instance has two of them swapped, so that the
  * counter-clockwise side is outside in any case. */
-static void triangle_corners(const RtcPlaced *object, uint32_t primitive, Vec3 corner[3])
+static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time, Vec3 corner[3])
 {
     const uint32_t *triangle = triangle_of(object, primitive);
-    for (int i = 0; i < 3; i++)
-        corner[i] = object->baked ? vec3_from_f(object->baked[triangle[i]])
-                                  : affine_point(&object->to_world, vec3_from_f(object->mesh->positions[triangle[i]]));
+    if (object->keys || object->mesh_end) {
+        Affine to_world = rtc_to_world(scene, object, time);
+        for (int i = 0; i < 3; i++) corner[i] = affine_point(&to_world, local_corner(object, triangle[i], time));
+    } else {
+        for (int i = 0; i < 3; i++)
+            corner[i] = object->baked
+                            ? vec3_from_f(object->baked[triangle[i]])
+                            : affine_point(&object->to_world, vec3_from_f(object->mesh->positions[triangle[i]]));
+    }
     if (!object->baked && object->mirrored) {
         Vec3 swap = corner[1];
         corner[1] = corner[2];
@@ -172,7 +187,7 @@ static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primiti
 {
     const RtcPlaced *object = &query->scene->objects[object_id];
     Vec3 corner[3];
-    triangle_corners(object, primitive, corner);
+    triangle_corners(query->scene, object, primitive, query->ray->time, corner);
     Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
     double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
@@ -197,8 +212,13 @@ static bool consider_piece(Query *query, RtcPiece which)
     const Piece *piece = &object->solid->pieces[which.piece];
     if (query->cached_object != which.object) {
         query->cached_object = which.object;
-        query->cached_origin = affine_point(&object->to_local, query->origin);
-        query->cached_direction = affine_vector(&object->to_local, query->direction);
+        query->cached_to_local = &object->to_local;
+        if (object->keys) {
+            query->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
+            query->cached_to_local = &query->moved_to_local;
+        }
+        query->cached_origin = affine_point(query->cached_to_local, query->origin);
+        query->cached_direction = affine_vector(query->cached_to_local, query->direction);
     }
     double t[PIECE_MAX_ROOTS];
     double t_max = query->all ? query->ray->t_max : fmin(query->ray->t_max, query->reach);
@@ -211,7 +231,7 @@ static bool consider_piece(Query *query, RtcPiece which)
             if (rtc_sector(x, z) != which.sector) continue;
         }
         Vec3 local = piece_normal(piece, query->cached_origin, query->cached_direction, t[i]);
-        Vec3 normal = vec3_normalize(affine_normal(&object->to_local, local));
+        Vec3 normal = vec3_normalize(affine_normal(query->cached_to_local, local));
         double slope = vec3_dot(local, query->cached_direction); /* the sign that the piece itself sees */
         double cosine = vec3_dot(normal, query->direction);
         if (query->ray->n_left && is_left(query, which.object, which.piece, t[i], slope > 0 ? fabs(cosine) : -fabs(cosine))) continue;
@@ -271,12 +291,13 @@ static Box3 sector_bounds(const Piece *piece, uint32_t sector)
 
 void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
-    const RtcScene *scene = arguments->geometryUserPtr;
-    RtcPiece which = scene->pieces[arguments->primID];
+    const RtcPieceSet *set = arguments->geometryUserPtr;
+    const RtcScene *scene = set->scene;
+    RtcPiece which = set->pieces[arguments->primID];
     const RtcPlaced *object = &scene->objects[which.object];
     const Piece *piece = &object->solid->pieces[which.piece];
     Box3 local = which.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which.sector);
-    Box3 box = affine_box(&object->to_world, local);
+    Box3 box = affine_box(object->keys ? &object->keys[arguments->timeStep] : &object->to_world, local);
     /* larger by more than Embree's float ray can run beside the exact one (rtc_leave) */
     double margin = 4 * TRUSTED_ULPS * UNIT_ROUNDING * scene->reach;
     arguments->bounds_o->lower_x = (float)(box.min.x - margin);
@@ -290,9 +311,9 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
 void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    const RtcScene *scene = arguments->geometryUserPtr;
+    const RtcPieceSet *set = arguments->geometryUserPtr;
     if (!arguments->valid[0]) return;
-    if (consider_piece(query, scene->pieces[arguments->primID])) {
+    if (consider_piece(query, set->pieces[arguments->primID])) {
         struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
         ray->tfar = fminf(ray->tfar, embree_t(query, query->reach));
     } else {
@@ -303,9 +324,9 @@ void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    const RtcScene *scene = arguments->geometryUserPtr;
+    const RtcPieceSet *set = arguments->geometryUserPtr;
     if (!arguments->valid[0]) return;
-    if (consider_piece(query, scene->pieces[arguments->primID]))
+    if (consider_piece(query, set->pieces[arguments->primID]))
         ray_of(arguments->ray)->tfar = -INFINITY;
     else
         arguments->valid[0] = 0;
@@ -350,7 +371,7 @@ static void embree_ray(Query *query, struct RTCRay *ray)
     double near = query->ray->t_min > 0 ? query->ray->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
     ray->tnear = near > 0 ? (float)near : 0;
     ray->tfar = embree_t(query, fmin(query->ray->t_max, query->reach));
-    ray->time = 0;
+    ray->time = (float)query->ray->time;
     ray->mask = 0xffffffffU;
     ray->id = ray->flags = 0;
 }
@@ -484,21 +505,31 @@ bool rtc_is_plane(const RtcScene *scene, uint32_t object)
     return solid && solid->pieces[0].kind == PIECE_PLANE;
 }
 
-bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point)
+bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point, double time)
 {
-    return affine_point(&scene->objects[object].to_local, point).y < 0;
+    Affine to_local = rtc_to_local(scene, &scene->objects[object], time);
+    return affine_point(&to_local, point).y < 0;
+}
+
+static Vec3f interpolated_normal(const Mesh *mesh, const uint32_t triangle[3], const Hit *hit)
+{
+    Vec3f a = mesh->normals[triangle[0]], b = mesh->normals[triangle[1]], c = mesh->normals[triangle[2]];
+    return vec3f_add(vec3f_scale(a, 1 - hit->u - hit->v), vec3f_add(vec3f_scale(b, hit->u), vec3f_scale(c, hit->v)));
 }
 
 /* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
  * other side. */
-static Vec3f mesh_shading(const RtcPlaced *object, const Hit *hit)
+static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, double time, const Hit *hit)
 {
     const Mesh *mesh = object->mesh;
     if (!mesh->normals) return hit->normal;
     const uint32_t *triangle = triangle_of(object, hit->primitive);
-    Vec3f a = mesh->normals[triangle[0]], b = mesh->normals[triangle[1]], c = mesh->normals[triangle[2]];
-    Vec3f local = vec3f_add(vec3f_scale(a, 1 - hit->u - hit->v), vec3f_add(vec3f_scale(b, hit->u), vec3f_scale(c, hit->v)));
-    Vec3 world = affine_normal(&object->to_local, vec3_from_f(local));
+    Vec3f local = interpolated_normal(mesh, triangle, hit);
+    if (object->mesh_end && object->mesh_end->normals) {
+        Vec3f end = interpolated_normal(object->mesh_end, triangle, hit);
+        local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
+    }
+    Vec3 world = affine_normal(to_local, vec3_from_f(local));
     double length = vec3_length(world);
     if (!(length > 0)) return hit->normal;
     Vec3f shading = vec3f_from(vec3_scale(world, 1 / length));
@@ -508,27 +539,28 @@ static Vec3f mesh_shading(const RtcPlaced *object, const Hit *hit)
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
+    Affine to_local = rtc_to_local(scene, object, ray->time);
     surface->position = ray_point(ray, hit->t);
     if (object->mesh) {
-        surface->shading = mesh_shading(object, hit);
+        surface->shading = mesh_shading(object, &to_local, ray->time, hit);
         surface->uv[0] = hit->u;
         surface->uv[1] = hit->v;
         return;
     }
     PieceRoot root;
-    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&object->to_local, ray->origin),
-                  affine_vector(&object->to_local, vec3_from_f(ray->direction)), hit->t, &root);
-    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&object->to_local, root.shading)));
+    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),
+                  affine_vector(&to_local, vec3_from_f(ray->direction)), hit->t, &root);
+    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&to_local, root.shading)));
     surface->shading = vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
     surface->uv[0] = (float)root.u;
     surface->uv[1] = (float)root.v;
 }
 
 /* p moved towards the middle of the triangle until it is `margin` away from every edge. */
-static Vec3 triangle_inset(const RtcPlaced *object, uint32_t primitive, Vec3 p, double margin)
+static Vec3 triangle_inset(const RtcScene *scene, const Hit *hit, double time, Vec3 p, double margin)
 {
     Vec3 corner[3];
-    triangle_corners(object, primitive, corner);
+    triangle_corners(scene, &scene->objects[hit->object], hit->primitive, time, corner);
     Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
     double area = vec3_length(normal), blend = 0;
     for (int i = 0; i < 3; i++) {
@@ -561,6 +593,7 @@ Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool 
     if (*n > 1) *n = one_per_object(hits, *n);
     const Hit *hit = through ? &hits[*n - 1] : &hits[0];
     Ray next = ray_make(ray_point(ray, hit->t), direction);
+    next.time = ray->time;
     next.left = hits;
     next.n_left = *n;
     next.start_scale = vec3_max_abs(ray->origin) + hit->t;
@@ -568,8 +601,8 @@ Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool 
      * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;
     for (size_t i = 0; i < *n; i++) {
-        const RtcPlaced *object = &scene->objects[hits[i].object];
-        if (object->mesh) next.origin = triangle_inset(object, hits[i].primitive, next.origin, margin);
+        if (scene->objects[hits[i].object].mesh)
+            next.origin = triangle_inset(scene, &hits[i], ray->time, next.origin, margin);
     }
     for (size_t i = 0; i < *n; i++) {
         Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next.origin, ray_point(ray, hits[i].t));

@@ -26,12 +26,16 @@ typedef struct RtcScene RtcScene;
 typedef struct RtcObject {
     const Mesh *mesh;   /* or NULL */
     const Solid *solid; /* or NULL */
-    Affine to_world;
+    Affine to_world;    /* of one that moves: at time 0 */
+    const Affine *keys; /* NULL, or where it is at evenly spread times from 0 to 1: as many as rtc_scene_new is told; not owned */
+    const Mesh *mesh_end; /* NULL, or the same triangles with the positions and normals at time 1; linear in between */
     bool opaque;        /* nothing is seen through it: a search for all surfaces along a ray may stop at it */
 } RtcObject;
 
-/* The objects keep their numbers. STATUS_SCENE when a transform is singular, STATUS_NOMEM. */
-ATTR_NODISCARD Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, unsigned n_threads,
+/* The objects keep their numbers. n_keys: of the objects that move, 2 .. RTC_MOST_KEYS, or 0 when none does. STATUS_SCENE
+ * when a transform is singular at one of its times, or mirrors at one and not at another; STATUS_NOMEM. */
+enum { RTC_MOST_KEYS = 129 };
+ATTR_NODISCARD Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, uint32_t n_keys, unsigned n_threads,
                                     RtcScene **scene, Error *error);
 void rtc_scene_free(RtcScene *scene);
 /* Around everything but unbounded planes; empty for an empty scene. */
@@ -39,7 +43,7 @@ Box3 rtc_scene_bounds(const RtcScene *scene);
 /* Whether the object is a plane without end, which divides space: rays that stay on one side never tell which it is. */
 bool rtc_is_plane(const RtcScene *scene, uint32_t object);
 /* Whether a point is on the side of such an object that its normal does not point to. */
-bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point);
+bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point, double time);
 /* Bytes that Embree holds for geometry and hierarchy. */
 size_t rtc_scene_bytes(const RtcScene *scene);
 /* "Embree 3.13.5 (isa ...)", for `version` and reports */
@@ -51,6 +55,7 @@ typedef struct Hit Hit;
 typedef struct Ray {
     Vec3 origin;
     Vec3f direction;         /* unit to float precision */
+    double time;             /* 0..1, of what moves */
     double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */

@@ -25,26 +25,37 @@ static bool on_memory(void *context, ssize_t bytes, bool post)
 }
 
 typedef struct MeshUse {
-    const Mesh *mesh;
+    const Mesh *mesh, *mesh_end;
     uint32_t object;
 } MeshUse;
+
+static int compare_address(const void *left, const void *right)
+{
+    uintptr_t a = (uintptr_t)left, b = (uintptr_t)right;
+    return a < b ? -1 : a > b;
+}
 
 static int compare_use(const void *left, const void *right)
 {
     const MeshUse *a = left, *b = right;
-    uintptr_t pa = (uintptr_t)a->mesh, pb = (uintptr_t)b->mesh;
-    if (pa != pb) return pa < pb ? -1 : 1;
+    if (a->mesh != b->mesh) return compare_address(a->mesh, b->mesh);
+    if (a->mesh_end != b->mesh_end) return compare_address(a->mesh_end, b->mesh_end);
     return a->object < b->object ? -1 : a->object > b->object ? 1 : 0;
 }
 
-static Status place_object(RtcPlaced *placed, const RtcObject *object, uint32_t i, Error *error)
+static Status place_object(RtcPlaced *placed, const RtcObject *object, uint32_t n_keys, uint32_t i, Error *error)
 {
-    *placed = (RtcPlaced){
-        .mesh = object->mesh, .solid = object->solid, .to_world = object->to_world, .opaque = object->opaque};
+    *placed = (RtcPlaced){.mesh = object->mesh, .solid = object->solid, .to_world = object->to_world, .keys = object->keys,
+                          .mesh_end = object->mesh_end, .opaque = object->opaque};
     if (!affine_invert(&object->to_world, &placed->to_local))
         return fail(error, STATUS_SCENE, "the transform of object %u is singular: it has no volume", i);
     placed->mirrored = affine_determinant(&object->to_world) < 0;
     placed->stretch = affine_max_stretch(&object->to_world);
+    for (uint32_t k = 0; object->keys && k < n_keys; k++) {
+        double determinant = affine_determinant(&object->keys[k]);
+        if (!(determinant != 0) || !isfinite(determinant) || (determinant < 0) != placed->mirrored)
+            return fail(error, STATUS_SCENE, "object %u is turned inside out while it moves", i);
+    }
     return STATUS_OK;
 }
 
@@ -69,14 +80,17 @@ static Status bake_mesh(RtcPlaced *placed, Error *error)
     return STATUS_OK;
 }
 
-static RTCGeometry triangle_geometry(RtcScene *scene, const Vec3f *positions, uint32_t n_vertices,
-                                     uint32_t (*triangles)[3], uint32_t n_triangles)
+/* positions_end: NULL, or those at time 1. */
+static RTCGeometry triangle_geometry(RtcScene *scene, const Vec3f *positions, const Vec3f *positions_end,
+                                     uint32_t n_vertices, uint32_t (*triangles)[3], uint32_t n_triangles)
 {
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, sizeof(Vec3f),
-                               n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles, 0, sizeof *triangles,
-                               n_triangles);
+    if (positions_end) {
+        rtcSetGeometryTimeStepCount(geometry, 2);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, positions_end, 0, sizeof(Vec3f), n_vertices);
+    }
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, sizeof(Vec3f), n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles, 0, sizeof *triangles, n_triangles);
     rtcSetGeometryMask(geometry, 0xffffffffU);
     rtcSetGeometryIntersectFilterFunction(geometry, rtc_filter_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, rtc_filter_any);
@@ -104,30 +118,36 @@ static Status add_baked(RtcScene *scene, uint32_t object, Error *error)
     RtcPlaced *placed = &scene->objects[object];
     TRY(bake_mesh(placed, error));
     const Mesh *mesh = placed->mesh;
-    uint32_t(*triangles)[3] = placed->triangles ? placed->triangles : mesh->triangles;
-    attach(scene->world, triangle_geometry(scene, placed->baked, mesh->n_vertices, triangles, mesh->n_triangles),
-           object);
+    uint32_t (*triangles)[3] = placed->triangles ? placed->triangles : mesh->triangles;
+    attach(scene->world, triangle_geometry(scene, placed->baked, NULL, mesh->n_vertices, triangles, mesh->n_triangles), object);
     return STATUS_OK;
+}
+
+static void set_transform(RTCGeometry instance, uint32_t step, const Affine *a)
+{
+    float matrix[12]; /* three columns, then the translation */
+    for (int column = 0; column < 3; column++)
+        for (int row = 0; row < 3; row++) matrix[3 * column + row] = (float)a->m[row][column];
+    matrix[9] = (float)a->t.x;
+    matrix[10] = (float)a->t.y;
+    matrix[11] = (float)a->t.z;
+    rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix);
 }
 
 static void add_instances(RtcScene *scene, const MeshUse *uses, uint32_t n)
 {
-    const Mesh *mesh = uses[0].mesh;
+    const Mesh *mesh = uses[0].mesh, *end = uses[0].mesh_end;
     RTCScene shared = new_scene(scene);
-    attach(shared, triangle_geometry(scene, mesh->positions, mesh->n_vertices, mesh->triangles, mesh->n_triangles), 0);
+    attach(shared, triangle_geometry(scene, mesh->positions, end ? end->positions : NULL, mesh->n_vertices, mesh->triangles, mesh->n_triangles), 0);
     rtcCommitScene(shared);
     scene->shared[scene->n_shared++] = shared;
     for (uint32_t i = 0; i < n; i++) {
-        const Affine *a = &scene->objects[uses[i].object].to_world;
-        float matrix[12]; /* three columns, then the translation */
-        for (int column = 0; column < 3; column++)
-            for (int row = 0; row < 3; row++) matrix[3 * column + row] = (float)a->m[row][column];
-        matrix[9] = (float)a->t.x;
-        matrix[10] = (float)a->t.y;
-        matrix[11] = (float)a->t.z;
+        const RtcPlaced *placed = &scene->objects[uses[i].object];
         RTCGeometry instance = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(instance, shared);
-        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix);
+        uint32_t n_steps = placed->keys ? scene->n_keys : 1;
+        if (n_steps > 1) rtcSetGeometryTimeStepCount(instance, n_steps);
+        for (uint32_t k = 0; k < n_steps; k++) set_transform(instance, k, placed->keys ? &placed->keys[k] : &placed->to_world);
         rtcSetGeometryMask(instance, 0xffffffffU);
         rtcCommitGeometry(instance);
         attach(scene->world, instance, uses[i].object);
@@ -145,13 +165,13 @@ static Status add_meshes(RtcScene *scene, Error *error)
     }
     uint32_t n = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++)
-        if (scene->objects[i].mesh) uses[n++] = (MeshUse){scene->objects[i].mesh, i};
+        if (scene->objects[i].mesh) uses[n++] = (MeshUse){scene->objects[i].mesh, scene->objects[i].mesh_end, i};
     qsort(uses, n, sizeof *uses, compare_use);
     Status status = STATUS_OK;
     for (uint32_t i = 0; i < n && status == STATUS_OK;) {
         uint32_t end = i + 1;
-        while (end < n && uses[end].mesh == uses[i].mesh) end++;
-        if (end - i == 1)
+        while (end < n && uses[end].mesh == uses[i].mesh && uses[end].mesh_end == uses[i].mesh_end) end++;
+        if (end - i == 1 && !scene->objects[uses[i].object].keys && !uses[i].mesh_end)
             status = add_baked(scene, uses[i].object, error);
         else
             add_instances(scene, uses + i, end - i);
@@ -173,16 +193,16 @@ static uint32_t sectors_of(const Piece *piece)
     return box.r0 > 0.3 * box.r1 ? RTC_SECTORS : 1;
 }
 
-static void count_pieces(const RtcScene *scene, size_t *n, size_t *n_planes)
+static void count_pieces(const RtcScene *scene, size_t n[2], size_t *n_planes)
 {
-    *n = *n_planes = 0;
+    n[0] = n[1] = *n_planes = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const Solid *solid = scene->objects[i].solid;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++)
             if (solid->pieces[k].kind == PIECE_PLANE)
                 ++*n_planes;
             else
-                *n += sectors_of(&solid->pieces[k]);
+                n[scene->objects[i].keys != NULL] += sectors_of(&solid->pieces[k]);
     }
 }
 
@@ -190,38 +210,66 @@ static void list_pieces(RtcScene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const Solid *solid = scene->objects[i].solid;
+        RtcPieceSet *set = scene->objects[i].keys ? &scene->moving : &scene->still;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
             uint32_t n_sectors = sectors_of(&solid->pieces[k]);
             if (solid->pieces[k].kind == PIECE_PLANE)
                 scene->planes[scene->n_planes++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
             else if (n_sectors == 1)
-                scene->pieces[scene->n_pieces++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
+                set->pieces[set->n++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
             else
-                for (uint32_t s = 0; s < n_sectors; s++) scene->pieces[scene->n_pieces++] = (RtcPiece){i, k, s};
+                for (uint32_t s = 0; s < n_sectors; s++) set->pieces[set->n++] = (RtcPiece){i, k, s};
         }
     }
 }
 
-static Status add_pieces(RtcScene *scene, Error *error)
+static void add_piece_set(RtcScene *scene, RtcPieceSet *set, uint32_t id)
 {
-    size_t n, n_planes;
-    count_pieces(scene, &n, &n_planes);
-    if (n > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n);
-    scene->pieces = malloc((n + n_planes + 1) * sizeof *scene->pieces);
-    if (!scene->pieces) return fail_memory(error, (n + n_planes) * sizeof *scene->pieces, "the scene's solids");
-    scene->planes = scene->pieces + n;
-    list_pieces(scene);
-    if (!n) return STATUS_OK;
+    if (!set->n) return;
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, scene->n_pieces);
-    rtcSetGeometryUserData(geometry, scene);
+    rtcSetGeometryUserPrimitiveCount(geometry, set->n);
+    if (set->moving) rtcSetGeometryTimeStepCount(geometry, scene->n_keys);
+    rtcSetGeometryUserData(geometry, set);
     rtcSetGeometryMask(geometry, 0xffffffffU);
-    rtcSetGeometryBoundsFunction(geometry, rtc_piece_bounds, scene);
+    rtcSetGeometryBoundsFunction(geometry, rtc_piece_bounds, set);
     rtcSetGeometryIntersectFunction(geometry, rtc_piece_intersect);
     rtcSetGeometryOccludedFunction(geometry, rtc_piece_occluded);
     rtcCommitGeometry(geometry);
-    attach(scene->world, geometry, scene->n_objects);
+    attach(scene->world, geometry, id);
+}
+
+static Status add_pieces(RtcScene *scene, Error *error)
+{
+    size_t n[2], n_planes;
+    count_pieces(scene, n, &n_planes);
+    if (n[0] + n[1] > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n[0] + n[1]);
+    scene->pieces = malloc((n[0] + n[1] + n_planes + 1) * sizeof *scene->pieces);
+    if (!scene->pieces) return fail_memory(error, (n[0] + n[1] + n_planes) * sizeof *scene->pieces, "the scene's solids");
+    scene->still = (RtcPieceSet){scene, scene->pieces, 0, false};
+    scene->moving = (RtcPieceSet){scene, scene->pieces + n[0], 0, true};
+    scene->planes = scene->pieces + n[0] + n[1];
+    list_pieces(scene);
+    add_piece_set(scene, &scene->still, scene->n_objects);
+    add_piece_set(scene, &scene->moving, scene->n_objects + 1);
     return STATUS_OK;
+}
+
+/* The largest coordinate of an object under one of its maps. */
+static double object_reach(const RtcPlaced *object, const Affine *to_world)
+{
+    double reach = 0;
+    for (uint32_t k = 0; object->mesh && k < object->mesh->n_vertices; k++) {
+        reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(object->mesh->positions[k]))));
+        if (object->mesh_end)
+            reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(object->mesh_end->positions[k]))));
+    }
+    for (uint32_t k = 0; object->solid && k < object->solid->n_pieces; k++) {
+        const Piece *piece = &object->solid->pieces[k];
+        if (piece->kind == PIECE_PLANE) continue;
+        Box3 box = affine_box(to_world, piece_bounds(piece));
+        reach = fmax(reach, fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)));
+    }
+    return reach;
 }
 
 /* The largest coordinate of anything bounded; the boxes of the pieces are widened in proportion to it. */
@@ -230,14 +278,9 @@ static double find_reach(const RtcScene *scene)
     double reach = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
-        for (uint32_t k = 0; object->mesh && k < object->mesh->n_vertices; k++)
-            reach = fmax(reach, vec3_max_abs(affine_point(&object->to_world, vec3_from_f(object->mesh->positions[k]))));
-        for (uint32_t k = 0; object->solid && k < object->solid->n_pieces; k++) {
-            const Piece *piece = &object->solid->pieces[k];
-            if (piece->kind == PIECE_PLANE) continue;
-            Box3 box = affine_box(&object->to_world, piece_bounds(piece));
-            reach = fmax(reach, fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)));
-        }
+        reach = fmax(reach, object_reach(object, &object->to_world));
+        for (uint32_t k = 1; object->keys && k < scene->n_keys; k++)
+            reach = fmax(reach, object_reach(object, &object->keys[k]));
     }
     return reach;
 }
@@ -260,7 +303,7 @@ static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_thread
         return fail(error, STATUS_RENDER, "Embree cannot be started (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceErrorFunction(scene->device, on_error, scene);
     rtcSetDeviceMemoryMonitorFunction(scene->device, on_memory, scene);
-    for (uint32_t i = 0; i < scene->n_objects; i++) TRY(place_object(&scene->objects[i], &objects[i], i, error));
+    for (uint32_t i = 0; i < scene->n_objects; i++) TRY(place_object(&scene->objects[i], &objects[i], scene->n_keys, i, error));
     scene->reach = find_reach(scene);
     scene->world = new_scene(scene);
     TRY(add_meshes(scene, error));
@@ -271,12 +314,14 @@ static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_thread
     return STATUS_OK;
 }
 
-Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, unsigned n_threads, RtcScene **out, Error *error)
+Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, uint32_t n_keys, unsigned n_threads, RtcScene **out,
+                     Error *error)
 {
     *out = NULL;
     RtcScene *scene = calloc(1, sizeof *scene);
     if (!scene) return fail_memory(error, sizeof *scene, "the scene");
     scene->n_objects = n_objects;
+    scene->n_keys = n_keys;
     scene->objects = calloc(n_objects + 1U, sizeof *scene->objects);
     Status status = scene->objects ? build(scene, objects, n_threads, error)
                                    : fail_memory(error, n_objects * sizeof *scene->objects, "the scene's objects");

@@ -12,7 +12,9 @@
 typedef struct RtcPlaced {
     const Mesh *mesh;
     const Solid *solid;
-    Affine to_world, to_local;
+    Affine to_world, to_local;  /* at time 0 */
+    const Affine *keys;         /* NULL for one that stands still; not owned */
+    const Mesh *mesh_end;       /* NULL for one whose shape stays */
     Vec3f *baked;               /* world-space vertices of a mesh placed once; NULL for instances and solids */
     uint32_t (*triangles)[3];   /* of the baked mesh, turned round when the transform mirrors; NULL: the mesh's own */
     bool opaque;
@@ -36,6 +38,14 @@ static inline uint32_t rtc_sector(double x, double z)
     return 2 * quadrant + (fabs(z) >= fabs(x));
 }
 
+/* The pieces of all solids that stand still, or of all that move: Embree's user geometry has one number of keys. */
+typedef struct RtcPieceSet {
+    struct RtcScene *scene;
+    RtcPiece *pieces; /* primitive numbers of the geometry */
+    uint32_t n;
+    bool moving;
+} RtcPieceSet;
+
 struct RtcScene {
     RTCDevice device;
     RTCScene world;
@@ -43,15 +53,28 @@ struct RtcScene {
     uint32_t n_shared;
     RtcPlaced *objects;
     uint32_t n_objects;
-    RtcPiece *pieces; /* bounded ones: primitive numbers of the user geometry */
-    uint32_t n_pieces;
-    RtcPiece *planes; /* unbounded ones, tested by themselves */
+    uint32_t n_keys;
+    RtcPiece *pieces;          /* of the two sets, then the planes */
+    RtcPieceSet still, moving; /* bounded ones */
+    RtcPiece *planes;          /* unbounded ones, tested by themselves */
     uint32_t n_planes;
     Box3 bounds;
     double reach; /* the largest coordinate of the bounds: the scale of Embree's rounding */
     atomic_llong bytes;
     Error error; /* the first that Embree reported */
 };
+
+/* Where a placed object is. */
+static inline Affine rtc_to_world(const RtcScene *scene, const RtcPlaced *object, double time)
+{
+    return object->keys ? affine_between(object->keys, scene->n_keys, time) : object->to_world;
+}
+static inline Affine rtc_to_local(const RtcScene *scene, const RtcPlaced *object, double time)
+{
+    if (!object->keys) return object->to_local;
+    Affine map = affine_between(object->keys, scene->n_keys, time), inverse;
+    return affine_invert(&map, &inverse) ? inverse : object->to_local; /* singular between two keys that are not */
+}
 
 /* The callbacks of rtc.c that rtc_build.c hands to Embree. */
 void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments);

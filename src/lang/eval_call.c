@@ -224,8 +224,11 @@ void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
 static void run_macro(Evaluator *evaluator, Frame *frame)
 {
     bool reported = false;
+    uint64_t where = evaluator->where;
     evaluator->frame = frame;
+    evaluator->where = eval_within(where, frame->call_span, 0);
     if (bind_fallbacks(evaluator, frame->def, frame->call_span, &reported)) eval_block(evaluator, frame->def->block);
+    evaluator->where = where;
     evaluator->frame = frame->caller;
 }
 

@@ -196,6 +196,7 @@ static EvalNode *new_node(Evaluator *evaluator, const NodeType *type, Span span)
     node->span = span;
     node->chain = frame_chain(evaluator, evaluator->frame);
     node->transform = affine_identity();
+    node->identity = eval_within(evaluator->where, span, 0);
     return node;
 }
 

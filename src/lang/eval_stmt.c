@@ -194,17 +194,24 @@ static void for_stmt(Evaluator *evaluator, Stmt *stmt)
     Value source;
     if (!eval_sequence(evaluator, stmt->as.loop.source, &source)) return;
     size_t n = value_count(&source);
+    uint64_t where = evaluator->where;
     for (size_t i = 0; i < n && eval_step(evaluator, stmt->span); i++) {
         *eval_slot(evaluator, stmt->as.loop.slot) = value_element(&source, i);
+        evaluator->where = eval_within(where, stmt->span, i);
         eval_block(evaluator, stmt->as.loop.block);
     }
+    evaluator->where = where;
 }
 
 static void while_stmt(Evaluator *evaluator, Stmt *stmt)
 {
     bool poison;
-    while (eval_condition(evaluator, stmt->as.branch.condition, &poison) && eval_step(evaluator, stmt->span))
+    uint64_t where = evaluator->where, i = 0;
+    while (eval_condition(evaluator, stmt->as.branch.condition, &poison) && eval_step(evaluator, stmt->span)) {
+        evaluator->where = eval_within(where, stmt->span, i++);
         eval_block(evaluator, stmt->as.branch.then);
+    }
+    evaluator->where = where;
 }
 
 static void if_stmt(Evaluator *evaluator, Stmt *stmt)

@@ -6,6 +6,7 @@
 #ifndef MEN_EVALUATOR_H
 #define MEN_EVALUATOR_H
 
+#include "base/hash.h"
 #include "lang/ast.h"
 #include "lang/builtin.h"
 #include "lang/schema_find.h"
@@ -91,6 +92,7 @@ typedef struct Evaluator {
     uint64_t steps, n_nodes;
     uint64_t next_look;         /* the step at which limits are looked at again */
     uint32_t calls;             /* now running */
+    uint64_t where;             /* a hash of the calls and turns of loops that are running: see EvalNode.identity */
     uintptr_t stack_base;
     bool stop;                  /* a limit was reached: unwind */
     bool discard;               /* a file in use is run for its names: its nodes are not placed */
@@ -112,6 +114,12 @@ typedef struct Evaluator {
     void *geometry;             /* of options->geometry; NULL until a question is asked */
     Diagnostic scratch;         /* takes the hints of reports that are not made */
 } Evaluator;
+
+/* A step down: into turn i of the loop, or the call, that stands at the span. */
+static inline uint64_t eval_within(uint64_t where, Span span, uint64_t i)
+{
+    return hash_u64(hash_u64(where + span.begin) + ((uint64_t)span.source << 48) + i);
+}
 
 /* ---- reports (eval.c) ---- */
 

@@ -22,10 +22,13 @@ SceneInstant scene_instant(const SceneAnimation *animation, uint32_t frame)
 static SceneInstant instant_of(const SceneAnimation *animation, const SceneMoment *moment)
 {
     SceneInstant instant = scene_instant(animation, moment->has_frame ? moment->frame : animation->first_frame);
-    if (!moment->has_clock) return instant;
     double intervals = animation->cyclic ? animation->n_frames : animation->n_frames - 1.0;
-    instant.clock = moment->clock;
-    instant.time = moment->clock * intervals / animation->fps;
+    if (moment->has_clock) {
+        instant.clock = moment->clock;
+        instant.time = moment->clock * intervals / animation->fps;
+    }
+    instant.clock += moment->later / (intervals > 0 ? intervals : 1); /* a picture by itself lasts the whole clock */
+    instant.time += moment->later / animation->fps;
     return instant;
 }
 

@@ -21,6 +21,7 @@ typedef struct SceneMoment {
     bool has_frame, has_clock;
     uint32_t frame;
     double clock;                    /* instead of the frame's own; the scene then has no frames to speak of */
+    double later;                    /* so much of a frame after that moment: the shutter stays open for a while */
     const SceneAnimation *animation; /* as another frame of the scene had it; NULL: not known yet */
 } SceneMoment;
 

@@ -11,6 +11,7 @@
 
 #include "base/hash.h"
 #include "scene/build_parts.h"
+#include "scene/motion.h"
 #include "scene/geometry.h"
 
 /* ---- tables ---- */
@@ -185,11 +186,14 @@ void build_visit(Builder *b, const EvalNode *node, const Affine *parent)
     for (size_t i = 0; i < COUNT_OF(placed); i++) {
         if (strcmp(node->type->name, placed[i].type) != 0) continue;
         Affine to_world = affine_compose(parent, &node->transform);
+        uint64_t where = b->where;
+        b->where = hash_u64(where + node->identity);
         const DiagChain *outer = b->diag->chain;
         b->diag->chain = node->chain;
         if ((!b->combination || is_operand(b, node)) && build_check_transform(b, node, &to_world))
             placed[i].build(b, node, &to_world);
         b->diag->chain = outer;
+        b->where = where;
         return;
     }
 }
@@ -340,12 +344,25 @@ static Status build_requested(Request *request, const SceneOptions *options, Dia
     return status;
 }
 
-Status scene_build_from(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
-                        SceneInstant *instant, Error *error)
+Status build_at_moment(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
+                       SceneInstant *instant, Error *error)
 {
     Request request = {.text = *text};
     Status status = build_requested(&request, options, diag, scene, printed, error);
     if (instant) *instant = request.builder.instant;
+    return status;
+}
+
+Status scene_build_from(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
+                        SceneInstant *instant, Error *error)
+{
+    SceneInstant opening;
+    TRY(build_at_moment(text, options, diag, scene, printed, instant ? instant : &opening, error));
+    Status status = scene_find_motion(text, options, instant ? instant : &opening, diag, *scene, error);
+    if (status != STATUS_OK) {
+        scene_free(*scene);
+        *scene = NULL;
+    }
     return status;
 }
 

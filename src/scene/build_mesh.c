@@ -182,10 +182,10 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
 
 /* ---- the node ---- */
 
-static bool load_file(Builder *b, const EvalProp *file, const char *path, const char *part, bool smooth, uint32_t shape)
+static bool load_file(Builder *b, const EvalProp *file, const char *path, const char *part, bool smooth, uint32_t shape,
+                      Mesh **mesh)
 {
     Error error;
-    Mesh **mesh = &b->scene->shapes[shape].mesh;
     MeshSource source = {.part = part};
     Status status = mesh_load(path, &source, mesh, &error);
     b->facts[shape].file_unit_m = source.unit_m;
@@ -235,6 +235,39 @@ static bool fill_in_place(Builder *b, const EvalProp *positions, const EvalProp 
 
 /* The shape of a mesh node: one for each file and each list in the text,
  * however often it is placed. */
+/* The same triangles a frame later. What was mended of the mesh is true of it, too. */
+static bool load_next(Builder *b, const EvalProp *next, const char *part, bool smooth, uint32_t shape)
+{
+    SceneShape *row = &b->scene->shapes[shape];
+    const char *path = eval_find_file(&b->eval_options, b->diag, next->span, next->as.text);
+    if (!path) return false;
+    build_note_file(b, path);
+    if (!load_file(b, next, path, part, smooth, shape, &row->mesh_end)) return false;
+    if (mesh_same_triangles(row->mesh, row->mesh_end)) return true;
+    Diagnostic *report = diag_report(b->diag, D_MESH_INVALID, next->span,
+                                     "'%s' has %u vertices and %u triangles, and is not the mesh of %u and %u a frame later",
+                                     next->as.text, (unsigned)row->mesh_end->n_vertices,
+                                     (unsigned)row->mesh_end->n_triangles, (unsigned)row->mesh->n_vertices,
+                                     (unsigned)row->mesh->n_triangles);
+    diag_hint(b->diag, report, "the triangles must be the same, in the same order; only places and normals may differ");
+    return false;
+}
+
+static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, const char *path, const char *part,
+                       uint32_t shape)
+{
+    const EvalProp *next = eval_prop(node, "next_file");
+    bool smooth = eval_truth(node, "smooth");
+    SceneShape *row = &b->scene->shapes[shape];
+    if (!load_file(b, file, path, part, smooth, shape, &row->mesh)) return false;
+    if (next && !load_next(b, next, part, smooth, shape)) return false;
+    if (!build_finish_mesh(b, node, shape)) return false;
+    if (!next) return true;
+    row = &b->scene->shapes[shape];
+    memcpy(row->mesh_end->triangles, row->mesh->triangles, row->mesh->n_triangles * sizeof *row->mesh->triangles);
+    return true;
+}
+
 static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
 {
     const EvalProp *file = eval_prop(node, "file"), *positions = eval_prop(node, "positions"),
@@ -246,9 +279,11 @@ static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
         build_note_file(b, path);
         const EvalProp *part_prop = eval_prop(node, "part");
         const char *part = part_prop ? part_prop->as.text : NULL;
-        const char *key = arena_format(b->arena, "mesh %d %s%s%s", smooth, path, part ? "\n" : "", part ? part : "");
+        const EvalProp *next = eval_prop(node, "next_file");
+        const char *key = arena_format(b->arena, "mesh %d %s%s%s%s%s", smooth, path, part ? "\n" : "", part ? part : "",
+                                       next ? "\nnext " : "", next ? next->as.text : "");
         *shape = build_shape_of(b, key, strlen(key), &found);
-        if (!found) return load_file(b, file, path, part, smooth, *shape) && build_finish_mesh(b, node, *shape);
+        if (!found) return load_files(b, node, file, path, part, *shape);
     } else {
         const EvalNode *origin = node;
         while (origin->prototype) origin = origin->prototype;

@@ -51,6 +51,7 @@ typedef struct Builder {
     EvalResult result;
     SceneInstant instant;
     ShapeFacts *facts;
+    uint64_t where;                  /* identity of the node being built, with those of the groups around it */
     struct Combination *combination; /* that the nodes being built are operands of; NULL outside of any */
     uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, objects_capacity, lights_capacity,
         cameras_capacity, files_capacity, operands_capacity, parts_capacity, trees_capacity;
@@ -65,6 +66,9 @@ typedef struct Builder {
 } Builder;
 
 /* build.c */
+/* scene_build_from without what moves. */
+ATTR_NODISCARD Status build_at_moment(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene,
+                                      Buf *printed, SceneInstant *instant, Error *error);
 /* Builds a placed node, and what is in it; without lights and cameras when only_shapes is set. */
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent);
 /* A name of its own for every thing: as declared, or the word with a number. */
@@ -173,6 +177,9 @@ void build_render(Builder *b, const EvalNode *node);
 
 /* scene_hash.c */
 /* Of everything that affects the picture; environment_hash: of what the environment was made from. */
+/* scene->hash, and all that moves while the shutter is open. */
+uint64_t scene_hash_with_motion(const Scene *scene);
+uint64_t scene_shape_hash(const SceneShape *shape);
 uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch);
 
 #endif

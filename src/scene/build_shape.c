@@ -121,6 +121,8 @@ uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, cons
         .medium = SCENE_NONE,
         .surface = SCENE_NONE,
         .light = SCENE_NONE,
+        .motion = SCENE_NONE,
+        .identity = b->where,
         .tree = SCENE_NONE,
         .part_of = SCENE_NONE,
         .volume = shape == SCENE_NONE ? 0 : b->facts[shape].volume * fabs(affine_determinant(to_world)),

@@ -62,12 +62,30 @@ static bool focus(Builder *b, const EvalNode *node, const Affine *to_world, Scen
     return false;
 }
 
+/* All cameras of a scene share the time for which the shutter is open. */
+static void open_shutter(Builder *b, const EvalNode *node)
+{
+    Scene *scene = b->scene;
+    const EvalProp *prop = eval_prop(node, "shutter");
+    double shutter = prop ? prop->as.number / 360 : 0;
+    if (shutter == 0) build_needs(b, node, "shutter_steps", "without a shutter");
+    if (shutter == 0) return;
+    uint32_t n_keys = (uint32_t)eval_number(node, "shutter_steps") + 1;
+    if (scene->shutter > 0 && (scene->shutter != shutter || scene->n_keys != n_keys)) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
+                                         "the cameras of a scene have one shutter, and another camera has another");
+        diag_hint(b->diag, report, "give them the same 'shutter' and 'shutter_steps', or set them for one alone");
+    }
+    scene->shutter = shutter;
+    scene->n_keys = n_keys;
+}
+
 void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (b->only_shapes) return;
     Scene *scene = b->scene;
     const EvalProp *from = eval_prop(node, "from");
-    SceneCamera camera = {.name = build_name(b, node, node->type->name), .span = node->span};
+    SceneCamera camera = {.name = build_name(b, node, node->type->name), .span = node->span, .identity = b->where};
     camera.from = affine_point(to_world, vec3(from->as.vector[0], from->as.vector[1], from->as.vector[2]));
     /* the lens is round whatever the transforms: it grows with the mean scale */
     camera.lens_radius = eval_number(node, "aperture") / 2 * cbrt(fabs(affine_determinant(to_world)));
@@ -80,6 +98,7 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
         return;
     }
     expectation(b, node, &camera);
+    open_shutter(b, node);
     scene->cameras = room_for_one(b->arena, scene->cameras, scene->n_cameras, &b->cameras_capacity, sizeof camera);
     scene->cameras[scene->n_cameras++] = camera;
 }

@@ -84,8 +84,10 @@ static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
         if (object->shape == SCENE_NONE) continue; /* a combination: its operands have the geometry */
         objects[i].mesh = scene->shapes[object->shape].mesh;
         objects[i].solid = scene->shapes[object->shape].solid;
+        objects[i].mesh_end = scene->shapes[object->shape].mesh_end;
+        objects[i].keys = scene_keys(scene, object);
     }
-    Status status = rtc_scene_new(objects, scene->n_objects, pool ? pool_threads(pool) : 1, &compiled->rtc, error);
+    Status status = rtc_scene_new(objects, scene->n_objects, scene->n_keys, pool ? pool_threads(pool) : 1, &compiled->rtc, error);
     free(objects);
     return status;
 }
@@ -316,9 +318,11 @@ static void add_inside(const CompiledScene *compiled, NestList *list, uint32_t o
 
 /* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than
  * they are entered, and halves of space that it is in. They come in the order in which a ray from outside enters them: the one that is left last first. */
-static Status interior_along(const CompiledScene *compiled, Vec3 point, int direction, HitList *hits, NestList *list)
+static Status interior_along(const CompiledScene *compiled, Vec3 point, double time, int direction, HitList *hits,
+                             NestList *list)
 {
     Ray ray = ray_make(point, vec3f_from(line_direction(direction)));
+    ray.time = time;
     rtc_all(compiled->rtc, &ray, false, hits);
     if (hits->out_of_memory) return STATUS_NOMEM;
     size_t n = 0, n_inside = 0;
@@ -343,7 +347,7 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, int dire
     list->n = 0;
     TRY(nest_list_reserve(list, 2 * ((uint32_t)n_inside + compiled->n_planes)));
     for (uint32_t i = 0; i < compiled->n_planes; i++)
-        if (rtc_below_plane(compiled->rtc, compiled->planes[i], point)) add_inside(compiled, list, compiled->planes[i]);
+        if (rtc_below_plane(compiled->rtc, compiled->planes[i], point, time)) add_inside(compiled, list, compiled->planes[i]);
     for (size_t i = 0; i < n_inside; i++) add_inside(compiled, list, hits->items[i].object);
     add_combinations(compiled, list);
     return STATUS_OK;
@@ -403,12 +407,13 @@ static void sort_list(const CompiledScene *compiled, NestList *list)
 
 /* The object whose surface is at the point. Of three directions at right angles at least one is within 55 degrees of
  * the normal, so that a surface within the rounding along the normal shows within twice the rounding along it. */
-static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, HitList *hits)
+static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits)
 {
     double rounding = rtc_rounding(point);
     for (int i = 0; i < LINE_DIRECTIONS; i++) {
         Vec3f direction = vec3f_from(line_direction(i));
         Ray ray = ray_make(vec3_along(point, -2 * rounding, vec3_from_f(direction)), direction);
+        ray.time = time;
         ray.t_max = 4 * rounding;
         rtc_all(compiled->rtc, &ray, false, hits);
         for (size_t k = 0; k < hits->n; k++) {
@@ -420,24 +425,24 @@ static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, HitList *h
     return SCENE_NONE;
 }
 
-Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list,
+Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits, NestList *list,
                          uint32_t *on_surface)
 {
     NestList lists[3];
     Vec3 at = vec3_from_f(point);
     for (int i = 0; i < 3; i++) nest_list_init(&lists[i]);
-    Status status = interior_along(compiled, at, 0, hits, &lists[0]);
-    if (status == STATUS_OK) status = interior_along(compiled, at, 1, hits, &lists[1]);
+    Status status = interior_along(compiled, at, time, 0, hits, &lists[0]);
+    if (status == STATUS_OK) status = interior_along(compiled, at, time, 1, hits, &lists[1]);
     if (status == STATUS_OK && same_set(&lists[0], &lists[1])) {
         status = nest_list_copy(list, &lists[0]);
     } else if (status == STATUS_OK) {
-        status = interior_along(compiled, at, 2, hits, &lists[2]);
+        status = interior_along(compiled, at, time, 2, hits, &lists[2]);
         if (status == STATUS_OK) status = majority(compiled, lists, list);
     }
     for (int i = 0; i < 3; i++) nest_list_clear(&lists[i]);
     if (status != STATUS_OK) return status;
     sort_list(compiled, list);
-    if (on_surface) *on_surface = surface_at(compiled, at, hits);
+    if (on_surface) *on_surface = surface_at(compiled, at, time, hits);
     return hits->out_of_memory ? STATUS_NOMEM : STATUS_OK;
 }
 
@@ -504,7 +509,7 @@ Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_numbe
     NestList list;
     nest_list_init(&list);
     uint32_t on_surface;
-    Status status = compiled_interior(compiled, vec3f_from(camera->from), &hits, &list, &on_surface);
+    Status status = compiled_interior(compiled, vec3f_from(camera->from), 0, &hits, &list, &on_surface);
     if (status != STATUS_OK) {
         status = fail(error, status, "out of memory while looking where the camera is");
     } else if (on_surface != SCENE_NONE) {

@@ -62,11 +62,11 @@ ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool 
                                     Error *error);
 void compiled_scene_free(CompiledScene *compiled);
 
-/* The hulls that hold a point, found by tracing from outside of the scene to it along one direction, again along
+/* The hulls that hold a point at a time 0..1 of the shutter, found by tracing from outside of the scene to it along one direction, again along
  * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the
  * object whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */
-ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, HitList *hits, NestList *list,
-                                        uint32_t *on_surface);
+ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits,
+                                        NestList *list, uint32_t *on_surface);
 
 /* Reports a camera that is on a surface, or in other media than its `expect` says; STATUS_SCENE after that. */
 ATTR_NODISCARD Status compile_check_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag, Error *error);

@@ -381,7 +381,7 @@ static Status need_rtc(Geometry *geometry, Model *model, Error *error)
         objects[i].mesh = scene->shapes[scene->objects[i].shape].mesh;
         objects[i].solid = scene->shapes[scene->objects[i].shape].solid;
     }
-    Status status = rtc_scene_new(objects, scene->n_objects, 1, &model->rtc, error);
+    Status status = rtc_scene_new(objects, scene->n_objects, 0, 1, &model->rtc, error);
     free(objects);
     TRY(status);
     size_t bytes = rtc_scene_bytes(model->rtc);

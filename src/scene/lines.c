@@ -86,6 +86,8 @@ bool line_set_next(LineSet *set, Line *line)
     line->direction = vec3f_from(set->direction);
     line->length = length_inside(&set->box, start, vec3_from_f(line->direction));
     line->area = set->face_area[axis] / set->n_face[axis];
+    double turns = set->offset[0] + 0.6180339887498949 * (set->i + 1.0);
+    line->time = turns - floor(turns);
     set->i++;
     return true;
 }
@@ -127,10 +129,11 @@ bool hit_repeats(const HitList *hits, size_t i)
 }
 
 /* All surfaces of hulls along a ray. */
-static void trace(Probe *probe, const CompiledScene *compiled, Vec3 start, Vec3f direction, double length,
+static void trace(Probe *probe, const CompiledScene *compiled, const Line *line, Vec3f direction, double length,
                   HitList *hits)
 {
-    Ray ray = ray_make(start, direction);
+    Ray ray = ray_make(line->start, direction);
+    ray.time = compiled->scene->n_keys ? line->time : 0;
     ray.t_max = length;
     rtc_all(compiled->rtc, &ray, false, hits);
     if (hits->out_of_memory) probe->out_of_memory = true;
@@ -142,7 +145,7 @@ static void trace(Probe *probe, const CompiledScene *compiled, Vec3 start, Vec3f
 
 bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *line, uint32_t must)
 {
-    trace(probe, compiled, line->start, line->direction, line->length, &probe->forward);
+    trace(probe, compiled, line, line->direction, line->length, &probe->forward);
     if (must == SCENE_NONE) return probe->forward.n > 0;
     for (size_t i = 0; i < probe->forward.n; i++)
         if (compiled_hull(compiled, probe->forward.items[i].object) == must) return true;
@@ -172,14 +175,14 @@ static void starts_inside(Probe *probe, const CompiledScene *compiled, uint32_t 
 }
 
 /* Opens the intervals of hulls that the line's start is inside of. */
-static void intervals_at_start(Probe *probe, const CompiledScene *compiled, Vec3 start)
+static void intervals_at_start(Probe *probe, const CompiledScene *compiled, const Line *line)
 {
     const HitList *behind = &probe->backward;
     const NestCsg *csg = &compiled->csg;
     for (uint32_t i = 0; i < compiled->n_planes; i++) {
         uint32_t pass = compiled->hull_of_object[compiled->planes[i]];
         if (compiled_hull(compiled, compiled->planes[i]) != SCENE_NONE &&
-            rtc_below_plane(compiled->rtc, compiled->planes[i], start))
+            rtc_below_plane(compiled->rtc, compiled->planes[i], line->start, compiled->scene->n_keys ? line->time : 0))
             starts_inside(probe, compiled, pass);
     }
     for (size_t i = 0; i < behind->n; i++)
@@ -217,10 +220,10 @@ static uint32_t hull_crossed(Probe *probe, const CompiledScene *compiled, const 
 void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line)
 {
     Vec3f back = vec3f_negate(line->direction);
-    trace(probe, compiled, line->start, back, HUGE_VAL, &probe->backward);
+    trace(probe, compiled, line, back, HUGE_VAL, &probe->backward);
     for (size_t i = 0; i < probe->n_intervals; i++) probe->first[probe->intervals[i].hull] = INTERVAL_NONE;
     probe->n_intervals = 0;
-    intervals_at_start(probe, compiled, line->start);
+    intervals_at_start(probe, compiled, line);
     const HitList *ahead = &probe->forward;
     /* from here on: 1 + the number of the hull's open interval */
     for (size_t i = 0; i < probe->n_intervals; i++) probe->depth[probe->intervals[i].hull] = (int32_t)i + 1;

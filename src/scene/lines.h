@@ -16,6 +16,7 @@ typedef struct Line {
     Vec3 start;
     Vec3f direction;
     double length;
+    double time; /* of the shutter, 0..1: lines are spread over it, too */
     double area; /* of the cross-section that this line stands for */
 } Line;
 

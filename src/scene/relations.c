@@ -49,7 +49,8 @@ typedef struct PairFacts {
     uint32_t n_gap;
     double gap;
     double depth;                       /* the thickness of the overlap where it seems to be largest, */
-    Vec3 depth_place;                   /* the middle of the stretch that says so, */
+    double depth_time;                  /* when, */
+    Vec3 depth_place;                   /* where the middle of the stretch is that says so, */
     Vec3 depth_normal;                  /* and the direction between its faces */
     double offset;                      /* the largest distance between faces that stand at one place */
     Estimate volume, contact, gap_area; /* volume three times over, once for each direction */
@@ -239,6 +240,7 @@ static void note_depth(PairFacts *facts, const Line *line, double begin, double 
     double depth = (end - begin) * fmin(cosine(from), cosine(to));
     if (depth <= facts->depth) return;
     facts->depth = depth;
+    facts->depth_time = line->time;
     facts->depth_place = vec3_along(line->start, (begin + end) / 2, vec3_from_f(line->direction));
     facts->depth_normal = vec3_add(normal_ahead(from), normal_ahead(to));
 }
@@ -740,7 +742,7 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     candidate->depth = best->depth;
     for (int turn = 0; turn < TURNS && vec3_length(normal) > 0; turn++) {
         Vec3 direction = vec3_normalize(normal);
-        Line line = {vec3_along(place, -reach, direction), vec3f_from(direction), 2 * reach, 0};
+        Line line = {vec3_along(place, -reach, direction), vec3f_from(direction), 2 * reach, best->depth_time, 0};
         Shared shared = {0};
         probe_surfaces(probe, f->compiled, &line, SCENE_NONE);
         probe_intervals(probe, f->compiled, &line);

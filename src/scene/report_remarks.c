@@ -176,6 +176,7 @@ static bool is_enclosed(Remarks *r, uint32_t hull, uint32_t object)
         line_set_begin(&set, r->compiled->hull_bounds[hull], direction, LINES / LINE_DIRECTIONS, hull);
         while (line_set_next(&set, &line)) {
             Ray ray = ray_make(vec3_along(line.start, -back, vec3_from_f(line.direction)), line.direction);
+            ray.time = r->compiled->scene->n_keys ? line.time : 0;
             HitList *hits = &r->probe.forward;
             rtc_all(r->compiled->rtc, &ray, false, hits);
             for (size_t i = 0; i < hits->n; i++) {
@@ -379,7 +380,7 @@ static void remark_cameras(Remarks *r)
     for (uint32_t i = 0; i < r->scene->n_cameras; i++) {
         const SceneCamera *camera = &r->scene->cameras[i];
         if (camera->expect ||
-            compiled_interior(compiled, vec3f_from(camera->from), &r->probe.forward, &list, NULL) != STATUS_OK)
+            compiled_interior(compiled, vec3f_from(camera->from), 0, &r->probe.forward, &list, NULL) != STATUS_OK)
             continue;
         uint32_t medium = nest_medium(&compiled->order, &list);
         if (medium == compiled->order.world_medium) continue;

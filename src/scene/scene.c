@@ -1,4 +1,4 @@
-/* scene.c - letting go of a scene; the bounds of a shape.
+/* scene.c - letting go of a scene; the bounds of an object, where cameras are.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/scene.h"
 
@@ -10,8 +10,11 @@ void scene_free(Scene *scene)
     for (uint32_t i = 0; i < scene->n_shapes; i++) {
         mesh_free(scene->shapes[i].mesh);
         solid_free(scene->shapes[i].solid);
+        mesh_free(scene->shapes[i].mesh_end);
     }
     environment_free(scene->environment);
+    free(scene->motions);
+    free(scene->camera_keys);
     arena_clear(&scene->arena);
     free(scene);
 }
@@ -58,6 +61,8 @@ static Box3 piece_bounds_under(const Piece *piece, const Affine *map)
 static Box3 shape_bounds(const SceneShape *shape, const Affine *map)
 {
     Box3 box = box3_empty();
+    for (uint32_t i = 0; shape->mesh_end && i < shape->mesh_end->n_vertices; i++)
+        box = box3_add_point(box, affine_point(map, vec3_from_f(shape->mesh_end->positions[i])));
     for (uint32_t i = 0; shape->mesh && i < shape->mesh->n_vertices; i++)
         box = box3_add_point(box, affine_point(map, vec3_from_f(shape->mesh->positions[i])));
     for (uint32_t i = 0; shape->solid && i < shape->solid->n_pieces; i++) {
@@ -83,6 +88,35 @@ static Box3 part_bounds(const Scene *scene, uint32_t number, const Affine *after
 Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after)
 {
     if (object->tree != SCENE_NONE) return part_bounds(scene, scene->trees[object->tree].root, after);
-    Affine map = after ? affine_compose(after, &object->to_world) : object->to_world;
-    return shape_bounds(&scene->shapes[object->shape], &map);
+    const Affine *keys = scene_keys(scene, object);
+    Box3 box = box3_empty();
+    for (uint32_t k = 0; k < (keys ? scene->n_keys : 1); k++) {
+        const Affine *to_world = keys ? &keys[k] : &object->to_world;
+        Affine map = after ? affine_compose(after, to_world) : *to_world;
+        box = box3_union(box, shape_bounds(&scene->shapes[object->shape], &map));
+    }
+    return box;
+}
+
+static Vec3 blend(Vec3 a, Vec3 b, double part)
+{
+    return vec3_add(vec3_scale(a, 1 - part), vec3_scale(b, part));
+}
+
+SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, double time)
+{
+    if (!camera->keys) return *camera;
+    double place = time * (scene->n_keys - 1);
+    uint32_t k = place < scene->n_keys - 2 ? (uint32_t)place : scene->n_keys - 2;
+    double part = place - k;
+    const SceneCamera *from = &camera->keys[k], *to = &camera->keys[k + 1];
+    SceneCamera at = *camera;
+    at.from = blend(from->from, to->from, part);
+    at.forward = vec3_normalize(blend(from->forward, to->forward, part));
+    at.right = blend(from->right, to->right, part);
+    at.right = vec3_normalize(vec3_along(at.right, -vec3_dot(at.right, at.forward), at.forward));
+    at.up = vec3_cross(at.right, at.forward);
+    at.tan_half_width = from->tan_half_width * (1 - part) + to->tan_half_width * part;
+    at.focus_distance = from->focus_distance * (1 - part) + to->focus_distance * part;
+    return at;
 }

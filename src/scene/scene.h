@@ -41,6 +41,7 @@ typedef struct SceneSurface {
 typedef struct SceneShape { /* geometry that objects share; one of the two */
     Mesh *mesh;
     Solid *solid;
+    Mesh *mesh_end; /* NULL, or what the mesh becomes while the shutter is open: the same triangles */
 } SceneShape;
 
 /* A thing in the scene, or an operand of one that is a combination: those follow the combination's own row, which has
@@ -55,6 +56,8 @@ typedef struct SceneObject {
     uint32_t medium;  /* of the interior: a hull; SCENE_NONE for an opaque object and for operands */
     uint32_t surface; /* of an opaque object, or of an operand of one; SCENE_NONE for a hull and its operands */
     uint32_t light;   /* SCENE_NONE when it does not shine */
+    uint32_t motion;  /* which of the scene's motions; SCENE_NONE when it stands still */
+    uint64_t identity; /* which object this is at another clock; see EvalNode.identity */
     int32_t priority; /* the object's own, or its medium's, or 0 */
     double volume;    /* enclosed, in cubic scene units; 0 for a combination, see CompiledScene.hulls */
 } SceneObject;
@@ -85,6 +88,8 @@ typedef struct SceneLight {
 } SceneLight;
 
 typedef struct SceneCamera {
+    const struct SceneCamera *keys; /* NULL, or n_keys of them: where it is while the shutter is open */
+    uint64_t identity;
     const char *name;
     Span span;
     Vec3 from;
@@ -129,6 +134,11 @@ typedef struct Scene {
     uint32_t n_shapes;
     SceneObject *objects;
     uint32_t n_objects;
+    double shutter;      /* how long it is open, in frames; 0: not to speak of */
+    uint32_t n_keys;     /* of each motion, at evenly spread times while the shutter is open; 0: nothing moves */
+    Affine *motions;     /* to the world: n_keys for each motion */
+    SceneCamera *camera_keys; /* n_keys for each camera, also for those that stand still; NULL without a shutter */
+    uint32_t n_motions;
     SceneTree *trees;
     uint32_t n_trees;
     NestPart *parts; /* of the trees; operands are numbers into: */
@@ -152,7 +162,14 @@ typedef struct Scene {
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */
-/* The smallest box around an object, moved by `after` (NULL: not); empty for one without any surface, without end for planes. Of a
+/* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
+static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)
+{
+    return object->motion == SCENE_NONE ? NULL : scene->motions + (size_t)object->motion * scene->n_keys;
+}
+/* The camera at a time 0..1 of the shutter. */
+SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, double time);
+/* The smallest box around an object wherever it moves, moved by `after` (NULL: not); empty for one without any surface, without end for planes. Of a
  * combination it is what follows from the boxes of its operands: there may be less of it. */
 Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after);
 

@@ -81,7 +81,7 @@ typedef struct Rows {
     uint64_t *shapes, *media, *surfaces;
 } Rows;
 
-static uint64_t shape_hash(const SceneShape *shape)
+uint64_t scene_shape_hash(const SceneShape *shape)
 {
     Hasher h = {1};
     if (shape->mesh) add_mesh(&h, shape->mesh);
@@ -114,7 +114,7 @@ static Rows hash_rows(const Scene *scene, Arena *scratch)
 {
     Rows rows = {ARENA_ARRAY(scratch, uint64_t, scene->n_shapes), ARENA_ARRAY(scratch, uint64_t, scene->n_media),
                  ARENA_ARRAY(scratch, uint64_t, scene->n_surfaces)};
-    for (uint32_t i = 0; i < scene->n_shapes; i++) rows.shapes[i] = shape_hash(&scene->shapes[i]);
+    for (uint32_t i = 0; i < scene->n_shapes; i++) rows.shapes[i] = scene_shape_hash(&scene->shapes[i]);
     for (uint32_t i = 0; i < scene->n_media; i++) rows.media[i] = medium_hash(&scene->media[i]);
     for (uint32_t i = 0; i < scene->n_surfaces; i++) rows.surfaces[i] = surface_hash(&scene->surfaces[i]);
     return rows;
@@ -173,17 +173,19 @@ static void add_lights(Hasher *h, const Scene *scene)
     }
 }
 
+static void add_camera(Hasher *h, const SceneCamera *camera)
+{
+    add_vector(h, camera->from);
+    add_vector(h, camera->forward);
+    add_vector(h, camera->up);
+    add_number(h, camera->tan_half_width);
+    add_number(h, camera->lens_radius);
+    if (camera->lens_radius > 0) add_number(h, camera->focus_distance);
+}
+
 static void add_cameras(Hasher *h, const Scene *scene)
 {
-    for (uint32_t i = 0; i < scene->n_cameras; i++) {
-        const SceneCamera *camera = &scene->cameras[i];
-        add_vector(h, camera->from);
-        add_vector(h, camera->forward);
-        add_vector(h, camera->up);
-        add_number(h, camera->tan_half_width);
-        add_number(h, camera->lens_radius);
-        if (camera->lens_radius > 0) add_number(h, camera->focus_distance);
-    }
+    for (uint32_t i = 0; i < scene->n_cameras; i++) add_camera(h, &scene->cameras[i]);
 }
 
 uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch)
@@ -202,5 +204,20 @@ uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratc
     add_integer(&h, scene->render.bounces);
     add_integer(&h, scene->render.nesting);
     add_integer(&h, scene->render.seed);
+    return h.state;
+}
+
+uint64_t scene_hash_with_motion(const Scene *scene)
+{
+    Hasher h = {scene->hash};
+    add_number(&h, scene->shutter);
+    add_integer(&h, scene->n_keys);
+    for (size_t i = 0; i < (size_t)scene->n_motions * scene->n_keys; i++) add_map(&h, &scene->motions[i]);
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->objects[i].motion != SCENE_NONE) add_integer(&h, i);
+    for (uint32_t i = 0; i < scene->n_shapes; i++)
+        if (scene->shapes[i].mesh_end) add_mesh(&h, scene->shapes[i].mesh_end);
+    for (uint32_t i = 0; i < scene->n_cameras; i++)
+        for (uint32_t k = 0; scene->cameras[i].keys && k < scene->n_keys; k++) add_camera(&h, &scene->cameras[i].keys[k]);
     return h.state;
 }

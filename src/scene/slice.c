@@ -391,7 +391,7 @@ static void task_of_row(void *context, uint32_t y, unsigned number)
     size_t row = (size_t)y * image->width;
     for (int k = 0; k < LINES; k++) {
         double height = plane->height * (0.5 - (y + (k + 0.5) / LINES) / image->height);
-        Line line = {vec3_along(corner, height, plane->up), vec3f_from(plane->right), plane->width, 0};
+        Line line = {vec3_along(corner, height, plane->up), vec3f_from(plane->right), plane->width, 0, 0};
         find_runs(d, worker, &line);
         for (size_t i = 0; i < worker->n_runs; i++) {
             const Run *run = &worker->runs[i];
@@ -417,7 +417,7 @@ static void task_of_column(void *context, uint32_t x, unsigned number)
     Vec3 top = vec3_along(plane->center, plane->height / 2, plane->up);
     for (int k = 0; k < LINES; k++) {
         double at = plane->width * ((x + (k + 0.5) / LINES) / image->width - 0.5);
-        Line line = {vec3_along(top, at, plane->right), vec3f_from(vec3_scale(plane->up, -1)), plane->height, 0};
+        Line line = {vec3_along(top, at, plane->right), vec3f_from(vec3_scale(plane->up, -1)), plane->height, 0, 0};
         find_runs(d, worker, &line);
         draw_lines(d, worker, d->ink[1] + x, d->gap[1] + x, image->width, image->height, image->height / plane->height);
     }

@@ -375,7 +375,7 @@ static void add_direct_light(Path *path, Event *event, const HitSurface *at, Vec
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
     float choice = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE));
-    LightSample light = light_sample(world, at->position, choice, u, path->wavelengths.nm);
+    LightSample light = light_sample(world, at->position, path->ray.time, choice, u, path->wavelengths.nm);
     if (!(light.pdf_w > 0)) return;
     float cosine = vec3f_dot(light.direction, normal);
     if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
@@ -501,16 +501,21 @@ static bool survives(Path *path)
 }
 
 /* The list at the ray's real origin: from the camera's centre on along the lens. */
-static bool start_list(Path *path)
+static bool start_list(Path *path, const SceneCamera *camera)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
-    if (nest_list_copy(&tracer->list, &world->camera_list) != STATUS_OK) return false;
+    Status status = world->camera_list_moves
+                        ? compiled_interior(world->compiled, vec3f_from(camera->from), path->ray.time,
+                                            &tracer->shadow_hits, &tracer->list, NULL)
+                        : nest_list_copy(&tracer->list, &world->camera_list);
+    if (status != STATUS_OK) return false;
     if (!world->lens_crosses) return true;
-    Vec3 offset = vec3_sub(path->ray.origin, world->camera->from);
+    Vec3 offset = vec3_sub(path->ray.origin, camera->from);
     double length = vec3_length(offset);
     if (!(length > 0)) return true;
-    Ray ray = ray_make(world->camera->from, vec3f_from(vec3_scale(offset, 1 / length)));
+    Ray ray = ray_make(camera->from, vec3f_from(vec3_scale(offset, 1 / length)));
+    ray.time = path->ray.time;
     ray.t_max = length;
     tracer->counters.rays++;
     rtc_all(world->compiled->rtc, &ray, false, &tracer->shadow_hits);
@@ -570,10 +575,18 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     sampler_2d(&path.sampler, DIM_LENS, lens);
     path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
     FilmPoint point = {(double)x + 0.5 + tent(u[0]), (double)y + 0.5 + tent(u[1]), width, height};
-    camera_ray(world->camera, point, lens, &path.ray);
+    double time = world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
+    SceneCamera moved;
+    const SceneCamera *camera = world->camera;
+    if (camera->keys) {
+        moved = scene_camera_at(world->scene, camera, time);
+        camera = &moved;
+    }
+    camera_ray(camera, point, lens, &path.ray);
+    path.ray.time = time;
     tracer->counters.paths++;
     bool met = true;
-    if (start_list(&path))
+    if (start_list(&path, camera))
         met = follow(&path);
     else
         tracer->out_of_memory = true;

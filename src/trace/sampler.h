@@ -15,6 +15,7 @@ enum {
     DIM_LENS,       /* 2 */
     DIM_WAVELENGTH, /* 1 */
     DIM_PATH,       /* the first bounce's group begins here */
+    DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
     DIM_SCATTER,      /* 2: direction */

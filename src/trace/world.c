@@ -57,6 +57,25 @@ static Status choose_lights(World *world, Error *error)
     return STATUS_OK;
 }
 
+/* Whether the hulls around the camera may be others at another time: it moves itself, or something that moves comes to
+ * where it is. */
+static bool camera_list_may_move(const World *world)
+{
+    const CompiledScene *compiled = world->compiled;
+    Vec3 p = world->camera->from;
+    if (world->camera->keys) return true;
+    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+        const SceneObject *object = &world->scene->objects[i];
+        uint32_t hull = compiled_hull(compiled, i);
+        if (hull == SCENE_NONE || object->shape == SCENE_NONE) continue;
+        if (object->motion == SCENE_NONE && !world->scene->shapes[object->shape].mesh_end) continue;
+        Box3 box = compiled->hull_bounds[hull];
+        if (p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y && p.z >= box.min.z && p.z <= box.max.z)
+            return true;
+    }
+    return false;
+}
+
 /* Whether a surface of some hull may lie between the camera's centre and a point of its lens. */
 static bool lens_may_cross(const World *world)
 {
@@ -83,9 +102,11 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
     if (status == STATUS_OK) {
         HitList hits = {0};
         uint32_t on_surface;
-        status = compiled_interior(compiled, vec3f_from(world->camera->from), &hits, &world->camera_list, &on_surface);
+        status = compiled_interior(compiled, vec3f_from(world->camera->from), 0, &hits, &world->camera_list, &on_surface);
         if (status != STATUS_OK) fail_memory(error, hits.capacity * sizeof(Hit), "the camera's surroundings");
         hit_list_clear(&hits);
+        world->moves = world->scene->n_keys > 0;
+        world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
     }
     if (status != STATUS_OK) world_clear(world);

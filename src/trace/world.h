@@ -25,6 +25,8 @@ typedef struct World {
     float *choice_of_light;     /* probability of each light of the scene */
     float environment_choice;   /* probability of the environment */
     NestList camera_list;       /* the hulls around the camera's centre */
+    bool moves;                 /* something does while the shutter is open */
+    bool camera_list_moves;     /* and so the camera's hulls may be others at other times */
     bool lens_crosses;          /* some hull's bounds come near the lens: look for each ray's real origin */
     bool no_absorption;
     uint32_t max_bounces;

@@ -112,7 +112,7 @@ static void bench_rays(void)
     Error error;
     if (mesh_make_sphere(1, 7, &mesh, &error) != STATUS_OK) exit(1);
     RtcObject object = {.mesh = mesh, .to_world = affine_identity()};
-    if (rtc_scene_new(&object, 1, 1, &scene, &error) != STATUS_OK) exit(1);
+    if (rtc_scene_new(&object, 1, 0, 1, &scene, &error) != STATUS_OK) exit(1);
     RTCDevice device = rtcNewDevice("threads=1");
     RTCScene bare = bare_scene(device, mesh);
     double ratio[RUNS], bare_ns[RUNS];

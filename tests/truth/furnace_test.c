@@ -77,7 +77,7 @@ static void step_outside(Fixture *scene)
     NestList list;
     SceneCamera *camera = &scene->scene->cameras[0];
     nest_list_init(&list);
-    assert_int_equal(compiled_interior(scene->compiled, vec3f_from(camera->from), &hits, &list, NULL), STATUS_OK);
+    assert_int_equal(compiled_interior(scene->compiled, vec3f_from(camera->from), 0, &hits, &list, NULL), STATUS_OK);
     bool inside = list.n > 0;
     nest_list_clear(&list);
     hit_list_clear(&hits);

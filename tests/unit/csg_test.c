@@ -196,7 +196,7 @@ static void interiors_of_points_are_found(void **state)
     for (int i = 0; i < 20000; i++) {
         Vec3 p = vec3(uniform(&seed, -12, 12), uniform(&seed, -12, 12), uniform(&seed, -12, 12));
         p = vec3_from_f(vec3f_from(p));
-        assert_int_equal(compiled_interior(scene.compiled, vec3f_from(p), &hits, &list, NULL), STATUS_OK);
+        assert_int_equal(compiled_interior(scene.compiled, vec3f_from(p), 0, &hits, &list, NULL), STATUS_OK);
         uint32_t n;
         compiled_hulls_in(scene.compiled, &list, &n);
         if ((n == 1) != in_pierced_cube(p)) fail_msg("<%.9g, %.9g, %.9g>: in %u hulls", p.x, p.y, p.z, n);
@@ -234,7 +234,7 @@ static void planes_divide_space(void **state)
     nest_list_init(&list);
     for (size_t i = 0; i < COUNT_OF(points); i++) {
         Vec3f p = {points[i].at[0], points[i].at[1], points[i].at[2]};
-        assert_int_equal(compiled_interior(scene.compiled, p, &hits, &list, NULL), STATUS_OK);
+        assert_int_equal(compiled_interior(scene.compiled, p, 0, &hits, &list, NULL), STATUS_OK);
         uint32_t medium = nest_medium(&scene.compiled->order, &list);
         assert_string_equal(scene.scene->media[medium].name, points[i].owner);
     }

@@ -67,7 +67,7 @@ static Solid *sphere(TestScene *s, double radius)
 
 static void build(TestScene *s)
 {
-    assert_int_equal(rtc_scene_new(s->objects, s->n, 1, &s->rtc, NULL), STATUS_OK);
+    assert_int_equal(rtc_scene_new(s->objects, s->n, 0, 1, &s->rtc, NULL), STATUS_OK);
 }
 
 static void destroy(TestScene *s)
@@ -298,7 +298,7 @@ static void test_many_at_one_place(void **state)
         objects[i] = (RtcObject){.mesh = meshes[i], .to_world = turned(0, vec3(1, 0, 0), vec3(0, 0, 0))};
     }
     RtcScene *rtc;
-    assert_int_equal(rtc_scene_new(objects, N, 1, &rtc, NULL), STATUS_OK);
+    assert_int_equal(rtc_scene_new(objects, N, 0, 1, &rtc, NULL), STATUS_OK);
     HitList hits = {0};
     Ray ray = ray_make(vec3(-50, 1, 2), vec3f(1, 0, 0));
     assert_int_equal(rtc_nearest(rtc, &ray, &hits), N);

@@ -1,0 +1,225 @@
+/* motion.c - what moves while the shutter is open, found by building the scene at several times.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/motion.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/build_parts.h"
+
+/* ---- which object is which ---- */
+
+typedef struct Places {
+    uint32_t *slots; /* 1 + the number of an object; 0: free */
+    size_t mask;
+} Places;
+
+static Status places_init(Places *places, const Scene *scene, Error *error)
+{
+    size_t size = 64;
+    while (size < 2 * (size_t)scene->n_objects) size *= 2;
+    places->mask = size - 1;
+    places->slots = calloc(size, sizeof *places->slots);
+    if (!places->slots) return fail_memory(error, size * sizeof *places->slots, "what moves");
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        size_t at = (size_t)scene->objects[i].identity & places->mask;
+        while (places->slots[at]) at = (at + 1) & places->mask;
+        places->slots[at] = i + 1;
+    }
+    return STATUS_OK;
+}
+
+/* The object of the scene that is the given one at another time; NULL when it is not there. */
+static const SceneObject *find_object(const Places *places, const Scene *scene, const SceneObject *object)
+{
+    size_t at = (size_t)object->identity & places->mask;
+    for (uint32_t i; (i = places->slots[at]) != 0; at = (at + 1) & places->mask) {
+        const SceneObject *found = &scene->objects[i - 1];
+        bool alike = found->identity == object->identity && (found->shape == SCENE_NONE) == (object->shape == SCENE_NONE);
+        if (alike) return found;
+    }
+    return NULL;
+}
+
+/* ---- the scene at another time ---- */
+
+typedef struct Finder {
+    Scene *scene;
+    Diag *diag;
+    Error *error;
+    uint32_t n_keys, motions_capacity;
+    bool *shape_reported;
+} Finder;
+
+static bool same_map(const Affine *a, const Affine *b)
+{
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++)
+            if (a->m[row][column] != b->m[row][column]) return false;
+    return a->t.x == b->t.x && a->t.y == b->t.y && a->t.z == b->t.z;
+}
+
+static Status move_object(Finder *f, SceneObject *object, const Affine *to_world, uint32_t key)
+{
+    Scene *scene = f->scene;
+    if (object->motion == SCENE_NONE) {
+        if (same_map(&object->to_world, to_world)) return STATUS_OK;
+        if (scene->n_motions == f->motions_capacity) {
+            uint32_t capacity = f->motions_capacity ? 2 * f->motions_capacity : 16;
+            Affine *motions = realloc(scene->motions, (size_t)capacity * f->n_keys * sizeof *motions);
+            if (!motions) return fail_memory(f->error, (size_t)capacity * f->n_keys * sizeof *motions, "what moves");
+            scene->motions = motions;
+            f->motions_capacity = capacity;
+        }
+        object->motion = scene->n_motions++;
+        for (uint32_t k = 0; k < f->n_keys; k++)
+            scene->motions[(size_t)object->motion * f->n_keys + k] = object->to_world;
+    }
+    /* what is not there any more later on stays where it was last */
+    for (uint32_t k = key; k < f->n_keys; k++) scene->motions[(size_t)object->motion * f->n_keys + k] = *to_world;
+    return STATUS_OK;
+}
+
+/* At the last key: an object whose shape is another one by now. A mesh is taken over from there. */
+static void change_shape(Finder *f, const SceneObject *object, SceneShape *last)
+{
+    SceneShape *shape = &f->scene->shapes[object->shape];
+    if (shape->mesh_end || f->shape_reported[object->shape] || scene_shape_hash(shape) == scene_shape_hash(last)) return;
+    if (shape->mesh && last->mesh && mesh_same_triangles(shape->mesh, last->mesh)) {
+        shape->mesh_end = last->mesh;
+        last->mesh = NULL;
+        return;
+    }
+    f->shape_reported[object->shape] = true;
+    Diagnostic *report = diag_report(f->diag, D_SHAPE_CHANGES, object->span,
+                                     "the shape of %s changes while the shutter is open, and stays as it is at first",
+                                     object->name);
+    diag_hint(f->diag, report, "what can be blurred are places, turns and sizes, and meshes whose triangles stay the same");
+}
+
+static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
+{
+    Scene *scene = f->scene;
+    for (uint32_t i = 0; i < scene->n_cameras; i++) {
+        SceneCamera *camera = &scene->cameras[i], *keys = scene->camera_keys + (size_t)i * f->n_keys;
+        for (uint32_t k = 0; k < other->n_cameras; k++) {
+            const SceneCamera *then = &other->cameras[k];
+            if (then->identity != camera->identity) continue;
+            for (uint32_t later = key; later < f->n_keys; later++) {
+                keys[later].from = then->from;
+                keys[later].right = then->right;
+                keys[later].up = then->up;
+                keys[later].forward = then->forward;
+                keys[later].tan_half_width = then->tan_half_width;
+                keys[later].focus_distance = then->focus_distance;
+            }
+            if (memcmp(&then->from, &camera->from, sizeof camera->from) != 0 ||
+                memcmp(&then->forward, &camera->forward, sizeof camera->forward) != 0 ||
+                memcmp(&then->up, &camera->up, sizeof camera->up) != 0 ||
+                then->tan_half_width != camera->tan_half_width || then->focus_distance != camera->focus_distance)
+                camera->keys = keys;
+        }
+    }
+    return STATUS_OK;
+}
+
+static Status compare_with(Finder *f, Scene *other, uint32_t key)
+{
+    Places places;
+    TRY(places_init(&places, other, f->error));
+    Status status = move_cameras(f, other, key);
+    for (uint32_t i = 0; i < f->scene->n_objects && status == STATUS_OK; i++) {
+        SceneObject *object = &f->scene->objects[i];
+        const SceneObject *then = find_object(&places, other, object);
+        if (!then || object->shape == SCENE_NONE) continue;
+        status = move_object(f, object, &then->to_world, key);
+        if (status == STATUS_OK && key + 1 == f->n_keys) change_shape(f, object, &other->shapes[then->shape]);
+    }
+    free(places.slots);
+    return status;
+}
+
+/* Builds the scene `later` frames after it was, and compares. Its mistakes are those of another clock: the first is
+ * told. */
+static Status look_later(Finder *f, const SceneText *text, const SceneOptions *options, double later, uint32_t key)
+{
+    Arena arena;
+    arena_init(&arena);
+    SourceSet sources = {.arena = &arena};
+    Diag diag;
+    Scene *other = NULL;
+    SceneOptions at = *options;
+    at.moment.later += later;
+    diag_init(&diag, &arena, &sources);
+    Status status = build_at_moment(text, &at, &diag, &other, NULL, NULL, f->error);
+    if (status == STATUS_OK) {
+        status = compare_with(f, other, key);
+    } else if (status == STATUS_SCENE) {
+        const Diagnostic *first = diag.first;
+        while (first && first->severity != DIAG_ERROR) first = first->next;
+        diag_report_nowhere(f->diag, D_SHUTTER_MISTAKE, "%.3g of a frame later, while the shutter is open, the scene has mistakes: %s",
+                            later, first ? first->text : f->error->text);
+        fail(f->error, STATUS_SCENE, "the scene has errors");
+    }
+    scene_free(other);
+    arena_clear(&arena);
+    return status;
+}
+
+/* The part of the way to the given later meshes that is gone while the shutter is open. */
+static void blend_meshes(Scene *scene)
+{
+    float part = (float)scene->shutter;
+    for (uint32_t i = 0; i < scene->n_shapes; i++) {
+        const Mesh *mesh = scene->shapes[i].mesh;
+        Mesh *end = scene->shapes[i].mesh_end;
+        if (!end) continue;
+        for (uint32_t k = 0; k < mesh->n_vertices; k++) {
+            end->positions[k] = vec3f_add(vec3f_scale(mesh->positions[k], 1 - part), vec3f_scale(end->positions[k], part));
+            if (mesh->normals && end->normals)
+                end->normals[k] = vec3f_add(vec3f_scale(mesh->normals[k], 1 - part), vec3f_scale(end->normals[k], part));
+        }
+    }
+}
+
+static Status finder_init(Finder *f)
+{
+    Scene *scene = f->scene;
+    size_t n_cameras = scene->n_cameras;
+    f->shape_reported = calloc(scene->n_shapes + 1U, sizeof *f->shape_reported);
+    scene->camera_keys = malloc((n_cameras * f->n_keys + 1) * sizeof *scene->camera_keys);
+    if (!f->shape_reported || !scene->camera_keys)
+        return fail_memory(f->error, n_cameras * f->n_keys * sizeof *scene->camera_keys, "what moves");
+    for (size_t i = 0; i < n_cameras; i++)
+        for (uint32_t k = 0; k < f->n_keys; k++) scene->camera_keys[i * f->n_keys + k] = scene->cameras[i];
+    return STATUS_OK;
+}
+
+Status scene_find_motion(const SceneText *text, const SceneOptions *options, const SceneInstant *instant, Diag *diag,
+                         Scene *scene, Error *error)
+{
+    uint32_t n_keys = scene->n_keys; /* so far what the camera asks for */
+    scene->n_keys = 0;
+    if (!(scene->shutter > 0)) return STATUS_OK;
+    blend_meshes(scene);
+    SceneOptions at = *options;
+    SceneText again = *text;
+    if (!again.text && strcmp(again.path, "-") == 0 && diag->sources->n) { /* standard input is read already */
+        const Source *source = &diag->sources->sources[0];
+        again = (SceneText){source->name, source->text, source->length};
+    }
+    at.moment.animation = &instant->animation;
+    Finder f = {.scene = scene, .diag = diag, .error = error, .n_keys = n_keys};
+    Status status = finder_init(&f);
+    for (uint32_t k = 1; k < n_keys && status == STATUS_OK; k++)
+        status = look_later(&f, &again, &at, scene->shutter * k / (n_keys - 1), k);
+    free(f.shape_reported);
+    bool moves = scene->n_motions > 0;
+    for (uint32_t i = 0; i < scene->n_shapes; i++) moves = moves || scene->shapes[i].mesh_end;
+    for (uint32_t i = 0; i < scene->n_cameras; i++) moves = moves || scene->cameras[i].keys;
+    if (moves) {
+        scene->n_keys = n_keys;
+        scene->hash = scene_hash_with_motion(scene);
+    }
+    return status;
+}
