@@ -69,9 +69,8 @@ struct EvalNode {
     size_t n_props;
     EvalNode **children;         /* in order of the text */
     size_t n_children;
-    unsigned depth;              /* of children and prototypes within each other, at most LIMIT_NODE_DEPTH */
     uint64_t identity;           /* of the place in the text and the calls and turns of loops around it: the same at another clock */
-    unsigned depth;              /* of children and prototypes within each other, at most EVAL_DEEPEST_NODE */
+    unsigned depth;              /* of children and prototypes within each other, at most LIMIT_NODE_DEPTH */
 };
 
 /* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default, of limits.def. */

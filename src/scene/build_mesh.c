@@ -318,7 +318,7 @@ void build_mesh(Builder *b, const EvalNode *node, const Affine *to_world)
         diag_hint(b->diag, report, "give a file, or positions and triangles");
         return;
     }
-    static const char *const of_files[] = {"smooth", "part", "unit", "up"};
+    static const char *const of_files[] = {"smooth", "part", "unit", "up", "next_file"};
     for (size_t i = 0; !file && i < COUNT_OF(of_files); i++) build_needs(b, node, of_files[i], "without a file");
     uint32_t shape;
     if (!mesh_shape(b, node, &shape)) return;

@@ -35,7 +35,8 @@ static const SceneObject *find_object(const Places *places, const Scene *scene, 
     size_t at = (size_t)object->identity & places->mask;
     for (uint32_t i; (i = places->slots[at]) != 0; at = (at + 1) & places->mask) {
         const SceneObject *found = &scene->objects[i - 1];
-        bool alike = found->identity == object->identity && (found->shape == SCENE_NONE) == (object->shape == SCENE_NONE);
+        bool alike =
+            found->identity == object->identity && (found->shape == SCENE_NONE) == (object->shape == SCENE_NONE);
         if (alike) return found;
     }
     return NULL;
@@ -84,17 +85,19 @@ static Status move_object(Finder *f, SceneObject *object, const Affine *to_world
 static void change_shape(Finder *f, const SceneObject *object, SceneShape *last)
 {
     SceneShape *shape = &f->scene->shapes[object->shape];
-    if (shape->mesh_end || f->shape_reported[object->shape] || scene_shape_hash(shape) == scene_shape_hash(last)) return;
+    if (shape->mesh_end || f->shape_reported[object->shape] || scene_shape_hash(shape) == scene_shape_hash(last))
+        return;
     if (shape->mesh && last->mesh && mesh_same_triangles(shape->mesh, last->mesh)) {
         shape->mesh_end = last->mesh;
         last->mesh = NULL;
         return;
     }
     f->shape_reported[object->shape] = true;
-    Diagnostic *report = diag_report(f->diag, D_SHAPE_CHANGES, object->span,
-                                     "the shape of %s changes while the shutter is open, and stays as it is at first",
-                                     object->name);
-    diag_hint(f->diag, report, "what can be blurred are places, turns and sizes, and meshes whose triangles stay the same");
+    Diagnostic *report =
+        diag_report(f->diag, D_SHAPE_CHANGES, object->span,
+                    "the shape of %s changes while the shutter is open, and stays as it is at first", object->name);
+    diag_hint(f->diag, report,
+              "what can be blurred are places, turns and sizes, and meshes whose triangles stay the same");
 }
 
 static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
@@ -157,8 +160,9 @@ static Status look_later(Finder *f, const SceneText *text, const SceneOptions *o
     } else if (status == STATUS_SCENE) {
         const Diagnostic *first = diag.first;
         while (first && first->severity != DIAG_ERROR) first = first->next;
-        diag_report_nowhere(f->diag, D_SHUTTER_MISTAKE, "%.3g of a frame later, while the shutter is open, the scene has mistakes: %s",
-                            later, first ? first->text : f->error->text);
+        diag_report_nowhere(f->diag, D_SHUTTER_MISTAKE,
+                            "%.3g of a frame later, while the shutter is open, the scene has mistakes: %s", later,
+                            first ? first->text : f->error->text);
         fail(f->error, STATUS_SCENE, "the scene has errors");
     }
     scene_free(other);
@@ -175,9 +179,11 @@ static void blend_meshes(Scene *scene)
         Mesh *end = scene->shapes[i].mesh_end;
         if (!end) continue;
         for (uint32_t k = 0; k < mesh->n_vertices; k++) {
-            end->positions[k] = vec3f_add(vec3f_scale(mesh->positions[k], 1 - part), vec3f_scale(end->positions[k], part));
+            end->positions[k] =
+                vec3f_add(vec3f_scale(mesh->positions[k], 1 - part), vec3f_scale(end->positions[k], part));
             if (mesh->normals && end->normals)
-                end->normals[k] = vec3f_add(vec3f_scale(mesh->normals[k], 1 - part), vec3f_scale(end->normals[k], part));
+                end->normals[k] =
+                    vec3f_add(vec3f_scale(mesh->normals[k], 1 - part), vec3f_scale(end->normals[k], part));
         }
     }
 }
@@ -200,7 +206,13 @@ Status scene_find_motion(const SceneText *text, const SceneOptions *options, con
 {
     uint32_t n_keys = scene->n_keys; /* so far what the camera asks for */
     scene->n_keys = 0;
-    if (!(scene->shutter > 0)) return STATUS_OK;
+    if (!(scene->shutter > 0)) {
+        for (uint32_t i = 0; i < scene->n_shapes; i++) {
+            mesh_free(scene->shapes[i].mesh_end);
+            scene->shapes[i].mesh_end = NULL;
+        }
+        return STATUS_OK;
+    }
     blend_meshes(scene);
     SceneOptions at = *options;
     SceneText again = *text;

@@ -8,10 +8,10 @@
 
 #include "scene/build.h"
 
-/* Fills in the motions of a scene that was built at `instant`, when the shutter opens: of objects, area lights and cameras, and of
- * meshes whose triangles stay the same. What is there at some of the times only stands still where it was last.
- * Everything else - media, surfaces, distant lights, the environment - is as when the shutter opens. STATUS_SCENE,
- * after reporting, when the scene has mistakes at one of the other times. */
+/* Fills in the motions of a scene that was built at `instant`, when the shutter opens: of objects, area lights and
+ * cameras, and of meshes whose triangles stay the same. What is there at some of the times only stands still where it
+ * was last. Everything else - media, surfaces, distant lights, the environment - is as when the shutter opens.
+ * STATUS_SCENE, after reporting, when the scene has mistakes at one of the other times. */
 ATTR_NODISCARD Status scene_find_motion(const SceneText *text, const SceneOptions *options, const SceneInstant *instant,
                                         Diag *diag, Scene *scene, Error *error);
 

@@ -1,0 +1,137 @@
+/* motion_test.c - how a scene's motion is found: what moves, what is told apart by its place in the text, what cannot
+ * be blurred, and meshes that are given a frame later. SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "near.h"
+#include "scene_fixture.h"
+
+#define VIEW(shutter) " camera { from = <0, 0, 1000>  to = <0, 0, 0>  " shutter " } environment { } "
+#define HALF VIEW("shutter = 180deg  shutter_steps = 2")
+
+static const Affine *keys_of(const Fixture *scene, uint32_t object)
+{
+    const Affine *keys = scene_keys(scene->scene, &scene->scene->objects[object]);
+    assert_non_null(keys);
+    return keys;
+}
+
+static void places_follow_the_clock(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA
+                 "sphere { interior = glass  center = <8 * clock, 0, 0> } sphere { interior = ice } "
+                 "for (i in 1..3) { if (i > 2 * clock) { sphere { interior = gas  center = <i, clock, 0> } } }" HALF);
+    const Scene *s = scene.scene;
+    assert_int_equal(s->n_keys, 3);
+    assert_near(s->shutter, 0.5, 0);
+    const Affine *keys = keys_of(&scene, 0);
+    assert_near(keys[0].t.x, 0, 0);
+    assert_near(keys[1].t.x, 2, 1e-12);
+    assert_near(keys[2].t.x, 4, 1e-12);
+    assert_int_equal(s->objects[1].motion, SCENE_NONE);
+    /* the third turn of the loop is the third, whether the first is there or not; what goes stays where it was */
+    for (uint32_t i = 0; i < 3; i++) {
+        keys = keys_of(&scene, 2 + i);
+        assert_near(keys[2].t.x, i + 1.0, 0);
+        assert_near(keys[1].t.y, 0.25, 1e-12);
+        assert_near(keys[2].t.y, i == 0 ? 0.25 : 0.5, 1e-12);
+    }
+    fixture_clear(&scene);
+}
+
+static void without_a_shutter_nothing_moves(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA "sphere { interior = glass  center = <clock, 0, 0> }" VIEW(""));
+    assert_int_equal(scene.scene->n_keys, 0);
+    fixture_clear(&scene);
+    fixture_good(&scene, FIXTURE_MEDIA "sphere { interior = glass  center = <1, 0, 0> }" HALF);
+    assert_int_equal(scene.scene->n_keys, 0);
+    fixture_clear(&scene);
+}
+
+static void meshes_deform_and_cones_do_not(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene,
+                 FIXTURE_MEDIA "mesh { interior = glass  triangles = [<0, 1, 2>, <0, 3, 1>, <1, 3, 2>, <2, 3, 0>]"
+                               "  positions = [<0, 0, 0>, <1, 0, 0>, <0, 0, 1>, <0, 1 + clock, 0>] }"
+                               "cone { interior = ice  to = <0, 5 + clock, 0> }" HALF);
+    const Scene *s = scene.scene;
+    const Mesh *end = s->shapes[s->objects[0].shape].mesh_end;
+    assert_non_null(end);
+    assert_near((double)end->positions[3].y, 1.5, 1e-6);
+    assert_null(s->shapes[s->objects[1].shape].mesh_end);
+    assert_true(fixture_find(&scene, D_SHAPE_CHANGES) != NULL);
+    assert_int_equal(scene.diag.n_warnings, 1);
+    fixture_clear(&scene);
+}
+
+static void mistakes_of_later_are_told(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_text(&scene, FIXTURE_MEDIA "assert(clock < .3, \"too late\") sphere { interior = glass }" HALF);
+    assert_int_equal(scene.status, STATUS_SCENE);
+    const Diagnostic *report = fixture_find(&scene, D_SHUTTER_MISTAKE);
+    assert_non_null(report);
+    assert_non_null(strstr(report->text, "too late"));
+    fixture_clear(&scene);
+    fixture_text(&scene,
+                 FIXTURE_MEDIA "sphere { interior = glass }" HALF " camera { from = <0, 0, 5>  shutter = 90deg }");
+    assert_non_null(fixture_find(&scene, D_CONFLICTING_PROPERTIES));
+    fixture_clear(&scene);
+}
+
+static void write_mesh(const char *path, const char *top)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 %s 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n", top);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void a_mesh_may_be_given_a_frame_later(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/meniscus-motion-XXXXXX", text[800], now[80], later[80];
+    assert_non_null(mkdtemp(folder));
+    snprintf(now, sizeof now, "%s/now.obj", folder);
+    snprintf(later, sizeof later, "%s/later.obj", folder);
+    write_mesh(now, "1");
+    write_mesh(later, "3");
+    Fixture scene;
+    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
+             later);
+    fixture_compile(&scene, text, 1);
+    const Mesh *end = scene.scene->shapes[0].mesh_end;
+    assert_non_null(end);
+    double top = 0;
+    for (uint32_t i = 0; i < end->n_vertices; i++) top = fmax(top, (double)end->positions[i].y);
+    assert_near(top, 2, 1e-6); /* half a frame later */
+    assert_near(scene.compiled->hull_bounds[0].max.y, 2, 1e-5);
+    fixture_clear(&scene);
+    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
+             "examples/pictures/none.obj");
+    fixture_text(&scene, text);
+    assert_int_equal(scene.status, STATUS_SCENE);
+    fixture_clear(&scene);
+    remove(now);
+    remove(later);
+    remove(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(places_follow_the_clock),           cmocka_unit_test(without_a_shutter_nothing_moves),
+        cmocka_unit_test(meshes_deform_and_cones_do_not),    cmocka_unit_test(mistakes_of_later_are_told),
+        cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
+    };
+    return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
+}
