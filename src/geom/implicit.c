@@ -14,7 +14,13 @@
 #include "base/array.h"
 #include "geom/grower.h"
 
-enum { NO_VERTEX = UINT32_MAX, EDGES_PER_POINT = 8 /* the first is not used */, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
+enum {
+    NO_VERTEX = UINT32_MAX,
+    EDGES_PER_POINT = 8 /* the first is not used */,
+    MAX_ROUNDS = 5,
+    ROOT_STEPS = 12,
+    SAMPLE_STRIDE = 7
+};
 
 /* A point of the grid counts from 0 in the layer around, so that 1 .. n are the field's. */
 typedef struct Marcher {

@@ -240,7 +240,7 @@ static Point2 mixed_direction(Point2 a, Point2 b, double t)
 /* Cuts the edges at the places noted; the pieces of an edge keep its place and its directions. */
 static bool apply_cuts(Edges *edges, Cuts *cuts)
 {
-    qsort(cuts->items, cuts->n, sizeof *cuts->items, compare_cuts);
+    if (cuts->n) qsort(cuts->items, cuts->n, sizeof *cuts->items, compare_cuts);
     for (size_t i = 0; i < cuts->n;) {
         Edge rest = edges->items[cuts->items[i].edge];
         uint32_t slot = cuts->items[i].edge;
@@ -431,7 +431,7 @@ static size_t next_edge(const Edges *edges, const bool *used, const Edge *before
 
 static bool chain_loops(Edges *edges, bool *used, Outline2 *outline)
 {
-    qsort(edges->items, edges->n, sizeof *edges->items, compare_starts);
+    if (edges->n) qsort(edges->items, edges->n, sizeof *edges->items, compare_starts);
     outline->n_points = outline->n_loops = 0;
     for (size_t start = 0; start < edges->n; start++) {
         size_t first_point = outline->n_points, last = SIZE_MAX;

@@ -183,3 +183,43 @@ says_not err remark
 run help unused-medium
 says out "unused-medium (remark)"
 end
+
+begin "a height field from a picture: its values as they are in the file"
+small_scene
+run render small.mns -o heights.png
+exits 0
+cat > field.mns <<'SCENE'
+meniscus 1.0 unit cm
+medium ice { ior = 1.31 }
+height_field pond { interior = ice  image = "heights.png"  size = <2, 1, 2> }
+environment { }
+camera { from = <0, 5, 9> }
+SCENE
+run check field.mns
+exits 0
+says_not err 'error'
+says_not err 'warning'
+sed -i 's/size = <2/base = 2  size = <2/' field.mns
+run check field.mns
+exits 3
+says err 'in row 0, column 0 is not above the base, 2'
+end
+
+begin "an isosurface renders, and dump says that it cannot write it"
+cat > egg.mns <<'SCENE'
+meniscus 1.0 unit cm
+medium ice { ior = 1.31 }
+def egg(x, y, z) = x ^ 2 + y ^ 2 * (1 + .2 * y) + z ^ 2 - .5
+isosurface { interior = ice  function = egg }
+environment { }
+camera { from = <0, 0, 9> }
+film { size = <8, 8> }
+render { samples = 1 }
+SCENE
+run render egg.mns -o egg.exr
+exits 0
+there egg.exr
+run dump --flat egg.mns
+exits 3
+says err '[not-flat]'
+end
