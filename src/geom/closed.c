@@ -231,7 +231,13 @@ static void count_edges(Topology *topology, MeshReport *report, bool *repeated)
         size_t more = edge.n_upward > n_downward ? edge.n_upward - n_downward : n_downward - edge.n_upward;
         if (edge.n_upward > 1 || n_downward > 1) *repeated = true;
         if (more > 1) report->consistent = false;
-        if (edge.n > 2) report->n_non_manifold_edges++;
+        if (edge.n > 2) {
+            if (report->n_non_manifold_edges < COUNT_OF(report->non_manifold)) {
+                report->non_manifold[report->n_non_manifold_edges].a = topology->mesh->positions[edge.low];
+                report->non_manifold[report->n_non_manifold_edges].b = topology->mesh->positions[edge.high];
+            }
+            report->n_non_manifold_edges++;
+        }
         if (more > 0) {
             if (report->n_open_edges < COUNT_OF(report->open)) {
                 report->open[report->n_open_edges].a = topology->mesh->positions[edge.low];

@@ -51,6 +51,7 @@ typedef struct MeshReport {
     bool finite;                    /* no NaN, no infinity among the positions that triangles use */
     bool closed;                    /* at least one triangle, no open edge, consistent, finite */
     struct { Vec3f a, b; } open[4]; /* the first open edges */
+    struct { Vec3f a, b; } non_manifold[4]; /* the first of those */
     double volume;                  /* signed, of the whole */
     double area;
     Box3 bounds;

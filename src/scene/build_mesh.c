@@ -21,13 +21,16 @@ static bool same_point(Vec3f a, Vec3f b)
 /* Triangles with two corners in one place. Those with three corners on a line
  * stay: they have no area either, but their edges can be what closes the mesh.
  */
-static uint32_t drop_collapsed(Mesh *mesh)
+static uint32_t drop_collapsed(Mesh *mesh, Vec3f *first)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
         Vec3f a = mesh->positions[mesh->triangles[i][0]], b = mesh->positions[mesh->triangles[i][1]],
               c = mesh->positions[mesh->triangles[i][2]];
-        if (same_point(a, b) || same_point(b, c) || same_point(c, a)) continue;
+        if (same_point(a, b) || same_point(b, c) || same_point(c, a)) {
+            if (kept == i) *first = a;
+            continue;
+        }
         memmove(mesh->triangles[kept++], mesh->triangles[i], sizeof mesh->triangles[i]);
     }
     uint32_t dropped = mesh->n_triangles - kept;
@@ -65,7 +68,7 @@ static int compare_triangles(const void *left, const void *right)
 }
 
 /* Keeps the first of triangles that are equal in place and sense. */
-static Status drop_duplicates(Mesh *mesh, uint32_t *dropped, Error *error)
+static Status drop_duplicates(Mesh *mesh, uint32_t *dropped, Vec3f *first, Error *error)
 {
     uint32_t n = mesh->n_triangles;
     *dropped = 0;
@@ -80,9 +83,14 @@ static Status drop_duplicates(Mesh *mesh, uint32_t *dropped, Error *error)
         for (int k = 0; k < 3; k++) sorted[i].corners[k] = mesh->positions[t[(least + k) % 3]];
     }
     qsort(sorted, n, sizeof *sorted, compare_triangles);
+    uint32_t lowest = UINT32_MAX;
     for (uint32_t i = 1; i < n; i++)
         if (compare_corners(&sorted[i], &sorted[i - 1]) == 0) {
             uint32_t *t = mesh->triangles[sorted[i].triangle];
+            if (sorted[i].triangle < lowest) {
+                lowest = sorted[i].triangle;
+                *first = sorted[i].corners[0];
+            }
             t[0] = t[1] = t[2] = UINT32_MAX;
         }
     free(sorted);
@@ -95,18 +103,29 @@ static Status drop_duplicates(Mesh *mesh, uint32_t *dropped, Error *error)
     return STATUS_OK;
 }
 
+/* Faces that were dropped: how many, why, and where the first was, in the mesh's own coordinates. */
+static void report_dropped(Builder *b, const EvalNode *node, uint32_t n, const char *one, const char *several,
+                           Vec3f first)
+{
+    if (!n) return;
+    const char *name = node->name ? node->name : "the mesh";
+    Diagnostic *report = diag_report(b->diag, D_MESH_MENDED, node->span, "%u of the triangles of %s %s", (unsigned)n,
+                                     name, n == 1 ? one : several);
+    diag_note(b->diag, report, node->span, "%s at <%g, %g, %g>", n == 1 ? "it is" : "the first is", (double)first.x,
+              (double)first.y, (double)first.z);
+}
+
 /* Drops what is of no use; the report is of what is left. */
 static Status clean(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *report, Error *error)
 {
     TRY(mesh_inspect(mesh, report, error));
-    uint32_t collapsed = report->n_degenerate ? drop_collapsed(mesh) : 0, duplicates = 0;
-    if (report->n_duplicate) TRY(drop_duplicates(mesh, &duplicates, error));
-    if (collapsed)
-        diag_report(b->diag, D_MESH_MENDED, node->span, "%u of the mesh's triangles %s no extent and %s dropped",
-                    (unsigned)collapsed, collapsed == 1 ? "has" : "have", collapsed == 1 ? "is" : "are");
-    if (duplicates)
-        diag_report(b->diag, D_MESH_MENDED, node->span, "%u of the mesh's triangles %s twice; one of each is dropped",
-                    (unsigned)duplicates, duplicates == 1 ? "occurs" : "occur");
+    Vec3f first_collapsed = {0, 0, 0}, first_duplicate = {0, 0, 0};
+    uint32_t collapsed = report->n_degenerate ? drop_collapsed(mesh, &first_collapsed) : 0, duplicates = 0;
+    if (report->n_duplicate) TRY(drop_duplicates(mesh, &duplicates, &first_duplicate, error));
+    report_dropped(b, node, collapsed, "has no extent and is dropped", "have no extent and are dropped",
+                   first_collapsed);
+    report_dropped(b, node, duplicates, "occurs twice; one is dropped", "occur twice; one of each is dropped",
+                   first_duplicate);
     return collapsed || duplicates ? mesh_inspect(mesh, report, error) : STATUS_OK;
 }
 
@@ -144,11 +163,19 @@ bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape)
     for (size_t i = 0; i < COUNT_OF(facts->open); i++) {
         facts->open[i].a = report.open[i].a;
         facts->open[i].b = report.open[i].b;
+        facts->non_manifold[i].a = report.non_manifold[i].a;
+        facts->non_manifold[i].b = report.non_manifold[i].b;
     }
     facts->n_non_manifold = report.n_non_manifold_edges;
     if (mesh->n_triangles) return true;
     diag_report(b->diag, D_MESH_INVALID, node->span, "the mesh has no triangles");
     return false;
+}
+
+static void note_edge(Builder *b, Diagnostic *report, Span span, const char *what, Vec3f p, Vec3f q)
+{
+    diag_note(b->diag, report, span, "%s from <%g, %g, %g> to <%g, %g, %g>", what, (double)p.x, (double)p.y,
+              (double)p.z, (double)q.x, (double)q.y, (double)q.z);
 }
 
 void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
@@ -157,10 +184,12 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
     if (facts->reported_open) return; /* one report for all that share the mesh */
     facts->reported_open = true;
     if (facts->n_non_manifold && (!facts->consistent || facts->n_open_edges <= facts->n_non_manifold)) {
-        diag_report(b->diag, D_NON_MANIFOLD_MESH, span,
-                    "%s encloses nothing: %u of its edges have more than two "
-                    "faces, with no sense of inside and outside",
-                    name, (unsigned)facts->n_non_manifold);
+        Diagnostic *report = diag_report(
+            b->diag, D_NON_MANIFOLD_MESH, span,
+            "%s encloses nothing: %u of its edges have more than two faces, with no sense of inside and outside", name,
+            (unsigned)facts->n_non_manifold);
+        for (uint32_t i = 0; i < facts->n_non_manifold && i < COUNT_OF(facts->non_manifold); i++)
+            note_edge(b, report, span, "edge of several faces", facts->non_manifold[i].a, facts->non_manifold[i].b);
         return;
     }
     if (!facts->consistent) {
@@ -173,11 +202,8 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
     Diagnostic *report =
         diag_report(b->diag, D_OPEN_MESH, span, "%s is open and encloses nothing: %u edge%s a face on one side only",
                     name, (unsigned)facts->n_open_edges, facts->n_open_edges == 1 ? " has" : "s have");
-    for (uint32_t i = 0; i < facts->n_open_edges && i < COUNT_OF(facts->open); i++) {
-        Vec3f p = facts->open[i].a, q = facts->open[i].b;
-        diag_note(b->diag, report, span, "open edge from <%g, %g, %g> to <%g, %g, %g>", (double)p.x, (double)p.y,
-                  (double)p.z, (double)q.x, (double)q.y, (double)q.z);
-    }
+    for (uint32_t i = 0; i < facts->n_open_edges && i < COUNT_OF(facts->open); i++)
+        note_edge(b, report, span, "open edge", facts->open[i].a, facts->open[i].b);
 }
 
 /* ---- the node ---- */

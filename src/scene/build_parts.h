@@ -39,7 +39,7 @@ typedef struct ShapeFacts {
     uint32_t n_open_edges, n_non_manifold;
     struct {
         Vec3f a, b;
-    } open[4];
+    } open[4], non_manifold[4]; /* the first of such edges */
 } ShapeFacts;
 
 typedef struct Builder {

@@ -43,6 +43,19 @@ tetrahedron 1 | sed 's/f 1 3 2//' > open.obj
 refuses_mesh open.obj "is open and encloses nothing: 3 edges have a face on one side only"
 end
 
+begin "meshes: what is dropped, and edges of several faces, are reported with places"
+{ tetrahedron 1; printf 'f 4 2 3\nf 3 3 4\n'; } > extra.obj
+mesh_scene 'file = "extra.obj"' > scene.mns
+run check scene.mns
+exits 0
+says err "1 of the triangles of the mesh has no extent and is dropped"
+says err "it is at <0, 1, 0>"
+says err "1 of the triangles of the mesh occurs twice; one is dropped"
+{ tetrahedron 1; printf 'v 1 1 1\nf 2 5 3\nf 2 3 5\nf 2 4 5\n'; } > fins.obj
+refuses_mesh fins.obj "more than two faces"
+matches err 'note: edge of several faces from <'
+end
+
 begin "meshes: transforms that flatten are refused, mirrored ones make the same picture"
 tetrahedron 1 > t.obj
 mesh_scene 'file = "t.obj"  scale(<1, 0, 1>)' > scene.mns
