@@ -16,11 +16,8 @@ static const struct {
     const char *extension;
     Status (*load)(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 } readers[] = {
-    {"ply", mesh_load_ply},
-    {"obj", mesh_load_obj},
-    {"stl", mesh_load_stl},
-    {"gltf", mesh_load_gltf},
-    {"glb", mesh_load_gltf},
+    {"ply", mesh_load_ply},   {"obj", mesh_load_obj},  {"stl", mesh_load_stl},
+    {"gltf", mesh_load_gltf}, {"glb", mesh_load_gltf},
 };
 
 enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8 };

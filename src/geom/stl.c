@@ -1,8 +1,7 @@
-/* stl.c - reads meshes in the STL format (3D Systems, 1988): binary
- * little-endian, and text. Both kinds may start with the word 'solid', so a
- * file is binary when its length is what a binary file's count of triangles
- * says, and only then is its beginning looked at. Facet normals and attributes
- * are passed over: what is outside follows from the order of the corners.
+/* stl.c - reads meshes in the STL format (3D Systems, 1988): binary little-endian, and text.
+ * Both kinds may start with the word 'solid', so a file is binary when its length is what a binary file's count
+ * of triangles says, and only then is its beginning looked at. Facet normals and attributes are passed over: what is
+ * outside follows from the order of the corners.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
@@ -83,9 +82,8 @@ static Status read_binary(const Stl *stl, uint32_t n, Mesh **mesh)
             if (LIKELY(isfinite(p.x) && isfinite(p.y) && isfinite(p.z))) continue;
             mesh_free(made);
             return fail(stl->error, STATUS_INPUT,
-                        "'%s': triangle %lu of %lu has a coordinate that is not "
-                        "finite: <%g, %g, %g>",
-                        stl->path, (unsigned long)i, (unsigned long)n, (double)p.x, (double)p.y, (double)p.z);
+                        "'%s': triangle %lu of %lu has a coordinate that is not finite: <%g, %g, %g>", stl->path,
+                        (unsigned long)i, (unsigned long)n, (double)p.x, (double)p.y, (double)p.z);
         }
     return finish(made, mesh, stl->error);
 }
@@ -191,8 +189,7 @@ static Status read_text(Stl *stl, Mesh **mesh)
     return finish(made, mesh, stl->error);
 }
 
-/* Whether the file reads as a text: 'solid', and soon after it 'facet' or the
- * end of an empty one. */
+/* Whether the file reads as a text: 'solid', and soon after it 'facet' or the end of an empty one. */
 static bool looks_like_text(const Stl *stl)
 {
     Stl probe = *stl;
@@ -221,9 +218,7 @@ Status mesh_load_stl(const char *path, MeshSource *source, Mesh **mesh, Error *e
         status = read_binary(&stl, n, mesh);
     else
         status = fail(error, STATUS_INPUT,
-                      "'%s' is not an STL file: it has no 'solid', and no room for "
-                      "a binary header",
-                      path);
+                      "'%s' is not an STL file: it has no 'solid', and no room for a binary header", path);
     free(stl.corners);
     free(bytes);
     return status;

@@ -1,11 +1,9 @@
-/* build_mesh.c - meshes: from files and in place, and what must be mended
- * before they can hold a medium.
+/* build_mesh.c - meshes: from files and in place, and what must be mended before they can hold a medium.
  *
- * A mesh is inspected once per shape, in its own frame. Faces without extent
- * and faces that occur twice are dropped, faces that disagree about the outside
- * are turned; each is a warning. Whether the mesh is closed is decided after
- * that, and is an error only for objects with an interior, or for a mesh that
- * states that it is closed. SPDX-License-Identifier: Apache-2.0 */
+ * A mesh is inspected once per shape, in its own frame. Faces without extent and faces that occur twice are dropped,
+ * faces that disagree about the outside are turned; each is a warning. Whether the mesh is closed is decided after
+ * that, and is an error only for objects with an interior, or for a mesh that states that it is closed.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,9 +16,8 @@ static bool same_point(Vec3f a, Vec3f b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* Triangles with two corners in one place. Those with three corners on a line
- * stay: they have no area either, but their edges can be what closes the mesh.
- */
+/* Triangles with two corners in one place. Those with three corners on a line stay: they have no area either, but
+ * their edges can be what closes the mesh. */
 static uint32_t drop_collapsed(Mesh *mesh, Vec3f *first)
 {
     uint32_t kept = 0;
@@ -141,8 +138,7 @@ static Status turn(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *rep
         diag_report(b->diag, D_MESH_MENDED, node->span, "the mesh was inside out; all of its triangles are turned");
     else
         diag_report(b->diag, D_MESH_MENDED, node->span,
-                    "neighbouring triangles of the mesh disagreed about which side "
-                    "is out; some are turned");
+                    "neighbouring triangles of the mesh disagreed about which side is out; some are turned");
     return mesh_inspect(mesh, report, error);
 }
 
@@ -194,9 +190,7 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
     }
     if (!facts->consistent) {
         diag_report(b->diag, D_MESH_ORIENTATION, span,
-                    "%s encloses nothing: its faces cannot be turned so that "
-                    "neighbours agree about the outside",
-                    name);
+                    "%s encloses nothing: its faces cannot be turned so that neighbours agree about the outside", name);
         return;
     }
     Diagnostic *report =
@@ -259,8 +253,6 @@ static bool fill_in_place(Builder *b, const EvalProp *positions, const EvalProp 
     return true;
 }
 
-/* The shape of a mesh node: one for each file and each list in the text,
- * however often it is placed. */
 /* The same triangles a frame later. What was mended of the mesh is true of it, too. */
 static bool load_next(Builder *b, const EvalProp *next, const char *part, bool smooth, uint32_t shape)
 {
@@ -294,6 +286,7 @@ static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, c
     return true;
 }
 
+/* The shape of a mesh node: one for each file and each list in the text, however often it is placed. */
 static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
 {
     const EvalProp *file = eval_prop(node, "file"), *positions = eval_prop(node, "positions"),

@@ -1,5 +1,5 @@
-/* stl_test.c - STL files of both kinds, with headers that lie about which it
- * is, and damaged ones. SPDX-License-Identifier: Apache-2.0 */
+/* stl_test.c - STL files of both kinds, with headers that lie about which it is, and damaged ones.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
 #include "base/buf.h"
@@ -143,11 +143,9 @@ static void damaged_texts_are_refused_with_the_line(void **state)
     refuse("solid x\nendsolid x\n", "no faces");
     refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero\n", ":4: 'zero' stands where a finite number");
     refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1e99\n", ":4: '1e99' stands where a finite number");
-    refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 "
-           "1\nendloop",
+    refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nendloop",
            ":6: 'endloop' stands where 'vertex'");
-    refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 "
-           "1\nvertex 1 0 0\nvertex 1 1 1\n",
+    refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nvertex 1 1 1\n",
            "a facet has three corners");
     refuse("solid x\nfacet normal 0 0 1\nouter loop", ":3: the file ends where 'vertex'");
 }
