@@ -1,6 +1,6 @@
-/* gltf_data.c - the parts of a glTF file: its JSON, through Jansson; buffers; accessors, also sparse and quantized
- * ones. Every length is held against the bytes that are there before memory is taken. SPDX-License-Identifier:
- * Apache-2.0 */
+/* gltf_data.c - the parts of a glTF file: its JSON, through Jansson; buffers; accessors, also sparse and quantized ones.
+ * Every length is held against the bytes that are there before memory is taken.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/gltf_data.h"
 
 #include <math.h>

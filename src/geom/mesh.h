@@ -67,7 +67,7 @@ ATTR_NODISCARD Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Er
 /* Where a mesh passes through itself. */
 typedef struct MeshCrossings {
     uint64_t n;        /* pairs of triangles that cross, or overlap in one plane and look the same way */
-    bool gave_up;      /* so many triangles lie in each other's boxes that not all pairs were looked at: n is the least */
+    bool gave_up;      /* too many triangles lie in each other's boxes, and not all pairs were looked at: n is the least */
     uint32_t n_places; /* of first[] */
     struct {
         uint32_t triangles[2];

@@ -24,8 +24,8 @@ typedef struct MeshSource {
 
 void mesh_source_clear(MeshSource *source);
 
-/* Reads a file by its extension: .ply, .obj, .stl, .gltf, .glb. Polygons are fanned; vertices are welded where the format
- * splits them; normals are unit. Damaged files, indices out of range, numbers that are not finite, and parts that there
+/* Reads a file by its extension: .ply, .obj, .stl, .gltf, .glb. Polygons are fanned; vertices are welded where the
+ * format splits them; normals are unit. Damaged files, indices out of range, numbers that are not finite, and parts that there
  * are not are STATUS_INPUT with the place. source may be NULL. */
 ATTR_NODISCARD Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 /* Whether files of that extension (without dot, any case) are meshes that mesh_load reads. */

@@ -1,6 +1,6 @@
-/* mesh_reader.h - what the tests of mesh readers share: a file in the test's
- * folder, loaded, refused, or spoilt. The name of the file, with its extension,
- * is in mesh_name. SPDX-License-Identifier: Apache-2.0 */
+/* mesh_reader.h - what the tests of mesh readers share: a file in the test's folder, loaded, refused, or spoilt.
+ * The name of the file, with its extension, is in mesh_name.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TEST_MESH_READER_H
 #define MEN_TEST_MESH_READER_H
 

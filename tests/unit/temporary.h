@@ -1,12 +1,11 @@
-/* temporary.h - a folder of a test program's own, made before its tests and
- * removed after them. SPDX-License-Identifier: Apache-2.0 */
+/* temporary.h - a folder of a test program's own, made before its tests and removed after them.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TEST_TEMPORARY_H
 #define MEN_TEST_TEMPORARY_H
 
 static char folder[] = "/tmp/meniscus-test-XXXXXX";
 
-/* The path of a file in the folder; the text stays until the second call after
- * this one. */
+/* The path of a file in the folder; the text stays until the second call after this one. */
 static inline const char *in_folder(const char *name)
 {
     static char path[2][256];
