@@ -273,11 +273,11 @@ static void add_run(const CompiledScene *compiled, Worker *worker, const Mark *f
         last->to = to->hit;
         return;
     }
-    if (!ARRAY_ROOM(worker->runs, worker->runs_capacity, worker->n_runs)) {
+    double begin = last ? last->end : 0; /* no stretch is left out: rounding goes to the one behind it */
+    if (!ARRAY_ROOM(worker->runs, worker->runs_capacity, worker->n_runs)) { /* from here on last is no more */
         worker->out_of_memory = true;
         return;
     }
-    double begin = last ? last->end : 0; /* no stretch is left out: rounding goes to the one behind it */
     worker->runs[worker->n_runs++] =
         (Run){begin, to->t, opaque ? SCENE_NONE : hull, opaque ? SCENE_NONE : below, opaque, from->hit, to->hit};
 }
