@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "scene/library.h"
 
 /* Of a scene on standard input; longer ones are files. */
 static const size_t largest_text = (size_t)1 << 30;
@@ -37,7 +36,6 @@ void scene_input_init(SceneInput *input, const Options *options, const Talk *tal
                       *overrides = &options->values[OPTION_SET];
     input->scene_options = (SceneOptions){
         .eval = {.schema = scene_schema(),
-                 .library = &std_library,
                  .defines = defines->items,
                  .n_defines = defines->n_items,
                  .overrides = overrides->items,

@@ -11,8 +11,9 @@
 
 #include "base/hash.h"
 #include "scene/build_parts.h"
-#include "scene/motion.h"
 #include "scene/geometry.h"
+#include "scene/library.h"
+#include "scene/motion.h"
 
 /* ---- tables ---- */
 
@@ -280,6 +281,7 @@ EvalOptions scene_eval_options(const SceneOptions *options)
 {
     EvalOptions eval = options->eval;
     eval.schema = scene_schema();
+    eval.library = &std_library;
     eval.geometry = &scene_geometry;
     eval.geometry_context = options;
     return eval;

@@ -14,8 +14,7 @@ static void build(Fixture *f, const char *text)
 {
     char scene[600];
     snprintf(scene, sizeof scene, USE "%s", text);
-    SceneOptions options = {.eval = {.library = &std_library}};
-    fixture_build(f, scene, &options);
+    fixture_text(f, scene);
     if (f->status != STATUS_OK || f->diag.n_warnings) {
         fixture_print(f);
         fail_msg("%s: %s", text, f->error.text);
