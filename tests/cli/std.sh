@@ -46,6 +46,7 @@ group { shapes.droplets { n = 5  interior = media.water }  translate(<3m, 0, 1m>
 group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4m, 0, 1m>) }
 group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5m, 0, 1m>) }
 assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
+assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
 group { shapes.ring(4, 20mm) { ball { } }  translate(<6m, 0, 1m>) }
 group { shapes.row(4, 20mm * z) { ball { } }  translate(<7m, 0, 1m>) }
@@ -106,6 +107,24 @@ SCENE
     exits 0
     run render shot.mns -s 2
     exits 0
+done
+end
+
+begin "std: no ray loses its place in a glass, full or empty"
+for glass in tumbler wine_glass cocktail_glass champagne_flute beer_mug bottle beaker test_tube; do
+    cat > glass.mns << SCENE
+meniscus 1.0 unit mm
+use "std/glassware.mns" as glassware
+medium liquid { ior = 1.2  state = liquid }
+medium solid { ior = 1.3  state = solid }
+glassware.$glass { drink = liquid  interior = solid }
+environment { }
+camera { from = <120, 350, 600>  to = <0, 90, 0>  fov = 22 }
+film { size = <60, 80> }
+SCENE
+    run render glass.mns -s 24
+    exits 0
+    says_not err fault
 done
 end
 
