@@ -124,7 +124,7 @@ film { size = <60, 80> }
 SCENE
     run render glass.mns -s 24
     exits 0
-    says_not err fault
+    says err ", 0 nesting faults"
 done
 end
 
