@@ -30,6 +30,20 @@ void arena_clear(Arena *arena)
     *arena = (Arena){.escape = arena->escape};
 }
 
+void arena_reset(Arena *arena)
+{
+    ArenaBlock *newest = arena->blocks;
+    if (!newest) return;
+    for (ArenaBlock *block = newest->next; block;) {
+        ArenaBlock *next = block->next;
+        free(block);
+        block = next;
+    }
+    newest->next = NULL;
+    arena->used = 0;
+    arena->total = arena->capacity;
+}
+
 static void out_of_memory(Arena *arena)
 {
     if (arena->escape) longjmp(*arena->escape, 1);
@@ -39,7 +53,7 @@ static void out_of_memory(Arena *arena)
 
 void *arena_alloc(Arena *arena, size_t size)
 {
-    const size_t align = sizeof(max_align_t);
+    const size_t align = _Alignof(max_align_t);
     if (size > SIZE_MAX - align - sizeof(ArenaBlock)) out_of_memory(arena);
     size = (size + align - 1) / align * align;
     if (size > arena->capacity - arena->used) {

@@ -24,6 +24,8 @@ typedef struct Arena {
 
 void arena_init(Arena *arena);
 void arena_clear(Arena *arena);
+/* Forgets all that was handed out; the newest block stays, to be used again. */
+void arena_reset(Arena *arena);
 
 /* Zeroed memory, aligned for any type. Jumps to the guard when there is none. */
 void *arena_alloc(Arena *arena, size_t size) ATTR_NODISCARD;

@@ -98,6 +98,8 @@ struct NodeExpr {
     Slot defaults;        /* resolved: the slot of the defaults that are in force for type */
 };
 
+/* The parser gives an EXPR_NAME no more memory than `variable` has: it may become a variable or poison, and nothing larger.
+ * Likewise a STMT_PROP or STMT_NODE below has no more than its own member, and may only become STMT_EMPTY. */
 struct Expr {
     ExprKind kind;
     bool reported; /* a mistake of this expression has been reported: once is enough, also in a loop */
@@ -263,6 +265,7 @@ struct File {
     File *next;
     uint32_t source;
     const char *path; /* NULL for texts that are no files */
+    Arena *arena;     /* for its tree; NULL: that of the reports. Of its own for only_starts: it is reset again and again */
     Block *block;
     double version;
     bool has_unit;
@@ -270,7 +273,7 @@ struct File {
     double unit_m;
     Stmt **imports; /* in order of the text, wherever they stand */
     uint32_t n_imports, capacity;
-    bool keeps_starts;        /* asks the parser for the next two; starts is malloc'd */
+    bool only_starts;         /* asks the parser for the next two, and no tree; starts is malloc'd */
     uint32_t *starts;         /* the first byte of each statement, in order of the text */
     size_t n_starts, starts_capacity;
     int state;     /* FILE_NEW ... */

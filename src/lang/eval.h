@@ -42,18 +42,22 @@ typedef struct EvalProp {
         double vector[3];  /* PROP_VECTOR2, PROP_VECTOR3, PROP_COLOR */
         struct {
             SpectrumForm form;
-            double rgb[3]; /* NUMBER: rgb[0]; COLOR, VECTOR: all three */
-            EvalTerm term;
+            union {
+                double rgb[3]; /* NUMBER: rgb[0]; COLOR, VECTOR: all three */
+                const EvalTerm *term; /* TERM */
+            };
         } spectrum; /* PROP_SPECTRUM, PROP_TERM */
         const EvalNode *node;
         const EvalFunctionValue *function; /* PROP_FUNCTION */
         struct {
             size_t n;
-            const double *numbers;      /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */
+            union {
+                const double *numbers;      /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */
+                const char *const *texts;   /* PROP_STRINGS */
+                const EvalNode *const *nodes;
+            };
             size_t n_lists;             /* PROP_NUMBER_LISTS, PROP_VECTOR2_LISTS: n and numbers are of all together */
             const size_t *lengths;      /* n_lists */
-            const char *const *texts;   /* PROP_STRINGS */
-            const EvalNode *const *nodes;
         } list;
     } as;
 } EvalProp;

@@ -250,7 +250,7 @@ static void print_spectrum(Flat *flat, const EvalProp *prop)
     case SPECTRUM_VECTOR: print_vector(out, VALUE_VECTOR3, prop->as.spectrum.rgb); return;
     case SPECTRUM_TERM: break;
     }
-    const EvalTerm *term = &prop->as.spectrum.term;
+    const EvalTerm *term = prop->as.spectrum.term;
     if (!term->text) {
         print_value(out, (Value){.kind = VALUE_TERM, .as.term = term});
         return;

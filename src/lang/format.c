@@ -22,16 +22,19 @@ enum { ITEM_LINE_COMMENT = TOKEN_COUNT, ITEM_BLOCK_COMMENT };
 enum { INDENT = 2, MOST_PASSES = 10, TAB = 8 };
 enum { LONGEST_ROW = 1000 }; /* items of a line that may be a row of a table: each is sought in the lines around it */
 
+/* Small, as a text may have many millions. */
 typedef struct Item {
-    int kind; /* TOKEN_..., ITEM_... */
     uint32_t begin, end;
     uint32_t line;     /* from 0, on which it begins */
-    uint32_t breaks;   /* line breaks before it */
     uint32_t column;   /* from 0, in columns of a terminal */
     uint32_t gap;      /* columns of blanks before it, within its line */
     uint32_t placed;   /* the column that it is written in */
+    uint16_t breaks;   /* line breaks before it, MOST_BREAKS for more */
+    uint8_t kind;      /* TOKEN_..., ITEM_... */
     bool starts;       /* a statement */
 } Item;
+enum { MOST_BREAKS = 1000 };
+_Static_assert(ITEM_BLOCK_COMMENT <= UINT8_MAX, "kinds of items");
 
 typedef struct ItemList {
     Item *items;
@@ -47,9 +50,17 @@ typedef struct Cutter {
     ItemList *list;
 } Cutter;
 
+/* One byte, and one column. */
+static bool is_plain(char c) { return c >= ' ' && c <= '~'; }
+
 static void move_to(Cutter *cutter, uint32_t end)
 {
     while (cutter->at < end) {
+        if (is_plain(cutter->text[cutter->at])) {
+            cutter->at++;
+            cutter->column++;
+            continue;
+        }
         uint32_t code;
         size_t n = utf8_decode(cutter->text + cutter->at, cutter->length - cutter->at, &code);
         if (code == '\n') {
@@ -72,8 +83,13 @@ static void add_item(Cutter *cutter, int kind, uint32_t begin, uint32_t end)
     move_to(cutter, begin);
     if (!ARRAY_ROOM(list->items, list->capacity, list->n)) return;
     uint32_t breaks = cutter->line - line;
-    list->items[list->n++] = (Item){.kind = kind, .begin = begin, .end = end, .line = cutter->line, .breaks = breaks,
-                                    .column = cutter->column, .gap = breaks ? 0 : cutter->column - column};
+    list->items[list->n++] = (Item){.begin = begin,
+                                    .end = end,
+                                    .line = cutter->line,
+                                    .column = cutter->column,
+                                    .gap = breaks ? 0 : cutter->column - column,
+                                    .breaks = (uint16_t)(breaks < MOST_BREAKS ? breaks : MOST_BREAKS),
+                                    .kind = (uint8_t)kind};
     move_to(cutter, end);
 }
 
@@ -379,6 +395,14 @@ static void write_blanks(Layout *layout, Item *item)
 static void write_bytes(Layout *layout, const Item *item)
 {
     for (uint32_t at = item->begin; at < item->end;) {
+        uint32_t plain_end = at;
+        while (plain_end < item->end && is_plain(layout->text[plain_end])) plain_end++;
+        if (plain_end > at) {
+            buf_add_bytes(layout->out, layout->text + at, plain_end - at);
+            layout->column += plain_end - at;
+            at = plain_end;
+            continue;
+        }
         uint32_t code;
         uint32_t n = (uint32_t)utf8_decode(layout->text + at, item->end - at, &code);
         if (code != '\r') { /* in a comment, at the end of its line */
@@ -470,9 +494,13 @@ typedef struct Stage {
 static bool read_items(Stage *stage, const char *text, size_t length)
 {
     Diag *diag = stage->diag;
-    File file = {.source = source_add(diag->sources, stage->name, NULL, text, length), .keeps_starts = true};
+    Arena tree; /* only where statements begin is of interest */
+    arena_init(&tree);
+    tree.escape = diag->arena->escape;
+    File file = {.source = source_add(diag->sources, stage->name, NULL, text, length), .arena = &tree, .only_starts = true};
     uint32_t n_errors = diag->n_errors;
     parse_file(&file, true, 0, diag, stage->symbols);
+    arena_clear(&tree);
     bool fine = diag->n_errors == n_errors;
     if (fine) {
         cut(text, length, file.source, diag, stage->symbols, &stage->list);
@@ -487,13 +515,12 @@ static void drop_semicolons(ItemList *list)
 {
     size_t n = 0;
     uint32_t breaks = 0;
-    for (size_t i = 0; i < list->n; i++) {
+    while (n < list->n && list->items[n].kind != TOKEN_SEMICOLON) n++; /* mostly there are none */
+    for (size_t i = n; i < list->n; i++) {
         Item item = list->items[i];
-        if (item.kind == TOKEN_SEMICOLON) {
-            breaks += item.breaks;
-            continue;
-        }
-        item.breaks += breaks;
+        breaks += item.breaks;
+        if (item.kind == TOKEN_SEMICOLON) continue;
+        item.breaks = (uint16_t)(breaks < MOST_BREAKS ? breaks : MOST_BREAKS);
         breaks = 0;
         list->items[n++] = item;
     }
@@ -540,24 +567,31 @@ static Status settle(Stage *stage, const char **text, size_t *length, Error *err
     return STATUS_OK;
 }
 
+/* Whether the last items are those of the first text, which is `source`. */
+static bool means_the_same(const Stage *stage, const char *text, size_t length, uint32_t source, const char *laid_out)
+{
+    ItemList first = {0};
+    cut(text, length, source, stage->diag, stage->symbols, &first);
+    drop_semicolons(&first);
+    bool same = same_items(text, &first, laid_out, &stage->list);
+    free(first.items);
+    return same;
+}
+
 Status format_text(const char *name, const char *text, size_t length, Diag *diag, Buf *out, Error *error)
 {
     SymbolTable symbols;
     symbol_table_init(&symbols, diag->arena);
-    Stage stage = {.name = name, .diag = diag, .symbols = &symbols}, first = stage;
-    if (!read_items(&first, text, length)) {
-        free(first.list.items);
-        return fail(error, STATUS_SCENE, "the scene has errors");
-    }
+    Stage stage = {.name = name, .diag = diag, .symbols = &symbols};
     const char *laid_out = text;
     size_t laid_out_length = length;
-    Status status = read_items(&stage, text, length) ? STATUS_OK : STATUS_SCENE;
+    uint32_t source = diag->sources->n;
+    Status status = STATUS_OK;
+    if (!read_items(&stage, text, length)) status = fail(error, STATUS_SCENE, "the scene has errors");
     if (status == STATUS_OK) status = settle(&stage, &laid_out, &laid_out_length, error);
-    drop_semicolons(&first.list);
-    if (status == STATUS_OK && !same_items(text, &first.list, laid_out, &stage.list))
+    if (status == STATUS_OK && laid_out != text && !means_the_same(&stage, text, length, source, laid_out))
         status = fail(error, STATUS_RENDER, "'%s' would not mean the same when laid out; this is a mistake of meniscus", name);
     if (status == STATUS_OK) buf_add_bytes(out, laid_out, laid_out_length);
-    free(first.list.items);
     free(stage.list.items);
     return status;
 }

@@ -13,7 +13,7 @@
 
 void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Diag *diag, SymbolTable *symbols)
 {
-    *parser = (Parser){.diag = diag, .arena = diag->arena, .file = file, .unit_m = unit_m};
+    *parser = (Parser){.diag = diag, .arena = file && file->arena ? file->arena : diag->arena, .file = file, .unit_m = unit_m};
     lexer_init(&parser->lexer, diag, symbols, source);
     parser->token = lexer_next(&parser->lexer);
 }
@@ -198,9 +198,22 @@ static void synchronize(Parser *parser, int brackets, uint32_t statement_begin)
 
 /* ---- statements ---- */
 
+/* Texts may have millions of statements, most of them properties and nodes: memory for what their kind has, and no more. */
+static size_t stmt_size(StmtKind kind)
+{
+    const Stmt *stmt = NULL;
+    switch (kind) {
+    case STMT_PROP: return offsetof(Stmt, as) + sizeof stmt->as.prop;
+    case STMT_NODE:
+    case STMT_DEFAULTS:
+    case STMT_PRESET: return offsetof(Stmt, as) + sizeof stmt->as.node;
+    default: return sizeof *stmt;
+    }
+}
+
 static Stmt *stmt_new(Parser *parser, StmtKind kind, Span span)
 {
-    Stmt *stmt = ARENA_NEW(parser->arena, Stmt);
+    Stmt *stmt = arena_alloc(parser->arena, stmt_size(kind));
     stmt->kind = kind;
     stmt->span = span;
     return stmt;
@@ -208,7 +221,7 @@ static Stmt *stmt_new(Parser *parser, StmtKind kind, Span span)
 
 static void remember_start(File *file, const Token *token)
 {
-    if (!file->keeps_starts || token->kind == TOKEN_SEMICOLON) return;
+    if (!file->only_starts || token->kind == TOKEN_SEMICOLON) return;
     if (ARRAY_ROOM(file->starts, file->starts_capacity, file->n_starts)) file->starts[file->n_starts++] = token->begin;
 }
 
@@ -260,7 +273,9 @@ static Stmt *parse_statements(Parser *parser, TokenKind end, const Block *block)
         if (first_on_line(parser)) watch_indent(parser, block, &siblings, &left_at);
         Stmt *stmt = parse_stmt(parser);
         if (parser->panic) synchronize(parser, parser->panic_brackets, begin);
-        if (stmt && stmt->kind != STMT_EMPTY) {
+        if (parser->depth == 0 && parser->file->only_starts) {
+            arena_reset(parser->arena);
+        } else if (stmt && stmt->kind != STMT_EMPTY) {
             *tail = stmt;
             tail = &stmt->next;
         }
@@ -565,7 +580,7 @@ static Stmt *parse_import(Parser *parser)
     if (!stmt->as.import.include && accept(parser, TOKEN_AS))
         expect_name(parser, "behind 'as'", &stmt->as.import.name, &stmt->as.import.name_span);
     if (bad || parser->panic) return NULL;
-    remember_import(parser, stmt);
+    if (!parser->file->only_starts) remember_import(parser, stmt);
     return stmt;
 }
 
@@ -795,7 +810,7 @@ void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTa
 {
     Parser parser;
     parser_init(&parser, file, file->source, unit_m > 0 ? unit_m : 1, diag, symbols);
-    file->block = ARENA_NEW(parser.arena, Block);
+    file->block = ARENA_NEW(diag->arena, Block); /* stays when the tree does not */
     file->block->span = (Span){file->source, 0, 0};
     file->unit_m = parser.unit_m;
     if (has_header) {

@@ -9,7 +9,10 @@
 
 Expr *expr_new(Parser *parser, ExprKind kind, Span span)
 {
-    Expr *expr = ARENA_NEW(parser->arena, Expr);
+    /* most are names: of these no more memory than they need when they turn out to be variables */
+    const Expr *names = NULL;
+    size_t size = kind == EXPR_NAME ? offsetof(Expr, as) + sizeof names->as.variable : sizeof(Expr);
+    Expr *expr = arena_alloc(parser->arena, size);
     expr->kind = kind;
     expr->span = span;
     return expr;
@@ -255,10 +258,43 @@ static Expr *fold_vector(Parser *parser, Span span, const ExprList *list)
     return constant_expr(parser, span, value, unit);
 }
 
+/* A vector of plain numbers, behind its '<', without a token for each of them; NULL, and back behind the '<', when it holds
+ * anything else. */
+static Expr *plain_vector(Parser *parser, Span span)
+{
+    Lexer *lexer = &parser->lexer;
+    uint32_t begin = lexer->at;
+    double numbers[4];
+    const UnitType *unit = NULL, *own;
+    unsigned width = 0;
+    for (char c = ','; c == ',' && width < 4; width++) {
+        lexer_skip_blanks(lexer);
+        if (!lexer_plain_number(lexer, &numbers[width], &own)) break;
+        if (own && unit && own->measure != unit->measure) break;
+        if (own) unit = own;
+        numbers[width] = in_scene_units(parser, numbers[width], own);
+        lexer_skip_blanks(lexer);
+        c = lexer->text[lexer->at];
+        if (c == '>' && width > 0 && lexer->text[lexer->at + 1] != '=') {
+            Value value = {.kind = value_vector_kind(width + 1)};
+            memcpy(value.as.v, numbers, (width + 1) * sizeof *numbers);
+            span.end = lexer->at + 1;
+            advance(parser); /* the '>' becomes the next token */
+            advance(parser);
+            return constant_expr(parser, span, value, unit);
+        }
+        lexer->at += c == ',';
+    }
+    lexer->at = begin;
+    return NULL;
+}
+
 /* "<" add "," add [ "," add [ "," add ] ] ">" */
 static Expr *parse_vector(Parser *parser)
 {
     Span opening = token_span(parser);
+    Expr *plain = plain_vector(parser, opening);
+    if (plain) return plain;
     ExprList list = {0};
     advance(parser);
     do expr_list_add(parser, &list, parse_add(parser));

@@ -310,15 +310,18 @@ static void resolve_branch(Resolver *resolver, Stmt *stmt)
     }
 }
 
-static Symbol *defaults_symbol(Resolver *resolver, const char *type_name)
+static Symbol *defaults_symbol(Resolver *resolver, const NodeType *type)
 {
-    const char *name = arena_format(resolver->arena, "defaults %s", type_name);
-    return symbol_of(resolver->symbols, name, strlen(name));
+    Symbol **symbol = &resolver->defaults[type - resolver->schema->nodes];
+    const char *name = arena_format(resolver->arena, "defaults %s", type->name);
+    if (!*symbol) *symbol = symbol_of(resolver->symbols, name, strlen(name));
+    return *symbol;
 }
 
 void resolve_defaults_of(Resolver *resolver, NodeExpr *node)
 {
-    Binding *binding = defaults_symbol(resolver, node->type->name)->binding;
+    const Symbol *symbol = resolver->defaults[node->type - resolver->schema->nodes];
+    const Binding *binding = symbol ? symbol->binding : NULL;
     if (!binding) return;
     node->has_defaults = true;
     node->defaults = slot_of(resolver, binding);
@@ -330,7 +333,8 @@ static void resolve_defaults(Resolver *resolver, Stmt *stmt)
 {
     NodeExpr *node = stmt->as.node;
     Symbol *type = node->path.names[0];
-    if (!schema_node(resolver->schema, type->text)) {
+    const NodeType *node_type = schema_node(resolver->schema, type->text);
+    if (!node_type) {
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node type '%s'", type->text);
         suggest_visible(resolver, report, type, false, true);
@@ -338,7 +342,7 @@ static void resolve_defaults(Resolver *resolver, Stmt *stmt)
         return;
     }
     resolve_node(resolver, node, true);
-    Symbol *symbol = defaults_symbol(resolver, type->text);
+    Symbol *symbol = defaults_symbol(resolver, node_type);
     Binding *binding = ARENA_NEW(resolver->arena, Binding);
     *binding = (Binding){.shadowed = symbol->binding, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
                          .symbol = symbol, .kind = BINDING_SLOT, .level = resolver->level, .used = true};
@@ -450,6 +454,7 @@ void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const S
                    const double *srgb_to_working)
 {
     *resolver = (Resolver){.diag = diag, .arena = diag->arena, .symbols = symbols, .schema = schema};
+    resolver->defaults = ARENA_ARRAY(diag->arena, Symbol *, schema->n_nodes);
     for (int i = 0; i < 9; i++)
         if (srgb_to_working[i] != 0) resolver->srgb_to_working = srgb_to_working;
     scope_begin(resolver);

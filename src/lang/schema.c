@@ -253,7 +253,7 @@ static bool check_spectrum(const Check *check, const Value *value, EvalProp *pro
     unsigned width = value_width(value->kind);
     if (value->kind == VALUE_TERM) {
         prop->as.spectrum.form = SPECTRUM_TERM;
-        prop->as.spectrum.term = *value->as.term;
+        prop->as.spectrum.term = value->as.term;
         return true;
     }
     if (check->type->kind == PROP_TERM || (width != 1 && width != 3)) return wrong_type(check, value);
@@ -442,9 +442,11 @@ static bool words_to_strings(const Check *check, Expr *expr)
         EvalProp prop = {0};
         if (!word || (item->kind != EXPR_NAME && !choice_allows(check->type->choices, word))) continue;
         if (!check_choice(&of_item, word, &prop)) return false;
-        item->kind = EXPR_CONSTANT;
-        item->as.constant.value = value_text(word);
-        item->as.constant.unit = NULL;
+        Expr *text = ARENA_NEW(check->evaluator->arena, Expr); /* a name has no room for a value */
+        text->kind = EXPR_CONSTANT;
+        text->span = item->span;
+        text->as.constant.value = value_text(word);
+        expr->as.list.items[i] = text;
     }
     return true;
 }

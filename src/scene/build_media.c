@@ -8,7 +8,7 @@
 
 static bool is_term(const EvalProp *prop, const char *name)
 {
-    return prop->as.spectrum.form == SPECTRUM_TERM && strcmp(prop->as.spectrum.term.type->name, name) == 0;
+    return prop->as.spectrum.form == SPECTRUM_TERM && strcmp(prop->as.spectrum.term->type->name, name) == 0;
 }
 
 static float *new_table(Builder *b)
@@ -20,11 +20,11 @@ static float *new_table(Builder *b)
 
 static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
 {
-    const double *args = prop->as.spectrum.term.args;
+    const double *args = prop->as.spectrum.form == SPECTRUM_TERM ? prop->as.spectrum.term->args : NULL;
     if (prop->as.spectrum.form == SPECTRUM_NUMBER) {
         *out = spectrum_constant((float)prop->as.spectrum.rgb[0]);
     } else if (is_term(prop, "cauchy")) {
-        *out = spectrum_cauchy(args[0], args[1], prop->as.spectrum.term.n_args > 2 ? args[2] : 0);
+        *out = spectrum_cauchy(args[0], args[1], prop->as.spectrum.term->n_args > 2 ? args[2] : 0);
     } else if (is_term(prop, "sellmeier")) {
         *out = spectrum_sellmeier(args, args + 3);
     } else if (is_term(prop, "spectrum")) {
@@ -68,7 +68,7 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     } else if (absorption && absorption->as.spectrum.form == SPECTRUM_TERM) {
         diag_report(b->diag, D_WRONG_TYPE, absorption->span,
                     "'absorption' is a number, a vector or a spectrum() per length, not %s()",
-                    absorption->as.spectrum.term.type->name);
+                    absorption->as.spectrum.term->type->name);
     } else if (absorption) {
         const double *rgb = absorption->as.spectrum.rgb;
         bool grey = absorption->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
@@ -192,7 +192,7 @@ static bool is_bearable(Builder *b, Span span, double radiance)
 /* The shape of a table is the light's, and `factor` its luminance. */
 static bool emission_of_table(Builder *b, const EvalProp *prop, double factor, Spectrum *out)
 {
-    const EvalTerm *term = &prop->as.spectrum.term;
+    const EvalTerm *term = prop->as.spectrum.term;
     factor *= term->scale;
     if (factor < 0) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a light cannot be %g times a spectrum", term->scale);
@@ -208,8 +208,10 @@ static bool emission_of_table(Builder *b, const EvalProp *prop, double factor, S
         }
         *out = spectrum_blackbody(kelvin, table);
     } else {
+        EvalTerm unscaled = *term;
         EvalProp shape = *prop;
-        shape.as.spectrum.term.scale = 1;
+        unscaled.scale = 1;
+        shape.as.spectrum.term = &unscaled;
         if (!build_spectrum(b, &shape, brightest, out)) return false;
         double luminance = spectrum_luminance(out);
         factor /= luminance > 0 ? luminance : 1;
@@ -228,7 +230,7 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
     if (prop && (is_term(prop, "blackbody") || is_term(prop, "spectrum"))) return emission_of_table(b, prop, factor, out);
     if (prop && prop->as.spectrum.form == SPECTRUM_TERM) {
         diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a colour, blackbody(kelvin) or a spectrum(), not %s()",
-                    property, prop->as.spectrum.term.type->name);
+                    property, prop->as.spectrum.term->type->name);
         return false;
     }
     if (prop)

@@ -104,7 +104,7 @@ static bool read_file(Rows *rows, const EvalTerm *term)
 
 static Span span_of_row(const Rows *rows, size_t i)
 {
-    return rows->spans ? rows->spans[i] : rows->prop->as.spectrum.term.span;
+    return rows->spans ? rows->spans[i] : rows->prop->as.spectrum.term->span;
 }
 
 static const char *place_of_row(const Rows *rows, size_t i)
@@ -115,7 +115,7 @@ static const char *place_of_row(const Rows *rows, size_t i)
 static bool check_row(const Rows *rows, size_t i)
 {
     const double *pair = rows->pairs + 2 * i;
-    double scale = rows->prop->as.spectrum.term.scale, value = pair[1] * scale;
+    double scale = rows->prop->as.spectrum.term->scale, value = pair[1] * scale;
     Diag *diag = rows->b->diag;
     Span span = span_of_row(rows, i);
     if (!(pair[0] > 0) || !isfinite(pair[0])) {
@@ -137,7 +137,7 @@ static bool check_row(const Rows *rows, size_t i)
 static bool check_rows(const Rows *rows)
 {
     Diag *diag = rows->b->diag;
-    Span span = rows->prop->as.spectrum.term.span;
+    Span span = rows->prop->as.spectrum.term->span;
     for (size_t i = 0; i < rows->n; i++)
         if (!check_row(rows, i)) return false;
     if (rows->n < 2) {
@@ -154,7 +154,7 @@ static bool check_rows(const Rows *rows)
 
 bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out)
 {
-    const EvalTerm *term = &prop->as.spectrum.term;
+    const EvalTerm *term = prop->as.spectrum.term;
     Rows rows = {.b = b, .prop = prop, .least = prop->type->min, .most = fmin(prop->type->max, most)};
     if (term->text) {
         if (!read_file(&rows, term)) return false;

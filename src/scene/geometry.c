@@ -445,9 +445,9 @@ static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from, Vec3
     Vec3 origin = affine_point(to_shape, ray->origin), along = affine_vector(to_shape, ray->direction);
     Vec3 normal = {0};
     double rough = hit->t / ray->length, t = rough;
-    bool met = shape->mesh
-                   ? meet_triangle(shape->mesh, hit->primitive, origin, along, &t, &normal)
-                   : meet_piece(&shape->solid->pieces[hit->primitive], hit->entering != hit->inside, origin, along, &t, &normal);
+    bool met = shape->mesh ? meet_triangle(shape->mesh, hit->primitive, origin, along, &t, &normal)
+                           : meet_piece(&shape->solid->pieces[hit->primitive], hit->entering != hit->inside, origin,
+                                        along, &t, &normal);
     if (hit->inside) normal = vec3_scale(normal, -1);
     /* at a silhouette the two rays part */
     Vec3 in_model;

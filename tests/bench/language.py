@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-N_VERTICES, N_TURNS, N_SPHERES, N_CALLS = 400000, 10000000, 1000000, 2000000
+N_VERTICES, N_TURNS, N_SPHERES, N_CALLS, N_QUERIES = 400000, 10000000, 1000000, 2000000, 1000000
 POV_TURNS, POV_CALLS = 1000000, 100000
 
 
@@ -107,6 +107,39 @@ def bench_objects(bench):
     bench.beside("their memory", (memory * 1e6 / N_SPHERES, other[1] * 1e6 / N_SPHERES), lambda x: f"{x:9.0f} bytes each")
 
 
+def bench_statements(bench):
+    generator = random.Random(2)
+    place = lambda: ", ".join(f"{generator.uniform(-100, 100):.4f}" for _ in range(3))
+    lines = [f"sphere {{ center = <{place()}>  radius = {generator.uniform(.1, 1):.3f}  interior = m }}\n"
+             for _ in range(N_SPHERES)]
+    text = "medium m { ior = 1.5 }\n" + "".join(lines)
+    seconds, memory = bench.run("flat", text)
+    layout, layout_memory = measure([bench.program, "fmt", "--check", "flat.mns"], bench.folder)
+    other = (0, 0)
+    if bench.povray:
+        pov = "".join(f"sphere {{ <{place()}>, {generator.uniform(.1, 1):.3f} interior {{ ior 1.5 }} }}\n" for _ in range(N_SPHERES))
+        other = (len(pov) / 1e6 / bench.pov("flat", "union {\n" + pov + "}\n")[0], 0)
+    bench.beside(f"text of {N_SPHERES} statements, read", (len(text) / 1e6 / seconds, other[0]), lambda x: f"{x:9.1f} MB/s")
+    print(f"{'the same, laid out by fmt':44}{len(text) / 1e6 / layout:9.1f} MB/s")
+    print(f"{'memory of both':44}{memory:9.0f} and {layout_memory:.0f} MB")
+
+
+def bench_geometry(bench):
+    """The loop without the question is taken off."""
+    def rate(shape, question, n=N_QUERIES):
+        before = f"let s = {shape}\nvar n = 0\nfor (i in 1..{n}) {{ let p = <.001, .002, 1e-7 * i>  if ("
+        whole, _ = bench.run("asked", f"{before}{question}) {{ n := n + 1 }} }}\nprint(n)\n")
+        empty, _ = bench.run("unasked", f"{before}p.x < 1) {{ n := n + 1 }} }}\nprint(n, len([s]))\n")
+        return n / max(whole - empty, 1e-6) / 1e6
+    ball = "sphere { radius = 2 }"
+    cup = "lathe { profile = [<0, 0>, <2, 0>, <2, 5>, <1.8, 5>, <1.8, .2>, <0, .2>]  rounding = [0, .1, .05, .05, .1, 0] }"
+    brick = "box { size = <2, 3, 4>  bevel = .2  bevel_segments = 8 }"
+    for name, shape in (("a sphere", ball), ("a lathe", cup), ("a mesh of a box with rounds", brick)):
+        print(f"{'inside() of ' + name:44}{rate(shape, 'inside(s, p)'):9.2f} million/s")
+        print(f"{'hit() of ' + name:44}{rate(shape, 'hit(s, p, y) != none'):9.2f} million/s")
+    print(f"{'scatter() on a sphere':44}{rate(ball, 'scatter(s, i) != none'):9.2f} million/s")
+
+
 def bench_macros(bench):
     macro = "def step(n) { if (n > 5) { print(n) } }\n"
     with open(os.path.join(bench.folder, "parts.mns"), "w") as file:
@@ -136,7 +169,9 @@ def main():
         bench_numbers(bench)
         bench_operations(bench)
         bench_objects(bench)
+        bench_statements(bench)
         bench_macros(bench)
+        bench_geometry(bench)
         if not bench.povray:
             print("POV-Ray is not installed: nothing to compare with")
 

@@ -110,8 +110,8 @@ static void test_aquarium(void **state)
     assert_int_equal(tank->n_children, 5);
     const EvalProp *ior = eval_prop(water, "ior");
     assert_int_equal(ior->as.spectrum.form, SPECTRUM_TERM);
-    assert_string_equal(ior->as.spectrum.term.type->name, "cauchy");
-    assert_true(ior->as.spectrum.term.args[0] == 1.3239 && ior->as.spectrum.term.args[1] == 3.1e-3);
+    assert_string_equal(ior->as.spectrum.term->type->name, "cauchy");
+    assert_true(ior->as.spectrum.term->args[0] == 1.3239 && ior->as.spectrum.term->args[1] == 3.1e-3);
     const EvalProp *expect = eval_prop(named(&run, "diver"), "expect");
     assert_int_equal(expect->as.list.n, 1);
     assert_ptr_equal(expect->as.list.nodes[0], water);
