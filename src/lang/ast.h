@@ -98,8 +98,6 @@ struct NodeExpr {
     Slot defaults;        /* resolved: the slot of the defaults that are in force for type */
 };
 
-/* The parser gives an EXPR_NAME no more memory than `variable` has: it may become a variable or poison, and nothing larger.
- * Likewise a STMT_PROP or STMT_NODE below has no more than its own member, and may only become STMT_EMPTY. */
 struct Expr {
     ExprKind kind;
     bool reported; /* a mistake of this expression has been reported: once is enough, also in a loop */
@@ -209,6 +207,8 @@ struct Block {
     Span span; /* of the '{' */
 };
 
+/* A STMT_PROP or STMT_NODE has no more memory than its own member needs (stmt_size in parse.c): it may become
+ * STMT_EMPTY, and nothing larger. */
 struct Stmt {
     StmtKind kind;
     bool reported;

@@ -9,10 +9,7 @@
 
 Expr *expr_new(Parser *parser, ExprKind kind, Span span)
 {
-    /* most are names: of these no more memory than they need when they turn out to be variables */
-    const Expr *names = NULL;
-    size_t size = kind == EXPR_NAME ? offsetof(Expr, as) + sizeof names->as.variable : sizeof(Expr);
-    Expr *expr = arena_alloc(parser->arena, size);
+    Expr *expr = ARENA_NEW(parser->arena, Expr);
     expr->kind = kind;
     expr->span = span;
     return expr;

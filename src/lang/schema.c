@@ -442,11 +442,9 @@ static bool words_to_strings(const Check *check, Expr *expr)
         EvalProp prop = {0};
         if (!word || (item->kind != EXPR_NAME && !choice_allows(check->type->choices, word))) continue;
         if (!check_choice(&of_item, word, &prop)) return false;
-        Expr *text = ARENA_NEW(check->evaluator->arena, Expr); /* a name has no room for a value */
-        text->kind = EXPR_CONSTANT;
-        text->span = item->span;
-        text->as.constant.value = value_text(word);
-        expr->as.list.items[i] = text;
+        item->kind = EXPR_CONSTANT;
+        item->as.constant.value = value_text(word);
+        item->as.constant.unit = NULL;
     }
     return true;
 }
