@@ -207,7 +207,7 @@ static Status make_blob(Blob *blob, const BlobComponent *components, double tole
     const ImplicitOptions options = {.bounds = blob->bounds,
                                      .tolerance = tolerance > 0 ? tolerance : extent / 4000,
                                      .cells = (uint32_t)fmin(fmax(48, 10 * extent / smallest), 1000),
-                                     .max_points = 400000000};
+                                     .max_points = 20000000};
     return mesh_make_implicit(&field, &options, "the blob", mesh, reached, error);
 }
 
