@@ -36,6 +36,8 @@ static void bounds_are_tight(void **state)
           "let n = normalize(<1, 2, 3>)  let c = bounds(cylinder { from = <0, 0, 0>  to = 4 * n  radius = 2 }) "
           "for (i in 0..2) { let r = 2 * sqrt(1 - n[i] ^ 2) "
           "assert(abs(c.min[i] + r) < 1e-12 and abs(c.max[i] - 4 * n[i] - r) < 1e-12) } "
+          "let ring = bounds(torus { radius = 3  tube = 1  rotate(z, 30)  translate(x) }) "
+          "assert(near(ring.size, <6 * cos(30) + 2, 5, 8>) and near(ring.center, x)) "
           "let box = box { size = <1, 2, 3>  rotate(y, 90) } assert(near(bounds(box).size, <3, 2, 1>)) "
           "assert(near(bounds(box { scale(2)  translate(x) }).max, <4, 2, 1>)) "
           "assert(near(bounds(mesh { positions = [<0, 0, 0>, <5, 0, 0>, <0, 6, 0>]  triangles = [<0, 1, 2>] "
