@@ -104,7 +104,7 @@ static Status run_stage(Stage *stage, void (*task)(void *context))
 
 void scene_input_print_said(SceneInput *input)
 {
-    if (input->printed.length == 0) return;
+    if (input->printed.length == 0 || input->talk->quiet) return;
     if (input->talk->json) {
         Buf line = {0};
         JsonWriter json = talk_event_begin(&line, "print");

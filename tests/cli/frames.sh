@@ -206,6 +206,9 @@ exits 0
 [ "$(grep -c 'warning: careful' err)" = 1 ] || flunk "the warning stands there more than once"
 for i in 2 3 4; do matches err "^frame $i\$"; done
 says_not err 'frame 1'
+run render moving.mns --frames 2..4 -q
+grep -qx 'frame 2' err && flunk 'print is not quiet'
+says err 'warning: careful'
 run render moving.mns --werror
 exits 3
 end

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
+#include "scene/library.h"
+
 enum { SKY_ROWS = 2048, SKY_COLUMNS = 4 };
 
 /* Stands for the reader of image files: the sky, by rows from the zenith down. */
@@ -71,7 +73,8 @@ static void build(Fixture *scene, TruthInput *input)
     diag_init(&scene->diag, &scene->arena, &scene->sources);
     size_t n_defines = 0;
     while (input->defines && input->defines[n_defines]) n_defines++;
-    SceneOptions options = {.eval = {.frames = 1, .frame = 1, .defines = input->defines, .n_defines = n_defines},
+    SceneOptions options = {.eval = {.frames = 1, .frame = 1, .defines = input->defines, .n_defines = n_defines,
+                                     .library = &std_library},
                             .load_image = load_sky, .load_image_context = input};
     if (input->file)
         scene->status = scene_build(input->file, &options, &scene->diag, &scene->scene, NULL, &scene->error);
