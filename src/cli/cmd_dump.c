@@ -1,5 +1,7 @@
 /* cmd_dump.c - the command dump: a scene with everything expanded.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
 #include "cli/commands.h"
 #include "cli/scene_input.h"
 #include "lang/flat.h"
@@ -14,6 +16,16 @@ typedef struct Dump {
     Error *error;
     Status status;
 } Dump;
+
+/* A camera whose picture is of more than a moment. */
+static bool has_shutter(const Dump *dump)
+{
+    for (size_t i = 0; i < dump->result.n_nodes; i++) {
+        const EvalNode *node = dump->result.nodes[i];
+        if (strcmp(node->type->name, "camera") == 0 && eval_number(node, "shutter") > 0) return true;
+    }
+    return false;
+}
 
 static void print_flat(void *context)
 {
@@ -45,6 +57,8 @@ Status cmd_dump(const Options *options, const Talk *talk, Error *error)
     }
     input.printed = dump.result.printed;
     scene_input_print_said(&input);
+    if (status == STATUS_OK && input.instant.animation.n_frames > 1 && has_shutter(&dump))
+        talk_warning(talk, "the shutter of a camera is open for a while, and this is the scene as it opens: nothing moves in it");
     if (status == STATUS_OK) status = print_out(&dump.out, error);
     buf_clear(&dump.out);
     scene_input_close(&input);

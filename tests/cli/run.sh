@@ -81,7 +81,7 @@ all_scenes() {
     ln -s "$root/examples/assets" assets
     for scene in "$root"/tests/lang/*.mns; do cp "$scene" "lang_$(basename "$scene")"; done
 }
-scene_hash() { "$program" check --json "$1" 2> err | grep '"hash": "'; }
+scene_hash() { "$program" check --json "$@" 2> err | grep '"hash": "'; }
 
 if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set std frames meshes; fi
 for part; do . "$folder/$part.sh"; done
