@@ -45,6 +45,8 @@ FLAGS_release := -O3
 FLAGS_debug := -O0 -g
 FLAGS_asan := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan := -O1 -g -fsanitize=thread
+FLAGS_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all \
+  -fno-omit-frame-pointer
 # every interior list grows at once
 FLAGS_hostile := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -DNEST_INLINE=1
 FLAGS := $(FLAGS_$(VARIANT)) -ffp-contract=off -fno-math-errno -fno-trapping-math
@@ -135,6 +137,14 @@ $(BUILD)/truth/%: tests/truth/%.c tests/truth/truth.c $(BUILD)/libmeniscus.a
 	@mkdir -p $(@D)
 	$(SAY) $(TEST_COMPILE) $< tests/truth/truth.c $(BUILD)/libmeniscus.a -lcmocka $(LIBS)
 
+# The entry points of the fuzzers: with replay.c, which gives them files, and with the fuzzer in the variant fuzz.
+FUZZERS := $(patsubst tests/fuzz/%.c,%,$(filter-out tests/fuzz/replay.c,$(sort $(wildcard tests/fuzz/*.c))))
+FUZZ_MAIN := $(if $(filter fuzz,$(VARIANT)),-fsanitize=fuzzer,tests/fuzz/replay.c)
+OPTION_OBJECTS := $(filter $(BUILD)/cli/option%.o,$(CLI_OBJECTS))
+$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/replay.c tests/fuzz/fuzz.h tests/fuzz/fuzz_mesh.h $(OPTION_OBJECTS) $(BUILD)/libmeniscus.a
+	@mkdir -p $(@D)
+	$(SAY) $(TEST_COMPILE) -Itests/fuzz $< $(FUZZ_MAIN) $(OPTION_OBJECTS) $(BUILD)/libmeniscus.a $(LIBS)
+
 -include $(LIB_OBJECTS:.o=.d) $(CLI_OBJECTS:.o=.d) $(UNIT_TESTS:=.d) $(TRUTH_TESTS:=.d)
 
 # ---- packages ----
@@ -161,13 +171,13 @@ demo: all assets ## render the main example to whisky.exr and whisky.png
 # ---- tests ----
 
 check: check-program ## run all tests; the last line is "N passed, N failed"
-	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh \
+	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh tests/fuzz.sh \
 	  tests/grammar.sh tests/spec.sh tests/editor.sh tests/render/run.sh $(TRUTH_TESTS)
 
 check-quick: check-program ## the tests without the renders that hold it to physics
-	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh
+	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh tests/fuzz.sh
 
-check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) assets
+check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUILD)/fuzz/%) assets
 .PHONY: check-quick check-program
 
 BENCH_SCENES ?= examples/whisky.mns examples/whisky-gap.mns examples/aquarium.mns examples/glass-of-water.mns
@@ -182,12 +192,26 @@ golden: all assets ## make one reference picture anew: make golden NAME=whisky
 	sh tests/render/run.sh build/meniscus --make $(NAME)
 .PHONY: golden
 
+# make fuzz SECONDS=600 FUZZERS=eval; what is found stands in build/fuzz/found and belongs into tests/fuzz/corpus/NAME.
+SECONDS ?= 60
+fuzz: ## run each fuzzer for SECONDS (default 60); needs clang and libclang-rt-14-dev
+	$(MAKE) VARIANT=fuzz CC=clang CXX=clang++ $(FUZZERS:%=build/fuzz/fuzz/%)
+	$(PYTHON) tests/fuzz/seeds.py build/fuzz/seeds
+	@mkdir -p build/fuzz/found
+	@for name in $(FUZZERS); do mkdir -p build/fuzz/corpus/$$name tests/fuzz/corpus/$$name; echo "fuzz: $$name, $(SECONDS) s"; \
+	  ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 build/fuzz/fuzz/$$name build/fuzz/corpus/$$name tests/fuzz/corpus/$$name \
+	    build/fuzz/seeds/$$name -dict=grammar/meniscus.dict -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=3000 \
+	    -artifact_prefix=build/fuzz/found/$$name- -print_final_stats=1 > build/fuzz/$$name.log 2>&1 || \
+	    { tail -40 build/fuzz/$$name.log; exit 1; }; \
+	  grep -E 'number_of_executed|cov:' build/fuzz/$$name.log | tail -2; done
+.PHONY: fuzz
+
 asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
 	$(MAKE) VARIANT=$@ check-quick
 
 # ---- looking after the source ----
 
-FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch] tests/bench/*.c)
+FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch] tests/bench/*.c tests/fuzz/*.[ch])
 format: ## lay the source out with clang-format
 	clang-format -i $(FORMATTED)
 

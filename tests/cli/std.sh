@@ -184,3 +184,27 @@ exits 3
 matches err '^std/glassware\.mns:[0-9]+:[0-9]+: error: the level 500 is not between the floor at 11 and the rim at 92'
 says err "called from high.mns:4"
 end
+
+begin "std: without its layout, laid out again, and dumped flat it means the same"
+std_scene mm
+hash=$(scene_hash all.mns)
+[ -n "$hash" ] || flunk "the scene has no hash"
+run dump --flat all.mns
+exits 0
+cp out flat.mns
+[ "$(scene_hash flat.mns)" = "$hash" ] || flunk "the hash is another one when it is flat"
+run fmt --check flat.mns
+exits 0
+mkdir std # what stands there goes before what is built in, but for the library's own parts
+cp "$root"/src/std/*.mns std
+hash=$(scene_hash all.mns)
+for file in "$root"/src/std/*.mns; do
+    sed -e 's/^[ 	]*//' -e 's/  */ /g' "$file" > "std/$(basename "$file")"
+done
+[ "$(scene_hash all.mns)" = "$hash" ] || flunk "the hash is another one without the layout"
+run fmt -i std/*.mns
+exits 0
+run fmt --check std/*.mns
+exits 0
+[ "$(scene_hash all.mns)" = "$hash" ] || flunk "the hash is another one when it is laid out again"
+end

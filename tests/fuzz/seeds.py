@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Small right inputs for the fuzzers to begin with, beside the scenes of examples, tests and the library.
+
+usage: seeds.py FOLDER      makes FOLDER/NAME/ for each fuzzer
+SPDX-License-Identifier: Apache-2.0
+"""
+import base64
+import glob
+import json
+import os
+import shutil
+import struct
+import sys
+import zlib
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+LARGEST_SCENE = 20000
+
+
+def put(folder, name, text):
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, name), "wb") as file:
+        file.write(text if isinstance(text, bytes) else text.encode())
+
+
+def scenes(folder):
+    for pattern in ("examples/*.mns", "tests/lang/*.mns", "tests/diag/*.mns", "tests/diag/scene/*.mns", "src/std/*.mns"):
+        for path in glob.glob(os.path.join(ROOT, pattern)):
+            if os.path.getsize(path) < LARGEST_SCENE:
+                shutil.copy(path, os.path.join(folder, os.path.basename(path)))
+
+
+def ply(form, order=""):
+    head = (f"ply\nformat {form} 1.0\ncomment seed\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 4\nproperty list uchar int vertex_indices\nend_header\n").encode()
+    if form == "ascii":
+        rows = [" ".join(map(str, p)) for p in POINTS] + ["3 " + " ".join(map(str, f)) for f in FACES]
+        return head + ("\n".join(rows) + "\n").encode()
+    return (head + b"".join(struct.pack(order + "3f", *p) for p in POINTS) +
+            b"".join(struct.pack(order + "B3i", 3, *f) for f in FACES))
+
+
+def stl():
+    body = b"".join(struct.pack("<3f", 0, 0, 1) + b"".join(struct.pack("<3f", *POINTS[i]) for i in f) + b"\0\0" for f in FACES)
+    return b"seed".ljust(80) + struct.pack("<I", len(FACES)) + body
+
+
+def stl_text():
+    facet = lambda f: "facet normal 0 0 1\nouter loop\n" + "".join("vertex %g %g %g\n" % POINTS[i] for i in f) + "endloop\nendfacet\n"
+    return "solid seed\n" + "".join(map(facet, FACES)) + "endsolid seed\n"
+
+
+def gltf():
+    data = b"".join(struct.pack("<3f", *p) for p in POINTS) + b"".join(struct.pack("<3H", *f) for f in FACES)
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": "seed", "translation": [1, 2, 3], "scale": [2, 2, 2], "rotation": [0, 0, 0, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}], "materials": [{"name": "glass"}],
+        "buffers": [{"byteLength": len(data)}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+                      {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}]}
+    chunk = lambda kind, body, fill: struct.pack("<I", len(body) + -len(body) % 4) + kind + body + fill * (-len(body) % 4)
+    packed = chunk(b"JSON", json.dumps(document).encode(), b" ") + chunk(b"BIN\0", data, b"\0")
+    document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    return json.dumps(document), b"glTF" + struct.pack("<II", 2, 12 + len(packed)) + packed
+
+
+def png(depth, kind):
+    chunk = lambda name, body: struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+    size = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[kind] * depth // 8 or 1
+    rows = b"".join(b"\0" + bytes((7 * i + 11 * j) % 3 for i in range(4 * size)) for j in range(4))
+    palette = chunk(b"PLTE", bytes(range(9))) if kind == 3 else b""
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, depth, kind, 0, 0, 0)) + palette +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def exr(half, compression):
+    attribute = lambda name, kind, value: name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+    channels = b"".join(c + b"\0" + struct.pack("<iB3xii", 1 if half else 2, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
+    window = struct.pack("<4i", 0, 0, 3, 1)
+    header = struct.pack("<II", 20000630, 2) + b"".join([
+        attribute("channels", "chlist", channels), attribute("compression", "compression", bytes([compression])),
+        attribute("dataWindow", "box2i", window), attribute("displayWindow", "box2i", window),
+        attribute("lineOrder", "lineOrder", b"\0"), attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+        attribute("screenWindowWidth", "float", struct.pack("<f", 1))]) + b"\0"
+    row = bytes(range(3 * 4 * (2 if half else 4)))
+    first = len(header) + 16
+    return (header + struct.pack("<2Q", first, first + 8 + len(row)) +
+            b"".join(struct.pack("<ii", j, len(row)) + row for j in range(2)))
+
+
+def main():
+    top = sys.argv[1]
+    for name in ("lex_parse", "eval", "fmt"):
+        put(os.path.join(top, name), "header.mns", "meniscus 1.0 unit mm\n")
+        scenes(os.path.join(top, name))
+    for form, order in (("ascii", ""), ("binary_little_endian", "<"), ("binary_big_endian", ">")):
+        put(os.path.join(top, "ply"), form + ".ply", ply(form, order))
+    lines = ["o seed"] + ["v %g %g %g" % p for p in POINTS] + ["vt 0 0", "vn 0 0 1", "usemtl glass"]
+    put(os.path.join(top, "obj"), "seed.obj", "\n".join(lines + ["f %d//1 %d/1/1 %d" % tuple(i + 1 for i in f) for f in FACES]) + "\n")
+    put(os.path.join(top, "obj"), "quad.obj", "\n".join(lines + ["f -1 -2 -3 -4", "g a b", "s off"]) + "\n")
+    put(os.path.join(top, "stl"), "binary.stl", stl())
+    put(os.path.join(top, "stl"), "text.stl", stl_text())
+    text, packed = gltf()
+    put(os.path.join(top, "gltf"), "seed.gltf", text)
+    put(os.path.join(top, "gltf"), "seed.glb", packed)
+    for depth, kind in ((8, 2), (16, 2), (8, 6), (8, 0), (8, 3), (1, 0)):
+        put(os.path.join(top, "png"), f"{depth}-{kind}.png", png(depth, kind))
+    for half in (True, False):
+        for compression in (0, 1, 3):
+            put(os.path.join(top, "exr"), f"{half}-{compression}.exr", exr(half, compression))
+    words = ["scene.mns\n-o\nx.exr\n-s\n64", "--size\n640x480\n--crop\n0,0,1,1\na.mns", "-D\na=1\n--set\ncamera.fov=3\n-j4\nx", "--help", "-"]
+    for i, text in enumerate(words):
+        for command in range(4):
+            put(os.path.join(top, "options"), f"{command}-{i}", bytes([command]) + text.encode())
+
+
+if __name__ == "__main__":
+    main()
