@@ -28,7 +28,10 @@ typedef enum DocKind { DOC_HEAD, DOC_HEADING, DOC_ENTRY } DocKind;
 /* Takes one thing after the other, in order of the text. signature: of an entry; text: without marks of comments. */
 typedef void DocPrinter(DocKind kind, const char *signature, const char *text, Buf *out);
 
-static size_t line_length(const char *line) { return strcspn(line, "\n"); }
+static size_t line_length(const char *line)
+{
+    return strcspn(line, "\n");
+}
 
 /* The text of a comment goes on; an empty line of it begins a paragraph. */
 static void add_comment(Buf *doc, const char *text, size_t length)

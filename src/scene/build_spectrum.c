@@ -23,7 +23,10 @@ typedef struct Rows {
 
 /* ---- files ---- */
 
-static bool is_gap(char c) { return c == ' ' || c == '\t' || c == '\r' || c == ',' || c == ';'; }
+static bool is_gap(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == ',' || c == ';';
+}
 
 static const char *skip_gap(const char *at, const char *end)
 {

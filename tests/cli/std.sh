@@ -208,3 +208,19 @@ run fmt --check std/*.mns
 exits 0
 [ "$(scene_hash all.mns)" = "$hash" ] || flunk "the hash is another one when it is laid out again"
 end
+
+begin "std: a glass in the form of a node, and a drink made by hand that reaches into its wall"
+cat > soda.mns <<'SCENE'
+meniscus 1.0 unit mm
+use "std/glassware.mns" as gw
+medium glass { ior = 1.50  state = solid }
+medium soda  { ior = 1.333  tint = rgb(.96, .90, .78)  depth = 60mm  state = liquid }
+gw.tumbler { radius = 33  height = 130  wall = 2.4  base = 11  interior = glass }
+cylinder drink { interior = soda  from = <0, 10.9, 0>  to = <0, 118, 0>  radius = 33.1 }
+camera { from = <0, 150, 330>  to = <0, 62, 0>  fov = 26deg }
+environment { }
+SCENE
+run check soda.mns --werror
+exits 0
+matches out 'vessel overlaps drink by .*: vessel on top, by state of matter'
+end

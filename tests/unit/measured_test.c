@@ -13,7 +13,10 @@
 #define M FIXTURE_MEDIA
 #define V FIXTURE_VIEW
 
-static double at(const Spectrum *spectrum, double nm) { return (double)spectrum_at_one(spectrum, (float)nm); }
+static double at(const Spectrum *spectrum, double nm)
+{
+    return (double)spectrum_at_one(spectrum, (float)nm);
+}
 
 static void rows_in_place_are_linear_in_between(void **state)
 {

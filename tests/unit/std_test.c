@@ -21,7 +21,10 @@ static void build(Fixture *f, const char *text)
     }
 }
 
-static double at(const Spectrum *spectrum, double nm) { return (double)spectrum_at_one(spectrum, (float)nm); }
+static double at(const Spectrum *spectrum, double nm)
+{
+    return (double)spectrum_at_one(spectrum, (float)nm);
+}
 
 /* n at 587.56 nm and V_d of data sheets; n at 589.3 nm of the paper where that is what was given (abbe 0) */
 static void media_have_their_published_indices(void **state)
