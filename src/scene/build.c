@@ -222,7 +222,7 @@ static void build_media(Builder *b)
     } else {
         b->scene->media = room_for_one(b->arena, NULL, 0, &b->media_capacity, sizeof *b->scene->media);
         b->scene->media[b->scene->n_media++] = (SceneMedium){
-            .name = "air", .ior = spectrum_constant(1), .absorption = spectrum_constant(0), .state = NEST_GAS};
+            .name = "air", .ior = spectrum_constant(1), .absorption = spectrum_constant(0), .scattering = spectrum_constant(0), .state = NEST_GAS};
     }
     for (size_t i = 0; i < b->result.n_nodes; i++)
         if (strcmp(b->result.nodes[i]->type->name, "medium") == 0) build_medium(b, b->result.nodes[i]);
@@ -256,10 +256,10 @@ static void check_whole(Builder *b)
         Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");
         diag_hint(b->diag, report, "add one: camera { from = <0, 1, 5>  to = <0, 0, 0> }");
     }
-    if (scene->media[0].absorbs && distant)
+    if ((scene->media[0].absorbs || scene->media[0].scatters) && distant)
         diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, scene->media[0].span,
-                    "the world's medium '%s' absorbs, so that no light from infinitely far arrives",
-                    scene->media[0].name);
+                    "the world's medium '%s' %s, so that no light from infinitely far arrives", scene->media[0].name,
+                    scene->media[0].absorbs ? "absorbs" : "scatters");
 }
 
 static void build_all(Builder *b)

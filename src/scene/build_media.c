@@ -47,13 +47,33 @@ static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
     return true;
 }
 
+/* Coefficients per length: a number, a vector for red, green and blue, or a table. Zero after reporting. */
+static Spectrum coefficients_of(Builder *b, const EvalProp *prop)
+{
+    const double most = (double)FLT_MAX / 16;
+    const char *name = prop->type->name;
+    Spectrum spectrum = spectrum_constant(0);
+    if (is_term(prop, "spectrum")) return build_spectrum(b, prop, most, &spectrum) ? spectrum : spectrum_constant(0);
+    if (prop->as.spectrum.form == SPECTRUM_TERM) {
+        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a number, a vector or a spectrum() per length, not %s()",
+                    name, prop->as.spectrum.term->type->name);
+        return spectrum;
+    }
+    const double *rgb = prop->as.spectrum.rgb;
+    bool grey = prop->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
+    double largest = grey ? rgb[0] : fmax(rgb[0], fmax(rgb[1], rgb[2]));
+    if (largest <= most) return grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, new_table(b));
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s %s of %g is too large",
+                strcmp(name, "absorption") == 0 ? "an" : "a", name, largest);
+    return spectrum;
+}
+
 /* A medium's absorption per scene unit, from coefficients or from a tint and its depth. */
 static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 {
     const EvalProp *absorption = eval_prop(node, "absorption");
     const EvalProp *tint = eval_prop(node, "tint");
     const EvalProp *depth = eval_prop(node, "depth");
-    const double most = (double)FLT_MAX / 16;
     medium->absorption = spectrum_constant(0);
     build_exclude(b, node, "absorption", "tint");
     if (tint && !depth) {
@@ -63,23 +83,51 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
         build_needs(b, node, "depth", "without a 'tint'");
     } else if (tint) {
         medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, new_table(b));
-    } else if (absorption && is_term(absorption, "spectrum")) {
-        if (!build_spectrum(b, absorption, most, &medium->absorption)) return;
-    } else if (absorption && absorption->as.spectrum.form == SPECTRUM_TERM) {
-        diag_report(b->diag, D_WRONG_TYPE, absorption->span,
-                    "'absorption' is a number, a vector or a spectrum() per length, not %s()",
-                    absorption->as.spectrum.term->type->name);
     } else if (absorption) {
-        const double *rgb = absorption->as.spectrum.rgb;
-        bool grey = absorption->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
-        double largest = grey ? rgb[0] : fmax(rgb[0], fmax(rgb[1], rgb[2]));
-        if (largest > most)
-            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, absorption->span, "an absorption of %g is too large", largest);
-        else
-            medium->absorption =
-                grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, new_table(b));
+        medium->absorption = coefficients_of(b, absorption);
     }
     medium->absorbs = !spectrum_is_zero(&medium->absorption);
+}
+
+static bool is_within(Builder *b, const EvalProp *prop, const char *what, double value, double least, double most)
+{
+    if (value >= least && value <= most) return true;
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s of %s() is %g, outside of %g .. %g", what,
+                prop->as.spectrum.term->type->name, value, least, most);
+    return false;
+}
+
+static void phase_of(Builder *b, const EvalProp *prop, Phase *phase)
+{
+    const double *args = prop->as.spectrum.term->args, most = PHASE_MOST_G;
+    if (is_term(prop, "hg")) {
+        if (is_within(b, prop, "the mean cosine", args[0], -most, most)) *phase = phase_hg(args[0]);
+    } else if (is_term(prop, "draine")) {
+        if (is_within(b, prop, "g", args[0], -most, most) && is_within(b, prop, "alpha", args[1], 0, 1e6))
+            *phase = phase_draine(args[0], args[1]);
+    } else if (is_term(prop, "two_hg")) {
+        if (is_within(b, prop, "g1", args[0], -most, most) && is_within(b, prop, "g2", args[1], -most, most) &&
+            is_within(b, prop, "the weight", args[2], 0, 1))
+            *phase = phase_two_hg(args[0], args[1], args[2]);
+    } else if (is_term(prop, "rayleigh")) {
+        *phase = phase_draine(0, 1);
+    } else if (is_term(prop, "droplets")) {
+        if (is_within(b, prop, "the diameter in micrometres", args[0], 5, 50)) *phase = phase_droplets(args[0]);
+    } else {
+        diag_report(b->diag, D_WRONG_TYPE, prop->span,
+                    "'phase' is hg(g), draine(g, alpha), two_hg(g1, g2, weight), rayleigh() or droplets(diameter), not %s()",
+                    prop->as.spectrum.term->type->name);
+    }
+}
+
+static void scattering_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    const EvalProp *scattering = eval_prop(node, "scattering"), *phase = eval_prop(node, "phase");
+    medium->scattering = scattering ? coefficients_of(b, scattering) : spectrum_constant(0);
+    medium->scatters = !spectrum_is_zero(&medium->scattering);
+    medium->phase = phase_isotropic();
+    if (phase) phase_of(b, phase, &medium->phase);
+    if (!scattering) build_needs(b, node, "phase", "without 'scattering'");
 }
 
 static NestState state_of(const EvalNode *node)
@@ -109,6 +157,7 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     const EvalProp *ior = eval_prop(node, "ior");
     if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
     absorption_of(b, node, &medium);
+    scattering_of(b, node, &medium);
     const EvalProp *priority = eval_prop(node, "priority");
     if (priority) {
         medium.has_priority = true;

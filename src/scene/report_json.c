@@ -23,6 +23,7 @@ static void add_medium(JsonWriter *json, const SceneMedium *medium)
     json_add_number(json, "ior", (double)spectrum_at_one(&medium->ior, 589.3f));
     json_add_truth(json, "disperses", medium->disperses);
     json_add_truth(json, "absorbs", medium->absorbs);
+    json_add_truth(json, "scatters", medium->scatters);
     json_add_text(json, "state", states[medium->state]);
     json_add_number(json, "priority", medium->priority);
     json_end(json);

@@ -26,6 +26,9 @@ static bool alike(const Scene *scene, uint32_t a, uint32_t b)
     if (x->absorbs != y->absorbs) return false;
     for (size_t i = 0; i < COUNT_OF(samples_nm); i++) {
         if (spectrum_at_one(&x->ior, samples_nm[i]) != spectrum_at_one(&y->ior, samples_nm[i])) return false;
+        if ((x->scatters || y->scatters) &&
+            spectrum_at_one(&x->scattering, samples_nm[i]) != spectrum_at_one(&y->scattering, samples_nm[i]))
+            return false;
         if (x->absorbs &&
             spectrum_at_one(&x->absorption, samples_nm[i]) != spectrum_at_one(&y->absorption, samples_nm[i]))
             return false;

@@ -11,6 +11,7 @@
 #include "geom/piece.h"
 #include "nest/csg.h"
 #include "nest/order.h"
+#include "optics/phase.h"
 #include "optics/spectrum.h"
 #include "optics/texture.h"
 #include "scene/aov.h"
@@ -22,7 +23,10 @@ typedef struct SceneMedium {
     Span span;
     Spectrum ior;
     Spectrum absorption; /* per scene unit */
+    Spectrum scattering; /* per scene unit */
+    Phase phase;
     bool absorbs;        /* absorption is not zero */
+    bool scatters;       /* scattering is not zero */
     bool disperses;      /* the index depends on the wavelength */
     NestState state;
     bool has_priority;

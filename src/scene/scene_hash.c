@@ -94,6 +94,14 @@ static uint64_t medium_hash(const SceneMedium *medium)
     Hasher h = {2};
     add_spectrum(&h, &medium->ior);
     add_spectrum(&h, &medium->absorption);
+    if (medium->scatters) {
+        add_spectrum(&h, &medium->scattering);
+        add_number(&h, medium->phase.weight);
+        for (int i = 0; i < 2; i++) {
+            add_number(&h, medium->phase.lobes[i].g);
+            add_number(&h, medium->phase.lobes[i].alpha);
+        }
+    }
     add_integer(&h, medium->state);
     return h.state;
 }

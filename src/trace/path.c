@@ -32,16 +32,19 @@ typedef struct Path {
     Ray ray;
     Vec3 scatter_point; /* where the ray's direction was last sampled */
     float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
-    uint32_t bounce;
+    uint32_t bounce;    /* events so far: each has random numbers of its own */
+    uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
 
-typedef enum EventKind { EVENT_LOST, EVENT_ESCAPE, EVENT_OPAQUE, EVENT_BOUNDARY, EVENT_GIVE_UP } EventKind;
+typedef enum EventKind { EVENT_LOST, EVENT_ESCAPE, EVENT_OPAQUE, EVENT_BOUNDARY, EVENT_SCATTER, EVENT_GIVE_UP } EventKind;
 
 typedef struct Event {
     EventKind kind;
     Hit hit;            /* the surface to be shaded */
     size_t n_cluster;   /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
+    double t;           /* EVENT_SCATTER: how far along the ray, */
+    uint32_t medium;    /* and what scatters there */
 } Event;
 
 void tracer_init(Tracer *tracer, const World *world)
@@ -76,6 +79,15 @@ static Lanes stretch_depth(const World *world, uint32_t medium, double length, L
     if (!m->absorbs || world->no_absorption || !(length > 0)) return lanes_all(0);
     /* held finite, so that a wavelength that is not absorbed at all stays so out to infinity */
     return lanes_scale(spectrum_at(&m->absorption, wavelength_nm), length < 1e30 ? (float)length : 1e30f);
+}
+
+/* The same for what is lost to a straight ray, by scattering too. */
+static Lanes stretch_extinction(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    Lanes depth = stretch_depth(world, medium, length, wavelength_nm);
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!m->scatters || !(length > 0)) return depth;
+    return lanes_add(depth, lanes_scale(spectrum_at(&m->scattering, wavelength_nm), length < 1e30 ? (float)length : 1e30f));
 }
 
 static Lanes attenuation(Lanes depth)
@@ -188,6 +200,46 @@ static bool cross_nearest(Path *path, Event *event)
     }
 }
 
+/* How far a path goes before it is scattered. A medium's scattering is sampled for the hero, and its absorption is a
+ * weight: what is sampled never ends a path. */
+typedef struct FreeFlight {
+    float budget; /* of the hero's optical depth of scattering that is left; INFINITY where nothing scatters */
+    Lanes depth;  /* what is used up so far, of every lane */
+} FreeFlight;
+
+static FreeFlight begin_flight(Path *path)
+{
+    FreeFlight flight = {INFINITY, lanes_all(0)};
+    if (path->tracer->world->scatters)
+        flight.budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
+    return flight;
+}
+
+/* Goes up to `length` through a medium; returns how far it came: less where it is scattered. */
+static double fly(FreeFlight *flight, const World *world, uint32_t medium, double length, Lanes wavelength_nm, Lanes *coefficient)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!m->scatters || !(length > 0)) return length;
+    *coefficient = spectrum_at(&m->scattering, wavelength_nm);
+    double hero = (double)lanes_get(*coefficient, 0), reach = (double)flight->budget;
+    bool scattered = hero * length > reach;
+    if (scattered) length = reach / hero;
+    flight->depth = lanes_add(flight->depth, lanes_scale(*coefficient, length < 1e30 ? (float)length : 1e30f));
+    flight->budget -= (float)(hero * length);
+    if (scattered || flight->budget < 0) flight->budget = 0;
+    return length;
+}
+
+/* What the flight has made of the path: lanes that are scattered more, or less, than the hero. */
+static void end_flight(Path *path, const FreeFlight *flight, const Lanes *coefficient)
+{
+    Lanes more = lanes_sub(flight->depth, lanes_all(lanes_get(flight->depth, 0)));
+    Lanes factor = attenuation(more);
+    if (coefficient) factor = lanes_mul(factor, lanes_scale(*coefficient, 1 / lanes_get(*coefficient, 0)));
+    path->beta = lanes_mul(path->beta, factor);
+    path->ratio = lanes_mul(path->ratio, factor);
+}
+
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it and tracer->next the one behind it. */
 static void next_event(Path *path, Event *event)
@@ -195,7 +247,8 @@ static void next_event(Path *path, Event *event)
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     double t_done = 0; /* the ray's start, not t_min: lengths are measured from the origin */
-    Lanes depth = lanes_all(0);
+    Lanes depth = lanes_all(0), coefficient;
+    FreeFlight flight = begin_flight(path);
     for (uint32_t silent = 0;; silent++) {
         if (!cross_nearest(path, event)) {
             event->kind = EVENT_LOST;
@@ -204,8 +257,13 @@ static void next_event(Path *path, Event *event)
         const Hit *hits = tracer->hits.items;
         size_t n = event->n_cluster;
         uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
-        double t = n ? hits[0].t : HUGE_VAL;
-        depth = lanes_add(depth, stretch_depth(world, medium, t - t_done, path->wavelengths.nm));
+        double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
+        double flown = fly(&flight, world, medium, length, path->wavelengths.nm, &coefficient);
+        depth = lanes_add(depth, stretch_depth(world, medium, flown, path->wavelengths.nm));
+        if (flown < length) {
+            *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
+            break;
+        }
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {
@@ -228,6 +286,7 @@ static void next_event(Path *path, Event *event)
         path->ray.t_min = hits[n - 1].t;
     }
     path->beta = lanes_mul(path->beta, attenuation(depth));
+    if (world->scatters) end_flight(path, &flight, event->kind == EVENT_SCATTER ? &coefficient : NULL);
 }
 
 /* The list of a ray that starts at several surfaces which stand at one place but are not parallel, say where two
@@ -275,12 +334,12 @@ static bool shadow_transmittance(Path *path, const Ray *ray, Lanes *transmittanc
         tracer->counters.nesting_faults += crossing.n_faults;
         if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm))
             return false;
-        depth = lanes_add(depth, stretch_depth(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
+        depth = lanes_add(depth, stretch_extinction(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
         t_done = hits[begin].t;
         medium = crossing.medium_to;
         begin = end;
     }
-    depth = lanes_add(depth, stretch_depth(world, medium, ray->t_max - t_done, path->wavelengths.nm));
+    depth = lanes_add(depth, stretch_extinction(world, medium, ray->t_max - t_done, path->wavelengths.nm));
     *transmittance = attenuation(depth);
     *medium_at_light = medium;
     return true;
@@ -368,28 +427,61 @@ static void leave(Path *path, Event *event, bool through, Vec3f direction)
     if (through || several) swap_lists(tracer);
 }
 
-/* Light that a diffuse surface gets straight from a light source, weighted against finding it by scattering. */
-static void add_direct_light(Path *path, Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
+static LightSample choose_light(const Path *path, Vec3 from)
 {
-    const World *world = path->tracer->world;
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
     float choice = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE));
-    LightSample light = light_sample(world, at->position, path->ray.time, choice, u, path->wavelengths.nm);
-    if (!(light.pdf_w > 0)) return;
-    float cosine = vec3f_dot(light.direction, normal);
-    if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
-    Ray ray = rtc_leave(world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false, light.direction);
-    ray.t_max = light.distance;
-    ray.target = light.object;
+    return light_sample(path->tracer->world, from, path->ray.time, choice, u, path->wavelengths.nm);
+}
+
+/* Adds what comes straight along the ray from a light, scattered by the factor, weighted against finding the light
+ * by a direction of density scatter_pdf. */
+static void add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
+{
+    const World *world = path->tracer->world;
+    ray.t_max = light->distance;
+    ray.target = light->object;
     Lanes transmittance;
     uint32_t medium;
     if (!shadow_transmittance(path, &ray, &transmittance, &medium)) return;
-    float scatter_pdf = cosine / SAMPLING_PI;
-    float weight = sampling_balance(light.pdf_w, scatter_pdf);
-    Lanes factor = lanes_mul(lanes_scale(albedo, scatter_pdf / light.pdf_w * weight), transmittance);
-    if (isinf(light.distance)) medium = WORLD_MEDIUM;
-    add_radiance(path, factor, basic_radiance(world, light.radiance, medium, path->wavelengths.nm));
+    float weight = sampling_balance(light->pdf_w, scatter_pdf);
+    Lanes factor = lanes_mul(lanes_scale(scattered, weight / light->pdf_w), transmittance);
+    if (isinf(light->distance)) medium = WORLD_MEDIUM;
+    add_radiance(path, factor, basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
+}
+
+/* Light that a diffuse surface gets straight from a light source. */
+static void light_diffuse(Path *path, Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
+{
+    LightSample light = choose_light(path, at->position);
+    if (!(light.pdf_w > 0)) return;
+    float cosine = vec3f_dot(light.direction, normal), scatter_pdf = cosine / SAMPLING_PI;
+    if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
+    Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false,
+                        light.direction);
+    add_direct_light(path, &light, ray, lanes_scale(albedo, scatter_pdf), scatter_pdf);
+}
+
+/* A place within a medium where the path is scattered. */
+static void scatter_in_medium(Path *path, const Event *event)
+{
+    const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
+    Vec3 position = ray_point(&path->ray, event->t);
+    Vec3f along = path->ray.direction;
+    LightSample light = choose_light(path, position);
+    if (light.pdf_w > 0) {
+        float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
+        Ray ray = ray_make(position, light.direction);
+        ray.time = path->ray.time;
+        add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
+    }
+    float u[2];
+    double time = path->ray.time;
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    path->scatter_point = position;
+    path->ray = ray_make(position, phase_sample(phase, along, u, &path->scatter_pdf));
+    path->ray.time = time;
 }
 
 /* A hit of an opaque surface. Returns whether the path goes on. */
@@ -416,7 +508,7 @@ static bool shade_opaque(Path *path, Event *event)
     Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
     if (!(vec3f_dot(path->ray.direction, normal) < 0)) normal = geometric;
     Lanes albedo = surface_albedo(&world->scene->surfaces[object->surface], at.position, path->wavelengths.nm);
-    add_direct_light(path, event, &at, normal, geometric, albedo);
+    light_diffuse(path, event, &at, normal, geometric, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
@@ -551,14 +643,17 @@ static bool follow(Path *path)
                 tracer->counters.nesting_faults += compiled_bounded_in(world->compiled, &tracer->list);
             return !first;
         }
-        if (path->bounce >= world->max_bounces) {
+        if (path->n_counted >= world->max_bounces && event.kind != EVENT_SCATTER) {
             /* the last surface may still shine */
             if (event.kind == EVENT_BOUNDARY || world->scene->objects[event.hit.object].light == SCENE_NONE) return true;
         }
-        if (event.kind == EVENT_BOUNDARY)
+        if (event.kind == EVENT_SCATTER)
+            scatter_in_medium(path, &event);
+        else if (event.kind == EVENT_BOUNDARY)
             cross_boundary(path, &event);
         else if (!shade_opaque(path, &event))
             return true;
+        path->n_counted += event.kind != EVENT_SCATTER;
         path->bounce++;
         if (!survives(path)) return true;
     }

@@ -22,6 +22,7 @@ enum {
     DIM_LIGHT_CHOICE, /* 1 */
     DIM_LIGHT,        /* 2: point on the light */
     DIM_ROULETTE,     /* 1 */
+    DIM_DISTANCE,     /* 1: to where a medium scatters */
     DIM_PER_BOUNCE = 8
 };
 

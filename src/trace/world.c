@@ -106,6 +106,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         if (status != STATUS_OK) fail_memory(error, hits.capacity * sizeof(Hit), "the camera's surroundings");
         hit_list_clear(&hits);
         world->moves = world->scene->n_keys > 0;
+        for (uint32_t i = 0; i < world->scene->n_media; i++) world->scatters |= world->scene->media[i].scatters;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
     }

@@ -28,6 +28,7 @@ typedef struct World {
     bool moves;                 /* something does while the shutter is open */
     bool camera_list_moves;     /* and so the camera's hulls may be others at other times */
     bool lens_crosses;          /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool scatters;              /* some medium does */
     bool no_absorption;
     uint32_t max_bounces;
 } World;
