@@ -7,7 +7,7 @@
 #include "lang/flat.h"
 
 /* The properties of nodes.def that name a file to read. */
-static const char *const file_properties[] = {"file", "image", NULL};
+static const char *const file_properties[] = {"file", "next_file", "image", NULL};
 
 typedef struct Dump {
     SceneInput *input;

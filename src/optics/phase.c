@@ -73,8 +73,8 @@ float phase_evaluate(const Phase *phase, float cosine)
     return (float)p;
 }
 
-/* The indefinite integral of the lobe, without its scale, over the cosine. With s^2 = 1 + g^2 - 2 g u it is one over powers of
- * s. */
+/* The indefinite integral of the lobe, without its scale, over the cosine. With s^2 = 1 + g^2 - 2 g u it is one over
+ * powers of s. */
 static double lobe_integral(PhaseLobe lobe, double cosine)
 {
     double g = lobe.g, a = lobe.alpha;

@@ -10,8 +10,8 @@
 #include "base/vec3.h"
 
 /* B. T. Draine, "Scattering by Interstellar Dust Grains in the Optical and Ultraviolet", ApJ 598 (2003), eq. 4:
- * (1 - g^2) (1 + alpha u^2) / (4 pi (1 + alpha (1 + 2 g^2) / 3) (1 + g^2 - 2 g u)^(3/2)) at cosine u. alpha 0 is Henyey and
- * Greenstein's, g 0 and alpha 1 Rayleigh's, alpha 1 Cornette and Shanks'. |g| <= PHASE_MOST_G, alpha >= 0. */
+ * (1 - g^2) (1 + alpha u^2) / (4 pi (1 + alpha (1 + 2 g^2) / 3) (1 + g^2 - 2 g u)^(3/2)) at cosine u. alpha 0 is Henyey
+ * and Greenstein's, g 0 and alpha 1 Rayleigh's, alpha 1 Cornette and Shanks'. |g| <= PHASE_MOST_G, alpha >= 0. */
 #define PHASE_MOST_G 0.999
 typedef struct PhaseLobe {
     double g, alpha;
@@ -27,8 +27,8 @@ Phase phase_isotropic(void);
 Phase phase_hg(double g);
 Phase phase_draine(double g, double alpha);
 Phase phase_two_hg(double g1, double g2, double weight);
-/* Droplets of water, 5 to 50 micrometres across: J. Jendersie, E. d'Eon, "An Approximate Mie Scattering Function for Fog
- * and Cloud Rendering", SIGGRAPH Talks (2023), eq. 4 to 7. */
+/* Droplets of water, 5 to 50 micrometres across: J. Jendersie, E. d'Eon, "An Approximate Mie Scattering Function for
+ * Fog and Cloud Rendering", SIGGRAPH Talks (2023), eq. 4 to 7. */
 Phase phase_droplets(double diameter_um);
 /* The mean of the cosine. */
 double phase_mean_cosine(const Phase *phase);

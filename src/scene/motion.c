@@ -142,6 +142,24 @@ static Status compare_with(Finder *f, Scene *other, uint32_t key)
     return status;
 }
 
+/* The first mistake of another time, at its place: the same texts were read then. */
+static void report_later(Finder *f, const Diag *then, double later)
+{
+    const Diagnostic *first = then->first;
+    while (first && first->severity != DIAG_ERROR) first = first->next;
+    uint32_t source = first && first->has_span ? first->span.source : UINT32_MAX;
+    const SourceSet *now = f->diag->sources;
+    bool placed = source < now->n && source < then->sources->n &&
+                  now->sources[source].length == then->sources->sources[source].length;
+    const char *text = first ? first->text : f->error->text;
+    if (placed)
+        diag_report(f->diag, D_SHUTTER_MISTAKE, first->span, "%.3g of a frame later, while the shutter is open: %s",
+                    later, text);
+    else
+        diag_report_nowhere(f->diag, D_SHUTTER_MISTAKE, "%.3g of a frame later, while the shutter is open: %s", later,
+                            text);
+}
+
 /* Builds the scene `later` frames after it was, and compares. Its mistakes are those of another clock: the first is
  * told. */
 static Status look_later(Finder *f, const SceneText *text, const SceneOptions *options, double later, uint32_t key)
@@ -158,11 +176,7 @@ static Status look_later(Finder *f, const SceneText *text, const SceneOptions *o
     if (status == STATUS_OK) {
         status = compare_with(f, other, key);
     } else if (status == STATUS_SCENE) {
-        const Diagnostic *first = diag.first;
-        while (first && first->severity != DIAG_ERROR) first = first->next;
-        diag_report_nowhere(f->diag, D_SHUTTER_MISTAKE,
-                            "%.3g of a frame later, while the shutter is open, the scene has mistakes: %s", later,
-                            first ? first->text : f->error->text);
+        report_later(f, &diag, later);
         fail(f->error, STATUS_SCENE, "the scene has errors");
     }
     scene_free(other);

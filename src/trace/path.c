@@ -33,6 +33,7 @@ typedef struct Path {
     Vec3 scatter_point; /* where the ray's direction was last sampled */
     float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
     uint32_t bounce;    /* events so far: each has random numbers of its own */
+    bool straight;      /* media do not scatter it: it only looks what is there */
     uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
 
@@ -210,7 +211,7 @@ typedef struct FreeFlight {
 static FreeFlight begin_flight(Path *path)
 {
     FreeFlight flight = {INFINITY, lanes_all(0)};
-    if (path->tracer->world->scatters)
+    if (path->tracer->world->scatters && !path->straight)
         flight.budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
     return flight;
 }
@@ -624,15 +625,33 @@ static double tent(float u)
     return v < 1 ? sqrt(v) - 1 : 1 - sqrt(2 - v);
 }
 
+/* What the camera's ray would meet first if no medium scattered it. The path stays as it is. */
+ATTR_COLD static void look_ahead(const Path *path)
+{
+    Tracer *tracer = path->tracer;
+    Path look = *path;
+    Event event;
+    NestList kept;
+    nest_list_init(&kept);
+    look.straight = true;
+    if (nest_list_copy(&kept, &tracer->list) == STATUS_OK) {
+        next_event(&look, &event);
+        note_first_sight(&look, &event);
+        if (nest_list_copy(&tracer->list, &kept) != STATUS_OK) tracer->out_of_memory = true;
+    }
+    nest_list_clear(&kept);
+}
+
 /* Returns whether the camera's ray met anything. */
 static bool follow(Path *path)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
+    if (UNLIKELY(tracer->first_sight && world->scatters)) look_ahead(path);
     for (bool first = true;; first = false) {
         Event event;
         next_event(path, &event);
-        if (UNLIKELY(first && tracer->first_sight)) note_first_sight(path, &event);
+        if (UNLIKELY(first && tracer->first_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {

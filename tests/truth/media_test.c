@@ -1,6 +1,5 @@
-/* media_test.c - media that scatter: furnaces, transmittance and single scattering in closed form, and light that is the
- * same however it is found.
- * SPDX-License-Identifier: Apache-2.0 */
+/* media_test.c - media that scatter: furnaces, transmittance and single scattering in closed form, and light that is
+ * the same however it is found. SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
 enum { WIDTH = 32 };
@@ -16,7 +15,8 @@ static Estimate mean_of(const char *text, uint32_t samples, bool furnace, const 
     settings.no_absorption = furnace;
     settings.bounces = 1000000;
     truth_render(&scene, &settings, 0, &picture);
-    if (picture.stats.nesting_faults) fail_msg("%s: %llu faults", what, (unsigned long long)picture.stats.nesting_faults);
+    if (picture.stats.nesting_faults)
+        fail_msg("%s: %llu faults", what, (unsigned long long)picture.stats.nesting_faults);
     Estimate mean = truth_mean(&picture, -1);
     truth_clear(&picture);
     fixture_clear(&scene);
@@ -41,7 +41,8 @@ static void furnaces(void **state)
               "box { interior = ice  size = <.6, .6, .6>  rotate(<20, 30, 0>)  translate(<.1, 1.5, 0>) }"
               "camera { from = <0, 3, 5>  to = <0, 1, 0>  fov = 36deg }" TRUTH_SKY},
         {"droplets, Rayleigh's air in a bubble, a camera inside",
-         HEAD "medium cloud { ior = 1  scattering = 1.5  phase = droplets(10) } medium air2 { ior = 1.2  scattering = .8  phase = rayleigh() }"
+         HEAD "medium cloud { ior = 1  scattering = 1.5  phase = droplets(10) } medium air2 { ior = 1.2  scattering = "
+              ".8  phase = rayleigh() }"
               "sphere { interior = cloud  radius = 2 } sphere { interior = air2  center = <.5, 0, -1>  radius = .6 }"
               "camera { from = <0, 0, 1>  to = <0, 0, 0>  fov = 60deg }" TRUTH_SKY},
     };
@@ -53,8 +54,9 @@ static void furnaces(void **state)
 static void transmittance(void **state)
 {
     (void)state;
-    static const char *const view = "camera { from = <0, 0, 5>  to = <0, 0, 0>  fov = .02deg }"
-                                    "light { shape = disc  from = <0, 0, -5>  to = <0, 0, 9>  radius = .02  radiance = 1 }";
+    static const char *const view =
+        "camera { from = <0, 0, 5>  to = <0, 0, 0>  fov = .02deg }"
+        "light { shape = disc  from = <0, 0, -5>  to = <0, 0, 9>  radius = .02  radiance = 1 }";
     char text[1000];
     double depths[] = {0.1, 1, 3};
     Estimate clear = mean_of("meniscus 1.0 unit m\n"
@@ -64,7 +66,8 @@ static void transmittance(void **state)
     for (size_t i = 0; i < COUNT_OF(depths); i++) {
         char what[80];
         snprintf(text, sizeof text,
-                 HEAD "medium fog { ior = 1  absorption = %g  scattering = %g } box { interior = fog  size = <4, 4, 2> } %s",
+                 HEAD
+                 "medium fog { ior = 1  absorption = %g  scattering = %g } box { interior = fog  size = <4, 4, 2> } %s",
                  depths[i] * 0.25, depths[i] * 0.25, view);
         Estimate seen = mean_of(text, 1024, false, "fog");
         snprintf(what, sizeof what, "transmittance at an optical depth of %g", depths[i]);
@@ -72,16 +75,19 @@ static void transmittance(void **state)
     }
 }
 
-/* A slab that scatters little, lit by the sun from the camera's side at 60 degrees: light that was scattered once, against
- * a white wall under the same sun. With a share of 1e-3 of scattering, what is scattered twice is below 1e-3 of it. */
+/* A slab that scatters little, lit by the sun from the camera's side at 60 degrees: light that was scattered once,
+ * against a white wall under the same sun. With a share of 1e-3 of scattering, what is scattered twice is below 1e-3 of
+ * it. */
 static void single_scattering(void **state)
 {
     (void)state;
-    static const char *const view = "camera { from = <0, 0, 50>  to = <0, 0, 0>  fov = .5deg }"
-                                    "light { shape = distant  from = <1.7320508, 0, 1>  to = <0, 0, 0>  angle = .01deg  power = 1 }";
+    static const char *const view =
+        "camera { from = <0, 0, 50>  to = <0, 0, 0>  fov = .5deg }"
+        "light { shape = distant  from = <1.7320508, 0, 1>  to = <0, 0, 0>  angle = .01deg  power = 1 }";
     const double extinction = 1.5, share = 1e-3, thickness = 1, cos_sun = 0.5, g = 0.4;
     char text[1000];
-    snprintf(text, sizeof text, HEAD "box { from = <-90, -90, -1>  to = <90, 90, 0>  surface = surface { albedo = 1 } } %s", view);
+    snprintf(text, sizeof text,
+             HEAD "box { from = <-90, -90, -1>  to = <90, 90, 0>  surface = surface { albedo = 1 } } %s", view);
     /* albedo E cos / pi, with E 1 in the light's own unit */
     Estimate wall = mean_of(text, 64, false, "wall");
     double irradiance = wall.mean * TRUTH_PI / cos_sun;
@@ -133,10 +139,10 @@ static void lights_agree(void **state)
         truth_clear(&picture);
         fixture_clear(&scene);
     }
-    truth_expect("light found by sampling, and by chance", 1,
-                 (Estimate){seen[0].mean / seen[1].mean,
-                            hypot(seen[0].error / seen[0].mean, seen[1].error / seen[1].mean)},
-                 4, 0.01);
+    truth_expect(
+        "light found by sampling, and by chance", 1,
+        (Estimate){seen[0].mean / seen[1].mean, hypot(seen[0].error / seen[0].mean, seen[1].error / seen[1].mean)}, 4,
+        0.01);
 }
 
 int main(void)

@@ -14,8 +14,9 @@ static const struct {
     const char *name;
     double weight, g1, a1, g2, a2;
 } cases[] = {
-    {"isotropic", 1, 0, 0, 0, 0},       {"Henyey-Greenstein .85", 1, .85, 0, 0, 0}, {"backward", 1, -.6, 0, 0, 0},
-    {"Rayleigh", 1, 0, 1, 0, 0},        {"Draine .5, 20", 1, .5, 20, 0, 0},         {"Draine .002, 3", 1, .002, 3, 0, 0},
+    {"isotropic", 1, 0, 0, 0, 0},        {"Henyey-Greenstein .85", 1, .85, 0, 0, 0},
+    {"backward", 1, -.6, 0, 0, 0},       {"Rayleigh", 1, 0, 1, 0, 0},
+    {"Draine .5, 20", 1, .5, 20, 0, 0},  {"Draine .002, 3", 1, .002, 3, 0, 0},
     {"Cornette-Shanks", 1, .8, 1, 0, 0}, {"two lobes", .7, .9, 0, -.3, 0},
 };
 
