@@ -45,7 +45,8 @@ static Vec3 area_point(const SceneLight *light, const Affine *to_world, const fl
     return affine_point(to_world, local);
 }
 
-/* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2 from inside. */
+/* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2
+ * from inside. */
 static double sphere_cone(const SceneLight *light, Vec3 to)
 {
     double sine2 = light->half_width * light->half_width / vec3_dot(to, to);
@@ -59,7 +60,9 @@ static LightSample sample_sphere(const SceneLight *light, const Affine *to_world
     if (cone >= 2) return (LightSample){.pdf_w = 0}; /* from inside, the light's own surface is opaque */
     double distance = vec3_length(to);
     Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / distance)), (float)cone);
-    return (LightSample){.direction = direction, .distance = distance + light->half_width, .object = light->object,
+    return (LightSample){.direction = direction,
+                         .distance = distance + light->half_width,
+                         .object = light->object,
                          .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
@@ -72,15 +75,18 @@ static LightSample sample_area(const SceneLight *light, const Affine *to_world, 
     if (!(cosine > 0)) return (LightSample){.pdf_w = 0};
     return (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
                          /* a little behind the light: it is the ray's target and does not block it */
-                         .distance = distance * (1 + 1e-5), .object = light->object,
+                         .distance = distance * (1 + 1e-5),
+                         .object = light->object,
                          .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
 static LightSample sample_distant(const SceneLight *light, const float u[2])
 {
     double cone = 1 - light->cos_angle;
-    return (LightSample){.direction = sampling_cone(u[0], u[1], vec3f_from(light->towards), (float)cone), .distance = HUGE_VAL,
-                         .object = RTC_NO_OBJECT, .pdf_w = sampling_cone_pdf((float)cone)};
+    return (LightSample){.direction = sampling_cone(u[0], u[1], vec3f_from(light->towards), (float)cone),
+                         .distance = HUGE_VAL,
+                         .object = RTC_NO_OBJECT,
+                         .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
 static Vec3f to_environment(const World *world, Vec3f direction)
@@ -94,11 +100,13 @@ static LightSample sample_environment(const World *world, const float u[2], Lane
     Vec3f local = environment_sample(world->scene->environment, u[0], u[1], &sample.pdf_w);
     sample.radiance = environment_radiance(world->scene->environment, local, wavelength_nm);
     /* the map is a rotation: its transpose is its inverse */
-    sample.direction = vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
+    sample.direction =
+        vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
     return sample;
 }
 
-LightSample light_sample(const World *world, Vec3 from, double time, float choice, const float u[2], Lanes wavelength_nm)
+LightSample light_sample(const World *world, Vec3 from, double time, float choice, const float u[2],
+                         Lanes wavelength_nm)
 {
     if (!world->n_choices) return (LightSample){.pdf_w = 0};
     uint32_t i = 0; /* few lights: a walk; many will want a tree */
@@ -157,13 +165,16 @@ Lanes light_from_infinity(const World *world, Vec3f direction, float weight_pdf,
     if (scene->environment) {
         Vec3f local = to_environment(world, direction);
         float pdf = weight_pdf < 0 ? 0 : world->environment_choice * environment_pdf(scene->environment, local);
-        sum = lanes_scale(environment_radiance(scene->environment, local, wavelength_nm), weight_against(weight_pdf, pdf));
+        sum = lanes_scale(environment_radiance(scene->environment, local, wavelength_nm),
+                          weight_against(weight_pdf, pdf));
     }
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
-        if (light->kind != LIGHT_DISTANT || vec3_dot(vec3_from_f(direction), light->towards) < light->cos_angle) continue;
+        if (light->kind != LIGHT_DISTANT || vec3_dot(vec3_from_f(direction), light->towards) < light->cos_angle)
+            continue;
         float pdf = world->choice_of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
-        sum = lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));
+        sum =
+            lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));
     }
     return sum;
 }

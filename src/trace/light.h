@@ -15,7 +15,8 @@ typedef struct LightSample {
 } LightSample;
 
 /* choice, u: uniform in [0, 1). time: of the shutter. */
-LightSample light_sample(const World *world, Vec3 from, double time, float choice, const float u[2], Lanes wavelength_nm);
+LightSample light_sample(const World *world, Vec3 from, double time, float choice, const float u[2],
+                         Lanes wavelength_nm);
 
 /* The density (per steradian, choice included) with which light_sample would have found the light whose object
  * was hit at `hit` from `from`, and its radiance towards there (0 on the back of a one-sided light). */

@@ -11,10 +11,10 @@
 
 /* Named dimensions. A new one is added at the end of its group, so that the others stay as they are. */
 enum {
-    DIM_PIXEL,      /* 2: place in the pixel's filter */
-    DIM_LENS,       /* 2 */
-    DIM_WAVELENGTH, /* 1 */
-    DIM_PATH,       /* the first bounce's group begins here */
+    DIM_PIXEL,             /* 2: place in the pixel's filter */
+    DIM_LENS,              /* 2 */
+    DIM_WAVELENGTH,        /* 1 */
+    DIM_PATH,              /* the first bounce's group begins here */
     DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */

@@ -70,7 +70,8 @@ static bool camera_list_may_move(const World *world)
         if (hull == SCENE_NONE || object->shape == SCENE_NONE) continue;
         if (object->motion == SCENE_NONE && !world->scene->shapes[object->shape].mesh_end) continue;
         Box3 box = compiled->hull_bounds[hull];
-        if (p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y && p.z >= box.min.z && p.z <= box.max.z)
+        if (p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y && p.z >= box.min.z &&
+            p.z <= box.max.z)
             return true;
     }
     return false;
@@ -83,26 +84,29 @@ static bool lens_may_cross(const World *world)
     if (!(camera->lens_radius > 0)) return false;
     for (uint32_t h = 0; h < world->compiled->n_hulls; h++) {
         Box3 box = world->compiled->hull_bounds[h];
-        Vec3 nearest = vec3(fmin(fmax(camera->from.x, box.min.x), box.max.x), fmin(fmax(camera->from.y, box.min.y), box.max.y),
-                            fmin(fmax(camera->from.z, box.min.z), box.max.z));
+        Vec3 nearest =
+            vec3(fmin(fmax(camera->from.x, box.min.x), box.max.x), fmin(fmax(camera->from.y, box.min.y), box.max.y),
+                 fmin(fmax(camera->from.z, box.min.z), box.max.z));
         if (vec3_length(vec3_sub(nearest, camera->from)) <= camera->lens_radius * 1.0001) return true;
     }
     return false;
 }
 
-Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces, bool no_absorption,
-                  Error *error)
+Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
+                  bool no_absorption, Error *error)
 {
-    *world = (World){.compiled = compiled, .scene = compiled->scene, .no_absorption = no_absorption,
-                     .max_bounces = max_bounces};
+    *world = (World){
+        .compiled = compiled, .scene = compiled->scene, .no_absorption = no_absorption, .max_bounces = max_bounces};
     nest_list_init(&world->camera_list);
-    if (camera >= compiled->scene->n_cameras) return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
+    if (camera >= compiled->scene->n_cameras)
+        return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
     world->camera = &compiled->scene->cameras[camera];
     Status status = choose_lights(world, error);
     if (status == STATUS_OK) {
         HitList hits = {0};
         uint32_t on_surface;
-        status = compiled_interior(compiled, vec3f_from(world->camera->from), 0, &hits, &world->camera_list, &on_surface);
+        status =
+            compiled_interior(compiled, vec3f_from(world->camera->from), 0, &hits, &world->camera_list, &on_surface);
         if (status != STATUS_OK) fail_memory(error, hits.capacity * sizeof(Hit), "the camera's surroundings");
         hit_list_clear(&hits);
         world->moves = world->scene->n_keys > 0;

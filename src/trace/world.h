@@ -11,9 +11,9 @@
 #define LIGHT_ENVIRONMENT UINT32_MAX
 
 typedef struct LightChoice {
-    uint32_t light;     /* index into scene->lights, or LIGHT_ENVIRONMENT */
-    float probability;  /* of being chosen */
-    float cumulative;   /* of this and all before */
+    uint32_t light;    /* index into scene->lights, or LIGHT_ENVIRONMENT */
+    float probability; /* of being chosen */
+    float cumulative;  /* of this and all before */
 } LightChoice;
 
 typedef struct World {
@@ -22,13 +22,13 @@ typedef struct World {
     const SceneCamera *camera;
     LightChoice *choices;
     uint32_t n_choices;
-    float *choice_of_light;     /* probability of each light of the scene */
-    float environment_choice;   /* probability of the environment */
-    NestList camera_list;       /* the hulls around the camera's centre */
-    bool moves;                 /* something does while the shutter is open */
-    bool camera_list_moves;     /* and so the camera's hulls may be others at other times */
-    bool lens_crosses;          /* some hull's bounds come near the lens: look for each ray's real origin */
-    bool scatters;              /* some medium does */
+    float *choice_of_light;   /* probability of each light of the scene */
+    float environment_choice; /* probability of the environment */
+    NestList camera_list;     /* the hulls around the camera's centre */
+    bool moves;               /* something does while the shutter is open */
+    bool camera_list_moves;   /* and so the camera's hulls may be others at other times */
+    bool lens_crosses;        /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool scatters;            /* some medium does */
     bool no_absorption;
     uint32_t max_bounces;
 } World;

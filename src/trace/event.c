@@ -1,0 +1,271 @@
+/* event.c - from one event of a path to the next: surfaces crossed in silence, media flown through, and the same for
+ * straight rays to lights.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "base/array.h"
+#include "trace/path_parts.h"
+
+/* A straight line that crosses more surfaces than this without any event is given up, and counted. */
+enum { SILENT_LIMIT = 100000 };
+
+/* Optical depth of a stretch of one medium. */
+static Lanes stretch_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!m->absorbs || world->no_absorption || !(length > 0)) return lanes_all(0);
+    /* held finite, so that a wavelength that is not absorbed at all stays so out to infinity */
+    return lanes_scale(spectrum_at(&m->absorption, wavelength_nm), length < 1e30 ? (float)length : 1e30f);
+}
+
+/* The same for what is lost to a straight ray, by scattering too. */
+static Lanes stretch_extinction(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    Lanes depth = stretch_depth(world, medium, length, wavelength_nm);
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!m->scatters || !(length > 0)) return depth;
+    return lanes_add(depth,
+                     lanes_scale(spectrum_at(&m->scattering, wavelength_nm), length < 1e30 ? (float)length : 1e30f));
+}
+
+static Lanes attenuation(Lanes depth)
+{
+    return lanes_zero(depth) ? lanes_all(1) : lanes_exp(lanes_sub(lanes_all(0), depth));
+}
+
+bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    if (UNLIKELY(!array_reserve(&tracer->passes, &tracer->passes_capacity, n, sizeof *tracer->passes))) return false;
+    uint32_t n_passes = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t hull = compiled->hull_of_object[hits[i].object];
+        if (hull == SCENE_NONE) continue;
+        if (UNLIKELY(hits[i].doubtful) && nest_list_has(list, hull) == hits[i].entering)
+            continue; /* no surface is there */
+        tracer->passes[n_passes++] = (NestPass){hull, hits[i].entering};
+    }
+    *crossing = (NestCrossing){0};
+    if (!n_passes) return true;
+    return nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) == STATUS_OK;
+}
+
+/* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
+static bool media_differ(const World *world, uint32_t a, uint32_t b, Lanes wavelength_nm)
+{
+    if (a == b) return false;
+    Lanes difference = lanes_sub(medium_ior(world, a, wavelength_nm), medium_ior(world, b, wavelength_nm));
+    return !lanes_zero(difference);
+}
+
+/* The hit of several at one place that stands for the boundary: crossing them one after another, the one at which the
+ * medium last becomes what it is behind them all, or where an opaque combination begins. */
+static const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    const Hit *hits = tracer->hits.items, *best = &hits[0];
+    if (LIKELY(n == 1) || nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) return best;
+    for (size_t i = 0; i < n; i++) {
+        NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
+        NestCrossing step;
+        if (nest_cross(&tracer->shadow_list, &compiled->order, &pass, 1, &step) != STATUS_OK) return best;
+        if (crossing->opaque ? step.opaque
+                             : step.medium_from != step.medium_to && step.medium_to == crossing->medium_to)
+            best = &hits[i];
+    }
+    return best;
+}
+
+/* Which of the surfaces at one place is to be shaded, if any is opaque. */
+static EventKind event_kind(const World *world, const Hit *hits, size_t n, Event *event)
+{
+    for (size_t i = 0; i < n; i++)
+        if (world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
+            event->hit = hits[i];
+            return EVENT_OPAQUE;
+        }
+    return n ? EVENT_BOUNDARY : EVENT_ESCAPE;
+}
+
+static bool any_doubtful(const Hit *hits, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (hits[i].doubtful) return true;
+    return false;
+}
+
+/* Finds the next surfaces along the path's ray and crosses them into tracer->next; false when memory ends.
+ * Where what was found contradicts the list, or is doubtful, Embree's float ray may have met at an edge what the exact
+ * ray misses, or missed what it meets. Then the search is done again with the float ray moved by as much as rounding,
+ * first onto the exact one, then to both sides of the surface; a reading that is clear and agrees with the list is
+ * taken, and the float ray stays there. A contradiction in all of them is a fault. */
+static bool cross_nearest(Path *path, Event *event)
+{
+    enum { ATTEMPTS = 4 };
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    Vec3 nudges[ATTEMPTS] = {path->ray.nudge};
+    for (int attempt = 0;; attempt++) {
+        path->ray.nudge = nudges[attempt % ATTEMPTS];
+        size_t n = rtc_nearest(world->compiled->rtc, &path->ray, &tracer->hits);
+        tracer->counters.rays++;
+        const Hit *hits = tracer->hits.items;
+        event->n_cluster = n;
+        event->kind = event_kind(world, hits, n, event);
+        event->crossing = (NestCrossing){0};
+        if (tracer->hits.out_of_memory) return false;
+        if (event->kind != EVENT_BOUNDARY) return true;
+        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+            !path_cross(tracer, &tracer->next, hits, n, &event->crossing))
+            return false;
+        /* after the last attempt the first reading is taken again, with its faults */
+        bool clear = !event->crossing.n_faults && !any_doubtful(hits, n);
+        if (LIKELY(clear) || attempt == ATTEMPTS) {
+            tracer->counters.crossings += n;
+            tracer->counters.nesting_faults += event->crossing.n_faults;
+            return true;
+        }
+        if (attempt == 0) {
+            nudges[2] = vec3_scale(vec3_from_f(hits[0].normal), hits[0].rounding);
+            nudges[3] = vec3_scale(nudges[2], -1);
+        }
+    }
+}
+
+/* How far a path goes before it is scattered. A medium's scattering is sampled for the hero, and its absorption is a
+ * weight: what is sampled never ends a path. */
+typedef struct FreeFlight {
+    float budget; /* of the hero's optical depth of scattering that is left; INFINITY where nothing scatters */
+    Lanes depth;  /* what is used up so far, of every lane */
+} FreeFlight;
+
+static FreeFlight begin_flight(Path *path)
+{
+    FreeFlight flight = {INFINITY, lanes_all(0)};
+    if (path->tracer->world->scatters && !path->straight)
+        flight.budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
+    return flight;
+}
+
+/* Goes up to `length` through a medium; returns how far it came: less where it is scattered. */
+static double fly(FreeFlight *flight, const World *world, uint32_t medium, double length, Lanes wavelength_nm,
+                  Lanes *coefficient)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!m->scatters || !(length > 0)) return length;
+    *coefficient = spectrum_at(&m->scattering, wavelength_nm);
+    double hero = (double)lanes_get(*coefficient, 0), reach = (double)flight->budget;
+    bool scattered = hero * length > reach;
+    if (scattered) length = reach / hero;
+    flight->depth = lanes_add(flight->depth, lanes_scale(*coefficient, length < 1e30 ? (float)length : 1e30f));
+    flight->budget -= (float)(hero * length);
+    if (scattered || flight->budget < 0) flight->budget = 0;
+    return length;
+}
+
+/* What the flight has made of the path: lanes that are scattered more, or less, than the hero. */
+static void end_flight(Path *path, const FreeFlight *flight, const Lanes *coefficient)
+{
+    Lanes more = lanes_sub(flight->depth, lanes_all(lanes_get(flight->depth, 0)));
+    Lanes factor = attenuation(more);
+    if (coefficient) factor = lanes_mul(factor, lanes_scale(*coefficient, 1 / lanes_get(*coefficient, 0)));
+    path->beta = lanes_mul(path->beta, factor);
+    path->ratio = lanes_mul(path->ratio, factor);
+}
+
+void path_next_event(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    double t_done = 0; /* the ray's start, not t_min: lengths are measured from the origin */
+    Lanes depth = lanes_all(0), coefficient;
+    FreeFlight flight = begin_flight(path);
+    for (uint32_t silent = 0;; silent++) {
+        if (!cross_nearest(path, event)) {
+            event->kind = EVENT_LOST;
+            return;
+        }
+        const Hit *hits = tracer->hits.items;
+        size_t n = event->n_cluster;
+        uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+        double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
+        double flown = fly(&flight, world, medium, length, path->wavelengths.nm, &coefficient);
+        depth = lanes_add(depth, stretch_depth(world, medium, flown, path->wavelengths.nm));
+        if (flown < length) {
+            *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
+            break;
+        }
+        t_done = t;
+        if (event->kind != EVENT_BOUNDARY) break;
+        if (event->crossing.opaque) {
+            event->kind = EVENT_OPAQUE;
+            event->hit = *boundary_hit(tracer, n, &event->crossing);
+            break;
+        }
+        if (media_differ(world, event->crossing.medium_from, event->crossing.medium_to, path->wavelengths.nm)) {
+            event->hit = *boundary_hit(tracer, n, &event->crossing);
+            break;
+        }
+        /* Nothing is there: on along the same ray, with the new list. */
+        tracer->counters.silent_crossings++;
+        if (silent >= SILENT_LIMIT) {
+            tracer->counters.silent_limit++;
+            event->kind = EVENT_GIVE_UP;
+            return;
+        }
+        swap_lists(tracer);
+        path->ray.t_min = hits[n - 1].t;
+    }
+    path->beta = lanes_mul(path->beta, attenuation(depth));
+    if (world->scatters) end_flight(path, &flight, event->kind == EVENT_SCATTER ? &coefficient : NULL);
+}
+
+bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    if (nest_list_copy(list, &tracer->list) != STATUS_OK) return false;
+    for (size_t i = 0; i < ray->n_left; i++) {
+        const Hit *left = &ray->left[i];
+        uint32_t hull = compiled->hull_of_object[left->object];
+        NestPass pass = {hull, left->inside};
+        NestCrossing crossing;
+        if (hull == SCENE_NONE || left->inside != left->entering) continue; /* not crossed */
+        if (nest_cross(list, &compiled->order, &pass, 1, &crossing) != STATUS_OK) return false;
+    }
+    return true;
+}
+
+bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    tracer->counters.rays++;
+    if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
+    const Hit *hits = tracer->shadow_hits.items;
+    size_t n = tracer->shadow_hits.n;
+    if (!path_cross_towards(tracer, ray, &tracer->shadow_list)) {
+        tracer->out_of_memory = true;
+        return false;
+    }
+    uint32_t medium = nest_medium(&world->compiled->order, &tracer->shadow_list);
+    Lanes depth = lanes_all(0);
+    double t_done = 0;
+    for (size_t begin = 0; begin < n;) {
+        size_t end = begin + rtc_cluster(hits + begin, n - begin);
+        NestCrossing crossing;
+        if (!path_cross(tracer, &tracer->shadow_list, hits + begin, end - begin, &crossing)) {
+            tracer->out_of_memory = true;
+            return false;
+        }
+        tracer->counters.crossings += end - begin;
+        tracer->counters.nesting_faults += crossing.n_faults;
+        if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm))
+            return false;
+        depth = lanes_add(depth, stretch_extinction(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
+        t_done = hits[begin].t;
+        medium = crossing.medium_to;
+        begin = end;
+    }
+    depth = lanes_add(depth, stretch_extinction(world, medium, ray->t_max - t_done, path->wavelengths.nm));
+    *transmittance = attenuation(depth);
+    *medium_at_light = medium;
+    return true;
+}

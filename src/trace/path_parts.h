@@ -1,0 +1,85 @@
+/* path_parts.h - what the files of the path integrator share; private to src/trace.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PATH_PARTS_H
+#define MEN_PATH_PARTS_H
+
+#include "trace/light.h"
+#include "trace/path.h"
+
+/* What the radiance of light from infinity is given in, whatever it comes through: a sea may reach there, too. */
+enum { WORLD_MEDIUM = 0 };
+
+typedef struct Path {
+    Tracer *tracer;
+    Sampler sampler;
+    WavelengthSample wavelengths;
+    Lanes beta, ratio, radiance;
+    Ray ray;
+    Vec3 scatter_point; /* where the ray's direction was last sampled */
+    float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
+    uint32_t bounce;    /* events so far: each has random numbers of its own */
+    bool straight;      /* media do not scatter it: it only looks what is there */
+    uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
+} Path;
+
+typedef enum EventKind {
+    EVENT_LOST,
+    EVENT_ESCAPE,
+    EVENT_OPAQUE,
+    EVENT_BOUNDARY,
+    EVENT_SCATTER,
+    EVENT_GIVE_UP
+} EventKind;
+
+typedef struct Event {
+    EventKind kind;
+    Hit hit;          /* the surface to be shaded */
+    size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
+    NestCrossing crossing;
+    double t;        /* EVENT_SCATTER: how far along the ray, */
+    uint32_t medium; /* and what scatters there */
+} Event;
+
+static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
+{
+    return spectrum_at(&world->scene->media[medium].ior, wavelength_nm);
+}
+
+static inline void swap_lists(Tracer *tracer)
+{
+    NestList swap = tracer->list;
+    tracer->list = tracer->next;
+    tracer->next = swap;
+}
+
+/* ---- event.c ---- */
+
+/* Crosses the hulls among hits[0 .. n), all at one place. */
+bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
+/* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
+ * tracer->list is the list before it and tracer->next the one behind it. */
+void path_next_event(Path *path, Event *event);
+/* The list of a ray that starts at several surfaces which stand at one place but are not parallel, say where two
+ * hulls' surfaces cross: each of them is crossed, or not, by where the ray starts and goes. */
+bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list);
+/* Transmittance of a straight shadow ray from the path's place; false when something blocks it. Opaque
+ * objects and visible boundaries block: light that crosses a boundary arrives by paths that are bent there. */
+bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
+
+/* ---- shade.c ---- */
+
+/* Radiance given in a medium, as basic radiance. */
+Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
+/* Adds what reaches the camera of a radiance seen at the end of the path. */
+void path_add_radiance(Path *path, Lanes factor, Lanes basic);
+/* The reflectance of an opaque surface at a place. */
+Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm);
+/* A place within a medium where the path is scattered. */
+void path_scatter_in_medium(Path *path, const Event *event);
+/* A hit of an opaque surface. Returns whether the path goes on. */
+bool path_shade_opaque(Path *path, Event *event);
+/* A smooth boundary between two dielectrics: one of the two ways is taken, with the probability of the hero's
+ * Fresnel reflectance. */
+void path_cross_boundary(Path *path, Event *event);
+
+#endif

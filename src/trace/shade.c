@@ -1,0 +1,190 @@
+/* shade.c - what happens to a path at a surface, a boundary, or a place within a medium.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/fresnel.h"
+#include "optics/sampling.h"
+#include "trace/path_parts.h"
+
+Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
+{
+    Lanes ior = medium_ior(world, medium, wavelength_nm);
+    return lanes_div(radiance, lanes_mul(ior, ior));
+}
+
+void path_add_radiance(Path *path, Lanes factor, Lanes basic)
+{
+    float mean_ratio = lanes_mean(path->ratio);
+    path->radiance =
+        lanes_add(path->radiance, lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio));
+}
+
+Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm)
+{
+    if (surface->checkered) {
+        double cells = floor(p.x / (double)surface->check_size) + floor(p.y / (double)surface->check_size + 0.5) +
+                       floor(p.z / (double)surface->check_size);
+        if (fmod(cells, 2) != 0) return spectrum_at(&surface->albedo2, wavelength_nm);
+    }
+    return spectrum_at(&surface->albedo, wavelength_nm);
+}
+
+/* Sends the path on from the surfaces that it has come to: through them, or back. */
+static void leave(Path *path, Event *event, bool through, Vec3f direction)
+{
+    Tracer *tracer = path->tracer;
+    HitList reached = tracer->hits;
+    path->ray =
+        rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, &event->n_cluster, through, direction);
+    tracer->hits = tracer->left; /* the ray refers to what it has left until its end */
+    tracer->left = reached;
+    bool several = event->n_cluster > 1;
+    if (several && !path_cross_towards(tracer, &path->ray, &tracer->next)) tracer->out_of_memory = true;
+    if (through || several) swap_lists(tracer);
+}
+
+static LightSample choose_light(const Path *path, Vec3 from)
+{
+    float u[2];
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
+    float choice = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE));
+    return light_sample(path->tracer->world, from, path->ray.time, choice, u, path->wavelengths.nm);
+}
+
+/* Adds what comes straight along the ray from a light, scattered by the factor, weighted against finding the light
+ * by a direction of density scatter_pdf. */
+static void add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
+{
+    const World *world = path->tracer->world;
+    ray.t_max = light->distance;
+    ray.target = light->object;
+    Lanes transmittance;
+    uint32_t medium;
+    if (!path_shadow(path, &ray, &transmittance, &medium)) return;
+    float weight = sampling_balance(light->pdf_w, scatter_pdf);
+    Lanes factor = lanes_mul(lanes_scale(scattered, weight / light->pdf_w), transmittance);
+    if (isinf(light->distance)) medium = WORLD_MEDIUM;
+    path_add_radiance(path, factor, path_basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
+}
+
+/* Light that a diffuse surface gets straight from a light source. */
+static void light_diffuse(Path *path, Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
+{
+    LightSample light = choose_light(path, at->position);
+    if (!(light.pdf_w > 0)) return;
+    float cosine = vec3f_dot(light.direction, normal), scatter_pdf = cosine / SAMPLING_PI;
+    if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
+    Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster,
+                        false, light.direction);
+    add_direct_light(path, &light, ray, lanes_scale(albedo, scatter_pdf), scatter_pdf);
+}
+
+void path_scatter_in_medium(Path *path, const Event *event)
+{
+    const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
+    Vec3 position = ray_point(&path->ray, event->t);
+    Vec3f along = path->ray.direction;
+    LightSample light = choose_light(path, position);
+    if (light.pdf_w > 0) {
+        float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
+        Ray ray = ray_make(position, light.direction);
+        ray.time = path->ray.time;
+        add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
+    }
+    float u[2];
+    double time = path->ray.time;
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    path->scatter_point = position;
+    path->ray = ray_make(position, phase_sample(phase, along, u, &path->scatter_pdf));
+    path->ray.time = time;
+}
+
+bool path_shade_opaque(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const SceneObject *object = &world->scene->objects[event->hit.object];
+    if (object->light != SCENE_NONE) {
+        Lanes radiance = light_radiance_hit(world, object->light, &event->hit, path->wavelengths.nm);
+        float weight = 1;
+        if (path->scatter_pdf >= 0)
+            weight = sampling_balance(
+                path->scatter_pdf, light_pdf_hit(world, object->light, path->scatter_point, &path->ray, &event->hit));
+        uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+        path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
+        return false;
+    }
+    if (object->surface == SCENE_NONE) return false;
+    HitSurface at;
+    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
+    bool front = event->hit.entering;
+    Vec3f geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal);
+    Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
+    if (!(vec3f_dot(path->ray.direction, normal) < 0)) normal = geometric;
+    Lanes albedo = path_albedo(&world->scene->surfaces[object->surface], at.position, path->wavelengths.nm);
+    light_diffuse(path, event, &at, normal, geometric, albedo);
+
+    float u[2];
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    Vec3f direction = sampling_cosine_hemisphere(u[0], u[1], normal, &path->scatter_pdf);
+    if (!(vec3f_dot(direction, geometric) > 0)) return false; /* into the surface */
+    path->beta = lanes_mul(path->beta, albedo);
+    path->scatter_point = at.position;
+    leave(path, event, false, direction);
+    return true;
+}
+
+/* Reflection or refraction about one normal, which is on the side that the ray comes from. */
+typedef struct BoundaryChoice {
+    Vec3f direction;
+    Lanes reflectance;
+    bool reflected, total;
+} BoundaryChoice;
+
+static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, float u)
+{
+    BoundaryChoice choice;
+    float cosine = float_min(-vec3f_dot(direction, normal), 1);
+    choice.reflectance = fresnel_dielectric_lanes(cosine, eta_i, eta_t);
+    choice.reflected = u < lanes_get(choice.reflectance, 0);
+    if (!choice.reflected &&
+        !refract_direction(direction, normal, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &choice.direction))
+        choice.reflected = true; /* within rounding of the critical angle */
+    if (choice.reflected) choice.direction = reflect_direction(direction, normal);
+    return choice;
+}
+
+void path_cross_boundary(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    Lanes eta_i = medium_ior(world, event->crossing.medium_from, path->wavelengths.nm);
+    Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
+    HitSurface at;
+    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
+    bool front = event->hit.entering;
+    Vec3f geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal);
+    Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
+    float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
+    bool usable = vec3f_dot(path->ray.direction, normal) < 0;
+    BoundaryChoice choice;
+    if (usable) {
+        choice = choose_at_boundary(path->ray.direction, normal, eta_i, eta_t, u);
+        /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
+         * in, or a refraction out, the surface is taken as flat. */
+        usable = (vec3f_dot(choice.direction, geometric) > 0) == choice.reflected;
+    }
+    if (!usable) choice = choose_at_boundary(path->ray.direction, geometric, eta_i, eta_t, u);
+
+    float hero = lanes_get(choice.reflectance, 0);
+    if (choice.reflected) {
+        Lanes factor = hero > 0 ? lanes_scale(choice.reflectance, 1 / hero) : lanes_all(1);
+        path->beta = lanes_mul(path->beta, factor);
+        path->ratio = lanes_mul(path->ratio, factor);
+    } else if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) {
+        /* each wavelength is bent another way: this path goes on for the hero alone */
+        Lanes hero_only = lanes(1, 0, 0, 0);
+        path->beta = lanes_mul(path->beta, hero_only);
+        path->ratio = lanes_mul(path->ratio, hero_only);
+    }
+    path->scatter_pdf = -1;
+    leave(path, event, !choice.reflected, choice.direction);
+}
