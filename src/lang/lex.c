@@ -300,8 +300,7 @@ static void read_string(Lexer *lexer, Token *token)
         if (code == UTF8_INVALID || code == 0) {
             if (!bad) lex_error_at(lexer, D_INVALID_UTF8, at, at + 1, "this byte is not text in UTF-8");
             bad = true;
-        } else if (value.length <= LIMIT_STRING_BYTES) { /* the rest is only looked
-                                                            through for its end */
+        } else if (value.length <= LIMIT_STRING_BYTES) { /* the rest is only looked through */
             buf_add_bytes(&value, lexer->text + at, n);
         }
         at += n;

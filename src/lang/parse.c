@@ -11,10 +11,14 @@
 
 /* ---- tokens ---- */
 
+/* Tokens that must have been read behind a mistake before another one on its line counts, as in yacc. */
+enum { CALM_AFTER = 2 };
+
 void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Diag *diag, SymbolTable *symbols)
 {
     *parser = (Parser){.diag = diag, .arena = file && file->arena ? file->arena : diag->arena, .file = file, .unit_m = unit_m};
     lexer_init(&parser->lexer, diag, symbols, source);
+    calm_down(parser);
     parser->token = lexer_next(&parser->lexer);
 }
 
@@ -25,7 +29,23 @@ void advance(Parser *parser)
     parser->swallowed = parser->token.kind == TOKEN_STRING && parser->token.bad &&
                         parser->lexer.text[parser->token.begin] == '"' &&
                         parser->lexer.text[parser->token.end - 1] != '"';
+    parser->calm = parser->diag->n_errors == parser->n_errors ? parser->calm + 1 : 0;
+    parser->n_errors = parser->diag->n_errors;
     parser->token = lexer_next(&parser->lexer);
+    if (parser->calm < CALM_AFTER && first_on_line(parser)) calm_down(parser);
+}
+
+void calm_down(Parser *parser)
+{
+    parser->calm = CALM_AFTER;
+    parser->n_errors = parser->diag->n_errors;
+}
+
+Diagnostic *parser_report(Parser *parser, DiagCode code, Span span, const char *text)
+{
+    bool fresh = parser->diag->n_errors != parser->n_errors || parser->calm < CALM_AFTER;
+    if (parser->diag->n_errors > 0 && fresh) return ARENA_NEW(parser->arena, Diagnostic);
+    return diag_report(parser->diag, code, span, "%s", text);
 }
 
 bool accept(Parser *parser, TokenKind kind)
@@ -61,7 +81,7 @@ Diagnostic *syntax_error(Parser *parser, Span span, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return diag_report(parser->diag, D_SYNTAX, span, "%s", text);
+    return parser_report(parser, D_SYNTAX, span, text);
 }
 
 Diagnostic *limit_error(Parser *parser, Limit limit)
@@ -102,8 +122,9 @@ bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expe
     if (parser->brackets > 0 && !brackets_close_ahead(parser, parser->brackets)) parser->panic_brackets--;
     if (parser->swallowed) return false; /* by a string that is not closed: that is reported */
     uint32_t end = consumed_end(parser);
-    Diagnostic *report = diag_report(parser->diag, D_UNCLOSED_BRACKET, (Span){parser->lexer.source, end, end},
-                                     "expected %s, found %s", expected, found_text(parser));
+    Diagnostic *report =
+        parser_report(parser, D_UNCLOSED_BRACKET, (Span){parser->lexer.source, end, end},
+                      arena_format(parser->arena, "expected %s, found %s", expected, found_text(parser)));
     diag_note(parser->diag, report, opening, "to close this");
     return false;
 }

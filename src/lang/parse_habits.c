@@ -27,7 +27,7 @@ static const char *quote(const Parser *parser, uint32_t begin, uint32_t end)
 
 static Diagnostic *report_at(Parser *parser, Span span, const char *text)
 {
-    return diag_report(parser->diag, D_SYNTAX, span, "%s", text);
+    return parser_report(parser, D_SYNTAX, span, text);
 }
 
 static Span behind_last(const Parser *parser)
@@ -200,6 +200,7 @@ static void value_behind_name(Parser *parser, Path path)
         hint_write(parser, report,
                    pattern ? habit_fill(parser->arena, pattern, value)
                            : arena_format(parser->arena, "%s = %s", word, value));
+    calm_down(parser);
 }
 
 /* The next word of names ("center* radius"), behind which *names moves; *vector: whether it is marked as one. */
@@ -237,6 +238,7 @@ static void values_without_names(Parser *parser, const Path *first)
         if (!accept(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
     }
     if (hint) hint_write(parser, report, hint);
+    if (!parser->panic) calm_down(parser);
 }
 
 bool parse_value_habit(Parser *parser)
@@ -571,23 +573,31 @@ static const char *directive_rest(Parser *parser, DirectiveForm form)
     return "...";
 }
 
+static bool holds_word(const char *text, const char *word)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    for (size_t length; *text; text += length ? length : 1) {
+        length = strspn(text, letters);
+        if (length > 0 && length == strlen(word) && memcmp(text, word, length) == 0) return true;
+    }
+    return false;
+}
+
 void parse_directive(Parser *parser)
 {
     Span span = token_span(parser);
     const char *word = quote(parser, span.begin + 1, span.end), *pattern = habit_directive_pattern(word);
     DirectiveForm form = habit_directive(word, strlen(word));
-    advance(parser);
     bool inner = parser->directives > 0 && (form == DIRECTIVE_MIDDLE || form == DIRECTIVE_END);
     Diagnostic *report = NULL; /* the opening one has said it */
     if (!inner) report = report_at(parser, span, arena_format(parser->arena, "'#%s' is POV-Ray's", word));
+    advance(parser);
     parser->directives += (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP);
     parser->directives -= inner && form == DIRECTIVE_END;
     if (form == DIRECTIVE_MIDDLE && parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
     uint32_t name_end = parser->token.end, name_begin = parser->token.begin;
     const char *rest = directive_rest(parser, form), *name = quote(parser, name_begin, name_end);
-    const char *again =
-        form == DIRECTIVE_BIND && strlen(rest) > strlen(name) ? strstr(rest + strlen(name), name) : NULL;
-    if (again) /* #declare N = N + 1; */
+    if (form == DIRECTIVE_BIND && strlen(rest) > strlen(name) && holds_word(rest + strlen(name), name)) /* N = N + 1 */
         pattern = arena_format(parser->arena, "%s := %s, and var %s where it is declared", name,
                                rest + strlen(name) + strspn(rest + strlen(name), " ="), name);
     if (report && pattern && !parser->panic) hint_write(parser, report, habit_fill(parser->arena, pattern, rest));

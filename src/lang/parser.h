@@ -26,6 +26,8 @@ typedef struct Parser {
     int depth;          /* of nesting */
     int brackets;       /* open ( and [ of the statement */
     int panic_brackets; /* of them, at the mistake */
+    int calm;             /* tokens consumed since the last report, of whatever kind */
+    uint32_t n_errors;    /* seen so far */
     int blocks;         /* open { of statements */
     TokenKind previous; /* of the last consumed token */
     const char *node;   /* the word of the node whose block is being read; NULL at
@@ -59,6 +61,9 @@ Span span_from(const Parser *parser, Span begin); /* from begin to the end of th
 /* Starts panic. NULL when in panic already: there is nothing to add a hint to. */
 Diagnostic *syntax_error(Parser *parser, Span span, const char *format, ...) ATTR_PRINTF(3, 4);
 Diagnostic *limit_error(Parser *parser, Limit limit); /* a syntax error, at the next token */
+/* A report of the parser; a scratch one that is not kept so near behind another that it is most likely about the same. */
+void calm_down(Parser *parser); /* what comes next is a mistake of its own */
+Diagnostic *parser_report(Parser *parser, DiagCode code, Span span, const char *text);
 Diagnostic *expected_error(Parser *parser, const char *expected);
 /* Counts one level of nesting, of blocks and brackets together, which bounds the C stack of the parser and of all that
  * walks the tree; false, and the end of this file, when it is too deep. Pairs with leave. */
