@@ -13,10 +13,13 @@
 enum { LONGEST_UNIT = 4 };
 
 static const UnitType unit_table[] = {
-    {"nm", UNIT_LENGTH, 1e-9},   {"um", UNIT_LENGTH, 1e-6}, {"mm", UNIT_LENGTH, 1e-3},  {"cm", UNIT_LENGTH, 1e-2},
-    {"m", UNIT_LENGTH, 1},       {"km", UNIT_LENGTH, 1e3},  {"in", UNIT_LENGTH, 25.4e-3}, {"ft", UNIT_LENGTH, 0.3048},
-    {"deg", UNIT_ANGLE, 1},      {"rad", UNIT_ANGLE, 57.29577951308232}, {"turn", UNIT_ANGLE, 360},
-    {"ms", UNIT_TIME, 1e-3},     {"s", UNIT_TIME, 1},       {"K", UNIT_KELVIN, 1},
+    {"nm", UNIT_LENGTH, 1e-9},    {"um", UNIT_LENGTH, 1e-6},
+    {"mm", UNIT_LENGTH, 1e-3},    {"cm", UNIT_LENGTH, 1e-2},
+    {"m", UNIT_LENGTH, 1},        {"km", UNIT_LENGTH, 1e3},
+    {"in", UNIT_LENGTH, 25.4e-3}, {"ft", UNIT_LENGTH, 0.3048},
+    {"deg", UNIT_ANGLE, 1},       {"rad", UNIT_ANGLE, 57.29577951308232},
+    {"turn", UNIT_ANGLE, 360},    {"ms", UNIT_TIME, 1e-3},
+    {"s", UNIT_TIME, 1},          {"K", UNIT_KELVIN, 1},
 };
 
 const UnitType *unit_of(const char *text, size_t length)
@@ -27,7 +30,10 @@ const UnitType *unit_of(const char *text, size_t length)
     return NULL;
 }
 
-const UnitType *unit_at(size_t index) { return index < COUNT_OF(unit_table) ? &unit_table[index] : NULL; }
+const UnitType *unit_at(size_t index)
+{
+    return index < COUNT_OF(unit_table) ? &unit_table[index] : NULL;
+}
 
 const char *unit_of_length(double size_m)
 {
@@ -39,8 +45,8 @@ const char *unit_of_length(double size_m)
 const char *unit_measure_text(PropUnit measure)
 {
     static const char *const texts[] = {
-        [UNIT_NONE] = "a plain number", [UNIT_LENGTH] = "a length",          [UNIT_ANGLE] = "an angle",
-        [UNIT_TIME] = "a time",         [UNIT_PER_LENGTH] = "1 per length",  [UNIT_KELVIN] = "a temperature",
+        [UNIT_NONE] = "a plain number", [UNIT_LENGTH] = "a length",         [UNIT_ANGLE] = "an angle",
+        [UNIT_TIME] = "a time",         [UNIT_PER_LENGTH] = "1 per length", [UNIT_KELVIN] = "a temperature",
     };
     return texts[measure];
 }
@@ -77,8 +83,9 @@ static bool is_letter_code(uint32_t code)
     if (code == UTF8_INVALID || code < 0xc0) return code == 0xaa || code == 0xb5 || code == 0xba;
     return !(code == 0xd7 || code == 0xf7 || (code >= 0x2000 && code <= 0x2bff) || (code >= 0x2e00 && code <= 0x2e7f) ||
              (code >= 0x3000 && code <= 0x3004) || (code >= 0x3008 && code <= 0x3020) || code == 0xfeff ||
-             (code >= 0xe000 && code <= 0xf8ff) || (code >= 0xfe10 && code <= 0xfe6f) || (code >= 0xfff0 && code <= 0xffff) ||
-             (code >= 0xff01 && code <= 0xff0f) || (code >= 0x1f000 && code <= 0x1faff) || code >= 0xe0000);
+             (code >= 0xe000 && code <= 0xf8ff) || (code >= 0xfe10 && code <= 0xfe6f) ||
+             (code >= 0xfff0 && code <= 0xffff) || (code >= 0xff01 && code <= 0xff0f) ||
+             (code >= 0x1f000 && code <= 0x1faff) || code >= 0xe0000);
 }
 
 static int hex_value(char c)
@@ -120,8 +127,7 @@ static void skip_block_comment(Lexer *lexer)
         }
     }
     lexer->at = at;
-    if (depth > 0)
-        lex_error_at(lexer, D_UNTERMINATED_COMMENT, begin, begin + 2, "this comment is not closed");
+    if (depth > 0) lex_error_at(lexer, D_UNTERMINATED_COMMENT, begin, begin + 2, "this comment is not closed");
 }
 
 void lexer_skip_blanks(Lexer *lexer)
@@ -272,8 +278,10 @@ static bool read_escape(Lexer *lexer, uint32_t *at, Buf *out)
         lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at, "this is no code point; write \\u{1F378}");
         return false;
     }
-    if (c == '\n' || *at > lexer->length) --*at; /* the string itself is not closed: that is reported */
-    else lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at, "unknown escape; the escapes are \\\" \\\\ \\n \\t \\u{...}");
+    if (c == '\n' || *at > lexer->length)
+        --*at; /* the string itself is not closed: that is reported */
+    else
+        lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at, "unknown escape; the escapes are \\\" \\\\ \\n \\t \\u{...}");
     return false;
 }
 
@@ -374,7 +382,8 @@ static void skip_unknown(Lexer *lexer)
         report = diag_report(lexer->diag, D_INVALID_CHARACTER, span, "'%s' has no meaning here", shown);
     if (code == 0x201c || code == 0x201d || code == '\'') diag_hint(lexer->diag, report, "strings stand in '\"'");
     if (code == 0xb0) diag_hint(lexer->diag, report, "write 'deg'");
-    while (code != 0 && lexer->at + n <= lexer->length && memcmp(lexer->text + lexer->at, shown, n) == 0) lexer->at += n;
+    while (code != 0 && lexer->at + n <= lexer->length && memcmp(lexer->text + lexer->at, shown, n) == 0)
+        lexer->at += n;
 }
 
 /* "# text": a comment in other languages */

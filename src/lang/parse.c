@@ -16,7 +16,8 @@ enum { CALM_AFTER = 2 };
 
 void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Diag *diag, SymbolTable *symbols)
 {
-    *parser = (Parser){.diag = diag, .arena = file && file->arena ? file->arena : diag->arena, .file = file, .unit_m = unit_m};
+    *parser = (Parser){
+        .diag = diag, .arena = file && file->arena ? file->arena : diag->arena, .file = file, .unit_m = unit_m};
     lexer_init(&parser->lexer, diag, symbols, source);
     calm_down(parser);
     parser->token = lexer_next(&parser->lexer);
@@ -141,7 +142,8 @@ bool expect_name(Parser *parser, const char *context, Symbol **name, Span *span)
         const Token *token = &parser->token;
         Diagnostic *report = expected_error(parser, arena_format(parser->arena, "a name %s", context));
         if (report && token->kind >= TOKEN_AND)
-            diag_hint(parser->diag, report, "%s is a word of the language and cannot be a name", token_text(token->kind));
+            diag_hint(parser->diag, report, "%s is a word of the language and cannot be a name",
+                      token_text(token->kind));
     }
     return false;
 }
@@ -153,14 +155,19 @@ bool enter(Parser *parser)
         return true;
     }
     if (!parser->fatal && !parser->panic)
-        limit_hint(parser->diag, diag_report(parser->diag, D_TOO_DEEP, token_span(parser), "nested deeper than %d levels",
-                                             LIMIT_NESTING), OVER_NESTING);
+        limit_hint(
+            parser->diag,
+            diag_report(parser->diag, D_TOO_DEEP, token_span(parser), "nested deeper than %d levels", LIMIT_NESTING),
+            OVER_NESTING);
     parser->panic = parser->fatal = true;
     parser->token.kind = TOKEN_END;
     return false;
 }
 
-void leave(Parser *parser) { parser->depth--; }
+void leave(Parser *parser)
+{
+    parser->depth--;
+}
 
 /* ---- the way back from a mistake ---- */
 
@@ -189,8 +196,8 @@ static bool starts_statement(const Parser *parser, int brackets)
     case TOKEN_NAME: {
         TokenKind next = peek(parser).kind;
         if (next == TOKEN_ASSIGN || next == TOKEN_CHANGE) return fresh_line || brackets == 0;
-        return fresh_line && (next == TOKEN_BRACE_OPEN || next == TOKEN_NAME || next == TOKEN_PAREN_OPEN ||
-                              next == TOKEN_DOT);
+        return fresh_line &&
+               (next == TOKEN_BRACE_OPEN || next == TOKEN_NAME || next == TOKEN_PAREN_OPEN || next == TOKEN_DOT);
     }
     default: return false;
     }
@@ -219,7 +226,8 @@ static void synchronize(Parser *parser, int brackets, uint32_t statement_begin)
 
 /* ---- statements ---- */
 
-/* Texts may have millions of statements, most of them properties and nodes: memory for what their kind has, and no more. */
+/* Texts may have millions of statements, most of them properties and nodes: memory for what their kind has, and no
+ * more. */
 static size_t stmt_size(StmtKind kind)
 {
     const Stmt *stmt = NULL;
@@ -315,7 +323,10 @@ static Stmt *parse_statements(Parser *parser, TokenKind end, const Block *block)
     return first;
 }
 
-Stmt *parse_stmts(Parser *parser, TokenKind end) { return parse_statements(parser, end, NULL); }
+Stmt *parse_stmts(Parser *parser, TokenKind end)
+{
+    return parse_statements(parser, end, NULL);
+}
 
 /* The '}' of a block is missing: at the end of the file, or where the indentation says so. */
 static void report_missing_close(Parser *parser, Span opening)
@@ -778,7 +789,8 @@ static void parse_header(Parser *parser, double unit_m)
     file->unit_m = unit_m > 0 ? unit_m : 1;
     if (!token_is_word(&parser->token, "meniscus")) {
         Span span = token_span(parser);
-        Diagnostic *report = diag_report(parser->diag, D_MISSING_HEADER, span, "the file does not begin with its header");
+        Diagnostic *report =
+            diag_report(parser->diag, D_MISSING_HEADER, span, "the file does not begin with its header");
         diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
         if (parser->token.kind == TOKEN_DIRECTIVE)
             diag_note_nowhere(parser->diag, report, "meniscus-povray(7) says how scenes of POV-Ray are written here");
@@ -793,8 +805,8 @@ static void parse_header(Parser *parser, double unit_m)
     if (!expect(parser, TOKEN_NUMBER, "(the version of the language) behind 'meniscus'")) return;
     if (file->version < LANGUAGE_MAJOR || file->version >= LANGUAGE_MAJOR + 1)
         diag_report(parser->diag, D_UNSUPPORTED_VERSION, version_span,
-                    "the file is in version %g of the language; this program reads %d.%d", file->version, LANGUAGE_MAJOR,
-                    LANGUAGE_MINOR);
+                    "the file is in version %g of the language; this program reads %d.%d", file->version,
+                    LANGUAGE_MAJOR, LANGUAGE_MINOR);
     if (!token_is_word(&parser->token, "unit") || begins_statement(parser)) return;
     advance(parser);
     file->unit_span = token_span(parser);

@@ -15,7 +15,10 @@ Expr *expr_new(Parser *parser, ExprKind kind, Span span)
     return expr;
 }
 
-static Expr *poison_expr(Parser *parser) { return expr_new(parser, EXPR_POISON, token_span(parser)); }
+static Expr *poison_expr(Parser *parser)
+{
+    return expr_new(parser, EXPR_POISON, token_span(parser));
+}
 
 static Expr *constant_expr(Parser *parser, Span span, Value value, const UnitType *unit)
 {
@@ -49,7 +52,7 @@ typedef struct PlainList {
     size_t n, capacity; /* doubles */
     unsigned width;     /* per element, 0 before the first */
     const UnitType *unit;
-    uint32_t rest;      /* where the first element that is not plain begins */
+    uint32_t rest; /* where the first element that is not plain begins */
     bool complete;
 } PlainList;
 
@@ -255,8 +258,8 @@ static Expr *fold_vector(Parser *parser, Span span, const ExprList *list)
     return constant_expr(parser, span, value, unit);
 }
 
-/* A vector of plain numbers, behind its '<', without a token for each of them; NULL, and back behind the '<', when it holds
- * anything else. */
+/* A vector of plain numbers, behind its '<', without a token for each of them; NULL, and back behind the '<', when it
+ * holds anything else. */
 static Expr *plain_vector(Parser *parser, Span span)
 {
     Lexer *lexer = &parser->lexer;
@@ -338,8 +341,8 @@ static Expr *parse_color(Parser *parser)
     advance(parser);
     if (token.bad) return expr_new(parser, EXPR_POISON, span);
     uint32_t rgb = token.as.rgb;
-    return constant_expr(parser, span,
-                         value_color((rgb >> 16 & 0xff) / 255.0, (rgb >> 8 & 0xff) / 255.0, (rgb & 0xff) / 255.0), NULL);
+    return constant_expr(
+        parser, span, value_color((rgb >> 16 & 0xff) / 255.0, (rgb >> 8 & 0xff) / 255.0, (rgb & 0xff) / 255.0), NULL);
 }
 
 static Expr *parse_word(Parser *parser, Value value)
@@ -382,7 +385,8 @@ static Expr *parse_name(Parser *parser)
         advance(parser);
         Expr *member = expr_new(parser, EXPR_MEMBER, begin);
         member->as.member.base = expr;
-        if (!expect_name(parser, "behind '.'", &member->as.member.name, &member->as.member.name_span)) return poison_expr(parser);
+        if (!expect_name(parser, "behind '.'", &member->as.member.name, &member->as.member.name_span))
+            return poison_expr(parser);
         path.names[path.n++] = member->as.member.name;
         path.span = member->span = span_from(parser, begin);
         expr = member;
@@ -470,7 +474,8 @@ static Expr *parse_member(Parser *parser, Expr *base)
     Expr *expr = expr_new(parser, EXPR_MEMBER, base->span);
     advance(parser);
     expr->as.member.base = base;
-    if (!expect_name(parser, "behind '.'", &expr->as.member.name, &expr->as.member.name_span)) return poison_expr(parser);
+    if (!expect_name(parser, "behind '.'", &expr->as.member.name, &expr->as.member.name_span))
+        return poison_expr(parser);
     expr->span = span_from(parser, base->span);
     return expr;
 }
@@ -542,7 +547,8 @@ static Expr *parse_unary(Parser *parser)
     } else {
         expr = parse_post(parser);
         Span operator_span = token_span(parser);
-        if (accept(parser, TOKEN_CARET)) expr = binary_expr(parser, EXPR_POWER, expr, operator_span, parse_unary(parser));
+        if (accept(parser, TOKEN_CARET))
+            expr = binary_expr(parser, EXPR_POWER, expr, operator_span, parse_unary(parser));
     }
     leave(parser);
     return expr;
@@ -592,7 +598,8 @@ static Expr *parse_add(Parser *parser)
         if (kind != TOKEN_PLUS && kind != TOKEN_MINUS) break;
         if (chain_too_long(parser, links)) break;
         advance(parser);
-        expr = binary_expr(parser, kind == TOKEN_PLUS ? EXPR_ADD : EXPR_SUBTRACT, expr, operator_span, parse_mul(parser));
+        expr =
+            binary_expr(parser, kind == TOKEN_PLUS ? EXPR_ADD : EXPR_SUBTRACT, expr, operator_span, parse_mul(parser));
         expr->span = span_from(parser, expr->as.op.a->span);
     }
     return expr;
@@ -698,7 +705,7 @@ static Expr *parse_let(Parser *parser)
     return expr;
 }
 
- /* expr = "let" "(" [ bound { "," bound } [ "," ] ] ")" expr | tern [ ( ".." | "..<" ) tern [ "by" tern ] ] ; */
+/* expr = "let" "(" [ bound { "," bound } [ "," ] ] ")" expr | tern [ ( ".." | "..<" ) tern [ "by" tern ] ] ; */
 Expr *parse_expr(Parser *parser)
 {
     if (parser->token.kind == TOKEN_LET) return parse_let(parser);

@@ -17,8 +17,8 @@ static void evaluate(void *context)
     EvalOptions options = {.schema = scene_schema(),
                            .confine = "/nonexistent",
                            .limits = {.steps = 20000, .nodes = 2000, .memory = 64 << 20, .files = 4, .calls = 200}};
-    evaluation->status = eval_text("fuzz.mns", fuzz->text, fuzz->length, &options, &fuzz->diag, &evaluation->result,
-                                   &evaluation->error);
+    evaluation->status =
+        eval_text("fuzz.mns", fuzz->text, fuzz->length, &options, &fuzz->diag, &evaluation->result, &evaluation->error);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

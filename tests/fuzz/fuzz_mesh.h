@@ -21,9 +21,11 @@ static inline int fuzz_mesh(MeshLoader *load, const uint8_t *data, size_t size)
     unlink(path);
     FUZZ_HOLDS(status == STATUS_OK ? mesh != NULL : mesh == NULL && error.text[0]);
     if (mesh) {
-        for (size_t i = 0; i < (size_t)mesh->n_triangles * 3; i++) FUZZ_HOLDS(mesh->triangles[i / 3][i % 3] < mesh->n_vertices);
+        for (size_t i = 0; i < (size_t)mesh->n_triangles * 3; i++)
+            FUZZ_HOLDS(mesh->triangles[i / 3][i % 3] < mesh->n_vertices);
         for (size_t i = 0; i < mesh->n_vertices; i++)
-            FUZZ_HOLDS(isfinite(mesh->positions[i].x) && isfinite(mesh->positions[i].y) && isfinite(mesh->positions[i].z));
+            FUZZ_HOLDS(isfinite(mesh->positions[i].x) && isfinite(mesh->positions[i].y) &&
+                       isfinite(mesh->positions[i].z));
     }
     mesh_free(mesh);
     mesh_source_clear(&source);

@@ -102,7 +102,8 @@ static void read_mark(Run *run, Expectation *expected, const char *path, unsigne
     if (strncmp(comment, "// option: ", 11) == 0) {
         read_option(run, expected, comment + 11);
     } else if (sscanf(comment, "// %31[a-z]%n", severity, &used) == 1 &&
-               (strcmp(severity, "error") == 0 || strcmp(severity, "warning") == 0 || strcmp(severity, "remark") == 0)) {
+               (strcmp(severity, "error") == 0 || strcmp(severity, "warning") == 0 ||
+                strcmp(severity, "remark") == 0)) {
         DiagSeverity kind = *severity == 'e' ? DIAG_ERROR : *severity == 'w' ? DIAG_WARNING : DIAG_REMARK;
         const char *rest = comment + used;
         int behind = 0;
@@ -139,10 +140,12 @@ static void read_marks(Run *run, Expectation *expected, const char *path)
 
 static bool meets(Run *run, Mark *mark, const Diagnostic *report)
 {
-    if (mark->met || mark->severity != report->severity || strcmp(mark->slug, diag_slug(report->code)) != 0) return false;
+    if (mark->met || mark->severity != report->severity || strcmp(mark->slug, diag_slug(report->code)) != 0)
+        return false;
     if (!report->has_span) return mark->file[0] == 0;
     if (strcmp(mark->file, run->sources.sources[report->span.source].name) != 0) return false;
-    return mark->line == 0 || mark->line == source_position(&run->sources, report->span.source, report->span.begin).line;
+    return mark->line == 0 ||
+           mark->line == source_position(&run->sources, report->span.source, report->span.begin).line;
 }
 
 static void compare_marks(Run *run, Expectation *expected)
