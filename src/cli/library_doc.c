@@ -1,5 +1,6 @@
 /* library_doc.c - reads the comments of the standard library: the one at the head of a text, headings, and the one
- * above each medium, def and let. Names that begin with '_' are the text's own. SPDX-License-Identifier: Apache-2.0 */
+ * above each medium, def and let. Names that begin with '_' are the text's own.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "cli/library_doc.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* limits.c - the table of limits. SPDX-License-Identifier: Apache-2.0 */
+/* limits.c - the table of limits.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "diag/limits.h"
 
 static const LimitRow rows[] = {

@@ -1,5 +1,5 @@
-/* limits.h - what a scene can have too much of, as numbers and as a table: limits.def. SPDX-License-Identifier:
- * Apache-2.0 */
+/* limits.h - what a scene can have too much of, as numbers and as a table: limits.def.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_LIMITS_H
 #define MEN_LIMITS_H
 

@@ -1,5 +1,6 @@
 /* blob.c - blobs: bodies of balls and rods that flow into each other (J. F. Blinn, "A Generalization of Algebraic
- * Surface Drawing", ACM TOG 1(3), 1982), with the density that POV-Ray's have. SPDX-License-Identifier: Apache-2.0 */
+ * Surface Drawing", ACM TOG 1(3), 1982), with the density that POV-Ray's have.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

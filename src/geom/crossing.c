@@ -6,7 +6,8 @@
  * than what they share as neighbours: each reaches to both sides of the other's plane. A corner that lies exactly in
  * the other's plane counts as outside, so parts that only touch from outside do not cross, and parts that touch from
  * within do. Triangles in one plane cross when they overlap and look the same way; where they look opposite ways they
- * are the common face of two parts, which encloses nothing. SPDX-License-Identifier: Apache-2.0 */
+ * are the common face of two parts, which encloses nothing.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,13 +95,27 @@ static void sort_by_code(Coded *items, Coded *spare, uint32_t n)
     }
 }
 
+/* Two of the coordinates: those that follow the dropped one in x, y, z, x, y; or these two swapped. */
+static void flatten(const Vec3f corners[3], int drop, bool swap, Point2 flat[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const double all[3] = {(double)corners[k].x, (double)corners[k].y, (double)corners[k].z};
+        double first = all[(drop + 1) % 3], second = all[(drop + 2) % 3];
+        flat[k] = swap ? (Point2){second, first} : (Point2){first, second};
+    }
+}
+
 static bool has_area(const Mesh *mesh, uint32_t triangle)
 {
     const uint32_t *t = mesh->triangles[triangle];
     Vec3f a = mesh->positions[t[0]], b = mesh->positions[t[1]], c = mesh->positions[t[2]];
-    const float xy[3][2] = {{a.x, a.y}, {b.x, b.y}, {c.x, c.y}}, yz[3][2] = {{a.y, a.z}, {b.y, b.z}, {c.y, c.z}},
-                zx[3][2] = {{a.z, a.x}, {b.z, b.x}, {c.z, c.x}};
-    return exact_turn(xy[0], xy[1], xy[2]) || exact_turn(yz[0], yz[1], yz[2]) || exact_turn(zx[0], zx[1], zx[2]);
+    const Vec3f corners[3] = {a, b, c};
+    Point2 flat[3];
+    for (int drop = 0; drop < 3; drop++) {
+        flatten(corners, drop, false, flat);
+        if (exact_turn(flat[0], flat[1], flat[2])) return true;
+    }
+    return false;
 }
 
 static Status order_triangles(Search *search, Error *error)
@@ -193,18 +208,8 @@ static void take_pair(const Search *search, uint32_t i, uint32_t j, Pair *pair)
     }
 }
 
-/* The two coordinates in which the triangle is seen largest. */
-static void flatten(const Vec3f corners[3], int drop, bool swap, float flat[3][2])
-{
-    for (int k = 0; k < 3; k++) {
-        const float all[3] = {corners[k].x, corners[k].y, corners[k].z};
-        flat[k][swap] = all[(drop + 1) % 3];
-        flat[k][!swap] = all[(drop + 2) % 3];
-    }
-}
-
 /* Whether an edge of the counter-clockwise triangle a has all of b on its outer side. */
-static bool edge_parts(float a[3][2], float b[3][2])
+static bool edge_parts(const Point2 a[3], const Point2 b[3])
 {
     for (int k = 0; k < 3; k++) {
         bool parts = true;
@@ -217,7 +222,7 @@ static bool edge_parts(float a[3][2], float b[3][2])
 /* Triangles in one plane: overlapping, and turned the same way. */
 static bool overlap_in_plane(const Pair *pair)
 {
-    float a[3][2], b[3][2];
+    Point2 a[3], b[3];
     for (int drop = 0; drop < 3; drop++) {
         flatten(pair->a, drop, false, a);
         int turn = exact_turn(a[0], a[1], a[2]);

@@ -6,7 +6,8 @@
  *
  * Smooth curves are Catmull and Rom's with centripetal parameters (C. Yuksel, S. Schaefer, J. Keyser, "Parameterization
  * and applications of Catmull-Rom curves", Computer-Aided Design 43, 2011), which have no loops or cusps within a
- * piece. SPDX-License-Identifier: Apache-2.0 */
+ * piece.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
 #include "geom/outline.h"

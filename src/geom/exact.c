@@ -1,4 +1,4 @@
-/* exact.c - signs of determinants of floats.
+/* exact.c - signs of determinants.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/exact.h"
 
@@ -81,17 +81,33 @@ int exact_side_of_plane(Vec3f a, Vec3f b, Vec3f c, Vec3f d)
     return sum_sign(&sum);
 }
 
-int exact_turn(const float a[2], const float b[2], const float c[2])
+/* a * b as a sum of two doubles */
+static void exact_product(double a, double b, double *high, double *low)
 {
-    const double bound = 3.3306690738754716e-16; /* (3 + 16 e) e */
-    double ax = (double)a[0], ay = (double)a[1], bx = (double)b[0], by = (double)b[1], cx = (double)c[0],
-           cy = (double)c[1];
-    double left = (bx - ax) * (cy - ay), right = (by - ay) * (cx - ax);
-    double determinant = left - right, size = fabs(left) + fabs(right);
-    if (determinant > bound * size) return 1;
-    if (determinant < -bound * size) return -1;
+    const double splitter = 134217729; /* 2^27 + 1 */
+    double x = a * b;
+    double big = splitter * a, a_high = big - (big - a), a_low = a - a_high;
+    big = splitter * b;
+    double b_high = big - (big - b), b_low = b - b_high;
+    *low = a_low * b_low - (((x - a_high * b_high) - a_low * b_high) - a_high * b_low);
+    *high = x;
+}
+
+int exact_turn(Point2 a, Point2 b, Point2 c)
+{
+    double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
+    double determinant = left - right;
+    const double bound = 3.3306690738754716e-16 * (fabs(left) + fabs(right)); /* (3 + 16 e) e */
+    if (fabs(determinant) > bound) return determinant > 0 ? 1 : -1;
+    /* what lies along an axis is common, and exact arithmetic is slow */
+    if ((a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y)) return 0;
+    const double factors[6][2] = {{a.x, b.y}, {-a.x, c.y}, {-c.x, b.y}, {-a.y, b.x}, {a.y, c.x}, {c.y, b.x}};
     Sum sum = {.n = 0};
-    const double products[6] = {ax * by, -ay * bx, bx * cy, -by * cx, cx * ay, -cy * ax}; /* each exact */
-    for (int i = 0; i < 6; i++) sum_add(&sum, products[i]);
+    for (int i = 0; i < 6; i++) {
+        double high, low;
+        exact_product(factors[i][0], factors[i][1], &high, &low);
+        sum_add(&sum, low);
+        sum_add(&sum, high);
+    }
     return sum_sign(&sum);
 }

@@ -1,6 +1,7 @@
 /* lathe.c - a profile turned about the y axis: checked, and its corners rounded.
  * The profile is a closed polygon in the half plane (r, y). Steps: clean the corners, orient, replace rounded corners
- * by arcs; outline.c does the rest. SPDX-License-Identifier: Apache-2.0 */
+ * by arcs; outline.c does the rest.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>

@@ -1,7 +1,8 @@
 /* outline.h - what a turned profile becomes before it is a solid: a closed outline in the half plane (r, y) of straight
  * edges and arcs, walked counter-clockwise (r to the right, y up), the solid on the left. An arc stands in the outline
  * as a run of short edges, for the search for crossings, and becomes one piece in the end, exactly round. Private to
- * lathe.c and curve.c. SPDX-License-Identifier: Apache-2.0 */
+ * lathe.c and curve.c.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_OUTLINE_H
 #define MEN_OUTLINE_H
 

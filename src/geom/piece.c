@@ -11,7 +11,8 @@
  * Along a closed profile the number of crossings is therefore even, with as many entries as exits,
  * whatever rounding does to the signs. Discs and rings follow the same rule with both ends at one height.
  * Arcs follow it, too (tube.c): of an outer one the part of the line above its end is inside of the circle, of an inner
- * one it is outside. SPDX-License-Identifier: Apache-2.0 */
+ * one it is outside.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/piece.h"
 
 #include <math.h>

@@ -99,7 +99,7 @@ static bool within(const Edge *edge, Point2 p)
 {
     if (same_point(p, edge->from) || same_point(p, edge->to)) return false;
     return between(edge->from.x, p.x, edge->to.x) && between(edge->from.y, p.y, edge->to.y) &&
-           orient2(edge->from, edge->to, p) == 0;
+           exact_turn(edge->from, edge->to, p) == 0;
 }
 
 /* Where two edges meet elsewhere than at common ends: up to two points. An end within the other edge comes first, as
@@ -111,8 +111,8 @@ static int meeting(const Edge *a, const Edge *b, Point2 at[2])
     for (int i = 0; i < 4 && n < 2; i++)
         if (within(i < 2 ? a : b, ends[i])) at[n++] = ends[i];
     if (n) return n;
-    int from = orient2(a->from, a->to, b->from), to = orient2(a->from, a->to, b->to);
-    if (from * to >= 0 || orient2(b->from, b->to, a->from) * orient2(b->from, b->to, a->to) >= 0) return 0;
+    int from = exact_turn(a->from, a->to, b->from), to = exact_turn(a->from, a->to, b->to);
+    if (from * to >= 0 || exact_turn(b->from, b->to, a->from) * exact_turn(b->from, b->to, a->to) >= 0) return 0;
     double ux = a->to.x - a->from.x, uy = a->to.y - a->from.y, vx = b->to.x - b->from.x, vy = b->to.y - b->from.y;
     double wx = b->from.x - a->from.x, wy = b->from.y - a->from.y;
     double cross = ux * vy - uy * vx, t = cross != 0 ? (wx * vy - wy * vx) / cross : 0.5;

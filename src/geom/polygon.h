@@ -1,5 +1,5 @@
 /* polygon.h - areas in a plane that are bounded by closed loops: crossings, what is inside, triangles.
- * All decisions are exact (geom/orient2.h), so that no outline, however thin, makes an open or folded result.
+ * All decisions are exact (geom/exact.h), so that no outline, however thin, makes an open or folded result.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_POLYGON_H
 #define MEN_POLYGON_H
@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
-#include "geom/orient2.h"
+#include "geom/exact.h"
 
 /* A corner of a loop, with the directions in which the curve comes to it and goes on (unit; where these are not
  * opposite sides of a sharp corner they are equal). source: the number of the point that it was made from. */

@@ -62,7 +62,7 @@ static bool is_inside(FillRule rule, int32_t winding)
 static int orient(const Sweep *sweep, uint32_t a, uint32_t b, uint32_t c)
 {
     const Point2 *p = sweep->input->points;
-    return orient2(p[a], p[b], p[c]);
+    return exact_turn(p[a], p[b], p[c]);
 }
 
 /* ---- parts ---- */

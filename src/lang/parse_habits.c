@@ -1,6 +1,7 @@
 /* parse_habits.c - statements in the way of other languages, and with a bracket left out: each is reported with what
  * is written here, and then read as it was meant, so that the text behind it is checked and nothing is reported
- * twice. SPDX-License-Identifier: Apache-2.0 */
+ * twice.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "diag/suggest.h"

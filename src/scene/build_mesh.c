@@ -262,11 +262,11 @@ static bool load_next(Builder *b, const EvalProp *next, const char *part, bool s
     build_note_file(b, path);
     if (!load_file(b, next, path, part, smooth, shape, &row->mesh_end)) return false;
     if (mesh_same_triangles(row->mesh, row->mesh_end)) return true;
-    Diagnostic *report = diag_report(b->diag, D_MESH_INVALID, next->span,
-                                     "'%s' has %u vertices and %u triangles, and is not the mesh of %u and %u a frame later",
-                                     next->as.text, (unsigned)row->mesh_end->n_vertices,
-                                     (unsigned)row->mesh_end->n_triangles, (unsigned)row->mesh->n_vertices,
-                                     (unsigned)row->mesh->n_triangles);
+    Diagnostic *report =
+        diag_report(b->diag, D_MESH_INVALID, next->span,
+                    "'%s' has %u vertices and %u triangles, and is not the mesh of %u and %u a frame later",
+                    next->as.text, (unsigned)row->mesh_end->n_vertices, (unsigned)row->mesh_end->n_triangles,
+                    (unsigned)row->mesh->n_vertices, (unsigned)row->mesh->n_triangles);
     diag_hint(b->diag, report, "the triangles must be the same, in the same order; only places and normals may differ");
     return false;
 }
@@ -282,6 +282,7 @@ static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, c
     if (!build_finish_mesh(b, node, shape)) return false;
     if (!next) return true;
     row = &b->scene->shapes[shape];
+    row->mesh_end->n_triangles = row->mesh->n_triangles; /* some may have been dropped */
     memcpy(row->mesh_end->triangles, row->mesh->triangles, row->mesh->n_triangles * sizeof *row->mesh->triangles);
     return true;
 }

@@ -1,5 +1,6 @@
 /* build_meshed.c - solids that are made of triangles from a few numbers: prisms, sweeps, superellipsoids, height
- * fields. SPDX-License-Identifier: Apache-2.0 */
+ * fields.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
 

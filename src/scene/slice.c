@@ -2,7 +2,8 @@
  *
  * Every row of pixels has LINES lines along it and every column as many. A line is cut into runs by the surfaces that
  * it crosses, and each run has one owner. Rows give the colours; rows and columns together give the boundaries, each
- * the ones that it crosses steeply. SPDX-License-Identifier: Apache-2.0 */
+ * the ones that it crosses steeply.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/slice.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* media_test.c - media that scatter: furnaces, transmittance and single scattering in closed form, and light that is
- * the same however it is found. SPDX-License-Identifier: Apache-2.0 */
+ * the same however it is found.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
 enum { WIDTH = 32 };

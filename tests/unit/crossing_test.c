@@ -233,7 +233,8 @@ static void signs_are_exact(void **state)
         assert_int_equal(exact_side_of_plane(f[0], f[1], f[2], f[3]), (det > 0) - (det < 0));
         zeros += det == 0;
         int64_t flat = u[0] * v[1] - u[1] * v[0];
-        const float a[2] = {f[0].x, f[0].y}, b[2] = {f[1].x, f[1].y}, c[2] = {f[2].x, f[2].y};
+        Point2 a = {(double)f[0].x, (double)f[0].y}, b = {(double)f[1].x, (double)f[1].y},
+               c = {(double)f[2].x, (double)f[2].y};
         assert_int_equal(exact_turn(a, b, c), (flat > 0) - (flat < 0));
     }
     assert_true(zeros > 40000);

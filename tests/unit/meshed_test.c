@@ -1,5 +1,6 @@
 /* meshed_test.c - sweeps, superellipsoids, height fields and prisms as scenes say them: closed, as large as formulas
- * say, with normals that face outward; and what is refused. SPDX-License-Identifier: Apache-2.0 */
+ * say, with normals that face outward; and what is refused.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
 #include <math.h>

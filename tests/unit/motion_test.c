@@ -1,5 +1,6 @@
 /* motion_test.c - how a scene's motion is found: what moves, what is told apart by its place in the text, what cannot
- * be blurred, and meshes that are given a frame later. SPDX-License-Identifier: Apache-2.0 */
+ * be blurred, and meshes that are given a frame later.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
 #include <math.h>
@@ -88,12 +89,37 @@ static void mistakes_of_later_are_told(void **state)
     fixture_clear(&scene);
 }
 
-static void write_mesh(const char *path, const char *top)
+static void write_mesh(const char *path, const char *top, const char *more)
 {
     FILE *file = fopen(path, "w");
     assert_non_null(file);
-    fprintf(file, "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 %s 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n", top);
+    fprintf(file, "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 0 %s 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n%s", top, more);
     assert_int_equal(fclose(file), 0);
+}
+
+static void what_is_dropped_of_a_mesh_is_dropped_a_frame_later(void **state)
+{
+    (void)state;
+    static const char more[] = "v 0 0 0\nf 1 2 3\nf 1 5 2\nf 4 2 1\n"; /* twice, without extent, twice */
+    char folder[] = "/tmp/meniscus-motion-XXXXXX", text[800], now[80], later[80];
+    assert_non_null(mkdtemp(folder));
+    snprintf(now, sizeof now, "%s/now.obj", folder);
+    snprintf(later, sizeof later, "%s/later.obj", folder);
+    write_mesh(now, "1", more);
+    write_mesh(later, "3", more);
+    Fixture scene;
+    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
+             later);
+    fixture_compile(&scene, text, 1);
+    assert_non_null(fixture_find(&scene, D_MESH_MENDED));
+    const SceneShape *shape = &scene.scene->shapes[0];
+    assert_int_equal(shape->mesh->n_triangles, 4);
+    assert_non_null(shape->mesh_end);
+    assert_true(mesh_same_triangles(shape->mesh, shape->mesh_end));
+    fixture_clear(&scene);
+    remove(now);
+    remove(later);
+    remove(folder);
 }
 
 static void a_mesh_may_be_given_a_frame_later(void **state)
@@ -103,8 +129,8 @@ static void a_mesh_may_be_given_a_frame_later(void **state)
     assert_non_null(mkdtemp(folder));
     snprintf(now, sizeof now, "%s/now.obj", folder);
     snprintf(later, sizeof later, "%s/later.obj", folder);
-    write_mesh(now, "1");
-    write_mesh(later, "3");
+    write_mesh(now, "1", "");
+    write_mesh(later, "3", "");
     Fixture scene;
     snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
              later);
@@ -129,9 +155,12 @@ static void a_mesh_may_be_given_a_frame_later(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(places_follow_the_clock),           cmocka_unit_test(without_a_shutter_nothing_moves),
-        cmocka_unit_test(meshes_deform_and_cones_do_not),    cmocka_unit_test(mistakes_of_later_are_told),
+        cmocka_unit_test(places_follow_the_clock),
+        cmocka_unit_test(without_a_shutter_nothing_moves),
+        cmocka_unit_test(meshes_deform_and_cones_do_not),
+        cmocka_unit_test(mistakes_of_later_are_told),
         cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
+        cmocka_unit_test(what_is_dropped_of_a_mesh_is_dropped_a_frame_later),
     };
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }

@@ -61,11 +61,11 @@ static void signs_are_exact(void **state)
             Point2 c = {0.5 + i * 0x1p-53, 0.5 + k * 0x1p-53};
             c.x -= i < 0 ? 0 : fmod(i, 2) * 0x1p-53; /* only what a double can hold above a half */
             c.y -= k < 0 ? 0 : fmod(k, 2) * 0x1p-53;
-            assert_int_equal(orient2(a, b, c), (c.y > c.x) - (c.y < c.x));
-            assert_int_equal(orient2(b, a, c), (c.y < c.x) - (c.y > c.x));
-            assert_int_equal(orient2(c, a, b), (c.y > c.x) - (c.y < c.x));
+            assert_int_equal(exact_turn(a, b, c), (c.y > c.x) - (c.y < c.x));
+            assert_int_equal(exact_turn(b, a, c), (c.y < c.x) - (c.y > c.x));
+            assert_int_equal(exact_turn(c, a, b), (c.y > c.x) - (c.y < c.x));
         }
-    assert_int_equal(orient2((Point2){0, 0}, (Point2){1e-200, 0}, (Point2){5, 1}), 1);
+    assert_int_equal(exact_turn((Point2){0, 0}, (Point2){1e-200, 0}, (Point2){5, 1}), 1);
 }
 
 /* Rectangles on a small grid touch, cover, and cross each other in all ways; counting cells says what is covered. */
