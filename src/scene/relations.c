@@ -17,6 +17,7 @@
 
 #include "base/array.h"
 #include "base/hash.h"
+#include "geom/box_pairs.h"
 #include "scene/lines.h"
 
 enum {
@@ -70,6 +71,7 @@ typedef struct Worker {
     uint32_t *fact_of; /* of each other hull: 1 + its place in the list of the present hull's facts, or 0 */
 } Worker;
 
+/* A pair whose bounds come near each other, but for two balls. */
 typedef struct Candidate {
     uint32_t a, b;
     Box3 region;       /* common part of the bounds */
@@ -82,14 +84,16 @@ typedef struct Candidate {
 typedef struct Finder {
     const CompiledScene *compiled;
     Worker *workers;
-    double *extent; /* half the area of the bounds, by which hulls are small or large */
-    double *margin; /* see margin_of */
-    Vec3 *center;
-    double *radius; /* of spheres; 0: no sphere */
-    bool *is_judge; /* has a pair that is judged along its lines */
-    FactList *hull_facts;
+    double *radius;         /* of spheres; 0: no sphere */
+    uint32_t *judges;       /* hulls with a pair that is judged along their lines, in rising order */
+    uint32_t n_judges;
+    uint32_t *judge_of;     /* of each hull: 1 + its place among these, or 0 */
+    FactList *judge_facts;  /* of each judge */
     Candidate *candidates;
     size_t n_candidates, candidates_capacity;
+    HullPair *ball_pairs;   /* that meet: two balls are judged at once */
+    size_t n_ball_pairs, ball_pairs_capacity;
+    size_t n_small_regions; /* of all two balls whose bounds come near each other */
     uint32_t lines_of_hull[2],
         lines_of_pair[2]; /* [0] balls and pairs with a ball, [1] others: bubbles are many, glasses few */
     int search_steps;
@@ -97,10 +101,17 @@ typedef struct Finder {
 
 /* ---- hulls by size ---- */
 
+/* Half the area of a box. */
 static double half_area(Box3 box)
 {
     Vec3 s = vec3_sub(box.max, box.min);
     return s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
+/* By which hulls are small or large. */
+static double extent_of(const Finder *f, uint32_t hull)
+{
+    return half_area(f->compiled->hull_bounds[hull]);
 }
 
 /* The second of the three: the width of a pane, the thickness of a rod. */
@@ -118,7 +129,8 @@ static Box3 widened(Box3 box, double by)
 
 static bool smaller(const Finder *f, uint32_t a, uint32_t b)
 {
-    return f->extent[a] != f->extent[b] ? f->extent[a] < f->extent[b] : a < b;
+    double extent_a = extent_of(f, a), extent_b = extent_of(f, b);
+    return extent_a != extent_b ? extent_a < extent_b : a < b;
 }
 
 static double box_rounding(Box3 box)
@@ -342,6 +354,17 @@ static PairFacts *add_facts(FactList *list, uint32_t own, uint32_t other)
     return &list->items[list->n++];
 }
 
+/* Gives back the room for more: lists are as many as hulls, and most of them have one row. */
+static void fit_facts(FactList *list)
+{
+    if (list->n == list->capacity) return;
+    PairFacts *items = list->n ? realloc(list->items, list->n * sizeof *items) : NULL;
+    if (!list->n) free(list->items);
+    if (list->n && !items) return;
+    list->items = items;
+    list->capacity = list->n;
+}
+
 /* The facts of a hull's lines; NULL when memory ends. */
 static PairFacts *facts_of(Worker *worker, FactList *list, uint32_t own, uint32_t other)
 {
@@ -420,13 +443,13 @@ static uint32_t lines_through(const Finder *f, Probe *probe, uint32_t hull, Box3
     return (uint32_t)fmax(f->lines_of_hull[f->radius[hull] == 0] / share, LINES_MIN);
 }
 
-static void task_of_hull(void *context, uint32_t hull, unsigned number)
+static void task_of_judge(void *context, uint32_t judge_number, unsigned number)
 {
     Finder *f = context;
     Worker *worker = &f->workers[number];
-    FactList *list = &f->hull_facts[hull];
-    if (!f->is_judge[hull]) return;
-    Box3 box = widened(f->compiled->hull_bounds[hull], f->margin[hull]);
+    FactList *list = &f->judge_facts[judge_number];
+    uint32_t hull = f->judges[judge_number];
+    Box3 box = widened(f->compiled->hull_bounds[hull], margin_of(f->compiled->hull_bounds[hull]));
     uint32_t n_lines = lines_through(f, &worker->probe, hull, box);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
@@ -443,6 +466,7 @@ static void task_of_hull(void *context, uint32_t hull, unsigned number)
     }
     for (size_t i = 0; i < list->n; i++) worker->fact_of[list->items[i].other] = 0;
     if (list->n) qsort(list->items, list->n, sizeof *list->items, compare_facts);
+    fit_facts(list);
 }
 
 /* ---- the second and third stage: lines through a pair ---- */
@@ -471,11 +495,17 @@ static Box3 common(Box3 a, Box3 b)
                   vec3(fmin(a.max.x, b.max.x), fmin(a.max.y, b.max.y), fmin(a.max.z, b.max.z))};
 }
 
+/* What the lines of a hull said; NULL when it has none. */
+static const FactList *facts_along(const Finder *f, uint32_t hull)
+{
+    return f->judge_of[hull] ? &f->judge_facts[f->judge_of[hull] - 1] : NULL;
+}
+
 static const PairFacts *hull_facts_of(const Finder *f, uint32_t own, uint32_t other)
 {
-    const FactList *list = &f->hull_facts[own];
+    const FactList *list = facts_along(f, own);
     const PairFacts key = {.other = other};
-    return list->n ? bsearch(&key, list->items, list->n, sizeof key, compare_facts) : NULL;
+    return list && list->n ? bsearch(&key, list->items, list->n, sizeof key, compare_facts) : NULL;
 }
 
 /* The smaller hull of the pair first. */
@@ -556,18 +586,6 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
 
 /* ---- pairs whose bounds meet ---- */
 
-typedef struct Edge {
-    double begin;
-    uint32_t hull;
-} Edge;
-
-static int compare_edges(const void *left, const void *right)
-{
-    const Edge *a = left, *b = right;
-    if (a->begin != b->begin) return a->begin < b->begin ? -1 : 1;
-    return a->hull < b->hull ? -1 : a->hull > b->hull;
-}
-
 static bool has_room(Box3 box)
 {
     return box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
@@ -579,72 +597,20 @@ static bool come_near(const Box3 *a, const Box3 *b, double margin)
            b->min.y - a->max.y < margin && a->min.z - b->max.z < margin && b->min.z - a->max.z < margin;
 }
 
-/* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
-static Status add_candidate(Finder *f, uint32_t a, uint32_t b, Error *error)
+/* Of a ball. */
+static Vec3 centre_of(const Finder *f, uint32_t hull)
 {
-    Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
-    double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
-    if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
-        return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
-    Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
-    bool meet = has_room(region);
-    f->candidates[f->n_candidates++] = (Candidate){
-        .a = a < b ? a : b,
-        .b = a < b ? b : a,
-        .region = region,
-        .meet = meet,
-        .region_small = meet && half_area(region) < 0.6 * fmin(f->extent[a], f->extent[b]),
-    };
-    return STATUS_OK;
+    return f->compiled->scene->objects[f->compiled->object_of_hull[hull]].to_world.t;
 }
-
-static int compare_candidates(const void *left, const void *right)
-{
-    const Candidate *a = left, *b = right;
-    if (a->a != b->a) return a->a < b->a ? -1 : 1;
-    return a->b < b->b ? -1 : a->b > b->b;
-}
-
-/* Sweeps along x. */
-static Status find_candidates(Finder *f, Error *error)
-{
-    uint32_t n = f->compiled->n_hulls, n_active = 0;
-    Edge *edges = malloc((n ? n : 1) * sizeof *edges);
-    uint32_t *active = malloc((n ? n : 1) * sizeof *active);
-    Status status = edges && active ? STATUS_OK : fail_memory(error, n * sizeof *edges, "pairs of hulls");
-    for (uint32_t h = 0; status == STATUS_OK && h < n; h++)
-        edges[h] = (Edge){f->compiled->hull_bounds[h].min.x - f->margin[h], h};
-    if (status == STATUS_OK) qsort(edges, n, sizeof *edges, compare_edges);
-    for (uint32_t i = 0; status == STATUS_OK && i < n; i++) {
-        uint32_t kept = 0;
-        for (uint32_t k = 0; k < n_active; k++) {
-            uint32_t other = active[k];
-            if (f->compiled->hull_bounds[other].max.x + f->margin[other] < edges[i].begin) continue;
-            active[kept++] = other;
-            uint32_t hull = edges[i].hull;
-            double margin = 2 * fmin(f->margin[hull], f->margin[other]);
-            if (!come_near(&f->compiled->hull_bounds[hull], &f->compiled->hull_bounds[other], margin)) continue;
-            if (status == STATUS_OK) status = add_candidate(f, other, hull, error);
-        }
-        active[kept++] = edges[i].hull;
-        n_active = kept;
-    }
-    free(edges);
-    free(active);
-    if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
-    if (f->n_candidates > UINT32_MAX) status = fail(error, STATUS_NOMEM, "too many pairs of hulls");
-    return status;
-}
-
-/* ---- putting it together ---- */
 
 /* Two balls, by formula. */
 static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
 {
     HullPair pair = {.a = a, .b = b, .gap = HUGE_VAL};
     double small = fmin(f->radius[a], f->radius[b]), large = fmax(f->radius[a], f->radius[b]);
-    double d = vec3_length(vec3_sub(f->center[a], f->center[b]));
-    double rounding = fmax(rtc_rounding(f->center[a]), rtc_rounding(f->center[b]));
+    Vec3 centre_a = centre_of(f, a), centre_b = centre_of(f, b);
+    double d = vec3_length(vec3_sub(centre_a, centre_b));
+    double rounding = fmax(rtc_rounding(centre_a), rtc_rounding(centre_b));
     rounding = fmax(rounding, rtc_rounding(vec3(large, large, large)));
     bool a_small = f->radius[a] < f->radius[b];
     pair.touches = fabs(d - (small + large)) <= rounding || fabs(d + small - large) <= rounding;
@@ -662,6 +628,69 @@ static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
     }
     return pair;
 }
+
+/* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
+static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
+{
+    Finder *f = context;
+    Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
+    if (!come_near(&box_a, &box_b, 2 * fmin(margin_of(box_a), margin_of(box_b)))) return STATUS_OK;
+    double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
+    Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
+    bool meet = has_room(region);
+    bool region_small = meet && half_area(region) < 0.6 * fmin(half_area(box_a), half_area(box_b));
+    if (f->radius[a] > 0 && f->radius[b] > 0) {
+        HullPair pair = judge_spheres(f, a, b);
+        f->n_small_regions += region_small;
+        if (!pair.overlaps && !pair.touches) return STATUS_OK;
+        if (!ARRAY_ROOM(f->ball_pairs, f->ball_pairs_capacity, f->n_ball_pairs))
+            return fail_memory(error, f->n_ball_pairs * sizeof *f->ball_pairs, "pairs of hulls");
+        f->ball_pairs[f->n_ball_pairs++] = pair;
+        return STATUS_OK;
+    }
+    if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
+        return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
+    f->candidates[f->n_candidates++] =
+        (Candidate){.a = a, .b = b, .region = region, .meet = meet, .region_small = region_small};
+    return STATUS_OK;
+}
+
+/* The bounds of a hull with a little more than its margin around them. */
+static Box3 neighbourhood(const void *context, uint32_t hull)
+{
+    const Finder *f = context;
+    Box3 box = f->compiled->hull_bounds[hull];
+    return box3_is_empty(box) ? box : widened(box, 1.001 * margin_of(box));
+}
+
+static int compare_numbers(uint32_t a, uint32_t b, uint32_t other_a, uint32_t other_b)
+{
+    if (a != other_a) return a < other_a ? -1 : 1;
+    return b < other_b ? -1 : b > other_b;
+}
+
+static int compare_candidates(const void *left, const void *right)
+{
+    const Candidate *a = left, *b = right;
+    return compare_numbers(a->a, a->b, b->a, b->b);
+}
+
+static int compare_pairs(const void *left, const void *right)
+{
+    const HullPair *a = left, *b = right;
+    return compare_numbers(a->a, a->b, b->a, b->b);
+}
+
+static Status find_candidates(Finder *f, Error *error)
+{
+    TRY(box_pairs_visit(f->compiled->n_hulls, neighbourhood, add_candidate, f, error));
+    if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
+    if (f->n_ball_pairs) qsort(f->ball_pairs, f->n_ball_pairs, sizeof *f->ball_pairs, compare_pairs);
+    if (f->n_candidates > UINT32_MAX) return fail(error, STATUS_NOMEM, "too many pairs of hulls");
+    return STATUS_OK;
+}
+
+/* ---- putting it together ---- */
 
 static bool box_inside(Box3 a, Box3 b, double slack)
 {
@@ -689,10 +718,10 @@ static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
-    if (f->radius[own] > 0 && f->radius[other] > 0) return judge_spheres(f, candidate->a, candidate->b);
     HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL, .overlap_depth = candidate->depth};
     const PairFacts *first = hull_facts_of(f, own, other), *second = candidate->facts.n ? candidate->facts.items : NULL;
-    uint32_t n_lines = f->hull_facts[own].n_lines;
+    const FactList *along_own = facts_along(f, own);
+    uint32_t n_lines = along_own ? along_own->n_lines : 0;
     const PairFacts *volume = second && (candidate->region_small || !first || !first->overlaps) ? second : first;
     const PairFacts *facts[2] = {first, second};
     for (int i = 0; i < 2; i++) {
@@ -758,15 +787,20 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     }
 }
 
+/* The pairs that meet, those of two balls among them, in order. */
 static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, Error *error)
 {
-    HullPair *list = malloc((f->n_candidates ? f->n_candidates : 1) * sizeof *list);
-    if (!list) return fail_memory(error, f->n_candidates * sizeof *list, "pairs of hulls");
-    size_t n = 0;
+    size_t n = 0, n_balls = 0, most = f->n_candidates + f->n_ball_pairs;
+    HullPair *list = malloc((most ? most : 1) * sizeof *list);
+    if (!list) return fail_memory(error, most * sizeof *list, "pairs of hulls");
     for (size_t i = 0; i < f->n_candidates; i++) {
         HullPair pair = judge_candidate(f, &f->candidates[i]);
-        if (pair.overlaps || pair.touches || isfinite(pair.gap)) list[n++] = pair;
+        if (!pair.overlaps && !pair.touches && !isfinite(pair.gap)) continue;
+        while (n_balls < f->n_ball_pairs && compare_pairs(&f->ball_pairs[n_balls], &pair) < 0)
+            list[n++] = f->ball_pairs[n_balls++];
+        list[n++] = pair;
     }
+    while (n_balls < f->n_ball_pairs) list[n++] = f->ball_pairs[n_balls++];
     *pairs = list;
     *n_pairs = n;
     return STATUS_OK;
@@ -781,51 +815,58 @@ static uint32_t lines_of_each(size_t n)
 /* Shares the lines out. */
 static void plan(Finder *f)
 {
-    size_t n_hulls[2] = {0}, n_pairs[2] = {0};
+    size_t n_hulls[2] = {0}, n_pairs[2] = {f->n_small_regions, 0};
     for (size_t i = 0; i < f->n_candidates; i++) {
         const Candidate *candidate = &f->candidates[i];
         uint32_t own, other;
         by_size(f, candidate, &own, &other);
-        if (is_judged_by(f, own, other)) f->is_judge[own] = true;
+        f->judge_of[own] = 1; /* to be numbered */
         n_pairs[f->radius[candidate->a] == 0 && f->radius[candidate->b] == 0] += candidate->region_small;
     }
     for (uint32_t h = 0; h < f->compiled->n_hulls; h++)
-        if (f->is_judge[h]) n_hulls[f->radius[h] == 0]++;
+        if (f->judge_of[h]) {
+            n_hulls[f->radius[h] == 0]++;
+            f->judge_of[h] = ++f->n_judges;
+        }
     for (int i = 0; i < 2; i++) {
         f->lines_of_hull[i] = lines_of_each(n_hulls[i]);
         f->lines_of_pair[i] = lines_of_each(n_pairs[i]);
     }
 }
 
+static Status prepare_workers(Finder *f, unsigned n_workers, Error *error)
+{
+    size_t n = f->compiled->n_hulls;
+    f->workers = calloc(n_workers, sizeof *f->workers);
+    f->judges = malloc((f->n_judges + 1U) * sizeof *f->judges);
+    f->judge_facts = calloc(f->n_judges + 1U, sizeof *f->judge_facts);
+    if (!f->workers || !f->judges || !f->judge_facts)
+        return fail_memory(error, f->n_judges * sizeof *f->judge_facts, "how the hulls lie");
+    for (uint32_t h = 0; h < n; h++)
+        if (f->judge_of[h]) f->judges[f->judge_of[h] - 1] = h;
+    for (unsigned i = 0; i < n_workers && f->n_candidates; i++) {
+        f->workers[i].fact_of = calloc(n, sizeof *f->workers[i].fact_of);
+        if (!f->workers[i].fact_of) return fail_memory(error, n * sizeof *f->workers[i].fact_of, "how the hulls lie");
+        TRY(probe_init(&f->workers[i].probe, f->compiled, error));
+    }
+    return STATUS_OK;
+}
+
 static Status prepare(Finder *f, unsigned n_workers, Error *error)
 {
     const CompiledScene *compiled = f->compiled;
     size_t n = compiled->n_hulls ? compiled->n_hulls : 1;
-    f->workers = calloc(n_workers, sizeof *f->workers);
-    f->extent = calloc(n, sizeof *f->extent);
-    f->margin = calloc(n, sizeof *f->margin);
-    f->center = calloc(n, sizeof *f->center);
     f->radius = calloc(n, sizeof *f->radius);
-    f->is_judge = calloc(n, sizeof *f->is_judge);
-    f->hull_facts = calloc(n, sizeof *f->hull_facts);
-    if (!f->workers || !f->extent || !f->margin || !f->center || !f->radius || !f->is_judge || !f->hull_facts)
-        return fail_memory(error, n * sizeof *f->hull_facts, "how the hulls lie");
-    for (unsigned i = 0; i < n_workers; i++) {
-        f->workers[i].fact_of = calloc(n, sizeof *f->workers[i].fact_of);
-        if (!f->workers[i].fact_of) return fail_memory(error, n * sizeof *f->workers[i].fact_of, "how the hulls lie");
-        TRY(probe_init(&f->workers[i].probe, compiled, error));
-    }
+    f->judge_of = calloc(n, sizeof *f->judge_of);
+    if (!f->radius || !f->judge_of) return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
-        f->extent[h] = half_area(compiled->hull_bounds[h]);
-        f->margin[h] = margin_of(compiled->hull_bounds[h]);
-        f->center[h] = object->to_world.t;
         if (object->shape == SCENE_NONE) continue; /* a combination */
         f->radius[h] = sphere_radius(&compiled->scene->shapes[object->shape], &object->to_world);
     }
     TRY(find_candidates(f, error));
     plan(f);
-    return STATUS_OK;
+    return prepare_workers(f, n_workers, error);
 }
 
 static void finder_clear(Finder *f, unsigned n_workers)
@@ -834,16 +875,15 @@ static void finder_clear(Finder *f, unsigned n_workers)
         probe_clear(&f->workers[i].probe);
         free(f->workers[i].fact_of);
     }
-    for (uint32_t h = 0; f->hull_facts && h < f->compiled->n_hulls; h++) free(f->hull_facts[h].items);
+    for (uint32_t i = 0; f->judge_facts && i < f->n_judges; i++) free(f->judge_facts[i].items);
     for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
     free(f->workers);
-    free(f->extent);
-    free(f->margin);
-    free(f->center);
     free(f->radius);
-    free(f->is_judge);
-    free(f->hull_facts);
+    free(f->judges);
+    free(f->judge_of);
+    free(f->judge_facts);
     free(f->candidates);
+    free(f->ball_pairs);
 }
 
 static void run(Pool *pool, uint32_t n, void (*task)(void *context, uint32_t index, unsigned worker), void *context)
@@ -859,8 +899,8 @@ Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pair
     unsigned n_workers = pool ? pool_threads(pool) : 1;
     Finder f = {.compiled = compiled};
     Status status = prepare(&f, n_workers, error);
-    if (status == STATUS_OK && compiled->n_hulls > 1) {
-        run(pool, compiled->n_hulls, task_of_hull, &f);
+    if (status == STATUS_OK && f.n_candidates) {
+        run(pool, f.n_judges, task_of_judge, &f);
         run(pool, (uint32_t)f.n_candidates, task_of_pair, &f);
         double n_searches = 1;
         for (size_t i = 0; i < f.n_candidates; i++) n_searches += needs_search(&f, &f.candidates[i]);
