@@ -28,7 +28,8 @@ static Status note(void *context, uint32_t a, uint32_t b, Error *error)
     assert_true(a < b && b < boxes->n);
     boxes->found[a][b]++;
     boxes->n_found++;
-    return boxes->refuses ? fail(error, STATUS_RENDER, "enough") : STATUS_OK;
+    if (boxes->refuses) error->status = STATUS_RENDER;
+    return boxes->refuses ? STATUS_RENDER : STATUS_OK;
 }
 
 static bool meet(Box3 a, Box3 b)
