@@ -13,7 +13,7 @@ struct ArenaBlock {
     max_align_t bytes[];
 };
 
-enum { FIRST_BLOCK = 16 * 1024, LARGEST_STEP = 8 * 1024 * 1024 };
+enum { FIRST_BLOCK = 16 * 1024, LARGEST_STEP = 64 * 1024 * 1024 };
 
 void arena_init(Arena *arena)
 {
@@ -44,7 +44,7 @@ void arena_reset(Arena *arena)
     arena->total = arena->capacity;
 }
 
-static void out_of_memory(Arena *arena)
+void arena_fail(Arena *arena)
 {
     if (arena->escape) longjmp(*arena->escape, 1);
     fputs("meniscus: out of memory outside of any guard\n", stderr);
@@ -54,14 +54,14 @@ static void out_of_memory(Arena *arena)
 void *arena_alloc(Arena *arena, size_t size)
 {
     const size_t align = _Alignof(max_align_t);
-    if (size > SIZE_MAX - align - sizeof(ArenaBlock)) out_of_memory(arena);
+    if (size > SIZE_MAX - align - sizeof(ArenaBlock)) arena_fail(arena);
     size = (size + align - 1) / align * align;
     if (size > arena->capacity - arena->used) {
         size_t capacity = arena->capacity ? arena->capacity * 2 : FIRST_BLOCK;
         if (capacity > LARGEST_STEP) capacity = LARGEST_STEP;
         if (capacity < size) capacity = size;
         ArenaBlock *block = malloc(sizeof(ArenaBlock) + capacity);
-        if (!block) out_of_memory(arena);
+        if (!block) arena_fail(arena);
         block->next = arena->blocks;
         arena->blocks = block;
         arena->used = 0;
@@ -76,7 +76,7 @@ void *arena_alloc(Arena *arena, size_t size)
 
 void *arena_array(Arena *arena, size_t count, size_t size)
 {
-    if (size && count > SIZE_MAX / size) out_of_memory(arena);
+    if (size && count > SIZE_MAX / size) arena_fail(arena);
     return arena_alloc(arena, count * size);
 }
 

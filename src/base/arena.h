@@ -38,6 +38,9 @@ char *arena_format(Arena *arena, const char *format, ...) ATTR_PRINTF(2, 3);
 #define ARENA_NEW(arena, Type) ((Type *)arena_alloc(arena, sizeof(Type)))
 #define ARENA_ARRAY(arena, Type, count) ((Type *)arena_array(arena, count, sizeof(Type)))
 
+/* Jumps to the guard, as arena_alloc does, when memory that belongs to the same work ends elsewhere. Does not return. */
+void arena_fail(Arena *arena) ATTR_NORETURN;
+
 /* Runs task(context) with the arena guarded; returns false when memory ran out, true otherwise.
  * Guards nest. No C++ frame and no Embree callback may stand between the guard and the jump. */
 bool arena_guard(Arena *arena, void (*task)(void *context), void *context) ATTR_NODISCARD;

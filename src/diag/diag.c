@@ -98,6 +98,23 @@ static uint32_t *count_of(Diag *diag, DiagSeverity severity)
     return counts[severity];
 }
 
+static const char *copy_text(Arena *arena, const char *text)
+{
+    return text ? arena_copy_text(arena, text, strlen(text)) : NULL;
+}
+
+static const DiagChain *copy_chain(Arena *arena, const DiagChain *chain)
+{
+    const DiagChain *copy = NULL, **end = &copy;
+    for (const DiagChain *link = chain; link; link = link->outer) {
+        DiagChain *own = ARENA_NEW(arena, DiagChain);
+        *own = (DiagChain){NULL, link->span, copy_text(arena, link->what)};
+        *end = own;
+        end = &own->outer;
+    }
+    return copy;
+}
+
 /* Puts a report at the end unless there are too many already. */
 static void append(Diag *diag, Diagnostic *report)
 {
@@ -114,9 +131,9 @@ static Diagnostic *keep(Diag *diag, Diagnostic *report)
 {
     report->severity = diag_table[report->code].severity;
     if (diag->warnings_are_errors && report->severity == DIAG_WARNING) report->severity = DIAG_ERROR;
-    report->chain = diag->chain;
     if (diag->in_frame) add_frames(diag->arena, report, diag->frame, diag->frame, 0);
     if (find_repetition(diag, report)) return report; /* hints for it go to the copy that is not kept */
+    if (*count_of(diag, report->severity) < diag->limit) report->chain = copy_chain(diag->arena, diag->chain);
     append(diag, report);
     return report;
 }
@@ -243,11 +260,6 @@ void diag_rewind(Diag *diag, DiagMark mark)
     diag->sources->n = mark.n_sources;
 }
 
-static const char *copy_text(Arena *arena, const char *text)
-{
-    return text ? arena_copy_text(arena, text, strlen(text)) : NULL;
-}
-
 static Diagnostic *copy_report(Arena *arena, const Diagnostic *report)
 {
     Diagnostic *copy = ARENA_NEW(arena, Diagnostic);
@@ -263,14 +275,7 @@ static Diagnostic *copy_report(Arena *arena, const Diagnostic *report)
         **note_end = (DiagNote){NULL, note->has_span, note->span, copy_text(arena, note->text)};
         note_end = &(*note_end)->next;
     }
-    const DiagChain **chain_end = &copy->chain;
-    copy->chain = NULL;
-    for (const DiagChain *link = report->chain; link; link = link->outer) {
-        DiagChain *own = ARENA_NEW(arena, DiagChain);
-        *own = (DiagChain){NULL, link->span, copy_text(arena, link->what)};
-        *chain_end = own;
-        chain_end = &own->outer;
-    }
+    copy->chain = copy_chain(arena, report->chain);
     return copy;
 }
 

@@ -67,7 +67,7 @@ typedef struct Diag {
     uint32_t n_errors, n_warnings, n_remarks;
     uint32_t limit;           /* kept of each severity; more are counted only */
     bool warnings_are_errors; /* --werror */
-    const DiagChain *chain;   /* the present chain, set by the evaluator; copied into each report */
+    const DiagChain *chain;   /* the present chain, set by the evaluator; each report has a copy */
     bool in_frame;            /* reports are of a frame of an animation: the next */
     uint32_t frame;
 } Diag;

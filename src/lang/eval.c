@@ -95,7 +95,9 @@ Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const ch
 
 bool eval_reserve(Evaluator *evaluator, double bytes, Span span)
 {
-    if ((double)evaluator->arena->total + bytes <= (double)evaluator->limits.memory) return true;
+    size_t used = evaluator->arena->total;
+    if (evaluator->arena != evaluator->diag->arena) used += evaluator->diag->arena->total;
+    if ((double)used + bytes <= (double)evaluator->limits.memory) return true;
     if (!evaluator->stop)
         limit_hint(evaluator->diag,
                    eval_report(evaluator, D_LIMIT, span, "the scene needs more than %.0f MB of memory",
@@ -424,7 +426,7 @@ static void run_scene(Evaluator *evaluator, File *prelude, File *scene)
 
 static void give_result(const Loader *loader, Evaluator *evaluator, const File *scene, EvalResult *result)
 {
-    Arena *arena = loader->arena;
+    Arena *arena = evaluator->arena;
     result->nodes = evaluator->top.items;
     result->n_nodes = evaluator->top.n;
     result->settings = ARENA_ARRAY(arena, EvalNode *, evaluator->top.n);
@@ -463,7 +465,7 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     for (; resolver.n_late < options->n_overrides; resolver.n_late++)
         resolver.late[resolver.n_late] = overrides[resolver.n_late].expr;
     resolve_file(&resolver, scene, true);
-    Evaluator evaluator = {.diag = diag, .arena = loader->arena, .options = options, .schema = options->schema,
+    Evaluator evaluator = {.diag = diag, .arena = options->arena ? options->arena : loader->arena, .options = options, .schema = options->schema,
                            .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .defines = defines,
                            .n_defines = options->n_defines, .overrides = overrides,
                            .n_overrides = options->n_overrides};
@@ -507,6 +509,7 @@ static Loader new_loader(const EvalOptions *options, Diag *diag, EvalResult *res
     loader.in_frame = diag->in_frame;
     diag->in_frame = false;
     loader.limits.memory += diag->arena->total; /* what is there already is not this scene's */
+    if (options->arena) loader.limits.memory += options->arena->total;
     return loader;
 }
 

@@ -142,6 +142,8 @@ typedef struct EvalOptions {
     const EvalLibrary *library; /* what `use` finds where no file of the scene's has the name; NULL: nothing */
     const EvalGeometry *geometry; /* NULL: nothing can be asked of shapes */
     const void *geometry_context; /* for geometry->open */
+    Arena *arena;      /* takes all that running the scene makes, the nodes of the result among it; it jumps where that of
+                        * diag does. NULL: that of diag */
     EvalLimits limits;
 } EvalOptions;
 
@@ -168,7 +170,7 @@ typedef struct EvalResult {
 
 /* Reads path ("-": standard input) and everything it includes, parses, evaluates, checks.
  * STATUS_OK, STATUS_SCENE with reports in diag, or STATUS_INPUT (the scene file itself cannot be
- * read) with *error. All memory is the arena's of diag, which must be guarded by the caller. */
+ * read) with *error. All memory is the arena's of diag, which must be guarded by the caller, and of options. */
 ATTR_NODISCARD Status eval_scene(const char *path, const EvalOptions *options, Diag *diag,
                                  EvalResult *result, Error *error);
 /* The same for text in memory (0-terminated), under a name for messages. */

@@ -31,16 +31,36 @@ static void map_grow(Arena *arena, Map *map)
     *map = grown;
 }
 
+/* The slot of a key, or the free one where it belongs. There must be one. */
+static MapSlot *map_slot(const Map *map, const void *key, size_t length, uint64_t hash)
+{
+    size_t place = (size_t)hash & (map->capacity - 1);
+    for (MapSlot *slot; (slot = &map->slots[place])->key; place = (place + 1) & (map->capacity - 1))
+        if (slot->hash == hash && slot->length == length && memcmp(slot->key, key, length) == 0) return slot;
+    return &map->slots[place];
+}
+
+static uint64_t hash_of_key(const void *key, size_t length)
+{
+    return hash_u64(hash_bytes(key, length, 0));
+}
+
+const uint32_t *map_seek(const Map *map, const void *key, size_t length)
+{
+    if (!map->n) return NULL;
+    const MapSlot *slot = map_slot(map, key, length, hash_of_key(key, length));
+    return slot->key ? &slot->value : NULL;
+}
+
 uint32_t *map_find(Arena *arena, Map *map, const void *key, size_t length, uint32_t value_if_new)
 {
     if (2 * map->n >= map->capacity) map_grow(arena, map);
-    uint64_t hash = hash_u64(hash_bytes(key, length, 0));
-    size_t place = (size_t)hash & (map->capacity - 1);
-    for (MapSlot *slot; (slot = &map->slots[place])->key; place = (place + 1) & (map->capacity - 1))
-        if (slot->hash == hash && slot->length == length && memcmp(slot->key, key, length) == 0) return &slot->value;
-    map->slots[place] = (MapSlot){hash, key, length, value_if_new};
+    uint64_t hash = hash_of_key(key, length);
+    MapSlot *slot = map_slot(map, key, length, hash);
+    if (slot->key) return &slot->value;
+    *slot = (MapSlot){hash, key, length, value_if_new};
     map->n++;
-    return &map->slots[place].value;
+    return &slot->value;
 }
 
 void *room_for_one(Arena *arena, void *items, uint32_t n, uint32_t *capacity, size_t size)
@@ -61,11 +81,10 @@ const char *build_name(Builder *b, const EvalNode *node, const char *word)
     for (const EvalNode *p = node; !declared && p; p = p->prototype) declared = p->name;
     bool own = node->name != NULL;
     const char *base = declared ? declared : word;
-    char *kept = arena_copy_text(b->arena, base, strlen(base));
-    uint32_t *count = map_find(b->arena, &b->names, kept, strlen(kept), 0);
+    uint32_t *count = map_find(b->arena, &b->names, base, strlen(base), 0);
     ++*count;
     /* a name that was declared stays as it is unless it was declared in a loop or a macro before */
-    if (own && *count == 1) return kept;
+    if (own && *count == 1) return arena_copy_text(b->arena, base, strlen(base));
     return arena_format(b->arena, "%s %u", base, (unsigned)*count);
 }
 
@@ -291,6 +310,7 @@ EvalOptions scene_eval_options(const SceneOptions *options)
 
 typedef struct Request {
     Builder builder;
+    Arena tree; /* of the evaluated nodes, which the scene does not need once it is built */
     SceneText text;
     bool scene_memory_ended;
 } Request;
@@ -304,6 +324,7 @@ static void task_in_diag(void *context)
 {
     Request *request = context;
     Builder *b = &request->builder;
+    request->tree.escape = b->diag->arena->escape;
     b->status = scene_evaluate(&request->text, &b->eval_options, &b->options->moment, b->diag, &b->result, &b->instant,
                                b->error);
     if (b->status != STATUS_OK) return;
@@ -328,11 +349,14 @@ static Status build_requested(Request *request, const SceneOptions *options, Dia
                    .black = SCENE_NONE,
                    .grey = SCENE_NONE,
                    .error = error};
+    arena_init(&request->tree);
+    b->eval_options.arena = &request->tree;
     const DiagChain *chain = diag->chain;
     bool done = arena_guard(diag->arena, task_in_diag, request);
     diag->chain = chain;
     if (printed) buf_add_bytes(printed, buf_text(&b->result.printed), b->result.printed.length);
     buf_clear(&b->result.printed);
+    arena_clear(&request->tree);
     Status status = b->status;
     if (!done || request->scene_memory_ended)
         status = fail(error, STATUS_NOMEM, "out of memory while building the scene");

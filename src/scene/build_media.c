@@ -148,9 +148,9 @@ static const void *key_of(Builder *b, const EvalNode *node)
 uint32_t build_medium(Builder *b, const EvalNode *node)
 {
     Scene *scene = b->scene;
-    uint32_t *known = map_find(b->arena, &b->media, key_of(b, node), sizeof node, SCENE_NONE);
-    if (*known != SCENE_NONE) return *known;
-    *known = scene->n_media;
+    const uint32_t *known = map_seek(&b->media, &node, sizeof node);
+    if (known) return *known;
+    map_find(b->arena, &b->media, key_of(b, node), sizeof node, scene->n_media);
     SceneMedium medium = {.span = node->span, .ior = spectrum_constant(1), .state = state_of(node)};
     medium.name =
         arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
@@ -180,9 +180,9 @@ static uint32_t add_surface(Builder *b, SceneSurface surface)
 
 uint32_t build_surface(Builder *b, const EvalNode *node)
 {
-    uint32_t *known = map_find(b->arena, &b->surfaces, key_of(b, node), sizeof node, SCENE_NONE);
-    if (*known != SCENE_NONE) return *known;
-    *known = b->scene->n_surfaces;
+    const uint32_t *known = map_seek(&b->surfaces, &node, sizeof node);
+    if (known) return *known;
+    map_find(b->arena, &b->surfaces, key_of(b, node), sizeof node, b->scene->n_surfaces);
     const char *name = node->name ? node->name : "surface";
     Vec3 albedo = eval_vector(node, "albedo");
     double rgb[3] = {albedo.x, albedo.y, albedo.z};

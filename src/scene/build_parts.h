@@ -24,6 +24,8 @@ typedef struct Map {
     MapSlot *slots;
     size_t n, capacity;
 } Map;
+/* The value of the key; NULL when it is not there. */
+const uint32_t *map_seek(const Map *map, const void *key, size_t length);
 /* The value of the key; a new key gets the value given. */
 uint32_t *map_find(Arena *arena, Map *map, const void *key, size_t length, uint32_t value_if_new);
 /* An arena array with room for one more than n; the old one is left to the arena. */
@@ -53,8 +55,9 @@ typedef struct Builder {
     ShapeFacts *facts;
     uint64_t where;                  /* identity of the node being built, with those of the groups around it */
     struct Combination *combination; /* that the nodes being built are operands of; NULL outside of any */
-    uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, objects_capacity, lights_capacity,
+    uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, lights_capacity,
         cameras_capacity, files_capacity, operands_capacity, parts_capacity, trees_capacity;
+    size_t objects_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "scene/build_parts.h"
 
 /* ---- shapes ---- */
@@ -34,11 +35,11 @@ static uint32_t add_shape(Builder *b)
 
 uint32_t build_shape_of(Builder *b, const void *key, size_t length, bool *found)
 {
-    uint32_t next = b->scene->n_shapes;
-    const char *kept = arena_copy_text(b->arena, key, length);
-    uint32_t shape = *map_find(b->arena, &b->shapes, kept, length, next);
-    *found = shape != next;
-    return *found ? shape : add_shape(b);
+    const uint32_t *known = map_seek(&b->shapes, key, length);
+    *found = known != NULL;
+    if (known) return *known;
+    map_find(b->arena, &b->shapes, arena_copy_text(b->arena, key, length), length, b->scene->n_shapes);
+    return add_shape(b);
 }
 
 /* Facts of a solid: its volume is known, its bounds are those of its pieces. */
@@ -76,7 +77,8 @@ uint32_t build_sphere_shape(Builder *b, double radius)
     Error error;
     uint32_t shape = build_shape_of(b, &key, sizeof key, &found);
     if (!found)
-        build_keep_solid(b, shape, solid_make_sphere(radius, &b->scene->shapes[shape].solid, &error), &error, (Span){0});
+        build_keep_solid(b, shape, solid_make_sphere(radius, &b->scene->shapes[shape].solid, &error), &error,
+                         (Span){0});
     return shape;
 }
 
@@ -111,8 +113,7 @@ static bool within_reach(Builder *b, const EvalNode *node, uint32_t shape, const
 uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
 {
     Scene *scene = b->scene;
-    scene->objects =
-        room_for_one(b->arena, scene->objects, scene->n_objects, &b->objects_capacity, sizeof *scene->objects);
+    if (!ARRAY_ROOM(scene->objects, b->objects_capacity, scene->n_objects)) arena_fail(b->arena);
     scene->objects[scene->n_objects] = (SceneObject){
         .name = build_name(b, node, node->type->name),
         .span = node->span,
@@ -275,7 +276,8 @@ void build_plane(Builder *b, const EvalNode *node, const Affine *to_world)
     double length = vec3_length(normal);
     uint32_t shape = plane_shape(b, node->span);
     if (!(length > 0) || !isfinite(length)) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "normal"), "the normal of this plane has no direction");
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "normal"),
+                    "the normal of this plane has no direction");
         return;
     }
     if (shape == SCENE_NONE) return;

@@ -205,7 +205,7 @@ static Status describe_parts(Model *model, const ShapeFacts *facts, Error *error
             return fail(error, STATUS_SCENE, "the transforms of %s squash it flat", object->name);
         if (!part->closed) model->first_open = i;
     }
-    model->bytes = sizeof *model + scene->arena.total + scene->n_objects * sizeof *model->parts;
+    model->bytes = sizeof *model + scene->arena.total + scene->n_objects * (sizeof *model->parts + sizeof *scene->objects);
     for (uint32_t i = 0; i < scene->n_shapes; i++) model->bytes += mesh_bytes(scene->shapes[i].mesh);
     return STATUS_OK;
 }

@@ -13,6 +13,7 @@ void scene_free(Scene *scene)
         mesh_free(scene->shapes[i].mesh_end);
     }
     environment_free(scene->environment);
+    free(scene->objects);
     free(scene->motions);
     free(scene->camera_keys);
     arena_clear(&scene->arena);

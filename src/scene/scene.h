@@ -129,7 +129,7 @@ typedef struct SceneAnimation {
 } SceneAnimation;
 
 typedef struct Scene {
-    Arena arena; /* holds everything but meshes, solids and the environment, which scene_free frees too */
+    Arena arena; /* holds everything but objects, meshes, solids and the environment, which scene_free frees too */
     SceneMedium *media; /* [0] is the world's */
     uint32_t n_media;
     SceneSurface *surfaces;
