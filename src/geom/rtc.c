@@ -119,14 +119,14 @@ static bool is_left(const Query *query, uint32_t object, uint32_t primitive, dou
 
 static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
 {
-    return object->triangles ? object->triangles[primitive] : object->mesh->triangles[primitive];
+    return object->detail->triangles ? object->detail->triangles[primitive] : object->mesh->triangles[primitive];
 }
 
 static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 {
     Vec3 p = vec3_from_f(object->mesh->positions[vertex]);
-    if (!object->mesh_end) return p;
-    return vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(object->mesh_end->positions[vertex]), time));
+    const Mesh *end = object->detail->mesh_end;
+    return end ? vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(end->positions[vertex]), time)) : p;
 }
 
 /* World-space corners in double; a mirrored instance has two of them swapped, so that the
@@ -134,16 +134,14 @@ static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time, Vec3 corner[3])
 {
     const uint32_t *triangle = triangle_of(object, primitive);
-    if (object->keys || object->mesh_end) {
+    const Vec3f *baked = object->detail->baked;
+    if (baked) {
+        for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(baked[triangle[i]]);
+    } else {
         Affine to_world = rtc_to_world(scene, object, time);
         for (int i = 0; i < 3; i++) corner[i] = affine_point(&to_world, local_corner(object, triangle[i], time));
-    } else {
-        for (int i = 0; i < 3; i++)
-            corner[i] = object->baked
-                            ? vec3_from_f(object->baked[triangle[i]])
-                            : affine_point(&object->to_world, vec3_from_f(object->mesh->positions[triangle[i]]));
     }
-    if (!object->baked && object->mirrored) {
+    if (!baked && object->mirrored) {
         Vec3 swap = corner[1];
         corner[1] = corner[2];
         corner[2] = swap;
@@ -202,7 +200,7 @@ static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primiti
     Hit hit = {.t = t, .object = object_id, .primitive = primitive, .entering = slope < 0,
                .normal = vec3f_from(vec3_scale(normal, 1 / length)), .cos_normal = slope / length,
                .rounding = rounding, .u = u, .v = v,
-               .doubtful = object->baked && !line_hits(query, corner)}; /* an instance is traced in its own frame */
+               .doubtful = object->detail->baked && !line_hits(query, corner)}; /* an instance is traced in its own frame */
     return keep(query, &hit);
 }
 
@@ -212,8 +210,9 @@ static bool consider_piece(Query *query, RtcPiece which)
     const Piece *piece = &object->solid->pieces[which.piece];
     if (query->cached_object != which.object) {
         query->cached_object = which.object;
-        query->cached_to_local = &object->to_local;
-        if (object->keys) {
+        if (object->maps && !object->detail->keys) {
+            query->cached_to_local = &object->maps->to_local;
+        } else {
             query->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
             query->cached_to_local = &query->moved_to_local;
         }
@@ -297,7 +296,9 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
     const RtcPlaced *object = &scene->objects[which.object];
     const Piece *piece = &object->solid->pieces[which.piece];
     Box3 local = which.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which.sector);
-    Box3 box = affine_box(object->keys ? &object->keys[arguments->timeStep] : &object->to_world, local);
+    const Affine *keys = object->detail->keys;
+    Affine to_world = keys ? keys[arguments->timeStep] : rtc_first_to_world(object);
+    Box3 box = affine_box(&to_world, local);
     /* larger by more than Embree's float ray can run beside the exact one (rtc_leave) */
     double margin = 4 * TRUSTED_ULPS * UNIT_ROUNDING * scene->reach;
     arguments->bounds_o->lower_x = (float)(box.min.x - margin);
@@ -525,8 +526,9 @@ static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, doubl
     if (!mesh->normals) return hit->normal;
     const uint32_t *triangle = triangle_of(object, hit->primitive);
     Vec3f local = interpolated_normal(mesh, triangle, hit);
-    if (object->mesh_end && object->mesh_end->normals) {
-        Vec3f end = interpolated_normal(object->mesh_end, triangle, hit);
+    const Mesh *mesh_end = object->detail->mesh_end;
+    if (mesh_end && mesh_end->normals) {
+        Vec3f end = interpolated_normal(mesh_end, triangle, hit);
         local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
     }
     Vec3 world = affine_normal(to_local, vec3_from_f(local));

@@ -37,6 +37,10 @@ typedef struct RtcObject {
 enum { RTC_MOST_KEYS = 129 };
 ATTR_NODISCARD Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, uint32_t n_keys, unsigned n_threads,
                                     RtcScene **scene, Error *error);
+/* The same where a list of all objects would cost too much: describe tells object number i, whenever it is asked. */
+typedef RtcObject RtcDescribe(const void *context, uint32_t i);
+ATTR_NODISCARD Status rtc_scene_new_from(RtcDescribe *describe, const void *context, uint32_t n_objects, uint32_t n_keys,
+                                         unsigned n_threads, RtcScene **scene, Error *error);
 void rtc_scene_free(RtcScene *scene);
 /* Around everything but unbounded planes; empty for an empty scene. */
 Box3 rtc_scene_bounds(const RtcScene *scene);

@@ -43,14 +43,49 @@ static int compare_use(const void *left, const void *right)
     return a->object < b->object ? -1 : a->object > b->object ? 1 : 0;
 }
 
-static Status place_object(RtcPlaced *placed, const RtcObject *object, uint32_t n_keys, uint32_t i, Error *error)
+const RtcDetail rtc_no_detail = {0};
+
+/* Whether a map only moves, and makes larger evenly. */
+static bool is_even(const Affine *map)
 {
-    *placed = (RtcPlaced){.mesh = object->mesh, .solid = object->solid, .to_world = object->to_world, .keys = object->keys,
-                          .mesh_end = object->mesh_end, .opaque = object->opaque};
-    if (!affine_invert(&object->to_world, &placed->to_local))
+    double s = map->m[0][0];
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++)
+            if (row == column ? map->m[row][column] != s : map->m[row][column] != 0 || signbit(map->m[row][column]))
+                return false;
+    return s > 0;
+}
+
+/* An object's own row of details. */
+static RtcDetail *detail_of(RtcPlaced *placed, Error *error)
+{
+    RtcDetail *detail = calloc(1, sizeof *detail);
+    if (detail)
+        placed->detail = detail;
+    else
+        fail_memory(error, sizeof *detail, "the scene's objects");
+    return detail;
+}
+
+/* maps: room for those of this object, if it needs them. */
+static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *maps, uint32_t n_keys, uint32_t i,
+                           Error *error)
+{
+    Affine to_local;
+    *placed = (RtcPlaced){.mesh = object->mesh, .solid = object->solid, .detail = &rtc_no_detail, .opaque = object->opaque,
+                          .place = object->to_world.t, .scale = object->to_world.m[0][0]};
+    if (!affine_invert(&object->to_world, &to_local))
         return fail(error, STATUS_SCENE, "the transform of object %u is singular: it has no volume", i);
+    if (!is_even(&object->to_world)) {
+        *maps = (RtcMaps){object->to_world, to_local};
+        placed->maps = maps;
+    }
     placed->mirrored = affine_determinant(&object->to_world) < 0;
-    placed->stretch = affine_max_stretch(&object->to_world);
+    if (object->keys || object->mesh_end) {
+        RtcDetail *detail = detail_of(placed, error);
+        if (!detail) return STATUS_NOMEM;
+        *detail = (RtcDetail){.keys = object->keys, .mesh_end = object->mesh_end};
+    }
     for (uint32_t k = 0; object->keys && k < n_keys; k++) {
         double determinant = affine_determinant(&object->keys[k]);
         if (!(determinant != 0) || !isfinite(determinant) || (determinant < 0) != placed->mirrored)
@@ -59,23 +94,44 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, uint32_t 
     return STATUS_OK;
 }
 
+static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *context, Error *error)
+{
+    size_t n_maps = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        RtcObject object = describe(context, i);
+        n_maps += !is_even(&object.to_world);
+    }
+    scene->maps = malloc((n_maps + 1) * sizeof *scene->maps);
+    if (!scene->maps) return fail_memory(error, n_maps * sizeof *scene->maps, "the scene's objects");
+    RtcMaps *maps = scene->maps;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        RtcObject object = describe(context, i);
+        TRY(place_object(&scene->objects[i], &object, maps, scene->n_keys, i, error));
+        maps += scene->objects[i].maps != NULL;
+    }
+    return STATUS_OK;
+}
+
 /* World-space vertices (and turned triangles when mirrored) of a mesh that stands in one place only. */
 static Status bake_mesh(RtcPlaced *placed, Error *error)
 {
     const Mesh *mesh = placed->mesh;
+    RtcDetail *detail = detail_of(placed, error);
+    if (!detail) return STATUS_NOMEM;
+    Affine to_world = rtc_first_to_world(placed);
     size_t bytes = (size_t)mesh->n_vertices * sizeof(Vec3f) + sizeof(float); /* Embree reads 4 bytes past the end */
-    placed->baked = malloc(bytes);
-    if (!placed->baked) return fail_memory(error, bytes, "a mesh");
+    detail->baked = malloc(bytes);
+    if (!detail->baked) return fail_memory(error, bytes, "a mesh");
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
-        placed->baked[i] = vec3f_from(affine_point(&placed->to_world, vec3_from_f(mesh->positions[i])));
+        detail->baked[i] = vec3f_from(affine_point(&to_world, vec3_from_f(mesh->positions[i])));
     if (!placed->mirrored) return STATUS_OK;
-    bytes = (size_t)mesh->n_triangles * sizeof *placed->triangles;
-    placed->triangles = malloc(bytes ? bytes : 1);
-    if (!placed->triangles) return fail_memory(error, bytes, "a mesh");
+    bytes = (size_t)mesh->n_triangles * sizeof *detail->triangles;
+    detail->triangles = malloc(bytes ? bytes : 1);
+    if (!detail->triangles) return fail_memory(error, bytes, "a mesh");
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        placed->triangles[i][0] = mesh->triangles[i][0];
-        placed->triangles[i][1] = mesh->triangles[i][2];
-        placed->triangles[i][2] = mesh->triangles[i][1];
+        detail->triangles[i][0] = mesh->triangles[i][0];
+        detail->triangles[i][1] = mesh->triangles[i][2];
+        detail->triangles[i][2] = mesh->triangles[i][1];
     }
     return STATUS_OK;
 }
@@ -118,8 +174,8 @@ static Status add_baked(RtcScene *scene, uint32_t object, Error *error)
     RtcPlaced *placed = &scene->objects[object];
     TRY(bake_mesh(placed, error));
     const Mesh *mesh = placed->mesh;
-    uint32_t (*triangles)[3] = placed->triangles ? placed->triangles : mesh->triangles;
-    attach(scene->world, triangle_geometry(scene, placed->baked, NULL, mesh->n_vertices, triangles, mesh->n_triangles), object);
+    uint32_t (*triangles)[3] = placed->detail->triangles ? placed->detail->triangles : mesh->triangles;
+    attach(scene->world, triangle_geometry(scene, placed->detail->baked, NULL, mesh->n_vertices, triangles, mesh->n_triangles), object);
     return STATUS_OK;
 }
 
@@ -145,9 +201,11 @@ static void add_instances(RtcScene *scene, const MeshUse *uses, uint32_t n)
         const RtcPlaced *placed = &scene->objects[uses[i].object];
         RTCGeometry instance = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(instance, shared);
-        uint32_t n_steps = placed->keys ? scene->n_keys : 1;
+        const Affine *keys = placed->detail->keys;
+        Affine to_world = rtc_first_to_world(placed);
+        uint32_t n_steps = keys ? scene->n_keys : 1;
         if (n_steps > 1) rtcSetGeometryTimeStepCount(instance, n_steps);
-        for (uint32_t k = 0; k < n_steps; k++) set_transform(instance, k, placed->keys ? &placed->keys[k] : &placed->to_world);
+        for (uint32_t k = 0; k < n_steps; k++) set_transform(instance, k, keys ? &keys[k] : &to_world);
         rtcSetGeometryMask(instance, 0xffffffffU);
         rtcCommitGeometry(instance);
         attach(scene->world, instance, uses[i].object);
@@ -165,13 +223,13 @@ static Status add_meshes(RtcScene *scene, Error *error)
     }
     uint32_t n = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++)
-        if (scene->objects[i].mesh) uses[n++] = (MeshUse){scene->objects[i].mesh, scene->objects[i].mesh_end, i};
+        if (scene->objects[i].mesh) uses[n++] = (MeshUse){scene->objects[i].mesh, scene->objects[i].detail->mesh_end, i};
     qsort(uses, n, sizeof *uses, compare_use);
     Status status = STATUS_OK;
     for (uint32_t i = 0; i < n && status == STATUS_OK;) {
         uint32_t end = i + 1;
         while (end < n && uses[end].mesh == uses[i].mesh && uses[end].mesh_end == uses[i].mesh_end) end++;
-        if (end - i == 1 && !scene->objects[uses[i].object].keys && !uses[i].mesh_end)
+        if (end - i == 1 && !scene->objects[uses[i].object].detail->keys && !uses[i].mesh_end)
             status = add_baked(scene, uses[i].object, error);
         else
             add_instances(scene, uses + i, end - i);
@@ -202,7 +260,7 @@ static void count_pieces(const RtcScene *scene, size_t n[2], size_t *n_planes)
             if (solid->pieces[k].kind == PIECE_PLANE)
                 ++*n_planes;
             else
-                n[scene->objects[i].keys != NULL] += sectors_of(&solid->pieces[k]);
+                n[scene->objects[i].detail->keys != NULL] += sectors_of(&solid->pieces[k]);
     }
 }
 
@@ -210,7 +268,7 @@ static void list_pieces(RtcScene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const Solid *solid = scene->objects[i].solid;
-        RtcPieceSet *set = scene->objects[i].keys ? &scene->moving : &scene->still;
+        RtcPieceSet *set = scene->objects[i].detail->keys ? &scene->moving : &scene->still;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
             uint32_t n_sectors = sectors_of(&solid->pieces[k]);
             if (solid->pieces[k].kind == PIECE_PLANE)
@@ -254,20 +312,51 @@ static Status add_pieces(RtcScene *scene, Error *error)
     return STATUS_OK;
 }
 
-/* The largest coordinate of an object under one of its maps. */
-static double object_reach(const RtcPlaced *object, const Affine *to_world)
+/* The box of a mesh, and the one before: instances of one mesh mostly stand in a row. */
+typedef struct MeshBox {
+    const Mesh *mesh, *end;
+    Box3 box;
+} MeshBox;
+
+static double reach_of_box(Box3 box)
 {
-    double reach = 0;
-    for (uint32_t k = 0; object->mesh && k < object->mesh->n_vertices; k++) {
-        reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(object->mesh->positions[k]))));
-        if (object->mesh_end)
-            reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(object->mesh_end->positions[k]))));
+    return fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
+}
+
+static Box3 box_of_mesh(MeshBox *known, const Mesh *mesh, const Mesh *end)
+{
+    if (known->mesh == mesh && known->end == end) return known->box;
+    *known = (MeshBox){mesh, end, box3_empty()};
+    for (uint32_t k = 0; k < mesh->n_vertices; k++) {
+        known->box = box3_add_point(known->box, vec3_from_f(mesh->positions[k]));
+        if (end) known->box = box3_add_point(known->box, vec3_from_f(end->positions[k]));
     }
+    return known->box;
+}
+
+/* The largest coordinate of a mesh under a map, if it is beyond `reach`. Most of many instances are within: their boxes
+ * show that. */
+static double mesh_reach(const RtcPlaced *object, const Affine *to_world, MeshBox *known, double reach)
+{
+    const double rounding = 1 + 1e-12;
+    const Mesh *mesh = object->mesh, *end = object->detail->mesh_end;
+    if (!mesh->n_vertices || reach_of_box(affine_box(to_world, box_of_mesh(known, mesh, end))) * rounding < reach)
+        return reach;
+    for (uint32_t k = 0; k < mesh->n_vertices; k++) {
+        reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(mesh->positions[k]))));
+        if (end) reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(end->positions[k]))));
+    }
+    return reach;
+}
+
+/* The largest coordinate of an object under one of its maps, if it is beyond `reach`. */
+static double object_reach(const RtcPlaced *object, const Affine *to_world, MeshBox *known, double reach)
+{
+    if (object->mesh) reach = mesh_reach(object, to_world, known, reach);
     for (uint32_t k = 0; object->solid && k < object->solid->n_pieces; k++) {
         const Piece *piece = &object->solid->pieces[k];
         if (piece->kind == PIECE_PLANE) continue;
-        Box3 box = affine_box(to_world, piece_bounds(piece));
-        reach = fmax(reach, fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)));
+        reach = fmax(reach, reach_of_box(affine_box(to_world, piece_bounds(piece))));
     }
     return reach;
 }
@@ -276,11 +365,13 @@ static double object_reach(const RtcPlaced *object, const Affine *to_world)
 static double find_reach(const RtcScene *scene)
 {
     double reach = 0;
+    MeshBox known = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
-        reach = fmax(reach, object_reach(object, &object->to_world));
-        for (uint32_t k = 1; object->keys && k < scene->n_keys; k++)
-            reach = fmax(reach, object_reach(object, &object->keys[k]));
+        const Affine *keys = object->detail->keys;
+        Affine to_world = rtc_first_to_world(object);
+        reach = object_reach(object, &to_world, &known, reach);
+        for (uint32_t k = 1; keys && k < scene->n_keys; k++) reach = object_reach(object, &keys[k], &known, reach);
     }
     return reach;
 }
@@ -294,7 +385,7 @@ static Box3 world_bounds(const RtcScene *scene)
                   vec3((double)b.upper_x, (double)b.upper_y, (double)b.upper_z)};
 }
 
-static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_threads, Error *error)
+static Status build(RtcScene *scene, RtcDescribe *describe, const void *context, unsigned n_threads, Error *error)
 {
     char config[64];
     snprintf(config, sizeof config, "threads=%u", n_threads);
@@ -303,7 +394,7 @@ static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_thread
         return fail(error, STATUS_RENDER, "Embree cannot be started (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceErrorFunction(scene->device, on_error, scene);
     rtcSetDeviceMemoryMonitorFunction(scene->device, on_memory, scene);
-    for (uint32_t i = 0; i < scene->n_objects; i++) TRY(place_object(&scene->objects[i], &objects[i], scene->n_keys, i, error));
+    TRY(place_objects(scene, describe, context, error));
     scene->reach = find_reach(scene);
     scene->world = new_scene(scene);
     TRY(add_meshes(scene, error));
@@ -314,8 +405,19 @@ static Status build(RtcScene *scene, const RtcObject *objects, unsigned n_thread
     return STATUS_OK;
 }
 
+static RtcObject object_in_list(const void *context, uint32_t i)
+{
+    return ((const RtcObject *)context)[i];
+}
+
 Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, uint32_t n_keys, unsigned n_threads, RtcScene **out,
                      Error *error)
+{
+    return rtc_scene_new_from(object_in_list, objects, n_objects, n_keys, n_threads, out, error);
+}
+
+Status rtc_scene_new_from(RtcDescribe *describe, const void *context, uint32_t n_objects, uint32_t n_keys,
+                          unsigned n_threads, RtcScene **out, Error *error)
 {
     *out = NULL;
     RtcScene *scene = calloc(1, sizeof *scene);
@@ -323,7 +425,7 @@ Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects, uint32_t n_ke
     scene->n_objects = n_objects;
     scene->n_keys = n_keys;
     scene->objects = calloc(n_objects + 1U, sizeof *scene->objects);
-    Status status = scene->objects ? build(scene, objects, n_threads, error)
+    Status status = scene->objects ? build(scene, describe, context, n_threads, error)
                                    : fail_memory(error, n_objects * sizeof *scene->objects, "the scene's objects");
     if (status != STATUS_OK) {
         rtc_scene_free(scene);
@@ -340,9 +442,13 @@ void rtc_scene_free(RtcScene *scene)
     for (uint32_t i = 0; i < scene->n_shared; i++) rtcReleaseScene(scene->shared[i]);
     if (scene->device) rtcReleaseDevice(scene->device);
     for (uint32_t i = 0; scene->objects && i < scene->n_objects; i++) {
-        free(scene->objects[i].baked);
-        free(scene->objects[i].triangles);
+        const RtcDetail *detail = scene->objects[i].detail;
+        if (!detail || detail == &rtc_no_detail) continue;
+        free(detail->baked);
+        free(detail->triangles);
+        free((void *)(uintptr_t)detail);
     }
+    free(scene->maps);
     free(scene->objects);
     free(scene->shared);
     free(scene->pieces);

@@ -8,18 +8,29 @@
 #include "geom/embree.h"
 #include "geom/rtc.h"
 
-/* One object, ready for tracing. */
-typedef struct RtcPlaced {
-    const Mesh *mesh;
-    const Solid *solid;
-    Affine to_world, to_local;  /* at time 0 */
+/* What only some objects have. */
+typedef struct RtcDetail {
     const Affine *keys;         /* NULL for one that stands still; not owned */
     const Mesh *mesh_end;       /* NULL for one whose shape stays */
     Vec3f *baked;               /* world-space vertices of a mesh placed once; NULL for instances and solids */
     uint32_t (*triangles)[3];   /* of the baked mesh, turned round when the transform mirrors; NULL: the mesh's own */
+} RtcDetail;
+extern const RtcDetail rtc_no_detail; /* of all others */
+
+typedef struct RtcMaps {
+    Affine to_world, to_local; /* at time 0 */
+} RtcMaps;
+
+/* One object, ready for tracing. There may be tens of millions: most are balls and instances that are only moved. */
+typedef struct RtcPlaced {
+    const Mesh *mesh;
+    const Solid *solid;
+    const RtcDetail *detail;
+    const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by: */
+    Vec3 place;
+    double scale;        /* > 0 */
     bool opaque;
-    bool mirrored;              /* the transform turns orientation round (instances: normals must be turned too) */
-    double stretch;             /* largest local-to-world scale */
+    bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
 } RtcPlaced;
 
 /* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of one. Hollow
@@ -53,6 +64,7 @@ struct RtcScene {
     uint32_t n_shared;
     RtcPlaced *objects;
     uint32_t n_objects;
+    RtcMaps *maps; /* of the objects that have them */
     uint32_t n_keys;
     RtcPiece *pieces;          /* of the two sets, then the planes */
     RtcPieceSet still, moving; /* bounded ones */
@@ -64,16 +76,33 @@ struct RtcScene {
     Error error; /* the first that Embree reported */
 };
 
+/* The maps at time 0. The numbers of an even one are those that affine_invert gives. */
+static inline Affine rtc_first_to_world(const RtcPlaced *object)
+{
+    if (object->maps) return object->maps->to_world;
+    double s = object->scale;
+    return (Affine){{{s, 0, 0}, {0, s, 0}, {0, 0, s}}, object->place};
+}
+static inline Affine rtc_first_to_local(const RtcPlaced *object)
+{
+    if (object->maps) return object->maps->to_local;
+    double s = object->scale, i = s * s / (s * (s * s));
+    Affine map = {{{i, 0, 0}, {0, i, 0}, {0, 0, i}}, {0, 0, 0}};
+    map.t = vec3_scale(affine_vector(&map, object->place), -1);
+    return map;
+}
+
 /* Where a placed object is. */
 static inline Affine rtc_to_world(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    return object->keys ? affine_between(object->keys, scene->n_keys, time) : object->to_world;
+    const Affine *keys = object->detail->keys;
+    return keys ? affine_between(keys, scene->n_keys, time) : rtc_first_to_world(object);
 }
 static inline Affine rtc_to_local(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    if (!object->keys) return object->to_local;
-    Affine map = affine_between(object->keys, scene->n_keys, time), inverse;
-    return affine_invert(&map, &inverse) ? inverse : object->to_local; /* singular between two keys that are not */
+    if (!object->detail->keys) return rtc_first_to_local(object);
+    Affine map = affine_between(object->detail->keys, scene->n_keys, time), inverse;
+    return affine_invert(&map, &inverse) ? inverse : rtc_first_to_local(object); /* singular between two keys that are not */
 }
 
 /* The callbacks of rtc.c that rtc_build.c hands to Embree. */

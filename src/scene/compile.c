@@ -73,23 +73,25 @@ uint32_t compiled_hull(const CompiledScene *compiled, uint32_t object)
     return hull == NEST_OPAQUE ? SCENE_NONE : hull;
 }
 
+static RtcObject describe_object(const void *context, uint32_t i)
+{
+    const CompiledScene *compiled = context;
+    const Scene *scene = compiled->scene;
+    const SceneObject *object = &scene->objects[i];
+    RtcObject described = {.to_world = object->to_world, .opaque = compiled->hull_of_object[i] == SCENE_NONE};
+    if (object->shape == SCENE_NONE) return described; /* a combination: its operands have the geometry */
+    described.mesh = scene->shapes[object->shape].mesh;
+    described.solid = scene->shapes[object->shape].solid;
+    described.mesh_end = scene->shapes[object->shape].mesh_end;
+    described.keys = scene_keys(scene, object);
+    return described;
+}
+
 static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
 {
     const Scene *scene = compiled->scene;
-    RtcObject *objects = malloc((scene->n_objects ? scene->n_objects : 1) * sizeof *objects);
-    if (!objects) return fail_memory(error, scene->n_objects * sizeof *objects, "the geometry");
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const SceneObject *object = &scene->objects[i];
-        objects[i] = (RtcObject){.to_world = object->to_world, .opaque = compiled->hull_of_object[i] == SCENE_NONE};
-        if (object->shape == SCENE_NONE) continue; /* a combination: its operands have the geometry */
-        objects[i].mesh = scene->shapes[object->shape].mesh;
-        objects[i].solid = scene->shapes[object->shape].solid;
-        objects[i].mesh_end = scene->shapes[object->shape].mesh_end;
-        objects[i].keys = scene_keys(scene, object);
-    }
-    Status status = rtc_scene_new(objects, scene->n_objects, scene->n_keys, pool ? pool_threads(pool) : 1, &compiled->rtc, error);
-    free(objects);
-    return status;
+    return rtc_scene_new_from(describe_object, compiled, scene->n_objects, scene->n_keys, pool ? pool_threads(pool) : 1,
+                              &compiled->rtc, error);
 }
 
 /* Marks what reaches to infinity, and clips its bounds to where bounded things and cameras are. */
