@@ -58,6 +58,18 @@ static inline bool lanes_finite(Lanes a)
 {
     return isfinite(a.v[0]) && isfinite(a.v[1]) && isfinite(a.v[2]) && isfinite(a.v[3]);
 }
+static inline Lanes lanes_sqrt(Lanes a)
+{
+    return lanes(sqrtf(a.v[0]), sqrtf(a.v[1]), sqrtf(a.v[2]), sqrtf(a.v[3]));
+}
+/* each lane within low .. high; NaN becomes low */
+static inline Lanes lanes_clamp(Lanes a, float low, float high)
+{
+    for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] > low ? (a.v[i] < high ? a.v[i] : high) : low;
+    return a;
+}
+/* 1 - a */
+static inline Lanes lanes_rest(Lanes a) { return lanes_sub(lanes_all(1), a); }
 static inline Lanes lanes_exp(Lanes a)
 {
     return lanes(expf(a.v[0]), expf(a.v[1]), expf(a.v[2]), expf(a.v[3]));

@@ -55,6 +55,46 @@ Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t)
     return result;
 }
 
+Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t)
+{
+    Lanes square_i = lanes_mul(eta_i, eta_i), square_t = lanes_mul(eta_t, eta_t);
+    Lanes a = lanes_mul(eta_i, cos_i), b = lanes_mul(eta_t, cos_t);
+    Lanes d = lanes_mul(lanes_sub(eta_t, eta_i), lanes_add(eta_t, eta_i));
+    Lanes sum = lanes_add(lanes_add(a, b), lanes_all(FLT_MIN));
+    Lanes r_s = lanes_div(d, lanes_mul(sum, sum));
+    Lanes sine_square = lanes_mul(lanes_rest(cos_i), lanes_add(lanes_all(1), cos_i));
+    Lanes brewster = lanes_sub(lanes_mul(a, b), lanes_mul(square_i, sine_square));
+    Lanes below = lanes_mul(sum, lanes_add(lanes_mul(square_t, a), lanes_mul(square_i, b)));
+    Lanes r_p = lanes_div(lanes_mul(d, brewster), lanes_add(below, lanes_all(FLT_MIN)));
+    return lanes_clamp(lanes_scale(lanes_add(lanes_mul(r_s, r_s), lanes_mul(r_p, r_p)), 0.5f), 0, 1);
+}
+
+Lanes fresnel_conductor(float cos_i, Lanes n, Lanes k)
+{
+    float cosine = clamp_cosine(cos_i), square = cosine * cosine, sine_square = (1 - cosine) * (1 + cosine);
+    Lanes n_square = lanes_mul(n, n), k_square = lanes_mul(k, k);
+    /* (a + i b)^2 = (n + i k)^2 - sin^2 */
+    Lanes real = lanes_sub(lanes_sub(n_square, k_square), lanes_all(sine_square));
+    Lanes size = lanes_sqrt(lanes_add(lanes_mul(real, real), lanes_scale(lanes_mul(n_square, k_square), 4)));
+    Lanes a = lanes_sqrt(lanes_clamp(lanes_scale(lanes_add(size, real), 0.5f), 0, FLT_MAX));
+    Lanes s_sum = lanes_add(size, lanes_all(square)), s_mixed = lanes_scale(a, 2 * cosine);
+    Lanes r_s = lanes_div(lanes_sub(s_sum, s_mixed), lanes_add(s_sum, lanes_add(s_mixed, lanes_all(FLT_MIN))));
+    Lanes p_sum = lanes_add(lanes_scale(size, square), lanes_all(sine_square * sine_square));
+    Lanes p_mixed = lanes_scale(s_mixed, sine_square);
+    Lanes r_p = lanes_mul(r_s, lanes_div(lanes_sub(p_sum, p_mixed), lanes_add(p_sum, lanes_add(p_mixed, lanes_all(FLT_MIN)))));
+    return lanes_clamp(lanes_scale(lanes_add(r_s, r_p), 0.5f), 0, 1);
+}
+
+Lanes fresnel_conductor_mean(Lanes n, Lanes k)
+{
+    /* Gauss quadrature for the weight x on 0..1: M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions", table 25.8 */
+    const float cosine[3] = {0.2123405382f, 0.5905331356f, 0.9114120405f};
+    const float weight[3] = {0.0698269799f, 0.2292411064f, 0.2009319137f};
+    Lanes sum = lanes_all(0);
+    for (int i = 0; i < 3; i++) sum = lanes_add(sum, lanes_scale(fresnel_conductor(cosine[i], n, k), 2 * weight[i]));
+    return sum;
+}
+
 /* J. W. T. Walsh (1926), as corrected in S. Q. Duntley, "The Optical Properties of Diffusing
  * Materials", J. Opt. Soc. Am. 32 (1942): diffuse light on a medium n times as dense, n > 1. */
 static double mean_from_outside(double n)

@@ -14,6 +14,13 @@
 float fresnel_dielectric(float cos_i, float eta_i, float eta_t);
 /* The same per wavelength. */
 Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t);
+/* The same where both cosines (above 0) of a refracted ray are known, per wavelength. */
+Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t);
+/* Reflectance of a conductor of index n + i k relative to the medium in front of it, per wavelength, at an angle of cosine
+ * 0..1: exact, in the real form of "Optical Properties of Metals", M. Born, E. Wolf, "Principles of Optics", 14.2. n, k >= 0. */
+Lanes fresnel_conductor(float cos_i, Lanes n, Lanes k);
+/* Its hemispherical mean, to 0.003. */
+Lanes fresnel_conductor_mean(Lanes n, Lanes k);
 /* Hemispherical mean reflectance for diffuse light coming from eta_i, 2 * integral F cos dcos;
  * closed form of Walsh (1926) / Duntley, or a fit with the stated error. */
 float fresnel_dielectric_mean(float eta_i, float eta_t);

@@ -8,12 +8,6 @@
 #include "optics/color.h"
 #include "optics/observer.h"
 
-static Lanes lanes_sqrt(Lanes a)
-{
-    for (int i = 0; i < LANES; i++) lanes_set(&a, i, sqrtf(lanes_get(a, i)));
-    return a;
-}
-
 /* The square of the wavelength in micrometres. */
 static Lanes square_um(Lanes wavelength_nm)
 {

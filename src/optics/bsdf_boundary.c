@@ -1,0 +1,132 @@
+/* bsdf_boundary.c - the boundary between two dielectrics: B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet
+ * Models for Refraction through Rough Surfaces", EGSR 2007, in basic radiance, and with the light kept that one facet
+ * misses (microfacet.h). The half vector of a transmission is eta_i view + eta_t light, not normalized; its length
+ * cancels from the density: D (v.h) G1/v.z eta_t^2 (-l.h) / (eta_i v.h + eta_t l.h)^2 = 2 eta_t^2 (v.H) (-l.H) / (pi
+ * alpha_x alpha_y q^2 (v.z + s_v)) with H that vector and q its (H_x/alpha_x)^2 + (H_y/alpha_y)^2 + H_z^2. So nothing
+ * is divided by a small number where the indices are nearly equal. SPDX-License-Identifier: Apache-2.0 */
+#include "optics/bsdf_lobe.h"
+#include "optics/fresnel.h"
+
+static Lanes missing(const BsdfBoundary *boundary, bool behind, Vec3f w)
+{
+    return lobe_lookup(microfacet_missing, &boundary->facets, &boundary->index, behind, w);
+}
+
+/* What is missing falls off about as 1 / cos^2, from cos = alpha on, or from the critical angle's if that is less. So
+ * directions for it are sampled with a density of the cosine in proportion to cos / (cos^2 + a^2), a: where that
+ * begins; at 1 it is nearly Lambert's law. */
+static float missing_density(const BsdfBoundary *boundary, bool through, float cosine)
+{
+    float a = boundary->spread[through];
+    return boundary->spread_norm[through] * cosine / (cosine * cosine + a * a);
+}
+
+static Vec3f sample_missing(const BsdfBoundary *boundary, bool through, const float u[2])
+{
+    float square = boundary->spread[through] * boundary->spread[through];
+    float z = sqrtf(float_min(square * (powf(1 + 1 / square, 1 - u[0]) - 1), 1)), angle = 2 * SAMPLING_PI * u[1];
+    float radius = sqrtf(1 - z * z);
+    return vec3f(radius * cosf(angle), radius * sinf(angle), through ? -z : z);
+}
+
+/* How often that is sampled rather than facets, which are never left out: tables have errors. */
+static Lanes missing_chance(Lanes missing_v)
+{
+    return lanes_clamp(missing_v, 0, 0.9f);
+}
+
+/* Densities of refraction by visible facets, times 1 - F; zero for wavelengths that no facet bends this way. */
+static Lanes refraction_density(const BsdfBoundary *boundary, Vec3f view, Vec3f light, float s_v)
+{
+    Lanes x = lanes_add(lanes_scale(boundary->eta_i, view.x), lanes_scale(boundary->eta_t, light.x));
+    Lanes y = lanes_add(lanes_scale(boundary->eta_i, view.y), lanes_scale(boundary->eta_t, light.y));
+    Lanes z = lanes_add(lanes_scale(boundary->eta_i, view.z), lanes_scale(boundary->eta_t, light.z));
+    Lanes v = lanes_add(lanes_add(lanes_scale(x, view.x), lanes_scale(y, view.y)), lanes_scale(z, view.z));
+    Lanes l = lanes_add(lanes_add(lanes_scale(x, light.x), lanes_scale(y, light.y)), lanes_scale(z, light.z));
+    /* up: the same sign as z */
+    for (int i = 0; i < LANES; i++) {
+        float sign = lanes_get(z, i) > 0 ? 1.0f : -1.0f;
+        lanes_set(&v, i, float_max(sign * lanes_get(v, i), 0));
+        lanes_set(&l, i, float_max(-sign * lanes_get(l, i), 0));
+    }
+    Lanes across_x = lanes_scale(x, 1 / boundary->facets.alpha_x),
+          across_y = lanes_scale(y, 1 / boundary->facets.alpha_y);
+    Lanes q = lanes_add(lanes_add(lanes_mul(across_x, across_x), lanes_mul(across_y, across_y)), lanes_mul(z, z));
+    Lanes length = lanes_sqrt(lanes_add(lanes_add(lanes_mul(x, x), lanes_mul(y, y)), lanes_mul(z, z)));
+    Lanes per_length = lanes_div(lanes_all(1), lanes_add(length, lanes_all(1e-30f)));
+    Lanes reflectance =
+        fresnel_dielectric_pair(lanes_clamp(lanes_mul(v, per_length), 0, 1),
+                                lanes_clamp(lanes_mul(l, per_length), 0, 1), boundary->eta_i, boundary->eta_t);
+    float scale = 2 / (SAMPLING_PI * boundary->facets.alpha_x * boundary->facets.alpha_y * (view.z + s_v));
+    Lanes eta_l = lanes_mul(boundary->eta_t, lanes_div(l, lanes_add(q, lanes_all(1e-30f))));
+    Lanes eta_v = lanes_mul(boundary->eta_t, lanes_div(v, lanes_add(q, lanes_all(1e-30f))));
+    return lanes_mul(lanes_rest(reflectance), lanes_scale(lanes_mul(eta_l, eta_v), scale));
+}
+
+void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
+{
+    *f_cos = *pdf_w = lanes_all(0);
+    if (boundary->facets.smooth || light.z == 0) return;
+    bool through = light.z < 0;
+    Lanes density;
+    float shadowing;
+    if (through) {
+        float s_v = microfacet_slope(boundary->facets.alpha_x, boundary->facets.alpha_y, view);
+        float s_l = microfacet_slope(boundary->facets.alpha_x, boundary->facets.alpha_y, light);
+        density = refraction_density(boundary, view, light, s_v);
+        shadowing = microfacet_shadowing_through(view.z, s_v, -light.z, s_l);
+    } else {
+        FacetReflection r = facets_reflect(&boundary->facets, view, light);
+        density = lanes_scale(fresnel_dielectric_lanes(r.cosine, boundary->eta_i, boundary->eta_t), r.density);
+        shadowing = r.shadowing;
+    }
+    Lanes missing_v = missing(boundary, false, view), missing_l = missing(boundary, through, light);
+    missing_v = lanes_mul(missing_v, boundary->blurred);
+    density = lanes_mul(density, boundary->blurred);
+    Lanes norm = through ? boundary->transmitted_norm : boundary->reflected_norm;
+    Lanes part = through ? boundary->transmitted : boundary->reflected;
+    float cosine = fabsf(light.z);
+    *f_cos = lanes_add(lanes_scale(density, shadowing),
+                       lanes_scale(lanes_mul(norm, lanes_mul(missing_v, missing_l)), cosine));
+    Lanes chance = missing_chance(missing_v);
+    *pdf_w = lanes_add(lanes_mul(lanes_rest(chance), density),
+                       lanes_scale(lanes_mul(chance, part), missing_density(boundary, through, cosine)));
+}
+
+/* A smooth boundary, or a rough one whose hero is not blurred; then other wavelengths do not go the same way. */
+static bool sample_smooth(const BsdfBoundary *boundary, Vec3f view, float u_choice, LobeSample *sample)
+{
+    Lanes reflectance = fresnel_dielectric_lanes(view.z, boundary->eta_i, boundary->eta_t);
+    Vec3f in = vec3f_negate(view), normal = vec3f(0, 0, 1);
+    sample->specular = true;
+    bool back = lobe_choose(&u_choice, lanes_get(reflectance, 0));
+    if (!back && !refract_direction(in, normal, lanes_get(boundary->eta_i, 0), lanes_get(boundary->eta_t, 0),
+                                    &sample->direction))
+        back = true; /* within rounding of the critical angle */
+    if (back) sample->direction = mirrored(view);
+    if (!back && !(sample->direction.z < 0)) return false;
+    sample->value = sample->density = back ? reflectance : lanes_rest(reflectance);
+    bool dispersed = !back && !(lanes_uniform(boundary->eta_i) && lanes_uniform(boundary->eta_t));
+    if (dispersed || !boundary->facets.smooth) {
+        sample->hero_only = true;
+        sample->value = sample->density = lanes_mul(sample->value, lanes(1, 0, 0, 0));
+    }
+    return true;
+}
+
+bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+{
+    if (boundary->facets.smooth || lanes_get(boundary->blurred, 0) == 0)
+        return sample_smooth(boundary, view, u_choice, sample);
+    if (lobe_choose(&u_choice, lanes_get(missing_chance(missing(boundary, false, view)), 0))) {
+        bool through = !lobe_choose(&u_choice, lanes_get(boundary->reflected, 0));
+        sample->direction = sample_missing(boundary, through, u);
+        return true;
+    }
+    Vec3f h = microfacet_visible(boundary->facets.alpha_x, boundary->facets.alpha_y, view, u), in = vec3f_negate(view);
+    float eta_i = lanes_get(boundary->eta_i, 0), eta_t = lanes_get(boundary->eta_t, 0);
+    bool back = lobe_choose(&u_choice, fresnel_dielectric(vec3f_dot(view, h), eta_i, eta_t));
+    if (!back && !refract_direction(in, h, eta_i, eta_t, &sample->direction)) back = true;
+    if (back) sample->direction = vec3f_normalize(reflect_direction(in, h));
+    return back ? sample->direction.z > 0 : sample->direction.z < 0;
+}

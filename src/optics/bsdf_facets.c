@@ -1,0 +1,118 @@
+/* bsdf_facets.c - conductors and thin sheets: lobes whose facets are mirrors.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/bsdf_lobe.h"
+#include "optics/fresnel.h"
+
+BsdfFacets facets_make(float alpha_x, float alpha_y)
+{
+    float larger = float_max(alpha_x, alpha_y);
+    BsdfFacets facets = {.smooth = !(larger >= MICROFACET_SMOOTH_ALPHA)};
+    if (facets.smooth) return facets;
+    facets.alpha_x = float_min(float_max(alpha_x, MICROFACET_SMOOTH_ALPHA), 1);
+    facets.alpha_y = float_min(float_max(alpha_y, MICROFACET_SMOOTH_ALPHA), 1);
+    return facets;
+}
+
+FacetReflection facets_reflect(const BsdfFacets *facets, Vec3f view, Vec3f light)
+{
+    Vec3f sum = vec3f_add(view, light), h = vec3f_scale(sum, 1 / sqrtf(vec3f_dot(sum, sum)));
+    float s_v = microfacet_slope(facets->alpha_x, facets->alpha_y, view);
+    float s_l = microfacet_slope(facets->alpha_x, facets->alpha_y, light);
+    float density = microfacet_density(facets->alpha_x, facets->alpha_y, h) / (2 * (view.z + s_v));
+    return (FacetReflection){vec3f_dot(view, h), density, microfacet_shadowing(view.z, s_v, light.z, s_l),
+                             microfacet_angle(view.z, s_v), microfacet_angle(light.z, s_l)};
+}
+
+bool facets_sample_reflection(const BsdfFacets *facets, Vec3f view, const float u[2], Vec3f *light)
+{
+    Vec3f h = microfacet_visible(facets->alpha_x, facets->alpha_y, view, u);
+    *light = vec3f_normalize(reflect_direction(vec3f_negate(view), h));
+    return light->z > 0;
+}
+
+/* ---- conductor ---- */
+
+void conductor_evaluate(const BsdfConductor *conductor, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
+{
+    *f_cos = *pdf_w = lanes_all(0);
+    if (conductor->facets.smooth) return;
+    FacetReflection r = facets_reflect(&conductor->facets, view, light);
+    Lanes reflectance = fresnel_conductor(r.cosine, conductor->n, conductor->k);
+    /* the scaling puts back what white facets miss; coloured ones give back less of it, more saturated */
+    float scaling =
+        microfacet_mirror(conductor->roughness, r.angle_v) * microfacet_mirror(conductor->roughness, r.angle_l);
+    Lanes scale = lanes_add(lanes_all(1), lanes_scale(conductor->multiple, scaling - 1));
+    *f_cos = lanes_scale(lanes_mul(reflectance, scale), r.density * r.shadowing);
+    *pdf_w = lanes_all(r.density);
+}
+
+bool conductor_sample(const BsdfConductor *conductor, Vec3f view, const float u[2], LobeSample *sample)
+{
+    if (!conductor->facets.smooth) return facets_sample_reflection(&conductor->facets, view, u, &sample->direction);
+    sample->specular = true;
+    sample->direction = mirrored(view);
+    sample->value = fresnel_conductor(view.z, conductor->n, conductor->k);
+    sample->density = lanes_all(1);
+    return true;
+}
+
+/* ---- sheet ---- */
+
+/* What the whole sheet reflects and transmits of light at an angle to it: the sums of two geometric series. */
+static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, Lanes *transmitted)
+{
+    Lanes once = fresnel_dielectric_lanes(cosine, lanes_all(1), sheet->eta);
+    Lanes through = lanes_all(1);
+    if (sheet->tinted) {
+        Lanes sine_square = lanes_div(lanes_all((1 - cosine) * (1 + cosine)), lanes_mul(sheet->eta, sheet->eta));
+        Lanes inside = lanes_sqrt(lanes_clamp(lanes_rest(sine_square), 1e-6f, 1));
+        through = lanes_exp(lanes_sub(lanes_all(0), lanes_div(sheet->depth, inside)));
+    }
+    Lanes rest = lanes_rest(once), back = lanes_mul(once, through);
+    Lanes entered =
+        lanes_div(lanes_mul(lanes_mul(rest, rest), through), lanes_clamp(lanes_rest(lanes_mul(back, back)), 1e-12f, 1));
+    *transmitted = entered;
+    *reflected = lanes_add(once, lanes_mul(entered, back));
+    for (int i = 0; i < LANES; i++)
+        if (!(lanes_get(once, i) < 1)) { /* total, or grazing */
+            lanes_set(reflected, i, 1);
+            lanes_set(transmitted, i, 0);
+        }
+}
+
+void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
+{
+    *f_cos = *pdf_w = lanes_all(0);
+    if (sheet->facets.smooth || light.z == 0) return;
+    bool through = light.z < 0;
+    if (through) light.z = -light.z;
+    FacetReflection r = facets_reflect(&sheet->facets, view, light);
+    Lanes reflected, transmitted;
+    sheet_split(sheet, float_min(r.cosine, 1), &reflected, &transmitted);
+    Lanes taken = through ? transmitted : reflected, sum = lanes_add(reflected, transmitted);
+    float scaling = microfacet_mirror(sheet->roughness, r.angle_v) * microfacet_mirror(sheet->roughness, r.angle_l);
+    *f_cos = lanes_scale(taken, r.density * r.shadowing * scaling);
+    *pdf_w = lanes_scale(lanes_div(taken, lanes_add(sum, lanes_all(1e-30f))), r.density);
+}
+
+bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+{
+    float cosine = view.z;
+    sample->direction = mirrored(view);
+    if (!sheet->facets.smooth) {
+        Vec3f h = microfacet_visible(sheet->facets.alpha_x, sheet->facets.alpha_y, view, u);
+        sample->direction = vec3f_normalize(reflect_direction(vec3f_negate(view), h));
+        cosine = vec3f_dot(view, h);
+        if (!(sample->direction.z > 0)) return false;
+    }
+    Lanes reflected, transmitted;
+    sheet_split(sheet, float_min(cosine, 1), &reflected, &transmitted);
+    Lanes sum = lanes_add(lanes_add(reflected, transmitted), lanes_all(1e-30f));
+    bool back = lobe_choose(&u_choice, lanes_get(reflected, 0) / lanes_get(sum, 0));
+    if (!back) sample->direction.z = -sample->direction.z;
+    if (!sheet->facets.smooth) return true;
+    sample->specular = true;
+    sample->value = back ? reflected : transmitted;
+    sample->density = lanes_div(sample->value, sum);
+    return true;
+}

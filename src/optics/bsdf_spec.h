@@ -1,0 +1,45 @@
+/* bsdf_spec.h - a surface as a scene describes it, and the Bsdf of it at one hit.
+ * Parameters are OpenPBR's (Academy Software Foundation, "OpenPBR Surface Specification" 1.1) where it has them, so
+ * that a material means the same elsewhere. Where it departs: metals may have measured indices, a Fresnel term is
+ * exact, the coat covers what is opaque only, and light is not bent on its way through the coat.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BSDF_SPEC_H
+#define MEN_BSDF_SPEC_H
+
+#include "optics/bsdf.h"
+#include "optics/spectrum.h"
+
+/* Weights and roughnesses are in 0..1; a roughness is the artist's, the square root of alpha. bsdf_spec_init gives the
+ * values in brackets. */
+typedef struct BsdfSpec {
+    Spectrum base_color;                 /* albedo of the diffuse base, reflectance of the metal head on [0.8] */
+    float base_diffuse_roughness;        /* [0] */
+    float base_metalness;                /* the part that is metal [0] */
+    bool measured_metal;                 /* metal_n and metal_k instead of base_color */
+    Spectrum metal_n, metal_k;           /* relative to vacuum */
+    float specular_weight;               /* scales what a dielectric reflects head on; 0: a bare diffuse base [1] */
+    float specular_roughness;            /* [0.3] */
+    float specular_roughness_anisotropy; /* 0: alike in all directions; 1: along the tangent only [0] */
+    Spectrum specular_ior;               /* relative to vacuum [1.5] */
+    float transmission_weight;           /* the part of what is not metal that is clear [0] */
+    Spectrum transmission_color;         /* thin walls: what one crossing of the wall leaves [1] */
+    float coat_weight;                   /* [0] */
+    Spectrum coat_color;                 /* [1] */
+    float coat_roughness;                /* [0] */
+    float coat_roughness_anisotropy;     /* [0] */
+    Spectrum coat_ior;                   /* relative to vacuum [1.6] */
+    bool thin_walled; /* what is clear is a sheet, with the medium of the point on both sides [false] */
+} BsdfSpec;
+
+void bsdf_spec_init(BsdfSpec *spec);
+
+/* alpha along the tangent and across of a roughness and an anisotropy: OpenPBR 1.1, "Microfacet model". */
+void bsdf_alphas(float roughness, float anisotropy, float *alpha_x, float *alpha_y);
+/* The real index 1 and the imaginary part that reflect `reflectance` head on. */
+Lanes bsdf_metal_of_reflectance(Lanes reflectance);
+
+/* eta_i: the medium that owns the point; eta_t: the one behind, for what is clear and not thin. specular_weight scales
+ * the reflectance through the index: eta such that F0 = weight * F0. */
+void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, Bsdf *bsdf);
+
+#endif

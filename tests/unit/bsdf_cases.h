@@ -1,0 +1,108 @@
+/* bsdf_cases.h - surfaces of every kind, for the tests of bsdf.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BSDF_CASES_H
+#define MEN_BSDF_CASES_H
+
+#include "base/hash.h"
+#include "optics/bsdf_spec.h"
+
+typedef struct BsdfCase {
+    const char *name;
+    float roughness, other; /* other: index behind, metalness, diffuse roughness, ... */
+    float spread;           /* of the indices over the wavelengths */
+    float zoom;             /* angle about which the narrowest lobe is wide; > 0: straight on, < 0: mirrored; 0: wide */
+} BsdfCase;
+
+/* name, roughness, other, spread, zoom */
+static const BsdfCase bsdf_cases[] = {
+    {"boundary", 0.25f, 1.5f, 0, 0.3f},
+    {"boundary", 0.5f, 1.5f, 0, 0},
+    {"boundary", 1, 1.5f, 0, 0},
+    {"boundary", 0.5f, 1.02f, 0, 0.05f},
+    {"boundary", 0.9f, 2.42f, 0.05f, 0},
+    {"boundary", 0.5f, 1.52f, 0.03f, 0},
+    {"boundary in", 0.3f, 1.5f, 0, 0},
+    {"boundary in", 0.7f, 1.33f, 0.01f, 0},
+    {"boundary in", 1, 2.42f, 0.05f, 0},
+    {"boundary in", 0.5f, 1.02f, 0, 0.05f},
+    {"boundary aniso", 0.6f, 1.5f, 0, 0},
+    {"boundary crossing", 0.6f, 1, 0.02f, 0.05f},
+    {"conductor", 0.25f, 0.2f, 1, -0.15f},
+    {"conductor", 0.6f, 1.2f, 0.3f, 0},
+    {"conductor aniso", 1, 0.2f, 1, 0},
+    {"diffuse", 0, 0.5f, 0.3f, 0},
+    {"diffuse", 1, 0.8f, 0.2f, 0},
+    {"plastic", 0, 1.5f, 0.02f, 0},
+    {"plastic", 0.4f, 1.5f, 0.02f, -0.5f},
+    {"plastic", 1, 1.128f, 0.02f, 0},
+    {"plastic", 0.5f, 0.9f, 0.01f, 0},
+    {"plastic tinted", 0.3f, 1.5f, 0, 0},
+    {"sheet", 0.4f, 1.5f, 0.02f, 0},
+    {"sheet tinted", 0.8f, 1.5f, 0, 0},
+    {"principled", 0.4f, 0.5f, 0.02f, 0},
+    {"principled", 0.8f, 0.3f, 0, 0},
+    {"principled smooth", 0.5f, 0.4f, 0.02f, 0},
+};
+enum { BSDF_CASES = sizeof bsdf_cases / sizeof *bsdf_cases };
+
+/* centre * (1 + spread * -1 .. 2), by a wavelength's number; the path's first is `hero` */
+static inline Lanes case_lanes(float centre, float spread, int hero)
+{
+    Lanes result = lanes_all(0);
+    for (int i = 0; i < LANES; i++) lanes_set(&result, i, centre * (1 + spread * (float)((i + hero) % LANES - 1)));
+    return result;
+}
+
+/* behind: as seen from the other side. Returns n^2 of the medium in front; and of the one behind. */
+static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bsdf, Lanes *square_behind)
+{
+    float alpha = c->roughness * c->roughness, alpha_y = alpha;
+    if (strstr(c->name, "aniso")) alpha_y *= 0.3f;
+    Lanes front = lanes_all(1), back = front, tint = lanes_all(1);
+    if (strstr(c->name, "tinted")) tint = case_lanes(0.6f, 0.2f, hero);
+    bsdf_begin(bsdf);
+    if (!strncmp(c->name, "boundary", 8)) {
+        back = case_lanes(c->other, c->spread, hero);
+        bool swap = behind != (strstr(c->name, " in") != NULL);
+        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha, alpha_y);
+        Lanes square = lanes_mul(back, back);
+        *square_behind = swap ? front : square;
+        return swap ? square : front;
+    }
+    *square_behind = front;
+    if (!strncmp(c->name, "conductor", 9))
+        bsdf_add_conductor(bsdf, 1, case_lanes(c->other, 0.3f * c->spread, hero), case_lanes(3, 0.2f, hero), alpha,
+                           alpha_y);
+    else if (!strncmp(c->name, "diffuse", 7))
+        bsdf_add_diffuse(bsdf, 1, case_lanes(c->other, c->spread, hero), c->roughness);
+    else if (!strncmp(c->name, "plastic", 7))
+        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint,
+                         case_lanes(0.6f, 0.3f, hero), 0.4f);
+    else if (!strncmp(c->name, "sheet", 5))
+        bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint);
+    else {
+        bool smooth = strstr(c->name, "smooth");
+        Lanes eta = case_lanes(1.5f, c->spread, hero);
+        bsdf_add_conductor(bsdf, 0.3f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
+        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha, tint,
+                         case_lanes(0.5f, 0.3f, hero), c->roughness);
+        bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
+        bsdf_add_sheet(bsdf, 0.7f * (1 - c->other), eta, alpha, alpha, tint);
+        bsdf_set_coat(bsdf, 0.6f, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f,
+                      case_lanes(0.8f, 0.1f, hero));
+    }
+    return front;
+}
+
+static inline float random_unit(uint32_t *state)
+{
+    return hash_to_unit_f(hash_u32(++*state));
+}
+
+static inline Vec3f direction_at(float z, float angle)
+{
+    float radius = sqrtf(float_max(0, 1 - z * z));
+    return vec3f(radius * cosf(angle), radius * sinf(angle), z);
+}
+
+#endif

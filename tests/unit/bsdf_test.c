@@ -1,0 +1,399 @@
+/* bsdf_test.c - samples against densities, densities against samples, reciprocity, and what must never happen.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* before cmocka, which makes a macro of fail */
+#include "bsdf_cases.h"
+
+#include <cmocka.h>
+
+static const float view_cosines[] = {0.95f, 0.5f, 0.12f};
+
+/* How unlikely sum (o - e)^2 / e with n degrees of freedom is, in standard deviations: E. B. Wilson, M. M. Hilferty,
+ * "The Distribution of Chi-Square", PNAS 17 (1931). */
+static double chi_square_sigmas(double sum, int n)
+{
+    double spread = 2.0 / (9 * n);
+    return (cbrt(sum / n) - (1 - spread)) / sqrt(spread);
+}
+
+enum { BINS = 24, FINE = 20, SAMPLES = 100000 };
+
+/* The sphere about an axis as the unit square. With r = sqrt(1 - cos to the axis), 0 .. sqrt(2): u = r^2 / 2 where zoom
+ * is 0, which keeps areas; else r / (r + zoom), scaled to 0..1, which enlarges what is near the axis. */
+typedef struct SphereMap {
+    Vec3f axis;
+    double zoom;
+} SphereMap;
+
+static SphereMap map_for(const BsdfCase *c, Vec3f view)
+{
+    if (c->zoom == 0) return (SphereMap){vec3f(0, 0, 1), 0};
+    Vec3f axis = c->zoom > 0 ? vec3f_negate(view) : vec3f(-view.x, -view.y, view.z);
+    return (SphereMap){axis, fabs((double)c->zoom)};
+}
+
+/* the inverse; *area: the solid angle per unit of the square */
+static Vec3f map_direction(const SphereMap *map, double u, double v, double *area)
+{
+    double r = sqrt(2 * u), x = u * sqrt(2) / (sqrt(2) + map->zoom);
+    *area = 4 * (double)SAMPLING_PI;
+    if (map->zoom > 0) {
+        r = map->zoom * x / (1 - x);
+        double slope = (r + map->zoom) * (r + map->zoom) / map->zoom * sqrt(2) / (sqrt(2) + map->zoom);
+        *area = *area * r * slope;
+    }
+    double radius = r * sqrt(fmax(0, 2 - r * r)), angle = 2 * (double)SAMPLING_PI * v;
+    Vec3f local = vec3f((float)(radius * cos(angle)), (float)(radius * sin(angle)), (float)(1 - r * r));
+    return sampling_to_world(local, map->axis);
+}
+
+static int map_bin(const SphereMap *map, Vec3f direction)
+{
+    Vec3f tangent, bitangent, apart = vec3f_sub(direction, map->axis);
+    sampling_basis(map->axis, &tangent, &bitangent);
+    double square = 0.5 * (double)vec3f_dot(apart, apart), r = sqrt(square);
+    double u = map->zoom > 0 ? r / (r + map->zoom) * (sqrt(2) + map->zoom) / sqrt(2) : square / 2;
+    double angle = atan2((double)vec3f_dot(direction, bitangent), (double)vec3f_dot(direction, tangent));
+    double v = angle / (2 * (double)SAMPLING_PI);
+    int i = (int)(u * BINS), k = (int)((v < 0 ? v + 1 : v) * BINS);
+    return (i < BINS ? i : BINS - 1) * BINS + (k < BINS ? k : BINS - 1);
+}
+
+/* expected: density integrated over each bin. Returns the whole. */
+static double integrate_density(const Bsdf *bsdf, Vec3f view, const SphereMap *map, double expected[BINS * BINS])
+{
+    double total = 0;
+    memset(expected, 0, sizeof(double) * BINS * BINS);
+    for (int i = 0; i < BINS * FINE; i++)
+        for (int k = 0; k < BINS * FINE; k++) {
+            double area;
+            Vec3f light = map_direction(map, (i + 0.5) / (BINS * FINE), (k + 0.5) / (BINS * FINE), &area);
+            Lanes f, pdf;
+            bsdf_evaluate(bsdf, view, light, &f, &pdf);
+            expected[i / FINE * BINS + k / FINE] += (double)lanes_get(pdf, 0) * area / (BINS * FINE) / (BINS * FINE);
+        }
+    for (int i = 0; i < BINS * BINS; i++) total += expected[i];
+    return total;
+}
+
+static void samples_follow_the_density(void **unused)
+{
+    (void)unused;
+    static double expected[BINS * BINS], observed[BINS * BINS];
+    double worst = 0, worst_total = 0;
+    uint32_t state = 1;
+    for (size_t c = 0; c < BSDF_CASES; c++)
+        for (size_t at = 0; at < 3; at++) {
+            Bsdf bsdf;
+            Lanes behind;
+            case_make(&bsdf_cases[c], 0, false, &bsdf, &behind);
+            Vec3f view = direction_at(view_cosines[at], 0.7f);
+            SphereMap map = map_for(&bsdf_cases[c], view);
+            double total = integrate_density(&bsdf, view, &map, expected);
+            memset(observed, 0, sizeof observed);
+            int n_diffuse = 0, n_tried = 0;
+            for (; n_tried < SAMPLES; n_tried++) {
+                BsdfSample sample;
+                float u[2] = {random_unit(&state), random_unit(&state)};
+                if (!bsdf_sample(&bsdf, view, random_unit(&state), u, &sample) || sample.specular) continue;
+                n_diffuse++;
+                observed[map_bin(&map, sample.direction)]++;
+            }
+            double sum = 0, few_expected = 0, few_observed = 0;
+            int n = 0;
+            for (int i = 0; i < BINS * BINS; i++) {
+                double e = expected[i] * SAMPLES, o = observed[i];
+                if (e < 10) {
+                    few_expected += e;
+                    few_observed += o;
+                } else {
+                    sum += (o - e) * (o - e) / e;
+                    n++;
+                }
+            }
+            if (few_expected >= 10) {
+                sum += (few_observed - few_expected) * (few_observed - few_expected) / few_expected;
+                n++;
+            }
+            double sigmas = chi_square_sigmas(sum, n), share = (double)n_diffuse / SAMPLES;
+            double off = fabs(total - share);
+            if (sigmas > 4 || off > 0.008)
+                printf("%s %g %g, cosine %g: %.1f sigmas over %d bins; density %.4f, sampled %.4f\n",
+                       bsdf_cases[c].name, (double)bsdf_cases[c].roughness, (double)bsdf_cases[c].other,
+                       (double)view_cosines[at], sigmas, n, total, share);
+            worst = fmax(worst, sigmas);
+            worst_total = fmax(worst_total, off);
+        }
+    printf("%d surfaces, 3 views: worst chi-square %.1f sigmas, largest difference of the whole %.4f\n",
+           (int)BSDF_CASES, worst, worst_total);
+    assert_true(worst < 5);
+    assert_true(worst_total < 0.008);
+}
+
+static bool same(Lanes a, Lanes b, float tolerance)
+{
+    for (int i = 0; i < LANES; i++)
+        if (!(fabsf(lanes_get(a, i) - lanes_get(b, i)) <= tolerance * (fabsf(lanes_get(a, i)) + 1e-6f))) return false;
+    return true;
+}
+
+static Lanes turned(Lanes a, int hero)
+{
+    return lanes(lanes_get(a, hero % 4), lanes_get(a, (hero + 1) % 4), lanes_get(a, (hero + 2) % 4),
+                 lanes_get(a, (hero + 3) % 4));
+}
+
+static void weights_are_what_is_evaluated(void **unused)
+{
+    (void)unused;
+    uint32_t state = 5;
+    for (size_t c = 0; c < BSDF_CASES; c++)
+        for (int i = 0; i < 4000; i++) {
+            Bsdf bsdf;
+            Lanes behind, f, pdf;
+            case_make(&bsdf_cases[c], 0, false, &bsdf, &behind);
+            Vec3f view = direction_at(1 - random_unit(&state) * 0.999f, random_unit(&state) * 6);
+            float u[2] = {random_unit(&state), random_unit(&state)};
+            BsdfSample sample;
+            if (!bsdf_sample(&bsdf, view, random_unit(&state), u, &sample)) continue;
+            assert_float_equal(vec3f_length(sample.direction), 1, 2e-6f);
+            assert_true(sample.transmitted == (sample.direction.z < 0));
+            if (sample.specular) continue;
+            bsdf_evaluate(&bsdf, view, sample.direction, &f, &pdf);
+            assert_true(same(pdf, sample.pdf_w, 1e-6f));
+            assert_true(same(lanes_scale(f, 1 / lanes_get(pdf, 0)), sample.weight, 1e-5f));
+            /* any other wavelength as the hero */
+            for (int hero = 1; hero < LANES; hero++) {
+                Bsdf other;
+                Lanes other_f, other_pdf;
+                case_make(&bsdf_cases[c], hero, false, &other, &behind);
+                bsdf_evaluate(&other, view, sample.direction, &other_f, &other_pdf);
+                assert_true(same(turned(f, hero), other_f, 1e-3f));
+                assert_true(same(turned(pdf, hero), other_pdf, 1e-3f));
+            }
+        }
+}
+
+/* f(v, l) / n_l^2 = f(l, v) / n_v^2 */
+static void both_ways_are_alike(void **unused)
+{
+    (void)unused;
+    uint32_t state = 8;
+    for (size_t c = 0; c < BSDF_CASES; c++) {
+        int n_lit = 0;
+        for (int i = 0; i < 4000; i++) {
+            Bsdf bsdf, back;
+            Lanes square_behind, unused_square, f, g, pdf;
+            Lanes square = case_make(&bsdf_cases[c], 0, false, &bsdf, &square_behind);
+            Vec3f view = direction_at(1 - random_unit(&state) * 0.98f, random_unit(&state) * 6), light;
+            BsdfSample sample;
+            float u[2] = {random_unit(&state), random_unit(&state)};
+            if (!bsdf_sample(&bsdf, view, random_unit(&state), u, &sample) || sample.specular) continue;
+            light = sample.direction;
+            bsdf_evaluate(&bsdf, view, light, &f, &pdf);
+            case_make(&bsdf_cases[c], 0, sample.transmitted, &back, &unused_square);
+            Vec3f from = light, to = view;
+            if (sample.transmitted) {
+                from.z = -from.z;
+                to.z = -to.z;
+            }
+            bsdf_evaluate(&back, from, to, &g, &pdf);
+            f = lanes_scale(lanes_div(f, sample.transmitted ? square_behind : square), 1 / fabsf(light.z));
+            g = lanes_scale(lanes_div(g, square), 1 / view.z);
+            if (!same(f, g, 2e-3f))
+                for (int k = 0; k < LANES; k++)
+                    printf("%s %g %g, lane %d: %g and %g\n", bsdf_cases[c].name, (double)bsdf_cases[c].roughness,
+                           (double)bsdf_cases[c].other, k, (double)lanes_get(f, k), (double)lanes_get(g, k));
+            assert_true(same(f, g, 2e-3f));
+            n_lit++;
+        }
+        assert_true(n_lit > 100);
+    }
+}
+
+static float awkward(uint32_t *state, float low, float high)
+{
+    float u = random_unit(state);
+    switch ((int)(random_unit(state) * 6)) {
+    case 0: return low;
+    case 1: return high;
+    case 2: return low + (high - low) * u * u * u * u * 1e-3f;
+    case 3: return high - (high - low) * u * u * u * u * 1e-3f;
+    default: return low + (high - low) * u;
+    }
+}
+
+static Vec3f awkward_direction(uint32_t *state)
+{
+    float z = awkward(state, 0, 1);
+    if (random_unit(state) < 0.1f) z = 1e-30f;
+    return direction_at(z, awkward(state, 0, 2 * SAMPLING_PI));
+}
+
+static Lanes awkward_lanes(uint32_t *state, float low, float high)
+{
+    float a = awkward(state, low, high);
+    if (random_unit(state) < 0.3f) return lanes_all(a);
+    if (random_unit(state) < 0.3f) return lanes(a, a * (1 + 1e-7f), a, a * (1 - 1e-6f));
+    return lanes(a, awkward(state, low, high), awkward(state, low, high), awkward(state, low, high));
+}
+
+static void nothing_breaks_it(void **unused)
+{
+    (void)unused;
+    enum { TRIES = 1000000 };
+    uint32_t state = 99;
+    float largest = 0;
+    int n_taken = 0;
+    for (int i = 0; i < TRIES; i++) {
+        Bsdf bsdf;
+        bsdf_begin(&bsdf);
+        float a = awkward(&state, 0, 1), b = random_unit(&state) < 0.5f ? a : awkward(&state, 0, 1);
+        int kind = i % 6;
+        Lanes eta = awkward_lanes(&state, 1, random_unit(&state) < 0.5f ? 1.00001f : 3),
+              color = awkward_lanes(&state, 0, 1);
+        if (kind == 0) bsdf_add_boundary(&bsdf, 1, awkward_lanes(&state, 1, 3), eta, a, b);
+        if (kind == 1) bsdf_add_boundary(&bsdf, 1, eta, lanes_all(1), a, b);
+        if (kind == 2) bsdf_add_conductor(&bsdf, 1, awkward_lanes(&state, 0, 4), awkward_lanes(&state, 0, 9), a, b);
+        if (kind == 3) bsdf_add_plastic(&bsdf, 1, lanes_div(eta, lanes_all(1.3f)), a, b, color, color, b);
+        if (kind == 4) bsdf_add_sheet(&bsdf, 1, eta, a, b, color);
+        if (kind == 5) {
+            bsdf_add_diffuse(&bsdf, a, color, b);
+            bsdf_add_conductor(&bsdf, b * 0.5f, eta, eta, a, b);
+        }
+        if (kind >= 2 && i % 3) bsdf_set_coat(&bsdf, a, eta, b, a, color);
+        Vec3f view = awkward_direction(&state), light = awkward_direction(&state);
+        if (i % 2) light.z = -light.z;
+        float u[2] = {awkward(&state, 0, 0x1.fffffep-1f), awkward(&state, 0, 0x1.fffffep-1f)};
+        BsdfSample sample;
+        Lanes f, pdf;
+        bsdf_evaluate(&bsdf, view, light, &f, &pdf);
+        bool well = lanes_finite(f) && lanes_finite(pdf) && lanes_min(f) >= 0 && lanes_min(pdf) >= 0;
+        if (bsdf_sample(&bsdf, view, awkward(&state, 0, 0x1.fffffep-1f), u, &sample)) {
+            n_taken++;
+            well = well && lanes_finite(sample.weight) && lanes_min(sample.weight) >= 0 && lanes_finite(sample.pdf_w) &&
+                   lanes_min(sample.pdf_w) >= 0 && fabsf(vec3f_length(sample.direction) - 1) < 1e-5f;
+            if (lanes_get(sample.weight, 0) > 30)
+                printf("largest %g kind %d alpha %g %g view %g l %g eta %.9g %.9g col %g\n",
+                       (double)lanes_get(sample.weight, 0), kind, (double)a, (double)b, (double)view.z,
+                       (double)sample.direction.z, (double)lanes_get(bsdf.lobes[0].as.boundary.eta_i, 0),
+                       (double)lanes_get(bsdf.lobes[0].as.boundary.eta_t, 0), (double)lanes_get(color, 0));
+            largest = float_max(largest, lanes_get(sample.weight, 0));
+        }
+        if (!well)
+            printf("kind %d alpha %g %g view.z %g light.z %g u %g %g\n", kind, (double)a, (double)b, (double)view.z,
+                   (double)light.z, (double)u[0], (double)u[1]);
+        assert_true(well);
+    }
+    printf("%d of %d sampled; largest weight of the hero %.2f\n", n_taken, (int)TRIES, (double)largest);
+    assert_true(n_taken > TRIES / 2);
+    assert_true(largest < 100);
+}
+
+/* Rougher and rougher from nothing: no jump. */
+static void smooth_is_the_limit(void **unused)
+{
+    (void)unused;
+    uint32_t state = 21;
+    for (int inside = 0; inside <= 1; inside++)
+        for (int at = 0; at < 4; at++) {
+            float z = (float[]){1, 0.8f, 0.5f, 0.2f}[at];
+            Vec3f view = direction_at(z, 1), mean[2] = {{0, 0, 0}, {0, 0, 0}};
+            double reflected[2] = {0, 0};
+            enum { N = 40000 };
+            for (int rough = 0; rough <= 1; rough++) {
+                Bsdf bsdf;
+                bsdf_begin(&bsdf);
+                float alpha = rough ? 1.01e-3f : 0.99e-3f;
+                bsdf_add_boundary(&bsdf, 1, lanes_all(inside ? 1.5f : 1), lanes_all(inside ? 1 : 1.5f), alpha, alpha);
+                assert_true(bsdf.specular_only == !rough);
+                for (int i = 0; i < N; i++) {
+                    float u[2] = {random_unit(&state), random_unit(&state)};
+                    BsdfSample sample;
+                    if (!bsdf_sample(&bsdf, view, ((float)i + 0.5f) / N, u, &sample)) continue;
+                    assert_true(sample.specular == !rough);
+                    double weight = (double)lanes_get(sample.weight, 0) / N;
+                    if (!sample.transmitted) reflected[rough] += weight;
+                    mean[rough] = vec3f_along(mean[rough], (float)weight, sample.direction);
+                }
+            }
+            assert_float_equal((float)reflected[0], (float)reflected[1], 2e-3f);
+            assert_float_equal(vec3f_length(vec3f_sub(mean[0], mean[1])), 0, 5e-3f);
+        }
+    /* nearly equal indices: straight on, however rough */
+    for (int i = 0; i < 12; i++) {
+        float eta = 1 + powf(10, -1 - 0.5f * (float)i);
+        Bsdf bsdf;
+        bsdf_begin(&bsdf);
+        bsdf_add_boundary(&bsdf, 1, lanes_all(1), lanes_all(eta), 0.5f, 0.5f);
+        Vec3f view = direction_at(0.4f, 2);
+        double straight = 0;
+        for (int k = 0; k < 4000; k++) {
+            float u[2] = {random_unit(&state), random_unit(&state)};
+            BsdfSample sample;
+            if (bsdf_sample(&bsdf, view, random_unit(&state), u, &sample) && vec3f_dot(sample.direction, view) < -0.99f)
+                straight += (double)lanes_get(sample.weight, 0) / 4000;
+        }
+        if (eta < 1.004f) assert_true(straight > 0.97);
+        if (eta < 1.0004f) assert_true(straight > 0.995);
+    }
+}
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void speed_is_printed(void **unused)
+{
+    (void)unused;
+    enum { N = 50000 };
+    const size_t shown[] = {1, 5, 13, 16, 18, 22, 24};
+    uint32_t state = 3;
+    double checksum = 0;
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
+        const BsdfCase *c = &bsdf_cases[shown[i]];
+        Bsdf bsdf;
+        Lanes behind, f, pdf;
+        double start = seconds();
+        for (int k = 0; k < N; k++) case_make(c, k % 4, false, &bsdf, &behind);
+        double made = seconds();
+        for (int k = 0; k < N; k++) {
+            float u[2] = {random_unit(&state), random_unit(&state)};
+            BsdfSample sample;
+            if (bsdf_sample(&bsdf, direction_at(0.5f, 0.1f), random_unit(&state), u, &sample))
+                checksum += (double)sample.direction.z;
+        }
+        double sampled = seconds();
+        for (int k = 0; k < N; k++) {
+            bsdf_evaluate(&bsdf, direction_at(0.5f, 0.1f), direction_at(2 * random_unit(&state) - 1, 2), &f, &pdf);
+            checksum += (double)lanes_get(f, 1);
+        }
+        double evaluated = seconds();
+        printf("%-12s %.2g%s: made in %3.0f ns, sampled in %3.0f ns, evaluated in %3.0f ns\n", c->name,
+               (double)c->roughness, c->spread > 0 ? " with dispersion" : "", (made - start) / N * 1e9,
+               (sampled - made) / N * 1e9, (evaluated - sampled) / N * 1e9);
+    }
+    assert_true(isfinite(checksum));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samples_follow_the_density), cmocka_unit_test(weights_are_what_is_evaluated),
+        cmocka_unit_test(both_ways_are_alike),        cmocka_unit_test(nothing_breaks_it),
+        cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(speed_is_printed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
