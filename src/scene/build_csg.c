@@ -36,7 +36,8 @@ static const EvalNode *find_matter(const EvalNode *node)
     return NULL;
 }
 
-/* An operand may repeat the combination's interior, or have a surface of its own where that is opaque. */
+/* An operand may repeat the combination's interior, and have a surface of its own: where the whole is clear, a rough
+ * one. */
 static bool operand_matter_fits(Builder *b, const EvalNode *node)
 {
     const struct Combination *whole = b->combination;
@@ -46,9 +47,8 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
     if (b->only_shapes) return true;
     if (interior && (whole->medium == SCENE_NONE || build_medium(b, interior->as.node) != whole->medium))
         wrong = interior;
-    if (surface && whole->surface == SCENE_NONE) wrong = surface;
     if (priority) wrong = priority;
-    if (!wrong) return true;
+    if (!wrong) return !surface || build_surface_fits(b, surface, whole->medium != SCENE_NONE);
     Diagnostic *report = wrong == priority ? diag_report(b->diag, D_CONFLICTING_PROPERTIES, wrong->span,
                                                          "an operand has no priority of its own: that of the %s counts",
                                                          whole->node->type->name)
@@ -57,7 +57,7 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
                                                          node->type->name, whole->node->type->name);
     if (wrong != priority) diag_note(b->diag, report, whole->matter_span, "the whole is made of this");
     diag_hint(b->diag, report,
-              wrong == priority ? "move it there" : "one combination has one interior, or opaque surfaces only");
+              wrong == priority ? "move it there" : "one combination has one interior");
     return false;
 }
 
@@ -121,10 +121,8 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE};
     if (interior || surface) whole.matter_span = (interior ? interior : surface)->span;
     if (interior) whole.medium = build_medium(b, interior->as.node);
-    if (surface) {
-        build_needs(b, node, "priority", "on an opaque object");
-        whole.surface = build_surface(b, surface->as.node);
-    }
+    if (surface) whole.surface = build_surface(b, surface->as.node);
+    if (surface && !interior) build_needs(b, node, "priority", "on an opaque object");
     whole.object = build_add_object(b, node, SCENE_NONE, to_world);
     SceneObject *object = &scene->objects[whole.object];
     object->medium = whole.medium;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "optics/color.h"
+#include "optics/metal.h"
 #include "scene/build_parts.h"
 
 static bool is_term(const EvalProp *prop, const char *name)
@@ -178,6 +179,61 @@ static uint32_t add_surface(Builder *b, SceneSurface surface)
     return scene->n_surfaces++;
 }
 
+/* Skin, metal, coat: what makes a surface more than matte. */
+static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
+{
+    const EvalProp *ior = eval_prop(node, "ior");
+    const char *metal = eval_word(node, "metal");
+    BsdfSpec *spec = &surface->spec[0];
+    bsdf_spec_init(spec);
+    surface->roughness = spec->specular_roughness = (float)eval_number(node, "roughness");
+    spec->base_color = surface->albedo;
+    spec->base_diffuse_roughness = (float)eval_number(node, "diffuse_roughness");
+    spec->specular_weight = ior ? 1 : 0;
+    if (ior) spec->specular_ior = spectrum_constant((float)ior->as.number);
+    if (metal) {
+        spec->base_metalness = 1;
+        spec->measured_metal = metal_index(metal, &spec->metal_n, &spec->metal_k, new_table(b), new_table(b));
+    }
+    spec->coat_weight = (float)eval_number(node, "coat");
+    spec->coat_ior = spectrum_constant((float)eval_number(node, "coat_ior"));
+    spec->coat_roughness = (float)eval_number(node, "coat_roughness");
+    Vec3 tint = eval_vector(node, "coat_tint");
+    spec->coat_color = spectrum_from_reflectance((const double[3]){tint.x, tint.y, tint.z});
+    surface->spec[1] = *spec;
+    surface->spec[1].base_color = surface->albedo2;
+    surface->finished = ior || metal || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0;
+    static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
+    for (size_t i = 0; metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
+    static const char *const of_coat[] = {"coat_ior", "coat_roughness", "coat_tint"};
+    for (size_t i = 0; spec->coat_weight == 0 && i < COUNT_OF(of_coat); i++) build_needs(b, node, of_coat[i], "without a coat");
+}
+
+bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
+{
+    const EvalNode *node = surface->as.node;
+    size_t n_errors = b->diag->n_errors;
+    for (size_t i = 0; clear && i < node->n_props; i++) {
+        if (strcmp(node->props[i].type->name, "roughness") == 0) continue;
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
+                                         "an object with an interior is clear: its surface can be rough, but has no '%s'",
+                                         node->props[i].type->name);
+        diag_note(b->diag, report, node->props[i].span, "'%s' is set here", node->props[i].type->name);
+        break;
+    }
+    if (clear && node->n_props == 0) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
+                                         "an object with an interior is clear: this surface says nothing of it");
+        diag_hint(b->diag, report, "a rough one is surface { roughness = .3 }");
+    }
+    if (!clear && !eval_prop(node, "ior") && !eval_prop(node, "metal") && eval_prop(node, "roughness")) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "roughness"),
+                                         "'roughness' has no effect on a matte surface");
+        diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
+    }
+    return b->diag->n_errors == n_errors;
+}
+
 uint32_t build_surface(Builder *b, const EvalNode *node)
 {
     const uint32_t *known = map_seek(&b->surfaces, &node, sizeof node);
@@ -203,6 +259,7 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
         build_needs(b, node, "albedo2", "without pattern = checker");
         build_needs(b, node, "check_size", "without pattern = checker");
     }
+    finish_of(b, node, &surface);
     return add_surface(b, surface);
 }
 

@@ -92,6 +92,8 @@ void build_needs(Builder *b, const EvalNode *node, const char *property, const c
 /* build_media.c */
 uint32_t build_medium(Builder *b, const EvalNode *node);
 uint32_t build_surface(Builder *b, const EvalNode *node);
+/* Whether a surface suits an object that is clear, or one that is opaque; reports when not. */
+bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear);
 uint32_t build_black_surface(Builder *b);
 uint32_t build_grey_surface(Builder *b);
 /* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */
@@ -106,7 +108,7 @@ bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out
 void build_box(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_plane(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world);
-/* What an object is made of, one of the two; false after reporting. */
+/* What an object is made of: an interior, a surface, or an interior that has a rough surface; false after reporting. */
 bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface);
 /* Places a shape as a hull or as an opaque thing, whichever the node says, or as an operand of the combination around
  * it. */

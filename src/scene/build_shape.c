@@ -135,22 +135,13 @@ bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, c
 {
     *interior = eval_prop(node, "interior");
     *surface = eval_prop(node, "surface");
-    if (*interior && *surface) {
-        Diagnostic *report =
-            diag_report(b->diag, D_CONFLICTING_PROPERTIES, (*surface)->span,
-                        "this %s has an interior, and then its surface is smooth and clear: 'surface' is "
-                        "for opaque objects only",
-                        node->type->name);
-        diag_note(b->diag, report, (*interior)->span, "'interior' is set here");
-        return false;
-    }
     if (!*interior && !*surface) {
         Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
                                          "this %s has neither an interior nor a surface", node->type->name);
         diag_hint(b->diag, report, "clear: interior = a medium; opaque: surface = surface { albedo = .5 }");
         return false;
     }
-    return true;
+    return !*surface || build_surface_fits(b, *surface, *interior != NULL);
 }
 
 void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
@@ -169,9 +160,9 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
     uint32_t number = build_add_object(b, node, shape, to_world);
     SceneObject *object = &b->scene->objects[number];
     const EvalProp *priority = eval_prop(node, "priority");
-    if (surface) {
+    if (surface) object->surface = build_surface(b, surface->as.node);
+    if (!interior) {
         build_needs(b, node, "priority", "on an opaque object");
-        object->surface = build_surface(b, surface->as.node);
         return;
     }
     object->medium = build_medium(b, interior->as.node);

@@ -28,6 +28,9 @@
          "in a blob only: the density in its middle, which falls to 0 at the radius; below 0 it takes away")
 #define TOLERANCE(doc) PROP(tolerance, NUMBER, UNIT_LENGTH, PROP_SHAPE | PROP_OPEN_MIN, 0, NO_MAX, NULL, NULL, doc)
 
+/* The names of optics/metal.h; a test compares them. */
+#define METALS "aluminium|brass|chromium|copper|gold|iron|nickel|silver|stainless_steel|titanium"
+
 /* First the tables of properties ... */
 #define NODE(name, flags, child_types, doc) static const PropType name##_props[] = {
 #define PROP(name, kind, unit, flags, min, max, choices, default_text, doc)                                            \

@@ -11,6 +11,7 @@
 #include "geom/piece.h"
 #include "nest/csg.h"
 #include "nest/order.h"
+#include "optics/bsdf_spec.h"
 #include "optics/phase.h"
 #include "optics/spectrum.h"
 #include "optics/texture.h"
@@ -33,13 +34,16 @@ typedef struct SceneMedium {
     int32_t priority;
 } SceneMedium;
 
-/* What an opaque object is covered with. */
+/* What an opaque object is covered with; of a clear one, only roughness counts. */
 typedef struct SceneSurface {
     const char *name;
     Spectrum albedo;     /* diffuse reflectance, 0..1 */
     bool checkered;      /* albedo2 in every other square of a world-space checker in x and z (y for walls) */
     Spectrum albedo2;
     float check_size;
+    float roughness;  /* of the boundary of a clear object; its alpha is the square */
+    bool finished;    /* more than matte: */
+    BsdfSpec spec[2]; /* of albedo, and of albedo2 */
 } SceneSurface;
 
 typedef struct SceneShape { /* geometry that objects share; one of the two */
@@ -58,7 +62,7 @@ typedef struct SceneObject {
     uint32_t part_of; /* of an operand: the combination's row; SCENE_NONE for others */
     Affine to_world;
     uint32_t medium;  /* of the interior: a hull; SCENE_NONE for an opaque object and for operands */
-    uint32_t surface; /* of an opaque object, or of an operand of one; SCENE_NONE for a hull and its operands */
+    uint32_t surface; /* of an opaque object, or of an operand of one; of a hull one that makes it rough, or SCENE_NONE */
     uint32_t light;   /* SCENE_NONE when it does not shine */
     uint32_t motion;  /* which of the scene's motions; SCENE_NONE when it stands still */
     uint64_t identity; /* which object this is at another clock; see EvalNode.identity */

@@ -115,6 +115,19 @@ static uint64_t surface_hash(const SceneSurface *surface)
         add_spectrum(&h, &surface->albedo2);
         add_number(&h, (double)surface->check_size);
     }
+    add_number(&h, (double)surface->roughness);
+    if (!surface->finished) return h.state;
+    const BsdfSpec *spec = &surface->spec[0];
+    const float numbers[] = {spec->base_diffuse_roughness, spec->base_metalness, spec->specular_weight, spec->coat_weight,
+                             spec->coat_roughness};
+    for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(&h, (double)numbers[i]);
+    add_spectrum(&h, &spec->specular_ior);
+    add_spectrum(&h, &spec->coat_ior);
+    add_spectrum(&h, &spec->coat_color);
+    if (spec->measured_metal) {
+        add_spectrum(&h, &spec->metal_n);
+        add_spectrum(&h, &spec->metal_k);
+    }
     return h.state;
 }
 

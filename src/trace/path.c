@@ -80,6 +80,16 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
         reflectance_color(&scene->surfaces[object->surface], at.position, sight->albedo);
 }
 
+/* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
+ * both counts. */
+static void keep_in_range(Path *path)
+{
+    const float large = 0x1p40f;
+    if (LIKELY(lanes_max(path->ratio) < large)) return;
+    path->beta = lanes_scale(path->beta, 1 / large);
+    path->ratio = lanes_scale(path->ratio, 1 / large);
+}
+
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. */
 static bool survives(Path *path)
 {
@@ -170,12 +180,11 @@ static bool follow(Path *path)
         }
         if (event.kind == EVENT_SCATTER)
             path_scatter_in_medium(path, &event);
-        else if (event.kind == EVENT_BOUNDARY)
-            path_cross_boundary(path, &event);
-        else if (!path_shade_opaque(path, &event))
+        else if (!(event.kind == EVENT_BOUNDARY ? path_cross_boundary(path, &event) : path_shade_opaque(path, &event)))
             return true;
         path->n_counted += event.kind != EVENT_SCATTER;
         path->bounce++;
+        keep_in_range(path);
         if (!survives(path)) return true;
     }
 }

@@ -68,18 +68,40 @@ bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *med
 
 /* ---- shade.c ---- */
 
+/* Where a surface is met. Both normals are on the side that the path comes from. */
+typedef struct SurfacePlace {
+    Vec3 position;
+    Vec3f normal, geometric; /* for shading: on the geometric one's side, and against the path's direction */
+} SurfacePlace;
+SurfacePlace path_place(const Path *path, const Event *event);
+/* A light to look at from a place. */
+LightSample path_choose_light(const Path *path, Vec3 from);
+/* Adds what comes straight along the ray from a light, scattered by the factor, weighted against finding the light
+ * by a direction of density scatter_pdf. */
+void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf);
+/* Sends the path on from the surfaces that it has come to: through them, or back. */
+void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 /* Radiance given in a medium, as basic radiance. */
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
 /* Adds what reaches the camera of a radiance seen at the end of the path. */
 void path_add_radiance(Path *path, Lanes factor, Lanes basic);
+/* Whether a checkered surface has its other colour at a place. */
+bool path_other_square(const SceneSurface *surface, Vec3 p);
 /* The reflectance of an opaque surface at a place. */
 Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */
 void path_scatter_in_medium(Path *path, const Event *event);
 /* A hit of an opaque surface. Returns whether the path goes on. */
 bool path_shade_opaque(Path *path, Event *event);
-/* A smooth boundary between two dielectrics: one of the two ways is taken, with the probability of the hero's
- * Fresnel reflectance. */
-void path_cross_boundary(Path *path, Event *event);
+/* A boundary between two dielectrics. Where it is smooth, one of the two ways is taken, with the probability of the
+ * hero's Fresnel reflectance. Returns whether the path goes on. */
+bool path_cross_boundary(Path *path, Event *event);
+
+/* ---- shade_bsdf.c ---- */
+
+/* An opaque surface that is more than matte; false: the path ends. */
+bool path_shade_finished(Path *path, Event *event, const BsdfSpec *spec, const SurfacePlace *place);
+/* A rough boundary between two media; false: the path ends. */
+bool path_cross_rough(Path *path, Event *event, float roughness, const SurfacePlace *place, Lanes eta_i, Lanes eta_t);
 
 #endif

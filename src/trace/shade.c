@@ -17,18 +17,19 @@ void path_add_radiance(Path *path, Lanes factor, Lanes basic)
         lanes_add(path->radiance, lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio));
 }
 
-Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm)
+bool path_other_square(const SceneSurface *surface, Vec3 p)
 {
-    if (surface->checkered) {
-        double cells = floor(p.x / (double)surface->check_size) + floor(p.y / (double)surface->check_size + 0.5) +
-                       floor(p.z / (double)surface->check_size);
-        if (fmod(cells, 2) != 0) return spectrum_at(&surface->albedo2, wavelength_nm);
-    }
-    return spectrum_at(&surface->albedo, wavelength_nm);
+    if (!surface->checkered) return false;
+    double size = (double)surface->check_size;
+    return fmod(floor(p.x / size) + floor(p.y / size + 0.5) + floor(p.z / size), 2) != 0;
 }
 
-/* Sends the path on from the surfaces that it has come to: through them, or back. */
-static void leave(Path *path, Event *event, bool through, Vec3f direction)
+Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm)
+{
+    return spectrum_at(path_other_square(surface, p) ? &surface->albedo2 : &surface->albedo, wavelength_nm);
+}
+
+void path_leave(Path *path, Event *event, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
     HitList reached = tracer->hits;
@@ -41,7 +42,7 @@ static void leave(Path *path, Event *event, bool through, Vec3f direction)
     if (through || several) swap_lists(tracer);
 }
 
-static LightSample choose_light(const Path *path, Vec3 from)
+LightSample path_choose_light(const Path *path, Vec3 from)
 {
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
@@ -49,9 +50,7 @@ static LightSample choose_light(const Path *path, Vec3 from)
     return light_sample(path->tracer->world, from, path->ray.time, choice, u, path->wavelengths.nm);
 }
 
-/* Adds what comes straight along the ray from a light, scattered by the factor, weighted against finding the light
- * by a direction of density scatter_pdf. */
-static void add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
+void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
 {
     const World *world = path->tracer->world;
     ray.t_max = light->distance;
@@ -66,15 +65,15 @@ static void add_direct_light(Path *path, const LightSample *light, Ray ray, Lane
 }
 
 /* Light that a diffuse surface gets straight from a light source. */
-static void light_diffuse(Path *path, Event *event, const HitSurface *at, Vec3f normal, Vec3f geometric, Lanes albedo)
+static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
 {
-    LightSample light = choose_light(path, at->position);
+    LightSample light = path_choose_light(path, place->position);
     if (!(light.pdf_w > 0)) return;
-    float cosine = vec3f_dot(light.direction, normal), scatter_pdf = cosine / SAMPLING_PI;
-    if (!(cosine > 0) || !(vec3f_dot(light.direction, geometric) > 0)) return;
+    float cosine = vec3f_dot(light.direction, place->normal), scatter_pdf = cosine / SAMPLING_PI;
+    if (!(cosine > 0) || !(vec3f_dot(light.direction, place->geometric) > 0)) return;
     Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster,
                         false, light.direction);
-    add_direct_light(path, &light, ray, lanes_scale(albedo, scatter_pdf), scatter_pdf);
+    path_add_direct_light(path, &light, ray, lanes_scale(albedo, scatter_pdf), scatter_pdf);
 }
 
 void path_scatter_in_medium(Path *path, const Event *event)
@@ -82,12 +81,12 @@ void path_scatter_in_medium(Path *path, const Event *event)
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
     Vec3 position = ray_point(&path->ray, event->t);
     Vec3f along = path->ray.direction;
-    LightSample light = choose_light(path, position);
+    LightSample light = path_choose_light(path, position);
     if (light.pdf_w > 0) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
         Ray ray = ray_make(position, light.direction);
         ray.time = path->ray.time;
-        add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
+        path_add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
     }
     float u[2];
     double time = path->ray.time;
@@ -95,6 +94,18 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->scatter_point = position;
     path->ray = ray_make(position, phase_sample(phase, along, u, &path->scatter_pdf));
     path->ray.time = time;
+}
+
+SurfacePlace path_place(const Path *path, const Event *event)
+{
+    HitSurface at;
+    rtc_surface(path->tracer->world->compiled->rtc, &path->ray, &event->hit, &at);
+    bool front = event->hit.entering;
+    SurfacePlace place = {.position = at.position,
+                          .normal = front ? at.shading : vec3f_negate(at.shading),
+                          .geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal)};
+    if (!(vec3f_dot(path->ray.direction, place.normal) < 0)) place.normal = place.geometric;
+    return place;
 }
 
 bool path_shade_opaque(Path *path, Event *event)
@@ -113,22 +124,20 @@ bool path_shade_opaque(Path *path, Event *event)
         return false;
     }
     if (object->surface == SCENE_NONE) return false;
-    HitSurface at;
-    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
-    bool front = event->hit.entering;
-    Vec3f geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal);
-    Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
-    if (!(vec3f_dot(path->ray.direction, normal) < 0)) normal = geometric;
-    Lanes albedo = path_albedo(&world->scene->surfaces[object->surface], at.position, path->wavelengths.nm);
-    light_diffuse(path, event, &at, normal, geometric, albedo);
+    SurfacePlace place = path_place(path, event);
+    const SceneSurface *surface = &world->scene->surfaces[object->surface];
+    if (surface->finished)
+        return path_shade_finished(path, event, &surface->spec[path_other_square(surface, place.position)], &place);
+    Lanes albedo = path_albedo(surface, place.position, path->wavelengths.nm);
+    light_diffuse(path, event, &place, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    Vec3f direction = sampling_cosine_hemisphere(u[0], u[1], normal, &path->scatter_pdf);
-    if (!(vec3f_dot(direction, geometric) > 0)) return false; /* into the surface */
+    Vec3f direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
+    if (!(vec3f_dot(direction, place.geometric) > 0)) return false; /* into the surface */
     path->beta = lanes_mul(path->beta, albedo);
-    path->scatter_point = at.position;
-    leave(path, event, false, direction);
+    path->scatter_point = place.position;
+    path_leave(path, event, false, direction);
     return true;
 }
 
@@ -152,27 +161,21 @@ static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes et
     return choice;
 }
 
-void path_cross_boundary(Path *path, Event *event)
+bool path_cross_boundary(Path *path, Event *event)
 {
-    Tracer *tracer = path->tracer;
-    const World *world = tracer->world;
+    const World *world = path->tracer->world;
     Lanes eta_i = medium_ior(world, event->crossing.medium_from, path->wavelengths.nm);
     Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
-    HitSurface at;
-    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
-    bool front = event->hit.entering;
-    Vec3f geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal);
-    Vec3f normal = front ? at.shading : vec3f_negate(at.shading);
+    SurfacePlace place = path_place(path, event);
+    uint32_t surface = world->scene->objects[event->hit.object].surface;
+    if (surface != SCENE_NONE && world->scene->surfaces[surface].roughness > 0)
+        return path_cross_rough(path, event, world->scene->surfaces[surface].roughness, &place, eta_i, eta_t);
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
-    bool usable = vec3f_dot(path->ray.direction, normal) < 0;
-    BoundaryChoice choice;
-    if (usable) {
-        choice = choose_at_boundary(path->ray.direction, normal, eta_i, eta_t, u);
-        /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
-         * in, or a refraction out, the surface is taken as flat. */
-        usable = (vec3f_dot(choice.direction, geometric) > 0) == choice.reflected;
-    }
-    if (!usable) choice = choose_at_boundary(path->ray.direction, geometric, eta_i, eta_t, u);
+    BoundaryChoice choice = choose_at_boundary(path->ray.direction, place.normal, eta_i, eta_t, u);
+    /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
+     * in, or a refraction out, the surface is taken as flat. */
+    if ((vec3f_dot(choice.direction, place.geometric) > 0) != choice.reflected)
+        choice = choose_at_boundary(path->ray.direction, place.geometric, eta_i, eta_t, u);
 
     float hero = lanes_get(choice.reflectance, 0);
     if (choice.reflected) {
@@ -186,5 +189,6 @@ void path_cross_boundary(Path *path, Event *event)
         path->ratio = lanes_mul(path->ratio, hero_only);
     }
     path->scatter_pdf = -1;
-    leave(path, event, !choice.reflected, choice.direction);
+    path_leave(path, event, !choice.reflected, choice.direction);
+    return true;
 }

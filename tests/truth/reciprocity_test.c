@@ -34,13 +34,16 @@ static bool cross(const CompiledScene *compiled, NestList *list, size_t n, Walk 
     return crossing->medium_from != crossing->medium_to;
 }
 
-/* From outside of everything, through the whole scene. */
-static void walk_line(const CompiledScene *compiled, Vec3 origin, Vec3f direction, Walk *walk)
+/* From outside of everything that has an end, through the whole scene. */
+static void walk_line(const CompiledScene *compiled, Vec3 origin, Vec3f direction, double length, Walk *walk)
 {
     Ray ray = ray_make(origin, direction);
     NestList list;
     NestCrossing crossing;
     nest_list_init(&list);
+    if (compiled->n_planes)
+        assert_int_equal(compiled_interior(compiled, vec3f_from(origin), 0, &hits, &list, NULL), STATUS_OK);
+    ray.t_max = length;
     walk->n = 0;
     for (size_t n; (n = rtc_nearest(compiled->rtc, &ray, &hits)) > 0; ray.t_min = hits.items[n - 1].t) {
         if (!cross(compiled, &list, n, walk, &crossing)) {
@@ -50,7 +53,7 @@ static void walk_line(const CompiledScene *compiled, Vec3 origin, Vec3f directio
         assert_true(walk->n < MOST);
         walk->boundaries[walk->n++] = (Boundary){hits.items[0].t, crossing.medium_from, crossing.medium_to};
     }
-    if (list.n) walk->faults++; /* what was entered was left */
+    if (compiled_bounded_in(compiled, &list)) walk->faults++; /* what was entered was left */
     nest_list_clear(&list);
 }
 
@@ -99,8 +102,8 @@ static Outcome walk_lines(const Fixture *scene)
         Vec3f direction;
         double length;
         random_line(i, middle, radius, &from, &direction, &length);
-        walk_line(compiled, from, direction, &there);
-        walk_line(compiled, vec3_along(from, length, vec3_from_f(direction)), vec3f_negate(direction), &back);
+        walk_line(compiled, from, direction, length, &there);
+        walk_line(compiled, vec3_along(from, length, vec3_from_f(direction)), vec3f_negate(direction), length, &back);
         if (!there.n && !back.n) continue;
         outcome.lines++;
         outcome.differ += !same_backwards(&there, &back, length, 1e-4 * radius);

@@ -1,0 +1,95 @@
+/* shade_bsdf.c - surfaces that are more than matte, and boundaries that are rough.
+ *
+ * Directions are sampled for the hero; a Bsdf says for every lane how dense they would have been with that one as the
+ * hero, which goes into the path's ratio. Against light sampling, directions count with the mean of these densities
+ * over the lanes, by their ratios: with that the weights of both techniques add up to one for every wavelength.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/bsdf_spec.h"
+#include "optics/sampling.h"
+#include "trace/path_parts.h"
+
+/* The local frame of a Bsdf about a normal. */
+typedef struct Frame {
+    Vec3f x, y, z;
+} Frame;
+
+static Frame frame_about(Vec3f normal)
+{
+    Frame frame = {.z = normal};
+    sampling_basis(normal, &frame.x, &frame.y);
+    return frame;
+}
+
+static Vec3f to_local(const Frame *frame, Vec3f v)
+{
+    return vec3f(vec3f_dot(v, frame->x), vec3f_dot(v, frame->y), vec3f_dot(v, frame->z));
+}
+
+static Vec3f from_local(const Frame *frame, Vec3f v)
+{
+    return vec3f_along(vec3f_along(vec3f_scale(frame->x, v.x), v.y, frame->y), v.z, frame->z);
+}
+
+/* A density that stands for those of all lanes. */
+static float mean_density(const Path *path, Lanes pdf_w)
+{
+    return lanes_mean(lanes_mul(path->ratio, pdf_w)) / lanes_mean(path->ratio);
+}
+
+static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view)
+{
+    if (bsdf->specular_only) return;
+    LightSample light = path_choose_light(path, place->position);
+    if (!(light.pdf_w > 0)) return;
+    Vec3f local = to_local(frame, light.direction);
+    bool below = local.z < 0;
+    if ((below && !bsdf->transmits) || below != (vec3f_dot(light.direction, place->geometric) < 0)) return;
+    Lanes f_cos, pdf_w;
+    bsdf_evaluate(bsdf, view, local, &f_cos, &pdf_w);
+    if (lanes_zero(f_cos)) return;
+    Tracer *tracer = path->tracer;
+    Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction);
+    path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
+}
+
+static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place)
+{
+    Frame frame = frame_about(place->normal);
+    Vec3f view = to_local(&frame, vec3f_negate(path->ray.direction));
+    add_light(path, event, bsdf, place, &frame, view);
+    float u[2];
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    BsdfSample sample;
+    if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample))
+        return false;
+    Vec3f direction = vec3f_normalize(from_local(&frame, sample.direction));
+    /* which side the new ray is on is the geometry's to say */
+    if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted) return false;
+    float hero = lanes_get(sample.pdf_w, 0);
+    path->scatter_pdf = sample.specular ? -1 : mean_density(path, sample.pdf_w);
+    path->scatter_point = place->position;
+    path->beta = lanes_mul(path->beta, sample.weight);
+    path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
+    path_leave(path, event, sample.transmitted, direction);
+    return true;
+}
+
+bool path_shade_finished(Path *path, Event *event, const BsdfSpec *spec, const SurfacePlace *place)
+{
+    const World *world = path->tracer->world;
+    Lanes nm = path->wavelengths.nm;
+    Lanes around = medium_ior(world, nest_medium(&world->compiled->order, &path->tracer->list), nm);
+    Bsdf bsdf;
+    bsdf_from_spec(spec, nm, around, around, &bsdf);
+    return scatter(path, event, &bsdf, place);
+}
+
+bool path_cross_rough(Path *path, Event *event, float roughness, const SurfacePlace *place, Lanes eta_i, Lanes eta_t)
+{
+    Bsdf bsdf;
+    float alpha_x, alpha_y;
+    bsdf_alphas(roughness, 0, &alpha_x, &alpha_y);
+    bsdf_begin(&bsdf);
+    bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
+    return scatter(path, event, &bsdf, place);
+}
