@@ -78,6 +78,21 @@ run check hostile.mns
 [ $status -ne 139 ] || flunk "a long chain of else-ifs"
 end
 
+begin "hostile: too many arguments, names joined by dots, mistakes in values"
+{ printf 'print(max('; repeated 70 '1, '; echo '1))'; } | hostile
+run check hostile.mns
+exits 3
+says err 'at most 64 arguments'
+echo 'a.b.c.d.e { }' | hostile
+ends 1 syntax
+says err "more than 4 names joined by '.'"
+i=0
+while [ $i -lt 12000 ]; do i=$((i + 1)); echo "print($i + \"a\")"; done | hostile
+run check hostile.mns
+exits 3
+says err '10001 errors'
+end
+
 begin "hostile: files that lead to themselves, and many of them"
 echo 'include "hostile.mns"' | hostile
 run check hostile.mns
