@@ -57,6 +57,7 @@ static void make_furnace(Scene *scene)
     Spectrum radiance = spectrum_from_light(white);
     Error error;
     if (environment_new_constant(&radiance, &scene->environment, &error) != STATUS_OK) fail_msg("%s", error.text);
+    scene->world_to_environment = affine_identity();
 }
 
 static void stop_with_reports(Fixture *scene, const TruthInput *input)
