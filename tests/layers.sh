@@ -31,9 +31,10 @@ optics base
 geom base diag
 image base diag
 scene base diag lang nest optics geom
+check base diag nest optics geom scene
 trace base nest optics geom scene
 render base diag image scene trace
-cli base diag lang nest optics geom image scene trace render
+cli base diag lang nest optics geom image scene check trace render
 TABLE
 verdict 'Embree only behind geom/embree.h' "$(grep -lE 'include <embree' -r src --include='*.[ch]' | grep -v '^src/geom/embree.h$')"
 verdict 'geom/embree.h only in geom/rtc*' "$(grep -lE 'geom/embree.h|rtc_scene.h' -r src --include='*.[ch]' | grep -vE '^src/geom/(rtc|embree)')"

@@ -13,7 +13,7 @@
 #include "cli/output.h"
 #include "image/font.h"
 #include "image/image.h"
-#include "scene/report.h"
+#include "check/report.h"
 
 enum { LONG_SIDE = 800, SHORT_SIDE = 64, NAMES_SHOWN = 5, LEGEND_TEXT = 240 };
 

@@ -5,7 +5,7 @@
 
 #include "base/json.h"
 #include "cli/options.h"
-#include "scene/slice.h"
+#include "check/slice.h"
 
 typedef struct CheckSlice {
     bool wanted;

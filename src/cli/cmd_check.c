@@ -6,7 +6,7 @@
 #include "cli/check_slice.h"
 #include "cli/commands.h"
 #include "cli/scene_input.h"
-#include "scene/report.h"
+#include "check/report.h"
 
 enum { NUMBER_SIZE = 32 };
 

@@ -1,5 +1,5 @@
 /* lines.h - finding out how hulls lie by looking along lines: evenly spread lines through a box, and where
- * along a line each hull begins and ends. Private to compile.c, relations.c and report.c.
+ * along a line each hull begins and ends. For compiling, and for src/check.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_LINES_H
 #define MEN_LINES_H

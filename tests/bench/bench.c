@@ -15,7 +15,7 @@
 #include "nest/cross.h"
 #include "render/render.h"
 #include "scene/build.h"
-#include "scene/report.h"
+#include "check/report.h"
 
 enum { RUNS = 7, RAYS = 200000 };
 

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "near.h"
-#include "scene/report.h"
+#include "check/report.h"
 #include "scene_fixture.h"
 
 static const double pi = 3.14159265358979323846;

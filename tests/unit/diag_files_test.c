@@ -16,7 +16,7 @@
 #include "image/image.h"
 #include "lang_fixture.h"
 #include "scene/build.h"
-#include "scene/report.h"
+#include "check/report.h"
 
 #define FOLDER "tests/diag/"
 #define SCENE_FOLDER "tests/diag/scene/"

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-#include "scene/report.h"
+#include "check/report.h"
 #include "scene_fixture.h"
 
 #define TETRAHEDRA(second)                                                                                             \

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "near.h"
-#include "scene/slice.h"
+#include "check/slice.h"
 #include "scene_fixture.h"
 
 enum { WIDTH = 96, HEIGHT = 64 };

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
-#include "scene/report.h"
+#include "check/report.h"
 
 static void add_place(Buf *places, const SceneObject *object, Vec3f place)
 {

@@ -1,13 +1,13 @@
 /* report.c - what `check` says about how the objects of a scene lie: warnings, a text for people, JSON.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "scene/report.h"
+#include "check/report.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 /* ---- numbers and words ---- */
 

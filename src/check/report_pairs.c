@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 typedef enum LineKind { LINE_INSIDE, LINE_OVERLAP, LINE_TOUCH, LINE_GAP } LineKind;
 

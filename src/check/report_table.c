@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 static unsigned text_width(const char *text)
 {

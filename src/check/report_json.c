@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/json.h"
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 static void add_place(JsonWriter *json, SourceSet *sources, Span span)
 {

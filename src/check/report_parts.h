@@ -1,10 +1,10 @@
-/* report_parts.h - what the files of the report share; private to src/scene/report*.c.
+/* report_parts.h - what the files of the report share; private to src/check/report*.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_REPORT_PARTS_H
 #define MEN_REPORT_PARTS_H
 
 #include "scene/lines.h"
-#include "scene/report.h"
+#include "check/report.h"
 
 enum {
     REPORT_FEW = 4,  /* more like objects or pairs than this are summed up */

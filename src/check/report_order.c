@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 /* ---- clusters and levels ---- */
 

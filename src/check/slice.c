@@ -4,7 +4,7 @@
  * it crosses, and each run has one owner. Rows give the colours; rows and columns together give the boundaries, each
  * the ones that it crosses steeply.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "scene/slice.h"
+#include "check/slice.h"
 
 #include <math.h>
 #include <stdlib.h>

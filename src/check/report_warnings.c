@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 /* ---- gaps ---- */
 

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 enum {
     LINES_IN_ALL = 200000,

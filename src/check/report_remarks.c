@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "scene/report_parts.h"
+#include "check/report_parts.h"
 
 /* What the remarks share. */
 typedef struct Remarks {
