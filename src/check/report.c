@@ -191,6 +191,14 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
             report_add_length(&row[4], scene, 0.6931471805599453 / coefficient);
         }
     }
+    if (medium->scatters) {
+        buf_format(&row[4], "%sscatters", row[4].length ? ", " : "");
+        double coefficient = (double)spectrum_at_one(&medium->scattering, 540);
+        if (coefficient > 0) {
+            buf_add(&row[4], " every ");
+            report_add_length(&row[4], scene, 1 / coefficient);
+        }
+    }
     if (medium->has_priority) buf_format(&row[5], "priority %d", (int)medium->priority);
     if (i == 0) buf_format(&row[5], "%sthe world", row[5].length ? ", " : "");
 }
