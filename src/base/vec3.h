@@ -79,6 +79,14 @@ static inline Vec3 affine_normal(const Affine *inverse, Vec3 n)
                 inverse->m[0][1] * n.x + inverse->m[1][1] * n.y + inverse->m[2][1] * n.z,
                 inverse->m[0][2] * n.x + inverse->m[1][2] * n.y + inverse->m[2][2] * n.z);
 }
+/* The linear part's cofactors applied to n: an area with the unit normal n becomes one that is larger by the length of
+ * this, and faces along it (against it, where the map mirrors). */
+static inline Vec3 affine_area(const Affine *a, Vec3 n)
+{
+    Vec3 x = vec3(a->m[0][0], a->m[1][0], a->m[2][0]), y = vec3(a->m[0][1], a->m[1][1], a->m[2][1]),
+         z = vec3(a->m[0][2], a->m[1][2], a->m[2][2]);
+    return vec3_along(vec3_along(vec3_scale(vec3_cross(y, z), n.x), n.y, vec3_cross(z, x)), n.z, vec3_cross(x, y));
+}
 /* first b, then a */
 /* The map at a time 0..1, of n >= 2 maps that are evenly spread over it; linear between them, entry by entry. */
 Affine affine_between(const Affine *keys, uint32_t n, double time);

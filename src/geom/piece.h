@@ -64,6 +64,11 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
  * along the surface; the middle when the piece is narrower than that. */
 Vec3 piece_inset(const Piece *piece, Vec3 p, double margin);
 Box3 piece_bounds(const Piece *piece);
+/* The area of a piece in its own frame; 0 for a plane without end. */
+double piece_area(const Piece *piece);
+/* A point of the piece in its own frame, uniform in area for u and v uniform in [0, 1); *normal: outward, unit. Not for
+ * planes without end. */
+Vec3 piece_sample(const Piece *piece, double u, double v, Vec3 *normal);
 /* The rectangle in the half plane that a band, an arc or a torus stays within. */
 typedef struct HalfBox {
     double r0, y0, r1, y1;

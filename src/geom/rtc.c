@@ -91,7 +91,10 @@ static bool keep(Query *query, const Hit *hit)
 {
     if (query->all) {
         if (query->stop_at_opaque && query->scene->objects[hit->object].opaque) {
-            if (hit->object == query->ray->target) return false;
+            const Ray *ray = query->ray;
+            if (hit->object == ray->target &&
+                (ray->target_primitive == RTC_NO_OBJECT || hit->primitive == ray->target_primitive))
+                return false;
             query->blocked = true;
             return true;
         }
@@ -146,6 +149,11 @@ static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uin
         corner[1] = corner[2];
         corner[2] = swap;
     }
+}
+
+void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3])
+{
+    triangle_corners(scene, &scene->objects[object], primitive, time, corner);
 }
 
 /* Whether p, in the triangle's plane, is inside of it, edges included. */

@@ -62,6 +62,7 @@ typedef struct Ray {
     double time;             /* 0..1, of what moves */
     double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
+    uint32_t target_primitive; /* of it only this primitive does not; RTC_NO_OBJECT: none of them */
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
     double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
@@ -71,7 +72,7 @@ typedef struct Ray {
 /* A ray that starts in free space. */
 static inline Ray ray_make(Vec3 origin, Vec3f direction)
 {
-    return (Ray){.origin = origin, .direction = direction, .t_max = HUGE_VAL, .target = UINT32_MAX};
+    return (Ray){.origin = origin, .direction = direction, .t_max = HUGE_VAL, .target = UINT32_MAX, .target_primitive = UINT32_MAX};
 }
 static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->origin, t, vec3_from_f(ray->direction)); }
 
@@ -122,6 +123,9 @@ typedef struct HitSurface {
     float uv[2];
 } HitSurface;
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
+
+/* The corners of a mesh object's triangle in the world, as rays meet it: counter-clockwise seen from outside. */
+void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3]);
 
 /* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
  * (through) or from the side that ray came from. Of several hits of one object only the first is kept (hits and *n

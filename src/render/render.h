@@ -20,6 +20,7 @@ typedef struct RenderSettings {
     uint32_t bounces, seed, camera;
     AovSet aovs;                /* further channels */
     bool no_absorption;         /* media neither absorb nor emit: for tests */
+    bool by_chance;             /* no light is looked for, all are found by scattering alone: for tests */
 } RenderSettings;
 
 typedef struct RenderProgress {

@@ -261,6 +261,13 @@ static void build_settings(Builder *b)
     }
 }
 
+static bool any_emits(const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->objects[i].surface != SCENE_NONE && scene->surfaces[scene->objects[i].surface].emits) return true;
+    return false;
+}
+
 static void check_whole(Builder *b)
 {
     const Scene *scene = b->scene;
@@ -269,7 +276,7 @@ static void check_whole(Builder *b)
     for (uint32_t i = 0; i < scene->n_lights; i++) distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
         diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
-    else if (!scene->n_lights && (!scene->environment || environment_is_black(scene->environment)))
+    else if (!scene->n_lights && (!scene->environment || environment_is_black(scene->environment)) && !any_emits(scene))
         diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black");
     if (!scene->n_cameras) {
         Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");

@@ -27,41 +27,57 @@ static bool is_similar(const Affine *map, double *scale)
            fabs(vec3_dot(z, x)) <= slack * s * s;
 }
 
-static LightKind kind_of(const char *word)
+/* The shapes of the language, which are more than kinds. */
+typedef struct LightShape {
+    const char *word;
+    LightKind kind;
+    const char *needs, *takes; /* of the properties that only some shapes have, "|name|name|" */
+} LightShape;
+
+static const LightShape shapes[] = {
+    {"quad", LIGHT_RECT, "|size|to|", "|size|to|radiance|"},
+    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|radiance|"},
+    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|"},
+    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|"},
+    {"point", LIGHT_POINT, "|", "|intensity|"},
+    {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|"},
+};
+
+static const LightShape *shape_of(const EvalNode *node)
 {
-    return strcmp(word, "disc") == 0     ? LIGHT_DISC
-           : strcmp(word, "sphere") == 0 ? LIGHT_SPHERE
-           : strcmp(word, "quad") == 0   ? LIGHT_RECT
-                                         : LIGHT_DISTANT;
+    const char *word = eval_word(node, "shape");
+    for (size_t i = 0; i < COUNT_OF(shapes); i++)
+        if (strcmp(word, shapes[i].word) == 0) return &shapes[i];
+    return &shapes[0];
 }
 
-/* Which properties each kind of light needs; the others it must not have. */
-static bool check_properties(Builder *b, const EvalNode *node, LightKind kind)
+static bool is_named(const char *list, const char *name)
 {
-    static const struct {
-        const char *name;
-        bool needed_by[4], taken_by[4]; /* by LightKind */
-    } rules[] = {
-        {"size", {[LIGHT_RECT] = true}, {[LIGHT_RECT] = true}},
-        {"radius", {[LIGHT_DISC] = true, [LIGHT_SPHERE] = true}, {[LIGHT_DISC] = true, [LIGHT_SPHERE] = true}},
-        {"to",
-         {[LIGHT_RECT] = true, [LIGHT_DISC] = true, [LIGHT_DISTANT] = true},
-         {[LIGHT_RECT] = true, [LIGHT_DISC] = true, [LIGHT_DISTANT] = true}},
-        {"angle", {false}, {[LIGHT_DISTANT] = true}},
-    };
-    const char *word = eval_word(node, "shape");
-    bool fine = build_exclude(b, node, "radiance", "power");
-    for (size_t i = 0; i < COUNT_OF(rules); i++) {
-        const EvalProp *prop = eval_prop(node, rules[i].name);
-        if (prop && !rules[i].taken_by[kind]) {
-            diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "a light of shape '%s' has no '%s'", word,
-                        rules[i].name);
+    size_t length = strlen(name);
+    for (const char *at = list; (at = strstr(at, name)) != NULL; at++)
+        if (at[-1] == '|' && at[length] == '|') return true;
+    return false;
+}
+
+/* Which properties each shape of light needs; the others it must not have. */
+static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
+{
+    static const char *const names[] = {"size", "radius", "to", "angle", "blend", "radiance", "intensity"};
+    bool fine = build_exclude(b, node, "radiance", "power") && build_exclude(b, node, "intensity", "power");
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        const EvalProp *prop = eval_prop(node, names[i]);
+        if (prop && !is_named(shape->takes, names[i])) {
+            Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
+                                             "a light of shape '%s' has no '%s'", shape->word, names[i]);
+            if (strcmp(names[i], "radiance") == 0)
+                diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
             fine = false;
-        } else if (!prop && rules[i].needed_by[kind]) {
+        } else if (!prop && is_named(shape->needs, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
-                                             "a light of shape '%s' needs '%s'", word, rules[i].name);
-            if (kind == LIGHT_RECT && !eval_prop(node, "shape"))
-                diag_hint(b->diag, report, "'quad' is the default; the other shapes are disc, sphere and distant");
+                                             "a light of shape '%s' needs '%s'", shape->word, names[i]);
+            if (shape == &shapes[0] && !eval_prop(node, "shape"))
+                diag_hint(b->diag, report,
+                          "'quad' is the default; the other shapes are disc, sphere, distant, point and spot");
             fine = false;
         }
     }
@@ -69,12 +85,12 @@ static bool check_properties(Builder *b, const EvalNode *node, LightKind kind)
 }
 
 /* The light's frame in its node's space, y towards where it shines, x level. */
-static bool local_frame(Builder *b, const EvalNode *node, LightKind kind, Affine *frame)
+static bool local_frame(Builder *b, const EvalNode *node, Affine *frame)
 {
     Vec3 from = eval_vector(node, "from");
     *frame = affine_identity();
     frame->t = from;
-    if (kind == LIGHT_SPHERE) return true;
+    if (!eval_prop(node, "to")) return true; /* the same to all sides */
     Vec3 along = vec3_sub(eval_vector(node, "to"), from);
     double length = vec3_length(along);
     if (!(length > 0) || !isfinite(length)) {
@@ -120,6 +136,11 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
         double sine = sin(half_angle);
         return radiance ? radiance->as.number : (power ? power->as.number : pi) / (pi * sine * sine);
     }
+    if (light->kind == LIGHT_POINT) {
+        const EvalProp *intensity = eval_prop(node, "intensity");
+        double unit2 = b->scene->unit_m * b->scene->unit_m;
+        return (power ? power->as.number / light_beam(light) : intensity ? intensity->as.number : 1) / unit2;
+    }
     double area_m2 = area_of(light) * b->scene->unit_m * b->scene->unit_m;
     return power ? power->as.number / (pi * area_m2) : radiance ? radiance->as.number : 1;
 }
@@ -149,15 +170,27 @@ static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light
     return true;
 }
 
+/* The cone of a spot; a point light shines to all sides. */
+static void set_cone(const EvalNode *node, SceneLight *light, bool spot)
+{
+    const double usual = 45;
+    const EvalProp *angle = eval_prop(node, "angle");
+    double half_angle = (angle ? angle->as.number : usual) / 2 * degree;
+    light->cos_none = spot ? cos(half_angle) : -1;
+    light->cos_full = spot ? cos(half_angle * (1 - eval_number(node, "blend"))) : -1;
+}
+
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (b->only_shapes) return;
     const double suns_angle = 0.53;
     Scene *scene = b->scene;
-    SceneLight light = {.kind = kind_of(eval_word(node, "shape")), .span = node->span, .object = SCENE_NONE};
+    const LightShape *shape = shape_of(node);
+    SceneLight light = {
+        .kind = shape->kind, .span = node->span, .object = SCENE_NONE, .motion = SCENE_NONE, .identity = b->where};
     double scale = 1;
     Affine frame;
-    if (!check_properties(b, node, light.kind) || !local_frame(b, node, light.kind, &frame)) return;
+    if (!check_properties(b, node, shape) || !local_frame(b, node, &frame)) return;
     if (light.kind != LIGHT_DISTANT && !is_similar(to_world, &scale)) {
         diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span,
                     "a light can be turned, moved and scaled evenly, but not stretched or sheared");
@@ -172,10 +205,14 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         const EvalProp *size = eval_prop(node, "size");
         light.half_width = size->as.vector[0] / 2 * scale;
         light.half_height = size->as.vector[1] / 2 * scale;
-    } else if (light.kind != LIGHT_DISTANT) {
+    } else if (light.kind == LIGHT_DISC || light.kind == LIGHT_SPHERE) {
         light.half_width = light.half_height = eval_number(node, "radius") * scale;
+    } else if (light.kind == LIGHT_POINT) {
+        set_cone(node, &light, strcmp(shape->word, "spot") == 0);
+        Box3 bounds = {light.to_world.t, light.to_world.t};
+        if (!build_check_reach(b, node->span, "this light", bounds)) return;
     }
-    if (light.kind == LIGHT_DISTANT)
+    if (light.kind == LIGHT_DISTANT || light.kind == LIGHT_POINT)
         light.name = build_name(b, node, node->type->name);
     else if (!place_area_light(b, node, &light, scale))
         return;

@@ -245,6 +245,10 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
     SceneSurface surface = {.name = arena_copy_text(b->arena, name, strlen(name)),
                             .albedo = spectrum_from_reflectance(rgb)};
     surface.albedo2 = surface.albedo;
+    if (!eval_prop(node, "emission"))
+        build_needs(b, node, "radiance", "without an 'emission'");
+    else if (build_emission(b, node, "emission", eval_number(node, "radiance"), &surface.emission))
+        surface.emits = !spectrum_is_zero(&surface.emission);
     surface.check_size = (float)eval_number(node, "check_size");
     if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
         const EvalProp *albedo2 = eval_prop(node, "albedo2");

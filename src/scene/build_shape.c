@@ -113,6 +113,7 @@ static bool within_reach(Builder *b, const EvalNode *node, uint32_t shape, const
 uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
 {
     Scene *scene = b->scene;
+    if (shape != SCENE_NONE) scene->shapes[shape].closed = b->facts[shape].closed;
     if (!ARRAY_ROOM(scene->objects, b->objects_capacity, scene->n_objects)) arena_fail(b->arena);
     scene->objects[scene->n_objects] = (SceneObject){
         .name = build_name(b, node, node->type->name),

@@ -60,11 +60,12 @@ static bool same_map(const Affine *a, const Affine *b)
     return a->t.x == b->t.x && a->t.y == b->t.y && a->t.z == b->t.z;
 }
 
-static Status move_object(Finder *f, SceneObject *object, const Affine *to_world, uint32_t key)
+/* *motion is of a thing that is at `first` when the shutter opens. */
+static Status move_thing(Finder *f, uint32_t *motion, const Affine *first, const Affine *to_world, uint32_t key)
 {
     Scene *scene = f->scene;
-    if (object->motion == SCENE_NONE) {
-        if (same_map(&object->to_world, to_world)) return STATUS_OK;
+    if (*motion == SCENE_NONE) {
+        if (same_map(first, to_world)) return STATUS_OK;
         if (scene->n_motions == f->motions_capacity) {
             uint32_t capacity = f->motions_capacity ? 2 * f->motions_capacity : 16;
             Affine *motions = realloc(scene->motions, (size_t)capacity * f->n_keys * sizeof *motions);
@@ -72,12 +73,11 @@ static Status move_object(Finder *f, SceneObject *object, const Affine *to_world
             scene->motions = motions;
             f->motions_capacity = capacity;
         }
-        object->motion = scene->n_motions++;
-        for (uint32_t k = 0; k < f->n_keys; k++)
-            scene->motions[(size_t)object->motion * f->n_keys + k] = object->to_world;
+        *motion = scene->n_motions++;
+        for (uint32_t k = 0; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *first;
     }
     /* what is not there any more later on stays where it was last */
-    for (uint32_t k = key; k < f->n_keys; k++) scene->motions[(size_t)object->motion * f->n_keys + k] = *to_world;
+    for (uint32_t k = key; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *to_world;
     return STATUS_OK;
 }
 
@@ -126,16 +126,35 @@ static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
     return STATUS_OK;
 }
 
+/* Lights without an object that moves for them. There are few. */
+static Status move_lights(Finder *f, const Scene *other, uint32_t key)
+{
+    Status status = STATUS_OK;
+    for (uint32_t i = 0; i < f->scene->n_lights && status == STATUS_OK; i++) {
+        SceneLight *light = &f->scene->lights[i];
+        if (light->kind != LIGHT_POINT) continue;
+        for (uint32_t k = 0; k < other->n_lights; k++) {
+            /* mostly at the same number */
+            const SceneLight *then = &other->lights[(i + k) % other->n_lights];
+            if (then->kind != LIGHT_POINT || then->identity != light->identity) continue;
+            status = move_thing(f, &light->motion, &light->to_world, &then->to_world, key);
+            break;
+        }
+    }
+    return status;
+}
+
 static Status compare_with(Finder *f, Scene *other, uint32_t key)
 {
     Places places;
     TRY(places_init(&places, other, f->error));
     Status status = move_cameras(f, other, key);
+    if (status == STATUS_OK) status = move_lights(f, other, key);
     for (uint32_t i = 0; i < f->scene->n_objects && status == STATUS_OK; i++) {
         SceneObject *object = &f->scene->objects[i];
         const SceneObject *then = find_object(&places, other, object);
         if (!then || object->shape == SCENE_NONE) continue;
-        status = move_object(f, object, &then->to_world, key);
+        status = move_thing(f, &object->motion, &object->to_world, &then->to_world, key);
         if (status == STATUS_OK && key + 1 == f->n_keys) change_shape(f, object, &other->shapes[then->shape]);
     }
     free(places.slots);

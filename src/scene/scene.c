@@ -99,6 +99,25 @@ Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Af
     return box;
 }
 
+const Affine *light_keys(const Scene *scene, const SceneLight *light)
+{
+    uint32_t motion = light->object == SCENE_NONE ? light->motion : scene->objects[light->object].motion;
+    return motion == SCENE_NONE ? NULL : scene->motions + (size_t)motion * scene->n_keys;
+}
+
+float light_shape(const SceneLight *light, Vec3 direction)
+{
+    if (direction.y >= light->cos_full) return 1;
+    if (direction.y <= light->cos_none) return 0;
+    double part = (direction.y - light->cos_none) / (light->cos_full - light->cos_none);
+    return (float)(part * part * (3 - 2 * part));
+}
+
+double light_beam(const SceneLight *light)
+{
+    return 2 * 3.14159265358979323846 * (1 - 0.5 * (light->cos_full + light->cos_none)); /* the smooth step's mean is 1/2 */
+}
+
 static Vec3 blend(Vec3 a, Vec3 b, double part)
 {
     return vec3_add(vec3_scale(a, 1 - part), vec3_scale(b, part));

@@ -44,11 +44,14 @@ typedef struct SceneSurface {
     float roughness;  /* of the boundary of a clear object; its alpha is the square */
     bool finished;    /* more than matte: */
     BsdfSpec spec[2]; /* of albedo, and of albedo2 */
+    bool emits;          /* shines by itself, from both sides */
+    Spectrum emission;   /* radiance, as SceneLight's */
 } SceneSurface;
 
 typedef struct SceneShape { /* geometry that objects share; one of the two */
     Mesh *mesh;
     Solid *solid;
+    bool closed;    /* nothing but a camera within sees its inside */
     Mesh *mesh_end; /* NULL, or what the mesh becomes while the shutter is open: the same triangles */
 } SceneShape;
 
@@ -80,20 +83,31 @@ typedef enum LightKind {
     LIGHT_RECT,   /* one-sided, |x| <= half_width, |z| <= half_height in the plane y = 0 of the object, shining to +y */
     LIGHT_DISC,   /* one-sided, radius half_width, shining to +y */
     LIGHT_SPHERE, /* radius half_width */
-    LIGHT_DISTANT /* from a cone of directions at infinity, as the sun */
+    LIGHT_DISTANT, /* from a cone of directions at infinity, as the sun */
+    LIGHT_POINT    /* without size: to all sides, into a cone about +y, or by a profile */
 } LightKind;
 
 typedef struct SceneLight {
     LightKind kind;
     const char *name;
     Span span;
-    Spectrum radiance;  /* W / (m^2 sr) up to the scene's common scale; the actual radiance in the light's own medium */
+    /* W / (m^2 sr) up to the scene's common scale; the actual radiance in the light's own medium. LIGHT_POINT: intensity
+     * along its axis, or where the profile is 1: radiance times square scene units */
+    Spectrum radiance;
     double half_width, half_height;
-    uint32_t object;    /* SCENE_NONE for LIGHT_DISTANT */
+    uint32_t object;    /* SCENE_NONE for LIGHT_DISTANT and LIGHT_POINT */
+    uint32_t motion;    /* of LIGHT_POINT, as SceneObject's; others move with their object */
+    uint64_t identity;
     Affine to_world;    /* rigid: rotation and translation */
     Vec3 towards;       /* LIGHT_DISTANT: unit, from the scene to the light */
     double cos_angle;   /* LIGHT_DISTANT: of the cone's half angle */
+    double cos_full, cos_none; /* LIGHT_POINT: as bright as ever within the first angle from +y, dark beyond the other */
 } SceneLight;
+
+/* How bright a LIGHT_POINT is towards a direction (unit, in its own frame), its axis being 1. */
+float light_shape(const SceneLight *light, Vec3 direction);
+/* The integral of that over all directions, in steradians. */
+double light_beam(const SceneLight *light);
 
 typedef struct SceneCamera {
     const struct SceneCamera *keys; /* NULL, or n_keys of them: where it is while the shutter is open */
@@ -175,6 +189,8 @@ static inline const Affine *scene_keys(const Scene *scene, const SceneObject *ob
 {
     return object->motion == SCENE_NONE ? NULL : scene->motions + (size_t)object->motion * scene->n_keys;
 }
+/* Where a moving light is at the times of the scene's keys; NULL for one that stands still. */
+const Affine *light_keys(const Scene *scene, const SceneLight *light);
 /* The camera at a time 0..1 of the shutter. */
 SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, double time);
 /* The smallest box around an object wherever it moves, moved by `after` (NULL: not); empty for one without any surface, without end for planes. Of a

@@ -115,6 +115,7 @@ static uint64_t surface_hash(const SceneSurface *surface)
         add_spectrum(&h, &surface->albedo2);
         add_number(&h, (double)surface->check_size);
     }
+    if (surface->emits) add_spectrum(&h, &surface->emission);
     add_number(&h, (double)surface->roughness);
     if (!surface->finished) return h.state;
     const BsdfSpec *spec = &surface->spec[0];
@@ -188,6 +189,11 @@ static void add_lights(Hasher *h, const Scene *scene)
         add_spectrum(h, &light->radiance);
         add_number(h, light->half_width);
         add_number(h, light->half_height);
+        if (light->kind == LIGHT_POINT) {
+            add_map(h, &light->to_world);
+            add_number(h, light->cos_full);
+            add_number(h, light->cos_none);
+        }
         if (light->kind != LIGHT_DISTANT) continue;
         add_vector(h, light->towards);
         add_number(h, light->cos_angle);

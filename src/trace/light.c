@@ -4,14 +4,22 @@
 
 #include "optics/sampling.h"
 
-/* Where a light is at a time of the shutter; room is for a light that moves. */
-static const Affine *light_place(const World *world, const SceneLight *light, double time, Affine *room)
+/* Where a thing with these keys is at a time of the shutter; room is for one that moves. */
+static const Affine *place_at(const World *world, const Affine *keys, const Affine *still, double time, Affine *room)
 {
-    if (light->object == RTC_NO_OBJECT) return &light->to_world;
-    const Affine *keys = scene_keys(world->scene, &world->scene->objects[light->object]);
-    if (!keys) return &light->to_world;
+    if (!keys) return still;
     *room = affine_between(keys, world->scene->n_keys, time);
     return room;
+}
+
+static const Affine *light_place(const World *world, const SceneLight *light, double time, Affine *room)
+{
+    return place_at(world, light_keys(world->scene, light), &light->to_world, time, room);
+}
+
+static const Affine *object_place(const World *world, const SceneObject *object, double time, Affine *room)
+{
+    return place_at(world, scene_keys(world->scene, object), &object->to_world, time, room);
 }
 
 /* Of a quad or disc; also its unit normal. Between two places that it moves through it may be squeezed. */
@@ -45,24 +53,24 @@ static Vec3 area_point(const SceneLight *light, const Affine *to_world, const fl
     return affine_point(to_world, local);
 }
 
-/* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2
- * from inside. */
-static double sphere_cone(const SceneLight *light, Vec3 to)
+/* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2 from inside. */
+static double sphere_cone(double radius, Vec3 to)
 {
-    double sine2 = light->half_width * light->half_width / vec3_dot(to, to);
+    double sine2 = radius * radius / vec3_dot(to, to);
     return sine2 < 1 ? sine2 / (1 + sqrt(1 - sine2)) : 2;
 }
 
-static LightSample sample_sphere(const SceneLight *light, const Affine *to_world, Vec3 from, const float u[2])
+static LightSample sample_sphere(uint32_t object, double radius, Vec3 centre, Vec3 from, const float u[2])
 {
-    Vec3 to = vec3_sub(to_world->t, from);
-    double cone = sphere_cone(light, to);
+    Vec3 to = vec3_sub(centre, from);
+    double cone = sphere_cone(radius, to);
     if (cone >= 2) return (LightSample){.pdf_w = 0}; /* from inside, the light's own surface is opaque */
     double distance = vec3_length(to);
     Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / distance)), (float)cone);
     return (LightSample){.direction = direction,
-                         .distance = distance + light->half_width,
-                         .object = light->object,
+                         .distance = distance + radius,
+                         .object = object,
+                         .primitive = RTC_NO_OBJECT,
                          .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
@@ -77,6 +85,7 @@ static LightSample sample_area(const SceneLight *light, const Affine *to_world, 
                          /* a little behind the light: it is the ray's target and does not block it */
                          .distance = distance * (1 + 1e-5),
                          .object = light->object,
+                         .primitive = RTC_NO_OBJECT,
                          .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
@@ -105,52 +114,211 @@ static LightSample sample_environment(const World *world, const float u[2], Lane
     return sample;
 }
 
-LightSample light_sample(const World *world, Vec3 from, double time, float choice, const float u[2],
+/* Towards a place of a surface; `across`: its unit normal there, or against it where that side shines as well. */
+static LightSample sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, double area)
+{
+    Vec3 to = vec3_sub(place, from);
+    double distance = vec3_length(to), cosine = -vec3_dot(to, normal) / distance;
+    if (two_sided) cosine = fabs(cosine);
+    if (!(cosine > 0) || !(area > 0)) return (LightSample){.pdf_w = 0};
+    return (LightSample){
+        .direction = vec3f_from(vec3_scale(to, 1 / distance)),
+        /* the direction is rounded to float, so that the ray meets the surface a little beside the place:
+                          * nothing that near to it blocks */
+        .distance = distance * fmax(1 - 4e-7 / cosine, 0.5),
+        .object = RTC_NO_OBJECT,
+        .primitive = RTC_NO_OBJECT,
+        .pdf_w = (float)(distance * distance / (cosine * area))};
+}
+
+/* Uniform in area. */
+static LightSample sample_triangle(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2])
+{
+    Vec3 corner[3];
+    rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, time, corner);
+    Vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]), across = vec3_cross(a, b);
+    double root = sqrt((double)u[0]), length = vec3_length(across);
+    Vec3 place = vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
+    bool two_sided = !world->scene->shapes[world->scene->objects[emitter->of].shape].closed;
+    LightSample sample = sample_place(from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length);
+    sample.object = emitter->of;
+    sample.primitive = emitter->part;
+    return sample;
+}
+
+static const Piece *piece_of(const World *world, const SceneObject *object, uint32_t number)
+{
+    return &world->scene->shapes[object->shape].solid->pieces[number];
+}
+
+/* Uniform in the piece's own area, which an uneven map makes uneven. */
+static LightSample sample_piece(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2])
+{
+    const SceneObject *object = &world->scene->objects[emitter->of];
+    const Piece *piece = piece_of(world, object, emitter->part);
+    Affine room;
+    const Affine *to_world = object_place(world, object, time, &room);
+    Vec3 normal, local = piece_sample(piece, (double)u[0], (double)u[1], &normal);
+    Vec3 across = affine_area(to_world, normal);
+    double stretch = vec3_length(across), sign = affine_determinant(to_world) < 0 ? -1 : 1;
+    return sample_place(from, affine_point(to_world, local), vec3_scale(across, sign / stretch), false,
+                        piece_area(piece) * stretch);
+}
+
+/* Of a round one that stands still: its radius in the world. */
+static double ball_radius(const World *world, const SceneObject *object, uint32_t piece)
+{
+    return piece_of(world, object, piece)->r0 * vec3_length(affine_vector(&object->to_world, vec3(1, 0, 0)));
+}
+
+static LightSample sample_point(const SceneLight *light, const Affine *to_world, Vec3 from)
+{
+    Vec3 to = vec3_sub(to_world->t, from);
+    double square = vec3_dot(to, to), distance = sqrt(square);
+    if (!(distance > 0)) return (LightSample){.pdf_w = 0};
+    Vec3 direction = vec3_scale(to, 1 / distance);
+    float shape =
+        light_shape(light, vec3_scale(affine_normal(to_world, direction), -1)); /* rigid: the transpose inverts it */
+    if (!(shape > 0)) return (LightSample){.pdf_w = 0};
+    return (LightSample){.direction = vec3f_from(direction),
+                         .distance = distance,
+                         .object = RTC_NO_OBJECT,
+                         .primitive = RTC_NO_OBJECT,
+                         .pdf_w = 1,
+                         .delta = true,
+                         .radiance = lanes_all((float)((double)shape / square))};
+}
+
+static LightSample sample_light(const World *world, const SceneLight *light, Vec3 from, double time, const float u[2],
+                                Lanes wavelength_nm)
+{
+    Affine room;
+    const Affine *to_world = light_place(world, light, time, &room);
+    Lanes radiance = spectrum_at(&light->radiance, wavelength_nm);
+    LightSample sample;
+    switch (light->kind) {
+    case LIGHT_SPHERE: sample = sample_sphere(light->object, light->half_width, to_world->t, from, u); break;
+    case LIGHT_DISTANT: sample = sample_distant(light, u); break;
+    case LIGHT_POINT:
+        sample = sample_point(light, to_world, from);
+        sample.radiance = lanes_mul(sample.radiance, radiance);
+        return sample;
+    default: sample = sample_area(light, to_world, from, u);
+    }
+    sample.radiance = radiance;
+    return sample;
+}
+
+static LightSample sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
+                                  Lanes wavelength_nm)
+{
+    const Scene *scene = world->scene;
+    if (emitter->kind == EMITTER_LIGHT)
+        return sample_light(world, &scene->lights[emitter->of], from, time, u, wavelength_nm);
+    const SceneObject *object = &scene->objects[emitter->of];
+    LightSample sample;
+    if (emitter->kind == EMITTER_TRIANGLE)
+        sample = sample_triangle(world, emitter, from, time, u);
+    else if (emitter->kind == EMITTER_BALL)
+        sample = sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u);
+    else
+        sample = sample_piece(world, emitter, from, time, u);
+    sample.radiance = spectrum_at(&scene->surfaces[object->surface].emission, wavelength_nm);
+    return sample;
+}
+
+LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
                          Lanes wavelength_nm)
 {
     if (!world->n_choices) return (LightSample){.pdf_w = 0};
-    uint32_t i = 0; /* few lights: a walk; many will want a tree */
-    while (i + 1 < world->n_choices && choice >= world->choices[i].cumulative) i++;
+    uint32_t i = 0;
+    while (i + 1 < world->n_choices && choice >= (double)world->choices[i].cumulative) i++;
     const LightChoice *chosen = &world->choices[i];
     LightSample sample;
     if (chosen->light == LIGHT_ENVIRONMENT) {
         sample = sample_environment(world, u, wavelength_nm);
+    } else if (chosen->light == LIGHT_NEAR) {
+        double before = i ? (double)world->choices[i - 1].cumulative : 0;
+        double rest = (choice - before) / ((double)chosen->cumulative - before);
+        float probability;
+        uint32_t emitter =
+            light_tree_choose(world->emitters.tree, from, normal, fmin(fmax(rest, 0), 1 - 0x1p-53), &probability);
+        if (emitter == LIGHT_TREE_NONE) return (LightSample){.pdf_w = 0};
+        sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, u, wavelength_nm);
+        sample.pdf_w *= probability;
     } else {
-        const SceneLight *light = &world->scene->lights[chosen->light];
-        Affine room;
-        const Affine *to_world = light_place(world, light, time, &room);
-        if (light->kind == LIGHT_SPHERE)
-            sample = sample_sphere(light, to_world, from, u);
-        else if (light->kind == LIGHT_DISTANT)
-            sample = sample_distant(light, u);
-        else
-            sample = sample_area(light, to_world, from, u);
-        sample.radiance = spectrum_at(&light->radiance, wavelength_nm);
+        sample = sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm);
     }
     sample.pdf_w *= chosen->probability;
     return sample;
 }
 
-float light_pdf_hit(const World *world, uint32_t index, Vec3 from, const Ray *ray, const Hit *hit)
+bool light_radiance_hit(const World *world, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)
 {
-    const SceneLight *light = &world->scene->lights[index];
-    float choice = world->choice_of_light[index];
+    const Scene *scene = world->scene;
+    const SceneObject *object = &scene->objects[hit->object];
+    if (object->light != SCENE_NONE) {
+        *radiance = spectrum_at(&scene->lights[object->light].radiance, wavelength_nm);
+        return hit->entering; /* lights shine to one side */
+    }
+    if (object->surface == SCENE_NONE || !scene->surfaces[object->surface].emits) return false;
+    *radiance = spectrum_at(&scene->surfaces[object->surface].emission, wavelength_nm);
+    return true;
+}
+
+static float light_pdf(const World *world, const SceneLight *light, Vec3 from, const Ray *ray, const Hit *hit)
+{
     Affine room;
     const Affine *to_world = light_place(world, light, ray->time, &room);
     if (light->kind == LIGHT_SPHERE) {
-        double cone = sphere_cone(light, vec3_sub(to_world->t, from));
-        return cone < 2 ? choice * sampling_cone_pdf((float)cone) : 0;
+        double cone = sphere_cone(light->half_width, vec3_sub(to_world->t, from));
+        return cone < 2 ? sampling_cone_pdf((float)cone) : 0;
     }
     if (!hit->entering) return 0;
     Vec3 normal;
     double area = light_area(light, to_world, &normal);
     Vec3 to = vec3_sub(ray_point(ray, hit->t), from);
-    return choice * (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area));
+    return (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area));
 }
 
-Lanes light_radiance_hit(const World *world, uint32_t index, const Hit *hit, Lanes wavelength_nm)
+/* Of a place on an object that shines. */
+static float object_pdf(const World *world, const Emitter *emitter, Vec3 from, const Ray *ray, const Hit *hit)
 {
-    return hit->entering ? spectrum_at(&world->scene->lights[index].radiance, wavelength_nm) : lanes_all(0);
+    const SceneObject *object = &world->scene->objects[emitter->of];
+    double area;
+    if (emitter->kind == EMITTER_TRIANGLE) {
+        if (!hit->entering && world->scene->shapes[object->shape].closed) return 0;
+        Vec3 corner[3];
+        rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, ray->time, corner);
+        area = 0.5 * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+    } else if (!hit->entering) {
+        return 0;
+    } else if (emitter->kind == EMITTER_BALL) {
+        double cone = sphere_cone(ball_radius(world, object, emitter->part), vec3_sub(object->to_world.t, from));
+        return cone < 2 ? sampling_cone_pdf((float)cone) : 0;
+    } else {
+        /* the map takes the local unit normal m to a normal along n, and its area to |det| / |transpose n| times as much */
+        Affine room;
+        const Affine *to_world = object_place(world, object, ray->time, &room);
+        double stretch =
+            fabs(affine_determinant(to_world)) / vec3_length(affine_normal(to_world, vec3_from_f(hit->normal)));
+        area = piece_area(piece_of(world, object, emitter->part)) * stretch;
+    }
+    Vec3 to = vec3_sub(ray_point(ray, hit->t), from);
+    return area > 0 ? (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area)) : 0;
+}
+
+float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit)
+{
+    const EmitterSet *set = &world->emitters;
+    uint32_t number = emitter_of_hit(set, hit);
+    if (number == EMITTER_NONE) return 0;
+    float choice = world->near_choice * light_tree_probability(set->tree, number, from, normal);
+    if (!(choice > 0)) return 0;
+    const Emitter *emitter = &set->emitters[number];
+    return choice * (emitter->kind == EMITTER_LIGHT
+                         ? light_pdf(world, &world->scene->lights[emitter->of], from, ray, hit)
+                         : object_pdf(world, emitter, from, ray, hit));
 }
 
 static float weight_against(float weight_pdf, float light_pdf)

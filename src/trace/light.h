@@ -7,21 +7,26 @@
 
 /* A direction from a point towards a light. */
 typedef struct LightSample {
-    Vec3f direction; /* unit */
-    double distance; /* HUGE_VAL for the environment and distant lights */
-    uint32_t object; /* of the light; RTC_NO_OBJECT when at infinity */
-    float pdf_w;     /* per steradian, the choice of the light included; 0: nothing to gain */
-    Lanes radiance;  /* actual radiance in the light's own medium */
+    Vec3f direction;    /* unit */
+    double distance;    /* how far to look for what is in the way; HUGE_VAL for the environment and distant lights */
+    uint32_t object;    /* that a ray to there is aimed at, see Ray; RTC_NO_OBJECT: none */
+    uint32_t primitive; /* of it; RTC_NO_OBJECT: all */
+    float pdf_w;        /* per steradian, the choice of the light included; 0: nothing to gain */
+    bool delta;         /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
+    Lanes radiance;     /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
 
-/* choice, u: uniform in [0, 1). time: of the shutter. */
-LightSample light_sample(const World *world, Vec3 from, double time, float choice, const float u[2],
+/* normal: of the surface at `from`, if it takes light from its one side only; zero where light may come from anywhere
+ * (media, surfaces that let light through). choice, u: uniform in [0, 1); where there are many lights, choice needs more
+ * digits than a float has. time: of the shutter. */
+LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
                          Lanes wavelength_nm);
 
-/* The density (per steradian, choice included) with which light_sample would have found the light whose object
- * was hit at `hit` from `from`, and its radiance towards there (0 on the back of a one-sided light). */
-float light_pdf_hit(const World *world, uint32_t light, Vec3 from, const Ray *ray, const Hit *hit);
-Lanes light_radiance_hit(const World *world, uint32_t light, const Hit *hit, Lanes wavelength_nm);
+/* Whether the surface that was hit shines, and its radiance towards there. */
+bool light_radiance_hit(const World *world, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
+/* The density (per steradian, choice included) with which light_sample, given the same `from` and normal, would have found
+ * the place that was hit; 0 for places that are found by chance only. */
+float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit);
 
 /* What comes from infinity along direction: environment and distant lights, each with its density. A call
  * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the

@@ -174,9 +174,8 @@ static bool follow(Path *path)
             return !first;
         }
         if (path->n_counted >= world->max_bounces && event.kind != EVENT_SCATTER) {
-            /* the last surface may still shine */
-            if (event.kind == EVENT_BOUNDARY || world->scene->objects[event.hit.object].light == SCENE_NONE)
-                return true;
+            if (event.kind == EVENT_OPAQUE) path_add_emission(path, &event.hit); /* the last surface may still shine */
+            return true;
         }
         if (event.kind == EVENT_SCATTER)
             path_scatter_in_medium(path, &event);

@@ -16,6 +16,7 @@ typedef struct Path {
     Lanes beta, ratio, radiance;
     Ray ray;
     Vec3 scatter_point; /* where the ray's direction was last sampled */
+    Vec3f scatter_normal; /* the surface's there, if it scatters to its one side only; else zero */
     float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
     uint32_t bounce;    /* events so far: each has random numbers of its own */
     bool straight;      /* media do not scatter it: it only looks what is there */
@@ -74,8 +75,8 @@ typedef struct SurfacePlace {
     Vec3f normal, geometric; /* for shading: on the geometric one's side, and against the path's direction */
 } SurfacePlace;
 SurfacePlace path_place(const Path *path, const Event *event);
-/* A light to look at from a place. */
-LightSample path_choose_light(const Path *path, Vec3 from);
+/* A light to look at from a place; normal: as light_sample takes it. */
+LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal);
 /* Adds what comes straight along the ray from a light, scattered by the factor, weighted against finding the light
  * by a direction of density scatter_pdf. */
 void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf);
@@ -91,6 +92,8 @@ bool path_other_square(const SceneSurface *surface, Vec3 p);
 Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */
 void path_scatter_in_medium(Path *path, const Event *event);
+/* What an opaque surface that was hit shines by itself. */
+void path_add_emission(Path *path, const Hit *hit);
 /* A hit of an opaque surface. Returns whether the path goes on. */
 bool path_shade_opaque(Path *path, Event *event);
 /* A boundary between two dielectrics. Where it is smooth, one of the two ways is taken, with the probability of the

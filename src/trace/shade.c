@@ -42,12 +42,14 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
     if (through || several) swap_lists(tracer);
 }
 
-LightSample path_choose_light(const Path *path, Vec3 from)
+LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal)
 {
-    float u[2];
+    float u[2], choice[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
-    float choice = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE));
-    return light_sample(path->tracer->world, from, path->ray.time, choice, u, path->wavelengths.nm);
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
+    /* the second number is the first one's further digits */
+    double digits = (double)choice[0] + (double)choice[1] * 0x1p-24;
+    return light_sample(path->tracer->world, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
 }
 
 void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
@@ -55,10 +57,11 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
     const World *world = path->tracer->world;
     ray.t_max = light->distance;
     ray.target = light->object;
+    ray.target_primitive = light->primitive;
     Lanes transmittance;
     uint32_t medium;
     if (!path_shadow(path, &ray, &transmittance, &medium)) return;
-    float weight = sampling_balance(light->pdf_w, scatter_pdf);
+    float weight = light->delta ? 1 : sampling_balance(light->pdf_w, scatter_pdf);
     Lanes factor = lanes_mul(lanes_scale(scattered, weight / light->pdf_w), transmittance);
     if (isinf(light->distance)) medium = WORLD_MEDIUM;
     path_add_radiance(path, factor, path_basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
@@ -67,7 +70,7 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
 /* Light that a diffuse surface gets straight from a light source. */
 static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
 {
-    LightSample light = path_choose_light(path, place->position);
+    LightSample light = path_choose_light(path, place->position, place->normal);
     if (!(light.pdf_w > 0)) return;
     float cosine = vec3f_dot(light.direction, place->normal), scatter_pdf = cosine / SAMPLING_PI;
     if (!(cosine > 0) || !(vec3f_dot(light.direction, place->geometric) > 0)) return;
@@ -81,7 +84,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
     Vec3 position = ray_point(&path->ray, event->t);
     Vec3f along = path->ray.direction;
-    LightSample light = path_choose_light(path, position);
+    LightSample light = path_choose_light(path, position, vec3f(0, 0, 0));
     if (light.pdf_w > 0) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
         Ray ray = ray_make(position, light.direction);
@@ -92,6 +95,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     double time = path->ray.time;
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     path->scatter_point = position;
+    path->scatter_normal = vec3f(0, 0, 0);
     path->ray = ray_make(position, phase_sample(phase, along, u, &path->scatter_pdf));
     path->ray.time = time;
 }
@@ -108,22 +112,26 @@ SurfacePlace path_place(const Path *path, const Event *event)
     return place;
 }
 
+void path_add_emission(Path *path, const Hit *hit)
+{
+    const World *world = path->tracer->world;
+    Lanes radiance;
+    if (!light_radiance_hit(world, hit, path->wavelengths.nm, &radiance)) return;
+    float weight = 1; /* against finding it by light sampling */
+    if (path->scatter_pdf >= 0)
+        weight = sampling_balance(path->scatter_pdf,
+                                  light_pdf_hit(world, path->scatter_point, path->scatter_normal, &path->ray, hit));
+    uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
+}
+
 bool path_shade_opaque(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const SceneObject *object = &world->scene->objects[event->hit.object];
-    if (object->light != SCENE_NONE) {
-        Lanes radiance = light_radiance_hit(world, object->light, &event->hit, path->wavelengths.nm);
-        float weight = 1;
-        if (path->scatter_pdf >= 0)
-            weight = sampling_balance(
-                path->scatter_pdf, light_pdf_hit(world, object->light, path->scatter_point, &path->ray, &event->hit));
-        uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
-        path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
-        return false;
-    }
-    if (object->surface == SCENE_NONE) return false;
+    path_add_emission(path, &event->hit);
+    if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
     const SceneSurface *surface = &world->scene->surfaces[object->surface];
     if (surface->finished)
@@ -137,6 +145,7 @@ bool path_shade_opaque(Path *path, Event *event)
     if (!(vec3f_dot(direction, place.geometric) > 0)) return false; /* into the surface */
     path->beta = lanes_mul(path->beta, albedo);
     path->scatter_point = place.position;
+    path->scatter_normal = place.normal;
     path_leave(path, event, false, direction);
     return true;
 }

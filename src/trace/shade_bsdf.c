@@ -36,10 +36,16 @@ static float mean_density(const Path *path, Lanes pdf_w)
     return lanes_mean(lanes_mul(path->ratio, pdf_w)) / lanes_mean(path->ratio);
 }
 
+/* The normal of a surface that takes light from one side only; else zero. */
+static Vec3f one_side(const Bsdf *bsdf, const SurfacePlace *place)
+{
+    return bsdf->transmits ? vec3f(0, 0, 0) : place->normal;
+}
+
 static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view)
 {
     if (bsdf->specular_only) return;
-    LightSample light = path_choose_light(path, place->position);
+    LightSample light = path_choose_light(path, place->position, one_side(bsdf, place));
     if (!(light.pdf_w > 0)) return;
     Vec3f local = to_local(frame, light.direction);
     bool below = local.z < 0;
@@ -68,6 +74,7 @@ static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePla
     float hero = lanes_get(sample.pdf_w, 0);
     path->scatter_pdf = sample.specular ? -1 : mean_density(path, sample.pdf_w);
     path->scatter_point = place->position;
+    path->scatter_normal = one_side(bsdf, place);
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
     path_leave(path, event, sample.transmitted, direction);

@@ -4,53 +4,50 @@
 
 #include <stdlib.h>
 
-/* Flux of a light onto the scene, roughly: enough to divide the samples between the lights. */
-static double light_power(const SceneLight *light, double radius)
+static void add_choice(World *world, uint32_t light, double power, double *total)
 {
-    double rgb[3];
-    color_from_spectrum(&light->radiance, rgb);
-    float rgb_float[3] = {(float)rgb[0], (float)rgb[1], (float)rgb[2]};
-    double luminance = fmax((double)color_luminance(rgb_float), 0), pi = acos(-1);
-    switch (light->kind) {
-    case LIGHT_RECT: return luminance * pi * 4 * light->half_width * light->half_height;
-    case LIGHT_DISC: return luminance * pi * pi * light->half_width * light->half_width;
-    case LIGHT_SPHERE: return luminance * pi * 4 * pi * light->half_width * light->half_width;
-    case LIGHT_DISTANT: return luminance * 2 * pi * (1 - light->cos_angle) * pi * radius * radius;
-    }
-    return 0;
+    if (!(power > 0)) return;
+    world->choices[world->n_choices++] = (LightChoice){.light = light, .probability = (float)power};
+    *total += power;
 }
 
-/* Half of the samples by flux, half evenly, so that a small light near a surface is not starved. */
+/* Half of the samples by flux onto the scene, half evenly by the number of lights, so that a small light near a surface
+ * is not starved. */
 static Status choose_lights(World *world, Error *error)
 {
     const Scene *scene = world->scene;
+    const double pi = acos(-1);
     Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
-    double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min));
-    world->choices = calloc(scene->n_lights + 1U, sizeof *world->choices);
+    double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min)), total = 0;
+    TRY(emitters_find(world->compiled, &world->emitters, error));
+    world->choices = calloc(scene->n_lights + 2U, sizeof *world->choices);
     world->choice_of_light = calloc(scene->n_lights + 1U, sizeof *world->choice_of_light);
     if (!world->choices || !world->choice_of_light)
         return fail_memory(error, scene->n_lights * sizeof *world->choices, "lights");
-    double total = 0;
+    add_choice(world, LIGHT_NEAR, light_tree_power(world->emitters.tree), &total);
     for (uint32_t i = 0; i < scene->n_lights; i++) {
-        double power = light_power(&scene->lights[i], radius);
-        if (!(power > 0)) continue;
-        world->choices[world->n_choices++] = (LightChoice){.light = i, .probability = (float)power};
-        total += power;
+        const SceneLight *light = &scene->lights[i];
+        if (light->kind != LIGHT_DISTANT) continue;
+        double cone = 2 * pi * (1 - light->cos_angle);
+        add_choice(world, i, fmax(spectrum_luminance(&light->radiance), 0) * cone * pi * radius * radius, &total);
     }
-    if (scene->environment && !environment_is_black(scene->environment)) {
-        double power = (double)environment_power(scene->environment) * acos(-1) * radius * radius;
-        world->choices[world->n_choices++] = (LightChoice){.light = LIGHT_ENVIRONMENT, .probability = (float)power};
-        total += power;
-    }
+    if (scene->environment && !environment_is_black(scene->environment))
+        add_choice(world, LIGHT_ENVIRONMENT, (double)environment_power(scene->environment) * pi * radius * radius,
+                   &total);
+    uint32_t n_near = world->emitters.n_sources, n_sources = world->n_choices;
+    if (n_near) n_sources += n_near - 1;
     double cumulative = 0;
     for (uint32_t i = 0; i < world->n_choices; i++) {
         LightChoice *choice = &world->choices[i];
-        double probability = 0.5 * (double)choice->probability / total + 0.5 / world->n_choices;
+        double sources = choice->light == LIGHT_NEAR ? n_near : 1;
+        double probability = 0.5 * (double)choice->probability / total + 0.5 * sources / n_sources;
         choice->probability = (float)probability;
         cumulative += probability;
         choice->cumulative = (float)cumulative;
         if (choice->light == LIGHT_ENVIRONMENT)
             world->environment_choice = choice->probability;
+        else if (choice->light == LIGHT_NEAR)
+            world->near_choice = choice->probability;
         else
             world->choice_of_light[choice->light] = choice->probability;
     }
@@ -118,8 +115,16 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
     return status;
 }
 
+void world_leave_to_chance(World *world)
+{
+    world->n_choices = 0;
+    world->near_choice = world->environment_choice = 0;
+    for (uint32_t i = 0; i < world->scene->n_lights; i++) world->choice_of_light[i] = 0;
+}
+
 void world_clear(World *world)
 {
+    emitters_clear(&world->emitters);
     free(world->choices);
     free(world->choice_of_light);
     nest_list_clear(&world->camera_list);

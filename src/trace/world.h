@@ -6,12 +6,15 @@
 
 #include "optics/color.h"
 #include "scene/compile.h"
+#include "trace/emitter.h"
 
-/* A light to be chosen for next-event estimation: an entry of scene->lights, or the environment. */
+/* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, or all
+ * that shines from a finite place together, among which the tree then chooses. */
 #define LIGHT_ENVIRONMENT UINT32_MAX
+#define LIGHT_NEAR (UINT32_MAX - 1)
 
 typedef struct LightChoice {
-    uint32_t light;    /* index into scene->lights, or LIGHT_ENVIRONMENT */
+    uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT or LIGHT_NEAR */
     float probability; /* of being chosen */
     float cumulative;  /* of this and all before */
 } LightChoice;
@@ -22,19 +25,23 @@ typedef struct World {
     const SceneCamera *camera;
     LightChoice *choices;
     uint32_t n_choices;
-    float *choice_of_light;   /* probability of each light of the scene */
+    float *choice_of_light;   /* probability of each distant light of the scene */
     float environment_choice; /* probability of the environment */
-    NestList camera_list;     /* the hulls around the camera's centre */
-    bool moves;               /* something does while the shutter is open */
-    bool camera_list_moves;   /* and so the camera's hulls may be others at other times */
-    bool lens_crosses;        /* some hull's bounds come near the lens: look for each ray's real origin */
-    bool scatters;            /* some medium does */
+    float near_choice;        /* probability of choosing with the tree */
+    EmitterSet emitters;
+    NestList camera_list;   /* the hulls around the camera's centre */
+    bool moves;             /* something does while the shutter is open */
+    bool camera_list_moves; /* and so the camera's hulls may be others at other times */
+    bool lens_crosses;      /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool scatters;          /* some medium does */
     bool no_absorption;
     uint32_t max_bounces;
 } World;
 
 ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
                                  bool no_absorption, Error *error);
+/* No light is chosen any more, so that all of them are found by scattering alone; those without size are gone. */
+void world_leave_to_chance(World *world);
 void world_clear(World *world);
 
 #endif

@@ -1,0 +1,214 @@
+/* emitter.c - see emitter.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/emitter.h"
+
+#include <stdlib.h>
+
+#include "optics/color.h"
+
+static const double pi = 3.14159265358979323846;
+
+static double luminance_of(const Spectrum *radiance)
+{
+    return fmax(spectrum_luminance(radiance), 0);
+}
+
+/* Whether a surface that moves keeps facing the same way. */
+static bool turns(const Scene *scene, const Affine *keys)
+{
+    for (uint32_t k = 1; keys && k < scene->n_keys; k++)
+        for (int row = 0; row < 3; row++)
+            for (int column = 0; column < 3; column++)
+                if (keys[k].m[row][column] != keys[0].m[row][column]) return true;
+    return false;
+}
+
+/* Rounded outward. */
+static void set_box(LightBounds *bounds, Box3 box)
+{
+    bounds->low = vec3f(nextafterf((float)box.min.x, -INFINITY), nextafterf((float)box.min.y, -INFINITY),
+                        nextafterf((float)box.min.z, -INFINITY));
+    bounds->high = vec3f(nextafterf((float)box.max.x, INFINITY), nextafterf((float)box.max.y, INFINITY),
+                         nextafterf((float)box.max.z, INFINITY));
+}
+
+/* ---- lights ---- */
+
+/* Around a light of these half sizes wherever it moves. */
+static Box3 light_box(const Scene *scene, const SceneLight *light)
+{
+    const Affine *keys = light_keys(scene, light);
+    double x = light->half_width, z = light->half_height, y = light->kind == LIGHT_SPHERE ? x : 0;
+    Box3 box = box3_empty(), local = {vec3(-x, -y, -z), vec3(x, y, z)};
+    if (!keys) return affine_box(&light->to_world, local);
+    for (uint32_t k = 0; k < scene->n_keys; k++) box = box3_union(box, affine_box(&keys[k], local));
+    return box;
+}
+
+static double light_flux(const SceneLight *light)
+{
+    double luminance = luminance_of(&light->radiance), w = light->half_width;
+    switch (light->kind) {
+    case LIGHT_RECT: return luminance * pi * 4 * w * light->half_height;
+    case LIGHT_DISC: return luminance * pi * pi * w * w;
+    case LIGHT_SPHERE: return luminance * pi * 4 * pi * w * w;
+    case LIGHT_POINT: return luminance * light_beam(light);
+    case LIGHT_DISTANT: return 0; /* not in the tree */
+    }
+    return 0;
+}
+
+static LightBounds bounds_of_light(const Scene *scene, const SceneLight *light)
+{
+    LightBounds bounds = {.axis = vec3f_from(affine_vector(&light->to_world, vec3(0, 1, 0))), .cos_o = 1, .cos_e = 0};
+    const Affine *keys = light_keys(scene, light);
+    if (light->kind == LIGHT_SPHERE || turns(scene, keys)) bounds.cos_o = -1;
+    if (light->kind == LIGHT_POINT) bounds.cos_o = light->cos_none > -1 ? (float)fmax(light->cos_none, -0.999999) : -1;
+    bounds.power = (float)light_flux(light);
+    set_box(&bounds, light_box(scene, light));
+    return bounds;
+}
+
+/* ---- objects ---- */
+
+/* Whether the map turns, mirrors and scales evenly: a sphere stays one. */
+static bool keeps_round(const Affine *map)
+{
+    Vec3 column[3];
+    for (int i = 0; i < 3; i++) column[i] = vec3(map->m[0][i], map->m[1][i], map->m[2][i]);
+    double square = vec3_dot(column[0], column[0]), slack = 1e-9 * square;
+    return fabs(vec3_dot(column[1], column[1]) - square) <= slack &&
+           fabs(vec3_dot(column[2], column[2]) - square) <= slack && fabs(vec3_dot(column[0], column[1])) <= slack &&
+           fabs(vec3_dot(column[1], column[2])) <= slack && fabs(vec3_dot(column[2], column[0])) <= slack;
+}
+
+typedef struct Finder {
+    const CompiledScene *compiled;
+    EmitterSet *set;
+    LightBounds *bounds;
+} Finder;
+
+static void add(Finder *f, Emitter emitter, const LightBounds *bounds)
+{
+    f->bounds[f->set->n] = *bounds;
+    f->set->emitters[f->set->n++] = emitter;
+}
+
+static void add_triangles(Finder *f, uint32_t number, double luminance)
+{
+    const Scene *scene = f->compiled->scene;
+    const SceneObject *object = &scene->objects[number];
+    const SceneShape *shape = &scene->shapes[object->shape];
+    const Affine *keys = scene_keys(scene, object);
+    bool whirls = shape->mesh_end || turns(scene, keys);
+    uint32_t n_times = keys ? scene->n_keys : shape->mesh_end ? 2 : 1;
+    for (uint32_t i = 0; i < shape->mesh->n_triangles; i++) {
+        LightBounds bounds = {.cos_o = whirls ? -1 : 1, .two_sided = !shape->closed};
+        Box3 box = box3_empty();
+        for (uint32_t k = 0; k < n_times; k++) {
+            Vec3 corner[3];
+            rtc_triangle(f->compiled->rtc, number, i, n_times > 1 ? (double)k / (n_times - 1) : 0, corner);
+            for (int c = 0; c < 3; c++) box = box3_add_point(box, corner[c]);
+            Vec3 across = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+            double length = vec3_length(across), power = luminance * pi * 0.5 * length;
+            if (length > 0 && !(bounds.power > 0)) bounds.axis = vec3f_from(vec3_scale(across, 1 / length));
+            if (power > (double)bounds.power) bounds.power = (float)power;
+        }
+        set_box(&bounds, box);
+        add(f, (Emitter){number, i, EMITTER_TRIANGLE}, &bounds);
+    }
+}
+
+static void add_pieces(Finder *f, uint32_t number, double luminance)
+{
+    const Scene *scene = f->compiled->scene;
+    const SceneObject *object = &scene->objects[number];
+    const Solid *solid = scene->shapes[object->shape].solid;
+    const Affine *keys = scene_keys(scene, object);
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *piece = &solid->pieces[i];
+        bool ball = piece->kind == PIECE_SPHERE && !keys && keeps_round(&object->to_world);
+        LightBounds bounds = {.axis = {0, 1, 0}, .cos_o = -1};
+        Box3 box = box3_empty(), local = piece_bounds(piece);
+        for (uint32_t k = 0; k < (keys ? scene->n_keys : 1) && piece->kind != PIECE_PLANE; k++) {
+            const Affine *map = keys ? &keys[k] : &object->to_world;
+            double stretch = cbrt(fabs(affine_determinant(map)));
+            double power = luminance * pi * piece_area(piece) * stretch * stretch;
+            if (power > (double)bounds.power) bounds.power = (float)power;
+            box = box3_union(box, affine_box(map, local));
+        }
+        /* the ends of a cylinder face one way */
+        if (piece->kind == PIECE_BAND && piece->y0 == piece->y1 && !turns(scene, keys)) {
+            Vec3 facing = affine_area(&object->to_world, vec3(0, piece->r0 > piece->r1 ? 1 : -1, 0));
+            if (affine_determinant(&object->to_world) < 0) facing = vec3_scale(facing, -1);
+            bounds.axis = vec3f_from(vec3_normalize(facing));
+            bounds.cos_o = 1;
+        }
+        if (bounds.power > 0) set_box(&bounds, box);
+        add(f, (Emitter){number, i, ball ? EMITTER_BALL : EMITTER_PIECE}, &bounds);
+    }
+}
+
+/* How many parts of an object shine by themselves. */
+static uint32_t count_parts(const Scene *scene, const SceneObject *object)
+{
+    if (object->medium != SCENE_NONE || object->surface == SCENE_NONE || object->shape == SCENE_NONE || object->part_of != SCENE_NONE) return 0;
+    if (!scene->surfaces[object->surface].emits) return 0;
+    const SceneShape *shape = &scene->shapes[object->shape];
+    return shape->mesh ? shape->mesh->n_triangles : shape->solid->n_pieces;
+}
+
+static void add_objects(Finder *f)
+{
+    const Scene *scene = f->compiled->scene;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (!count_parts(scene, object)) continue;
+        double luminance = luminance_of(&scene->surfaces[object->surface].emission);
+        f->set->first_of_object[i] = f->set->n;
+        f->set->n_sources++;
+        if (scene->shapes[object->shape].mesh)
+            add_triangles(f, i, luminance);
+        else
+            add_pieces(f, i, luminance);
+    }
+}
+
+Status emitters_find(const CompiledScene *compiled, EmitterSet *set, Error *error)
+{
+    const Scene *scene = compiled->scene;
+    *set = (EmitterSet){0};
+    uint64_t n = scene->n_lights;
+    for (uint32_t i = 0; i < scene->n_objects; i++) n += count_parts(scene, &scene->objects[i]);
+    if (n >= UINT32_MAX / 2)
+        return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
+    Finder f = {compiled, set, malloc((n + 1) * sizeof *f.bounds)};
+    set->emitters = malloc((n + 1) * sizeof *set->emitters);
+    set->first_of_object = malloc((scene->n_objects + 1U) * sizeof *set->first_of_object);
+    Status status = STATUS_OK;
+    if (!f.bounds || !set->emitters || !set->first_of_object) {
+        status = fail_memory(error, n * sizeof *f.bounds, "lights");
+    } else {
+        for (uint32_t i = 0; i < scene->n_objects; i++) set->first_of_object[i] = EMITTER_NONE;
+        for (uint32_t i = 0; i < scene->n_lights; i++) {
+            const SceneLight *light = &scene->lights[i];
+            if (light->object != SCENE_NONE) set->first_of_object[light->object] = i;
+            LightBounds bounds = bounds_of_light(scene, light);
+            set->n_sources += bounds.power > 0;
+            add(&f, (Emitter){i, 0, EMITTER_LIGHT}, &bounds);
+        }
+        add_objects(&f);
+        status = light_tree_new(f.bounds, set->n, &set->tree, error);
+    }
+    free(f.bounds);
+    if (status != STATUS_OK) emitters_clear(set);
+    return status;
+}
+
+void emitters_clear(EmitterSet *set)
+{
+    light_tree_free(set->tree);
+    free(set->emitters);
+    free(set->first_of_object);
+    *set = (EmitterSet){0};
+}

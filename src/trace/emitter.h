@@ -1,0 +1,44 @@
+/* emitter.h - everything of a scene that shines from a finite place, as parts that can be sampled one by one: lights,
+ * triangles and analytic pieces of objects whose surface shines. A tree chooses among them.
+ * Not among them, and so found by chance only: planes without end, and objects that are a union, an intersection or a
+ * difference of others, whose own surface is not known beforehand.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_EMITTER_H
+#define MEN_EMITTER_H
+
+#include "scene/compile.h"
+#include "trace/light_tree.h"
+
+#define EMITTER_NONE UINT32_MAX
+
+typedef enum EmitterKind {
+    EMITTER_LIGHT,    /* `of` is one of scene->lights */
+    EMITTER_TRIANGLE, /* of the object `of`, its mesh's triangle `part` */
+    EMITTER_PIECE,    /* of the object `of`, its solid's piece `part` */
+    EMITTER_BALL      /* the same, a sphere that is still round where it stands */
+} EmitterKind;
+
+typedef struct Emitter {
+    uint32_t of, part;
+    EmitterKind kind;
+} Emitter;
+
+typedef struct EmitterSet {
+    Emitter *emitters;
+    uint32_t n;
+    uint32_t *first_of_object; /* of objects that shine themselves or as lights; EMITTER_NONE for others */
+    LightTree *tree;
+    uint32_t n_sources; /* lights and objects that emitters belong to */
+} EmitterSet;
+
+ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, EmitterSet *set, Error *error);
+void emitters_clear(EmitterSet *set);
+
+/* The emitter that a hit is on; EMITTER_NONE where there is none. */
+static inline uint32_t emitter_of_hit(const EmitterSet *set, const Hit *hit)
+{
+    uint32_t first = set->first_of_object[hit->object];
+    return first == EMITTER_NONE || set->emitters[first].kind == EMITTER_LIGHT ? first : first + hit->primitive;
+}
+
+#endif

@@ -1,0 +1,268 @@
+/* light_test.c - everything that shines against closed forms: surfaces of solids and meshes, lights without size, lights
+ * in glass and water; and the two ways to find a light, by looking for it and by chance, against each other.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+static const double degree = TRUTH_PI / 180;
+
+static Estimate measure(const char *text, uint32_t samples, bool by_chance)
+{
+    enum { PICTURE = 16 };
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, samples);
+    settings.by_chance = by_chance;
+    truth_render(&scene, &settings, 0, &picture);
+    assert_int_equal(picture.stats.nesting_faults, 0);
+    Estimate mean = truth_mean(&picture, -1);
+    truth_clear(&picture);
+    fixture_clear(&scene);
+    return mean;
+}
+
+#define FLOOR                                                                                                          \
+    "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n"                                              \
+    "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n"
+#define GLOW "surface = surface { albedo = 0  emission = 1  radiance = 2 }"
+
+/* What a floor of albedo 0.8 looks like under an irradiance. */
+static double on_floor(double irradiance)
+{
+    return 0.8 / TRUTH_PI * irradiance;
+}
+
+/* ---- surfaces that shine ---- */
+
+/* J. R. Howell, A Catalog of Radiation Heat Transfer Configuration Factors: see radiometry_test.c. */
+static double rectangle_factor(double a, double b, double h)
+{
+    double x = a / 2 / h, y = b / 2 / h, u = sqrt(1 + x * x), v = sqrt(1 + y * y);
+    return 4 / (2 * TRUTH_PI) * (x / u * atan(y / u) + y / v * atan(x / v));
+}
+
+static void surfaces_on_a_floor(void **state)
+{
+    (void)state;
+    const double l = 2;
+    const struct {
+        const char *what, *object;
+        double irradiance;
+    } cases[] = {
+        {"ball above: pi L (r/d)^2", "sphere { center = <0, 30, 0>  radius = 10 " GLOW " }", TRUTH_PI * l / 9},
+        {"ball, scaled and mirrored", "sphere { radius = 2  scale(<-5, 5, 5>)  translate(<0, 30, 0>) " GLOW " }",
+         TRUTH_PI * l / 9},
+        {"lower end of a cylinder: pi L r^2 / (r^2 + h^2)",
+         "cylinder { from = <0, 20, 0>  to = <0, 60, 0>  radius = 15 " GLOW " }", TRUTH_PI * l * 225 / 625},
+        {"the same, mirrored",
+         "cylinder { from = <0, -20, 0>  to = <0, -60, 0>  radius = 15 scale(<1, -1, 1>) " GLOW " }",
+         TRUTH_PI * l * 225 / 625},
+        {"a box: its lower face", "box { from = <-15, 20, -6>  to = <15, 50, 6> " GLOW " }",
+         TRUTH_PI * l * rectangle_factor(30, 12, 20)},
+        {"a sheet of two triangles, from below",
+         "mesh { positions = [<-15, 20, -6>, <15, 20, -6>, <15, 20, 6>, <-15, 20, 6>]  triangles = [<0, 1, 2>, <0, 2, "
+         "3>] " GLOW " }",
+         TRUTH_PI * l * rectangle_factor(30, 12, 20)},
+        {"the same, its other side",
+         "mesh { positions = [<-15, 20, -6>, <15, 20, -6>, <15, 20, 6>, <-15, 20, 6>]  triangles = [<2, 1, 0>, <3, 2, "
+         "0>] " GLOW " }",
+         TRUTH_PI * l * rectangle_factor(30, 12, 20)},
+        {"two instances of a stretched box",
+         "let b = box { from = <-5, 0, -3>  to = <5, 10, 3> " GLOW " }\n"
+         "b { scale(<3, 1, 2>)  translate(<0, 20, 0>) } b { scale(<-3, 2, 2>)  translate(<0, 20, 500>) }",
+         TRUTH_PI * l * rectangle_factor(30, 12, 20)},
+        {"half of space above: pi L", "plane { normal = <0, -1, 0>  distance = -10 " GLOW " }", TRUTH_PI * l},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000], what[120];
+        snprintf(text, sizeof text, FLOOR "%s\n", cases[i].object);
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance), measure(text, 1024, false), 4, 0.004);
+        snprintf(what, sizeof what, "%s, found by chance", cases[i].what);
+        truth_expect(what, on_floor(cases[i].irradiance), measure(text, 4096, true), 4, 0.01);
+    }
+}
+
+/* Shapes without a simple closed form, with concave parts that hide each other: the two ways to find them agree. */
+static void looked_for_or_by_chance(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *object;
+    } cases[] = {
+        {"ring",
+         "torus { center = <3, 14, 0>  radius = 8  tube = 3  rotate(x, 70deg)  translate(<0, 14, -4>) " GLOW " }"},
+        {"ring without a hole", "torus { center = <3, 14, 0>  radius = 2  tube = 4 " GLOW " }"},
+        {"ellipsoid", "ellipsoid { center = <5, 18, 3>  radii = <12, 3, 6>  rotate(z, 30deg) " GLOW " }"},
+        {"capsule", "capsule { from = <-10, 12, 4>  to = <12, 20, -3>  radius = 3 " GLOW " }"},
+        {"cone, leaning",
+         "cone { from = <0, 9, 0>  to = <4, 25, 4>  radius_from = 8  radius_to = 2  scale(<1, 1, .4>) " GLOW " }"},
+        {"bowl, turned over",
+         "lathe { profile = [<0, 20>, <12, 12>, <11, 10>, <0, 17>]  rounding = [0, .5, .4, 0] " GLOW " }"},
+        {"coil", "sweep { outline = [for (i in 0..<8) <1.5 * cos(45 * i), 1.5 * sin(45 * i)>]\n"
+                 "path = [for (i in 0..24) <7 * cos(30 * i), 10 + .5 * i, 7 * sin(30 * i)>] " GLOW " }"},
+        {"what is left of a ball",
+         "difference { " GLOW
+         " sphere { center = <0, 15, 0>  radius = 9 } box { from = <-20, 5, -20>  to = <20, 9, 20> } }"},
+        {"a floor that shines as well",
+         "box { from = <-5, 9, -5>  to = <5, 12, 9>  rotate(y, 20deg)\n"
+         "surface = surface { albedo = .7  emission = rgb(1, .6, .3)  radiance = 4 } }"
+         "box { from = <-30, -1, -30>  to = <30, .5, -2>  surface = surface { albedo = .5  emission = .1 } }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000];
+        snprintf(text, sizeof text, FLOOR "%s\n", cases[i].object);
+        Estimate sampled = measure(text, 1024, false), chance = measure(text, 8192, true);
+        truth_check(cases[i].what, sampled.mean, sampled, 4, 0.006);
+        double error = hypot(sampled.error, chance.error);
+        truth_figure(cases[i].what, chance.mean, sampled.mean, error);
+        assert_true(chance.error <= 0.02 * chance.mean);
+        assert_near(sampled.mean, chance.mean, 4 * error);
+    }
+}
+
+/* ---- lights without size ---- */
+
+static void point_and_spot(void **state)
+{
+    (void)state;
+    const struct {
+        const char *what, *light;
+        double irradiance;
+    } cases[] = {
+        /* irradiance in watts per square metre: the scene is in millimetres */
+        {"point of 3 W: power / (4 pi d^2) cos", "light { shape = point  from = <30, 40, 0>  power = 3 }",
+         3 / (4 * TRUTH_PI * 50 * 50 * 1e-6) * 0.8},
+        {"point by intensity", "light { shape = point  from = <0, 20, 0>  intensity = .5 }", 0.5 / (400e-6)},
+        {"the same, scaled", "light { shape = point  from = <0, 2, 0>  intensity = .5  scale(10) }", 0.5 / (400e-6)},
+        {"spot, within its cone",
+         "light { shape = spot  from = <0, 20, 0>  to = <6, 0, 0>  angle = 60deg  intensity = 2 }", 2 / 400e-6},
+        {"spot, beyond it", "light { shape = spot  from = <0, 20, 0>  to = <30, 0, 0>  angle = 60deg  intensity = 2 }",
+         0},
+        {"spot of 5 W without blend: power / solid angle",
+         "light { shape = spot  from = <0, 20, 0>  to = <0, 0, 0>  angle = 40deg  blend = 0  power = 5 }",
+         5 / (2 * TRUTH_PI * (1 - cos(20 * degree))) / 400e-6},
+        /* half way, in the cosine, between full and none */
+        {"spot, in its border",
+         "light { shape = spot  from = <0, 20, 0>  to = <20 * tan(acos((1 + cos(30)) / 2)), 0, 0>  angle = 60deg  "
+         "blend = 1"
+         "  intensity = 2 }",
+         1 / 400e-6},
+        {"ten lights: the sum",
+         "for (i in 1..10) { light { shape = point  from = <0, 10 * i, 0>  intensity = i * i } }", 10 / 100e-6},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000];
+        snprintf(text, sizeof text, FLOOR "%s\n", cases[i].light);
+        Estimate measured = measure(text, 256, false);
+        if (cases[i].irradiance > 0)
+            truth_expect(cases[i].what, on_floor(cases[i].irradiance), measured, 4, 0.005);
+        else
+            assert_true(measured.mean == 0);
+    }
+}
+
+/* A pixel looks down a ray of white fog of albedo 1 so thin that it scatters once: sigma / (4 pi) times the integral of
+ * I / d^2 along the ray, which for a light at distance h from it is sigma I / (4 pi h) times the angle seen from the
+ * light. */
+static void point_in_fog(void **state)
+{
+    (void)state;
+    const double sigma = 1e-6, h = 20, half = 100;
+    Estimate measured = measure("meniscus 1.0 unit mm\n"
+                                "medium fog { ior = 1  scattering = 1e-6 / 1mm }\n"
+                                "box { interior = fog  from = <-300, -300, -100>  to = <300, 300, 100> }\n"
+                                "light { shape = point  from = <0, 20, 0>  intensity = 1 }\n"
+                                "camera { from = <0, 0, 400>  to = <0, 0, 0>  fov = .01deg }\n",
+                                65536, false);
+    double expected = sigma * 1e6 / (4 * TRUTH_PI * h) * 2 * atan(half / h);
+    truth_figure("point in thin fog", expected, measured.mean, measured.error);
+    assert_near(measured.mean, expected, 4 * measured.error + 1e-3 * expected);
+}
+
+/* ---- lights in other media ---- */
+
+/* A picture shows basic radiance, L / n^2. In water everything is as in air, but for that. */
+static void in_water(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *light;
+        double irradiance;
+    } cases[] = {
+        {"ball in water", "sphere { center = <0, 30, 0>  radius = 10 " GLOW " }", TRUTH_PI * 2 / 9},
+        {"point in water", "light { shape = point  from = <0, 20, 0>  intensity = .5 }", 0.5 / (400e-6)},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000];
+        snprintf(text, sizeof text,
+                 FLOOR "medium water { ior = 1.33 }\n"
+                       "sphere { interior = water  center = <3e5, 0, 0>  radius = 1e6 }\n%s\n",
+                 cases[i].light);
+        /* what comes back from the water's far surface, which is not concentric, is too little to be seen */
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance) / (1.33 * 1.33), measure(text, 1024, false), 4,
+                     0.005);
+    }
+}
+
+/* A wire in a bulb of glass around air: seen at right angles through both surfaces, each of which lets 1 - R pass, and
+ * throws back some that comes again: T = (1 - R) / (1 + R) for the pair, as the wire is black. */
+static void filament_in_a_bulb(void **state)
+{
+    (void)state;
+    double r = truth_fresnel(1, 1, 1.5);
+    const char *bulb = "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid }\n"
+                       "sphere { interior = glass  radius = 20 } sphere { interior = air  radius = 19 }\n"
+                       "sphere { radius = 2  surface = surface { albedo = 0  emission = 1  radiance = 5 } }\n"
+                       "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
+    truth_expect("a glowing ball seen through a bulb", 5 * (1 - r) / (1 + r), measure(bulb, 4096, false), 4, 0.005);
+    const char *embedded = "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid }\n"
+                           "sphere { interior = glass  radius = 20 }\n"
+                           "sphere { radius = 2  surface = surface { albedo = 0  emission = 1  radiance = 5 } }\n"
+                           "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
+    truth_expect("a glowing ball within glass", 5 / 2.25 * (1 - r), measure(embedded, 4096, false), 4, 0.005);
+}
+
+/* ---- moving lights ---- */
+
+/* A ball that moves along a quarter of the way from 20 to 40 above the floor: the mean over the shutter of
+ * pi L (r / d)^2, with the mean of 1 / d^2 over d = a .. b being 1 / (a b). */
+static void moving_ball(void **state)
+{
+    (void)state;
+    const char *frame =
+        "animation { frames = 2 }\n"
+        "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg  shutter = 360deg  shutter_steps = 1 }\n";
+    static const struct {
+        const char *what, *light;
+        double irradiance;
+    } cases[] = {
+        {"a ball that moves", "sphere { radius = 8  translate(<0, 20 + 20 * clock, 0>) " GLOW " }",
+         TRUTH_PI * 2 * 64 / 800},
+        {"a point that moves", "light { shape = point  from = <0, 20 + 20 * clock, 0>  intensity = 1 }", 1e6 / 800},
+        {"a mesh that moves",
+         "mesh { positions = [for (p in [<-1, 0, -1>, <1, 0, -1>, <1, 0, 1>, <-1, 0, 1>])\n"
+         "p * .01 + <0, 20 + 20 * clock, 0>]  triangles = [<0, 1, 2>, <0, 2, 3>]\n"
+         "surface = surface { albedo = 0  emission = 1  radiance = 1e4 } }",
+         1e4 * 4e-4 / 800},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000];
+        snprintf(text, sizeof text, "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n%s%s\n", frame,
+                 cases[i].light);
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance), measure(text, 4096, false), 4, 0.005);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(surfaces_on_a_floor),
+        cmocka_unit_test(looked_for_or_by_chance),
+        cmocka_unit_test(point_and_spot),
+        cmocka_unit_test(point_in_fog),
+        cmocka_unit_test(in_water),
+        cmocka_unit_test(filament_in_a_bulb),
+        cmocka_unit_test(moving_ball),
+    };
+    return cmocka_run_group_tests_name("light", tests, NULL, NULL);
+}
