@@ -151,7 +151,10 @@ typedef struct Scan {
     bool more;         /* there were more significant digits */
 } Scan;
 
-static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
 
 static const double exact_powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -443,4 +446,15 @@ size_t num_print(double value, char out[NUM_TEXT_SIZE])
     }
     out[n] = 0;
     return n;
+}
+
+const char *num_parse_list(const char *text, double *numbers, int n)
+{
+    for (int i = 0; i < n; i++) {
+        size_t used = num_parse(text, strlen(text), &numbers[i]);
+        if (!used || !isfinite(numbers[i])) return NULL;
+        text += used;
+        if (i + 1 < n && *text++ != ',') return NULL;
+    }
+    return text;
 }

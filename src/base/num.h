@@ -15,6 +15,8 @@ enum { NUM_TEXT_SIZE = 32 };
  * followed by another '.' is not part of the number ("1..5" reads 1), and neither is an 'e' without digits.
  * Too large gives INFINITY, too small 0. */
 size_t num_parse(const char *text, size_t length, double *value);
+/* n finite numbers with commas between them; returns where reading stopped, NULL when there are not as many. */
+const char *num_parse_list(const char *text, double *numbers, int n);
 
 /* Writes value, terminated, and returns its length: "0.1", "-3", "1e+20" is "1e20", "inf", "-inf", "nan". */
 size_t num_print(double value, char out[NUM_TEXT_SIZE]);

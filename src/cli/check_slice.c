@@ -19,30 +19,18 @@ enum { LONG_SIDE = 800, SHORT_SIDE = 64, NAMES_SHOWN = 5, LEGEND_TEXT = 240 };
 
 /* ---- options ---- */
 
-/* n numbers with commas between them, up to `end`; returns where reading stopped, NULL when there are not as many. */
-static const char *read_numbers(const char *text, double *numbers, int n)
-{
-    for (int i = 0; i < n; i++) {
-        size_t used = num_parse(text, strlen(text), &numbers[i]);
-        if (!used || !isfinite(numbers[i])) return NULL;
-        text += used;
-        if (i + 1 < n && *text++ != ',') return NULL;
-    }
-    return text;
-}
-
 static Status read_plane(CheckSlice *slice, const char *text, Error *error)
 {
     double p[3] = {0}, n[3] = {0};
     if (*text && strchr("xyz", *text) && text[1] == '=') {
         double at;
-        const char *end = read_numbers(text + 2, &at, 1);
+        const char *end = num_parse_list(text + 2, &at, 1);
         slice->normal = vec3(*text == 'x', *text == 'y', *text == 'z');
         slice->point = vec3_scale(slice->normal, at);
         if (end && !*end) return STATUS_OK;
     }
-    const char *end = read_numbers(text, p, 3);
-    if (end && *end == ':') end = read_numbers(end + 1, n, 3);
+    const char *end = num_parse_list(text, p, 3);
+    if (end && *end == ':') end = num_parse_list(end + 1, n, 3);
     slice->point = vec3(p[0], p[1], p[2]);
     slice->normal = vec3(n[0], n[1], n[2]);
     if (!end || *end)
@@ -56,7 +44,7 @@ static Status read_plane(CheckSlice *slice, const char *text, Error *error)
 
 static Status read_region(CheckSlice *slice, const char *text, Error *error)
 {
-    const char *end = read_numbers(text, slice->region, 4);
+    const char *end = num_parse_list(text, slice->region, 4);
     if (!end || *end)
         return fail(error, STATUS_USAGE, "option '--slice-region': '%s' is not four numbers, such as -40,0,40,90",
                     text);

@@ -1,12 +1,16 @@
 /* cmd_check.c - the command check: what is wrong with a scene, and how its objects nest.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdio.h>
 
 #include "base/hash.h"
+#include "base/num.h"
+#include "check/report.h"
+#include "check/sight_line.h"
 #include "cli/check_slice.h"
 #include "cli/commands.h"
 #include "cli/scene_input.h"
-#include "check/report.h"
+#include "trace/path.h"
 
 enum { NUMBER_SIZE = 32 };
 
@@ -14,12 +18,14 @@ typedef struct Check {
     SceneInput input;
     Pool *pool;
     CheckSlice slice;
-    Buf out, report;  /* report: of the first frame that could be built, as text or as JSON */
+    const char *pixel; /* of --pixel; NULL: not asked for */
+    SightLine sight;
+    Buf out, report; /* report: of the first frame that could be built, as text or as JSON */
     bool as_json, built;
-    uint64_t hash;    /* of that frame's scene */
+    uint64_t hash; /* of that frame's scene */
     FrameList frames;
-    uint64_t texts;   /* a hash of the scene's texts, in which the reports of all frames point */
-    Status status;    /* of a guarded task, with its error */
+    uint64_t texts; /* a hash of the scene's texts, in which the reports of all frames point */
+    Status status;  /* of a guarded task, with its error */
     Error *error;
 } Check;
 
@@ -38,6 +44,10 @@ static void print_report(void *context)
         report_print_json(check->input.compiled, &check->input.sources, &check->report);
     else
         report_print(check->input.compiled, &check->input.sources, &check->report);
+    if (!check->as_json && check->pixel) {
+        buf_add(&check->report, "\n");
+        sight_line_print(check->input.compiled, &check->sight, &check->report);
+    }
     if (!check->as_json && check->slice.wanted) check_slice_print(&check->slice, check->input.compiled, &check->report);
     check->hash = check->input.scene->hash;
     check->built = true;
@@ -63,11 +73,33 @@ static void print_json(void *context)
     json_raw(&json, buf_text(&diagnostics));
     json_key(&json, "report");
     json_raw(&json, check->built ? buf_text(&check->report) : "null");
+    if (check->built && check->pixel) {
+        json_key(&json, "sight");
+        sight_line_print_json(check->input.compiled, &check->sight, &json);
+    }
     if (check->built && check->slice.wanted) check_slice_print_json(&check->slice, check->input.compiled, &json);
     json_end(&json);
     buf_add(&check->out, "\n");
     check->out.failed = check->out.failed || diagnostics.failed || check->report.failed;
     buf_clear(&diagnostics);
+}
+
+/* The line of sight through the middle of a pixel. */
+static Status look_through_pixel(Check *check, Error *error)
+{
+    const char *text = check->pixel;
+    const Scene *scene = check->input.scene;
+    double at[2];
+    const char *end = num_parse_list(text, at, 2);
+    bool inside = end && !*end && at[0] >= 0 && at[1] >= 0 && at[0] < scene->film.width && at[1] < scene->film.height;
+    if (!inside || at[0] != floor(at[0]) || at[1] != floor(at[1]))
+        return fail(error, STATUS_USAGE, "option '--pixel': '%s' is no pixel of the picture, 0,0 to %u,%u", text,
+                    (unsigned)scene->film.width - 1, (unsigned)scene->film.height - 1);
+    FilmPoint point = {at[0] + 0.5, at[1] + 0.5, scene->film.width, scene->film.height};
+    const float middle[2] = {0.5f, 0.5f};
+    Ray ray;
+    camera_ray(&scene->cameras[0], point, middle, &ray);
+    return sight_line_find(check->input.compiled, &ray, &check->sight, error);
 }
 
 /* Everything that can be wrong with the input's frame. */
@@ -77,6 +109,7 @@ static Status examine_frame(Check *check, Error *error)
     scene_input_print_said(&check->input);
     TRY(status);
     TRY(scene_input_compile(&check->input, check->pool, error));
+    if (check->pixel && !check->built) TRY(look_through_pixel(check, error));
     if (check->slice.wanted) TRY(check_slice_make(&check->slice, check->input.compiled, check->pool, error));
     if (!check->built) TRY(scene_input_guard(&check->input, print_report, check, error));
     check->error = error;
@@ -87,7 +120,8 @@ static Status examine_frame(Check *check, Error *error)
 static uint64_t hash_of_texts(const SourceSet *sources)
 {
     uint64_t hash = sources->n;
-    for (uint32_t i = 0; i < sources->n; i++) hash = hash_bytes(sources->sources[i].text, sources->sources[i].length, hash);
+    for (uint32_t i = 0; i < sources->n; i++)
+        hash = hash_bytes(sources->sources[i].text, sources->sources[i].length, hash);
     return hash;
 }
 
@@ -109,7 +143,8 @@ static Status examine(Check *check, const Options *options, Error *error)
     if ((status != STATUS_OK && status != STATUS_SCENE) || check->input.instant.animation.n_frames == 0) return status;
     TRY(frames_choose(options, &check->input.instant.animation, false, &check->frames, error));
     if (check->frames.n < 2) return status;
-    if (check->slice.wanted) return fail(error, STATUS_USAGE, "'--slice' is of one frame, and these are %u", check->frames.n);
+    if (check->slice.wanted)
+        return fail(error, STATUS_USAGE, "'--slice' is of one frame, and these are %u", check->frames.n);
     TRY(keep_findings(check, status, error));
     for (uint32_t i = 1; i < check->frames.n; i++) {
         scene_input_next(&check->input, frames_at(&check->frames, i));
@@ -135,7 +170,7 @@ static Status print_findings(Check *check, bool quiet, Error *error)
 
 Status cmd_check(const Options *options, const Talk *talk, Error *error)
 {
-    Check check = {.as_json = option_given(options, OPTION_JSON)};
+    Check check = {.as_json = option_given(options, OPTION_JSON), .pixel = option_text(options, OPTION_PIXEL, NULL)};
     scene_input_init(&check.input, options, talk);
     Status status = check_slice_init(&check.slice, options, error);
     if (status == STATUS_OK) status = examine(&check, options, error);
@@ -149,6 +184,7 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
     }
     buf_clear(&check.out);
     check_slice_clear(&check.slice);
+    sight_line_clear(&check.sight);
     buf_clear(&check.report);
     scene_input_close(&check.input);
     pool_free(check.pool);

@@ -108,3 +108,40 @@ exits 3
 says err '[unknown-camera]'
 says err "did you mean 'side'?"
 end
+
+begin "check --pixel: what stands along a line of sight, and why"
+cat > sight.mns <<'SCENE'
+meniscus 1.0 unit mm
+medium glass { ior = 1.5  state = solid }
+medium water { ior = 1.33  state = liquid }
+medium ghost { ior = 1  state = gas }
+box pane { interior = glass  from = <-9, -9, 0>  to = <9, 9, 4> }
+box pond { interior = water  from = <-8, -8, -20>  to = <8, 8, 1> }
+difference { interior = ghost  sphere { center = <0, 0, -10>  radius = 3 }  sphere { center = <0, 0, -10>  radius = 1 } }
+box wall { surface = surface { }  from = <-9, -9, -40>  to = <9, 9, -30> }
+camera { from = <0, 0, 100>  to = <0, 0, 0>  fov = 10deg }
+environment { }
+film { size = <9, 9> }
+SCENE
+run check sight.mns --pixel 4,4 -q
+run check sight.mns --pixel 4,4
+exits 0
+says out "Along the line, which starts in air"
+matches out '^ +96.0 mm +pane +boundary from air to glass$'
+matches out '^ +99.0 mm +pond +entered in silence: pane is on top, by state of matter$'
+matches out '^ +100 mm +pane +boundary from glass to water$'
+matches out '^ +107 mm +difference 1 +boundary from water to ghost$'
+matches out '^ +109 mm +difference 1 +boundary from ghost to water$'
+matches out '^ +120 mm +pond +boundary from water to air$'
+matches out '^ +130 mm +wall +opaque$'
+run check sight.mns --pixel 4,4 --json
+"$python" -c '
+import json, sys
+s = json.load(open("out"))["sight"]
+assert s["start"] == "air", s
+assert [x["kind"] for x in s["surfaces"]] == ["boundary", "silent", "boundary", "boundary", "boundary", "boundary", "boundary", "boundary", "opaque"], s
+' || flunk "the JSON of --pixel"
+run check sight.mns --pixel 9,0
+exits 2
+says err "no pixel of the picture, 0,0 to 8,8"
+end
