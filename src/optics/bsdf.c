@@ -69,7 +69,11 @@ static BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint)
     layer.depth = lanes_scale(depth_of(tint), 0.5f);
     layer.tinted = !lanes_zero(layer.depth);
     Lanes passed = lanes_rest(microfacet_lookup_mean(microfacet_reflected_mean, &layer.index, false));
-    layer.returned = lanes_clamp(lanes_rest(lanes_div(passed, lanes_mul(eta, eta))), 0, 1);
+    /* Reciprocity. Under a layer of the smaller index it can say more than all, as what one facet misses counts as
+     * passed. */
+    Lanes passed_back = lanes_clamp(lanes_div(passed, lanes_mul(eta, eta)), 0, 1);
+    layer.norm = lanes_div(passed_back, lanes_add(passed, lanes_all(1e-12f)));
+    layer.returned = lanes_rest(passed_back);
     if (layer.tinted) layer.returned = lanes_mul(layer.returned, lanes_exp(lanes_scale(layer.depth, -2)));
     return layer;
 }
@@ -92,8 +96,8 @@ void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x
     conductor->k = k;
     conductor->mean = fresnel_conductor_mean(n, k);
     if (!conductor->facets.smooth) {
-        float roughness = sqrtf(sqrtf(conductor->facets.alpha_x * conductor->facets.alpha_y));
-        conductor->roughness = microfacet_place(roughness, MICROFACET_ROUGHNESSES);
+        conductor->roughness =
+            microfacet_index(conductor->facets.alpha_x, conductor->facets.alpha_y, lanes_all(1)).roughness;
         float average = microfacet_mirror_albedo(conductor->roughness);
         /* second and later reflections: F a / (1 - F (1 - a)), as Kulla and Conty */
         Lanes series = lanes_rest(lanes_scale(conductor->mean, 1 - average));
@@ -122,8 +126,7 @@ void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alp
     sheet->depth = depth_of(tint);
     sheet->tinted = !lanes_zero(sheet->depth);
     if (!sheet->facets.smooth) {
-        float roughness = sqrtf(sqrtf(sheet->facets.alpha_x * sheet->facets.alpha_y));
-        sheet->roughness = microfacet_place(roughness, MICROFACET_ROUGHNESSES);
+        sheet->roughness = microfacet_index(sheet->facets.alpha_x, sheet->facets.alpha_y, lanes_all(1)).roughness;
         bsdf->specular_only = false;
     }
     bsdf->transmits = true;
@@ -160,7 +163,8 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     bool dense = lanes_mean(eta) < 1;
     float alpha = sqrtf(boundary->facets.alpha_x * boundary->facets.alpha_y);
     for (int through = 0; through <= 1; through++) {
-        float a = boundary->spread[through] = dense != through ? float_min(alpha, index.critical) : alpha;
+        float a = boundary->spread[through] =
+            dense != through ? float_min(alpha, index.critical * index.critical) : alpha;
         boundary->spread_norm[through] = 1 / (SAMPLING_PI * logf(1 + 1 / (a * a)));
     }
     Lanes here = microfacet_lookup_mean(microfacet_missing_mean, &index, false);

@@ -12,9 +12,9 @@ static Lanes missing(const BsdfBoundary *boundary, bool behind, Vec3f w)
     return lobe_lookup(microfacet_missing, &boundary->facets, &boundary->index, behind, w);
 }
 
-/* What is missing falls off about as 1 / cos^2, from cos = alpha on, or from the critical angle's if that is less. So
- * directions for it are sampled with a density of the cosine in proportion to cos / (cos^2 + a^2), a: where that
- * begins; at 1 it is nearly Lambert's law. */
+/* What is missing falls off about as 1 / cos^2, from cos = alpha on, or from the square of the critical angle's if that
+ * is less. So directions for it are sampled with a density of the cosine in proportion to cos / (cos^2 + a^2), a: where
+ * that begins; at 1 it is nearly Lambert's law. */
 static float missing_density(const BsdfBoundary *boundary, bool through, float cosine)
 {
     float a = boundary->spread[through];

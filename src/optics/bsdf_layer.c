@@ -50,6 +50,8 @@ Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w)
 {
     Lanes reflectance = fresnel_dielectric_lanes(w.z, lanes_all(1), layer->eta);
     if (layer->facets.smooth) return reflectance;
+    for (int i = 0; i < LANES; i++)
+        if (layer->index.side[i]) lanes_set(&reflectance, i, 0);
     Lanes excess = lobe_lookup(microfacet_excess, &layer->facets, &layer->index, false, w);
     return lanes_clamp(lanes_add(reflectance, excess), 0, 1);
 }
@@ -73,13 +75,12 @@ void layer_evaluate(const BsdfLayer *layer, Vec3f view, Vec3f light, Lanes *f_co
     *pdf_w = r.density;
 }
 
-/* Diffuse light from the base: a part R_i comes back at once, and of that the base's albedo, and so on. That the parts
- * which pass add up fixes the rest: of light from above the mean T passes, so of light from below T / eta^2 = 1 - R_i
- * (reciprocity), and with f_cos albedo/pi cos T(v) T(l) / (eta^2 (1 - albedo R_i)) a white base gives all back. */
+/* Diffuse light from the base: a part R_i comes back at once, and of that the base's albedo, and so on. The mean T of
+ * diffuse light from above passes, so T / eta^2 = 1 - R_i of that from below (reciprocity), and with f_cos = albedo /
+ * pi cos T(v) T(l) (1 - R_i) / (T (1 - albedo R_i)) a white base gives all back. */
 Lanes layer_over_diffuse(const BsdfLayer *layer, Lanes base_albedo)
 {
-    Lanes series = lanes_rest(lanes_mul(base_albedo, layer->returned));
-    return lanes_div(lanes_all(1), lanes_mul(lanes_mul(layer->eta, layer->eta), series));
+    return lanes_div(layer->norm, lanes_rest(lanes_mul(base_albedo, layer->returned)));
 }
 
 /* A mirror sends light back at the angle at which it came, so that the layer's reflectance on both sides is the same.

@@ -35,6 +35,7 @@ typedef struct BsdfLayer {
     Lanes eta;      /* relative to the medium in front */
     Lanes depth;    /* optical depth of one crossing along the normal */
     Lanes returned; /* part of diffuse light from below that comes back, absorption included */
+    Lanes norm;     /* what passes of diffuse light from below, over what passes from above */
     bool tinted;
 } BsdfLayer;
 
@@ -99,7 +100,8 @@ static inline Vec3f mirrored(Vec3f view)
 {
     return vec3f(-view.x, -view.y, view.z);
 }
-/* A table for a direction. */
+/* A table for a direction. Tables know of round facets only; others count as of the root mean square of their alphas.
+ */
 static inline Lanes lobe_lookup(const MicrofacetTable table, const BsdfFacets *facets, const MicrofacetIndex *index,
                                 bool behind, Vec3f w)
 {

@@ -1,4 +1,4 @@
-/* fresnel.c - reflectance and refraction at a smooth boundary between two dielectrics.
+/* fresnel.c - reflectance and refraction at a smooth boundary between two dielectrics, or at a conductor.
  * The equations are Fresnel's as in any text (M. Born, E. Wolf, "Principles of Optics", 1.5.2), written
  * so that nothing cancels. With
  *     a = eta_i cos_i     b = eta_t cos_t     d = eta_t^2 - eta_i^2     b^2 = a^2 + d   (Snell's law)

@@ -1,4 +1,4 @@
-/* fresnel.h - what a smooth boundary between two dielectrics does to a wave.
+/* fresnel.h - what a smooth boundary does to a wave: between two dielectrics, and at a conductor.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_FRESNEL_H
 #define MEN_FRESNEL_H
@@ -19,7 +19,7 @@ Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t
 /* Reflectance of a conductor of index n + i k relative to the medium in front of it, per wavelength, at an angle of cosine
  * 0..1: exact, in the real form of "Optical Properties of Metals", M. Born, E. Wolf, "Principles of Optics", 14.2. n, k >= 0. */
 Lanes fresnel_conductor(float cos_i, Lanes n, Lanes k);
-/* Its hemispherical mean, to 0.003. */
+/* Its hemispherical mean, to 0.003 where k is at least 1, as metals' are. */
 Lanes fresnel_conductor_mean(Lanes n, Lanes k);
 /* Hemispherical mean reflectance for diffuse light coming from eta_i, 2 * integral F cos dcos;
  * closed form of Walsh (1926) / Duntley, or a fit with the stated error. */

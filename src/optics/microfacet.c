@@ -19,7 +19,8 @@ static float bilinear(const uint16_t table[MICROFACET_ROUGHNESSES][MICROFACET_AN
 
 MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta)
 {
-    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(sqrtf(alpha_x * alpha_y)), MICROFACET_ROUGHNESSES),
+    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(sqrtf(0.5f * (alpha_x * alpha_x + alpha_y * alpha_y))),
+                                                           MICROFACET_ROUGHNESSES),
                              .one_cell = true,
                              .fraction = lanes_all(0)};
     float mean = 0; /* of the indices, each the way around that is below 1 */

@@ -1,8 +1,7 @@
 /* microfacet.h - the GGX distribution of facets, and what scaling makes it keep all energy.
  * Local frame: z is the mean normal. A direction w counts by |w.z|; s(w) = sqrt(z^2 + (alpha_x x)^2 + (alpha_y y)^2),
  * with which Smith's masking G1 = 2 z / (z + s) and the height-correlated G2 = 2 z_v z_l / (z_v s_l + z_l s_v) have no
- * singularity at grazing angles: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs",
- * JCGT 3(2), 2014, eqs. 72 and 99.
+ * singularity at grazing angles: [Heitz14] eqs. 72 and 99.
  * For transmission G2 is taken as the smaller of the two G1, which is its upper bound. Heitz's G2 has light that passes
  * one facet end at the next; but between nearly equal indices it goes on, and with this G2 all of it does, so that a
  * boundary that cannot be seen is not seen, however rough.
@@ -91,7 +90,7 @@ typedef uint16_t MicrofacetTable[2][MICROFACET_INDICES][MICROFACET_ROUGHNESSES][
 /* [0]: seen from the side of the smaller index, [1]: from the other */
 /* What one facet neither reflects nor transmits. */
 extern const MicrofacetTable microfacet_missing;
-/* What one facet reflects, less the Fresnel reflectance of the smooth boundary at that angle. */
+/* What one facet reflects; on side 0 less the Fresnel reflectance of the smooth boundary at that angle. */
 extern const MicrofacetTable microfacet_excess;
 /* The same for diffuse light: what is missing, and what is reflected. */
 typedef float MicrofacetMeans[2][MICROFACET_INDICES][MICROFACET_ROUGHNESSES];

@@ -159,13 +159,13 @@ static void sum_boundary(int index, int roughness, Tables *tables)
             sum_facets(alpha, relative, z, &reflected, &transmitted);
             /* between equal indices all goes straight on, at grazing angles, too, where rounding decides on the side */
             missing[i] = index == 0 ? 0 : fmaxf(0, 1 - reflected - transmitted);
-            excess[i] = index == 0 ? 0 : reflected - fresnel_dielectric(z, 1, relative);
+            excess[i] = index == 0 ? 0 : side ? reflected : reflected - fresnel_dielectric(z, 1, relative);
             tables->missing[side][index][roughness][i] = packed(missing[i]);
             tables->excess[side][index][roughness][i] = packed(excess[i]);
         }
         tables->missing_mean[side][index][roughness] = mean_over_cosines(missing, alpha, critical);
         tables->reflected_mean[side][index][roughness] =
-            fresnel_dielectric_mean(1, relative) + mean_over_cosines(excess, alpha, critical);
+            (side ? 0 : fresnel_dielectric_mean(1, relative)) + mean_over_cosines(excess, alpha, critical);
     }
 }
 

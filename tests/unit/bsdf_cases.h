@@ -3,6 +3,8 @@
 #ifndef MEN_BSDF_CASES_H
 #define MEN_BSDF_CASES_H
 
+#include <string.h>
+
 #include "base/hash.h"
 #include "optics/bsdf_spec.h"
 
@@ -18,15 +20,15 @@ static const BsdfCase bsdf_cases[] = {
     {"boundary", 0.25f, 1.5f, 0, 0.3f},
     {"boundary", 0.5f, 1.5f, 0, 0},
     {"boundary", 1, 1.5f, 0, 0},
-    {"boundary", 0.5f, 1.02f, 0, 0.05f},
+    {"boundary", 0.5f, 1.02f, 0, 0.1f},
     {"boundary", 0.9f, 2.42f, 0.05f, 0},
     {"boundary", 0.5f, 1.52f, 0.03f, 0},
     {"boundary in", 0.3f, 1.5f, 0, 0},
     {"boundary in", 0.7f, 1.33f, 0.01f, 0},
     {"boundary in", 1, 2.42f, 0.05f, 0},
-    {"boundary in", 0.5f, 1.02f, 0, 0.05f},
+    {"boundary in", 0.5f, 1.05f, 0, 0.4f},
     {"boundary aniso", 0.6f, 1.5f, 0, 0},
-    {"boundary crossing", 0.6f, 1, 0.02f, 0.05f},
+    {"boundary crossing", 0.6f, 1, 0.02f, 0.1f},
     {"conductor", 0.25f, 0.2f, 1, -0.15f},
     {"conductor", 0.6f, 1.2f, 0.3f, 0},
     {"conductor aniso", 1, 0.2f, 1, 0},

@@ -1,0 +1,186 @@
+/* bsdf_furnace_test.c - what a surface makes of light that is the same from everywhere: all of it comes back, where
+ * nothing absorbs. The mean weight of samples at stratified points, with the standard error of its blocks.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "bsdf_cases.h"
+
+typedef struct Furnace {
+    double albedo, error;
+} Furnace;
+
+/* n blocks of side * side strata, each with its own shift */
+static Furnace furnace(const Bsdf *bsdf, float cosine, float angle, int side)
+{
+    enum { BLOCKS = 8 };
+    double sum = 0, squares = 0;
+    uint32_t state = 77;
+    Vec3f view = direction_at(cosine, angle);
+    for (int block = 0; block < BLOCKS; block++) {
+        float shift = random_unit(&state);
+        double part = 0;
+        for (int i = 0; i < side * side; i++) {
+            float u[2] = {((float)(i % side) + random_unit(&state)) / (float)side,
+                          ((float)(i / side) + random_unit(&state)) / (float)side};
+            float u_choice = shift + (float)((i * 89) % (side * side)) / (float)(side * side);
+            BsdfSample sample;
+            if (bsdf_sample(bsdf, view, u_choice < 1 ? u_choice : u_choice - 1, u, &sample))
+                part += (double)lanes_get(sample.weight, 0) / (side * side);
+        }
+        sum += part / BLOCKS;
+        squares += part * part / BLOCKS;
+    }
+    return (Furnace){sum, sqrt(fmax(0, squares - sum * sum) / (BLOCKS - 1))};
+}
+
+static const float cosines[] = {1, 0.9f, 0.7f, 0.45f, 0.25f, 0.1f, 0.03f};
+enum { COSINES = sizeof cosines / sizeof *cosines };
+
+/* Prints the albedo nearest to nothing lost, and returns the largest departure from 1 up to about 85 degrees;
+ * at_grazing: beyond. */
+static double departure(const Bsdf *bsdf, int side, double *at_grazing)
+{
+    double worst = 0, grazing = 0;
+    for (int i = 0; i < COSINES; i++) {
+        Furnace found = furnace(bsdf, cosines[i], 0.3f, side);
+        double off = fmax(0, fabs(found.albedo - 1) - 2 * found.error);
+        if (cosines[i] > 0.09f)
+            worst = fmax(worst, off);
+        else
+            grazing = fmax(grazing, off);
+    }
+    *at_grazing = fmax(*at_grazing, grazing);
+    return worst;
+}
+
+static void boundaries_keep_all_light(void **unused)
+{
+    (void)unused;
+    const float indices[] = {1.01f, 1.03f, 1.1f, 1.33f, 1.5f, 1.77f, 2.42f, 2.5f};
+    const float roughnesses[] = {0, 0.05f, 0.1f, 0.2f, 0.3f, 0.45f, 0.6f, 0.8f, 1};
+    double worst = 0, grazing = 0;
+    printf("largest departure from 1 down to cosine 0.1, in per mille; roughness");
+    for (int k = 0; k < 9; k++) printf(" %5g", (double)roughnesses[k]);
+    for (int inside = 0; inside <= 1; inside++)
+        for (int i = 0; i < 8; i++) {
+            printf("\n%28s of index %.2f:", inside ? "from inside" : "from outside", (double)indices[i]);
+            for (int k = 0; k < 9; k++) {
+                Bsdf bsdf;
+                bsdf_begin(&bsdf);
+                Lanes air = lanes_all(1), glass = lanes_all(indices[i]);
+                float alpha = roughnesses[k] * roughnesses[k];
+                bsdf_add_boundary(&bsdf, 1, inside ? glass : air, inside ? air : glass, alpha, alpha);
+                double off = departure(&bsdf, 32, &grazing);
+                printf(" %5.1f", off * 1000);
+                worst = fmax(worst, off);
+            }
+        }
+    printf("\nlargest %.4f, at cosine 0.03: %.4f\n", worst, grazing);
+    assert_true(worst < 0.006);
+    assert_true(grazing < 0.012);
+}
+
+static void white_surfaces_stay_white(void **unused)
+{
+    (void)unused;
+    const float roughnesses[] = {0, 0.1f, 0.25f, 0.5f, 0.75f, 1};
+    const char *const names[] = {"white metal",         "white, rough diffuse", "white plastic 1.5",
+                                 "white plastic 1.128", "white plastic 2.4",    "white plastic 0.9",
+                                 "clear sheet 1.5",     "coated white",         "coated white metal"};
+    double worst[9] = {0}, grazing[9] = {0};
+    printf("largest departure from 1 down to cosine 0.1, in per mille; roughness");
+    for (int k = 0; k < 6; k++) printf(" %5g", (double)roughnesses[k]);
+    for (int i = 0; i < 9; i++) {
+        printf("\n%45s:", names[i]);
+        for (int k = 0; k < 6; k++) {
+            Bsdf bsdf;
+            Lanes white = lanes_all(1), mirror = lanes_all(1e4f);
+            float r = roughnesses[k], alpha = r * r;
+            const float eta[] = {1.5f, 1.128f, 2.4f, 0.9f};
+            bsdf_begin(&bsdf);
+            if (i == 0 || i == 8) bsdf_add_conductor(&bsdf, 1, white, mirror, alpha, alpha);
+            if (i == 1) bsdf_add_diffuse(&bsdf, 1, white, r);
+            if (i >= 2 && i < 6) bsdf_add_plastic(&bsdf, 1, lanes_all(eta[i - 2]), alpha, alpha, white, white, 0);
+            if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white);
+            if (i == 7) bsdf_add_diffuse(&bsdf, 1, white, 0);
+            if (i == 7) bsdf_set_coat(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white);
+            if (i == 8) bsdf_set_coat(&bsdf, 1, lanes_all(1.5f), 0.01f, 0.01f, white);
+            double off = departure(&bsdf, 48, &grazing[i]);
+            worst[i] = fmax(worst[i], off);
+            printf(" %5.1f", off * 1000);
+        }
+        printf("  (%5.1f at cosine 0.03)", grazing[i] * 1000);
+    }
+    printf("\n");
+    /* under a layer of the smaller index only near the critical angle of little roughness, where a step is
+     * interpolated; a rough metal under a smooth coat sends light back at other angles than it came at */
+    for (int i = 0; i < 9; i++) assert_true(worst[i] < (i == 5 ? 0.1 : i == 8 ? 0.08 : 0.005));
+}
+
+/* Stretched facets are scaled by what is known of round ones. */
+static void anisotropy_loses_little(void **unused)
+{
+    (void)unused;
+    double worst = 0, worst_metal = 0;
+    for (int i = 1; i <= 4; i++)
+        for (int inside = 0; inside <= 2; inside++)
+            for (int at = 0; at < COSINES - 1; at++)
+                for (int turn = 0; turn <= 2; turn++) {
+                    float alpha_x, alpha_y;
+                    bsdf_alphas(0.25f * (float)i, 0.7f, &alpha_x, &alpha_y);
+                    Bsdf bsdf;
+                    bsdf_begin(&bsdf);
+                    if (inside < 2)
+                        bsdf_add_boundary(&bsdf, 1, lanes_all(inside ? 1.5f : 1), lanes_all(inside ? 1 : 1.5f), alpha_x,
+                                          alpha_y);
+                    else
+                        bsdf_add_conductor(&bsdf, 1, lanes_all(1), lanes_all(1e4f), alpha_x, alpha_y);
+                    double off = fabs(furnace(&bsdf, cosines[at], 0.7854f * (float)turn, 24).albedo - 1);
+                    if (inside < 2)
+                        worst = fmax(worst, off);
+                    else
+                        worst_metal = fmax(worst_metal, off);
+                }
+    printf("anisotropy 0.7: boundaries off by at most %.3f, white metal %.3f\n", worst, worst_metal);
+    assert_true(worst < 0.15);
+    assert_true(worst_metal < 0.15);
+}
+
+/* Layers on dark bases, and tinted ones, give back less; nothing gives back more. */
+static void nothing_is_gained(void **unused)
+{
+    (void)unused;
+    uint32_t state = 12;
+    double most = 0;
+    for (int i = 0; i < 400; i++) {
+        BsdfSpec spec;
+        bsdf_spec_init(&spec);
+        spec.base_color = spectrum_constant(random_unit(&state) < 0.5f ? 1 : random_unit(&state));
+        spec.base_diffuse_roughness = random_unit(&state);
+        spec.base_metalness = random_unit(&state) < 0.5f ? 0 : random_unit(&state);
+        spec.specular_roughness = random_unit(&state);
+        spec.specular_weight = random_unit(&state);
+        spec.transmission_weight = random_unit(&state) < 0.5f ? 0 : random_unit(&state);
+        spec.thin_walled = i % 2;
+        spec.coat_weight = random_unit(&state) < 0.5f ? 0 : random_unit(&state);
+        spec.coat_roughness = random_unit(&state);
+        spec.coat_color = spectrum_constant(random_unit(&state));
+        Bsdf bsdf;
+        bsdf_from_spec(&spec, lanes(500, 550, 600, 650), lanes_all(1), lanes_all(1.5f), &bsdf);
+        Furnace found = furnace(&bsdf, 0.05f + 0.95f * random_unit(&state), 1, 16);
+        most = fmax(most, found.albedo - 3 * found.error);
+    }
+    printf("the most that any of 400 surfaces gives back: %.4f\n", most);
+    assert_true(most < 1.01);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boundaries_keep_all_light),
+        cmocka_unit_test(white_surfaces_stay_white),
+        cmocka_unit_test(anisotropy_loses_little),
+        cmocka_unit_test(nothing_is_gained),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
