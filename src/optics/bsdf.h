@@ -11,7 +11,8 @@
  *
  * A Bsdf is made for one hit: bsdf_begin, then one bsdf_add_* per lobe, and bsdf_set_coat at the end if at all. It
  * refers to nothing else. alpha is that of GGX, the square of an artist's roughness; below 1e-3 a surface counts as
- * smooth. SPDX-License-Identifier: Apache-2.0 */
+ * smooth.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BSDF_H
 #define MEN_BSDF_H
 

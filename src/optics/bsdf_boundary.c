@@ -1,9 +1,11 @@
-/* bsdf_boundary.c - the boundary between two dielectrics: B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet
- * Models for Refraction through Rough Surfaces", EGSR 2007, in basic radiance, and with the light kept that one facet
- * misses (microfacet.h). The half vector of a transmission is eta_i view + eta_t light, not normalized; its length
- * cancels from the density: D (v.h) G1/v.z eta_t^2 (-l.h) / (eta_i v.h + eta_t l.h)^2 = 2 eta_t^2 (v.H) (-l.H) / (pi
- * alpha_x alpha_y q^2 (v.z + s_v)) with H that vector and q its (H_x/alpha_x)^2 + (H_y/alpha_y)^2 + H_z^2. So nothing
- * is divided by a small number where the indices are nearly equal. SPDX-License-Identifier: Apache-2.0 */
+/* bsdf_boundary.c - the boundary between two dielectrics: [WMLT07], in basic radiance, and with the light kept that one
+ * facet misses (microfacet.h).
+ * The half vector H = eta_i view + eta_t light of a transmission is not normalized: its length cancels from the density
+ *     D (v.h) G1 / v.z eta_t^2 (-l.h) / (eta_i v.h + eta_t l.h)^2
+ *         = 2 eta_t^2 (v.H) (-l.H) / (pi alpha_x alpha_y q^2 (v.z + s_v))
+ *     q = (H_x / alpha_x)^2 + (H_y / alpha_y)^2 + H_z^2
+ * so that nothing is divided by a small number where the indices are nearly equal.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/bsdf_lobe.h"
 #include "optics/fresnel.h"
 

@@ -1,6 +1,7 @@
 /* bsdf_lobe.h - what a surface's scattering is assembled from; made by bsdf.h's functions, private to
  * src/optics/bsdf*.c. Everything that depends on the wavelength is per lane. Directions, f_cos and densities are as in
- * bsdf.h. SPDX-License-Identifier: Apache-2.0 */
+ * bsdf.h.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BSDF_LOBE_H
 #define MEN_BSDF_LOBE_H
 

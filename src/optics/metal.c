@@ -5,7 +5,8 @@
  * Intrinsic Optical Constants of Metal Films: Application to Aluminum", Applied Optics 34, 4755 (1995). brass (70 %
  * copper, 30 % zinc): M. R. Querry, "Optical Constants", contractor report CRDC-CR-85034 (1985). stainless_steel
  * (ferritic, 13.5 % chromium): B. Karlsson, C. G. Ribbing, "Optical Constants and Spectral Selectivity of Stainless
- * Steel and its Oxides", Journal of Applied Physics 53, 6340 (1982). SPDX-License-Identifier: Apache-2.0 */
+ * Steel and its Oxides", Journal of Applied Physics 53, 6340 (1982).
+ * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/metal.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* microfacet.h - the GGX distribution of facets, and what scaling makes it keep all energy.
+/* microfacet.h - the GGX distribution of facets, and what keeps it from losing light.
  * Local frame: z is the mean normal. A direction w counts by |w.z|; s(w) = sqrt(z^2 + (alpha_x x)^2 + (alpha_y y)^2),
  * with which Smith's masking G1 = 2 z / (z + s) and the height-correlated G2 = 2 z_v z_l / (z_v s_l + z_l s_v) have no
  * singularity at grazing angles: [Heitz14] eqs. 72 and 99.
@@ -7,13 +7,12 @@
  * boundary that cannot be seen is not seen, however rough.
  *
  * Light that meets more than one facet is missing in a model of one. It is put back so that the whole reflects and
- * transmits exactly what comes in:
- * - At boundaries a diffuse lobe is added on each side, in proportion to what is missing at v and at l: C. Kulla, A.
- * Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
- * - Where facets are mirrors, f(v, l) becomes f(v, l) k(v) k(l) with a k that makes the albedo 1: the scaling of a
- * symmetric matrix to given row sums (R. Sinkhorn, "A Relationship between Arbitrary Positive Matrices and Doubly
- * Stochastic Matrices", 1964). It needs no lobe of its own. Both are reciprocal. The tables are solved at build time by
- * microfacet_gen.c. SPDX-License-Identifier: Apache-2.0 */
+ * transmits what comes in, in ways that are reciprocal. At boundaries a diffuse lobe is added on each side, in proportion
+ * to what is missing at v and at l ([KC17]). Where facets are mirrors, f(v, l) becomes f(v, l) k(v) k(l) with a k that makes
+ * the albedo 1, which is the scaling of a symmetric matrix to given row sums (R. Sinkhorn, "A Relationship between
+ * Arbitrary Positive Matrices and Doubly Stochastic Matrices", 1964) and needs no lobe of its own. The tables are solved at
+ * build time by microfacet_gen.c.
+ * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_MICROFACET_H
 #define MEN_MICROFACET_H
 
@@ -39,7 +38,7 @@ static inline float microfacet_density(float alpha_x, float alpha_y, Vec3f h)
     return 1 / (SAMPLING_PI * alpha_x * alpha_y * q * q);
 }
 
-/* A facet normal as seen from v: J. Dupuy, A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023.
+/* A facet normal as seen from v: [DB23].
  * Density D(h) (v.h) 2 / (v.z + s(v)). */
 static inline Vec3f microfacet_visible(float alpha_x, float alpha_y, Vec3f v, const float u[2])
 {

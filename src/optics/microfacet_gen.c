@@ -2,7 +2,8 @@
  *     microfacet_gen FILE
  * What the facets do that are seen from a direction is summed over a fixed set of them. For mirrors the unknowns are k
  * at the knots: where light goes that meets a facet, and how much, is noted once, and k <- sqrt(k / (K k)) is repeated
- * until k K k = 1. Takes about a second. SPDX-License-Identifier: Apache-2.0 */
+ * until k K k = 1. Takes about three seconds.
+ * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
 
