@@ -63,6 +63,19 @@ uint32_t *map_find(Arena *arena, Map *map, const void *key, size_t length, uint3
     return &slot->value;
 }
 
+uint32_t *build_row_of(Builder *b, Map *map, const EvalNode *node, uint32_t row_if_new, bool *found)
+{
+    size_t n = map->n;
+    const EvalNode **key = &node;
+    if (!map_seek(map, key, sizeof node)) {
+        key = ARENA_NEW(b->arena, const EvalNode *);
+        *key = node;
+    }
+    uint32_t *row = map_find(b->arena, map, key, sizeof node, row_if_new);
+    *found = map->n == n;
+    return row;
+}
+
 void *room_for_one(Arena *arena, void *items, uint32_t n, uint32_t *capacity, size_t size)
 {
     if (n < *capacity) return items;

@@ -138,20 +138,12 @@ static NestState state_of(const EvalNode *node)
     return strcmp(word, "solid") == 0 ? NEST_SOLID : strcmp(word, "gas") == 0 ? NEST_GAS : NEST_LIQUID;
 }
 
-/* The address of a node, kept as a key. */
-static const void *key_of(Builder *b, const EvalNode *node)
-{
-    const EvalNode **key = ARENA_NEW(b->arena, const EvalNode *);
-    *key = node;
-    return key;
-}
-
 uint32_t build_medium(Builder *b, const EvalNode *node)
 {
     Scene *scene = b->scene;
-    const uint32_t *known = map_seek(&b->media, &node, sizeof node);
-    if (known) return *known;
-    map_find(b->arena, &b->media, key_of(b, node), sizeof node, scene->n_media);
+    bool found;
+    uint32_t known = *build_row_of(b, &b->media, node, scene->n_media, &found);
+    if (found) return known;
     SceneMedium medium = {.span = node->span, .ior = spectrum_constant(1), .state = state_of(node)};
     medium.name =
         arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
@@ -236,9 +228,9 @@ bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
 
 uint32_t build_surface(Builder *b, const EvalNode *node)
 {
-    const uint32_t *known = map_seek(&b->surfaces, &node, sizeof node);
-    if (known) return *known;
-    map_find(b->arena, &b->surfaces, key_of(b, node), sizeof node, b->scene->n_surfaces);
+    bool found;
+    uint32_t known = *build_row_of(b, &b->surfaces, node, b->scene->n_surfaces, &found);
+    if (found) return known;
     const char *name = node->name ? node->name : "surface";
     Vec3 albedo = eval_vector(node, "albedo");
     double rgb[3] = {albedo.x, albedo.y, albedo.z};

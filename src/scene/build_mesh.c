@@ -287,26 +287,38 @@ static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, c
     return true;
 }
 
+/* The shape that a file holds; false after reporting. */
+static bool shape_of_file(Builder *b, const EvalNode *node, const EvalProp *file, uint32_t *shape)
+{
+    bool smooth = eval_truth(node, "smooth"), found;
+    const char *path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
+    if (!path) return false;
+    build_note_file(b, path);
+    const EvalProp *part_prop = eval_prop(node, "part");
+    const char *part = part_prop ? part_prop->as.text : NULL;
+    const EvalProp *next = eval_prop(node, "next_file");
+    const char *key = arena_format(b->arena, "mesh %d %s%s%s%s%s", smooth, path, part ? "\n" : "", part ? part : "",
+                                   next ? "\nnext " : "", next ? next->as.text : "");
+    *shape = build_shape_of(b, key, strlen(key), &found);
+    return found || load_files(b, node, file, path, part, *shape);
+}
+
 /* The shape of a mesh node: one for each file and each list in the text, however often it is placed. */
 static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
 {
     const EvalProp *file = eval_prop(node, "file"), *positions = eval_prop(node, "positions"),
                    *triangles = eval_prop(node, "triangles");
-    bool smooth = eval_truth(node, "smooth"), found;
-    if (file) {
-        const char *path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
-        if (!path) return false;
-        build_note_file(b, path);
-        const EvalProp *part_prop = eval_prop(node, "part");
-        const char *part = part_prop ? part_prop->as.text : NULL;
-        const EvalProp *next = eval_prop(node, "next_file");
-        const char *key = arena_format(b->arena, "mesh %d %s%s%s%s%s", smooth, path, part ? "\n" : "", part ? part : "",
-                                       next ? "\nnext " : "", next ? next->as.text : "");
-        *shape = build_shape_of(b, key, strlen(key), &found);
-        if (!found) return load_files(b, node, file, path, part, *shape);
+    const EvalNode *origin = node;
+    while (origin->prototype) origin = origin->prototype;
+    bool found;
+    if (file) { /* instances need not look for it again */
+        uint32_t *known = build_row_of(b, &b->mesh_files, origin, SCENE_NONE, &found);
+        if (*known == SCENE_NONE) {
+            if (!shape_of_file(b, node, file, shape)) return false;
+            *known = *shape;
+        }
+        *shape = *known;
     } else {
-        const EvalNode *origin = node;
-        while (origin->prototype) origin = origin->prototype;
         const char *key = arena_format(b->arena, "mesh %p", (const void *)origin);
         *shape = build_shape_of(b, key, strlen(key), &found);
         if (!found) return fill_in_place(b, positions, triangles, *shape) && build_finish_mesh(b, node, *shape);

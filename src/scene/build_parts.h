@@ -60,6 +60,7 @@ typedef struct Builder {
     size_t objects_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
+    Map mesh_files;                            /* shapes by the address of the first mesh node that has them */
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
     uint32_t grey;                             /* the surface of a ground that names none */
     uint64_t environment_hash;
@@ -69,6 +70,8 @@ typedef struct Builder {
 } Builder;
 
 /* build.c */
+/* The row of a table that was made of a node; a new one gets the row given. */
+uint32_t *build_row_of(Builder *b, Map *map, const EvalNode *node, uint32_t row_if_new, bool *found);
 /* scene_build_from without what moves. */
 ATTR_NODISCARD Status build_at_moment(const SceneText *text, const SceneOptions *options, Diag *diag, Scene **scene,
                                       Buf *printed, SceneInstant *instant, Error *error);

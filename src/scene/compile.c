@@ -20,6 +20,7 @@ static Status number_hulls(CompiledScene *compiled, Error *error)
     compiled->hull_bounds = malloc(n * sizeof *compiled->hull_bounds);
     if (!compiled->hull_of_object || !compiled->object_of_hull || !compiled->hulls || !compiled->hull_bounds)
         return fail_memory(error, n * sizeof *compiled->hull_bounds, "the hulls");
+    SceneShapeBox known = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         compiled->hull_of_object[i] = SCENE_NONE;
@@ -31,7 +32,7 @@ static Status number_hulls(CompiledScene *compiled, Error *error)
                                            .priority = object->priority,
                                            .state = scene->media[object->medium].state,
                                            .volume = object->volume};
-        compiled->hull_bounds[hull] = scene_object_bounds(scene, object, NULL);
+        compiled->hull_bounds[hull] = scene_next_bounds(scene, object, &known);
     }
     return STATUS_OK;
 }

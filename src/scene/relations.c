@@ -354,6 +354,15 @@ static PairFacts *add_facts(FactList *list, uint32_t own, uint32_t other)
     return &list->items[list->n++];
 }
 
+/* The only row of a list: there may be millions of such lists. */
+static PairFacts *add_only_facts(FactList *list, uint32_t own, uint32_t other)
+{
+    list->items = malloc(sizeof *list->items);
+    if (!list->items) return NULL;
+    list->capacity = 1;
+    return add_facts(list, own, other);
+}
+
 /* Gives back the room for more: lists are as many as hulls, and most of them have one row. */
 static void fit_facts(FactList *list)
 {
@@ -529,7 +538,7 @@ static void task_of_pair(void *context, uint32_t number, unsigned worker)
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
     if (!candidate->region_small || !is_judged_by(f, own, other)) return;
-    PairFacts *facts = add_facts(&candidate->facts, own, other);
+    PairFacts *facts = add_only_facts(&candidate->facts, own, other);
     uint32_t n = f->lines_of_pair[f->radius[own] == 0 && f->radius[other] == 0];
     if (facts)
         judge_pair_in(f, &f->workers[worker].probe, facts, candidate->region, n, pair_seed(candidate));
@@ -561,7 +570,7 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
     Probe *probe = &f->workers[worker].probe;
-    PairFacts *facts = candidate->facts.n ? candidate->facts.items : add_facts(&candidate->facts, own, other);
+    PairFacts *facts = candidate->facts.n ? candidate->facts.items : add_only_facts(&candidate->facts, own, other);
     if (!facts) {
         probe->out_of_memory = true;
         return;

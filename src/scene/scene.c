@@ -118,6 +118,27 @@ double light_beam(const SceneLight *light)
     return 2 * 3.14159265358979323846 * (1 - 0.5 * (light->cos_full + light->cos_none)); /* the smooth step's mean is 1/2 */
 }
 
+/* Whether every coordinate of an image comes from one coordinate alone, as without any turns, or with quarter turns. */
+static bool keeps_axes(const Affine *map)
+{
+    for (int row = 0; row < 3; row++)
+        if ((map->m[row][0] != 0) + (map->m[row][1] != 0) + (map->m[row][2] != 0) > 1) return false;
+    return true;
+}
+
+Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known)
+{
+    const SceneShape *shape = object->shape == SCENE_NONE ? NULL : &scene->shapes[object->shape];
+    bool plain = shape && shape->mesh && !shape->mesh_end && !shape->solid && object->motion == SCENE_NONE;
+    if (!plain || !shape->mesh->n_vertices || !keeps_axes(&object->to_world))
+        return scene_object_bounds(scene, object, NULL);
+    if (known->shape != shape) {
+        Affine identity = affine_identity();
+        *known = (SceneShapeBox){shape, shape_bounds(shape, &identity)};
+    }
+    return affine_box(&object->to_world, known->box); /* to the bit: rounding keeps the order of numbers */
+}
+
 static Vec3 blend(Vec3 a, Vec3 b, double part)
 {
     return vec3_add(vec3_scale(a, 1 - part), vec3_scale(b, part));

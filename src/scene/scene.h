@@ -196,5 +196,12 @@ SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, doubl
 /* The smallest box around an object wherever it moves, moved by `after` (NULL: not); empty for one without any surface, without end for planes. Of a
  * combination it is what follows from the boxes of its operands: there may be less of it. */
 Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after);
+/* The same box without an `after`, for many objects in turn: *known, {0} at first, keeps what the next one of the same
+ * shape can use. */
+typedef struct SceneShapeBox {
+    const SceneShape *shape;
+    Box3 box; /* of its mesh */
+} SceneShapeBox;
+Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known);
 
 #endif
