@@ -1,4 +1,4 @@
-/* report_meshes.c - meshes that enclose some of their inside twice.
+/* report_meshes.c - meshes that cross themselves, and those whose parts overlap.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
@@ -25,19 +25,67 @@ static void warn_of_crossings(const SceneObject *object, const MeshCrossings *fo
     Buf places = {0};
     for (uint32_t i = 0; i < found->n_places; i++) add_place(&places, object, found->first[i].place);
     note_places(diag, report, object, &places);
-    diag_hint(diag, report, "make its parts one mesh without inner walls, or several objects: these may overlap");
+    diag_hint(diag, report, "make several objects of it, or several parts: these may overlap");
 }
 
-static void warn_of_nested(const SceneObject *object, const MeshNested *nested, Diag *diag)
+/* Parts of the object's mesh that share some of their inside: one body, which is right, and may be news. */
+static void remark_overlap(const SceneObject *object, const MeshParts *parts, Diag *diag)
 {
-    Diagnostic *report = diag_report(diag, D_MESH_CROSSES_ITSELF, object->span,
-                                     "%u part%s of the mesh of %s %s within another and %s outward",
-                                     (unsigned)nested->n, nested->n == 1 ? "" : "s", object->name,
-                                     nested->n == 1 ? "lies" : "lie", nested->n == 1 ? "faces" : "face");
+    Diagnostic *report;
+    if (parts->gave_up)
+        report = diag_report(diag, D_MESH_PARTS_OVERLAP, object->span,
+                             "more parts of the mesh of %s overlap than can be told apart", object->name);
+    else if (parts->n_overlapping == parts->n_bodies)
+        report = diag_report(diag, D_MESH_PARTS_OVERLAP, object->span,
+                             "the %u parts of the mesh of %s overlap: they are one body", (unsigned)parts->n_bodies,
+                             object->name);
+    else
+        report = diag_report(diag, D_MESH_PARTS_OVERLAP, object->span,
+                             "%u of the %u parts of the mesh of %s overlap: where they do, they are one body",
+                             (unsigned)parts->n_overlapping, (unsigned)parts->n_bodies, object->name);
     Buf places = {0};
-    add_place(&places, object, nested->place);
+    add_place(&places, object, parts->place);
     note_places(diag, report, object, &places);
-    diag_hint(diag, report, "turn a part inward to make a cavity of it, or make it an object of its own");
+}
+
+static void warn_of_nested(const SceneObject *object, const MeshParts *parts, Diag *diag)
+{
+    Diagnostic *report = diag_report(diag, D_MESH_PART_WITHIN, object->span,
+                                     "%u part%s of the mesh of %s %s within another and %s nothing",
+                                     (unsigned)parts->n_within, parts->n_within == 1 ? "" : "s", object->name,
+                                     parts->n_within == 1 ? "lies" : "lie", parts->n_within == 1 ? "adds" : "add");
+    Buf places = {0};
+    add_place(&places, object, parts->within_place);
+    note_places(diag, report, object, &places);
+    diag_hint(diag, report, "turn a part inward to make a cavity of it, or make it an object of another medium");
+}
+
+static void add_crossings(MeshCrossings *sum, const MeshCrossings *more)
+{
+    for (uint32_t i = 0; i < more->n_places && sum->n_places < COUNT_OF(sum->first); i++)
+        sum->first[sum->n_places++] = more->first[i];
+    sum->n += more->n;
+    sum->gave_up = sum->gave_up || more->gave_up;
+}
+
+/* One object's mesh, or all layers of it: `first` and those behind it that belong to the same mesh. */
+static Status report_mesh(const Scene *scene, const SceneObject *object, uint32_t first, Pool *pool, Diag *diag,
+                          Error *error)
+{
+    uint32_t whole = scene->shapes[first].layer_of;
+    uint32_t n = whole == SCENE_NONE ? 1 : scene->shapes[whole].parts.n_layers;
+    MeshCrossings all = {0};
+    for (uint32_t i = 0; i < n; i++) {
+        MeshCrossings crossings;
+        TRY(mesh_find_crossings(scene->shapes[first + i].mesh, pool, &crossings, error));
+        add_crossings(&all, &crossings);
+    }
+    if (all.n || all.gave_up) warn_of_crossings(object, &all, diag);
+    if (whole == SCENE_NONE) return STATUS_OK;
+    const MeshParts *parts = &scene->shapes[whole].parts;
+    if (parts->n_within) warn_of_nested(object, parts, diag);
+    if (parts->n_within < parts->n_overlapping - 1 || parts->gave_up) remark_overlap(object, parts, diag);
+    return STATUS_OK;
 }
 
 /* Objects that share a mesh get one report, at the first of them. */
@@ -49,17 +97,13 @@ Status report_mesh_crossings(const CompiledScene *compiled, Pool *pool, Diag *di
     Status status = STATUS_OK;
     for (uint32_t i = 0; i < scene->n_objects && status == STATUS_OK; i++) {
         const SceneObject *object = &scene->objects[i];
-        if (object->shape == SCENE_NONE || done[object->shape]) continue;
-        const Mesh *mesh = scene->shapes[object->shape].mesh;
+        if (object->shape == SCENE_NONE) continue;
+        uint32_t layer_of = scene->shapes[object->shape].layer_of,
+                 whole = layer_of == SCENE_NONE ? object->shape : layer_of;
         bool encloses = object->medium != SCENE_NONE || object->part_of != SCENE_NONE;
-        if (!mesh || !encloses) continue;
-        done[object->shape] = true;
-        MeshCrossings crossings = {0};
-        MeshNested nested = {0};
-        status = mesh_find_crossings(mesh, pool, &crossings, error);
-        if (status == STATUS_OK && crossings.n == 0) status = mesh_find_nested(mesh, &nested, error);
-        if (crossings.n) warn_of_crossings(object, &crossings, diag);
-        if (nested.n) warn_of_nested(object, &nested, diag);
+        if (!scene->shapes[object->shape].mesh || !encloses || done[whole]) continue;
+        done[whole] = true;
+        status = report_mesh(scene, object, object->shape, pool, diag, error);
     }
     free(done);
     return status;

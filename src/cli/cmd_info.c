@@ -76,10 +76,10 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
     MeshSource source = {0};
     Status status = mesh_load(path, &source, &mesh, error);
     MeshCrossings crossings = {0};
-    MeshNested nested = {0};
+    MeshParts parts = {0};
     if (status == STATUS_OK) status = mesh_inspect(mesh, &report, error);
     if (status == STATUS_OK) status = mesh_find_crossings(mesh, NULL, &crossings, error);
-    if (status == STATUS_OK && report.closed) status = mesh_find_nested(mesh, &nested, error);
+    if (status == STATUS_OK && report.closed) status = mesh_find_parts(mesh, NULL, &parts, error);
     if (status == STATUS_OK) {
         describe_parts(&source, facts);
         if (source.unit_m > 0) add_number(facts, "unit in metres", source.unit_m);
@@ -94,7 +94,8 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
         add_truth(facts, "inside out", report.inside_out);
         add_number(facts, "connected pieces", report.n_components);
         add_number(facts, "pieces turned inward", report.n_inverted);
-        add_number(facts, "pieces within pieces", nested.n);
+        add_number(facts, "pieces within pieces", parts.n_within);
+        add_number(facts, parts.gave_up ? "pieces that overlap, at least" : "pieces that overlap", parts.n_overlapping);
         add_number(facts, crossings.gave_up ? "faces that cross, at least" : "faces that cross", (double)crossings.n);
         add_number(facts, "faces without area", report.n_degenerate);
         add_number(facts, "faces that occur twice", report.n_duplicate);
@@ -107,6 +108,7 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
         add_number(facts, "z from", report.bounds.min.z);
         add_number(facts, "z to", report.bounds.max.z);
     }
+    mesh_parts_clear(&parts);
     mesh_source_clear(&source);
     mesh_free(mesh);
     return status;

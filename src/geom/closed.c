@@ -1,185 +1,11 @@
 /* closed.c - whether a mesh encloses anything: edges, components, volume; and the mending of orientation.
- * Everything rests on a list of directed edges sorted by their lower vertex, where vertices are numbered by
- * the bits of their positions. There is no tolerance anywhere, so the size of the mesh does not matter.
+ * Everything rests on the edges of topology.h. There is no tolerance anywhere, so the size of the mesh does not matter.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/hash.h"
-#include "geom/mesh.h"
-
-/* A triangle's use of an edge. */
-typedef struct EdgeUse {
-    uint32_t high;     /* the edge's higher vertex; the lower one is the list's index */
-    uint32_t triangle;
-    bool upward;       /* the triangle runs from the lower to the higher vertex */
-} EdgeUse;
-
-typedef struct Topology {
-    const Mesh *mesh;
-    uint32_t *position_id; /* per vertex: the first vertex at the same position */
-    size_t *first_use;     /* per vertex: where its edges start in uses; one more at the end */
-    EdgeUse *uses;
-    uint32_t *parent;      /* per triangle: union-find over shared edges */
-} Topology;
-
-/* All uses of one edge. */
-typedef struct Edge {
-    uint32_t low, high;
-    const EdgeUse *uses;
-    size_t n, n_upward;
-} Edge;
-
-static uint32_t float_word(float x)
-{
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits == 0x80000000U ? 0 : bits;
-}
-
-static bool same_position(Vec3f a, Vec3f b)
-{
-    return float_word(a.x) == float_word(b.x) && float_word(a.y) == float_word(b.y) && float_word(a.z) == float_word(b.z);
-}
-
-Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Error *error)
-{
-    size_t room = 16;
-    while (room < 2 * (size_t)mesh->n_vertices) room *= 2;
-    uint32_t *table = calloc(room, sizeof *table); /* vertex + 1, 0: free */
-    *ids = malloc(((size_t)mesh->n_vertices + 1) * sizeof **ids);
-    if (!table || !*ids) {
-        free(table);
-        free(*ids);
-        *ids = NULL;
-        return fail_memory(error, room * sizeof *table, "the inspection of a mesh");
-    }
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
-        Vec3f p = mesh->positions[i];
-        uint64_t h = hash_u64(float_word(p.x) | (uint64_t)float_word(p.y) << 32);
-        h = hash_u64(h ^ float_word(p.z));
-        size_t slot = (size_t)h & (room - 1);
-        while (table[slot] && !same_position(mesh->positions[table[slot] - 1], p)) slot = (slot + 1) & (room - 1);
-        if (!table[slot]) table[slot] = i + 1;
-        (*ids)[i] = table[slot] - 1;
-    }
-    free(table);
-    return STATUS_OK;
-}
-
-/* The three positions of a triangle; false when two of them are one. */
-static bool corner_ids(const Topology *topology, uint32_t triangle, uint32_t ids[3])
-{
-    const uint32_t *t = topology->mesh->triangles[triangle];
-    for (int k = 0; k < 3; k++) ids[k] = topology->position_id[t[k]];
-    return ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0];
-}
-
-static int compare_uses(const void *a, const void *b)
-{
-    const EdgeUse *p = a;
-    const EdgeUse *q = b;
-    if (p->high != q->high) return p->high < q->high ? -1 : 1;
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
-
-/* Groups the uses of each edge. Lists are short as a rule (three in a regular mesh); one vertex in a
- * hundred thousand triangles is still sorted in n log n. */
-static void sort_uses(EdgeUse *uses, size_t n)
-{
-    if (n > 32) {
-        qsort(uses, n, sizeof *uses, compare_uses);
-        return;
-    }
-    for (size_t i = 1; i < n; i++) {
-        EdgeUse use = uses[i];
-        size_t k = i;
-        for (; k > 0 && compare_uses(&uses[k - 1], &use) > 0; k--) uses[k] = uses[k - 1];
-        uses[k] = use;
-    }
-}
-
-static Status list_edges(Topology *topology, Error *error)
-{
-    const Mesh *mesh = topology->mesh;
-    size_t n_vertices = mesh->n_vertices;
-    topology->first_use = calloc(n_vertices + 2, sizeof *topology->first_use);
-    topology->uses = malloc((3 * (size_t)mesh->n_triangles + 1) * sizeof *topology->uses);
-    if (!topology->first_use || !topology->uses)
-        return fail_memory(error, 3 * (size_t)mesh->n_triangles * sizeof *topology->uses, "the edges of a mesh");
-    /* A counting sort: first_use[v + 2] counts, then after summing first_use[v + 1] is the place to write
-     * next for v, and in the end the place where v + 1 starts. */
-    size_t *next = topology->first_use + 1;
-    uint32_t ids[3];
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        if (!corner_ids(topology, i, ids)) continue;
-        for (int k = 0; k < 3; k++) {
-            uint32_t from = ids[k], to = ids[(k + 1) % 3];
-            next[(from < to ? from : to) + 1]++;
-        }
-    }
-    for (size_t v = 1; v <= n_vertices; v++) next[v] += next[v - 1];
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        if (!corner_ids(topology, i, ids)) continue;
-        for (int k = 0; k < 3; k++) {
-            uint32_t from = ids[k], to = ids[(k + 1) % 3];
-            bool upward = from < to;
-            topology->uses[next[upward ? from : to]++] = (EdgeUse){upward ? to : from, i, upward};
-        }
-    }
-    for (size_t v = 0; v < n_vertices; v++)
-        sort_uses(topology->uses + topology->first_use[v], topology->first_use[v + 1] - topology->first_use[v]);
-    return STATUS_OK;
-}
-
-/* Steps through all edges: *low and *at start at 0. False at the end. */
-static bool next_edge(const Topology *topology, uint32_t *low, size_t *at, Edge *edge)
-{
-    while (*low < topology->mesh->n_vertices && *at >= topology->first_use[*low + 1]) ++*low;
-    if (*low >= topology->mesh->n_vertices) return false;
-    const EdgeUse *uses = topology->uses + *at;
-    size_t left = topology->first_use[*low + 1] - *at;
-    *edge = (Edge){*low, uses->high, uses, 0, 0};
-    while (edge->n < left && uses[edge->n].high == edge->high) edge->n_upward += uses[edge->n++].upward;
-    *at += edge->n;
-    return true;
-}
-
-static uint32_t find_root(uint32_t *parent, uint32_t i)
-{
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
-
-static void unite(uint32_t *parent, uint32_t a, uint32_t b)
-{
-    a = find_root(parent, a);
-    b = find_root(parent, b);
-    /* the lower number leads, so that the result does not depend on the order */
-    if (a < b) parent[b] = a;
-    else parent[a] = b;
-}
-
-static void topology_clear(Topology *topology)
-{
-    free(topology->position_id);
-    free(topology->first_use);
-    free(topology->uses);
-    free(topology->parent);
-}
-
-static Status topology_make(const Mesh *mesh, Topology *topology, Error *error)
-{
-    *topology = (Topology){.mesh = mesh};
-    topology->parent = malloc(((size_t)mesh->n_triangles + 1) * sizeof *topology->parent);
-    if (!topology->parent) return fail_memory(error, mesh->n_triangles * sizeof *topology->parent, "the parts of a mesh");
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) topology->parent[i] = i;
-    TRY(mesh_number_positions(mesh, &topology->position_id, error));
-    return list_edges(topology, error);
-}
+#include "geom/topology.h"
 
 static Box3 used_bounds(const Mesh *mesh, bool *finite)
 {
@@ -219,14 +45,14 @@ double mesh_volume(const Mesh *mesh)
     return sum / 6;
 }
 
-static void count_edges(Topology *topology, MeshReport *report, bool *repeated)
+static void count_edges(const Topology *topology, uint32_t *parent, MeshReport *report, bool *repeated)
 {
     uint32_t low = 0;
     size_t at = 0;
     Edge edge;
     report->consistent = true;
     *repeated = false;
-    while (next_edge(topology, &low, &at, &edge)) {
+    while (topology_next_edge(topology, &low, &at, &edge)) {
         size_t n_downward = edge.n - edge.n_upward;
         size_t more = edge.n_upward > n_downward ? edge.n_upward - n_downward : n_downward - edge.n_upward;
         if (edge.n_upward > 1 || n_downward > 1) *repeated = true;
@@ -245,7 +71,7 @@ static void count_edges(Topology *topology, MeshReport *report, bool *repeated)
             }
             report->n_open_edges++;
         }
-        for (size_t k = 1; k < edge.n; k++) unite(topology->parent, edge.uses[0].triangle, edge.uses[k].triangle);
+        for (size_t k = 1; k < edge.n; k++) set_unite(parent, edge.uses[0].triangle, edge.uses[k].triangle);
     }
 }
 
@@ -259,19 +85,21 @@ static Status count_duplicates(const Topology *topology, uint32_t *count, Error 
     if (!table) return fail_memory(error, room * sizeof *table, "the search for double triangles");
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
         uint32_t ids[3];
-        if (!corner_ids(topology, i, ids)) continue;
+        if (!topology_corners(topology, i, ids)) continue;
         int first = ids[0] < ids[1] ? (ids[0] < ids[2] ? 0 : 2) : (ids[1] < ids[2] ? 1 : 2);
         uint32_t key[3] = {ids[first] + 1, ids[(first + 1) % 3] + 1, ids[(first + 2) % 3] + 1};
         size_t slot = (size_t)hash_u64(hash_u64(key[0] | (uint64_t)key[1] << 32) ^ key[2]) & (room - 1);
         while (table[slot][0] && memcmp(table[slot], key, sizeof key) != 0) slot = (slot + 1) & (room - 1);
-        if (table[slot][0]) ++*count;
-        else memcpy(table[slot], key, sizeof key);
+        if (table[slot][0])
+            ++*count;
+        else
+            memcpy(table[slot], key, sizeof key);
     }
     free(table);
     return STATUS_OK;
 }
 
-static Status measure(Topology *topology, MeshReport *report, Error *error)
+static Status measure(const Topology *topology, uint32_t *parent, MeshReport *report, Error *error)
 {
     const Mesh *mesh = topology->mesh;
     double *volumes = calloc((size_t)mesh->n_triangles + 1, sizeof *volumes); /* six times, at the leading triangle */
@@ -286,10 +114,10 @@ static Status measure(Topology *topology, MeshReport *report, Error *error)
         report->area += 0.5 * twice_area;
         report->volume += triangle_volume6(mesh, i, centre) / 6;
         uint32_t ids[3];
-        bool proper = corner_ids(topology, i, ids);
+        bool proper = topology_corners(topology, i, ids);
         if (!proper || twice_area == 0) report->n_degenerate++;
         if (!proper) continue;
-        uint32_t root = find_root(topology->parent, i);
+        uint32_t root = set_find(parent, i);
         if (root == i) report->n_components++;
         /* A closed part's volume does not depend on the reference; its own first corner keeps it exact
          * when the part is small and far from the centre. */
@@ -306,13 +134,16 @@ Status mesh_inspect(const Mesh *mesh, MeshReport *report, Error *error)
     memset(report, 0, sizeof *report);
     report->bounds = used_bounds(mesh, &report->finite);
     Topology topology;
+    uint32_t *parent = NULL; /* triangles that share edges are one set */
     bool repeated = false;
     Status status = topology_make(mesh, &topology, error);
+    if (status == STATUS_OK) status = sets_new(mesh->n_triangles, &parent, error);
     if (status == STATUS_OK) {
-        count_edges(&topology, report, &repeated);
+        count_edges(&topology, parent, report, &repeated);
         if (repeated) status = count_duplicates(&topology, &report->n_duplicate, error);
     }
-    if (status == STATUS_OK) status = measure(&topology, report, error);
+    if (status == STATUS_OK) status = measure(&topology, parent, report, error);
+    free(parent);
     topology_clear(&topology);
     report->closed = report->n_components > 0 && report->n_open_edges == 0 && report->consistent && report->finite;
     report->inside_out = report->volume < 0;
@@ -326,7 +157,7 @@ typedef struct Sheets {
     uint32_t *members; /* triangles in the order of the flood, sheet by sheet */
     uint32_t *first;   /* per sheet: its first member; one more at the end */
     uint32_t n;
-    Box3 *bounds;      /* per sheet */
+    Box3 *bounds; /* per sheet */
 } Sheets;
 
 static const uint32_t no_sheet = UINT32_MAX;
@@ -353,7 +184,7 @@ static void find_neighbours(const Topology *topology, Neighbours *neighbours)
     uint32_t low = 0;
     size_t at = 0;
     Edge edge;
-    while (next_edge(topology, &low, &at, &edge)) {
+    while (topology_next_edge(topology, &low, &at, &edge)) {
         if (edge.n != 2) continue;
         for (int k = 0; k < 2; k++) {
             Neighbours *here = &neighbours[edge.uses[k].triangle];
@@ -413,7 +244,7 @@ static Status make_sheets(const Topology *topology, Sheets *sheets, bool *orient
     *orientable = true;
     for (uint32_t i = 0; i < n && *orientable; i++) {
         uint32_t ids[3];
-        if (sheets->sheet[i] != no_sheet || !corner_ids(topology, i, ids)) continue;
+        if (sheets->sheet[i] != no_sheet || !topology_corners(topology, i, ids)) continue;
         sheets->first[sheets->n] = n_members;
         *orientable = flood_sheet(neighbours, sheets, i, &n_members);
         sheets->n++;
@@ -430,7 +261,7 @@ static bool edges_balance(const Topology *topology, const Sheets *sheets, bool e
     uint32_t low = 0;
     size_t at = 0;
     Edge edge;
-    while (next_edge(topology, &low, &at, &edge)) {
+    while (topology_next_edge(topology, &low, &at, &edge)) {
         size_t n_upward = 0;
         for (size_t k = 0; k < edge.n; k++) n_upward += edge.uses[k].upward != sheets->turned[edge.uses[k].triangle];
         size_t n_downward = edge.n - n_upward;
@@ -491,7 +322,8 @@ static bool sheet_is_inside(const Mesh *mesh, const Sheets *sheets, uint32_t whi
     for (int k = 0; k < 3; k++) p = vec3_along(p, 1.0 / 3, vec3_from_f(mesh->positions[t[k]]));
     double winding = 0;
     for (uint32_t k = 0; k < sheets->n; k++)
-        if (k != which && box_holds(sheets->bounds[k], sheets->bounds[which])) winding += sheet_winding(mesh, sheets, k, p);
+        if (k != which && box_holds(sheets->bounds[k], sheets->bounds[which]))
+            winding += sheet_winding(mesh, sheets, k, p);
     return winding > 0.5;
 }
 
@@ -571,33 +403,13 @@ Status mesh_orient(Mesh *mesh, bool *mended, Error *error)
         size_t at = 0;
         Edge edge;
         bool even = sheets.n > 0;
-        while (even && next_edge(&topology, &low, &at, &edge)) even = edge.n % 2 == 0;
+        while (even && topology_next_edge(&topology, &low, &at, &edge)) even = edge.n % 2 == 0;
         if (even) status = turn_outward(mesh, &sheets, error);
         if (status == STATUS_OK && edges_balance(&topology, &sheets, even)) {
             status = apply_turns(mesh, &sheets, error);
             *mended = status == STATUS_OK;
         }
     }
-    sheets_clear(&sheets);
-    topology_clear(&topology);
-    return status;
-}
-
-Status mesh_find_nested(const Mesh *mesh, MeshNested *nested, Error *error)
-{
-    *nested = (MeshNested){0};
-    Topology topology;
-    Sheets sheets = {.n = 0};
-    double *volumes = NULL;
-    bool orientable = false;
-    Status status = topology_make(mesh, &topology, error);
-    if (status == STATUS_OK) status = make_sheets(&topology, &sheets, &orientable, error);
-    if (status == STATUS_OK && orientable && sheets.n > 1) status = measure_sheets(mesh, &sheets, &volumes, error);
-    for (uint32_t k = 0; volumes && k < sheets.n; k++) {
-        if (!(volumes[k] > 0) || !sheet_is_inside(mesh, &sheets, k)) continue;
-        if (nested->n++ == 0) nested->place = mesh->positions[mesh->triangles[sheets.members[sheets.first[k]]][0]];
-    }
-    free(volumes);
     sheets_clear(&sheets);
     topology_clear(&topology);
     return status;

@@ -8,92 +8,33 @@
  * within do. Triangles in one plane cross when they overlap and look the same way; where they look opposite ways they
  * are the common face of two parts, which encloses nothing.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "geom/crossing.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 #include "geom/exact.h"
-#include "geom/mesh.h"
+#include "geom/topology.h"
 
-enum {
-    LEAF = 4,        /* triangles */
-    CHUNK = 512,     /* leaves that one task looks after */
-    CODE_BITS = 21,  /* of each coordinate */
-    DIGIT_BITS = 11, /* of the radix sort */
-    TREE_DEPTH = 32,
-};
+enum { CHUNK = 512 };                          /* leaves that one task looks after */
 static const uint64_t most_pairs = 2000000000; /* a few seconds */
-
-typedef struct FloatBox {
-    float min[3], max[3];
-} FloatBox;
 
 typedef struct Search {
     const Mesh *mesh;
     const uint32_t *ids; /* vertices by position */
-    uint32_t *order;     /* triangles along the curve; those without area left out */
-    uint32_t n;
-    FloatBox *boxes;   /* of the triangles in that order */
-    FloatBox *nodes;   /* a heap: children of i are 2 i and 2 i + 1; leaves from n_leaves on */
-    uint32_t n_leaves; /* a power of two */
+    BoxTree tree;
     uint64_t pairs_per_task;
     MeshCrossings *found; /* one for each task */
 } Search;
 
-static void box_add(FloatBox *box, const FloatBox *other)
+FloatBox triangle_box(const Mesh *mesh, uint32_t triangle)
 {
-    for (int k = 0; k < 3; k++) {
-        if (other->min[k] < box->min[k]) box->min[k] = other->min[k];
-        if (other->max[k] > box->max[k]) box->max[k] = other->max[k];
-    }
-}
-
-static inline bool boxes_meet(const FloatBox *a, const FloatBox *b)
-{
-    return a->min[0] <= b->max[0] && b->min[0] <= a->max[0] && a->min[1] <= b->max[1] && b->min[1] <= a->max[1] &&
-           a->min[2] <= b->max[2] && b->min[2] <= a->max[2];
-}
-
-static const FloatBox empty_box = {{HUGE_VALF, HUGE_VALF, HUGE_VALF}, {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF}};
-
-static FloatBox triangle_box(const Mesh *mesh, uint32_t triangle)
-{
-    FloatBox box = empty_box;
-    for (int k = 0; k < 3; k++) {
-        Vec3f p = mesh->positions[mesh->triangles[triangle][k]];
-        FloatBox point = {{p.x, p.y, p.z}, {p.x, p.y, p.z}};
-        box_add(&box, &point);
-    }
+    FloatBox box = float_box_empty();
+    for (int k = 0; k < 3; k++) float_box_add_point(&box, mesh->positions[mesh->triangles[triangle][k]]);
     return box;
 }
 
 /* ---- the tree ---- */
-
-/* Two zero bits behind each of the lower 21. */
-static uint64_t spread(uint64_t x)
-{
-    x = (x | x << 32) & 0x1f00000000ffffU;
-    x = (x | x << 16) & 0x1f0000ff0000ffU;
-    x = (x | x << 8) & 0x100f00f00f00f00fU;
-    x = (x | x << 4) & 0x10c30c30c30c30c3U;
-    return (x | x << 2) & 0x1249249249249249U;
-}
-
-typedef struct Coded {
-    uint64_t code;
-    uint32_t triangle;
-} Coded;
-
-/* By code; equal codes stay in order. The result is in items. */
-static void sort_by_code(Coded *items, Coded *spare, uint32_t n)
-{
-    for (int shift = 0; shift < 3 * CODE_BITS; shift += DIGIT_BITS) {
-        uint32_t start[(1 << DIGIT_BITS) + 1] = {0};
-        for (uint32_t i = 0; i < n; i++) start[(items[i].code >> shift & ((1 << DIGIT_BITS) - 1)) + 1]++;
-        for (int d = 0; d < 1 << DIGIT_BITS; d++) start[d + 1] += start[d];
-        for (uint32_t i = 0; i < n; i++) spare[start[items[i].code >> shift & ((1 << DIGIT_BITS) - 1)]++] = items[i];
-        memcpy(items, spare, n * sizeof *items);
-    }
-}
 
 /* Two of the coordinates: those that follow the dropped one in x, y, z, x, y; or these two swapped. */
 static void flatten(const Vec3f corners[3], int drop, bool swap, Point2 flat[3])
@@ -118,68 +59,39 @@ static bool has_area(const Mesh *mesh, uint32_t triangle)
     return false;
 }
 
-static Status order_triangles(Search *search, Error *error)
+/* Room for n items of a tree. */
+typedef struct Items {
+    uint32_t *ids, *labels;
+    FloatBox *boxes;
+} Items;
+
+static void items_clear(Items *items)
 {
-    const Mesh *mesh = search->mesh;
-    size_t n_all = mesh->n_triangles;
-    Coded *items = malloc((2 * n_all + 1) * sizeof *items);
-    search->order = malloc((n_all + 1) * sizeof *search->order);
-    search->boxes = malloc((n_all + 1) * sizeof *search->boxes);
-    if (!items || !search->order || !search->boxes) {
-        free(items);
-        return fail_memory(error, n_all * (2 * sizeof *items + sizeof *search->boxes),
-                           "the search for crossings in a mesh");
-    }
-    FloatBox all = empty_box;
-    for (uint32_t i = 0; i < n_all; i++) {
-        FloatBox box = triangle_box(mesh, i);
-        box_add(&all, &box);
-    }
-    double scale[3];
-    for (int k = 0; k < 3; k++) {
-        double size = (double)all.max[k] - (double)all.min[k];
-        scale[k] = size > 0 ? ((1 << CODE_BITS) - 1) / size : 0;
-    }
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < n_all; i++) {
-        if (!has_area(mesh, i)) continue;
-        FloatBox box = triangle_box(mesh, i);
-        uint64_t code = 0;
-        for (int k = 0; k < 3; k++) {
-            double middle = ((double)box.min[k] + (double)box.max[k]) / 2 - (double)all.min[k];
-            code |= spread((uint64_t)(middle * scale[k])) << k;
-        }
-        items[n++] = (Coded){code, i};
-    }
-    sort_by_code(items, items + n, n);
-    for (uint32_t i = 0; i < n; i++) {
-        search->order[i] = items[i].triangle;
-        search->boxes[i] = triangle_box(mesh, items[i].triangle);
-    }
-    search->n = n;
-    free(items);
-    return STATUS_OK;
+    free(items->ids);
+    free(items->labels);
+    free(items->boxes);
 }
 
-static Status make_tree(Search *search, Error *error)
+Status triangle_tree_make(const Mesh *mesh, const uint32_t *labels, BoxTree *tree, Error *error)
 {
-    TRY(order_triangles(search, error));
-    search->n_leaves = 1;
-    while ((uint64_t)search->n_leaves * LEAF < search->n) search->n_leaves *= 2;
-    size_t bytes = 2 * (size_t)search->n_leaves * sizeof *search->nodes;
-    search->nodes = malloc(bytes);
-    if (!search->nodes) return fail_memory(error, bytes, "the search for crossings in a mesh");
-    for (uint32_t i = 0; i < search->n_leaves; i++) {
-        FloatBox *box = &search->nodes[search->n_leaves + i];
-        *box = empty_box;
-        for (uint64_t k = (uint64_t)i * LEAF; k < ((uint64_t)i + 1) * LEAF && k < search->n; k++)
-            box_add(box, &search->boxes[k]);
+    *tree = (BoxTree){0};
+    size_t room = (size_t)mesh->n_triangles + 1;
+    Items items = {malloc(room * sizeof *items.ids), malloc(room * sizeof *items.labels),
+                   malloc(room * sizeof *items.boxes)};
+    if (!items.ids || !items.labels || !items.boxes) {
+        items_clear(&items);
+        return fail_memory(error, room * sizeof *items.boxes, "the search for crossings in a mesh");
     }
-    for (uint32_t i = search->n_leaves - 1; i > 0; i--) {
-        search->nodes[i] = search->nodes[2 * (size_t)i];
-        box_add(&search->nodes[i], &search->nodes[2 * (size_t)i + 1]);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        if (labels[i] == TRIANGLE_LEFT_OUT || !has_area(mesh, i)) continue;
+        items.ids[n] = i;
+        items.labels[n] = labels[i];
+        items.boxes[n++] = triangle_box(mesh, i);
     }
-    return STATUS_OK;
+    Status status = box_tree_make(items.ids, items.boxes, items.labels, n, tree, error);
+    items_clear(&items);
+    return status;
 }
 
 /* ---- two triangles ---- */
@@ -190,21 +102,21 @@ typedef struct Pair {
 } Pair;
 
 /* Fills in the corners; those that are one position come first in both. */
-static void take_pair(const Search *search, uint32_t i, uint32_t j, Pair *pair)
+static void take_pair(const Mesh *mesh, const uint32_t *ids, uint32_t i, uint32_t j, Pair *pair)
 {
-    const uint32_t *t = search->mesh->triangles[i], *u = search->mesh->triangles[j];
+    const uint32_t *t = mesh->triangles[i], *u = mesh->triangles[j];
     int first_a = 0, first_b = 0;
     pair->n_shared = 0;
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++)
-            if (search->ids[t[k]] == search->ids[u[l]]) {
+            if (ids[t[k]] == ids[u[l]]) {
                 pair->n_shared++;
                 first_a = k;
                 first_b = l;
             }
     for (int k = 0; k < 3; k++) {
-        pair->a[k] = search->mesh->positions[t[(first_a + k) % 3]];
-        pair->b[k] = search->mesh->positions[u[(first_b + k) % 3]];
+        pair->a[k] = mesh->positions[t[(first_a + k) % 3]];
+        pair->b[k] = mesh->positions[u[(first_b + k) % 3]];
     }
 }
 
@@ -350,67 +262,49 @@ static Vec3f place_of(const Pair *pair)
 
 /* ---- the search ---- */
 
-static void test_pair(const Search *search, uint32_t i, uint32_t j, MeshCrossings *found)
+static bool pair_crosses(const Pair *pair)
+{
+    if (pair->n_shared >= 2) return false; /* neighbours along an edge have nothing else in common, folded ones apart */
+    return pair->n_shared == 1 ? cross_at_corner(pair) : cross_apart(pair);
+}
+
+bool triangles_cross(const Mesh *mesh, const uint32_t *ids, uint32_t i, uint32_t j, Vec3f *place)
 {
     Pair pair;
-    take_pair(search, i, j, &pair);
-    if (pair.n_shared >= 2) return; /* neighbours along an edge have nothing else in common, folded ones apart */
-    if (!(pair.n_shared == 1 ? cross_at_corner(&pair) : cross_apart(&pair))) return;
+    take_pair(mesh, ids, i, j, &pair);
+    if (!pair_crosses(&pair)) return false;
+    *place = place_of(&pair);
+    return true;
+}
+
+/* What one task works with. */
+typedef struct Task {
+    const Search *search;
+    MeshCrossings *found;
+} Task;
+
+static void test_pair(void *context, uint32_t i, uint32_t j)
+{
+    const Task *task = context;
+    MeshCrossings *found = task->found;
+    Vec3f place;
+    if (!triangles_cross(task->search->mesh, task->search->ids, i, j, &place)) return;
     if (found->n < COUNT_OF(found->first)) {
         found->first[found->n].triangles[0] = i < j ? i : j;
         found->first[found->n].triangles[1] = i < j ? j : i;
-        found->first[found->n].place = place_of(&pair);
+        found->first[found->n].place = place;
     }
     found->n++;
-}
-
-static void test_leaves(const Search *search, uint32_t leaf, uint32_t other, MeshCrossings *found)
-{
-    uint32_t end = (leaf + 1) * LEAF < search->n ? (leaf + 1) * LEAF : search->n;
-    uint32_t other_end = (other + 1) * LEAF < search->n ? (other + 1) * LEAF : search->n;
-    for (uint32_t i = leaf * LEAF; i < end; i++)
-        for (uint32_t j = leaf == other ? i + 1 : other * LEAF; j < other_end; j++)
-            if (boxes_meet(&search->boxes[i], &search->boxes[j]))
-                test_pair(search, search->order[i], search->order[j], found);
-}
-
-/* Everything that meets the leaf's box, of this leaf and those behind it. */
-static bool test_leaf(const Search *search, uint32_t leaf, uint64_t *pairs_left, MeshCrossings *found)
-{
-    const FloatBox *box = &search->nodes[search->n_leaves + leaf];
-    uint32_t stack[TREE_DEPTH + 1], n = 0;
-    stack[n++] = 1;
-    while (n) {
-        uint32_t node = stack[--n];
-        if (!boxes_meet(box, &search->nodes[node])) continue;
-        if (node >= search->n_leaves) {
-            if (*pairs_left < LEAF * LEAF) return false;
-            *pairs_left -= LEAF * LEAF;
-            test_leaves(search, leaf, node - search->n_leaves, found);
-            continue;
-        }
-        for (uint32_t child = 2 * node + 2;
-             child-- > 2 * node;) { /* the nearer to the front last, so that it comes first */
-            uint32_t last = child;
-            while (last < search->n_leaves) last = 2 * last + 1;
-            if (last - search->n_leaves >= leaf) stack[n++] = child;
-        }
-    }
-    return true;
 }
 
 static void search_chunk(void *context, uint32_t chunk, unsigned worker)
 {
     const Search *search = context;
     (void)worker;
-    MeshCrossings *found = &search->found[chunk];
+    Task task = {search, &search->found[chunk]};
     uint64_t pairs_left = search->pairs_per_task;
-    uint64_t end = ((uint64_t)chunk + 1) * CHUNK;
-    for (uint32_t leaf = chunk * CHUNK; leaf < end && (uint64_t)leaf * LEAF < search->n; leaf++)
-        if (!test_leaf(search, leaf, &pairs_left, found)) {
-            found->gave_up = true;
-            return;
-        }
+    task.found->gave_up =
+        !box_tree_pairs(&search->tree, chunk * CHUNK, (chunk + 1) * CHUNK, &pairs_left, test_pair, &task);
 }
 
 /* Whether a place is so near to one of the first n that it says nothing new. */
@@ -424,7 +318,7 @@ static bool is_near(const MeshCrossings *found, size_t n, Vec3f place, double di
 /* Sums up, and keeps places that lie apart; the result depends on no thread. */
 static void gather(const Search *search, uint32_t n_chunks, MeshCrossings *found)
 {
-    const FloatBox *root = &search->nodes[1];
+    const FloatBox *root = &search->tree.nodes[1];
     double distance = 0;
     for (int k = 0; k < 3; k++) distance = fmax(distance, 0.05 * ((double)root->max[k] - (double)root->min[k]));
     size_t n_places = 0;
@@ -438,10 +332,10 @@ static void gather(const Search *search, uint32_t n_chunks, MeshCrossings *found
     found->n_places = (uint32_t)n_places;
 }
 
-static Status run_search(Search *search, Pool *pool, MeshCrossings *found, Error *error)
+static Status run_search(Search *search, const uint32_t *labels, Pool *pool, MeshCrossings *found, Error *error)
 {
-    TRY(make_tree(search, error));
-    uint32_t n_used = (uint32_t)(((uint64_t)search->n + LEAF - 1) / LEAF), n_chunks = (n_used + CHUNK - 1) / CHUNK;
+    TRY(triangle_tree_make(search->mesh, labels, &search->tree, error));
+    uint32_t n_chunks = (box_tree_leaves(&search->tree) + CHUNK - 1) / CHUNK;
     search->found = calloc(n_chunks + 1U, sizeof *search->found);
     if (!search->found)
         return fail_memory(error, n_chunks * sizeof *search->found, "the search for crossings in a mesh");
@@ -457,14 +351,16 @@ static Status run_search(Search *search, Pool *pool, MeshCrossings *found, Error
 Status mesh_find_crossings(const Mesh *mesh, Pool *pool, MeshCrossings *found, Error *error)
 {
     *found = (MeshCrossings){0};
-    uint32_t *ids = NULL;
-    TRY(mesh_number_positions(mesh, &ids, error));
-    Search search = {.mesh = mesh, .ids = ids};
-    Status status = run_search(&search, pool, found, error);
-    free(ids);
-    free(search.order);
-    free(search.boxes);
-    free(search.nodes);
+    Topology topology;
+    uint32_t *labels = NULL;
+    Search search = {.mesh = mesh};
+    Status status = topology_make(mesh, &topology, error);
+    if (status == STATUS_OK) status = mesh_label_graphs(&topology, &labels, error);
+    search.ids = topology.position_id;
+    if (status == STATUS_OK) status = run_search(&search, labels, pool, found, error);
+    topology_clear(&topology);
+    free(labels);
+    box_tree_clear(&search.tree);
     free(search.found);
     return status;
 }

@@ -39,20 +39,24 @@ ATTR_NODISCARD Status mesh_normalize_normals(Mesh *mesh, Error *error);
 
 /* What closedness means: every undirected edge, by position, is used equally often in both directions. */
 typedef struct MeshReport {
-    uint32_t n_open_edges;          /* edges used in one direction more than in the other */
-    uint32_t n_non_manifold_edges;  /* used by more than two triangles */
-    uint32_t n_degenerate;          /* triangles with two equal vertices or no area */
-    uint32_t n_duplicate;           /* triangles that occur twice with the same orientation */
-    uint32_t n_components;          /* connected by shared edges */
-    uint32_t n_inverted;            /* components that enclose negative volume by themselves: cavities, or inside-out */
-    bool inside_out;                /* the sum of the volumes is negative: the mesh as a whole is reversed */
-    bool consistent;                /* neighbouring triangles agree on the orientation: no edge is used two or more
+    uint32_t n_open_edges;         /* edges used in one direction more than in the other */
+    uint32_t n_non_manifold_edges; /* used by more than two triangles */
+    uint32_t n_degenerate;         /* triangles with two equal vertices or no area */
+    uint32_t n_duplicate;          /* triangles that occur twice with the same orientation */
+    uint32_t n_components;         /* connected by shared edges */
+    uint32_t n_inverted;           /* components that enclose negative volume by themselves: cavities, or inside-out */
+    bool inside_out;               /* the sum of the volumes is negative: the mesh as a whole is reversed */
+    bool consistent;               /* neighbouring triangles agree on the orientation: no edge is used two or more
                                      * times more in one direction than in the other */
-    bool finite;                    /* no NaN, no infinity among the positions that triangles use */
-    bool closed;                    /* at least one triangle, no open edge, consistent, finite */
-    struct { Vec3f a, b; } open[4]; /* the first open edges */
-    struct { Vec3f a, b; } non_manifold[4]; /* the first of those */
-    double volume;                  /* signed, of the whole */
+    bool finite;                   /* no NaN, no infinity among the positions that triangles use */
+    bool closed;                   /* at least one triangle, no open edge, consistent, finite */
+    struct {
+        Vec3f a, b;
+    } open[4]; /* the first open edges */
+    struct {
+        Vec3f a, b;
+    } non_manifold[4]; /* the first of those */
+    double volume;     /* signed, of the whole */
     double area;
     Box3 bounds;
 } MeshReport;
@@ -66,13 +70,13 @@ ATTR_NODISCARD Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Er
 
 /* Where a mesh passes through itself. */
 typedef struct MeshCrossings {
-    uint64_t n;        /* pairs of triangles that cross, or overlap in one plane and look the same way */
-    bool gave_up;      /* too many triangles lie in each other's boxes, and not all pairs were looked at: n is the least */
+    uint64_t n;   /* pairs of triangles that cross, or overlap in one plane and look the same way */
+    bool gave_up; /* too many triangles lie in each other's boxes, and not all pairs were looked at: n is the least */
     uint32_t n_places; /* of first[] */
     struct {
         uint32_t triangles[2];
         Vec3f place; /* a point that both have in common, rounded */
-    } first[4]; /* apart from each other */
+    } first[4];      /* apart from each other */
 } MeshCrossings;
 
 /* Neighbours do not cross, nor do parts that touch from outside (with a corner, along an edge, or face to face); a part
@@ -80,13 +84,26 @@ typedef struct MeshCrossings {
  * surface take about half a second of one processor. The pool may be NULL; the result does not depend on it. */
 ATTR_NODISCARD Status mesh_find_crossings(const Mesh *mesh, Pool *pool, MeshCrossings *found, Error *error);
 
-/* Parts of a closed mesh that lie within another part and face outward all the same: not cavities, but matter that is
- * there twice. A part is judged where its first triangle is. */
-typedef struct MeshNested {
-    uint32_t n;
-    Vec3f place; /* on the first */
-} MeshNested;
-ATTR_NODISCARD Status mesh_find_nested(const Mesh *mesh, MeshNested *nested, Error *error);
+/* The bodies that a closed mesh consists of: triangles that are joined and closed by themselves, with the cavities in
+ * them. */
+typedef struct MeshParts {
+    uint32_t n_bodies;
+    uint32_t n_overlapping; /* bodies that share some of their inside with another */
+    uint32_t n_within;  /* of these: those wholly within another, not in a cavity of it: matter that is there twice */
+    Vec3f place;        /* on a body, where it overlaps another */
+    Vec3f within_place; /* on the first that is within another */
+    bool gave_up;       /* too many overlap, and not all are known */
+    uint32_t n_layers;  /* sets of bodies, in each of which none overlaps another; 1: none does in all of the mesh */
+    uint32_t *layer;    /* of each triangle; NULL when there is one */
+} MeshParts;
+/* Bodies that touch from outside do not overlap. A cavity that breaks through the wall of its body, or into another one
+ * of the same body, makes no parts. end: NULL, or where the same triangles are later, which counts, too. Near-linear in
+ * the triangles where boxes of bodies are apart. */
+ATTR_NODISCARD Status mesh_find_parts(const Mesh *mesh, const Mesh *end, MeshParts *parts, Error *error);
+void mesh_parts_clear(MeshParts *parts);
+/* The triangles of each layer, with the vertices that they use: n_layers meshes. After a failure, taken has those that
+ * were made before. */
+ATTR_NODISCARD Status mesh_take_layers(const Mesh *mesh, const MeshParts *parts, Mesh **taken, Error *error);
 
 /* Turns triangles so that neighbours agree, and the whole outward; false, with the mesh as it was, when
  * it cannot be (a Moebius band, edges of more than two triangles that do not come out even).

@@ -312,6 +312,7 @@ static void build_all(Builder *b)
     Affine world = affine_identity();
     for (size_t i = 0; i < b->result.n_nodes; i++) build_visit(b, b->result.nodes[i], &world);
     build_settings(b);
+    build_drop_layered(b);
     check_whole(b);
     if (b->status == STATUS_OK) scene->hash = scene_hash(scene, b->environment_hash, b->arena);
 }

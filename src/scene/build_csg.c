@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "base/hash.h"
 #include "scene/build_parts.h"
 
 /* The combination that is being built. */
@@ -61,24 +62,6 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
     return false;
 }
 
-void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
-{
-    struct Combination *whole = b->combination;
-    Scene *scene = b->scene;
-    if (!operand_matter_fits(b, node)) return;
-    const EvalProp *surface = find_prop(node, "surface");
-    uint32_t number = build_add_object(b, node, shape, to_world);
-    SceneObject *object = &scene->objects[number];
-    object->part_of = whole->object;
-    object->surface = surface ? build_surface(b, surface->as.node) : whole->surface;
-    if (!b->facts[shape].closed) build_report_open(b, node->span, object->name, shape);
-    scene->operands =
-        room_for_one(b->arena, scene->operands, scene->n_operands, &b->operands_capacity, sizeof *scene->operands);
-    scene->operands[scene->n_operands] = number;
-    scene->parts[whole->part] = (NestPart){NEST_OPERAND, scene->n_operands, scene->n_operands + 1, 0, 0};
-    scene->n_operands++;
-}
-
 /* Room for n parts side by side, which are empty. */
 static uint32_t add_parts(Builder *b, size_t n)
 {
@@ -89,6 +72,75 @@ static uint32_t add_parts(Builder *b, size_t n)
         scene->parts[scene->n_parts++] = (NestPart){NEST_UNION, scene->n_operands, scene->n_operands, 0, 0};
     }
     return first;
+}
+
+/* What all operands of one node share. */
+typedef struct OperandKind {
+    const EvalNode *node;
+    const char *name;
+    uint32_t part_of, surface;
+} OperandKind;
+
+static SceneObject *add_operand(Builder *b, const OperandKind *kind, uint32_t shape, const Affine *to_world,
+                                uint32_t part)
+{
+    Scene *scene = b->scene;
+    uint32_t number = build_add_named(b, kind->node, kind->name, shape, to_world);
+    SceneObject *object = &scene->objects[number];
+    object->part_of = kind->part_of;
+    object->surface = kind->surface;
+    scene->operands =
+        room_for_one(b->arena, scene->operands, scene->n_operands, &b->operands_capacity, sizeof *scene->operands);
+    scene->operands[scene->n_operands] = number;
+    scene->parts[part] = (NestPart){NEST_OPERAND, scene->n_operands, scene->n_operands + 1, 0, 0};
+    scene->n_operands++;
+    return object;
+}
+
+/* A part that is the union of a mesh's layers. */
+static void add_layers(Builder *b, const OperandKind *kind, Layers layers, const Affine *to_world, uint32_t part)
+{
+    Scene *scene = b->scene;
+    uint32_t begin = scene->n_operands, first = add_parts(b, layers.n);
+    for (uint32_t i = 0; i < layers.n; i++) {
+        SceneObject *object = add_operand(b, kind, layers.first + i, to_world, first + i);
+        object->identity = hash_u64(b->where + 1 + i); /* the node's own is that of the whole */
+    }
+    scene->parts[part] = (NestPart){NEST_UNION, begin, scene->n_operands, first, layers.n};
+}
+
+void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
+{
+    struct Combination *whole = b->combination;
+    if (!operand_matter_fits(b, node)) return;
+    const EvalProp *surface = find_prop(node, "surface");
+    OperandKind kind = {.node = node, .name = build_name(b, node, node->type->name), .part_of = whole->object};
+    kind.surface = surface ? build_surface(b, surface->as.node) : whole->surface;
+    if (!b->facts[shape].closed) build_report_open(b, node->span, kind.name, shape);
+    Layers layers = build_layers(b, shape);
+    if (layers.n > 1)
+        add_layers(b, &kind, layers, to_world, whole->part);
+    else
+        add_operand(b, &kind, shape, to_world, whole->part);
+}
+
+static void add_tree(Builder *b, uint32_t object, uint32_t root)
+{
+    Scene *scene = b->scene;
+    scene->objects[object].tree = scene->n_trees;
+    scene->trees = room_for_one(b->arena, scene->trees, scene->n_trees, &b->trees_capacity, sizeof *scene->trees);
+    scene->trees[scene->n_trees++] = (SceneTree){root, object};
+}
+
+bool build_layered(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world, uint32_t surface)
+{
+    Layers layers = build_layers(b, shape);
+    if (layers.n == 1) return false;
+    uint32_t whole = build_add_object(b, node, SCENE_NONE, to_world), root = add_parts(b, 1);
+    OperandKind kind = {node, b->scene->objects[whole].name, whole, surface};
+    add_tree(b, whole, root);
+    add_layers(b, &kind, layers, to_world, root);
+    return true;
 }
 
 void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOperation operation)
@@ -127,11 +179,9 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     SceneObject *object = &scene->objects[whole.object];
     object->medium = whole.medium;
     object->surface = whole.surface;
-    object->tree = scene->n_trees;
     if (interior) object->priority = priority ? (int32_t)priority->as.number : scene->media[whole.medium].priority;
     whole.part = add_parts(b, 1);
-    scene->trees = room_for_one(b->arena, scene->trees, scene->n_trees, &b->trees_capacity, sizeof *scene->trees);
-    scene->trees[scene->n_trees++] = (SceneTree){whole.part, whole.object};
+    add_tree(b, whole.object, whole.part);
     b->combination = &whole;
     build_part(b, node, to_world, operation);
     b->combination = NULL;

@@ -155,6 +155,7 @@ bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape)
     facts->volume = report.volume;
     facts->closed = report.closed;
     facts->consistent = report.consistent;
+    facts->many_parts = report.n_components > 1 || report.n_non_manifold_edges > 0;
     facts->n_open_edges = report.n_open_edges;
     for (size_t i = 0; i < COUNT_OF(facts->open); i++) {
         facts->open[i].a = report.open[i].a;

@@ -36,6 +36,8 @@ typedef struct ShapeFacts {
     double volume; /* in the shape's own frame */
     Box3 bounds;
     bool closed, consistent;
+    bool many_parts;    /* a mesh of several parts, which may overlap */
+    uint32_t first_layer; /* see build_layers.c; 0: not looked for so far */
     bool reported_open;
     double file_unit_m; /* 0: not known */
     uint32_t n_open_edges, n_non_manifold;
@@ -118,6 +120,10 @@ bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, c
 void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
 /* An object without interior: opaque. The shape may be SCENE_NONE. */
 uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
+/* The same with a name that was given out before. */
+uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uint32_t shape, const Affine *to_world);
+/* A new and empty shape. */
+uint32_t build_new_shape(Builder *b);
 /* The shape of that key: *found says whether it exists already; else it is new and empty, to be filled. The key
  * is copied. */
 uint32_t build_shape_of(Builder *b, const void *key, size_t length, bool *found);
@@ -140,6 +146,20 @@ void build_difference(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOperation operation);
 /* A shape as an operand of the present combination. */
 void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);
+
+/* A mesh whose parts overlap, as an object: a union of its layers, whose row comes first. False, and nothing is added,
+ * for everything else. */
+bool build_layered(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world, uint32_t surface);
+
+/* build_layers.c */
+/* Shapes, one behind another. */
+typedef struct Layers {
+    uint32_t first, n;
+} Layers;
+/* What a shape consists of where it encloses something: itself, or layers. */
+Layers build_layers(Builder *b, uint32_t shape);
+/* Lets go of meshes that only their layers are used of. */
+void build_drop_layered(Builder *b);
 
 /* build_round.c */
 void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world);

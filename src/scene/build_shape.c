@@ -23,13 +23,13 @@ bool build_succeeded(Builder *b, Status status, const Error *error, Span span)
     return false;
 }
 
-static uint32_t add_shape(Builder *b)
+uint32_t build_new_shape(Builder *b)
 {
     Scene *scene = b->scene;
     b->facts = room_for_one(b->arena, b->facts, scene->n_shapes, &b->facts_capacity, sizeof *b->facts);
     scene->shapes = room_for_one(b->arena, scene->shapes, scene->n_shapes, &b->shapes_capacity, sizeof *scene->shapes);
     b->facts[scene->n_shapes] = (ShapeFacts){.bounds = box3_empty()};
-    scene->shapes[scene->n_shapes] = (SceneShape){0};
+    scene->shapes[scene->n_shapes] = (SceneShape){.layer_of = SCENE_NONE};
     return scene->n_shapes++;
 }
 
@@ -39,7 +39,7 @@ uint32_t build_shape_of(Builder *b, const void *key, size_t length, bool *found)
     *found = known != NULL;
     if (known) return *known;
     map_find(b->arena, &b->shapes, arena_copy_text(b->arena, key, length), length, b->scene->n_shapes);
-    return add_shape(b);
+    return build_new_shape(b);
 }
 
 /* Facts of a solid: its volume is known, its bounds are those of its pieces. */
@@ -85,7 +85,7 @@ uint32_t build_sphere_shape(Builder *b, double radius)
 uint32_t build_piece_shape(Builder *b, const Piece *piece)
 {
     Error error;
-    uint32_t shape = add_shape(b);
+    uint32_t shape = build_new_shape(b);
     Solid **solid = &b->scene->shapes[shape].solid;
     Status status = solid_new(1, solid, &error);
     if (status == STATUS_OK) (*solid)->pieces[0] = *piece;
@@ -112,11 +112,16 @@ static bool within_reach(Builder *b, const EvalNode *node, uint32_t shape, const
 
 uint32_t build_add_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world)
 {
+    return build_add_named(b, node, build_name(b, node, node->type->name), shape, to_world);
+}
+
+uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uint32_t shape, const Affine *to_world)
+{
     Scene *scene = b->scene;
     if (shape != SCENE_NONE) scene->shapes[shape].closed = b->facts[shape].closed;
     if (!ARRAY_ROOM(scene->objects, b->objects_capacity, scene->n_objects)) arena_fail(b->arena);
     scene->objects[scene->n_objects] = (SceneObject){
-        .name = build_name(b, node, node->type->name),
+        .name = name,
         .span = node->span,
         .shape = shape,
         .to_world = *to_world,
@@ -154,14 +159,16 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
         return;
     }
     if (b->only_shapes) {
-        build_add_object(b, node, shape, to_world);
+        if (!build_layered(b, node, shape, to_world, SCENE_NONE)) build_add_object(b, node, shape, to_world);
         return;
     }
     if (!build_matter(b, node, &interior, &surface)) return;
-    uint32_t number = build_add_object(b, node, shape, to_world);
-    SceneObject *object = &b->scene->objects[number];
+    uint32_t before = b->scene->n_objects, cover = surface ? build_surface(b, surface->as.node) : SCENE_NONE;
+    bool layered = interior && build_layered(b, node, shape, to_world, cover);
+    if (!layered) build_add_object(b, node, shape, to_world);
+    SceneObject *object = &b->scene->objects[before];
     const EvalProp *priority = eval_prop(node, "priority");
-    if (surface) object->surface = build_surface(b, surface->as.node);
+    object->surface = cover;
     if (!interior) {
         build_needs(b, node, "priority", "on an opaque object");
         return;
@@ -170,6 +177,8 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
     object->priority = priority ? (int32_t)priority->as.number : b->scene->media[object->medium].priority;
     if (!b->facts[shape].closed)
         build_report_open(b, node->span, object->name, shape);
+    else if (layered)
+        return; /* what it encloses is measured later, as that of any combination */
     else if (!(object->volume > 0) || (!isfinite(object->volume) && isfinite(b->facts[shape].volume)))
         diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "%s encloses a volume of %g", object->name,
                     object->volume);

@@ -123,32 +123,61 @@ static Status find_unbounded(CompiledScene *compiled, Error *error)
     return STATUS_OK;
 }
 
-/* What a combination encloses has no closed form: it is measured along evenly spread lines. */
-static Status measure_combinations(CompiledScene *compiled, Error *error)
+static double measure_combination(const CompiledScene *compiled, Probe *probe, uint32_t hull)
 {
     enum { LINES = 6000 }; /* of each direction; the error is about 1e-3 of the volume for plain shapes */
-    Probe probe;
-    TRY(probe_init(&probe, compiled, error));
-    for (uint32_t t = 0; t < compiled->csg.n_trees && !probe.out_of_memory; t++) {
-        uint32_t hull = compiled->csg.trees[t].hull;
-        if (hull == NEST_OPAQUE || compiled->unbounded[hull] || box3_is_empty(compiled->hull_bounds[hull])) continue;
-        double volume = 0;
-        for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
-            LineSet set;
-            Line line;
-            line_set_begin(&set, compiled->hull_bounds[hull], direction, LINES, hull);
-            while (line_set_next(&set, &line)) {
-                probe_surfaces(&probe, compiled, &line, SCENE_NONE);
-                probe_intervals(&probe, compiled, &line);
-                for (uint32_t i = probe.first[hull]; i != INTERVAL_NONE; i = probe.intervals[i].next)
-                    volume += line.area * (probe.intervals[i].end - probe.intervals[i].begin) / LINE_DIRECTIONS;
-            }
+    double volume = 0;
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        LineSet set;
+        Line line;
+        line_set_begin(&set, compiled->hull_bounds[hull], direction, LINES, hull);
+        while (line_set_next(&set, &line)) {
+            probe_surfaces(probe, compiled, &line, SCENE_NONE);
+            probe_intervals(probe, compiled, &line);
+            for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next)
+                volume += line.area * (probe->intervals[i].end - probe->intervals[i].begin) / LINE_DIRECTIONS;
         }
+    }
+    return volume;
+}
+
+/* The mesh that a combination is all layers of, or SCENE_NONE. */
+static uint32_t layered_mesh(const Scene *scene, const SceneTree *tree)
+{
+    const NestPart *root = &scene->parts[tree->root];
+    const SceneObject *first = root->n_children ? &scene->objects[scene->operands[root->begin]] : NULL;
+    if (!first || first->shape == SCENE_NONE || scene->shapes[first->shape].layer_of == SCENE_NONE) return SCENE_NONE;
+    uint32_t mesh = scene->shapes[first->shape].layer_of;
+    bool whole = root->operation == NEST_UNION && root->n_children == scene->shapes[mesh].parts.n_layers &&
+                 root->end - root->begin == root->n_children;
+    for (uint32_t i = root->begin; whole && i < root->end; i++)
+        whole = scene->shapes[scene->objects[scene->operands[i]].shape].layer_of == mesh;
+    return whole ? mesh : SCENE_NONE;
+}
+
+/* What a combination encloses has no closed form: it is measured along evenly spread lines; once for all that are the
+ * same mesh. */
+static Status measure_combinations(CompiledScene *compiled, Error *error)
+{
+    const Scene *scene = compiled->scene;
+    Probe probe;
+    double *of_mesh = calloc(scene->n_shapes + 1U, sizeof *of_mesh); /* in the mesh's own frame; 0: not known */
+    Status status = of_mesh ? probe_init(&probe, compiled, error)
+                            : fail_memory(error, scene->n_shapes * sizeof *of_mesh, "the volumes of combinations");
+    for (uint32_t t = 0; status == STATUS_OK && t < compiled->csg.n_trees && !probe.out_of_memory; t++) {
+        uint32_t hull = compiled->csg.trees[t].hull, mesh = layered_mesh(scene, &scene->trees[t]);
+        if (hull == NEST_OPAQUE || compiled->unbounded[hull] || box3_is_empty(compiled->hull_bounds[hull])) continue;
+        uint32_t first = scene->operands[scene->parts[scene->trees[t].root].begin];
+        double scale = fabs(affine_determinant(&scene->objects[first].to_world));
+        double volume = mesh == SCENE_NONE ? 0 : of_mesh[mesh] * scale;
+        if (!(volume > 0)) volume = measure_combination(compiled, &probe, hull);
+        if (mesh != SCENE_NONE) of_mesh[mesh] = volume / scale;
         compiled->hulls[hull].volume = volume;
     }
-    bool done = !probe.out_of_memory;
-    probe_clear(&probe);
-    return done ? STATUS_OK : fail_memory(error, 0, "the volumes of combinations");
+    if (status == STATUS_OK && probe.out_of_memory) status = fail_memory(error, 0, "the volumes of combinations");
+    if (of_mesh) probe_clear(&probe);
+    free(of_mesh);
+    return status;
 }
 
 static void report_empty_combinations(const CompiledScene *compiled, Diag *diag)

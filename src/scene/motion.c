@@ -29,15 +29,18 @@ static Status places_init(Places *places, const Scene *scene, Error *error)
     return STATUS_OK;
 }
 
-/* The object of the scene that is the given one at another time; NULL when it is not there. */
-static const SceneObject *find_object(const Places *places, const Scene *scene, const SceneObject *object)
+/* The object of the scene that is the given one at another time; NULL when it is not there. *changes: it is there, but
+ * has turned into a combination, or from one into a single body. */
+static const SceneObject *find_object(const Places *places, const Scene *scene, const SceneObject *object,
+                                      bool *changes)
 {
+    *changes = false;
     size_t at = (size_t)object->identity & places->mask;
     for (uint32_t i; (i = places->slots[at]) != 0; at = (at + 1) & places->mask) {
         const SceneObject *found = &scene->objects[i - 1];
-        bool alike =
-            found->identity == object->identity && (found->shape == SCENE_NONE) == (object->shape == SCENE_NONE);
-        if (alike) return found;
+        if (found->identity != object->identity) continue;
+        if ((found->shape == SCENE_NONE) == (object->shape == SCENE_NONE)) return found;
+        *changes = true;
     }
     return NULL;
 }
@@ -100,6 +103,15 @@ static void change_shape(Finder *f, const SceneObject *object, SceneShape *last)
               "what can be blurred are places, turns and sizes, and meshes whose triangles stay the same");
 }
 
+/* The same mesh, whose parts overlap at one time only. The report is dropped when there was the same one before. */
+static void report_new_parts(Finder *f, const SceneObject *object)
+{
+    Diagnostic *report = diag_report(
+        f->diag, D_SHAPE_CHANGES, object->span,
+        "parts of %s come to overlap, or cease to, while the shutter is open: it stays as it is at first", object->name);
+    diag_hint(f->diag, report, "make each part an object of its own");
+}
+
 static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
 {
     Scene *scene = f->scene;
@@ -152,7 +164,9 @@ static Status compare_with(Finder *f, Scene *other, uint32_t key)
     if (status == STATUS_OK) status = move_lights(f, other, key);
     for (uint32_t i = 0; i < f->scene->n_objects && status == STATUS_OK; i++) {
         SceneObject *object = &f->scene->objects[i];
-        const SceneObject *then = find_object(&places, other, object);
+        bool changes;
+        const SceneObject *then = find_object(&places, other, object, &changes);
+        if (!then && changes) report_new_parts(f, object);
         if (!then || object->shape == SCENE_NONE) continue;
         status = move_thing(f, &object->motion, &object->to_world, &then->to_world, key);
         if (status == STATUS_OK && key + 1 == f->n_keys) change_shape(f, object, &other->shapes[then->shape]);

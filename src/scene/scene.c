@@ -11,6 +11,7 @@ void scene_free(Scene *scene)
         mesh_free(scene->shapes[i].mesh);
         solid_free(scene->shapes[i].solid);
         mesh_free(scene->shapes[i].mesh_end);
+        mesh_parts_clear(&scene->shapes[i].parts);
     }
     environment_free(scene->environment);
     free(scene->objects);

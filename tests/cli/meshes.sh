@@ -85,17 +85,21 @@ exits 3
 says err "[value-out-of-range]"
 end
 
-begin "meshes: what crosses itself is found by check and by info"
+begin "meshes: parts that overlap are one body, and info counts faces that cross"
 { tetrahedron 1; printf 'v .2 .2 .2\nv 2 .2 .2\nv .2 2 .2\nv .2 .2 2\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n'; } > two.obj
 mesh_scene 'file = "two.obj"' > scene.mns
 run check scene.mns
 exits 0
-says err "[mesh-crosses-itself]"
-says err "3 pairs of its triangles pass through each other"
-matches err 'note: near <0\.[0-9]'
+says err "[mesh-parts-overlap]"
+says err "the 2 parts of the mesh of mesh 1 overlap: they are one body"
+run render scene.mns
+exits 0
+says err " 0 nesting faults"
 run info two.obj
 exits 0
 matches out '^faces that cross +3$'
+matches out '^pieces that overlap +2$'
+matches out '^pieces within pieces +0$'
 end
 
 begin "meshes: parts, units, and what has no effect without a file"

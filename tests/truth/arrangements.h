@@ -132,6 +132,15 @@ static const Arrangement arrangements[] = {
      "           center = <d * cos(a), 8 + 50 * rnd(3, i, 3), d * sin(a)> } }\n"
      "camera { from = <0, 110, -190>  to = <0, 38, 0>  fov = 26deg }\n",
      true},
+    {"one mesh of parts that overlap",
+     ARRANGEMENT_MEDIA_PLAIN
+     "mesh { interior = glass  scale(5)  translate(<-16, -16, -16>)\n"
+     "  positions = [<0, 0, 0>, <9, 0, 0>, <0, 9, 0>, <0, 0, 9>, <1, 1, 1>, <9, 2, 2>, <2, 9, 2>, <2, 2, 9>]\n"
+     "  triangles = [<0, 2, 1>, <0, 1, 3>, <1, 2, 3>, <0, 3, 2>, <4, 6, 5>, <4, 5, 7>, <5, 6, 7>, <4, 7, 6>] }\n"
+     "sphere { interior = water  radius = 12 }\n"
+     "sphere { interior = gas  radius = 5 }\n"
+     "camera { from = <60, 50, 90>  to = <0, 0, 0>  fov = 30deg }\n",
+     false},
     {"camera in the water",
      ARRANGEMENT_MEDIA ARRANGEMENT_FIT
      "cylinder pool { interior = water  from = <0, 0, 0>  to = <0, 60, 0>  radius = 50 }\n"
