@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "optics/sampling.h"
 
@@ -36,11 +37,13 @@ struct Environment {
     float power;
 
     unsigned width, height;
-    Texel *texels;
-    float *luminance;  /* of the texels */
-    float *row_cdf;    /* height + 2: of the height + 1 rows of cells */
-    float *cell_cdf;   /* (height + 1) * (width + 1): within each row */
-    double *edge;      /* height + 2: sin^2 of half the polar angle at the rows' edges */
+    Texel *texels;                 /* of an image in three colours, or: */
+    float *bands;                  /* ENVIRONMENT_BANDS for each texel */
+    float light[SPECTRUM_SAMPLES]; /* a factor of the bands */
+    float *luminance;              /* of the texels */
+    float *row_cdf;                /* height + 2: of the height + 1 rows of cells */
+    float *cell_cdf;               /* (height + 1) * (width + 1): within each row */
+    double *edge;                  /* height + 2: sin^2 of half the polar angle at the rows' edges */
 };
 
 /* Where a direction lies: the cell, and the place in it. */
@@ -101,7 +104,10 @@ static void cell_corners(const Environment *environment, const Place *place, flo
     for (int i = 0; i < 4; i++) corner[i] = (1 - even_share) * corner[i] + even_share * mean;
 }
 
-static float mix(float a, float b, float t) { return (1 - t) * a + t * b; }
+static float mix(float a, float b, float t)
+{
+    return (1 - t) * a + t * b;
+}
 
 /* The place's depth in its cell by solid angle. sin^2 of half the polar angle, (1 - cos) / 2, straight
  * from the direction, without the cancellation at the poles. */
@@ -116,7 +122,10 @@ static float depth_by_solid_angle(const Environment *environment, unsigned row, 
     return (float)(depth > 0 ? (depth < 1 ? depth : 1) : 0);
 }
 
-static float sphere_pdf(void) { return (float)(1 / (4 * pi)); }
+static float sphere_pdf(void)
+{
+    return (float)(1 / (4 * pi));
+}
 
 float environment_pdf(const Environment *environment, Vec3f direction)
 {
@@ -185,10 +194,55 @@ static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_n
     return lanes_scale(upsample_at(texel->coefficients, wavelength_nm), texel->scale * weight);
 }
 
+/* Where each lane's wavelength lies between two bands. */
+typedef struct BandPlaces {
+    unsigned band[LANES];
+    float part[LANES];
+} BandPlaces;
+
+static BandPlaces band_places(Lanes wavelength_nm)
+{
+    BandPlaces places;
+    for (int i = 0; i < LANES; i++) {
+        float at = (lanes_get(wavelength_nm, i) - SPECTRUM_MIN_NM) *
+                   ((ENVIRONMENT_BANDS - 1) / (SPECTRUM_MAX_NM - SPECTRUM_MIN_NM));
+        if (!(at > 0)) at = 0;
+        unsigned band = at < ENVIRONMENT_BANDS - 2 ? (unsigned)at : ENVIRONMENT_BANDS - 2;
+        places.band[i] = band;
+        places.part[i] = at - (float)band;
+    }
+    return places;
+}
+
+static Lanes band_radiance(const Environment *environment, unsigned row, unsigned column, float weight,
+                           const BandPlaces *places)
+{
+    const float *values = environment->bands + ((size_t)row * environment->width + column) * ENVIRONMENT_BANDS;
+    Lanes radiance;
+    for (int i = 0; i < LANES; i++) {
+        const float *pair = values + places->band[i];
+        lanes_set(&radiance, i, weight * mix(pair[0], pair[1], places->part[i]));
+    }
+    return radiance;
+}
+
+static Lanes bands_at(const Environment *environment, const Place *place, Lanes wavelength_nm)
+{
+    BandPlaces bands = band_places(wavelength_nm);
+    Spectrum light = {.kind = SPECTRUM_TABLE, .scale = 1, .table = environment->light};
+    float up = 1 - place->down, back = 1 - place->across;
+    Lanes sum = lanes_add(band_radiance(environment, place->above, place->left, up * back, &bands),
+                          band_radiance(environment, place->above, place->right, up * place->across, &bands));
+    sum = lanes_add(sum, band_radiance(environment, place->below, place->left, place->down * back, &bands));
+    sum = lanes_add(sum, band_radiance(environment, place->below, place->right, place->down * place->across, &bands));
+    return lanes_mul(sum, spectrum_at(&light, wavelength_nm));
+}
+
 Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm)
 {
     if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
     Place place = place_of(environment, direction);
+    if (environment->bands) return bands_at(environment, &place, wavelength_nm);
     const Texel *above = environment->texels + (size_t)place.above * environment->width;
     const Texel *below = environment->texels + (size_t)place.below * environment->width;
     float up = 1 - place.down, back = 1 - place.across;
@@ -199,14 +253,21 @@ Lanes environment_radiance(const Environment *environment, Vec3f direction, Lane
     return lanes_mul(sum, white_at(wavelength_nm));
 }
 
-float environment_power(const Environment *environment) { return environment->power; }
+float environment_power(const Environment *environment)
+{
+    return environment->power;
+}
 
-bool environment_is_black(const Environment *environment) { return !(environment->power > 0); }
+bool environment_is_black(const Environment *environment)
+{
+    return !(environment->power > 0);
+}
 
 void environment_free(Environment *environment)
 {
     if (!environment) return;
     free(environment->texels);
+    free(environment->bands);
     free(environment->luminance);
     free(environment->row_cdf);
     free(environment->cell_cdf);
@@ -283,39 +344,93 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
     environment->power = (float)row_sums[height + 1];
 }
 
-Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale, Environment **environment,
-                             Error *error)
+/* Without any pixels yet. *sums: room for fill_tables, the caller's to free. */
+static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environment **environment, double **sums,
+                         Error *error)
 {
     const unsigned largest = 1u << 17; /* keeps the products below in 64 bits */
     if (width == 0 || height == 0 || width > largest || height > largest)
-        return fail(error, STATUS_INPUT, "an environment of %u by %u pixels; 1 to %u are possible each way", width, height,
-                    largest);
+        return fail(error, STATUS_INPUT, "an environment of %u by %u pixels; 1 to %u are possible each way", width,
+                    height, largest);
     size_t n = (size_t)width * height, n_cells = ((size_t)width + 1) * ((size_t)height + 1);
     size_t longest = (width > height ? (size_t)width : (size_t)height) + 2;
     Environment *made = calloc(1, sizeof *made);
-    double *sums = malloc(2 * longest * sizeof *sums);
+    *sums = malloc(2 * longest * sizeof **sums);
     if (made) {
         made->is_image = true;
         made->width = width;
         made->height = height;
-        made->texels = malloc(n * sizeof *made->texels);
+        if (in_bands)
+            made->bands = malloc(n * ENVIRONMENT_BANDS * sizeof *made->bands);
+        else
+            made->texels = malloc(n * sizeof *made->texels);
         made->luminance = malloc(n * sizeof *made->luminance);
         made->row_cdf = malloc(((size_t)height + 2) * sizeof *made->row_cdf);
         made->cell_cdf = malloc(n_cells * sizeof *made->cell_cdf);
         made->edge = malloc(((size_t)height + 2) * sizeof *made->edge);
     }
-    if (!sums || !made || !made->texels || !made->luminance || !made->row_cdf || !made->cell_cdf || !made->edge) {
+    if (!*sums || !made || !(made->texels || made->bands) || !made->luminance || !made->row_cdf || !made->cell_cdf ||
+        !made->edge) {
         environment_free(made);
-        free(sums);
+        free(*sums);
         return fail_memory(error, n * (sizeof *made->texels + 2 * sizeof(float)), "an environment");
     }
+    *environment = made;
+    return STATUS_OK;
+}
+
+static double *second_half(const Environment *environment, double *sums)
+{
+    return sums + (environment->width > environment->height ? environment->width : environment->height) + 2;
+}
+
+Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale, Environment **environment,
+                             Error *error)
+{
+    Environment *made;
+    double *sums;
+    TRY(new_pixels(width, height, false, &made, &sums, error));
     bool filled = fill_texels(made, rgb, scale);
-    if (filled) fill_tables(made, sums, sums + longest);
+    if (filled) fill_tables(made, sums, second_half(made, sums));
     free(sums);
     if (!filled) {
         environment_free(made);
         return fail(error, STATUS_INPUT, "an environment with a pixel of 1e30 or more");
     }
+    *environment = made;
+    return STATUS_OK;
+}
+
+/* What a value of 1 in one band adds to the luminance. */
+static double band_luminance(const float *light, int band)
+{
+    float table[SPECTRUM_SAMPLES];
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        float at = (float)(i * (ENVIRONMENT_BANDS - 1)) / (SPECTRUM_SAMPLES - 1) - (float)band;
+        table[i] = light[i] * (fabsf(at) < 1 ? 1 - fabsf(at) : 0);
+    }
+    Spectrum hat = {.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
+    return spectrum_luminance(&hat);
+}
+
+Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light,
+                             Environment **environment, Error *error)
+{
+    Environment *made;
+    double *sums, weights[ENVIRONMENT_BANDS];
+    TRY(new_pixels(width, height, true, &made, &sums, error));
+    size_t n = (size_t)width * height;
+    memcpy(made->bands, values, n * ENVIRONMENT_BANDS * sizeof *values);
+    memcpy(made->light, light, sizeof made->light);
+    for (int k = 0; k < ENVIRONMENT_BANDS; k++) weights[k] = band_luminance(light, k);
+    for (size_t i = 0; i < n; i++) {
+        double luminance = 0;
+        for (size_t k = 0; k < ENVIRONMENT_BANDS; k++)
+            luminance += weights[k] * (double)values[i * ENVIRONMENT_BANDS + k];
+        made->luminance[i] = (float)luminance;
+    }
+    fill_tables(made, sums, second_half(made, sums));
+    free(sums);
     *environment = made;
     return STATUS_OK;
 }

@@ -15,6 +15,11 @@ typedef struct Environment Environment;
  * a side is 0 or above 131072, or when a pixel times scale is 1e30 or more; STATUS_NOMEM. */
 ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
                                             Environment **environment, Error *error);
+/* By wavelengths: width * height * ENVIRONMENT_BANDS values at evenly spread wavelengths, from SPECTRUM_MIN_NM to
+ * SPECTRUM_MAX_NM, linear in between; light: SPECTRUM_SAMPLES values that all of them are multiplied with. Copied. */
+enum { ENVIRONMENT_BANDS = 16 };
+ATTR_NODISCARD Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light,
+                                            Environment **environment, Error *error);
 /* The same radiance from everywhere. The spectrum is copied; a table that it points to must live as long. */
 ATTR_NODISCARD Status environment_new_constant(const Spectrum *radiance, Environment **environment, Error *error);
 void environment_free(Environment *environment);

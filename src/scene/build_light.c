@@ -5,9 +5,12 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "optics/sky.h"
 #include "scene/build_parts.h"
 
 static const double pi = 3.14159265358979323846;
+static const double suns_angle = 0.53; /* degrees, the whole disc */
+static const double brightest_sky = 1e20;
 static const double degree = 3.14159265358979323846 / 180;
 
 static Vec3 column(const Affine *map, int i)
@@ -170,6 +173,13 @@ static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light
     return true;
 }
 
+static void add_light(Builder *b, const SceneLight *light)
+{
+    Scene *scene = b->scene;
+    scene->lights = room_for_one(b->arena, scene->lights, scene->n_lights, &b->lights_capacity, sizeof *light);
+    scene->lights[scene->n_lights++] = *light;
+}
+
 /* The cone of a spot; a point light shines to all sides. */
 static void set_cone(const EvalNode *node, SceneLight *light, bool spot)
 {
@@ -183,8 +193,6 @@ static void set_cone(const EvalNode *node, SceneLight *light, bool spot)
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (b->only_shapes) return;
-    const double suns_angle = 0.53;
-    Scene *scene = b->scene;
     const LightShape *shape = shape_of(node);
     SceneLight light = {
         .kind = shape->kind, .span = node->span, .object = SCENE_NONE, .motion = SCENE_NONE, .identity = b->where};
@@ -217,8 +225,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
     else if (!place_area_light(b, node, &light, scale))
         return;
     if (!build_emission(b, node, "color", radiance_factor(b, node, &light, half_angle), &light.radiance)) return;
-    scene->lights = room_for_one(b->arena, scene->lights, scene->n_lights, &b->lights_capacity, sizeof light);
-    scene->lights[scene->n_lights++] = light;
+    add_light(b, &light);
 }
 
 /* ---- the environment ---- */
@@ -280,19 +287,71 @@ static void environment_from_color(Builder *b, const EvalNode *node)
     }
 }
 
+/* The disc of the sun, of which `sun` is the irradiance. */
+static void add_sun(Builder *b, const EvalNode *node, double elevation, const float *sun)
+{
+    Scene *scene = b->scene;
+    double half_angle = 0.5 * suns_angle * degree, sine = sin(half_angle);
+    SceneLight light = {.kind = LIGHT_DISTANT,
+                        .span = node->span,
+                        .object = SCENE_NONE,
+                        .motion = SCENE_NONE,
+                        .to_world = affine_identity(),
+                        .cos_angle = cos(half_angle)};
+    float *table = ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES);
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)sun[i] / (pi * sine * sine));
+    light.radiance = (Spectrum){.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
+    /* the environment's map is a rotation: its transpose turns back */
+    light.towards = affine_normal(&scene->world_to_environment, vec3(0, sin(elevation), cos(elevation)));
+    light.name = build_name(b, node, "sun");
+    add_light(b, &light);
+}
+
+static void environment_from_sky(Builder *b, const EvalNode *node)
+{
+    Scene *scene = b->scene;
+    Vec3 ground = eval_vector(node, "ground");
+    double rgb[3] = {ground.x, ground.y, ground.z}, azimuth = eval_number(node, "azimuth") * degree;
+    Spectrum albedo = spectrum_from_reflectance(rgb);
+    SkyModel model = {eval_number(node, "elevation") * degree, eval_number(node, "turbidity"), &albedo,
+                      eval_number(node, "strength")};
+    if (model.strength > brightest_sky) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "strength"),
+                    "a sky %g times as bright as day is beyond what can be rendered", model.strength);
+        return;
+    }
+    /* the sky has its sun over +z; turned by the azimuth it is where it should be */
+    Affine turn = {{{cos(azimuth), 0, -sin(azimuth)}, {0, 1, 0}, {sin(azimuth), 0, cos(azimuth)}}, {0, 0, 0}};
+    scene->world_to_environment = affine_compose(&turn, &scene->world_to_environment);
+    float sun[SPECTRUM_SAMPLES];
+    Error error;
+    Status status = sky_new(&model, &scene->environment, sun, &error);
+    if (!build_succeeded(b, status, &error, node->span)) return;
+    double key[] = {model.elevation, model.turbidity, model.strength, rgb[0], rgb[1], rgb[2]};
+    b->environment_hash = hash_bytes(key, sizeof key, b->environment_hash);
+    if (model.elevation > 0 && model.strength > 0 && eval_truth(node, "disc")) add_sun(b, node, model.elevation, sun);
+}
+
 void build_environment(Builder *b, const EvalNode *node)
 {
+    static const char *const of_sky[] = {"elevation", "azimuth", "turbidity", "ground", "disc"};
     const EvalProp *image = eval_prop(node, "image");
     double scale;
     bool similar = is_similar(&node->transform, &scale);
-    if (!build_exclude(b, node, "color", "image")) return;
+    bool one = build_exclude(b, node, "color", "image");
+    one = build_exclude(b, node, "color", "sky") && one;
+    if (!build_exclude(b, node, "image", "sky") || !one) return;
     if (!similar || fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 ||
         !affine_invert(&node->transform, &b->scene->world_to_environment)) {
         diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "an environment can only be rotated");
         return;
     }
     b->scene->world_to_environment.t = vec3(0, 0, 0);
-    if (image)
+    if (!eval_prop(node, "sky"))
+        for (size_t i = 0; i < COUNT_OF(of_sky); i++) build_needs(b, node, of_sky[i], "without sky = clear");
+    if (eval_prop(node, "sky"))
+        environment_from_sky(b, node);
+    else if (image)
         environment_from_image(b, node, image);
     else
         environment_from_color(b, node);

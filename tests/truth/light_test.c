@@ -179,6 +179,30 @@ static void point_in_fog(void **state)
     assert_near(measured.mean, expected, 4 * measured.error + 1e-3 * expected);
 }
 
+/* ---- the sky ---- */
+
+static void floor_under_a_sky(void **state)
+{
+    (void)state;
+    const char *sky = "environment { sky = clear  elevation = 35deg  azimuth = 70deg  disc = false }\n";
+    const char *sun = "environment { sky = clear  elevation = 35deg  azimuth = 70deg }\n";
+    /* the sun is where it is said to be: a wall on that side casts its shadow */
+    const char *shade =
+        "box { from = <500, 0, -900>  to = <501, 2000, 900>  rotate(y, -20deg)  surface = surface { albedo = 0 } }\n";
+    char text[1000];
+    snprintf(text, sizeof text, FLOOR "%s", sky);
+    Estimate sampled = measure(text, 1024, false), chance = measure(text, 4096, true);
+    double error = hypot(sampled.error, chance.error);
+    truth_figure("floor under a sky, looked for and by chance", chance.mean, sampled.mean, error);
+    assert_near(sampled.mean, chance.mean, 4 * error + 1e-6);
+    snprintf(text, sizeof text, FLOOR "%s", sun);
+    Estimate lit = measure(text, 1024, false);
+    snprintf(text, sizeof text, FLOOR "%s%s", sun, shade);
+    Estimate shaded = measure(text, 1024, false);
+    print_message("      sky %.4f, with the sun %.4f, in the shade %.4f\n", sampled.mean, lit.mean, shaded.mean);
+    assert_true(lit.mean > 3 * sampled.mean && shaded.mean < sampled.mean);
+}
+
 /* ---- lights in other media ---- */
 
 /* A picture shows basic radiance, L / n^2. In water everything is as in air, but for that. */
@@ -263,6 +287,7 @@ int main(void)
         cmocka_unit_test(in_water),
         cmocka_unit_test(filament_in_a_bulb),
         cmocka_unit_test(moving_ball),
+        cmocka_unit_test(floor_under_a_sky),
     };
     return cmocka_run_group_tests_name("light", tests, NULL, NULL);
 }

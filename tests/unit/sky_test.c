@@ -1,0 +1,154 @@
+/* sky_test.c - the computed sky against published illuminances, Beer's law, and what a sky looks like.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "near.h"
+
+#include "base/clock.h"
+#include "optics/sky.h"
+
+static const double pi = 3.14159265358979323846;
+
+typedef struct Day {
+    Environment *sky;
+    float sun[SPECTRUM_SAMPLES];
+    double direct, level; /* klx: on what faces the sun, by the sun; on level ground, by the sky */
+    double level_rgb[3], sun_rgb[3];
+} Day;
+
+static double to_klx(double value)
+{
+    return value * 100 / pi;
+}
+
+static Vec3f towards(double elevation, double azimuth)
+{
+    return vec3f((float)(cos(elevation) * sin(azimuth)), (float)sin(elevation), (float)(cos(elevation) * cos(azimuth)));
+}
+
+/* The colour of the sky in a direction. */
+static void colour_of(const Environment *sky, Vec3f direction, double rgb[3])
+{
+    float table[SPECTRUM_SAMPLES];
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++)
+        table[i] = lanes_get(
+            environment_radiance(sky, direction, lanes_all(SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM))), 0);
+    Spectrum spectrum = {.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
+    color_from_spectrum(&spectrum, rgb);
+}
+
+static double luminance(const double rgb[3])
+{
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+static void begin(Day *day, double elevation, double turbidity)
+{
+    Spectrum ground = spectrum_constant(0.2f);
+    Error error;
+    SkyModel model = {elevation * pi / 180, turbidity, &ground, 1};
+    memset(day, 0, sizeof *day);
+    assert_int_equal(sky_new(&model, &day->sky, day->sun, &error), STATUS_OK);
+    Spectrum sun = {.kind = SPECTRUM_TABLE, .scale = 1, .table = day->sun};
+    color_from_spectrum(&sun, day->sun_rgb);
+    day->direct = to_klx(spectrum_luminance(&sun));
+    enum { ROWS = 40, COLUMNS = 40 };
+    for (int y = 0; y < ROWS; y++)
+        for (int x = 0; x < COLUMNS; x++) {
+            double rgb[3], height = sqrt((y + 0.5) / ROWS); /* even in the cosine's square */
+            colour_of(day->sky, towards(asin(height), 2 * pi * (x + 0.5) / COLUMNS), rgb);
+            for (int c = 0; c < 3; c++) day->level_rgb[c] += rgb[c] * pi / (ROWS * COLUMNS);
+        }
+    day->level = to_klx(luminance(day->level_rgb));
+}
+
+static void end(Day *day)
+{
+    environment_free(day->sky);
+}
+
+/* The illuminances of a clear day of the IES, from measurements (IESNA Lighting Handbook, 9th edition, chapter 8):
+ * direct 127.5 exp(-0.21 / sin a) klx, sky on level ground 0.8 + 15.5 sqrt(sin a) klx. Real clear days differ by more
+ * than the limits here. */
+static void published(void **state)
+{
+    (void)state;
+    static const double elevations[] = {10, 20, 40, 60, 90};
+    for (size_t i = 0; i < COUNT_OF(elevations); i++) {
+        double sine = sin(elevations[i] * pi / 180), direct = 127.5 * exp(-0.21 / sine),
+               level = 0.8 + 15.5 * sqrt(sine);
+        Day day;
+        begin(&day, elevations[i], 2.2);
+        print_message("      %2.0f degrees: sun %5.1f klx (IES %5.1f), sky %4.1f klx (IES %4.1f), ratio %.3f (%.3f)\n",
+                      elevations[i], day.direct, direct, day.level, level, day.level / (day.direct * sine),
+                      level / (direct * sine));
+        assert_true(fabs(day.direct / direct - 1) < 0.08);
+        assert_true(fabs(day.level / level - 1) < 0.26);
+        end(&day);
+    }
+}
+
+/* Straight up through clean air the sun loses what the optical depths say: Rayleigh's of Hansen and Travis and 300 Dobson
+ * units of ozone. */
+static void beers_law(void **state)
+{
+    (void)state;
+    Day clean, hazy;
+    begin(&clean, 90, 1);
+    begin(&hazy, 90, 3);
+    for (int nm = 450; nm <= 750; nm += 50) {
+        int i = (nm - 360) / SPECTRUM_STEP_NM;
+        double um = 1e-3 * nm, w = 1 / (um * um);
+        double aerosol = 2 * 0.0973 * pow(um / 0.55, -1.3),
+               molecules = 0.008569 * w * w * (1 + 0.0113 * w + 0.00013 * w * w);
+        assert_near(log((double)(clean.sun[i] / hazy.sun[i])), aerosol, 0.02 * aerosol);
+        float table[SPECTRUM_SAMPLES];
+        Spectrum above = spectrum_blackbody(5778, table);
+        double lost = -log((double)(clean.sun[i] / table[i]) / (1.333 * pi)) - molecules;
+        assert_true(lost > -0.01 && lost < 0.055); /* Chappuis' band */
+        (void)above;
+    }
+    end(&clean);
+    end(&hazy);
+}
+
+static void looks_like_a_sky(void **state)
+{
+    (void)state;
+    Day noon, evening, night;
+    double zenith[3], horizon[3], left[3], right[3], near_sun[3], below[3];
+    double start = clock_now_s();
+    begin(&noon, 50, 2.2);
+    print_message("      made and measured in %.0f ms\n", 1e3 * (clock_now_s() - start));
+    begin(&evening, 3, 2.2);
+    begin(&night, -6, 2.2);
+    colour_of(noon.sky, towards(pi / 2, 0), zenith);
+    colour_of(noon.sky, towards(0.05, pi), horizon);
+    print_message("      zenith %.3f %.3f %.3f, horizon %.3f %.3f %.3f\n", zenith[0], zenith[1], zenith[2], horizon[0],
+                  horizon[1], horizon[2]);
+    assert_true(zenith[2] > 1.6 * zenith[0] && zenith[2] > zenith[1] && zenith[1] > zenith[0]); /* blue */
+    assert_true(horizon[2] / horizon[0] < 0.7 * zenith[2] / zenith[0]);                         /* paler below */
+    assert_true(luminance(horizon) > 1.5 * luminance(zenith));
+    colour_of(noon.sky, towards(0.5, 1), left);
+    colour_of(noon.sky, towards(0.5, -1), right);
+    for (int c = 0; c < 3; c++) assert_near(left[c], right[c], 1e-3 * left[c]);
+    colour_of(noon.sky, towards(50 * pi / 180, 0.1), near_sun);
+    assert_true(luminance(near_sun) > 3 * luminance(zenith));
+    /* the ground has its albedo times what falls on it */
+    colour_of(noon.sky, towards(-1, 2), below);
+    double whole = noon.level * pi / 100 + luminance(noon.sun_rgb) * sin(50 * pi / 180);
+    assert_near(luminance(below), 0.2 / pi * whole, 0.03 * luminance(below));
+    /* a low sun is red, and twilight is thousands of times darker than day */
+    assert_true(evening.sun_rgb[0] > 4 * evening.sun_rgb[2] && noon.sun_rgb[0] < 1.8 * noon.sun_rgb[2]);
+    assert_true(night.direct == 0 && night.level > 0 && night.level < noon.level / 300);
+    end(&noon);
+    end(&evening);
+    end(&night);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(published), cmocka_unit_test(beers_law),
+                                       cmocka_unit_test(looks_like_a_sky)};
+    return cmocka_run_group_tests_name("sky", tests, NULL, NULL);
+}
