@@ -9,19 +9,13 @@
 #include "check/report_parts.h"
 #include "nest/cross.h"
 
-static uint32_t whole_of(const CompiledScene *compiled, uint32_t object)
-{
-    uint32_t whole = compiled->scene->objects[object].part_of;
-    return whole == SCENE_NONE ? object : whole;
-}
-
 /* The objects whose surfaces are among n hits, each once. */
 static uint32_t count_objects(const CompiledScene *compiled, const Hit *hits, size_t n)
 {
     uint32_t count = 0;
     for (size_t i = 0; i < n; i++) {
         size_t k = 0;
-        while (whole_of(compiled, hits[k].object) != whole_of(compiled, hits[i].object)) k++;
+        while (scene_whole(compiled->scene, hits[k].object) != scene_whole(compiled->scene, hits[i].object)) k++;
         count += k == i;
     }
     return count;
@@ -62,7 +56,7 @@ static bool add_step(const CompiledScene *compiled, const Hit *hits, size_t n, N
     free(passes);
     line->steps[line->n++] = (SightStep){.distance = hits[0].t,
                                          .kind = kind_of(compiled, &crossing, opaque),
-                                         .object = whole_of(compiled, first->object),
+                                         .object = scene_whole(compiled->scene, first->object),
                                          .n = count_objects(compiled, hits, n),
                                          .from = crossing.medium_from,
                                          .to = crossing.medium_to,

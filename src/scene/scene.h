@@ -187,6 +187,12 @@ typedef struct Scene {
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */
+/* The row of the combination that an object is an operand of, or its own. */
+static inline uint32_t scene_whole(const Scene *scene, uint32_t object)
+{
+    uint32_t whole = scene->objects[object].part_of;
+    return whole == SCENE_NONE ? object : whole;
+}
 /* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
 static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)
 {

@@ -68,7 +68,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
     const NestList *list = opaque ? &tracer->list : &tracer->next;
     sight->met = true;
-    sight->object = object->part_of != SCENE_NONE ? object->part_of : event->hit.object;
+    sight->object = scene_whole(scene, event->hit.object);
     sight->medium = nest_medium(&world->compiled->order, list);
     compiled_hulls_in(world->compiled, list, &sight->n_hulls);
     sight->distance = event->hit.t;

@@ -80,14 +80,7 @@ static void lights_are_found_alike(void **state)
             snprintf(text, sizeof text, HEAD "%s %s " VIEW TRUTH_SKY, things[i],
                      chance ? "medium veil { ior = 1.00001 } sphere { interior = veil  radius = 20  priority = -1 }" : "");
             Picture picture = render(text, 512);
-            double sum = 0, variance = 0;
-            for (uint32_t y = 0; y < WIDTH; y++)
-                for (uint32_t x = 0; x < WIDTH; x++) {
-                    double error = truth_film_error(&picture, x, y);
-                    sum += truth_luminance(&picture, x, y);
-                    variance += error * error;
-                }
-            seen[chance] = (Estimate){sum, sqrt(variance)};
+            seen[chance] = truth_total(&picture);
             truth_clear(&picture);
         }
         truth_expect(things[i], 1,

@@ -195,6 +195,18 @@ Estimate truth_mean(const Picture *picture, int channel)
     return estimate;
 }
 
+Estimate truth_total(const Picture *picture)
+{
+    double sum = 0, variance = 0;
+    for (uint32_t y = 0; y < picture->image.height; y++)
+        for (uint32_t x = 0; x < picture->image.width; x++) {
+            double error = truth_film_error(picture, x, y);
+            sum += truth_luminance(picture, x, y);
+            variance += error * error;
+        }
+    return (Estimate){sum, sqrt(variance)};
+}
+
 void truth_figure(const char *what, double expected, double measured, double error)
 {
     printf("  %-58s expected %-11.7g measured %-11.7g", what, expected, measured);

@@ -68,6 +68,9 @@ Estimate truth_estimate(const double *values, size_t n);
 /* Mean over all pixels of a picture that has the same expectation everywhere; channel -1: luminance. */
 Estimate truth_mean(const Picture *picture, int channel);
 
+/* Sum over all pixels, whatever they show, with the film's own errors: an upper bound. */
+Estimate truth_total(const Picture *picture);
+
 /* One figure as a line; error 0: it has none. */
 void truth_figure(const char *what, double expected, double measured, double error);
 /* Fails beyond `sigmas` standard errors, or when the standard error is above `resolution` times the expected value: an
