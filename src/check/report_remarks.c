@@ -442,7 +442,7 @@ static bool find_bounds(Remarks *r)
     for (uint32_t i = 0; ready && i < scene->n_objects; i++) r->bounds[i] = box3_empty();
     for (uint32_t i = 0; ready && i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        uint32_t whole = scene_whole(r->scene, i);
+        uint32_t whole = scene_whole(scene, i);
         if (object->shape != SCENE_NONE && is_bounded(&shapes[object->shape]))
             r->bounds[whole] = box3_union(r->bounds[whole], affine_box(&object->to_world, shapes[object->shape]));
     }
