@@ -42,7 +42,7 @@ static const LightShape shapes[] = {
     {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|radiance|"},
     {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|"},
     {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|"},
-    {"point", LIGHT_POINT, "|", "|intensity|"},
+    {"point", LIGHT_POINT, "|", "|intensity|profile|to|"},
     {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|"},
 };
 
@@ -65,7 +65,7 @@ static bool is_named(const char *list, const char *name)
 /* Which properties each shape of light needs; the others it must not have. */
 static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
 {
-    static const char *const names[] = {"size", "radius", "to", "angle", "blend", "radiance", "intensity"};
+    static const char *const names[] = {"size", "radius", "to", "angle", "blend", "radiance", "intensity", "profile"};
     bool fine = build_exclude(b, node, "radiance", "power") && build_exclude(b, node, "intensity", "power");
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         const EvalProp *prop = eval_prop(node, names[i]);
@@ -84,6 +84,8 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
             fine = false;
         }
     }
+    if (shape->kind == LIGHT_POINT && !is_named(shape->needs, "to") && !eval_prop(node, "profile"))
+        build_needs(b, node, "to", "on a point light without a profile");
     return fine;
 }
 
@@ -93,8 +95,9 @@ static bool local_frame(Builder *b, const EvalNode *node, Affine *frame)
     Vec3 from = eval_vector(node, "from");
     *frame = affine_identity();
     frame->t = from;
-    if (!eval_prop(node, "to")) return true; /* the same to all sides */
-    Vec3 along = vec3_sub(eval_vector(node, "to"), from);
+    bool aimed = eval_prop(node, "to") != NULL;
+    if (!aimed && !eval_prop(node, "profile")) return true; /* the same to all sides */
+    Vec3 along = aimed ? vec3_sub(eval_vector(node, "to"), from) : vec3(0, -1, 0);
     double length = vec3_length(along);
     if (!(length > 0) || !isfinite(length)) {
         diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"),
@@ -141,8 +144,8 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
     }
     if (light->kind == LIGHT_POINT) {
         const EvalProp *intensity = eval_prop(node, "intensity");
-        double unit2 = b->scene->unit_m * b->scene->unit_m;
-        return (power ? power->as.number / light_beam(light) : intensity ? intensity->as.number : 1) / unit2;
+        double unit2 = b->scene->unit_m * b->scene->unit_m, beam = light_beam(light);
+        return (power ? power->as.number / beam : intensity ? intensity->as.number : 1) / unit2;
     }
     double area_m2 = area_of(light) * b->scene->unit_m * b->scene->unit_m;
     return power ? power->as.number / (pi * area_m2) : radiance ? radiance->as.number : 1;
@@ -217,6 +220,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         light.half_width = light.half_height = eval_number(node, "radius") * scale;
     } else if (light.kind == LIGHT_POINT) {
         set_cone(node, &light, strcmp(shape->word, "spot") == 0);
+        if (eval_prop(node, "profile") && !build_profile(b, eval_prop(node, "profile"), &light)) return;
         Box3 bounds = {light.to_world.t, light.to_world.t};
         if (!build_check_reach(b, node->span, "this light", bounds)) return;
     }

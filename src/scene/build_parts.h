@@ -198,6 +198,8 @@ void build_text(Builder *b, const EvalNode *node, const Affine *to_world);
 
 /* build_light.c, build_view.c */
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world);
+/* build_profile.c: a light's profile, from the file that the property names; false after reporting. */
+bool build_profile(Builder *b, const EvalProp *prop, SceneLight *light);
 void build_environment(Builder *b, const EvalNode *node);
 void build_camera(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_film(Builder *b, const EvalNode *node);

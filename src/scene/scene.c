@@ -106,8 +106,56 @@ const Affine *light_keys(const Scene *scene, const SceneLight *light)
     return motion == SCENE_NONE ? NULL : scene->motions + (size_t)motion * scene->n_keys;
 }
 
+/* The angle about the axis as one of those that the profile has. */
+static double fold(const LightProfile *profile, double angle)
+{
+    double first = (double)profile->horizontal[0], last = (double)profile->horizontal[profile->n_horizontal - 1];
+    if (profile->n_horizontal == 1) return first;
+    if (first == 90) return angle < 90 ? 180 - angle : angle > 270 ? 540 - angle : angle; /* 90 .. 270 */
+    if (last <= 180 && angle > 180) angle = 360 - angle;
+    if (last <= 90 && angle > 90) angle = 180 - angle;
+    return angle;
+}
+
+/* The interval of ascending values that holds x: its number, and where in it. */
+static uint32_t find_interval(const float *values, uint32_t n, double x, double *part)
+{
+    uint32_t low = 0, high = n - 1;
+    *part = 0;
+    if (n < 2) return 0;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if ((double)values[middle] <= x)
+            low = middle;
+        else
+            high = middle;
+    }
+    *part = (x - (double)values[low]) / (double)(values[low + 1] - values[low]);
+    *part = fmin(fmax(*part, 0), 1);
+    return low;
+}
+
+static double profile_at(const LightProfile *profile, Vec3 direction)
+{
+    const double degree = 3.14159265358979323846 / 180;
+    double vertical = atan2(hypot(direction.x, direction.z), direction.y) / degree;
+    double horizontal = atan2(direction.z, direction.x) / degree;
+    if (horizontal < 0) horizontal += 360;
+    uint32_t n = profile->n_vertical;
+    if (vertical < (double)profile->vertical[0] || vertical > (double)profile->vertical[n - 1]) return 0;
+    double down, across;
+    uint32_t row = find_interval(profile->vertical, n, vertical, &down);
+    uint32_t column = find_interval(profile->horizontal, profile->n_horizontal, fold(profile, horizontal), &across);
+    const float *left = profile->intensity + (size_t)column * n + row;
+    const float *right = profile->n_horizontal > 1 ? left + n : left;
+    double low = (double)left[0] + down * (double)(left[1] - left[0]),
+           high = (double)right[0] + down * (double)(right[1] - right[0]);
+    return low + across * (high - low);
+}
+
 float light_shape(const SceneLight *light, Vec3 direction)
 {
+    if (light->profile) return (float)profile_at(light->profile, direction);
     if (direction.y >= light->cos_full) return 1;
     if (direction.y <= light->cos_none) return 0;
     double part = (direction.y - light->cos_none) / (light->cos_full - light->cos_none);
@@ -116,7 +164,20 @@ float light_shape(const SceneLight *light, Vec3 direction)
 
 double light_beam(const SceneLight *light)
 {
-    return 2 * 3.14159265358979323846 * (1 - 0.5 * (light->cos_full + light->cos_none)); /* the smooth step's mean is 1/2 */
+    enum { DOWN = 360, ACROSS = 180 };
+    const double pi = 3.14159265358979323846;
+    double sum = 0;
+    for (int i = 0; light->profile && i < DOWN; i++) {
+        double low = cos(pi * i / DOWN), high = cos(pi * (i + 1) / DOWN), y = cos(pi * (i + 0.5) / DOWN),
+               r = sqrt(1 - y * y);
+        for (int k = 0; k < ACROSS; k++) {
+            double turn = 2 * pi * (k + 0.5) / ACROSS;
+            sum += (low - high) * 2 * pi / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
+        }
+    }
+    if (light->profile) return sum;
+    return 2 * 3.14159265358979323846 *
+           (1 - 0.5 * (light->cos_full + light->cos_none)); /* the smooth step's mean is 1/2 */
 }
 
 /* Whether every coordinate of an image comes from one coordinate alone, as without any turns, or with quarter turns. */

@@ -82,6 +82,14 @@ typedef struct SceneTree {
     uint32_t object; /* the combination's row */
 } SceneTree;
 
+/* Measured intensities of a lamp: by angle from its axis and angle about it, in degrees, linear in between; candela by 683
+ * lm per watt. What is not given by symmetry is dark. */
+typedef struct LightProfile {
+    const float *vertical, *horizontal; /* ascending */
+    const float *intensity;             /* n_vertical for each horizontal angle */
+    uint32_t n_vertical, n_horizontal;
+} LightProfile;
+
 typedef enum LightKind {
     LIGHT_RECT,   /* one-sided, |x| <= half_width, |z| <= half_height in the plane y = 0 of the object, shining to +y */
     LIGHT_DISC,   /* one-sided, radius half_width, shining to +y */
@@ -104,6 +112,7 @@ typedef struct SceneLight {
     Affine to_world;    /* rigid: rotation and translation */
     Vec3 towards;       /* LIGHT_DISTANT: unit, from the scene to the light */
     double cos_angle;   /* LIGHT_DISTANT: of the cone's half angle */
+    const LightProfile *profile; /* LIGHT_POINT: NULL, or instead of what cos_full says; cos_none bounds it */
     double cos_full, cos_none; /* LIGHT_POINT: as bright as ever within the first angle from +y, dark beyond the other */
 } SceneLight;
 

@@ -193,6 +193,11 @@ static void add_lights(Hasher *h, const Scene *scene)
             add_map(h, &light->to_world);
             add_number(h, light->cos_full);
             add_number(h, light->cos_none);
+            const LightProfile *profile = light->profile;
+            for (uint32_t k = 0; profile && k < profile->n_vertical; k++) add_number(h, (double)profile->vertical[k]);
+            for (uint32_t k = 0; profile && k < profile->n_horizontal; k++) add_number(h, (double)profile->horizontal[k]);
+            for (uint32_t k = 0; profile && k < profile->n_vertical * profile->n_horizontal; k++)
+                add_number(h, (double)profile->intensity[k]);
         }
         if (light->kind != LIGHT_DISTANT) continue;
         add_vector(h, light->towards);

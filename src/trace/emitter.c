@@ -63,7 +63,10 @@ static LightBounds bounds_of_light(const Scene *scene, const SceneLight *light)
     LightBounds bounds = {.axis = vec3f_from(affine_vector(&light->to_world, vec3(0, 1, 0))), .cos_o = 1, .cos_e = 0};
     const Affine *keys = light_keys(scene, light);
     if (light->kind == LIGHT_SPHERE || turns(scene, keys)) bounds.cos_o = -1;
-    if (light->kind == LIGHT_POINT) bounds.cos_o = light->cos_none > -1 ? (float)fmax(light->cos_none, -0.999999) : -1;
+    if (light->kind == LIGHT_POINT) { /* within the cone, and not beyond it */
+        bounds.cos_o = light->cos_none > -1 ? (float)fmax(light->cos_none, -0.999999) : -1;
+        bounds.cos_e = 0.9999f;
+    }
     bounds.power = (float)light_flux(light);
     set_box(&bounds, light_box(scene, light));
     return bounds;
@@ -152,7 +155,9 @@ static void add_pieces(Finder *f, uint32_t number, double luminance)
 /* How many parts of an object shine by themselves. */
 static uint32_t count_parts(const Scene *scene, const SceneObject *object)
 {
-    if (object->medium != SCENE_NONE || object->surface == SCENE_NONE || object->shape == SCENE_NONE || object->part_of != SCENE_NONE) return 0;
+    if (object->medium != SCENE_NONE || object->surface == SCENE_NONE || object->shape == SCENE_NONE ||
+        object->part_of != SCENE_NONE)
+        return 0;
     if (!scene->surfaces[object->surface].emits) return 0;
     const SceneShape *shape = &scene->shapes[object->shape];
     return shape->mesh ? shape->mesh->n_triangles : shape->solid->n_pieces;

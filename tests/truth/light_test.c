@@ -161,6 +161,52 @@ static void point_and_spot(void **state)
     }
 }
 
+/* tests/unit/lamp.ies: twice 683 candela straight down, that is 2 W/sr; at 45 degrees 2 towards x, 1 towards z, 0
+ * towards -x; in between linear. The place is moved under the camera by moving the lamp. */
+static void profile(void **state)
+{
+    (void)state;
+    const struct {
+        const char *what, *light;
+        double irradiance;
+    } cases[] = {
+        {"straight below", "from = <0, 20, 0>", 2 / 400e-6},
+        {"at 45 degrees in its plane of 0", "from = <-20, 20, 0>", 2 / 800e-6 * sqrt(0.5)},
+        {"at 45 degrees in its plane of 90", "from = <0, 20, 20>", 1 / 800e-6 * sqrt(0.5)},
+        {"the same on the other side", "from = <0, 20, -20>", 1 / 800e-6 * sqrt(0.5)},
+        {"at 45 degrees between 0 and 90", "from = <-20 * sqrt(.5), 20, 20 * sqrt(.5)>", 1.5 / 800e-6 * sqrt(0.5)},
+        {"at 45 degrees in its plane of 180", "from = <20, 20, 0>", 0},
+        {"aimed, by a factor", "from = <-20, 20, 0>  to = <0, 0, 0>  intensity = 3", 6 / 800e-6 * sqrt(0.5)},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000];
+        snprintf(text, sizeof text, FLOOR "light { shape = point  profile = \"tests/unit/lamp.ies\"  %s }\n",
+                 cases[i].light);
+        Estimate measured = measure(text, 256, false);
+        if (cases[i].irradiance > 0)
+            truth_expect(cases[i].what, on_floor(cases[i].irradiance), measured, 4, 0.005);
+        else
+            assert_true(measured.mean < 0.1); /* as near as rounding comes to it */
+    }
+    /* by power: all directions together */
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.text = FLOOR
+                                    "light { shape = point  profile = \"tests/unit/lamp.ies\"  from = y  power = 7 }\n",
+                                    .policy = NEST_AUTOMATIC});
+    const SceneLight *light = &scene.scene->lights[0];
+    double unit2 = scene.scene->unit_m * scene.scene->unit_m, scale = spectrum_luminance(&light->radiance) * unit2,
+           flux = 0;
+    enum { N = 400 };
+    for (int i = 0; i < N; i++)
+        for (int k = 0; k < N; k++) {
+            double y = 1 - (2 * i + 1.0) / N, r = sqrt(1 - y * y), a = 2 * TRUTH_PI * (k + 0.5) / N;
+            flux += (double)light_shape(light, vec3(r * cos(a), y, r * sin(a))) * scale * 4 * TRUTH_PI / (N * N);
+        }
+    truth_figure("flux of a lamp of 7 W", 7, flux, 0);
+    assert_near(flux, 7, 0.01);
+    fixture_clear(&scene);
+}
+
 /* A pixel looks down a ray of white fog of albedo 1 so thin that it scatters once: sigma / (4 pi) times the integral of
  * I / d^2 along the ray, which for a light at distance h from it is sigma I / (4 pi h) times the angle seen from the
  * light. */
@@ -288,6 +334,7 @@ int main(void)
         cmocka_unit_test(filament_in_a_bulb),
         cmocka_unit_test(moving_ball),
         cmocka_unit_test(floor_under_a_sky),
+        cmocka_unit_test(profile),
     };
     return cmocka_run_group_tests_name("light", tests, NULL, NULL);
 }
