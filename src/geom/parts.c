@@ -3,8 +3,8 @@
  *
  * A part is a set of triangles that are joined by their edges and closed by themselves. One that encloses negative
  * volume is a cavity, and belongs to the smallest body around it. Bodies overlap when their surfaces cross, or when one
- * is within the other and not in a cavity of it. Where boxes are apart nothing is looked at: candidates come from a tree
- * of the parts' boxes, pairs of triangles and what lies ahead of a point from a tree of triangles. Layers are given out
+ * is within the other and not in a cavity of it. Where boxes are apart nothing is looked at: pairs of triangles, and what
+ * lies ahead of a point, come from a tree of the triangles of parts whose boxes meet. Layers are given out
  * as colours are to a map, to each body the first that none that it overlaps has, so that a heap of thousands of
  * bubbles becomes a handful of layers.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -64,8 +64,8 @@ typedef struct Finder {
 
 /* ---- the parts ---- */
 
-/* Sheets are joined by edges of exactly two triangles. At an edge of more, all sheets that do not come out even there are
- * one part: together they do. net: of each sheet, 0. */
+/* Sheets are joined by edges of exactly two triangles. At an edge of more, all sheets that do not come out even there
+ * are one part: together they do. net: of each sheet, 0. */
 static void join_sheets_at(const Edge *edge, const uint32_t *sheet, int32_t *net, uint32_t *parent)
 {
     uint32_t odd = NO_PART;
@@ -519,53 +519,5 @@ Status mesh_find_parts(const Mesh *mesh, const Mesh *end, MeshParts *parts, Erro
     free(f.slots);
     free(f.net);
     free(f.met);
-    return status;
-}
-
-void mesh_parts_clear(MeshParts *parts)
-{
-    free(parts->layer);
-    parts->layer = NULL;
-}
-
-/* The triangles of each layer stand together in order. moved_to: of each vertex, UINT32_MAX, before and after. */
-static Status take_layer(const Mesh *mesh, const uint32_t *order, uint32_t n, uint32_t *moved_to, Mesh **taken,
-                         Error *error)
-{
-    uint32_t n_vertices = 0;
-    for (uint32_t i = 0; i < 3 * n; i++) {
-        uint32_t *place = &moved_to[mesh->triangles[order[i / 3]][i % 3]];
-        if (*place == UINT32_MAX) *place = n_vertices++;
-    }
-    Status status = mesh_new(n_vertices, n, mesh->normals != NULL, mesh->uvs != NULL, taken, error);
-    for (uint32_t i = 0; status == STATUS_OK && i < 3 * n; i++) {
-        uint32_t vertex = mesh->triangles[order[i / 3]][i % 3], place = moved_to[vertex];
-        (*taken)->triangles[i / 3][i % 3] = place;
-        (*taken)->positions[place] = mesh->positions[vertex];
-        if (mesh->normals) (*taken)->normals[place] = mesh->normals[vertex];
-        if (mesh->uvs) memcpy(&(*taken)->uvs[2 * (size_t)place], &mesh->uvs[2 * (size_t)vertex], 2 * sizeof(float));
-    }
-    for (uint32_t i = 0; i < 3 * n; i++) moved_to[mesh->triangles[order[i / 3]][i % 3]] = UINT32_MAX;
-    return status;
-}
-
-Status mesh_take_layers(const Mesh *mesh, const MeshParts *parts, Mesh **taken, Error *error)
-{
-    uint32_t n = mesh->n_triangles;
-    size_t *first = calloc(parts->n_layers + (size_t)2, sizeof *first), *next = first ? first + 1 : NULL;
-    uint32_t *order = malloc((n + (size_t)1) * sizeof *order);
-    uint32_t *moved_to = malloc((mesh->n_vertices + (size_t)1) * sizeof *moved_to);
-    Status status = first && order && moved_to ? STATUS_OK : fail_memory(error, n * sizeof *order, what);
-    if (status == STATUS_OK) { /* see list_edges of topology.c */
-        for (uint32_t i = 0; i < mesh->n_vertices; i++) moved_to[i] = UINT32_MAX;
-        for (uint32_t i = 0; i < n; i++) next[parts->layer[i] + 1]++;
-        for (uint32_t k = 1; k <= parts->n_layers; k++) next[k] += next[k - 1];
-        for (uint32_t i = 0; i < n; i++) order[next[parts->layer[i]]++] = i;
-    }
-    for (uint32_t k = 0; status == STATUS_OK && k < parts->n_layers; k++)
-        status = take_layer(mesh, order + first[k], (uint32_t)(first[k + 1] - first[k]), moved_to, &taken[k], error);
-    free(first);
-    free(order);
-    free(moved_to);
     return status;
 }

@@ -1,5 +1,5 @@
-/* topology.h - the edges of a mesh, and who shares them: directed edges sorted by their lower vertex, where vertices are
- * numbered by the bits of their positions.
+/* topology.h - the edges of a mesh, and who shares them: directed edges sorted by their lower vertex, where vertices
+ * are numbered by the bits of their positions.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TOPOLOGY_H
 #define MEN_TOPOLOGY_H

@@ -1,8 +1,8 @@
 /* build_layers.c - meshes whose parts overlap.
  *
- * A ray that is inside of a mesh cannot enter it again. Where parts of one mesh overlap, it is sorted into layers, each of
- * which is a mesh whose parts do not, and these are joined as a union is. This is done once for each shape, when it is
- * first used for something that has an inside.
+ * A ray that is inside of a mesh cannot enter it again. Where parts of one mesh overlap, it is sorted into layers, each
+ * of which is a mesh whose parts do not, and these are joined as a union is. This is done once for each shape, when it
+ * is first used for something that has an inside.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/build_parts.h"
 

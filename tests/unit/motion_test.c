@@ -152,6 +152,67 @@ static void a_mesh_may_be_given_a_frame_later(void **state)
     remove(folder);
 }
 
+#define TETRAHEDRA(x)                                                                                                  \
+    "mesh both { interior = glass  positions = [<0, 0, 0>, <9, 0, 0>, <0, 9, 0>, <0, 0, 9>, <1 + " x                   \
+    ", 1, 1>, <9 + " x ", 2, 2>, <2 + " x ", 9, 2>, <2 + " x ", 2, 9>]  triangles = [<0, 2, 1>, <0, 1, 3>, "           \
+    "<1, 2, 3>, <0, 3, 2>, <4, 6, 5>, <4, 5, 7>, <5, 6, 7>, <4, 7, 6>] "
+
+static void meshes_of_overlapping_parts_move_as_others_do(void **state)
+{
+    (void)state;
+    Fixture scene; /* all of it */
+    fixture_compile(&scene, FIXTURE_MEDIA TETRAHEDRA("0") "translate(<20 * clock, 0, 0>) }" HALF, 1);
+    assert_null(fixture_find(&scene, D_SHAPE_CHANGES));
+    assert_int_equal(scene.compiled->n_hulls, 1);
+    assert_int_equal(scene.scene->n_objects, 3);
+    const Affine *first = keys_of(&scene, 1), *second = keys_of(&scene, 2);
+    assert_near(scene.compiled->hull_bounds[0].max.x, 9 + first[scene.scene->n_keys - 1].t.x, 1e-5);
+    assert_memory_equal(first, second, scene.scene->n_keys * sizeof *first);
+    fixture_clear(&scene);
+    /* one of its parts: they overlap at first and in the end */
+    fixture_compile(&scene, FIXTURE_MEDIA TETRAHEDRA("clock") "}" HALF, 1);
+    assert_null(fixture_find(&scene, D_SHAPE_CHANGES));
+    uint32_t n_deforming = 0;
+    for (uint32_t i = 0; i < scene.scene->n_shapes; i++) n_deforming += scene.scene->shapes[i].mesh_end != NULL;
+    assert_int_equal(n_deforming, 1);
+    fixture_clear(&scene);
+    /* they do so at first only */
+    fixture_text(&scene, FIXTURE_MEDIA TETRAHEDRA("100 * clock") "}" HALF);
+    const Diagnostic *report = fixture_find(&scene, D_SHAPE_CHANGES);
+    assert_non_null(report);
+    assert_non_null(strstr(report->text, "both"));
+    fixture_clear(&scene);
+}
+
+/* Parts that come to overlap by the end count as overlapping from the start. */
+static void parts_may_come_to_overlap_a_frame_later(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/meniscus-motion-XXXXXX", text[800], now[80], later[80];
+    assert_non_null(mkdtemp(folder));
+    snprintf(now, sizeof now, "%s/now.obj", folder);
+    snprintf(later, sizeof later, "%s/later.obj", folder);
+    static const char other[] =
+        "v %d .1 -.1\nv %d .1 -.1\nv %d .1 -.9\nv %d .9 -.1\nf 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
+    char far[200], near[200];
+    snprintf(far, sizeof far, other, 5, 6, 5, 5);
+    snprintf(near, sizeof near, other, 0, 1, 0, 0);
+    write_mesh(now, "1", far);
+    write_mesh(later, "1", near);
+    Fixture scene;
+    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
+             later);
+    fixture_compile(&scene, text, 1);
+    assert_int_equal(scene.scene->n_objects, 3);
+    uint32_t n_deforming = 0;
+    for (uint32_t i = 0; i < scene.scene->n_shapes; i++) n_deforming += scene.scene->shapes[i].mesh_end != NULL;
+    assert_int_equal(n_deforming, 2);
+    fixture_clear(&scene);
+    remove(now);
+    remove(later);
+    remove(folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -161,6 +222,8 @@ int main(void)
         cmocka_unit_test(mistakes_of_later_are_told),
         cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
         cmocka_unit_test(what_is_dropped_of_a_mesh_is_dropped_a_frame_later),
+        cmocka_unit_test(meshes_of_overlapping_parts_move_as_others_do),
+        cmocka_unit_test(parts_may_come_to_overlap_a_frame_later),
     };
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }
