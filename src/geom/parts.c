@@ -3,8 +3,8 @@
  *
  * A part is a set of triangles that are joined by their edges and closed by themselves. One that encloses negative
  * volume is a cavity, and belongs to the smallest body around it. Bodies overlap when their surfaces cross, or when one
- * is within the other and not in a cavity of it. Where boxes are apart nothing is looked at: pairs of triangles, and what
- * lies ahead of a point, come from a tree of the triangles of parts whose boxes meet. Layers are given out
+ * is within the other and not in a cavity of it. Where boxes are apart nothing is looked at: pairs of triangles, and
+ * what lies ahead of a point, come from a tree of the triangles of parts whose boxes meet. Layers are given out
  * as colours are to a map, to each body the first that none that it overlaps has, so that a heap of thousands of
  * bubbles becomes a handful of layers.
  * SPDX-License-Identifier: Apache-2.0 */
