@@ -96,7 +96,7 @@ bool line_set_next(LineSet *set, Line *line)
 
 Status probe_init(Probe *probe, const CompiledScene *compiled, Error *error)
 {
-    *probe = (Probe){0};
+    *probe = (Probe){.look_back = HUGE_VAL};
     nest_list_init(&probe->operands);
     size_t n = (size_t)compiled->n_hulls + compiled->csg.n_operands + 1;
     probe->depth = calloc(n, sizeof *probe->depth);
@@ -114,7 +114,7 @@ void probe_clear(Probe *probe)
     free(probe->intervals);
     free(probe->depth);
     free(probe->first);
-    *probe = (Probe){0};
+    *probe = (Probe){.look_back = HUGE_VAL};
 }
 
 bool hit_repeats(const HitList *hits, size_t i)
@@ -174,6 +174,17 @@ static void starts_inside(Probe *probe, const CompiledScene *compiled, uint32_t 
         nest_csg_pass(&compiled->csg, &probe->operands, pass, true);
 }
 
+/* Of a hull that is not around the line's start, a short look back may see one side alone. */
+static bool may_hold_start(const Probe *probe, const CompiledScene *compiled, uint32_t object, Vec3 p)
+{
+    uint32_t pass = compiled->hull_of_object[object];
+    if (isinf(probe->look_back) || compiled->csg.n_trees || pass >= compiled->n_hulls) return true;
+    const Box3 *box = &compiled->hull_bounds[pass];
+    double slack = rtc_rounding(p);
+    return box->min.x - slack <= p.x && p.x <= box->max.x + slack && box->min.y - slack <= p.y &&
+           p.y <= box->max.y + slack && box->min.z - slack <= p.z && p.z <= box->max.z + slack;
+}
+
 /* Opens the intervals of hulls that the line's start is inside of. */
 static void intervals_at_start(Probe *probe, const CompiledScene *compiled, const Line *line)
 {
@@ -186,7 +197,8 @@ static void intervals_at_start(Probe *probe, const CompiledScene *compiled, cons
             starts_inside(probe, compiled, pass);
     }
     for (size_t i = 0; i < behind->n; i++)
-        if (!hit_repeats(behind, i) && !rtc_is_plane(compiled->rtc, behind->items[i].object))
+        if (!hit_repeats(behind, i) && !rtc_is_plane(compiled->rtc, behind->items[i].object) &&
+            may_hold_start(probe, compiled, behind->items[i].object, line->start))
             probe->depth[compiled->hull_of_object[behind->items[i].object]] += behind->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < behind->n; i++) {
         uint32_t pass = compiled->hull_of_object[behind->items[i].object];
@@ -220,7 +232,7 @@ static uint32_t hull_crossed(Probe *probe, const CompiledScene *compiled, const 
 void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line)
 {
     Vec3f back = vec3f_negate(line->direction);
-    trace(probe, compiled, line, back, HUGE_VAL, &probe->backward);
+    trace(probe, compiled, line, back, compiled->csg.n_trees ? HUGE_VAL : probe->look_back, &probe->backward);
     for (size_t i = 0; i < probe->n_intervals; i++) probe->first[probe->intervals[i].hull] = INTERVAL_NONE;
     probe->n_intervals = 0;
     intervals_at_start(probe, compiled, line);

@@ -54,6 +54,8 @@ typedef struct Probe {
     int32_t *depth;     /* of each hull and operand at the start of a line: 0 in between */
     uint32_t *first;    /* each hull's first interval on the present line, INTERVAL_NONE */
     NestList operands;  /* of combinations, that the line is inside of; empty in between */
+    double look_back;   /* how far back from a line's start to look for what it is inside of: to the far end of every hull
+                         * that can be there, at least. HUGE_VAL, which probe_init sets, always does */
     bool out_of_memory; /* sticks */
 } Probe;
 ATTR_NODISCARD Status probe_init(Probe *probe, const CompiledScene *compiled, Error *error);

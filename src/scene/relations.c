@@ -85,6 +85,7 @@ typedef struct Finder {
     const CompiledScene *compiled;
     Worker *workers;
     double *radius;         /* of spheres; 0: no sphere */
+    float *reach;           /* of each hull: no point near it is further from the far end of a hull around that point */
     uint32_t *judges;       /* hulls with a pair that is judged along their lines, in rising order */
     uint32_t n_judges;
     uint32_t *judge_of;     /* of each hull: 1 + its place among these, or 0 */
@@ -459,7 +460,9 @@ static void task_of_judge(void *context, uint32_t judge_number, unsigned number)
     FactList *list = &f->judge_facts[judge_number];
     uint32_t hull = f->judges[judge_number];
     Box3 box = widened(f->compiled->hull_bounds[hull], margin_of(f->compiled->hull_bounds[hull]));
+    worker->probe.look_back = HUGE_VAL; /* how much stands on a line counts, too */
     uint32_t n_lines = lines_through(f, &worker->probe, hull, box);
+    worker->probe.look_back = (double)f->reach[hull];
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
         Line line;
@@ -482,6 +485,7 @@ static void task_of_judge(void *context, uint32_t judge_number, unsigned number)
 
 static void judge_pair_in(const Finder *f, Probe *probe, PairFacts *facts, Box3 box, uint32_t n, uint64_t seed)
 {
+    probe->look_back = (double)f->reach[facts->own];
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         LineSet set;
         Line line;
@@ -638,11 +642,33 @@ static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
     return pair;
 }
 
+/* The bounds of a hull with a little more than its margin around them: the boxes that lines are started from lie
+ * within. */
+static Box3 neighbourhood(const void *context, uint32_t hull)
+{
+    const Finder *f = context;
+    Box3 box = f->compiled->hull_bounds[hull];
+    return box3_is_empty(box) ? box : widened(box, 1.001 * margin_of(box) + 2 * box_rounding(box));
+}
+
+static double diagonal(Box3 box)
+{
+    return vec3_length(vec3_sub(box.max, box.min));
+}
+
+static void note_reach(Finder *f, uint32_t a, uint32_t b)
+{
+    float length = (float)(1.001 * diagonal(box3_union(neighbourhood(f, a), neighbourhood(f, b))));
+    f->reach[a] = fmaxf(f->reach[a], length);
+    f->reach[b] = fmaxf(f->reach[b], length);
+}
+
 /* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
 static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
 {
     Finder *f = context;
     Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
+    note_reach(f, a, b);
     if (!come_near(&box_a, &box_b, 2 * fmin(margin_of(box_a), margin_of(box_b)))) return STATUS_OK;
     double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
     Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
@@ -662,14 +688,6 @@ static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
     f->candidates[f->n_candidates++] =
         (Candidate){.a = a, .b = b, .region = region, .meet = meet, .region_small = region_small};
     return STATUS_OK;
-}
-
-/* The bounds of a hull with a little more than its margin around them. */
-static Box3 neighbourhood(const void *context, uint32_t hull)
-{
-    const Finder *f = context;
-    Box3 box = f->compiled->hull_bounds[hull];
-    return box3_is_empty(box) ? box : widened(box, 1.001 * margin_of(box));
 }
 
 static int compare_numbers(uint32_t a, uint32_t b, uint32_t other_a, uint32_t other_b)
@@ -776,7 +794,8 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     if (!best || !(best->depth > 0)) return;
     Vec3 place = best->depth_place, normal = best->depth_normal;
     Box3 box = f->compiled->hull_bounds[own];
-    double reach = vec3_length(vec3_sub(box.max, box.min));
+    double reach = diagonal(box);
+    probe->look_back = 1.001 * (reach + diagonal(box3_union(neighbourhood(f, own), neighbourhood(f, other))));
     candidate->depth = best->depth;
     for (int turn = 0; turn < TURNS && vec3_length(normal) > 0; turn++) {
         Vec3 direction = vec3_normalize(normal);
@@ -866,8 +885,9 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     const CompiledScene *compiled = f->compiled;
     size_t n = compiled->n_hulls ? compiled->n_hulls : 1;
     f->radius = calloc(n, sizeof *f->radius);
+    f->reach = calloc(n, sizeof *f->reach);
     f->judge_of = calloc(n, sizeof *f->judge_of);
-    if (!f->radius || !f->judge_of) return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
+    if (!f->radius || !f->reach || !f->judge_of) return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
         if (object->shape == SCENE_NONE) continue; /* a combination */
@@ -888,6 +908,7 @@ static void finder_clear(Finder *f, unsigned n_workers)
     for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
     free(f->workers);
     free(f->radius);
+    free(f->reach);
     free(f->judges);
     free(f->judge_of);
     free(f->judge_facts);
