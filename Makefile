@@ -189,6 +189,7 @@ check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUIL
 .PHONY: check-quick check-program
 
 BENCH_SCENES ?= examples/whisky.mns examples/whisky-gap.mns examples/aquarium.mns examples/glass-of-water.mns
+# MENISCUS_BENCH_OBJECTS=10000000 make bench: that many objects instead of a million
 bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as ratios within one run
 	$(BUILD)/bench $(BENCH_SCENES)
 	$(PYTHON) tests/bench/language.py $(BUILD)/meniscus

@@ -14,8 +14,11 @@ static void give_transform(const BuiltinCall *call, const Affine *affine, Value 
         result->kind = VALUE_POISON;
         return;
     }
-    Affine *kept = ARENA_NEW(call->evaluator->arena, Affine);
+    Evaluator *evaluator = call->evaluator;
+    Affine *kept = evaluator->free_transform ? evaluator->free_transform : ARENA_NEW(evaluator->arena, Affine);
     *kept = *affine;
+    evaluator->newest_transform = kept;
+    evaluator->free_transform = NULL;
     *result = (Value){.kind = VALUE_TRANSFORM, .as.transform = kept};
 }
 

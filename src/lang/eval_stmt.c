@@ -31,15 +31,19 @@ static void call_stmt(Evaluator *evaluator, Stmt *stmt)
         return;
     }
     Value value;
+    evaluator->newest_transform = NULL;
     eval_value(evaluator, call, &value);
     if (block && call->kind != EXPR_POISON)
         eval_error(evaluator, call, D_NOT_A_MACRO, "'%s' is no macro and takes no block", call->as.call.name);
-    if (value.kind == VALUE_TRANSFORM)
+    if (value.kind == VALUE_TRANSFORM) {
         eval_apply_transform(evaluator, value.as.transform, stmt->span);
-    else if (value.kind == VALUE_NODE)
+        /* one that was made for this statement is of no more use: instances may be many */
+        if (value.as.transform == evaluator->newest_transform) evaluator->free_transform = evaluator->newest_transform;
+    } else if (value.kind == VALUE_NODE) {
         eval_place_value(evaluator, value.as.node, stmt->span);
-    else if (value.kind != VALUE_POISON && value.kind != VALUE_NONE)
+    } else if (value.kind != VALUE_POISON && value.kind != VALUE_NONE) {
         eval_error(evaluator, call, D_UNUSED_VALUE, "the value of '%s' is not used", call->as.call.name);
+    }
 }
 
 static void kids_stmt(Evaluator *evaluator)

@@ -89,6 +89,8 @@ typedef struct Evaluator {
     Target *target;             /* NULL: the top of the scene */
     SlotChunk *chunks;          /* memory of frames */
     PropRoom *rooms;            /* free ones */
+    Affine *newest_transform;   /* that a builtin made; NULL: none since the present statement began */
+    Affine *free_transform;     /* memory for the next one; NULL */
     uint64_t steps, n_nodes;
     uint64_t next_look;         /* the step at which limits are looked at again */
     uint32_t calls;             /* now running */

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -176,7 +178,7 @@ static void bench_mesh_file(void)
             mesh_inspect(mesh, &report, &error) != STATUS_OK || !report.closed)
             exit(1);
         RtcObject object = {.mesh = mesh, .to_world = affine_identity()};
-        if (rtc_scene_new(&object, 1, THREADS, &scene, &error) != STATUS_OK) exit(1);
+        if (rtc_scene_new(&object, 1, 0, THREADS, &scene, &error) != STATUS_OK) exit(1);
         ratio[i] = (clock_now_s() - start) / bare;
         start = clock_now_s();
         if (mesh_find_crossings(mesh, pool, &found, &error) != STATUS_OK || found.n) exit(1);
@@ -407,8 +409,48 @@ static void bench_shells(void)
     }
 }
 
+/* Memory of the program so far at its largest, in bytes. */
+static double most_memory(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * (double)usage.ru_maxrss;
+}
+
+/* Objects spread evenly in a cube, a tenth of a unit in radius; each kind in a program of its own, as the system knows
+ * only of the most memory that a program ever had. MENISCUS_BENCH_OBJECTS: how many, if not a million. */
+static void bench_many(const char *name, const char *object)
+{
+    const char *wanted = getenv("MENISCUS_BENCH_OBJECTS");
+    unsigned n = wanted ? (unsigned)strtoul(wanted, NULL, 10) : 1000000;
+    fflush(stdout);
+    pid_t child = fork();
+    if (child < 0) exit(1);
+    if (child > 0) {
+        int status;
+        if (waitpid(child, &status, 0) != child || status != 0) exit(1);
+        return;
+    }
+    char text[1000];
+    Made made;
+    snprintf(text, sizeof text,
+             "meniscus 1.0 unit cm medium gas { ior = 1 state = gas } environment { } "
+             "camera { from = <50, 50, 300> to = <50, 50, 50> } let b = %s "
+             "for (i in 1..%u) { b { translate(<100 * rnd(1, i), 100 * rnd(2, i), 100 * rnd(3, i)>) } }",
+             object, n);
+    double before = most_memory();
+    make_scene(&made, text);
+    printf("%u %s: %.0f bytes each at the most, %.0f of them Embree's; %.2f us to build, %.2f us to compile; %zu pairs\n", n,
+           name, (most_memory() - before) / n, (double)rtc_scene_bytes(made.compiled->rtc) / n, made.build_s / n * 1e6,
+           made.compile_s / n * 1e6, made.compiled->n_pairs);
+    fflush(stdout);
+    _exit(0);
+}
+
 int main(int argc, char **argv)
 {
+    bench_many("spheres", "sphere { interior = gas radius = .1 }");
+    bench_many("instances of a mesh, apart from each other", "box { interior = gas size = <.01, .01, .01> }");
     bench_rays();
     bench_mesh_file();
     bench_crossing();

@@ -195,6 +195,27 @@ static void test_transforms(void **state)
     run_close(&run);
 }
 
+/* The memory of a transform that only places a node is used again; a transform that is kept must not change by that. */
+static void test_kept_transforms(void **state)
+{
+    Run run;
+    (void)state;
+    run_text(&run, "let kept = translate(x) let list = [translate(2 * x), scale(2)] def shift(n) = translate(<n, 0, 0>)\n"
+                   "def row() { for (i in 1..3) { let own = shift(i) sphere { radius = 1 translate(y) transform(own) transform(own) } } }\n"
+                   "sphere { radius = 1 translate(z) } sphere { radius = 1 transform(kept) translate(z) transform(kept) }\n"
+                   "sphere { radius = 1 transform(list[0]) shift(5) transform(list[0]) } row()\n"
+                   "sphere { radius = 1 rotate(z, 90) transform(kept) translate(x) }\n"
+                   "print(apply(kept, y), apply(list[0], y), apply(list[1], y))");
+    expect_fine(&run);
+    const double x[] = {0, 2, 9, 2, 4, 6, 2};
+    for (size_t i = 0; i < COUNT_OF(x); i++) {
+        double found = node_at(&run, i + 1)->transform.t.x; /* the first node is the air */
+        if (found != x[i]) fail_msg("node %zu stands at x = %g, not %g", i, found, x[i]);
+    }
+    assert_string_equal(buf_text(&run.result.printed), "<1, 1, 0><2, 1, 0><0, 2, 0>\n");
+    run_close(&run);
+}
+
 static void test_defaults_and_none(void **state)
 {
     Run run;
@@ -423,7 +444,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_whisky),          cmocka_unit_test(test_aquarium),
         cmocka_unit_test(test_soda),            cmocka_unit_test(test_instances),
-        cmocka_unit_test(test_transforms),      cmocka_unit_test(test_defaults_and_none),
+        cmocka_unit_test(test_transforms), cmocka_unit_test(test_kept_transforms),      cmocka_unit_test(test_defaults_and_none),
         cmocka_unit_test(test_default_texts),   cmocka_unit_test(test_macros),
         cmocka_unit_test(test_words),           cmocka_unit_test(test_functions),
         cmocka_unit_test(test_rnd_and_noise),   cmocka_unit_test(test_working_space),
