@@ -14,8 +14,8 @@
 #include "base/array.h"
 #include "geom/grower.h"
 
+#define NO_VERTEX UINT32_MAX
 enum {
-    NO_VERTEX = UINT32_MAX,
     EDGES_PER_POINT = 8 /* the first is not used */,
     MAX_ROUNDS = 5,
     ROOT_STEPS = 12,

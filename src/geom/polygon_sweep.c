@@ -14,7 +14,8 @@
 
 #include "base/array.h"
 
-enum { NONE = UINT32_MAX };
+#define NONE UINT32_MAX
+
 typedef enum Side { LEFT, RIGHT } Side;
 
 /* A point on the boundary of a part; the parts are linked lists in one array. */
