@@ -119,6 +119,15 @@ static inline bool box3_is_unbounded(Box3 b)
 {
     return !box3_is_empty(b) && !(vec3_is_finite(b.min) && vec3_is_finite(b.max));
 }
+/* Bounds included. */
+static inline bool box3_holds_point(Box3 b, Vec3 p)
+{
+    return p.x >= b.min.x && p.x <= b.max.x && p.y >= b.min.y && p.y <= b.max.y && p.z >= b.min.z && p.z <= b.max.z;
+}
+static inline bool box3_holds(Box3 outer, Box3 inner)
+{
+    return box3_holds_point(outer, inner.min) && box3_holds_point(outer, inner.max);
+}
 static inline Box3 box3_intersection(Box3 a, Box3 b)
 {
     Box3 box = {vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),

@@ -176,7 +176,7 @@ static bool is_enclosed(Remarks *r, uint32_t hull, uint32_t object)
         line_set_begin(&set, r->compiled->hull_bounds[hull], direction, LINES / LINE_DIRECTIONS, hull);
         while (line_set_next(&set, &line)) {
             Ray ray = ray_make(vec3_along(line.start, -back, vec3_from_f(line.direction)), line.direction);
-            ray.time = r->compiled->scene->n_keys ? line.time : 0;
+            ray.time = line_time(r->compiled, &line);
             HitList *hits = &r->probe.forward;
             rtc_all(r->compiled->rtc, &ray, false, hits);
             for (size_t i = 0; i < hits->n; i++) {
@@ -200,12 +200,6 @@ static int compare_places(const void *left, const void *right)
     return a->x < b->x ? -1 : a->x > b->x;
 }
 
-static bool box_holds(const Box3 *outer, const Box3 *inner)
-{
-    return outer->min.x < inner->min.x && inner->max.x < outer->max.x && outer->min.y < inner->min.y &&
-           inner->max.y < outer->max.y && outer->min.z < inner->min.z && inner->max.z < outer->max.z;
-}
-
 /* Looks at the hulls whose bounds begin within those of the object, sorted by where they begin. */
 static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places, Tally *tally)
 {
@@ -220,7 +214,7 @@ static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places,
     }
     for (uint32_t i = low; i < n && places[i].x < outer->max.x; i++) {
         uint32_t hull = places[i].hull;
-        if (!box_holds(outer, &r->compiled->hull_bounds[hull]) || !is_enclosed(r, hull, object) || !tally_next(tally))
+        if (!box3_holds(*outer, r->compiled->hull_bounds[hull]) || !is_enclosed(r, hull, object) || !tally_next(tally))
             continue;
         const SceneObject *inner = report_object(r->compiled, hull);
         Diagnostic *report =

@@ -307,12 +307,6 @@ static double sheet_winding(const Mesh *mesh, const Sheets *sheets, uint32_t whi
     return sum * 0.15915494309189535; /* 2 angle / (4 pi) */
 }
 
-static bool box_holds(Box3 outer, Box3 inner)
-{
-    return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && outer.min.z <= inner.min.z &&
-           outer.max.x >= inner.max.x && outer.max.y >= inner.max.y && outer.max.z >= inner.max.z;
-}
-
 /* Whether a sheet lies inside what the others enclose, judged in the middle of one of its triangles, which
  * is off the others even where they share edges. Only those whose box holds its box can enclose it. */
 static bool sheet_is_inside(const Mesh *mesh, const Sheets *sheets, uint32_t which)
@@ -322,7 +316,7 @@ static bool sheet_is_inside(const Mesh *mesh, const Sheets *sheets, uint32_t whi
     for (int k = 0; k < 3; k++) p = vec3_along(p, 1.0 / 3, vec3_from_f(mesh->positions[t[k]]));
     double winding = 0;
     for (uint32_t k = 0; k < sheets->n; k++)
-        if (k != which && box_holds(sheets->bounds[k], sheets->bounds[which]))
+        if (k != which && box3_holds(sheets->bounds[k], sheets->bounds[which]))
             winding += sheet_winding(mesh, sheets, k, p);
     return winding > 0.5;
 }

@@ -213,11 +213,12 @@ static void print_numbers(Flat *flat, const double *numbers, size_t n, ValueKind
 static void print_number_lists(Flat *flat, const EvalProp *prop, ValueKind kind)
 {
     const double *numbers = prop->as.list.numbers;
+    unsigned depth = line_depth(flat->out) + 1;
     buf_add(flat->out, "[");
     for (size_t i = 0; i < prop->as.list.n_lists; i++) {
         if (i > 0) {
             buf_add(flat->out, ",");
-            new_line(flat, line_depth(flat->out));
+            new_line(flat, depth);
         }
         print_numbers(flat, numbers, prop->as.list.lengths[i], kind);
         numbers += prop->as.list.lengths[i] * value_width(kind);
@@ -338,10 +339,11 @@ static bool inherited(const EvalProp *prop, const EvalNode *origin)
            same->span.end == prop->span.end;
 }
 
-static void print_prop_name(Flat *flat, const char *name, size_t *line)
+/* depth: of a line within the node. */
+static void print_prop_name(Flat *flat, const char *name, unsigned depth, size_t *line)
 {
     if (flat->out->length - *line > LINE_WIDTH && !behind_brace(flat->out)) {
-        new_line(flat, flat->depth + 1);
+        new_line(flat, depth);
         *line = line_start(flat->out);
     } else {
         buf_add(flat->out, behind_brace(flat->out) ? " " : "  ");
@@ -349,18 +351,18 @@ static void print_prop_name(Flat *flat, const char *name, size_t *line)
     buf_format(flat->out, "%s = ", name);
 }
 
-static void print_props(Flat *flat, const EvalNode *node, const EvalNode *origin)
+static void print_props(Flat *flat, const EvalNode *node, const EvalNode *origin, unsigned depth)
 {
     size_t line = line_start(flat->out);
     for (size_t i = 0; i < node->n_props; i++) {
         if (inherited(&node->props[i], origin)) continue;
-        print_prop_name(flat, node->props[i].type->name, &line);
+        print_prop_name(flat, node->props[i].type->name, depth, &line);
         print_prop_value(flat, &node->props[i]);
         line = line_start(flat->out);
     }
     for (size_t i = 0; origin && i < origin->n_props; i++) { /* unset with none */
         if (find_prop(node, origin->props[i].type)) continue;
-        print_prop_name(flat, origin->props[i].type->name, &line);
+        print_prop_name(flat, origin->props[i].type->name, depth, &line);
         buf_add(flat->out, "none");
     }
 }
@@ -396,18 +398,20 @@ static void print_statement(Flat *flat, const EvalNode *node);
 /* Behind word [name]: "{ ... }". origin: what word stands for when it is a prototype; placed: with the transform. */
 static void print_body(Flat *flat, const EvalNode *node, const EvalNode *origin, bool placed)
 {
+    /* of the line that the brace is on: a value may begin on a line that goes on with another node */
+    unsigned depth = line_depth(flat->out);
     buf_add(flat->out, " {");
-    print_props(flat, node, origin);
+    print_props(flat, node, origin, depth + 1);
     if (placed) print_transform(flat, &node->transform);
     flat->depth++;
     if (flat->depth > DEEPEST_BLOCK) flat->too_deep = true;
     for (size_t i = 0; !origin && !flat->too_deep && i < node->n_children; i++) {
-        new_line(flat, flat->depth);
+        new_line(flat, depth + 1);
         print_statement(flat, node->children[i]);
     }
     flat->depth--;
     if (!origin && node->n_children)
-        new_line(flat, flat->depth);
+        new_line(flat, depth);
     else
         buf_add(flat->out, " ");
     buf_add(flat->out, "}");

@@ -586,12 +586,6 @@ static Status geometry_hits(void *state, const EvalNode *node, Vec3 from, Vec3 d
 
 /* ---- inside and outside ---- */
 
-static bool box_holds(const Box3 *box, Vec3 p)
-{
-    return p.x >= box->min.x && p.x <= box->max.x && p.y >= box->min.y && p.y <= box->max.y && p.z >= box->min.z &&
-           p.z <= box->max.z;
-}
-
 /* Whether any object is left more often than it is entered by a ray from the point, or a combination is made up of such
  * ones. */
 static Status inside_along(Geometry *geometry, Model *model, Vec3 point, int direction, bool *inside, Error *error)
@@ -627,7 +621,7 @@ static Status geometry_inside(void *state, const EvalNode *node, Vec3 point, boo
     Model *model = asked->model;
     Vec3 p = affine_point(&asked->to_model, point);
     *inside = false;
-    if (!box_holds(&model->bounds, p)) return STATUS_OK;
+    if (!box3_holds_point(model->bounds, p)) return STATUS_OK;
     bool first, second;
     TRY(inside_along(geometry, model, p, 0, &first, error));
     TRY(inside_along(geometry, model, p, 1, &second, error));

@@ -133,7 +133,7 @@ static void trace(Probe *probe, const CompiledScene *compiled, const Line *line,
                   HitList *hits)
 {
     Ray ray = ray_make(line->start, direction);
-    ray.time = compiled->scene->n_keys ? line->time : 0;
+    ray.time = line_time(compiled, line);
     ray.t_max = length;
     rtc_all(compiled->rtc, &ray, false, hits);
     if (hits->out_of_memory) probe->out_of_memory = true;
@@ -193,7 +193,7 @@ static void intervals_at_start(Probe *probe, const CompiledScene *compiled, cons
     for (uint32_t i = 0; i < compiled->n_planes; i++) {
         uint32_t pass = compiled->hull_of_object[compiled->planes[i]];
         if (compiled_hull(compiled, compiled->planes[i]) != SCENE_NONE &&
-            rtc_below_plane(compiled->rtc, compiled->planes[i], line->start, compiled->scene->n_keys ? line->time : 0))
+            rtc_below_plane(compiled->rtc, compiled->planes[i], line->start, line_time(compiled, line)))
             starts_inside(probe, compiled, pass);
     }
     for (size_t i = 0; i < behind->n; i++)

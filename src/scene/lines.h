@@ -20,6 +20,12 @@ typedef struct Line {
     double area; /* of the cross-section that this line stands for */
 } Line;
 
+/* When a line is looked along; of a scene in which nothing moves there is one moment only. */
+static inline double line_time(const CompiledScene *compiled, const Line *line)
+{
+    return compiled->scene->n_keys ? line->time : 0;
+}
+
 /* Lines of one direction through a box (made wider by what rounding needs), evenly spread over the box's silhouette:
  * about n, at least one for each of the three faces where they enter. */
 typedef struct LineSet {
@@ -51,10 +57,10 @@ typedef struct Probe {
     HitList forward, backward;
     Interval *intervals;
     size_t n_intervals, intervals_capacity;
-    int32_t *depth;     /* of each hull and operand at the start of a line: 0 in between */
-    uint32_t *first;    /* each hull's first interval on the present line, INTERVAL_NONE */
-    NestList operands;  /* of combinations, that the line is inside of; empty in between */
-    double look_back;   /* how far back from a line's start to look for what it is inside of: to the far end of every hull
+    int32_t *depth;    /* of each hull and operand at the start of a line: 0 in between */
+    uint32_t *first;   /* each hull's first interval on the present line, INTERVAL_NONE */
+    NestList operands; /* of combinations, that the line is inside of; empty in between */
+    double look_back; /* how far back from a line's start to look for what it is inside of: to the far end of every hull
                          * that can be there, at least. HUGE_VAL, which probe_init sets, always does */
     bool out_of_memory; /* sticks */
 } Probe;

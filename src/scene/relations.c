@@ -719,21 +719,14 @@ static Status find_candidates(Finder *f, Error *error)
 
 /* ---- putting it together ---- */
 
-static bool box_inside(Box3 a, Box3 b, double slack)
-{
-    Box3 w = widened(b, slack);
-    return a.min.x >= w.min.x && a.min.y >= w.min.y && a.min.z >= w.min.z && a.max.x <= w.max.x && a.max.y <= w.max.y &&
-           a.max.z <= w.max.z;
-}
-
 static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, HullPair *pair)
 {
     const Box3 *bounds = f->compiled->hull_bounds;
     if (!first || !pair->overlaps) return;
     double slack = box_rounding(bounds[first->other]);
     bool own_inside =
-        !first->own_out && first->n_inside == n_lines && box_inside(bounds[first->own], bounds[first->other], slack);
-    bool other_inside = !first->other_out && box_inside(bounds[first->other], bounds[first->own], slack);
+        !first->own_out && first->n_inside == n_lines && box3_holds(widened(bounds[first->other], slack), bounds[first->own]);
+    bool other_inside = !first->other_out && box3_holds(widened(bounds[first->own], slack), bounds[first->other]);
     if (own_inside == other_inside) return; /* both: the same hull twice */
     uint32_t inner = own_inside ? first->own : first->other;
     pair->relation = inner == pair->a ? NEST_A_IN_B : NEST_B_IN_A;

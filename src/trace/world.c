@@ -59,17 +59,13 @@ static Status choose_lights(World *world, Error *error)
 static bool camera_list_may_move(const World *world)
 {
     const CompiledScene *compiled = world->compiled;
-    Vec3 p = world->camera->from;
     if (world->camera->keys) return true;
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
         const SceneObject *object = &world->scene->objects[i];
         uint32_t hull = compiled_hull(compiled, i);
         if (hull == SCENE_NONE || object->shape == SCENE_NONE) continue;
         if (object->motion == SCENE_NONE && !world->scene->shapes[object->shape].mesh_end) continue;
-        Box3 box = compiled->hull_bounds[hull];
-        if (p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y && p.z >= box.min.z &&
-            p.z <= box.max.z)
-            return true;
+        if (box3_holds_point(compiled->hull_bounds[hull], world->camera->from)) return true;
     }
     return false;
 }

@@ -61,6 +61,23 @@ says out 'ball { interior = air  surface = none  matrix('
 says_not out 'for ('
 end
 
+begin "dump --flat: long lines within nodes that stand within others are laid out as fmt does"
+{
+    echo 'meniscus 1.0 unit mm'
+    echo 'let rough = surface { albedo = rgb(.123456789, .23456789, .3456789) ior = 1.5  roughness = .123456789  emission = rgb(.123456789, .2, .3) }'
+    echo 'sphere a_name_that_takes_up_room { center = <1.23456789, 2.3456789, 3.456789>  radius = 1.23456789'
+    echo '  surface = surface { albedo = rgb(.123456789, .23456789, .3456789) ior = 1.5  roughness = .123456789  emission = rgb(.1, .2, .3)'
+    echo '  radiance = 1.23456789 } }'
+    echo 'group { group { prism { outline = [[for (i in 0..<40) <9 * cos(9 * i), 9 * sin(9 * i)>], [<-1, -1>, <1, -1>, <0, 1>]]  from = 0  to = 1'
+    echo '  surface = surface { albedo = rgb(.123456789, .23456789, .3456789) ior = 1.5  roughness = .123456789  emission = rgb(.1, .2, .3)'
+    echo '  radiance = 1.23456789 } } } }'
+    echo 'prism { outline = [[<-2, -2>, <2, -2>, <0, 2>], [<-1, -1>, <1, -1>, <0, 1>]]  from = 0  to = 1  surface = rough }'
+    echo 'environment { color = 1 }'
+    echo 'camera { from = <0, 5, 30>  to = <0, 0, 0> }'
+} > long.mns
+same_flat long.mns
+end
+
 begin "dump: parameters, presets and --set have taken effect; files are named by their whole path"
 small_scene
 echo 'preset fine { render { samples = 64 } }' >> small.mns

@@ -3,37 +3,14 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include "dice.h"
 #include "near.h"
 
-#include "base/hash.h"
 #include "geom/piece.h"
 
 static const double pi = 3.14159265358979323846;
 
 enum { LINES_PER_SOLID = 450000, MAX_CROSSINGS = 1024 };
-
-typedef struct Dice {
-    uint64_t state;
-} Dice;
-
-static double dice_unit(Dice *dice)
-{
-    return hash_to_unit(hash_u64(dice->state++));
-}
-
-static Vec3 dice_direction(Dice *dice)
-{
-    double y = 2 * dice_unit(dice) - 1;
-    double angle = 2 * pi * dice_unit(dice);
-    double r = sqrt(1 - y * y);
-    return vec3(r * cos(angle), y, r * sin(angle));
-}
-
-/* from 1 down to 1e-18, evenly in the logarithm */
-static double dice_tiny(Dice *dice)
-{
-    return pow(10, -18 * dice_unit(dice));
-}
 
 static double to_float(double x)
 {
