@@ -179,6 +179,8 @@ ATTR_NODISCARD Status eval_text(const char *name, const char *text, size_t lengt
 
 /* The property of that name, NULL when it was not set. The name must be in the node's table. */
 const EvalProp *eval_prop(const EvalNode *node, const char *name);
+/* Whether it was set, or has a default. */
+bool eval_has_value(const EvalNode *node, const char *name);
 /* The property's value, or else the default text of its table row, read as a number or truth. */
 double eval_number(const EvalNode *node, const char *name);
 bool eval_truth(const EvalNode *node, const char *name);

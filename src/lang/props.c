@@ -22,6 +22,11 @@ static const char *default_text(const EvalNode *node, const char *name)
     return NULL;
 }
 
+bool eval_has_value(const EvalNode *node, const char *name)
+{
+    return eval_prop(node, name) || default_text(node, name);
+}
+
 /* The numbers in "3", "<0, 0, 0>": at most n; returns how many there were. */
 static int read_numbers(const char *text, double *numbers, int n)
 {

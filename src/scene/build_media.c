@@ -1,10 +1,9 @@
-/* build_media.c - media, surfaces, and the spectra of colours.
+/* build_media.c - media, and the spectra of colours.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
 #include <string.h>
 
 #include "optics/color.h"
-#include "optics/metal.h"
 #include "scene/build_parts.h"
 
 static bool is_term(const EvalProp *prop, const char *name)
@@ -12,7 +11,7 @@ static bool is_term(const EvalProp *prop, const char *name)
     return prop->as.spectrum.form == SPECTRUM_TERM && strcmp(prop->as.spectrum.term->type->name, name) == 0;
 }
 
-static float *new_table(Builder *b)
+float *build_new_table(Builder *b)
 {
     return ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES);
 }
@@ -63,7 +62,7 @@ static Spectrum coefficients_of(Builder *b, const EvalProp *prop)
     const double *rgb = prop->as.spectrum.rgb;
     bool grey = prop->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
     double largest = grey ? rgb[0] : fmax(rgb[0], fmax(rgb[1], rgb[2]));
-    if (largest <= most) return grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, new_table(b));
+    if (largest <= most) return grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, build_new_table(b));
     diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s %s of %g is too large",
                 strcmp(name, "absorption") == 0 ? "an" : "a", name, largest);
     return spectrum;
@@ -83,7 +82,7 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     } else if (depth && !tint) {
         build_needs(b, node, "depth", "without a 'tint'");
     } else if (tint) {
-        medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, new_table(b));
+        medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, build_new_table(b));
     } else if (absorption) {
         medium->absorption = coefficients_of(b, absorption);
     }
@@ -161,123 +160,6 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     return scene->n_media++;
 }
 
-/* ---- surfaces ---- */
-
-static uint32_t add_surface(Builder *b, SceneSurface surface)
-{
-    Scene *scene = b->scene;
-    scene->surfaces = room_for_one(b->arena, scene->surfaces, scene->n_surfaces, &b->surfaces_capacity, sizeof surface);
-    scene->surfaces[scene->n_surfaces] = surface;
-    return scene->n_surfaces++;
-}
-
-/* Skin, metal, coat: what makes a surface more than matte. */
-static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
-{
-    const EvalProp *ior = eval_prop(node, "ior");
-    const char *metal = eval_word(node, "metal");
-    BsdfSpec *spec = &surface->spec[0];
-    bsdf_spec_init(spec);
-    surface->roughness = spec->specular_roughness = (float)eval_number(node, "roughness");
-    spec->base_color = surface->albedo;
-    spec->base_diffuse_roughness = (float)eval_number(node, "diffuse_roughness");
-    spec->specular_weight = ior ? 1 : 0;
-    if (ior) spec->specular_ior = spectrum_constant((float)ior->as.number);
-    if (metal) {
-        spec->base_metalness = 1;
-        spec->measured_metal = metal_index(metal, &spec->metal_n, &spec->metal_k, new_table(b), new_table(b));
-    }
-    spec->coat_weight = (float)eval_number(node, "coat");
-    spec->coat_ior = spectrum_constant((float)eval_number(node, "coat_ior"));
-    spec->coat_roughness = (float)eval_number(node, "coat_roughness");
-    Vec3 tint = eval_vector(node, "coat_tint");
-    spec->coat_color = spectrum_from_reflectance((const double[3]){tint.x, tint.y, tint.z});
-    surface->spec[1] = *spec;
-    surface->spec[1].base_color = surface->albedo2;
-    surface->finished = ior || metal || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0;
-    static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
-    for (size_t i = 0; metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
-    static const char *const of_coat[] = {"coat_ior", "coat_roughness", "coat_tint"};
-    for (size_t i = 0; spec->coat_weight == 0 && i < COUNT_OF(of_coat); i++) build_needs(b, node, of_coat[i], "without a coat");
-}
-
-bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
-{
-    const EvalNode *node = surface->as.node;
-    size_t n_errors = b->diag->n_errors;
-    for (size_t i = 0; clear && i < node->n_props; i++) {
-        if (strcmp(node->props[i].type->name, "roughness") == 0) continue;
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
-                                         "an object with an interior is clear: its surface can be rough, but has no '%s'",
-                                         node->props[i].type->name);
-        diag_note(b->diag, report, node->props[i].span, "'%s' is set here", node->props[i].type->name);
-        break;
-    }
-    if (clear && node->n_props == 0) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
-                                         "an object with an interior is clear: this surface says nothing of it");
-        diag_hint(b->diag, report, "a rough one is surface { roughness = .3 }");
-    }
-    if (!clear && !eval_prop(node, "ior") && !eval_prop(node, "metal") && eval_prop(node, "roughness")) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "roughness"),
-                                         "'roughness' has no effect on a matte surface");
-        diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
-    }
-    return b->diag->n_errors == n_errors;
-}
-
-uint32_t build_surface(Builder *b, const EvalNode *node)
-{
-    bool found;
-    uint32_t known = *build_row_of(b, &b->surfaces, node, b->scene->n_surfaces, &found);
-    if (found) return known;
-    const char *name = node->name ? node->name : "surface";
-    Vec3 albedo = eval_vector(node, "albedo");
-    double rgb[3] = {albedo.x, albedo.y, albedo.z};
-    SceneSurface surface = {.name = arena_copy_text(b->arena, name, strlen(name)),
-                            .albedo = spectrum_from_reflectance(rgb)};
-    surface.albedo2 = surface.albedo;
-    if (!eval_prop(node, "emission"))
-        build_needs(b, node, "radiance", "without an 'emission'");
-    else if (build_emission(b, node, "emission", eval_number(node, "radiance"), &surface.emission))
-        surface.emits = !spectrum_is_zero(&surface.emission);
-    surface.check_size = (float)eval_number(node, "check_size");
-    if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
-        const EvalProp *albedo2 = eval_prop(node, "albedo2");
-        double other[3];
-        for (int i = 0; i < 3; i++) other[i] = albedo2 ? albedo2->as.vector[i] : rgb[i] / 4;
-        surface.checkered = true;
-        surface.albedo2 = spectrum_from_reflectance(other);
-        if (!(surface.check_size >= FLT_MIN && surface.check_size <= (float)SCENE_REACH))
-            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "check_size"), "squares of %g cannot be drawn",
-                        eval_number(node, "check_size"));
-    } else {
-        build_needs(b, node, "albedo2", "without pattern = checker");
-        build_needs(b, node, "check_size", "without pattern = checker");
-    }
-    finish_of(b, node, &surface);
-    return add_surface(b, surface);
-}
-
-uint32_t build_black_surface(Builder *b)
-{
-    if (b->black == SCENE_NONE)
-        b->black = add_surface(
-            b, (SceneSurface){
-                   .name = "light", .albedo = spectrum_constant(0), .albedo2 = spectrum_constant(0), .check_size = 1});
-    return b->black;
-}
-
-uint32_t build_grey_surface(Builder *b)
-{
-    if (b->grey == SCENE_NONE)
-        b->grey = add_surface(b, (SceneSurface){.name = "grey",
-                                                .albedo = spectrum_constant(0.5f),
-                                                .albedo2 = spectrum_constant(0.5f),
-                                                .check_size = 1});
-    return b->grey;
-}
-
 /* ---- light ---- */
 
 /* beyond this the products along a path could leave the range of float */
@@ -300,7 +182,7 @@ static bool emission_of_table(Builder *b, const EvalProp *prop, double factor, S
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "a light cannot be %g times a spectrum", term->scale);
         return false;
     }
-    float *table = new_table(b);
+    float *table = build_new_table(b);
     if (is_term(prop, "blackbody")) {
         double kelvin = term->args[0];
         if (!(kelvin >= 500 && kelvin <= 1e6)) {

@@ -96,13 +96,18 @@ void build_needs(Builder *b, const EvalNode *node, const char *property, const c
 
 /* build_media.c */
 uint32_t build_medium(Builder *b, const EvalNode *node);
+/* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */
+bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out);
+
+/* Room for a tabulated spectrum, in the scene's arena. */
+float *build_new_table(Builder *b);
+
+/* build_surface.c */
 uint32_t build_surface(Builder *b, const EvalNode *node);
 /* Whether a surface suits an object that is clear, or one that is opaque; reports when not. */
 bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear);
 uint32_t build_black_surface(Builder *b);
 uint32_t build_grey_surface(Builder *b);
-/* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */
-bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out);
 
 /* build_spectrum.c */
 /* What a property's spectrum() says, its factor included; false after reporting. most: the largest value that can be
