@@ -140,6 +140,7 @@ void build_film(Builder *b, const EvalNode *node)
                     "a film of %g x %g pixels: pixels are whole", size.x, size.y);
     film->width = (uint32_t)size.x;
     film->height = (uint32_t)size.y;
+    film->box = strcmp(eval_word(node, "filter"), "box") == 0;
     build_aovs(b, eval_prop(node, "aovs"));
     const EvalProp *output = eval_prop(node, "output");
     if (!output) return;

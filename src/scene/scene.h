@@ -141,6 +141,7 @@ typedef struct SceneFilm {
     const char *const *outputs;
     uint32_t n_outputs;
     AovSet aovs;
+    bool box; /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
 typedef struct SceneRender {

@@ -233,6 +233,7 @@ uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratc
     if (scene->environment) add_map(&h, &scene->world_to_environment);
     add_integer(&h, scene->film.width);
     add_integer(&h, scene->film.height);
+    add_integer(&h, scene->film.box);
     add_integer(&h, scene->render.bounces);
     add_integer(&h, scene->render.nesting);
     add_integer(&h, scene->render.seed);

@@ -128,9 +128,10 @@ static bool start_list(Path *path, const SceneCamera *camera)
     return true;
 }
 
-/* A place in the pixel after a tent filter of radius 1: u in [0,1) to an offset in (-1, 1). */
-static double tent(float u)
+/* A place after the pixel's filter: u in [0,1) to an offset from its middle, with a tent of radius 1 in (-1, 1). */
+static double filtered(bool box, float u)
 {
+    if (box) return (double)u - 0.5;
     double v = 2 * (double)u;
     return v < 1 ? sqrt(v) - 1 : 1 - sqrt(2 - v);
 }
@@ -202,7 +203,8 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     sampler_2d(&path.sampler, DIM_PIXEL, u);
     sampler_2d(&path.sampler, DIM_LENS, lens);
     path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
-    FilmPoint point = {(double)x + 0.5 + tent(u[0]), (double)y + 0.5 + tent(u[1]), width, height};
+    bool box = world->scene->film.box;
+    FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
     double time = world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
     SceneCamera moved;
     const SceneCamera *camera = world->camera;
