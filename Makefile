@@ -190,12 +190,25 @@ check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUIL
 
 BENCH_SCENES ?= examples/whisky.mns examples/whisky-gap.mns examples/aquarium.mns examples/glass-of-water.mns
 # MENISCUS_BENCH_OBJECTS=10000000 make bench: that many objects instead of a million
+LIMIT_SCENES := $(BUILD)/peers/glass.mns $(addprefix examples/,$(addsuffix .mns,whisky aquarium glass-of-water half-submerged \
+  snells-window soda cold-glass cut-glass diamond still-life tea light-bulb))
+bench-limit: $(BUILD)/bench assets $(LIMIT_SCENES) ## renders in ratio to their own rays through bare Embree, and their speed
+	$(BUILD)/bench paths $(BUILD)/peers/glass.mns
+	$(BUILD)/bench limit $(LIMIT_SCENES)
+.PHONY: bench-limit
+
 bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as ratios within one run
 	$(BUILD)/bench $(BENCH_SCENES)
 	$(PYTHON) tests/bench/language.py $(BUILD)/meniscus
 
-$(BUILD)/bench: tests/bench/bench.c $(BUILD)/libmeniscus.a
-	$(SAY) $(TEST_COMPILE) $< $(BUILD)/libmeniscus.a $(LIBS)
+# --wrap: limit.c notes the rays that a render casts
+BENCH_SOURCES := $(wildcard tests/bench/*.c)
+$(BUILD)/bench: $(BENCH_SOURCES) tests/bench/measure.h $(BUILD)/libmeniscus.a
+	$(SAY) $(CC) $(CPPFLAGS_ALL) -Itests/bench $(CFLAGS_ALL) $(LDFLAGS) -Wl,--wrap=rtc_nearest,--wrap=rtc_all -o $@ \
+	  $(BENCH_SOURCES) $(BUILD)/libmeniscus.a $(LIBS)
+
+$(BUILD)/peers/glass.mns: tests/peers/glass.py
+	$(PYTHON) $< $(@D)
 
 golden: all assets ## make one reference picture anew: make golden NAME=whisky
 	sh tests/render/run.sh build/meniscus --make $(NAME)
@@ -220,7 +233,7 @@ asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior 
 
 # ---- looking after the source ----
 
-FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch] tests/bench/*.c tests/fuzz/*.[ch])
+FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*.[ch] tests/bench/*.[ch] tests/fuzz/*.[ch])
 format: ## lay the source out with clang-format
 	clang-format -i $(FORMATTED)
 

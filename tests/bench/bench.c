@@ -1,5 +1,7 @@
 /* bench.c - what nesting and exactness cost, as ratios of two things measured in one run.
- * usage: bench SCENE...    the examples to be rendered small; run by `make bench`
+ * usage: bench SCENE...          all of them; the examples are rendered small; run by `make bench`
+ *        bench limit SCENE...    a render's time in ratio to that of its own rays
+ *        bench paths SCENE...    paths for each second of the processor
  * Each figure is the median of several runs, with the range of all of them.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
@@ -15,23 +17,10 @@
 #include "geom/mesh_file.h"
 #include "geom/rtc.h"
 #include "nest/cross.h"
-#include "render/render.h"
-#include "scene/build.h"
 #include "check/report.h"
+#include "measure.h"
 
-enum { RUNS = 7, RAYS = 200000 };
-
-static int compare_double(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
-static void print_figure(const char *what, double *values, int n, const char *unit)
-{
-    qsort(values, (size_t)n, sizeof *values, compare_double);
-    printf("%-58s %8.3f %-6s (%.3f .. %.3f)\n", what, values[n / 2], unit, values[0], values[n - 1]);
-}
+enum { RAYS = 200000 };
 
 /* ---- rtc_nearest against bare Embree, on the same rays ---- */
 
@@ -63,8 +52,10 @@ static RTCScene bare_scene(RTCDevice device, const Mesh *mesh)
     RTCScene bare = rtcNewScene(device);
     rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, sizeof(Vec3f), mesh->n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12, mesh->n_triangles);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                               sizeof(Vec3f), mesh->n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 12,
+                               mesh->n_triangles);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(bare, geometry);
     rtcReleaseGeometry(geometry);
@@ -229,66 +220,23 @@ static void bench_crossing(void)
 
 /* ---- whole renders ---- */
 
-static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
-                         uint32_t *height, Error *error)
-{
-    (void)context;
-    (void)space;
-    Image image;
-    int channels[3];
-    TRY(image_read(path, &image, error));
-    size_t n = (size_t)image.width * image.height;
-    *width = image.width;
-    *height = image.height;
-    *rgb = malloc(n * 3 * sizeof **rgb);
-    bool colored = image_rgb(&image, channels);
-    for (size_t i = 0; colored && *rgb && i < 3 * n; i++)
-        (*rgb)[i] = image.pixels[i / 3 * image.n_channels + (size_t)channels[i % 3]];
-    image_clear(&image);
-    if (!*rgb) return fail_memory(error, n * 3 * sizeof **rgb, "an image");
-    return colored ? STATUS_OK : fail(error, STATUS_INPUT, "'%s' has no colour", path);
-}
-
 static RenderStats render_once(const CompiledScene *compiled, unsigned threads)
 {
-    Error error = {0};
-    Pool *pool;
-    Image image;
-    RenderStats stats;
-    if (pool_new(threads, &pool, &error) != STATUS_OK) exit(1);
-    RenderSettings settings = {.width = 96, .height = 72, .samples = 16, .bounces = compiled->scene->render.bounces};
-    if (render_image(compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK) {
-        fprintf(stderr, "bench: %s\n", error.text);
-        exit(1);
-    }
-    image_clear(&image);
+    Pool *pool = pool_of(threads);
+    RenderStats stats = render_at(compiled, 96, 72, 16, pool);
     pool_free(pool);
     return stats;
 }
 
 static void bench_scene(const char *path)
 {
-    Arena arena;
-    SourceSet sources = {.arena = &arena};
-    Diag diag;
-    Scene *scene = NULL;
-    CompiledScene *compiled;
-    Error error = {0};
-    Pool *pool;
-    arena_init(&arena);
-    diag_init(&diag, &arena, &sources);
-    SceneOptions options = {.load_image = load_image};
-    if (pool_new(2, &pool, &error) != STATUS_OK ||
-        scene_build(path, &options, &diag, &scene, NULL, &error) != STATUS_OK ||
-        compile_scene(scene, scene->render.nesting, pool, NULL, &compiled, &error) != STATUS_OK) {
-        fprintf(stderr, "bench: %s: %s\n", path, error.text);
-        exit(1);
-    }
+    Made made;
+    made_from_file(&made, path);
     double path_us[RUNS], ray_ns[RUNS], two[RUNS];
     RenderStats one = {0};
     for (int i = 0; i < RUNS; i++) {
-        one = render_once(compiled, 1);
-        RenderStats both = render_once(compiled, 2);
+        one = render_once(made.compiled, 1);
+        RenderStats both = render_once(made.compiled, 2);
         path_us[i] = one.cpu_seconds / (double)one.paths * 1e6;
         ray_ns[i] = one.cpu_seconds / (double)one.rays * 1e9;
         two[i] = one.seconds / both.seconds;
@@ -300,49 +248,10 @@ static void bench_scene(const char *path)
     print_figure("  a path", path_us, RUNS, "us");
     print_figure("  a ray, shading and all", ray_ns, RUNS, "ns");
     print_figure("  two threads over one", two, RUNS, "x");
-    compiled_scene_free(compiled);
-    scene_free(scene);
-    pool_free(pool);
-    arena_clear(&arena);
+    made_clear(&made);
 }
 
 /* ---- many objects ---- */
-
-/* A scene from text, compiled, with the time that the compiling took. */
-typedef struct Made {
-    Arena arena;
-    SourceSet sources;
-    Diag diag;
-    Scene *scene;
-    CompiledScene *compiled;
-    double build_s, compile_s;
-} Made;
-
-static void make_scene(Made *made, const char *text)
-{
-    Error error = {0};
-    *made = (Made){0};
-    arena_init(&made->arena);
-    made->sources.arena = &made->arena;
-    diag_init(&made->diag, &made->arena, &made->sources);
-    SceneOptions options = {.load_image = load_image};
-    double start = clock_cpu_s();
-    Status status = scene_build_text("bench", text, &options, &made->diag, &made->scene, NULL, &error);
-    made->build_s = clock_cpu_s() - start;
-    start = clock_cpu_s();
-    if (status == STATUS_OK) status = compile_scene(made->scene, NEST_AUTOMATIC, NULL, NULL, &made->compiled, &error);
-    made->compile_s = clock_cpu_s() - start;
-    if (status == STATUS_OK) return;
-    fprintf(stderr, "bench: %s\n", error.text);
-    exit(1);
-}
-
-static void made_clear(Made *made)
-{
-    compiled_scene_free(made->compiled);
-    scene_free(made->scene);
-    arena_clear(&made->arena);
-}
 
 #define SODA                                                                                                           \
     "meniscus 1.0 unit mm medium glass { ior = 1.5 state = solid } medium soda { ior = 1.33 state = liquid } "         \
@@ -366,12 +275,12 @@ static void bench_bubbles(const char *name, const char *bubble)
         double ns[TURNS];
         RenderStats stats = {0};
         snprintf(text, sizeof text, SODA, n, bubble);
-        make_scene(&made, text);
+        made_from_text(&made, text);
         for (int i = 0; i < TURNS; i++) {
             stats = render_once(made.compiled, 1);
             ns[i] = stats.cpu_seconds / (double)stats.rays * 1e9;
         }
-        qsort(ns, TURNS, sizeof *ns, compare_double);
+        double ray_ns = spread_of(ns, TURNS).median;
         double start = clock_cpu_s();
         Buf out = {0};
         report_warnings(made.compiled, &made.diag);
@@ -379,11 +288,11 @@ static void bench_bubbles(const char *name, const char *bubble)
         report_print(made.compiled, &made.sources, &out);
         double check_s = clock_cpu_s() - start;
         buf_clear(&out);
-        if (k == 0) first_ns = ns[TURNS / 2];
+        if (k == 0) first_ns = ray_ns;
         printf("  %7u %9.0f ns a ray %6.2f x %7.1f rays a path %8.3f s to build %8.3f s to compile %8.3f s to check, "
                "%llu faults\n",
-               n, ns[TURNS / 2], ns[TURNS / 2] / first_ns, (double)stats.rays / (double)stats.paths, made.build_s,
-               made.compile_s, check_s, (unsigned long long)stats.nesting_faults);
+               n, ray_ns, ray_ns / first_ns, (double)stats.rays / (double)stats.paths, made.build_s, made.compile_s,
+               check_s, (unsigned long long)stats.nesting_faults);
         made_clear(&made);
     }
 }
@@ -403,7 +312,7 @@ static void bench_shells(void)
             "for (i in 1..n) { box { interior = i %% 2 == 0 ? soda : glass size = vec3(50 * (n + 1 - i) / n) "
             "translate(50 * y) } }",
             n);
-        make_scene(&made, text);
+        made_from_text(&made, text);
         printf("  %7u %9zu pairs %8.3f s to compile\n", n, made.compiled->n_pairs, made.compile_s);
         made_clear(&made);
     }
@@ -439,16 +348,25 @@ static void bench_many(const char *name, const char *object)
              "for (i in 1..%u) { b { translate(<100 * rnd(1, i), 100 * rnd(2, i), 100 * rnd(3, i)>) } }",
              object, n);
     double before = most_memory();
-    make_scene(&made, text);
-    printf("%u %s: %.0f bytes each at the most, %.0f of them Embree's; %.2f us to build, %.2f us to compile; %zu pairs\n", n,
-           name, (most_memory() - before) / n, (double)rtc_scene_bytes(made.compiled->rtc) / n, made.build_s / n * 1e6,
-           made.compile_s / n * 1e6, made.compiled->n_pairs);
+    made_from_text(&made, text);
+    printf(
+        "%u %s: %.0f bytes each at the most, %.0f of them Embree's; %.2f us to build, %.2f us to compile; %zu pairs\n",
+        n, name, (most_memory() - before) / n, (double)rtc_scene_bytes(made.compiled->rtc) / n, made.build_s / n * 1e6,
+        made.compile_s / n * 1e6, made.compiled->n_pairs);
     fflush(stdout);
     _exit(0);
 }
 
 int main(int argc, char **argv)
 {
+    if (argc > 2 && strcmp(argv[1], "limit") == 0) {
+        bench_limit(argv + 2, argc - 2);
+        return 0;
+    }
+    if (argc > 2 && strcmp(argv[1], "paths") == 0) {
+        bench_paths(argv + 2, argc - 2);
+        return 0;
+    }
     bench_many("spheres", "sphere { interior = gas radius = .1 }");
     bench_many("instances of a mesh, apart from each other", "box { interior = gas size = <.01, .01, .01> }");
     bench_rays();

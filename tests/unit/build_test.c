@@ -497,10 +497,11 @@ static void settings_reach_the_scene(void **state)
 {
     (void)state;
     Fixture f;
-    GOOD(&f, "film { size = <320, 200> output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 nesting = "
+    GOOD(&f, "film { size = <320, 200> filter = box output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 nesting = "
              "entered seed = 9 }");
     assert_int_equal(f.scene->film.width, 320);
     assert_int_equal(f.scene->film.height, 200);
+    assert_true(f.scene->film.box);
     assert_int_equal(f.scene->film.n_outputs, 1);
     assert_string_equal(f.scene->film.outputs[0], "a.exr");
     assert_int_equal(f.scene->render.samples, 7);
@@ -509,6 +510,7 @@ static void settings_reach_the_scene(void **state)
     assert_int_equal(f.scene->render.nesting, NEST_ENTERED);
     fixture_clear(&f);
     GOOD(&f, "film { output = [\"a.exr\", \"b.png\"] } render { nesting = none }");
+    assert_false(f.scene->film.box);
     assert_int_equal(f.scene->film.n_outputs, 2);
     assert_int_equal(f.scene->film.width, 640);
     assert_int_equal(f.scene->render.nesting, NEST_NONE);

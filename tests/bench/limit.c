@@ -1,0 +1,344 @@
+/* limit.c - how far a render is from the least that its rays can cost.
+ *
+ * The linker puts __wrap_rtc_nearest and __wrap_rtc_all in place of the two questions that a render asks of the
+ * geometry (see the Makefile). They note the rays, in order. The rays are then cast again through bare rtcIntersect1 and
+ * rtcOccluded1, robust as in the render, on triangles alone: no callback, no list, no double precision, nothing done
+ * with the answer. Meshes are as they are in the scene; analytic pieces, which Embree has no notion of, become
+ * triangles. So the replay is what a renderer would pay that does nothing but find the surfaces of a tessellated scene.
+ * How many of the answers agree with the render's is printed, too: the replay is worth as much as that.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/clock.h"
+#include "geom/embree.h"
+#include "measure.h"
+
+/* ---- noting rays ---- */
+
+typedef struct Noted {
+    float origin[3], direction[3], t_near, t_far;
+    float met; /* the nearest surface's distance, INFINITY for none; of a question for any: 0 when something is there */
+    float tolerance; /* of that distance: triangles are not where pieces are */
+    bool any;
+} Noted;
+
+typedef struct Notes {
+    Noted *items;
+    size_t n, capacity;
+    const double
+        *steps; /* of each object: how far from its start a ray begins that leaves it, so as not to meet it again */
+} Notes;
+
+static Notes *notes; /* while a render is noted, by one thread */
+
+size_t __real_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
+bool __real_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
+size_t __wrap_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
+bool __wrap_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
+
+static void note(const Ray *ray, bool any, double met)
+{
+    if (!array_reserve(&notes->items, &notes->capacity, notes->n + 1, sizeof *notes->items)) bench_fail("memory", NULL);
+    double step = ray->t_min > 0 ? 1e-5 * ray->t_min : 0;
+    for (size_t i = 0; i < ray->n_left; i++) step = fmax(step, notes->steps[ray->left[i].object]);
+    /* a light is no obstacle itself */
+    double far = ray->target == RTC_NO_OBJECT ? ray->t_max : ray->t_max * (1 - 1e-4) - notes->steps[ray->target];
+    notes->items[notes->n++] = (Noted){{(float)ray->origin.x, (float)ray->origin.y, (float)ray->origin.z},
+                                       {ray->direction.x, ray->direction.y, ray->direction.z},
+                                       (float)(ray->t_min + step),
+                                       (float)far,
+                                       (float)met,
+                                       (float)(0.02 * met + 4 * step),
+                                       any};
+}
+
+size_t __wrap_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
+{
+    size_t n = __real_rtc_nearest(scene, ray, hits);
+    if (notes) note(ray, false, n ? hits->items[0].t : HUGE_VAL);
+    return n;
+}
+
+bool __wrap_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits)
+{
+    bool clear = __real_rtc_all(scene, ray, stop_at_opaque, hits);
+    if (notes) note(ray, true, clear && hits->n == 0 ? HUGE_VAL : 0);
+    return clear;
+}
+
+/* ---- the scene as triangles ---- */
+
+typedef struct Soup {
+    float (*vertices)[3];
+    uint32_t (*triangles)[3];
+    size_t n_vertices, n_triangles, vertices_capacity, triangles_capacity;
+    double reach;  /* how large the scene is */
+    double *steps; /* of each object; see Notes */
+    bool pieces;   /* some of it was analytic */
+} Soup;
+
+static uint32_t soup_vertex(Soup *soup, Vec3 p)
+{
+    if (!array_reserve(&soup->vertices, &soup->vertices_capacity, soup->n_vertices + 2, sizeof *soup->vertices))
+        bench_fail("memory", NULL);
+    float *vertex = soup->vertices[soup->n_vertices];
+    vertex[0] = (float)p.x;
+    vertex[1] = (float)p.y;
+    vertex[2] = (float)p.z;
+    return (uint32_t)soup->n_vertices++;
+}
+
+static void soup_triangle(Soup *soup, uint32_t a, uint32_t b, uint32_t c)
+{
+    if (!array_reserve(&soup->triangles, &soup->triangles_capacity, soup->n_triangles + 1, sizeof *soup->triangles))
+        bench_fail("memory", NULL);
+    uint32_t *triangle = soup->triangles[soup->n_triangles++];
+    triangle[0] = a;
+    triangle[1] = b;
+    triangle[2] = c;
+}
+
+static void add_mesh(Soup *soup, const Mesh *mesh, const Affine *to_world)
+{
+    uint32_t first = (uint32_t)soup->n_vertices;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        soup_vertex(soup, affine_point(to_world, vec3_from_f(mesh->positions[i])));
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        const uint32_t *t = mesh->triangles[i];
+        soup_triangle(soup, first + t[0], first + t[1], first + t[2]);
+    }
+}
+
+/* How many corners a piece has around its axis: fewer where it is small. */
+static int corners_around(const Soup *soup, const Piece *piece, const Affine *to_world, double *radius)
+{
+    *radius = vec3_length(affine_vector(to_world, vec3(piece_bounds(piece).max.x, 0, 0)));
+    double part = *radius / soup->reach;
+    return piece->kind == PIECE_RECT ? 1 : part > 0.02 ? 192 : part > 0.002 ? 48 : 16;
+}
+
+/* A grid over the surface coordinates; pieces that share an edge share its corners. Returns how far its triangles can be
+ * off the surface. */
+static double add_piece(Soup *soup, const Piece *piece, const Affine *to_world)
+{
+    if (piece->kind == PIECE_PLANE) {
+        double h = 1000 * soup->reach;
+        uint32_t corner[4];
+        for (int i = 0; i < 4; i++)
+            corner[i] = soup_vertex(soup, affine_point(to_world, vec3(i & 1 ? h : -h, 0, i & 2 ? h : -h)));
+        soup_triangle(soup, corner[0], corner[1], corner[2]);
+        soup_triangle(soup, corner[1], corner[3], corner[2]);
+        return 1e-7 * h;
+    }
+    double radius;
+    bool straight = piece->kind == PIECE_BAND || piece->kind == PIECE_RECT;
+    int around = corners_around(soup, piece, to_world, &radius);
+    int along = straight ? 1 : piece->kind == PIECE_SPHERE || piece->kind == PIECE_TORUS ? around / 3 : 6;
+    uint32_t first = (uint32_t)soup->n_vertices, row = (uint32_t)around + 1;
+    for (int i = 0; i <= along; i++)
+        for (int k = 0; k <= around; k++) {
+            Vec3 normal;
+            soup_vertex(soup,
+                        affine_point(to_world, piece_sample(piece, (double)i / along, (double)k / around, &normal)));
+        }
+    for (uint32_t i = 0; i < (uint32_t)along; i++)
+        for (uint32_t k = 0; k < (uint32_t)around; k++) {
+            uint32_t a = first + i * row + k;
+            soup_triangle(soup, a, a + 1, a + row);
+            soup_triangle(soup, a + 1, a + row + 1, a + row);
+        }
+    return around > 1 ? radius * (1 - cos(3.14159 / around)) : 0;
+}
+
+static void soup_from_scene(Soup *soup, const CompiledScene *compiled)
+{
+    *soup = (Soup){0};
+    Box3 bounds = rtc_scene_bounds(compiled->rtc);
+    soup->reach = fmax(vec3_max_abs(bounds.min), vec3_max_abs(bounds.max));
+    if (!isfinite(soup->reach)) soup->reach = 1;
+    soup->steps = calloc(compiled->scene->n_objects, sizeof *soup->steps);
+    if (!soup->steps) bench_fail("memory", NULL);
+    for (uint32_t i = 0; i < compiled->scene->n_objects; i++) {
+        const SceneObject *object = &compiled->scene->objects[i];
+        if (object->shape == SCENE_NONE) continue;
+        const SceneShape *shape = &compiled->scene->shapes[object->shape];
+        soup->steps[i] = 1e-5 * soup->reach;
+        if (shape->mesh) add_mesh(soup, shape->mesh, &object->to_world);
+        for (uint32_t k = 0; shape->solid && k < shape->solid->n_pieces; k++) {
+            double off = add_piece(soup, &shape->solid->pieces[k], &object->to_world);
+            soup->steps[i] = fmax(soup->steps[i], 2 * off);
+            soup->pieces = true;
+        }
+    }
+}
+
+/* One geometry for all, with a hierarchy as good as Embree makes it in robust mode. */
+static RTCScene soup_commit(Soup *soup, RTCDevice device)
+{
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, soup->vertices, 0, 12,
+                               soup->n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, soup->triangles, 0, 12,
+                               soup->n_triangles);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+    return scene;
+}
+
+static void soup_clear(Soup *soup)
+{
+    free(soup->vertices);
+    free(soup->triangles);
+    free(soup->steps);
+}
+
+/* ---- casting them again ---- */
+
+typedef struct Replay {
+    RTCScene scene;
+    const Notes *notes;
+    unsigned n_threads;
+    size_t agreed[64]; /* of each thread */
+} Replay;
+
+static struct RTCRay ray_again(const Noted *noted)
+{
+    return (struct RTCRay){.org_x = noted->origin[0],
+                           .org_y = noted->origin[1],
+                           .org_z = noted->origin[2],
+                           .dir_x = noted->direction[0],
+                           .dir_y = noted->direction[1],
+                           .dir_z = noted->direction[2],
+                           .tnear = noted->t_near,
+                           .tfar = noted->t_far,
+                           .mask = 0xffffffffU};
+}
+
+static void replay_share(void *context, uint32_t index, unsigned worker)
+{
+    (void)worker;
+    Replay *replay = context;
+    EmbreeContext embree;
+    embree_init_context(&embree);
+    size_t n = replay->notes->n, first = n * index / replay->n_threads, last = n * (index + 1) / replay->n_threads,
+           agreed = 0;
+    for (size_t i = first; i < last; i++) {
+        const Noted *noted = &replay->notes->items[i];
+        if (noted->any) {
+            struct RTCRay ray = ray_again(noted);
+            embree_occluded(replay->scene, &embree, &ray);
+            agreed += (ray.tfar < 0) == (noted->met <= 0);
+        } else {
+            struct RTCRayHit ray = {.ray = ray_again(noted)};
+            ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            embree_intersect(replay->scene, &embree, &ray);
+            bool met = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+            agreed += met ? fabsf(ray.ray.tfar - noted->met) <= noted->tolerance : isinf(noted->met) != 0;
+        }
+    }
+    replay->agreed[index] = agreed;
+}
+
+/* Seconds of the processor; the part of the answers that are the render's. */
+static double replay_all(Replay *replay, Pool *pool, double *agreed)
+{
+    replay->n_threads = pool_threads(pool);
+    double start = clock_cpu_s();
+    pool_run(pool, replay->n_threads, replay_share, replay);
+    double seconds = clock_cpu_s() - start;
+    size_t sum = 0;
+    for (unsigned i = 0; i < replay->n_threads; i++) sum += replay->agreed[i];
+    *agreed = (double)sum / (double)(replay->notes->n ? replay->notes->n : 1);
+    return seconds;
+}
+
+/* ---- the figures ---- */
+
+enum { WIDTH = 64, HEIGHT = 48, SAMPLES = 16 };
+
+static void note_render(const CompiledScene *compiled, Notes *noted, Pool *one)
+{
+    notes = noted;
+    RenderStats stats = render_at(compiled, WIDTH, HEIGHT, SAMPLES, one);
+    notes = NULL;
+    if (noted->n < stats.paths)
+        bench_fail("the rays of a render were not noted: is the program linked with --wrap?", NULL);
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void limit_of(const char *path, RTCDevice device, Pool *pools[2])
+{
+    Made made;
+    Soup soup;
+    Notes noted = {0};
+    made_from_file(&made, path);
+    soup_from_scene(&soup, made.compiled);
+    noted.steps = soup.steps;
+    note_render(made.compiled, &noted, pools[0]);
+    Replay replay = {.scene = soup_commit(&soup, device), .notes = &noted};
+    double ratio[2][RUNS], ray_ns[RUNS], agreed;
+    RenderStats stats;
+    for (int run = 0; run < RUNS; run++)
+        for (int k = 0; k < 2; k++) {
+            stats = render_at(made.compiled, WIDTH, HEIGHT, SAMPLES, pools[k]);
+            double seconds = replay_all(&replay, pools[k], &agreed);
+            ratio[k][run] = stats.cpu_seconds / seconds;
+            if (k == 0) ray_ns[run] = seconds / (double)noted.n * 1e9;
+        }
+    Spread one = spread_of(ratio[0], RUNS), two = spread_of(ratio[1], RUNS);
+    printf("%-24s %-9s %6.2f (%.2f .. %.2f) %6.2f (%.2f .. %.2f) %6.2f %7.0f %7.1f %%\n", base_name(path),
+           soup.pieces ? "pieces" : "triangles", one.median, one.low, one.high, two.median, two.low, two.high,
+           (double)noted.n / (double)stats.paths, spread_of(ray_ns, RUNS).median, 100 * agreed);
+    fflush(stdout);
+    rtcReleaseScene(replay.scene);
+    free(noted.items);
+    soup_clear(&soup);
+    made_clear(&made);
+}
+
+void bench_limit(char **paths, int n)
+{
+    RTCDevice device = rtcNewDevice(NULL);
+    Pool *pools[2] = {pool_of(1), pool_of(2)};
+    printf("a whole render in ratio to its own rays, replayed through bare Embree on triangles (goal: 1.5)\n");
+    printf("%-24s %-9s %-22s %-22s %6s %7s %9s\n", "scene", "is of", "1 thread", "2 threads", "rays", "ns", "answers");
+    printf("%-24s %-9s %-22s %-22s %6s %7s %9s\n", "", "", "", "", "a path", "replayed", "agree");
+    for (int i = 0; i < n; i++) limit_of(paths[i], device, pools);
+    pool_free(pools[0]);
+    pool_free(pools[1]);
+    rtcReleaseDevice(device);
+}
+
+void bench_paths(char **paths, int n)
+{
+    Pool *one = pool_of(1);
+    printf("paths for each second of the processor\n");
+    for (int i = 0; i < n; i++) {
+        Made made;
+        double rate[RUNS];
+        RenderStats stats;
+        made_from_file(&made, paths[i]);
+        for (int run = 0; run < RUNS; run++) {
+            const SceneFilm *film = &made.scene->film;
+            stats = render_at(made.compiled, film->width, film->height, 4, one);
+            rate[run] = (double)stats.paths / stats.cpu_seconds * 1e-6;
+        }
+        Spread spread = spread_of(rate, RUNS);
+        printf("%-24s %6.3f million (%.3f .. %.3f), %.2f rays a path\n", base_name(paths[i]), spread.median, spread.low,
+               spread.high, (double)stats.rays / (double)stats.paths);
+        made_clear(&made);
+    }
+    pool_free(one);
+}

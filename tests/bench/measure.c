@@ -1,0 +1,113 @@
+/* measure.c - figures, scenes and renders for the benchmarks.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "measure.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+
+void bench_fail(const char *what, const Error *error)
+{
+    fprintf(stderr, "bench: %s: %s\n", what, error ? error->text : "failed");
+    exit(1);
+}
+
+static int compare_double(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+Spread spread_of(double *values, int n)
+{
+    qsort(values, (size_t)n, sizeof *values, compare_double);
+    int quarter = n < 5 ? 0 : n / 4;
+    return (Spread){values[n / 2], values[quarter], values[n - 1 - quarter]};
+}
+
+void print_figure(const char *what, double *values, int n, const char *unit)
+{
+    Spread spread = spread_of(values, n);
+    printf("%-58s %8.3f %-6s (%.3f .. %.3f)\n", what, spread.median, unit, spread.low, spread.high);
+}
+
+static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                         uint32_t *height, Error *error)
+{
+    (void)context;
+    (void)space;
+    Image image;
+    int channels[3];
+    TRY(image_read(path, &image, error));
+    size_t n = (size_t)image.width * image.height;
+    *width = image.width;
+    *height = image.height;
+    *rgb = malloc(n * 3 * sizeof **rgb);
+    bool colored = image_rgb(&image, channels);
+    for (size_t i = 0; colored && *rgb && i < 3 * n; i++)
+        (*rgb)[i] = image.pixels[i / 3 * image.n_channels + (size_t)channels[i % 3]];
+    image_clear(&image);
+    if (!*rgb) return fail_memory(error, n * 3 * sizeof **rgb, "an image");
+    return colored ? STATUS_OK : fail(error, STATUS_INPUT, "'%s' has no colour", path);
+}
+
+static void make(Made *made, const char *path, const char *text)
+{
+    Error error = {0};
+    *made = (Made){0};
+    arena_init(&made->arena);
+    made->sources.arena = &made->arena;
+    diag_init(&made->diag, &made->arena, &made->sources);
+    SceneOptions options = {.load_image = load_image};
+    double start = clock_cpu_s();
+    Status status = text ? scene_build_text(path, text, &options, &made->diag, &made->scene, NULL, &error)
+                         : scene_build(path, &options, &made->diag, &made->scene, NULL, &error);
+    made->build_s = clock_cpu_s() - start;
+    start = clock_cpu_s();
+    if (status == STATUS_OK)
+        status = compile_scene(made->scene, made->scene->render.nesting, NULL, NULL, &made->compiled, &error);
+    made->compile_s = clock_cpu_s() - start;
+    if (status == STATUS_OK) return;
+    Buf out = {0};
+    diag_print(&made->diag, &out, false);
+    if (out.text) fputs(out.text, stderr);
+    bench_fail(path, &error);
+}
+
+void made_from_text(Made *made, const char *text)
+{
+    make(made, "bench", text);
+}
+void made_from_file(Made *made, const char *path)
+{
+    make(made, path, NULL);
+}
+
+void made_clear(Made *made)
+{
+    compiled_scene_free(made->compiled);
+    scene_free(made->scene);
+    arena_clear(&made->arena);
+}
+
+Pool *pool_of(unsigned threads)
+{
+    Error error = {0};
+    Pool *pool;
+    if (pool_new(threads, &pool, &error) != STATUS_OK) bench_fail("threads", &error);
+    return pool;
+}
+
+RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples, Pool *pool)
+{
+    Error error = {0};
+    Image image;
+    RenderStats stats;
+    RenderSettings settings = {
+        .width = width, .height = height, .samples = samples, .bounces = compiled->scene->render.bounces};
+    if (render_image(compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK)
+        bench_fail("render", &error);
+    image_clear(&image);
+    return stats;
+}
