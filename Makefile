@@ -117,7 +117,7 @@ $(BUILD)/generated/upsample_table.c: $(BUILD)/upsample_gen
 	@mkdir -p $(@D)
 	$(BUILD)/upsample_gen $@
 
-# What rough surfaces would lose is summed once, at build time (about three seconds).
+# What rough surfaces would lose is summed once, at build time (about ten seconds).
 $(BUILD)/microfacet_gen: src/optics/microfacet_gen.c src/optics/fresnel.c $(wildcard src/optics/*.h) $(BUILD)/flags
 	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c,$^) -lm
 

@@ -50,8 +50,12 @@ Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w)
 {
     Lanes reflectance = fresnel_dielectric_lanes(w.z, lanes_all(1), layer->eta);
     if (layer->facets.smooth) return reflectance;
-    for (int i = 0; i < LANES; i++)
-        if (layer->index.side[i]) lanes_set(&reflectance, i, 0);
+    if (layer->index.any_dense) {
+        float soft = float_min(microfacet_softened(w.z, layer->index.critical, layer->index.alpha), 1);
+        Lanes softened = fresnel_dielectric_lanes(soft, lanes_all(1), layer->eta);
+        for (int i = 0; i < LANES; i++)
+            if (layer->index.side[i]) lanes_set(&reflectance, i, lanes_get(softened, i));
+    }
     Lanes excess = lobe_lookup(microfacet_excess, &layer->facets, &layer->index, false, w);
     return lanes_clamp(lanes_add(reflectance, excess), 0, 1);
 }

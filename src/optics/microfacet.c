@@ -19,8 +19,9 @@ static float bilinear(const uint16_t table[MICROFACET_ROUGHNESSES][MICROFACET_AN
 
 MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta)
 {
-    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(sqrtf(0.5f * (alpha_x * alpha_x + alpha_y * alpha_y))),
-                                                           MICROFACET_ROUGHNESSES),
+    float alpha = sqrtf(0.5f * (alpha_x * alpha_x + alpha_y * alpha_y));
+    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(alpha), MICROFACET_ROUGHNESSES),
+                             .alpha = alpha,
                              .one_cell = true,
                              .fraction = lanes_all(0)};
     float mean = 0; /* of the indices, each the way around that is below 1 */
@@ -29,6 +30,7 @@ MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta)
         mean += float_min(n, 1 / n) / LANES;
         MicrofacetPlace place = microfacet_place(sqrtf(sqrtf(2 * fabsf(n - 1) / (n + 1))), MICROFACET_INDICES);
         index.side[i] = n < 1;
+        if (n < 1) index.any_dense = true;
         index.cell[i] = (unsigned char)place.knot;
         lanes_set(&index.fraction, i, place.fraction);
         if (index.side[i] != index.side[0] || index.cell[i] != index.cell[0]) index.one_cell = false;
@@ -46,7 +48,7 @@ Lanes microfacet_lookup(const MicrofacetTable table, const MicrofacetIndex *inde
     for (int i = 0; i < n; i++) {
         int side = index->side[i] ^ (int)behind, cell = index->cell[i];
         if (side != placed) {
-            float angle = side ? microfacet_angle_within(z, s, index->critical) : microfacet_angle(z, s);
+            float angle = side ? microfacet_angle_within(z, s, index->critical, index->alpha) : microfacet_angle(z, s);
             place = microfacet_place(angle, MICROFACET_ANGLES);
             placed = side;
         }

@@ -61,19 +61,29 @@ static inline float microfacet_shadowing_through(float z_v, float s_v, float z_l
 
 /* ---- the tables ---- */
 
-enum { MICROFACET_ANGLES = 49, MICROFACET_ROUGHNESSES = 18, MICROFACET_INDICES = 32 };
+enum { MICROFACET_ANGLES = 65, MICROFACET_ROUGHNESSES = 33, MICROFACET_INDICES = 32 };
 
-/* Angles are tabulated by the mean of cosine and masking, so that the grazing part, of the width of alpha, and the
- * rest have half of the knots each; 0..1. */
+/* Angles are tabulated by the mean of cosine, masking, and what is between, so that the grazing part, of the width of
+ * alpha, the way from there on, and the rest have a third of the knots each; 0..1. */
 static inline float microfacet_angle(float z, float s)
 {
-    return z * (0.5f + 1 / (z + s));
+    float tilt = sqrtf(float_max((s - z) * (s + z), 0)); /* alpha times the sine */
+    return z * (1.0f / 3) * (1 + 2 / (z + s) + 1 / (z + 6 * tilt));
 }
-/* On the side of the larger index there is more to tell about the critical angle, of cosine c > 0: a third of the
- * knots. */
-static inline float microfacet_angle_within(float z, float s, float c)
+/* On the side of the larger index most happens about the critical angle, of cosine c > 0, within the width of what facets
+ * tilt: three fifths of the knots are for that. */
+static inline float microfacet_angle_within(float z, float s, float c, float alpha)
 {
-    return (2 * microfacet_angle(z, s) + z * (1 + c) / (z + c)) * (1.0f / 3);
+    float per_width = 1 / (alpha + 0.004f), near = (z - c) * per_width, least = -c * per_width,
+          most = (1 - c) * per_width;
+    float at = near / (1 + fabsf(near)), from = least / (1 - least), to = most / (1 + most);
+    return 0.4f * microfacet_angle(z, s) + 0.6f * (at - from) / (to - from);
+}
+/* The cosine at which a smooth boundary reflects about as much as a rough one does at z: past the critical angle, softly. */
+static inline float microfacet_softened(float z, float c, float alpha)
+{
+    float past = z - c;
+    return 0.5f * (z + c + sqrtf(past * past + alpha * alpha));
 }
 /* cosine of the critical angle towards a relative index n < 1 */
 static inline float microfacet_critical(float n)
@@ -89,7 +99,8 @@ typedef uint16_t MicrofacetTable[2][MICROFACET_INDICES][MICROFACET_ROUGHNESSES][
 /* [0]: seen from the side of the smaller index, [1]: from the other */
 /* What one facet neither reflects nor transmits. */
 extern const MicrofacetTable microfacet_missing;
-/* What one facet reflects; on side 0 less the Fresnel reflectance of the smooth boundary at that angle. */
+/* What one facet reflects, less the Fresnel reflectance of the smooth boundary at that angle; on side 1 at the softened
+ * one. */
 extern const MicrofacetTable microfacet_excess;
 /* The same for diffuse light: what is missing, and what is reflected. */
 typedef float MicrofacetMeans[2][MICROFACET_INDICES][MICROFACET_ROUGHNESSES];
@@ -116,9 +127,11 @@ static inline MicrofacetPlace microfacet_place(float position, int n_knots) /* p
 typedef struct MicrofacetIndex {
     MicrofacetPlace roughness;
     Lanes fraction;
+    float alpha;    /* of all directions about the normal */
     float critical; /* microfacet_critical, about, as the same for all lanes */
     unsigned char side[LANES], cell[LANES];
-    bool one_cell; /* all lanes are in one cell */
+    bool one_cell;  /* all lanes are in one cell */
+    bool any_dense; /* side is set for some lane */
 } MicrofacetIndex;
 
 MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta);

@@ -2,7 +2,7 @@
  *     microfacet_gen FILE
  * What the facets do that are seen from a direction is summed over a fixed set of them. For mirrors the unknowns are k
  * at the knots: where light goes that meets a facet, and how much, is noted once, and k <- sqrt(k / (K k)) is repeated
- * until k K k = 1. Takes about three seconds.
+ * until k K k = 1. Takes about ten seconds.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +46,7 @@ static Vec3f direction_of(float z)
 static float angle_of(float z, float alpha, float critical)
 {
     float s = microfacet_slope(alpha, alpha, direction_of(z));
-    return critical > 0 ? microfacet_angle_within(z, s, critical) : microfacet_angle(z, s);
+    return critical > 0 ? microfacet_angle_within(z, s, critical, alpha) : microfacet_angle(z, s);
 }
 
 /* The cosine at a knot. */
@@ -144,6 +144,19 @@ static float mean_over_cosines(const float *table, float alpha, float critical)
     return (float)(sum / STEPS);
 }
 
+/* The same of the Fresnel reflectance that the excess is over. */
+static float mean_softened(float eta, float alpha, float critical)
+{
+    enum { STEPS = 2000 };
+    double sum = 0;
+    if (critical == 0) return fresnel_dielectric_mean(1, eta);
+    for (int i = 0; i < STEPS; i++) {
+        float z = ((float)i + 0.5f) / STEPS;
+        sum += (double)(2 * z * fresnel_dielectric(fminf(microfacet_softened(z, critical, alpha), 1), 1, eta));
+    }
+    return (float)(sum / STEPS);
+}
+
 static uint16_t packed(float x)
 {
     return (uint16_t)lrintf((x + 1) * MICROFACET_ONE);
@@ -160,13 +173,14 @@ static void sum_boundary(int index, int roughness, Tables *tables)
             sum_facets(alpha, relative, z, &reflected, &transmitted);
             /* between equal indices all goes straight on, at grazing angles, too, where rounding decides on the side */
             missing[i] = index == 0 ? 0 : fmaxf(0, 1 - reflected - transmitted);
-            excess[i] = index == 0 ? 0 : side ? reflected : reflected - fresnel_dielectric(z, 1, relative);
+            float soft = side ? fminf(microfacet_softened(z, critical, alpha), 1) : z;
+            excess[i] = index == 0 ? 0 : reflected - fresnel_dielectric(soft, 1, relative);
             tables->missing[side][index][roughness][i] = packed(missing[i]);
             tables->excess[side][index][roughness][i] = packed(excess[i]);
         }
         tables->missing_mean[side][index][roughness] = mean_over_cosines(missing, alpha, critical);
         tables->reflected_mean[side][index][roughness] =
-            (side ? 0 : fresnel_dielectric_mean(1, relative)) + mean_over_cosines(excess, alpha, critical);
+            mean_softened(relative, alpha, critical) + mean_over_cosines(excess, alpha, critical);
     }
 }
 
