@@ -184,6 +184,7 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     World world;
     TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, error));
     if (settings->by_chance) world_leave_to_chance(&world);
+    world.white_noise = settings->white_noise;
     double cpu = clock_cpu_s();
     Job job = {.settings = settings, .events = events, .world = &world, .n_threads = pool_threads(pool), .start = clock_now_s()};
     Status status = job_init(&job, error);

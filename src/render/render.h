@@ -21,6 +21,7 @@ typedef struct RenderSettings {
     AovSet aovs;                /* further channels */
     bool no_absorption;         /* media neither absorb nor emit: for tests */
     bool by_chance;             /* no light is looked for, all are found by scattering alone: for tests */
+    bool white_noise;           /* the errors of neighbouring pixels have nothing to do with each other: for tests */
 } RenderSettings;
 
 typedef struct RenderProgress {

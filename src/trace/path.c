@@ -194,7 +194,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
 {
     const World *world = tracer->world;
     Path path = {.tracer = tracer,
-                 .sampler = sampler_make(seed, x, y, index),
+                 .sampler = (world->white_noise ? sampler_make_alone : sampler_make)(seed, x, y, index),
                  .beta = lanes_all(1),
                  .ratio = lanes_all(1),
                  .radiance = lanes_all(0),

@@ -3,6 +3,15 @@
  * gives the same picture. Each named dimension is one or two coordinates of a Sobol' (0,2)-sequence whose
  * order and digits are scrambled by that dimension's own hash: padding after [Burley20] B. Burley, "Practical
  * Hash-based Owen Scrambling", JCGT 9(4) (2020).
+ *
+ * The pixels of a block of 8 x 8 divide the work among them, so that their errors cancel where the eye, or a filter,
+ * takes them together: blue noise. The idea is [AW20]'s (A. Ahmed, P. Wonka, "Screen-Space Blue-Noise Diffusion of Monte
+ * Carlo Sampling Error via Hierarchical Ordering of Pixels", ACM TOG 39(6), 2020): the points of a quad of pixels, of four
+ * quads, ... are together as evenly spread as one pixel's. There a pixel has a stretch of one sequence, as long as its
+ * number of samples, which must be known; here it has the whole sequence, shifted by digits that are linear in the
+ * pixel's place, by matrices for which 1, 2, 4, ... 64 samples of 2, 4, ... 64 pixels make nearly a net (sampler.c). The
+ * first digits of the scrambling, DIGITS_SHARED of them, are the block's, all others the pixel's own: blocks, and pixels
+ * with many samples, are independent of each other, and each pixel by itself has Owen-scrambled Sobol' points.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SAMPLER_H
 #define MEN_SAMPLER_H
@@ -32,14 +41,15 @@ static inline uint32_t sampler_dimension(uint32_t bounce, uint32_t which)
 }
 
 typedef struct Sampler {
-    uint32_t seed;  /* of the pixel */
-    uint32_t index; /* of the sample */
+    uint32_t pixel, block;   /* seeds of the two */
+    uint32_t place;          /* of the pixel in its block: reversed, in the upper six bits */
+    uint32_t index_reversed; /* of the sample */
 } Sampler;
 
-static inline Sampler sampler_make(uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
-{
-    return (Sampler){hash_combine(hash_combine(seed, x), y), index};
-}
+enum { SAMPLER_DIGITS_SHARED = 10 };
+
+/* What is added, digit by digit, to both coordinates at a place in the block, reversed. */
+extern const uint32_t sampler_shifts[64][2];
 
 static inline uint32_t reverse_bits(uint32_t x)
 {
@@ -48,6 +58,16 @@ static inline uint32_t reverse_bits(uint32_t x)
     x = ((x & 0xf0f0f0f0U) >> 4) | ((x & 0x0f0f0f0fU) << 4);
     x = ((x & 0xccccccccU) >> 2) | ((x & 0x33333333U) << 2);
     return ((x & 0xaaaaaaaaU) >> 1) | ((x & 0x55555555U) << 1);
+}
+
+static inline uint64_t reverse_bits_64(uint64_t x)
+{
+    x = (x >> 32) | (x << 32);
+    x = ((x & 0xffff0000ffff0000U) >> 16) | ((x & 0x0000ffff0000ffffU) << 16);
+    x = ((x & 0xff00ff00ff00ff00U) >> 8) | ((x & 0x00ff00ff00ff00ffU) << 8);
+    x = ((x & 0xf0f0f0f0f0f0f0f0U) >> 4) | ((x & 0x0f0f0f0f0f0f0f0fU) << 4);
+    x = ((x & 0xccccccccccccccccU) >> 2) | ((x & 0x3333333333333333U) << 2);
+    return ((x & 0xaaaaaaaaaaaaaaaaU) >> 1) | ((x & 0x5555555555555555U) << 1);
 }
 
 /* A hash that changes a bit by the bits below it only: Owen scrambling of bit-reversed numbers. S. Laine and
@@ -72,20 +92,80 @@ static inline uint32_t sobol_second_reversed(uint32_t index)
     return index ^ ((index & 0xaaaaaaaaU) >> 1);
 }
 
+/* The place of a pixel in its block along a curve that halves it, again and again: the highest digit parts diagonal
+ * neighbours from the others. Reversed, as scrambling wants it. */
+static inline uint32_t sampler_place(uint32_t x, uint32_t y)
+{
+    uint32_t diagonal = x ^ y;
+    return y << 31 | (diagonal & 1) << 30 | (y & 2) << 28 | (diagonal & 2) << 27 | (y & 4) << 25 | (diagonal & 4) << 24;
+}
+
+static inline Sampler sampler_make(uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+{
+    return (Sampler){.pixel = hash_combine(hash_combine(seed, x), y),
+                     .block = hash_combine(hash_combine(~seed, x >> 3), y >> 3),
+                     .place = sampler_place(x, y),
+                     .index_reversed = reverse_bits(index)};
+}
+
+/* The same for a pixel that heeds no other: white noise. For tests and comparisons. */
+static inline Sampler sampler_make_alone(uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+{
+    Sampler sampler = sampler_make(seed, x, y, index);
+    sampler.block = ~sampler.pixel;
+    sampler.place = 0;
+    return sampler;
+}
+
+/* What the numbers of one dimension have in common. */
+typedef struct SamplerDraw {
+    uint32_t index; /* shuffled */
+    const uint32_t *shift;
+    uint64_t pixel, block; /* hashes */
+} SamplerDraw;
+
+/* The order of the samples is shuffled by the pixel's hash within each of [1, 2), [2, 4), [4, 8), ..., and by the
+ * block's beyond that: after 1, 2, 4, ... samples all pixels of a block have used the same stretch of the sequence. */
+static inline SamplerDraw sampler_draw(const Sampler *sampler, uint32_t dimension)
+{
+    SamplerDraw draw = {.pixel = hash_u64((uint64_t)sampler->pixel << 32 | dimension),
+                        .block = hash_u64((uint64_t)sampler->block << 32 | dimension)};
+    uint32_t order = (uint32_t)(draw.pixel >> 16), place_order = (uint32_t)(draw.block >> 16);
+    uint32_t first = (uint32_t)((draw.block * 0xd1342543de82ef95U) >> 32);
+    draw.index = reverse_bits(scramble_reversed(sampler->index_reversed, order) ^ scramble_reversed(0, order) ^ first);
+    draw.shift = sampler_shifts[scramble_reversed(sampler->place, place_order) >> 26];
+    return draw;
+}
+
+/* scramble_reversed with seeds of which the lower bits are the block's: a bit of its result depends on no higher ones. */
+static inline uint32_t sampler_scramble(uint32_t reversed, uint32_t pixel, uint32_t block)
+{
+    const uint32_t shared = (1U << SAMPLER_DIGITS_SHARED) - 1;
+    uint32_t factor = (block >> 16 & shared) | (pixel >> 16 & ~shared) | 1;
+    reversed ^= reversed * 0x3d20adeaU;
+    reversed += (block & shared) | (pixel & ~shared);
+    reversed *= factor;
+    reversed ^= reversed * 0x05526c56U;
+    return reversed ^ (reversed * 0x53a22864U);
+}
+
 /* uniform in [0, 1) */
 static inline float sampler_1d(const Sampler *sampler, uint32_t dimension)
 {
-    uint32_t seed = hash_combine(sampler->seed, dimension);
-    uint32_t index = reverse_bits(scramble_reversed(reverse_bits(sampler->index), seed));
-    return hash_to_unit_f(reverse_bits(scramble_reversed(index, hash_u32(seed + 1))));
+    SamplerDraw draw = sampler_draw(sampler, dimension);
+    uint32_t x = sampler_scramble(draw.index ^ draw.shift[0], (uint32_t)draw.pixel, (uint32_t)draw.block);
+    return hash_to_unit_f(reverse_bits(x));
 }
 
 static inline void sampler_2d(const Sampler *sampler, uint32_t dimension, float u[2])
 {
-    uint32_t seed = hash_combine(sampler->seed, dimension);
-    uint32_t index = reverse_bits(scramble_reversed(reverse_bits(sampler->index), seed));
-    u[0] = hash_to_unit_f(reverse_bits(scramble_reversed(index, hash_u32(seed + 1))));
-    u[1] = hash_to_unit_f(reverse_bits(scramble_reversed(sobol_second_reversed(index), hash_u32(seed + 2))));
+    SamplerDraw draw = sampler_draw(sampler, dimension);
+    uint32_t x = sampler_scramble(draw.index ^ draw.shift[0], (uint32_t)draw.pixel, (uint32_t)draw.block);
+    uint32_t y = sampler_scramble(sobol_second_reversed(draw.index) ^ draw.shift[1], (uint32_t)(draw.pixel >> 32),
+                                  (uint32_t)(draw.block >> 32));
+    uint64_t both = reverse_bits_64((uint64_t)y << 32 | x);
+    u[0] = hash_to_unit_f((uint32_t)(both >> 32));
+    u[1] = hash_to_unit_f((uint32_t)both);
 }
 
 #endif

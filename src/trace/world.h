@@ -35,6 +35,7 @@ typedef struct World {
     bool lens_crosses;      /* some hull's bounds come near the lens: look for each ray's real origin */
     bool scatters;          /* some medium does */
     bool no_absorption;
+    bool white_noise;       /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
 } World;
 
