@@ -25,20 +25,39 @@ static inline double transmitted_square(float cos_i, float eta_i, float eta_t)
  * call with gcc. */
 static inline float clamp_cosine(float cos_i) { return cos_i < 1 ? (cos_i > 0 ? cos_i : 0) : 1; }
 
-/* Branch-free, for cos_i already in 0..1: both outcomes are made and one is chosen. */
+/* The quantities above, for cos_i already in 0..1. */
+typedef struct Crossing {
+    float a, b, d;
+    float per_sum; /* 1 / (a + b) */
+    bool total;
+} Crossing;
+
+static inline Crossing crossing(float cos_i, float eta_i, float eta_t)
+{
+    double b_square = transmitted_square(cos_i, eta_i, eta_t);
+    Crossing c = {.a = eta_i * cos_i, .b = sqrtf((float)(b_square > 0 ? b_square : 0))};
+    c.d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
+    c.per_sum = 1 / (c.a + c.b + FLT_MIN); /* both vanish at a grazing ray between equal indices */
+    c.total = !(b_square > 0) && c.d != 0;
+    return c;
+}
+
+/* Branch-free: both outcomes are made and one is chosen. */
+static inline float crossing_reflectance(const Crossing *c, float cos_i, float eta_i, float eta_t)
+{
+    float square_i = eta_i * eta_i, square_t = eta_t * eta_t, share = c->d * c->per_sum;
+    float r_s = share * c->per_sum;
+    float brewster = c->a * c->b - square_i * ((1 - cos_i) * (1 + cos_i));
+    float r_p = share * brewster / (square_t * c->a + square_i * c->b + FLT_MIN);
+    float partial = 0.5f * (r_s * r_s + r_p * r_p);
+    bool passes = !c->total && partial < 1;
+    return c->d == 0 ? 0.0f : passes ? partial : 1.0f;
+}
+
 static inline float reflectance(float cos_i, float eta_i, float eta_t)
 {
-    float square_i = eta_i * eta_i, square_t = eta_t * eta_t;
-    double b_square = transmitted_square(cos_i, eta_i, eta_t);
-    float d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
-    float a = eta_i * cos_i, b = (float)sqrt(b_square > 0 ? b_square : 0);
-    float sum = a + b + FLT_MIN; /* both vanish at a grazing ray between equal indices */
-    float r_s = d / (sum * sum + FLT_MIN);
-    float brewster = a * b - square_i * ((1 - cos_i) * (1 + cos_i));
-    float r_p = d * brewster / (sum * (square_t * a + square_i * b) + FLT_MIN);
-    float partial = 0.5f * (r_s * r_s + r_p * r_p);
-    bool passes = b_square > 0 && partial < 1;
-    return d == 0 ? 0.0f : passes ? partial : 1.0f;
+    Crossing c = crossing(cos_i, eta_i, eta_t);
+    return crossing_reflectance(&c, cos_i, eta_i, eta_t);
 }
 
 float fresnel_dielectric(float cos_i, float eta_i, float eta_t) { return reflectance(clamp_cosine(cos_i), eta_i, eta_t); }
@@ -117,18 +136,33 @@ float fresnel_dielectric_mean(float eta_i, float eta_t)
     return (float)(inside ? 1 - (1 - mean) / (n * n) : mean);
 }
 
+/* Snell: eta_t t = eta_i d + (a - b) n, with a - b = -d / (a + b). The length of that is eta_t but for rounding, most of
+ * which one step of Newton's root takes off. */
+static inline Vec3f crossing_refract(const Crossing *c, Vec3f direction, Vec3f normal, float eta_i, float eta_t)
+{
+    if (c->d == 0) return direction;
+    float per_t = 1 / eta_t;
+    Vec3f t = vec3f_along(vec3f_scale(direction, eta_i * per_t), -c->d * c->per_sum * per_t, normal);
+    return vec3f_scale(t, 1.5f - 0.5f * vec3f_dot(t, t));
+}
+
 bool refract_direction(Vec3f direction, Vec3f normal, float eta_i, float eta_t, Vec3f *refracted)
 {
-    if (eta_i == eta_t) {
-        *refracted = direction;
-        return true;
-    }
-    float cos_i = clamp_cosine(-vec3f_dot(direction, normal));
-    double b_square = transmitted_square(cos_i, eta_i, eta_t);
-    if (!(b_square > 0)) return false;
-    /* Snell: eta_t t = eta_i d + (a - b) n, with a - b = -d / (a + b). */
-    float a = eta_i * cos_i, b = (float)sqrt(b_square);
-    float d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
-    *refracted = vec3f_normalize(vec3f_along(vec3f_scale(direction, eta_i), -d / (a + b + FLT_MIN), normal));
+    Crossing c = crossing(clamp_cosine(-vec3f_dot(direction, normal)), eta_i, eta_t);
+    if (c.total) return false;
+    *refracted = crossing_refract(&c, direction, normal, eta_i, eta_t);
+    return true;
+}
+
+bool fresnel_refract(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, Lanes *reflectance_of, Vec3f *refracted)
+{
+    float cos_i = clamp_cosine(-vec3f_dot(direction, normal)), hero_i = lanes_get(eta_i, 0), hero_t = lanes_get(eta_t, 0);
+    Crossing c = crossing(cos_i, hero_i, hero_t);
+    *reflectance_of = lanes_all(crossing_reflectance(&c, cos_i, hero_i, hero_t));
+    if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) /* media without dispersion are the rule */
+        for (int i = 1; i < LANES; i++)
+            lanes_set(reflectance_of, i, reflectance(cos_i, lanes_get(eta_i, i), lanes_get(eta_t, i)));
+    if (c.total) return false;
+    *refracted = crossing_refract(&c, direction, normal, hero_i, hero_t);
     return true;
 }

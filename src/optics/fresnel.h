@@ -33,5 +33,8 @@ static inline Vec3f reflect_direction(Vec3f direction, Vec3f normal)
 /* false beyond the critical angle; *refracted is a unit vector, between equal indices direction itself. Snell's law in
  * vector form. The cosine is -vec3f_dot(direction, normal). */
 bool refract_direction(Vec3f direction, Vec3f normal, float eta_i, float eta_t, Vec3f *refracted);
+/* Both at once, of a ray with four wavelengths: the reflectance of each, and where the first of them, the hero, is
+ * refracted to; false: its reflection is total, and *refracted is not set. */
+bool fresnel_refract(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, Lanes *reflectance, Vec3f *refracted);
 
 #endif

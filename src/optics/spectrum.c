@@ -32,13 +32,11 @@ static Lanes table_at(const float *table, Lanes wavelength_nm)
     return lanes(value[0], value[1], value[2], value[3]);
 }
 
-Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm)
+Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)
 {
     const float *value = spectrum->value;
     Lanes result;
     switch (spectrum->kind) {
-    case SPECTRUM_CONSTANT:
-        return lanes_all(spectrum->scale * value[0]);
     case SPECTRUM_SIGMOID:
         result = upsample_at(value, wavelength_nm);
         break;
@@ -61,6 +59,7 @@ Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm)
         result = lanes_sqrt(result);
         break;
     }
+    case SPECTRUM_CONSTANT: /* see spectrum_at */
     case SPECTRUM_TABLE:
     default:
         result = table_at(spectrum->table, wavelength_nm);

@@ -32,7 +32,13 @@ typedef struct Spectrum {
     const float *table; /* SPECTRUM_TABLE only; not owned */
 } Spectrum;
 
-Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm);
+/* spectrum_at for all kinds but SPECTRUM_CONSTANT. */
+Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm);
+static inline Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm)
+{
+    if (spectrum->kind == SPECTRUM_CONSTANT) return lanes_all(spectrum->scale * spectrum->value[0]);
+    return spectrum_varying_at(spectrum, wavelength_nm);
+}
 float spectrum_at_one(const Spectrum *spectrum, float wavelength_nm);
 bool spectrum_is_constant(const Spectrum *spectrum); /* the same at all wavelengths */
 bool spectrum_is_zero(const Spectrum *spectrum);

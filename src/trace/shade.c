@@ -154,18 +154,14 @@ bool path_shade_opaque(Path *path, Event *event)
 typedef struct BoundaryChoice {
     Vec3f direction;
     Lanes reflectance;
-    bool reflected, total;
+    bool reflected;
 } BoundaryChoice;
 
 static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, float u)
 {
     BoundaryChoice choice;
-    float cosine = float_min(-vec3f_dot(direction, normal), 1);
-    choice.reflectance = fresnel_dielectric_lanes(cosine, eta_i, eta_t);
-    choice.reflected = u < lanes_get(choice.reflectance, 0);
-    if (!choice.reflected &&
-        !refract_direction(direction, normal, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &choice.direction))
-        choice.reflected = true; /* within rounding of the critical angle */
+    bool passes = fresnel_refract(direction, normal, eta_i, eta_t, &choice.reflectance, &choice.direction);
+    choice.reflected = !passes || u < lanes_get(choice.reflectance, 0);
     if (choice.reflected) choice.direction = reflect_direction(direction, normal);
     return choice;
 }
