@@ -253,6 +253,21 @@ Lanes environment_radiance(const Environment *environment, Vec3f direction, Lane
     return lanes_mul(sum, white_at(wavelength_nm));
 }
 
+float environment_luminance(const Environment *environment, Vec3f direction)
+{
+    if (!environment->is_image) return environment->power * sphere_pdf();
+    Place place = place_of(environment, direction);
+    const float *above = environment->luminance + (size_t)place.above * environment->width;
+    const float *below = environment->luminance + (size_t)place.below * environment->width;
+    return mix(mix(above[place.left], above[place.right], place.across),
+               mix(below[place.left], below[place.right], place.across), place.down);
+}
+
+unsigned environment_width(const Environment *environment)
+{
+    return environment->width;
+}
+
 float environment_power(const Environment *environment)
 {
     return environment->power;

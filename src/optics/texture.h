@@ -27,6 +27,9 @@ void environment_free(Environment *environment);
 /* Radiance from a unit direction (the direction from the scene to the environment), in the environment's
  * own frame. Bilinear in the image. */
 Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm);
+/* Its luminance, as the density below has it. */
+float environment_luminance(const Environment *environment, Vec3f direction);
+unsigned environment_width(const Environment *environment); /* of the image, in pixels; 0: the same everywhere */
 /* Picks a direction in proportion to luminance times solid angle; pdf_w per steradian, > 0. */
 Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w);
 float environment_pdf(const Environment *environment, Vec3f direction);

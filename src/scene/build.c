@@ -285,12 +285,19 @@ static void check_whole(Builder *b)
 {
     const Scene *scene = b->scene;
     if (b->status != STATUS_OK || b->diag->n_errors) return;
-    bool distant = scene->environment != NULL;
-    for (uint32_t i = 0; i < scene->n_lights; i++) distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
+    bool distant = scene->environment != NULL, shines = false;
+    for (uint32_t i = 0; i < scene->n_lights; i++) {
+        distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
+        shines = shines || scene->lights[i].kind != LIGHT_PORTAL;
+    }
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
         diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
-    else if (!scene->n_lights && (!scene->environment || environment_is_black(scene->environment)) && !any_emits(scene))
+    else if (!shines && (!scene->environment || environment_is_black(scene->environment)) && !any_emits(scene))
         diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black");
+    for (uint32_t i = 0; i < scene->n_lights && !scene->environment; i++)
+        if (scene->lights[i].kind == LIGHT_PORTAL)
+            diag_report(b->diag, D_IDLE_PORTAL, scene->lights[i].span,
+                        "a portal without an environment: there is no light to come in");
     if (!scene->n_cameras) {
         Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");
         diag_hint(b->diag, report, "add one: camera { from = <0, 1, 5>  to = <0, 0, 0> }");

@@ -38,12 +38,13 @@ typedef struct LightShape {
 } LightShape;
 
 static const LightShape shapes[] = {
-    {"quad", LIGHT_RECT, "|size|to|", "|size|to|radiance|"},
-    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|radiance|"},
-    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|"},
-    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|"},
-    {"point", LIGHT_POINT, "|", "|intensity|profile|to|"},
-    {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|"},
+    {"quad", LIGHT_RECT, "|size|to|", "|size|to|radiance|power|color|"},
+    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|radiance|power|color|"},
+    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|power|color|"},
+    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|power|color|"},
+    {"point", LIGHT_POINT, "|", "|intensity|profile|to|power|color|"},
+    {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|power|color|"},
+    {"portal", LIGHT_PORTAL, "|size|to|", "|size|to|"},
 };
 
 static const LightShape *shape_of(const EvalNode *node)
@@ -65,14 +66,17 @@ static bool is_named(const char *list, const char *name)
 /* Which properties each shape of light needs; the others it must not have. */
 static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
 {
-    static const char *const names[] = {"size", "radius", "to", "angle", "blend", "radiance", "intensity", "profile"};
+    static const char *const names[] = {"size",  "radius", "to",       "angle",     "blend",
+                                        "color", "power",  "radiance", "intensity", "profile"};
     bool fine = build_exclude(b, node, "radiance", "power") && build_exclude(b, node, "intensity", "power");
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         const EvalProp *prop = eval_prop(node, names[i]);
         if (prop && !is_named(shape->takes, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
                                              "a light of shape '%s' has no '%s'", shape->word, names[i]);
-            if (strcmp(names[i], "radiance") == 0)
+            if (shape->kind == LIGHT_PORTAL)
+                diag_hint(b->diag, report, "it does not shine by itself: the light is the environment's");
+            else if (strcmp(names[i], "radiance") == 0)
                 diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
             fine = false;
         } else if (!prop && is_named(shape->needs, names[i])) {
@@ -80,7 +84,7 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
                                              "a light of shape '%s' needs '%s'", shape->word, names[i]);
             if (shape == &shapes[0] && !eval_prop(node, "shape"))
                 diag_hint(b->diag, report,
-                          "'quad' is the default; the other shapes are disc, sphere, distant, point and spot");
+                          "'quad' is the default; the other shapes are disc, sphere, distant, point, spot and portal");
             fine = false;
         }
     }
@@ -126,7 +130,7 @@ static Affine rigid_frame(const Affine *to_world, const Affine *local)
 static double area_of(const SceneLight *light)
 {
     double w = light->half_width;
-    if (light->kind == LIGHT_RECT) return 4 * w * light->half_height;
+    if (light->kind == LIGHT_RECT || light->kind == LIGHT_PORTAL) return 4 * w * light->half_height;
     return light->kind == LIGHT_DISC ? pi * w * w : 4 * pi * w * w;
 }
 
@@ -151,7 +155,7 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
     return power ? power->as.number / (pi * area_m2) : radiance ? radiance->as.number : 1;
 }
 
-static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light, double scale)
+static bool check_area(Builder *b, const EvalNode *node, const SceneLight *light, double scale)
 {
     double reach = hypot(light->half_width, light->half_height);
     Box3 bounds = {vec3_sub(light->to_world.t, vec3(reach, reach, reach)),
@@ -162,6 +166,12 @@ static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light
                     scale);
         return false;
     }
+    return true;
+}
+
+static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light, double scale)
+{
+    if (!check_area(b, node, light, scale)) return false;
     Piece piece = {.kind = PIECE_RECT, .r0 = light->half_width, .r1 = light->half_height};
     if (light->kind == LIGHT_DISC) piece = piece_make_band(light->half_width, 0, 0, 0); /* inwards: facing +y */
     uint32_t shape =
@@ -212,7 +222,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
     light.to_world = rigid_frame(to_world, &frame);
     light.towards = vec3_scale(column(&light.to_world, 1), -1);
     light.cos_angle = cos(half_angle);
-    if (light.kind == LIGHT_RECT) {
+    if (light.kind == LIGHT_RECT || light.kind == LIGHT_PORTAL) {
         const EvalProp *size = eval_prop(node, "size");
         light.half_width = size->as.vector[0] / 2 * scale;
         light.half_height = size->as.vector[1] / 2 * scale;
@@ -224,11 +234,15 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         Box3 bounds = {light.to_world.t, light.to_world.t};
         if (!build_check_reach(b, node->span, "this light", bounds)) return;
     }
-    if (light.kind == LIGHT_DISTANT || light.kind == LIGHT_POINT)
+    if (light.kind == LIGHT_DISTANT || light.kind == LIGHT_POINT || light.kind == LIGHT_PORTAL)
         light.name = build_name(b, node, node->type->name);
-    else if (!place_area_light(b, node, &light, scale))
+    if (light.kind == LIGHT_PORTAL ? !check_area(b, node, &light, scale)
+                                   : !light.name && !place_area_light(b, node, &light, scale))
         return;
-    if (!build_emission(b, node, "color", radiance_factor(b, node, &light, half_angle), &light.radiance)) return;
+    if (light.kind == LIGHT_PORTAL)
+        light.radiance = spectrum_constant(0);
+    else if (!build_emission(b, node, "color", radiance_factor(b, node, &light, half_angle), &light.radiance))
+        return;
     add_light(b, &light);
 }
 

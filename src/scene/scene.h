@@ -95,7 +95,8 @@ typedef enum LightKind {
     LIGHT_DISC,   /* one-sided, radius half_width, shining to +y */
     LIGHT_SPHERE, /* radius half_width */
     LIGHT_DISTANT, /* from a cone of directions at infinity, as the sun */
-    LIGHT_POINT    /* without size: to all sides, into a cone about +y, or by a profile */
+    LIGHT_POINT,   /* without size: to all sides, into a cone about +y, or by a profile */
+    LIGHT_PORTAL   /* no light, but where the environment's comes in: a LIGHT_RECT in place and form, without an object */
 } LightKind;
 
 typedef struct SceneLight {
@@ -106,7 +107,7 @@ typedef struct SceneLight {
      * along its axis, or where the profile is 1: radiance times square scene units */
     Spectrum radiance;
     double half_width, half_height;
-    uint32_t object;    /* SCENE_NONE for LIGHT_DISTANT and LIGHT_POINT */
+    uint32_t object;    /* SCENE_NONE for LIGHT_DISTANT, LIGHT_POINT and LIGHT_PORTAL */
     uint32_t motion;    /* of LIGHT_POINT, as SceneObject's; others move with their object */
     uint64_t identity;
     Affine to_world;    /* rigid: rotation and translation */

@@ -189,8 +189,8 @@ static void add_lights(Hasher *h, const Scene *scene)
         add_spectrum(h, &light->radiance);
         add_number(h, light->half_width);
         add_number(h, light->half_height);
+        if (light->kind == LIGHT_POINT || light->kind == LIGHT_PORTAL) add_map(h, &light->to_world);
         if (light->kind == LIGHT_POINT) {
-            add_map(h, &light->to_world);
             add_number(h, light->cos_full);
             add_number(h, light->cos_none);
             const LightProfile *profile = light->profile;

@@ -53,7 +53,8 @@ static double light_flux(const SceneLight *light)
     case LIGHT_DISC: return luminance * pi * pi * w * w;
     case LIGHT_SPHERE: return luminance * pi * 4 * pi * w * w;
     case LIGHT_POINT: return luminance * light_beam(light);
-    case LIGHT_DISTANT: return 0; /* not in the tree */
+    case LIGHT_DISTANT:
+    case LIGHT_PORTAL: return 0; /* not in the tree */
     }
     return 0;
 }

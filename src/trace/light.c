@@ -98,22 +98,6 @@ static LightSample sample_distant(const SceneLight *light, const float u[2])
                          .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
-static Vec3f to_environment(const World *world, Vec3f direction)
-{
-    return vec3f_normalize(vec3f_from(affine_vector(&world->scene->world_to_environment, vec3_from_f(direction))));
-}
-
-static LightSample sample_environment(const World *world, const float u[2], Lanes wavelength_nm)
-{
-    LightSample sample = {.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
-    Vec3f local = environment_sample(world->scene->environment, u[0], u[1], &sample.pdf_w);
-    sample.radiance = environment_radiance(world->scene->environment, local, wavelength_nm);
-    /* the map is a rotation: its transpose is its inverse */
-    sample.direction =
-        vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
-    return sample;
-}
-
 /* Towards a place of a surface; `across`: its unit normal there, or against it where that side shines as well. */
 static LightSample sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, double area)
 {
@@ -234,15 +218,14 @@ LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double tim
     uint32_t i = 0;
     while (i + 1 < world->n_choices && choice >= (double)world->choices[i].cumulative) i++;
     const LightChoice *chosen = &world->choices[i];
+    double before = i ? (double)world->choices[i - 1].cumulative : 0;
+    double rest = fmin(fmax((choice - before) / ((double)chosen->cumulative - before), 0), 1 - 0x1p-53);
     LightSample sample;
     if (chosen->light == LIGHT_ENVIRONMENT) {
-        sample = sample_environment(world, u, wavelength_nm);
+        sample = light_sample_environment(world, from, normal, rest, u, wavelength_nm);
     } else if (chosen->light == LIGHT_NEAR) {
-        double before = i ? (double)world->choices[i - 1].cumulative : 0;
-        double rest = (choice - before) / ((double)chosen->cumulative - before);
         float probability;
-        uint32_t emitter =
-            light_tree_choose(world->emitters.tree, from, normal, fmin(fmax(rest, 0), 1 - 0x1p-53), &probability);
+        uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, rest, &probability);
         if (emitter == LIGHT_TREE_NONE) return (LightSample){.pdf_w = 0};
         sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, u, wavelength_nm);
         sample.pdf_w *= probability;
@@ -319,30 +302,4 @@ float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray,
     return choice * (emitter->kind == EMITTER_LIGHT
                          ? light_pdf(world, &world->scene->lights[emitter->of], from, ray, hit)
                          : object_pdf(world, emitter, from, ray, hit));
-}
-
-static float weight_against(float weight_pdf, float light_pdf)
-{
-    return weight_pdf < 0 ? 1 : sampling_balance(weight_pdf, light_pdf);
-}
-
-Lanes light_from_infinity(const World *world, Vec3f direction, float weight_pdf, Lanes wavelength_nm)
-{
-    const Scene *scene = world->scene;
-    Lanes sum = lanes_all(0);
-    if (scene->environment) {
-        Vec3f local = to_environment(world, direction);
-        float pdf = weight_pdf < 0 ? 0 : world->environment_choice * environment_pdf(scene->environment, local);
-        sum = lanes_scale(environment_radiance(scene->environment, local, wavelength_nm),
-                          weight_against(weight_pdf, pdf));
-    }
-    for (uint32_t i = 0; i < scene->n_lights; i++) {
-        const SceneLight *light = &scene->lights[i];
-        if (light->kind != LIGHT_DISTANT || vec3_dot(vec3_from_f(direction), light->towards) < light->cos_angle)
-            continue;
-        float pdf = world->choice_of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
-        sum =
-            lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));
-    }
-    return sum;
 }

@@ -30,7 +30,13 @@ float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray,
 
 /* What comes from infinity along direction: environment and distant lights, each with its density. A call
  * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the
- * caller's own sampling; weight_pdf < 0 takes all of it. */
-Lanes light_from_infinity(const World *world, Vec3f direction, float weight_pdf, Lanes wavelength_nm);
+ * caller's own sampling from there with that normal, see light_sample; weight_pdf < 0 takes all of it. */
+Lanes light_from_infinity(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float weight_pdf,
+                          Lanes wavelength_nm);
+
+/* The environment's part of light_sample, without the choice of the environment itself: by the environment's own
+ * brightness, or through one of the portals that are seen from there. pdf_w is the density of all these ways together. */
+LightSample light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
+                                     Lanes wavelength_nm);
 
 #endif

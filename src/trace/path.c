@@ -166,7 +166,8 @@ static bool follow(Path *path)
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {
-            Lanes radiance = light_from_infinity(world, path->ray.direction, path->scatter_pdf, path->wavelengths.nm);
+            Lanes radiance = light_from_infinity(world, path->scatter_point, path->scatter_normal, path->ray.direction,
+                                                 path->scatter_pdf, path->wavelengths.nm);
             path_add_radiance(path, lanes_all(1),
                               path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
             /* out here the ray is in nothing that is bounded, or a surface was lost */

@@ -3,6 +3,7 @@
 #include "trace/world.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static void add_choice(World *world, uint32_t light, double power, double *total)
 {
@@ -54,6 +55,47 @@ static Status choose_lights(World *world, Error *error)
     return STATUS_OK;
 }
 
+/* Whether a portal's frame is turned as one before it: then it has that one's map. */
+static const PortalMap *map_of_like(const World *world, const WorldPortal *portal)
+{
+    for (uint32_t i = 0; i < world->n_portals; i++)
+        if (memcmp(world->portals[i].to_frame.m, portal->to_frame.m, sizeof portal->to_frame.m) == 0)
+            return world->portals[i].map;
+    return NULL;
+}
+
+static Status add_portal(World *world, const SceneLight *light, Error *error)
+{
+    WorldPortal portal = {.light = light};
+    if (!affine_invert(&light->to_world, &portal.to_frame)) return STATUS_OK; /* it is rigid */
+    portal.map = map_of_like(world, &portal);
+    if (!portal.map) {
+        Affine to_environment = affine_compose(&world->scene->world_to_environment, &light->to_world);
+        PortalMap **map = &world->portal_maps[world->n_portal_maps];
+        TRY(portal_map_new(world->scene->environment, &to_environment, map, error));
+        portal.map = *map;
+        world->n_portal_maps++;
+    }
+    world->portals[world->n_portals++] = portal;
+    return STATUS_OK;
+}
+
+/* A portal stays where it is as the shutter opens: it says where to look for light, and light is found elsewhere, too. */
+static Status find_portals(World *world, Error *error)
+{
+    const Scene *scene = world->scene;
+    uint32_t n = 0;
+    if (!scene->environment || environment_is_black(scene->environment)) return STATUS_OK;
+    for (uint32_t i = 0; i < scene->n_lights; i++) n += scene->lights[i].kind == LIGHT_PORTAL;
+    if (!n) return STATUS_OK;
+    world->portals = calloc(n, sizeof *world->portals);
+    world->portal_maps = calloc(n, sizeof *world->portal_maps);
+    if (!world->portals || !world->portal_maps) return fail_memory(error, n * sizeof *world->portals, "portals");
+    for (uint32_t i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].kind == LIGHT_PORTAL) TRY(add_portal(world, &scene->lights[i], error));
+    return STATUS_OK;
+}
+
 /* Whether the hulls around the camera may be others at another time: it moves itself, or something that moves comes to
  * where it is. */
 static bool camera_list_may_move(const World *world)
@@ -95,6 +137,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
     world->camera = &compiled->scene->cameras[camera];
     Status status = choose_lights(world, error);
+    if (status == STATUS_OK) status = find_portals(world, error);
     if (status == STATUS_OK) {
         HitList hits = {0};
         uint32_t on_surface;
@@ -121,6 +164,9 @@ void world_leave_to_chance(World *world)
 void world_clear(World *world)
 {
     emitters_clear(&world->emitters);
+    for (uint32_t i = 0; i < world->n_portal_maps; i++) portal_map_free(world->portal_maps[i]);
+    free(world->portal_maps);
+    free(world->portals);
     free(world->choices);
     free(world->choice_of_light);
     nest_list_clear(&world->camera_list);

@@ -5,6 +5,7 @@
 #define MEN_WORLD_H
 
 #include "optics/color.h"
+#include "optics/portal.h"
 #include "scene/compile.h"
 #include "trace/emitter.h"
 
@@ -19,6 +20,13 @@ typedef struct LightChoice {
     float cumulative;  /* of this and all before */
 } LightChoice;
 
+/* An opening that light of the environment comes in by. */
+typedef struct WorldPortal {
+    const SceneLight *light;
+    Affine to_frame;      /* from the world into the opening's frame */
+    const PortalMap *map; /* shared by all that are turned the same way */
+} WorldPortal;
+
 typedef struct World {
     const CompiledScene *compiled;
     const Scene *scene;
@@ -29,6 +37,10 @@ typedef struct World {
     float environment_choice; /* probability of the environment */
     float near_choice;        /* probability of choosing with the tree */
     EmitterSet emitters;
+    WorldPortal *portals; /* where the scene has an environment that shines */
+    uint32_t n_portals;
+    PortalMap **portal_maps;
+    uint32_t n_portal_maps;
     NestList camera_list;   /* the hulls around the camera's centre */
     bool moves;             /* something does while the shutter is open */
     bool camera_list_moves; /* and so the camera's hulls may be others at other times */

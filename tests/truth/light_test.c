@@ -249,6 +249,78 @@ static void floor_under_a_sky(void **state)
     assert_true(lit.mean > 3 * sampled.mean && shaded.mean < sampled.mean);
 }
 
+/* ---- portals ---- */
+
+#define CEILING                                                                                                        \
+    "let black = surface { albedo = 0 }\n"                                                                             \
+    "def piece(a, b) { mesh { positions = [<a.x, 20, a.y>, <b.x, 20, a.y>, <b.x, 20, b.y>, <a.x, 20, b.y>]\n"          \
+    "  triangles = [<0, 1, 2>, <0, 2, 3>]  surface = black } }\n"                                                      \
+    "piece(<-500, -500>, <-15, 500>) piece(<15, -500>, <500, 500>) piece(<-15, -500>, <15, -6>)\n"                      \
+    "piece(<-15, 6>, <15, 500>) let side = box { from = <-501, 0, 499>  to = <501, 21, 501>  surface = black }\n"       \
+    "for (i in 0..3) { side { rotate(y, 90deg * i) } }\n"
+#define PORTAL(from, to, size) "light { shape = portal  from = " from "  to = " to "  size = " size " }\n"
+
+/* A black room with a rectangular hole in its ceiling under a white sky: the floor has what a rectangle of that radiance
+ * would give it, wherever portals are. */
+static void portals(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *portals;
+    } cases[] = {
+        {"a hole in the ceiling, no portal", ""},
+        {"a portal in it", PORTAL("<0, 20, 0>", "<0, 0, 0>", "<30, 12>")},
+        {"two, one of them smaller, that overlap",
+         PORTAL("<0, 20, 0>", "<0, 0, 0>", "<30, 12>") PORTAL("<5, 20, 1>", "<5, 0, 1>", "<9, 9>")},
+        {"half of it", PORTAL("<-7.5, 20, 0>", "<-7.5, 0, 0>", "<15, 12>")},
+        {"one that is larger", PORTAL("<0, 20, 0>", "<0, 0, 0>", "<50, 40>")},
+        {"one that faces out", PORTAL("<0, 20, 0>", "<0, 40, 0>", "<30, 12>")},
+        {"where there is no hole", PORTAL("<60, 20, 0>", "<60, 0, 0>", "<30, 12>")},
+        {"aslant below it, and another in a wall that is not there",
+         PORTAL("<3, 14, 0>", "<0, 0, 1>", "<20, 12>") PORTAL("<40, 10, 0>", "<0, 10, 0>", "<20, 20>")},
+    };
+    Estimate first = {0};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[2000];
+        snprintf(text, sizeof text, FLOOR CEILING TRUTH_WHITE_SKY "%s", cases[i].portals);
+        Estimate measured = measure(text, 1024, false);
+        if (i == 0) first = measured;
+        truth_expect(cases[i].what, on_floor(TRUTH_PI * rectangle_factor(30, 12, 20)), measured, 4, 0.0012);
+        double gain = pow(first.error / measured.error, 2);
+        print_message("      as good as %.1f times as many samples without\n", gain);
+        if (i == 1 || i == 2) assert_true(gain > 4);
+    }
+}
+
+/* The same for a sky that is not even, looked for and by chance, and in a room whose walls throw light about. */
+static void portals_in_a_room(void **state)
+{
+    (void)state;
+    static const char *const skies[] = {
+        "environment { sky = clear  elevation = 35deg  azimuth = 70deg  disc = false }\n", TRUTH_SKY};
+    const char *room = "let wall = surface { albedo = .6 }\n"
+                       "box { from = <-20, 0, -21>  to = <30, 20, -20>  surface = wall }\n"
+                       "box { from = <-21, 0, -20>  to = <-20, 20, 20>  surface = wall }\n"
+                       "box { from = <-21, 20, -21>  to = <31, 21, 21>  surface = wall }\n"
+                       "box { from = <-20, 0, 20>  to = <30, 20, 21>  surface = wall }\n"
+                       "box { from = <30, 0, -20>  to = <31, 8, 20>  surface = wall }\n"
+                       "box { from = <30, 8, -20>  to = <31, 20, 4>  surface = wall }\n";
+    for (size_t i = 0; i < COUNT_OF(skies); i++) {
+        char text[2000];
+        snprintf(text, sizeof text, FLOOR "%s%s", room, skies[i]);
+        Estimate without = measure(text, 1024, false), chance = measure(text, 4096, true);
+        snprintf(text, sizeof text, FLOOR "%s%s" PORTAL("<30, 14, 12>", "<0, 14, 12>", "<16, 12>"), room, skies[i]);
+        Estimate with = measure(text, 1024, false);
+        truth_figure("a room with a portal and without", without.mean, with.mean, hypot(without.error, with.error));
+        assert_near(with.mean, without.mean, 4 * hypot(without.error, with.error));
+        truth_figure("a room with a portal and by chance", chance.mean, with.mean, hypot(chance.error, with.error));
+        assert_near(with.mean, chance.mean, 4 * hypot(chance.error, with.error));
+        double gain = pow(without.error / with.error, 2);
+        print_message("      as good as %.1f times as many samples without\n", gain);
+        assert_true(gain > 1.5 && with.error < 0.01 * with.mean);
+    }
+}
+
 /* ---- lights in other media ---- */
 
 /* A picture shows basic radiance, L / n^2. In water everything is as in air, but for that. */
@@ -334,6 +406,8 @@ int main(void)
         cmocka_unit_test(filament_in_a_bulb),
         cmocka_unit_test(moving_ball),
         cmocka_unit_test(floor_under_a_sky),
+        cmocka_unit_test(portals),
+        cmocka_unit_test(portals_in_a_room),
         cmocka_unit_test(profile),
     };
     return cmocka_run_group_tests_name("light", tests, NULL, NULL);

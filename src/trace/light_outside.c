@@ -1,0 +1,175 @@
+/* light_outside.c - light from infinitely far: the environment, by its own brightness and through portals, and distant
+ * lights.
+ *
+ * One sample for the environment is drawn in one of several ways, and counts by the density of all of them together, which
+ * is the balance heuristic of one sample (E. Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997,
+ * 9.2.4). So light is counted once, wherever portals are, and whether or not light comes through them.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/sampling.h"
+#include "trace/light.h"
+
+/* Where portals are seen, so many samples still go by the environment alone: for a place in the open that has a portal
+ * before it all the same. */
+static const double without_portals = 0.15;
+
+static Vec3f to_environment(const World *world, Vec3f direction)
+{
+    return vec3f_normalize(vec3f_from(affine_vector(&world->scene->world_to_environment, vec3_from_f(direction))));
+}
+
+/* Whether something of a portal is on the normal's side of a place; there is none: it is. */
+static bool is_before(const WorldPortal *portal, Vec3 from, Vec3f normal)
+{
+    Vec3 n = vec3_from_f(normal);
+    if (!(vec3_dot(n, n) > 0)) return true;
+    const Affine *map = &portal->light->to_world;
+    Vec3 x = affine_vector(map, vec3(portal->light->half_width, 0, 0)),
+         z = affine_vector(map, vec3(0, 0, portal->light->half_height));
+    return vec3_dot(n, vec3_sub(map->t, from)) + fabs(vec3_dot(n, x)) + fabs(vec3_dot(n, z)) > 0;
+}
+
+/* All portals as they are seen from a place. What is seen of many is looked at anew each time. */
+enum { VIEWS_KEPT = 16 };
+typedef struct Views {
+    const World *world;
+    Vec3 from;
+    Vec3f normal;
+    PortalView kept[VIEWS_KEPT];
+    double power; /* of all together */
+} Views;
+
+/* power 0: not seen */
+static PortalView look_at(const Views *views, uint32_t i)
+{
+    const WorldPortal *portal = &views->world->portals[i];
+    const SceneLight *light = portal->light;
+    PortalView view;
+    bool seen = is_before(portal, views->from, views->normal) &&
+                portal_look(portal->map, light->half_width, light->half_height,
+                            affine_point(&portal->to_frame, views->from), &view);
+    return seen ? view : (PortalView){.power = 0};
+}
+
+static void look_at_all(Views *views, const World *world, Vec3 from, Vec3f normal)
+{
+    views->world = world;
+    views->from = from;
+    views->normal = normal;
+    views->power = 0;
+    for (uint32_t i = 0; i < world->n_portals; i++) {
+        PortalView view = look_at(views, i);
+        views->power += view.power;
+        if (i < VIEWS_KEPT) views->kept[i] = view;
+    }
+}
+
+static PortalView view_of(const Views *views, uint32_t i)
+{
+    return i < VIEWS_KEPT ? views->kept[i] : look_at(views, i);
+}
+
+/* The luminances that portals would choose a direction by, summed over all that it goes out by but `except` (or
+ * UINT32_MAX): over the power of all it is the density of choosing a portal by its power and a direction by its map. */
+static double portals_density(const Views *views, Vec3f direction, uint32_t except)
+{
+    double sum = 0;
+    Vec3 d = vec3_from_f(direction);
+    for (uint32_t i = 0; i < views->world->n_portals; i++) {
+        PortalView view = view_of(views, i);
+        const WorldPortal *portal = &views->world->portals[i];
+        if (view.power > 0 && i != except)
+            sum += portal_density(portal->map, &view, affine_vector(&portal->to_frame, d));
+    }
+    return sum;
+}
+
+static float density_of_both(const Views *views, double by_portals, float by_environment)
+{
+    if (!(views->power > 0)) return by_environment;
+    return (float)(without_portals * (double)by_environment + (1 - without_portals) * by_portals / views->power);
+}
+
+/* Through the portal at which `share` of the power of all of them is reached. */
+static LightSample sample_portal(const Views *views, double share, const float u[2], Lanes wavelength_nm)
+{
+    const World *world = views->world;
+    double wanted = share * views->power, density;
+    uint32_t chosen = UINT32_MAX;
+    PortalView view, chosen_view;
+    for (uint32_t i = 0; i < world->n_portals && (chosen == UINT32_MAX || wanted >= 0); i++) {
+        view = view_of(views, i);
+        if (!(view.power > 0)) continue;
+        chosen = i;
+        chosen_view = view;
+        wanted -= view.power;
+    }
+    const WorldPortal *portal = &world->portals[chosen];
+    Vec3 outward = portal_sample(portal->map, &chosen_view, u[0], u[1], &density);
+    LightSample sample = {.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
+    sample.direction = vec3f_normalize(vec3f_from(affine_vector(&portal->light->to_world, outward)));
+    /* its own density as it was sampled: by the rounded direction it might be beside the opening */
+    density += portals_density(views, sample.direction, chosen);
+    Vec3f local = to_environment(world, sample.direction);
+    sample.radiance = environment_radiance(world->scene->environment, local, wavelength_nm);
+    sample.pdf_w = density_of_both(views, density, environment_pdf(world->scene->environment, local));
+    return sample;
+}
+
+LightSample light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
+                                     Lanes wavelength_nm)
+{
+    Views views;
+    if (world->n_portals) {
+        look_at_all(&views, world, from, normal);
+        if (views.power > 0 && choice >= without_portals)
+            return sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, wavelength_nm);
+    }
+    LightSample sample = {.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
+    Vec3f local = environment_sample(world->scene->environment, u[0], u[1], &sample.pdf_w);
+    sample.radiance = environment_radiance(world->scene->environment, local, wavelength_nm);
+    /* the map is a rotation: its transpose is its inverse */
+    sample.direction =
+        vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
+    if (world->n_portals)
+        sample.pdf_w = density_of_both(&views, portals_density(&views, sample.direction, UINT32_MAX), sample.pdf_w);
+    return sample;
+}
+
+/* The density of light_sample_environment. */
+static float environment_density(const World *world, Vec3 from, Vec3f normal, Vec3f direction, Vec3f local)
+{
+    float by_environment = environment_pdf(world->scene->environment, local);
+    if (!world->n_portals) return by_environment;
+    Views views;
+    look_at_all(&views, world, from, normal);
+    return density_of_both(&views, portals_density(&views, direction, UINT32_MAX), by_environment);
+}
+
+static float weight_against(float weight_pdf, float light_pdf)
+{
+    return weight_pdf < 0 ? 1 : sampling_balance(weight_pdf, light_pdf);
+}
+
+Lanes light_from_infinity(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float weight_pdf,
+                          Lanes wavelength_nm)
+{
+    const Scene *scene = world->scene;
+    Lanes sum = lanes_all(0);
+    if (scene->environment) {
+        Vec3f local = to_environment(world, direction);
+        float pdf = weight_pdf < 0 || !(world->environment_choice > 0)
+                        ? 0
+                        : world->environment_choice * environment_density(world, from, normal, direction, local);
+        sum = lanes_scale(environment_radiance(scene->environment, local, wavelength_nm),
+                          weight_against(weight_pdf, pdf));
+    }
+    for (uint32_t i = 0; i < scene->n_lights; i++) {
+        const SceneLight *light = &scene->lights[i];
+        if (light->kind != LIGHT_DISTANT || vec3_dot(vec3_from_f(direction), light->towards) < light->cos_angle)
+            continue;
+        float pdf = world->choice_of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
+        sum =
+            lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));
+    }
+    return sum;
+}

@@ -1,0 +1,476 @@
+/* light_density_test.c - every kind of light as light_sample draws it, against the densities that light_pdf_hit and
+ * light_from_infinity say: Pearson's chi-square over bins of direction, and each sample's own density.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "dice.h"
+#include "near.h"
+#include "scene_fixture.h"
+#include "trace/light.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* What the lights are seen in: a cone of directions, with bins even in solid angle. */
+enum { ROWS = 12, COLUMNS = 24, FINE = 24, SAMPLES = 120000 };
+typedef struct Bins {
+    Vec3 x, y, axis;
+    double cap; /* 1 - cos of the half angle */
+} Bins;
+
+static Bins bins_about(Vec3 from, Vec3 to, double half_angle)
+{
+    Bins bins = {.axis = vec3_normalize(vec3_sub(to, from)), .cap = 1 - cos(half_angle)};
+    Vec3 other = fabs(bins.axis.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0);
+    bins.x = vec3_normalize(vec3_cross(other, bins.axis));
+    bins.y = vec3_cross(bins.axis, bins.x);
+    return bins;
+}
+
+static Vec3f direction_in(const Bins *bins, double row, double column)
+{
+    double cosine = 1 - bins->cap * row / ROWS, sine = sqrt(fmax(1 - cosine * cosine, 0)),
+           turn = 2 * pi * column / COLUMNS;
+    Vec3 d =
+        vec3_along(vec3_along(vec3_scale(bins->axis, cosine), sine * cos(turn), bins->x), sine * sin(turn), bins->y);
+    return vec3f_from(vec3_normalize(d));
+}
+
+static int bin_of(const Bins *bins, Vec3f direction)
+{
+    Vec3 d = vec3_from_f(direction);
+    double x = vec3_dot(d, bins->x), y = vec3_dot(d, bins->y), along = vec3_dot(d, bins->axis), square = x * x + y * y;
+    double height = along > 0 ? square / (1 + along) : 1 - along; /* 1 - cos, precise for small angles */
+    double turn = atan2(y, x) / (2 * pi);
+    int row = (int)(height / bins->cap * ROWS), column = (int)((turn < 0 ? turn + 1 : turn) * COLUMNS);
+    if (row < 0 || row >= ROWS) return -1;
+    return row * COLUMNS + (column < COLUMNS ? column : COLUMNS - 1);
+}
+
+/* ---- densities ---- */
+
+static Lanes some_wavelengths(void)
+{
+    return lanes(450, 520, 590, 650);
+}
+
+/* What light_from_infinity weighs light with, found from the weight: w / (w + pdf). */
+static double density_outside(const World *world, Vec3 from, Vec3f normal, Vec3f direction)
+{
+    Lanes all = light_from_infinity(world, from, normal, direction, -1, some_wavelengths());
+    Lanes weighted = light_from_infinity(world, from, normal, direction, 1, some_wavelengths());
+    if (lanes_zero(all)) return 0;
+    return (double)lanes_get(all, 0) / (double)lanes_get(weighted, 0) - 1;
+}
+
+/* Towards the rim of what is round, the density per steradian grows beyond bounds, and no quadrature finds all of it: what
+ * is seen under less than this cosine is left out, of the densities and of the samples. */
+static const double grazing = 0.05;
+
+/* Of everything in a direction, whether something else hides it or not. */
+static double density_at(const World *world, Vec3 from, Vec3f normal, Vec3f direction, double time, HitList *hits)
+{
+    Ray ray = ray_make(from, direction);
+    ray.time = time;
+    rtc_all(world->compiled->rtc, &ray, false, hits);
+    double sum = density_outside(world, from, normal, direction);
+    for (size_t i = 0; i < hits->n; i++) {
+        Lanes radiance;
+        if (fabs(hits->items[i].cos_normal) > grazing &&
+            light_radiance_hit(world, &hits->items[i], some_wavelengths(), &radiance))
+            sum += (double)light_pdf_hit(world, from, normal, &ray, &hits->items[i]);
+    }
+    return sum;
+}
+
+typedef enum Verdict { AS_EVALUATED, NOT_SO, GRAZING } Verdict;
+
+/* The density that a sample says, against that of the place it is aimed at. */
+static Verdict judge(const World *world, Vec3 from, Vec3f normal, const LightSample *sample, double time, HitList *hits)
+{
+    double best = HUGE_VAL, cosine = 1;
+    if (isinf(sample->distance)) {
+        best = density_outside(world, from, normal, sample->direction) / (double)sample->pdf_w - 1;
+    } else {
+        Ray ray = ray_make(from, sample->direction);
+        ray.time = time;
+        rtc_all(world->compiled->rtc, &ray, false, hits);
+        for (size_t i = 0; i < hits->n; i++) {
+            const Hit *hit = &hits->items[i];
+            if (sample->object != RTC_NO_OBJECT && hit->object != sample->object) continue;
+            if (sample->primitive != RTC_NO_OBJECT && hit->primitive != sample->primitive) continue;
+            double off = (double)light_pdf_hit(world, from, normal, &ray, hit) / (double)sample->pdf_w - 1;
+            if (fabs(off) >= fabs(best)) continue;
+            best = off;
+            cosine = fabs(hit->cos_normal);
+        }
+    }
+    return cosine <= grazing ? GRAZING : fabs(best) < 0.01 ? AS_EVALUATED : NOT_SO;
+}
+
+/* ---- the test ---- */
+
+typedef struct Case {
+    const char *what, *scene;
+    Vec3 from;
+    Vec3f normal;
+    Vec3 towards; /* the middle of the bins */
+    double half_angle;
+    double least; /* of samples that lead somewhere */
+} Case;
+
+static Status load_picture(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                           uint32_t *height, Error *error)
+{
+    (void)context;
+    (void)path;
+    (void)space;
+    *width = 32;
+    *height = 16;
+    *rgb = malloc(32 * 16 * 3 * sizeof **rgb);
+    if (!*rgb) return fail_memory(error, 1, "a picture");
+    for (uint32_t i = 0; i < 32 * 16; i++)
+        for (uint32_t c = 0; c < 3; c++)
+            (*rgb)[3 * i + c] = (float)(i % 7 == 3 ? 20 : 1 + i % 5) * (1 + 0.2f * (float)c);
+    return STATUS_OK;
+}
+
+static void run_case(const Case *c)
+{
+    static double expected[ROWS * COLUMNS], uncertain[ROWS * COLUMNS]; /* and the variance of the quadrature */
+    static int counted[ROWS * COLUMNS];
+    char text[2000];
+    Fixture f;
+    snprintf(text, sizeof text, "meniscus 1.0 unit mm camera { from = <0, 0, 900>  to = <0, 0, 0> }\n%s\n", c->scene);
+    SceneOptions options = {.eval = {.frames = 1, .frame = 1}, .load_image = load_picture};
+    fixture_build(&f, text, &options);
+    if (f.status != STATUS_OK) fixture_print(&f);
+    assert_int_equal(f.status, STATUS_OK);
+    assert_int_equal(compile_scene(f.scene, f.scene->render.nesting, NULL, &f.diag, &f.compiled, &f.error), STATUS_OK);
+    World world;
+    assert_int_equal(world_init(&world, f.compiled, 0, 8, false, &f.error), STATUS_OK);
+    Bins bins = bins_about(c->from, c->towards, c->half_angle);
+    Dice dice = {11};
+    HitList hits = {0};
+    memset(counted, 0, sizeof counted);
+    double inside = 0, inside_variance = 0;
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        double sum = 0, last = 0, squares = 0;
+        for (int k = 0; k < FINE * FINE; k++) {
+            double row = i / COLUMNS + (k / FINE + dice_unit(&dice)) / FINE,
+                   column = i % COLUMNS + (k % FINE + dice_unit(&dice)) / FINE;
+            double density = density_at(&world, c->from, c->normal, direction_in(&bins, row, column), 0, &hits);
+            sum += density;
+            if (k % FINE) squares += 0.5 * pow(density - last, 2); /* from one stratum to the next */
+            last = density;
+        }
+        const double n = FINE * FINE, solid_angle = 2 * pi * bins.cap / (ROWS * COLUMNS);
+        expected[i] = sum / n * solid_angle;
+        uncertain[i] = squares / (FINE * (FINE - 1)) / n * solid_angle * solid_angle;
+        inside += expected[i];
+        inside_variance += uncertain[i];
+    }
+    int n_good = 0, n_beside = 0, n_odd = 0;
+    for (int i = 0; i < SAMPLES; i++) {
+        float u[2] = {(float)fmin(dice_unit(&dice), 1 - 0x1p-24), (float)fmin(dice_unit(&dice), 1 - 0x1p-24)};
+        LightSample sample = light_sample(&world, c->from, c->normal, 0, dice_unit(&dice), u, some_wavelengths());
+        if (!(sample.pdf_w > 0)) continue;
+        assert_false(sample.delta);
+        assert_near((double)vec3f_length(sample.direction), 1, 1e-6);
+        Verdict verdict = judge(&world, c->from, c->normal, &sample, 0, &hits);
+        if (verdict == GRAZING) continue;
+        n_good++;
+        n_odd += verdict == NOT_SO;
+        int bin = bin_of(&bins, sample.direction);
+        if (bin < 0)
+            n_beside++;
+        else
+            counted[bin]++;
+    }
+    double chi = 0, rest_expected = 0, rest_uncertain = 0, rest_counted = 0, n_bins = 0;
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        double mean = expected[i] * SAMPLES;
+        if (mean < 8) { /* too few for the test by themselves */
+            rest_expected += mean;
+            rest_uncertain += uncertain[i] * SAMPLES * SAMPLES;
+            rest_counted += counted[i];
+            continue;
+        }
+        chi += pow(counted[i] - mean, 2) / (mean + uncertain[i] * SAMPLES * SAMPLES);
+        n_bins++;
+    }
+    if (rest_expected > 8) {
+        chi += pow(rest_counted - rest_expected, 2) / (rest_expected + rest_uncertain);
+        n_bins++;
+    }
+    if (!(n_bins > 0)) { /* nothing is sampled, and nothing has a density */
+        assert_int_equal(n_good, 0);
+        assert_true(c->least <= 0);
+        n_bins = 1;
+    }
+    double z = (cbrt(chi / n_bins) - (1 - 2 / (9 * n_bins))) / sqrt(2 / (9 * n_bins)); /* Wilson and Hilferty */
+    printf("%-42s chi-square %6.1f over %3.0f bins, %5.2f standard deviations; density %.4f, samples %.4f\n", c->what,
+           chi, n_bins, z, inside, (double)(n_good - n_beside) / SAMPLES);
+    assert_true(z < 4);
+    assert_true(n_odd <= 0.002 * n_good); /* at edges, which rounding of the direction may miss */
+    assert_true((double)n_good / SAMPLES >= c->least);
+    assert_near(inside, (double)(n_good - n_beside) / SAMPLES, 4 * sqrt(inside_variance + 0.25 / SAMPLES));
+    hit_list_clear(&hits);
+    world_clear(&world);
+    fixture_clear(&f);
+}
+
+#define GLOW "surface = surface { albedo = 0  emission = 1  radiance = 2 }"
+static const Vec3 origin = {0, 0, 0};
+static const Vec3f up = {0, 1, 0}, anywhere = {0, 0, 0}; /* light may come from */
+
+static void lights(void **state)
+{
+    (void)state;
+    const Case cases[] = {
+        {"quad", "light { from = <3, 20, 0>  to = <0, 0, 4>  size = <30, 12> }", origin, up, {3, 20, 0}, 1.0, 0.99},
+        {"quad, near and aslant",
+         "light { from = <3, 2, 0>  to = <-9, 0, 4>  size = <3, 12> }",
+         origin,
+         up,
+         {3, 2, 0},
+         1.6,
+         0.4},
+        {"disc",
+         "light { shape = disc  from = <-3, 20, 0>  to = <0, 0, 4>  radius = 9 }",
+         origin,
+         up,
+         {-3, 20, 0},
+         0.6,
+         0.99},
+        {"sphere", "light { shape = sphere  from = <4, 20, 1>  radius = 9 }", origin, up, {4, 20, 1}, 0.5, 0.99},
+        {"sphere, far",
+         "light { shape = sphere  from = <4, 20000, 1>  radius = 9 }",
+         origin,
+         up,
+         {4, 20000, 1},
+         6e-4,
+         0.99},
+        {"sphere, its surface very near",
+         "light { shape = sphere  from = <0, 10, 0>  radius = 9.99 }",
+         origin,
+         up,
+         {0, 10, 0},
+         1.6,
+         0.97},
+        {"distant, wide",
+         "light { shape = distant  from = <4, 9, 2>  to = <0, 0, 0>  angle = 70deg }",
+         origin,
+         up,
+         {4, 9, 2},
+         0.7,
+         0.99},
+        {"distant, the sun",
+         "light { shape = distant  from = <4, 9, 2>  to = <0, 0, 0> }",
+         origin,
+         up,
+         {4, 9, 2},
+         0.006,
+         0.99},
+        {"three lights, in a medium",
+         "light { from = <3, 20, 0>  to = <0, 0, 4>  size = <30, 12> } light { shape = disc  from = <-30, 3, 0>  to = "
+         "<0, 0, 4>  radius = 9  radiance = 3 } light { shape = sphere  from = <4, -20, 9>  radius = 5 }",
+         origin,
+         anywhere,
+         {1, 0, 0},
+         3.14159,
+         0.99},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
+}
+
+/* Every kind of a solid's pieces, and meshes; turned, stretched and mirrored. */
+static void surfaces_that_shine(void **state)
+{
+    (void)state;
+    const Case cases[] = {
+        {"ball", "sphere { center = <4, 20, 1>  radius = 9 " GLOW " }", origin, up, {4, 20, 1}, 0.5, 0.99},
+        {"ball, mirrored",
+         "sphere { radius = 1  scale(<9, -9, 9>)  translate(<4, 20, 1>) " GLOW " }",
+         origin,
+         up,
+         {4, 20, 1},
+         0.5,
+         0.99},
+        {"ball from inside: found by chance", "sphere { radius = 50 " GLOW " }", origin, up, {4, 20, 1}, 3.14159, 0},
+        {"ellipsoid",
+         "ellipsoid { center = <5, 18, 3>  radii = <12, 3, 6>  rotate(z, 30deg) " GLOW " }",
+         origin,
+         anywhere,
+         {0, 18, 3},
+         1.2,
+         0.3},
+        {"box",
+         "box { from = <-5, 9, -5>  to = <5, 12, 9>  rotate(y, 20deg) " GLOW " }",
+         origin,
+         up,
+         {0, 10, 1},
+         1.0,
+         0.2},
+        {"box, mirrored and stretched",
+         "box { from = <-5, 9, -5>  to = <5, 12, 9>  scale(<-2, 1, .5>) " GLOW " }",
+         origin,
+         up,
+         {0, 10, 1},
+         1.2,
+         0.2},
+        {"cylinder, aslant",
+         "cylinder { from = <-10, 12, 4>  to = <12, 20, -3>  radius = 3 " GLOW " }",
+         origin,
+         up,
+         {1, 16, 0},
+         1.0,
+         0.2},
+        {"cone, stretched",
+         "cone { from = <0, 9, 0>  to = <4, 25, 4>  radius_from = 8  radius_to = 2  scale(<1, 1, .4>) " GLOW " }",
+         origin,
+         anywhere,
+         {1, 12, 0},
+         1.0,
+         0.2},
+        {"torus",
+         "torus { radius = 8  tube = 3  rotate(x, 70deg)  translate(<3, 14, -4>) " GLOW " }",
+         origin,
+         up,
+         {3, 14, -4},
+         1.3,
+         0.2},
+        {"lathe with arcs",
+         "lathe { profile = [<0, 20>, <12, 12>, <11, 10>, <0, 17>]  rounding = [0, .5, .4, 0] " GLOW " }",
+         origin,
+         up,
+         {0, 15, 0},
+         1.2,
+         0.2},
+        {"a mesh of eight triangles",
+         "mesh { positions = [<9, 20, 0>, <-9, 20, 0>, <0, 29, 0>, <0, 11, 0>, <0, 20, 9>, <0, 20, -9>]  triangles = "
+         "[<0, 2, 4>, <2, 1, 4>, <1, 3, 4>, <3, 0, 4>, <2, 0, 5>, <1, 2, 5>, <3, 1, 5>, <0, 3, 5>] " GLOW " }",
+         origin,
+         up,
+         {0, 20, 0},
+         0.7,
+         0.3},
+        {"an open sheet, from behind",
+         "mesh { positions = [<-15, 20, -6>, <15, 20, -6>, <15, 22, 6>]  triangles = [<0, 1, 2>] " GLOW " }",
+         origin,
+         up,
+         {3, 20, -2},
+         0.9,
+         0.99},
+        {"many tubes",
+         "sweep { outline = [for (i in 0..<8) <1.5 * cos(45 * i), 1.5 * sin(45 * i)>]\n"
+         "path = [for (i in 0..24) <7 * cos(30 * i), 10 + .5 * i, 7 * sin(30 * i)>] " GLOW " }",
+         origin,
+         up,
+         {0, 16, 0},
+         0.9,
+         0.4},
+        {"surfaces, lights and a sky",
+         "sphere { center = <4, 20, 1>  radius = 4 " GLOW " } box { from = <-9, 9, -9>  to = <-5, 12, -3> " GLOW " }\n"
+         "light { from = <9, 8, 0>  to = <0, 0, 4>  size = <6, 6> } environment { }",
+         origin,
+         anywhere,
+         {0, 1, 0},
+         3.14159,
+         0.7},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
+}
+
+#define WINDOW(z) "light { shape = portal  from = <30, 20, " z ">  to = <0, 20, 0>  size = <20, 30> }"
+
+static void outside(void **state)
+{
+    (void)state;
+    const Case cases[] = {
+        {"the same from everywhere", "environment { color = 2 }", origin, up, {0, 1, 0}, 3.14159, 0.99},
+        {"an image, turned",
+         "environment { image = \"/dev/null\"  rotate(x, 40deg)  rotate(y, 70deg) }",
+         origin,
+         up,
+         {0, 1, 0},
+         3.14159,
+         0.99},
+        {"a sky", "environment { sky = clear  disc = false }", origin, up, {0, 1, 0}, 3.14159, 0.99},
+        {"through a window", "environment { color = 2 } " WINDOW("0"), origin, anywhere, {30, 20, 0}, 0.6, 0.99},
+        {"through a window, beyond it too",
+         "environment { color = 2 } " WINDOW("0"),
+         origin,
+         anywhere,
+         {30, 20, 0},
+         3.14159,
+         0.99},
+        {"through a window, an image",
+         "environment { image = \"/dev/null\"  rotate(x, 40deg) } " WINDOW("0"),
+         origin,
+         up,
+         {30, 20, 0},
+         0.6,
+         0.99},
+        {"through a window, a sky",
+         "environment { sky = clear  disc = false  azimuth = 70deg } " WINDOW("0"),
+         origin,
+         up,
+         {30, 20, 0},
+         0.6,
+         0.99},
+        {"two windows, side by side",
+         "environment { color = 2 } " WINDOW("-12") WINDOW("12"),
+         origin,
+         up,
+         {30, 20, 0},
+         0.9,
+         0.99},
+        {"windows of two walls, that overlap",
+         "environment { image = \"/dev/null\" } " WINDOW("-4")
+             WINDOW("4") "light { shape = portal  from = <0, 20, 30>  to = <0, 20, 0>  size = <20, 30> }",
+         origin,
+         up,
+         {30, 20, 20},
+         1.2,
+         0.99},
+        {"very near to a window",
+         "environment { color = 2 } " WINDOW("0"),
+         {29.9, 20, 3},
+         anywhere,
+         {30, 20, 0},
+         1.6,
+         0.99},
+        {"a window behind the surface",
+         "environment { color = 2 } " WINDOW("0"),
+         {0, 90, 0},
+         up,
+         {0, 200, 0},
+         3.14159,
+         0.99},
+        {"from outside of a window",
+         "environment { color = 2 } " WINDOW("0"),
+         {60, 20, 0},
+         anywhere,
+         {30, 20, 0},
+         3.14159,
+         0.99},
+        {"a window far away",
+         "environment { color = 2 } " WINDOW("0"),
+         {-60000, 20, 0},
+         anywhere,
+         {30, 20, 0},
+         4e-4,
+         0.99},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lights),
+        cmocka_unit_test(surfaces_that_shine),
+        cmocka_unit_test(outside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
