@@ -228,8 +228,11 @@ fuzz: ## run each fuzzer for SECONDS (default 60); needs clang and libclang-rt-1
 	  grep -E 'number_of_executed|cov:' build/fuzz/$$name.log | tail -2; done
 .PHONY: fuzz
 
-asan tsan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
+asan hostile: ## the quick tests under sanitizers (hostile: every interior list grows at once)
 	$(MAKE) VARIANT=$@ check-quick
+tsan: assets ## a few scenes rendered by four threads, watched for races
+	$(MAKE) VARIANT=tsan build/tsan/meniscus
+	sh tests/tsan.sh build/tsan/meniscus examples/whisky.mns examples/tea.mns examples/surfaces.mns
 
 # ---- looking after the source ----
 
