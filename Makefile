@@ -57,12 +57,12 @@ CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
 LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) -lstdc++ -lpthread -lm
 
-GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c
+GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c src/optics/layered_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
 CXX_SOURCES := $(sort $(wildcard src/*/*.cpp))
 CLI_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter src/cli/%,$(SOURCES)))
 STD_FILES := $(sort $(wildcard src/std/*.mns))
-GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/microfacet_table.c $(BUILD)/generated/ocio_config.c $(BUILD)/generated/std_library.c
+GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/microfacet_table.c $(BUILD)/generated/layered_table.c $(BUILD)/generated/ocio_config.c $(BUILD)/generated/std_library.c
 LIB_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter-out src/cli/%,$(SOURCES))) \
   $(patsubst src/%.cpp,$(BUILD)/%.o,$(CXX_SOURCES)) $(GENERATED:.c=.o)
 TRUTH_TESTS := $(patsubst tests/truth/%.c,$(BUILD)/truth/%,$(sort $(wildcard tests/truth/*_test.c)))
@@ -124,6 +124,16 @@ $(BUILD)/microfacet_gen: src/optics/microfacet_gen.c src/optics/fresnel.c $(wild
 $(BUILD)/generated/microfacet_table.c: $(BUILD)/microfacet_gen
 	@mkdir -p $(@D)
 	$(BUILD)/microfacet_gen $@
+
+# And what layers do to what is under them, which asks those tables.
+LAYERED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_layer optics/bsdf_diffuse optics/bsdf_facets optics/microfacet optics/fresnel \
+  generated/microfacet_table)
+$(BUILD)/layered_gen: src/optics/layered_gen.c $(LAYERED_OBJECTS) $(wildcard src/optics/*.h) $(BUILD)/flags
+	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c %.o,$^) -lm
+
+$(BUILD)/generated/layered_table.c: $(BUILD)/layered_gen
+	@mkdir -p $(@D)
+	$(BUILD)/layered_gen $@
 
 $(BUILD)/generated/ocio_config.c: src/image/meniscus.ocio src/image/embed.awk
 	@mkdir -p $(@D)

@@ -11,10 +11,10 @@
 void bsdf_begin(Bsdf *bsdf)
 {
     bsdf->n_lobes = 0;
-    bsdf->total = bsdf->opaque_share = bsdf->coat_share = 0;
-    bsdf->transmits = false;
+    bsdf->total = bsdf->opaque_share = bsdf->coat_share = bsdf->fuzz.share = 0;
+    bsdf->transmits = bsdf->coating = false;
     bsdf->specular_only = true;
-    bsdf->albedo = lanes_all(0);
+    bsdf->opaque_albedo = bsdf->coat_albedo = lanes_all(0);
 }
 
 static BsdfLobe *add_lobe(Bsdf *bsdf, BsdfKind kind, float share)
@@ -23,59 +23,25 @@ static BsdfLobe *add_lobe(Bsdf *bsdf, BsdfKind kind, float share)
     BsdfLobe *lobe = &bsdf->lobes[bsdf->n_lobes++];
     lobe->kind = kind;
     lobe->share = share;
+    lobe->covered = false;
+    lobe->fuzz_norm = 1;
     bsdf->total += share;
     return lobe;
 }
 
 /* albedo: about, of an opaque lobe */
-static void note_opaque(Bsdf *bsdf, float share, Lanes albedo, bool specular)
+static void note_opaque(Bsdf *bsdf, BsdfLobe *lobe, Lanes albedo, bool specular)
 {
-    bsdf->albedo = lanes_add(lanes_scale(bsdf->albedo, bsdf->opaque_share), lanes_scale(albedo, share));
-    bsdf->opaque_share += share;
-    bsdf->albedo = lanes_scale(bsdf->albedo, 1 / bsdf->opaque_share);
-    if (!specular) bsdf->specular_only = false;
-}
-
-static BsdfDiffuse diffuse_make(Lanes albedo, float roughness)
-{
-    /* EON, eq. 6 and 13: 1/2 - 2/(3 pi), and 2/3 - 28/(15 pi) */
-    const float c1 = 0.5f - 2 / (3 * SAMPLING_PI), c2 = 2.0f / 3 - 28 / (15 * SAMPLING_PI);
-    BsdfDiffuse diffuse = {.albedo = lanes_clamp(albedo, 0, 1), .roughness = float_min(float_max(roughness, 0), 1)};
-    diffuse.single = 1 / (1 + c1 * diffuse.roughness);
-    diffuse.average = diffuse.single * (1 + c2 * diffuse.roughness);
-    float rest = float_max(1 - diffuse.average, 1e-7f);
-    Lanes series = lanes_rest(lanes_scale(diffuse.albedo, rest));
-    diffuse.multiple =
-        lanes_div(lanes_scale(lanes_mul(diffuse.albedo, diffuse.albedo), diffuse.average / rest), series);
-    return diffuse;
-}
-
-static Lanes depth_of(Lanes transmittance) /* -ln, held finite */
-{
-    Lanes depth = lanes_all(0);
-    for (int i = 0; i < LANES; i++) {
-        float t = lanes_get(transmittance, i);
-        lanes_set(&depth, i, t < 1 ? -logf(float_max(t, 1e-6f)) : 0);
+    Lanes part = lanes_scale(albedo, lobe->share);
+    bsdf->opaque_albedo = lanes_add(bsdf->opaque_albedo, part);
+    bsdf->opaque_share += lobe->share;
+    if (bsdf->coating) {
+        lobe->covered = true;
+        bsdf->coat_albedo = lanes_add(bsdf->coat_albedo, part);
+        bsdf->coat_share += lobe->share;
+        if (!bsdf->coat.facets.smooth) bsdf->specular_only = false;
     }
-    return depth;
-}
-
-static BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint)
-{
-    BsdfLayer layer = {.facets = facets_make(alpha_x, alpha_y), .eta = eta};
-    float used_x = layer.facets.smooth ? 0 : layer.facets.alpha_x,
-          used_y = layer.facets.smooth ? 0 : layer.facets.alpha_y;
-    layer.index = microfacet_index(used_x, used_y, eta);
-    layer.depth = lanes_scale(depth_of(tint), 0.5f);
-    layer.tinted = !lanes_zero(layer.depth);
-    Lanes passed = lanes_rest(microfacet_lookup_mean(microfacet_reflected_mean, &layer.index, false));
-    /* Reciprocity. Under a layer of the smaller index it can say more than all, as what one facet misses counts as
-     * passed. */
-    Lanes passed_back = lanes_clamp(lanes_div(passed, lanes_mul(eta, eta)), 0, 1);
-    layer.norm = lanes_div(passed_back, lanes_add(passed, lanes_all(1e-12f)));
-    layer.returned = lanes_rest(passed_back);
-    if (layer.tinted) layer.returned = lanes_mul(layer.returned, lanes_exp(lanes_scale(layer.depth, -2)));
-    return layer;
+    if (!specular) bsdf->specular_only = false;
 }
 
 void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness)
@@ -83,18 +49,28 @@ void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness)
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_DIFFUSE, share);
     if (!lobe) return;
     lobe->as.diffuse = diffuse_make(albedo, roughness);
-    note_opaque(bsdf, share, lobe->as.diffuse.albedo, false);
+    note_opaque(bsdf, lobe, lobe->as.diffuse.albedo, false);
 }
 
-void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y)
+void bsdf_add_translucent(Bsdf *bsdf, float share, Lanes albedo)
+{
+    bool coating = bsdf->coating;
+    BsdfLobe *lobe = add_lobe(bsdf, BSDF_TRANSLUCENT, share);
+    if (!lobe) return;
+    lobe->as.diffuse = diffuse_make(albedo, 0);
+    bsdf->coating = false;
+    note_opaque(bsdf, lobe, lobe->as.diffuse.albedo, false);
+    bsdf->coating = coating;
+    bsdf->transmits = true;
+}
+
+static void add_facets(Bsdf *bsdf, float share, const BsdfConductor *like, float alpha_x, float alpha_y)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_CONDUCTOR, share);
     if (!lobe) return;
     BsdfConductor *conductor = &lobe->as.conductor;
+    *conductor = *like;
     conductor->facets = facets_make(alpha_x, alpha_y);
-    conductor->n = n;
-    conductor->k = k;
-    conductor->mean = fresnel_conductor_mean(n, k);
     if (!conductor->facets.smooth) {
         conductor->roughness =
             microfacet_index(conductor->facets.alpha_x, conductor->facets.alpha_y, lanes_all(1)).roughness;
@@ -103,7 +79,17 @@ void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x
         Lanes series = lanes_rest(lanes_scale(conductor->mean, 1 - average));
         conductor->multiple = lanes_div(lanes_scale(conductor->mean, average), series);
     }
-    note_opaque(bsdf, share, conductor->mean, conductor->facets.smooth);
+    note_opaque(bsdf, lobe, conductor->mean, conductor->facets.smooth);
+}
+
+void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y)
+{
+    add_facets(bsdf, share, &(BsdfConductor){.n = n, .k = k, .mean = fresnel_conductor_mean(n, k)}, alpha_x, alpha_y);
+}
+
+void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y)
+{
+    add_facets(bsdf, share, &(BsdfConductor){.mean = lanes_all(1), .white = true}, alpha_x, alpha_y);
 }
 
 void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
@@ -113,18 +99,20 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float a
     if (!lobe) return;
     lobe->as.plastic.base = diffuse_make(albedo, roughness);
     lobe->as.plastic.layer = layer_make(eta, alpha_x, alpha_y, tint);
-    note_opaque(bsdf, share, lobe->as.plastic.base.albedo, false);
+    note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
 
-void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
+void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes phase)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_SHEET, share);
     if (!lobe) return;
     BsdfSheet *sheet = &lobe->as.sheet;
     sheet->facets = facets_make(alpha_x, alpha_y);
     sheet->eta = eta;
-    sheet->depth = depth_of(tint);
+    sheet->depth = layer_depth(tint);
     sheet->tinted = !lanes_zero(sheet->depth);
+    sheet->phase = phase;
+    sheet->film = !lanes_zero(phase);
     if (!sheet->facets.smooth) {
         sheet->roughness = microfacet_index(sheet->facets.alpha_x, sheet->facets.alpha_y, lanes_all(1)).roughness;
         bsdf->specular_only = false;
@@ -188,62 +176,184 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     }
 }
 
-void bsdf_set_coat(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
+void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
+{
+    bsdf->coating = true;
+    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint);
+}
+
+void bsdf_end_coat(Bsdf *bsdf)
+{
+    bsdf->coating = false;
+}
+
+/* ---- what is over the lobes ---- */
+
+/* What a direction goes through on its way to the lobes. */
+typedef struct Covers {
+    Lanes reflectance, passed; /* of the coat */
+    float fuzz;                /* what it lets pass */
+} Covers;
+
+static Covers covers_at(const Bsdf *bsdf, Vec3f w)
+{
+    Covers covers = {lanes_all(0), lanes_all(1), 1};
+    if (bsdf->coat_share > 0 && w.z > 0) {
+        covers.reflectance = layer_reflectance(&bsdf->coat, w);
+        covers.passed = layer_transmittance(&bsdf->coat, w, covers.reflectance);
+    }
+    if (bsdf->fuzz.share > 0) covers.fuzz = 1 - fuzz_albedo(&bsdf->fuzz, w);
+    return covers;
+}
+
+/* The part of light from a direction that a diffuse lobe gets, whatever its colour. */
+static float reaches_diffuse(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w)
+{
+    const BsdfLayer *layer = lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer : lobe->covered ? &bsdf->coat : NULL;
+    return layer ? lanes_get(lanes_rest(layer_reflectance(layer, w)), 0) : 1;
+}
+
+/* Over what is diffuse f T(v) T(l) / mean T; the mean is that of all layers together. */
+static float fuzz_norm(const Bsdf *bsdf, const BsdfLobe *lobe)
+{
+    /* Gauss's six points in the cosine */
+    static const float cosines[] = {0.0337652f, 0.1693953f, 0.3806904f, 0.6193096f, 0.8306047f, 0.9662348f};
+    static const float weights[] = {0.0856622f, 0.1803808f, 0.2339570f, 0.2339570f, 0.1803808f, 0.0856622f};
+    float without = 0, with = 0;
+    for (int i = 0; i < 6; i++) {
+        Vec3f w = vec3f(sqrtf(1 - cosines[i] * cosines[i]), 0, cosines[i]);
+        float part = 2 * cosines[i] * weights[i] * reaches_diffuse(bsdf, lobe, w);
+        without += part;
+        with += part * (1 - fuzz_albedo(&bsdf->fuzz, w));
+    }
+    return with > 0 ? without / with : 1;
+}
+
+void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness)
 {
     if (!(share > 0) || !(bsdf->opaque_share > 0)) return;
-    bsdf->coat_share = float_min(share, 1);
-    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint);
-    if (!bsdf->coat.facets.smooth) bsdf->specular_only = false;
+    bsdf->fuzz = fuzz_make(float_min(share, 1), color, roughness);
+    bsdf->specular_only = false;
+    for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
+        BsdfLobe *lobe = &bsdf->lobes[i];
+        if (lobe->kind == BSDF_DIFFUSE || lobe->kind == BSDF_TRANSLUCENT || lobe->kind == BSDF_PLASTIC)
+            lobe->fuzz_norm = fuzz_norm(bsdf, lobe);
+    }
 }
 
-/* ---- the coat ---- */
-
-typedef struct CoatView {
-    Lanes reflectance, passed; /* of a direction */
-} CoatView;
-
-static CoatView coat_view(const Bsdf *bsdf, Vec3f w)
+static bool is_clear(const BsdfLobe *lobe)
 {
-    Lanes reflectance = layer_reflectance(&bsdf->coat, w);
-    return (CoatView){reflectance, layer_transmittance(&bsdf->coat, w, reflectance)};
+    return lobe->kind == BSDF_BOUNDARY || lobe->kind == BSDF_SHEET;
 }
 
-/* What the coat, where it is, makes of a lobe's f_cos. */
-static Lanes under_coat(const Bsdf *bsdf, const BsdfLobe *lobe, const CoatView *v, const CoatView *l)
+/* How often what is over the lobes is sampled rather than these. */
+typedef struct Chances {
+    float fuzz;
+    Lanes coat;
+} Chances;
+
+static Chances chances_of(const Bsdf *bsdf, const Covers *v)
 {
-    Lanes factor = lobe->kind == BSDF_CONDUCTOR
-                       ? layer_over_mirror(&bsdf->coat, lobe->as.conductor.mean, v->reflectance, l->reflectance)
-                       : layer_over_diffuse(&bsdf->coat, lobe->kind == BSDF_DIFFUSE ? lobe->as.diffuse.albedo
-                                                                                    : lobe->as.plastic.base.albedo);
-    Lanes coated = lanes_mul(factor, lanes_mul(v->passed, l->passed));
-    return lanes_add(lanes_all(1 - bsdf->coat_share), lanes_scale(coated, bsdf->coat_share));
+    Chances chances = {0, lanes_all(0)};
+    if (bsdf->fuzz.share > 0) {
+        float fuzz = (1 - v->fuzz) * lanes_mean(bsdf->fuzz.color);
+        chances.fuzz = fuzz / (fuzz + v->fuzz * float_max(lanes_mean(bsdf->opaque_albedo) / bsdf->opaque_share, 0.05f));
+    }
+    if (bsdf->coat_share > 0)
+        chances.coat =
+            layer_chance(&bsdf->coat, 1, v->reflectance, lanes_scale(bsdf->coat_albedo, 1 / bsdf->coat_share));
+    return chances;
 }
 
-/* How often the coat is sampled rather than what is under it. */
-static Lanes coat_chance(const Bsdf *bsdf, const CoatView *v)
+/* The probabilities with which bsdf_sample takes fuzz, coat, and a lobe. */
+static float fuzz_probability(const Bsdf *bsdf, const Chances *chances)
 {
-    if (!(bsdf->coat_share > 0)) return lanes_all(0);
-    return layer_chance(&bsdf->coat, bsdf->coat_share, v->reflectance, bsdf->albedo);
+    return chances->fuzz * (bsdf->opaque_share / bsdf->total);
+}
+static Lanes coat_probability(const Bsdf *bsdf, const Chances *chances)
+{
+    return lanes_scale(chances->coat, (1 - chances->fuzz) * (bsdf->coat_share / bsdf->total));
+}
+static Lanes lobe_probability(const Bsdf *bsdf, const BsdfLobe *lobe, const Chances *chances)
+{
+    float share = lobe->share / bsdf->total;
+    if (!is_clear(lobe)) share *= 1 - chances->fuzz;
+    return lobe->covered ? lanes_scale(lanes_rest(chances->coat), share) : lanes_all(share);
 }
 
 /* ---- the sum ---- */
 
-static bool covered(const BsdfLobe *lobe) /* by a coat, and opaque */
+static LobeOver fuzz_over(const BsdfLobe *lobe, const Covers *v, const Covers *l)
 {
-    return lobe->kind == BSDF_DIFFUSE || lobe->kind == BSDF_CONDUCTOR || lobe->kind == BSDF_PLASTIC;
+    float both = v->fuzz * l->fuzz;
+    return (LobeOver){both < 1 ? sqrtf(both) : 1, both * lobe->fuzz_norm};
 }
 
-static void lobe_evaluate(const BsdfLobe *lobe, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
+static Lanes coat_over_mirrors(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
+                               const Covers *l)
 {
+    return layer_over_mirrors(&bsdf->coat, &lobe->as.conductor, view, light, v->reflectance, l->reflectance, v->passed,
+                              l->passed);
+}
+
+static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
+                                  const Covers *l)
+{
+    const BsdfDiffuse *diffuse = &lobe->as.diffuse;
+    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), fuzz_over(lobe, v, l).diffuse);
+    if (!lobe->covered) return f;
+    f = lanes_mul(f, lanes_mul(v->passed, l->passed));
+    f = lanes_mul(f, layer_over_rough_diffuse(&bsdf->coat, diffuse->roughness, view, light));
+    return lanes_mul(f, layer_over_diffuse(&bsdf->coat, diffuse->albedo));
+}
+
+static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
+                          const Covers *l, Lanes *f_cos, Lanes *pdf_w)
+{
+    bool below = light.z < 0;
+    *f_cos = *pdf_w = lanes_all(0);
     switch (lobe->kind) {
     case BSDF_DIFFUSE:
-        *f_cos = diffuse_evaluate(&lobe->as.diffuse, view, light);
+        if (below) return;
+        *f_cos = diffuse_under_covers(bsdf, lobe, view, light, v, l);
         *pdf_w = lanes_all(diffuse_density(&lobe->as.diffuse, light));
         break;
-    case BSDF_CONDUCTOR: conductor_evaluate(&lobe->as.conductor, view, light, f_cos, pdf_w); break;
-    case BSDF_PLASTIC: plastic_evaluate(&lobe->as.plastic, view, light, f_cos, pdf_w); break;
+    case BSDF_TRANSLUCENT:
+        if (!below) return;
+        *pdf_w = lanes_all(-light.z / SAMPLING_PI);
+        *f_cos = lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w), fuzz_over(lobe, v, l).diffuse);
+        break;
+    case BSDF_CONDUCTOR:
+        if (below) return;
+        conductor_evaluate(&lobe->as.conductor, view, light, f_cos, pdf_w);
+        if (lobe->covered) *f_cos = lanes_mul(*f_cos, coat_over_mirrors(bsdf, lobe, view, light, v, l));
+        *f_cos = lanes_scale(*f_cos, fuzz_over(lobe, v, l).mirror);
+        break;
+    case BSDF_PLASTIC:
+        if (below) return;
+        plastic_evaluate(&lobe->as.plastic, view, light, fuzz_over(lobe, v, l), f_cos, pdf_w);
+        break;
     case BSDF_BOUNDARY: boundary_evaluate(&lobe->as.boundary, view, light, f_cos, pdf_w); break;
     case BSDF_SHEET: sheet_evaluate(&lobe->as.sheet, view, light, f_cos, pdf_w); break;
+    }
+}
+
+/* The lobes' sum begins with what is over them; light.z > 0. */
+static void covers_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, const Covers *v, const Covers *l,
+                            const Chances *chances, Lanes *f_cos, Lanes *pdf_w)
+{
+    Lanes f;
+    float pdf;
+    if (bsdf->fuzz.share > 0) {
+        fuzz_evaluate(&bsdf->fuzz, view, light, &f, &pdf);
+        *f_cos = lanes_scale(f, bsdf->opaque_share);
+        *pdf_w = lanes_all(pdf * fuzz_probability(bsdf, chances));
+    }
+    if (bsdf->coat_share > 0) {
+        layer_evaluate(&bsdf->coat, view, light, &f, &pdf);
+        float both = v->fuzz * l->fuzz;
+        *f_cos = lanes_add(*f_cos, lanes_scale(f, bsdf->coat_share * (both < 1 ? sqrtf(both) : 1)));
+        *pdf_w = lanes_add(*pdf_w, lanes_scale(coat_probability(bsdf, chances), pdf));
     }
 }
 
@@ -251,49 +361,26 @@ void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lane
 {
     *f_cos = *pdf_w = lanes_all(0);
     if (bsdf->specular_only || !(view.z > 0) || !(light.z > 0 || (bsdf->transmits && light.z < 0))) return;
-    bool coated = bsdf->coat_share > 0 && light.z > 0;
-    CoatView v = {lanes_all(0), lanes_all(1)}, l = v;
-    Lanes base = lanes_all(1); /* chance of what is under the coat */
-    if (coated) {
-        v = coat_view(bsdf, view);
-        l = coat_view(bsdf, light);
-        Lanes chance = coat_chance(bsdf, &v), coat_f;
-        base = lanes_rest(chance);
-        float coat_pdf;
-        layer_evaluate(&bsdf->coat, view, light, &coat_f, &coat_pdf);
-        *f_cos = lanes_scale(coat_f, bsdf->opaque_share * bsdf->coat_share);
-        *pdf_w = lanes_scale(chance, coat_pdf * bsdf->opaque_share);
-    }
+    Covers v = covers_at(bsdf, view), l = covers_at(bsdf, light);
+    Chances chances = chances_of(bsdf, &v);
+    if (light.z > 0) covers_evaluate(bsdf, view, light, &v, &l, &chances, f_cos, pdf_w);
     for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
         const BsdfLobe *lobe = &bsdf->lobes[i];
-        bool under = covered(lobe);
-        if (under && !(light.z > 0)) continue;
         Lanes f, pdf;
-        lobe_evaluate(lobe, view, light, &f, &pdf);
-        if (under && coated) {
-            f = lanes_mul(f, under_coat(bsdf, lobe, &v, &l));
-            pdf = lanes_mul(pdf, base);
-        }
+        lobe_evaluate(bsdf, lobe, view, light, &v, &l, &f, &pdf);
         *f_cos = lanes_add(*f_cos, lanes_scale(f, lobe->share));
-        *pdf_w = lanes_add(*pdf_w, lanes_scale(pdf, lobe->share));
+        *pdf_w = lanes_add(*pdf_w, lanes_mul(pdf, lobe_probability(bsdf, lobe, &chances)));
     }
-    *pdf_w = lanes_scale(*pdf_w, 1 / bsdf->total);
-}
-
-static const BsdfLobe *choose_lobe(const Bsdf *bsdf, float *u_choice)
-{
-    float left = bsdf->total;
-    for (uint32_t i = 0; i + 1 < bsdf->n_lobes; i++) {
-        if (lobe_choose(u_choice, bsdf->lobes[i].share / left)) return &bsdf->lobes[i];
-        left -= bsdf->lobes[i].share;
-    }
-    return &bsdf->lobes[bsdf->n_lobes - 1];
 }
 
 static bool lobe_sample(const BsdfLobe *lobe, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
 {
     switch (lobe->kind) {
     case BSDF_DIFFUSE: sample->direction = diffuse_sample(&lobe->as.diffuse, u_choice, u); return true;
+    case BSDF_TRANSLUCENT:
+        sample->direction = diffuse_sample(&lobe->as.diffuse, u_choice, u);
+        sample->direction.z = -sample->direction.z;
+        return true;
     case BSDF_CONDUCTOR: return conductor_sample(&lobe->as.conductor, view, u, sample);
     case BSDF_PLASTIC: return plastic_sample(&lobe->as.plastic, view, u_choice, u, sample);
     case BSDF_BOUNDARY: return boundary_sample(&lobe->as.boundary, view, u_choice, u, sample);
@@ -302,36 +389,41 @@ static bool lobe_sample(const BsdfLobe *lobe, Vec3f view, float u_choice, const 
     return false;
 }
 
-/* One sample of the chosen lobe or of the coat over it; a specular one's value and density are those within the whole.
- */
-static bool sample_part(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, float u_choice, const float u[2],
-                        LobeSample *sample)
+/* Takes what `left` of a probability is for, out of what is left of all. */
+static bool take(float *u_choice, float *left, float probability)
 {
-    bool coated = bsdf->coat_share > 0 && covered(lobe);
-    CoatView v = {lanes_all(0), lanes_all(1)};
-    Lanes chance = lanes_all(0);
-    float share = lobe->share;
-    if (coated) {
-        v = coat_view(bsdf, view);
-        chance = coat_chance(bsdf, &v);
+    bool taken = lobe_choose(u_choice, float_min(probability / *left, 1));
+    *left -= probability;
+    return taken;
+}
+
+/* One sample; a specular one's value and density are those within the whole. */
+static bool sample_part(const Bsdf *bsdf, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+{
+    Covers v = covers_at(bsdf, view);
+    Chances chances = chances_of(bsdf, &v);
+    float left = 1;
+    if (chances.fuzz > 0 && take(&u_choice, &left, fuzz_probability(bsdf, &chances))) {
+        sample->direction = fuzz_sample(u_choice, u);
+        return true;
     }
-    if (coated && lobe_choose(&u_choice, lanes_get(chance, 0))) {
+    Lanes coat = coat_probability(bsdf, &chances);
+    if (bsdf->coat_share > 0 && take(&u_choice, &left, lanes_get(coat, 0))) {
         if (!bsdf->coat.facets.smooth) return facets_sample_reflection(&bsdf->coat.facets, view, u, &sample->direction);
         sample->specular = true;
         sample->direction = mirrored(view);
-        sample->value = lanes_scale(v.reflectance, bsdf->coat_share);
-        sample->density = chance;
-        share = bsdf->opaque_share;
-    } else {
-        if (!lobe_sample(lobe, view, u_choice, u, sample)) return false;
-        if (!sample->specular) return true;
-        if (coated) {
-            sample->value = lanes_mul(sample->value, under_coat(bsdf, lobe, &v, &v));
-            sample->density = lanes_mul(sample->density, lanes_rest(chance));
-        }
+        sample->value = lanes_scale(v.reflectance, bsdf->coat_share * v.fuzz);
+        sample->density = coat;
+        return true;
     }
-    sample->value = lanes_scale(sample->value, share);
-    sample->density = lanes_scale(sample->density, share / bsdf->total);
+    const BsdfLobe *lobe = bsdf->lobes;
+    for (uint32_t i = 0; i + 1 < bsdf->n_lobes; i++, lobe++)
+        if (take(&u_choice, &left, lanes_get(lobe_probability(bsdf, lobe, &chances), 0))) break;
+    if (!lobe_sample(lobe, view, u_choice, u, sample)) return false;
+    if (!sample->specular) return true;
+    if (lobe->covered) sample->value = lanes_mul(sample->value, coat_over_mirrors(bsdf, lobe, view, view, &v, &v));
+    sample->value = lanes_scale(sample->value, lobe->share * (is_clear(lobe) ? 1 : v.fuzz));
+    sample->density = lanes_mul(sample->density, lobe_probability(bsdf, lobe, &chances));
     return true;
 }
 
@@ -339,8 +431,7 @@ bool bsdf_sample(const Bsdf *bsdf, Vec3f view, float u_choice, const float u[2],
 {
     if (!bsdf->n_lobes || !(view.z > 0)) return false;
     LobeSample part = {.specular = false};
-    const BsdfLobe *lobe = choose_lobe(bsdf, &u_choice);
-    if (!sample_part(bsdf, lobe, view, u_choice, u, &part)) return false;
+    if (!sample_part(bsdf, view, u_choice, u, &part)) return false;
     if (!part.specular) bsdf_evaluate(bsdf, view, part.direction, &part.value, &part.density);
     float hero = lanes_get(part.density, 0);
     if (!(hero > 0)) return false;

@@ -9,8 +9,8 @@
  * with which the direction would have been sampled had that lane been the hero, for weighting over the wavelengths
  * ([WNDWH14]).
  *
- * A Bsdf is made for one hit: bsdf_begin, then one bsdf_add_* per lobe, and bsdf_set_coat at the end if at all. It
- * refers to nothing else. alpha is that of GGX, the square of an artist's roughness; below 1e-3 a surface counts as
+ * A Bsdf is made for one hit: bsdf_begin, then one bsdf_add_* per lobe, those under a coat between bsdf_begin_coat and
+ * bsdf_end_coat, and bsdf_set_fuzz at the end if at all. It refers to nothing else. alpha is that of GGX, the square of an artist's roughness; below 1e-3 a surface counts as
  * smooth.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BSDF_H
@@ -18,16 +18,17 @@
 
 #include "optics/bsdf_lobe.h"
 
-enum { BSDF_LOBES = 4 };
+enum { BSDF_LOBES = 8 };
 
 typedef struct Bsdf {
     uint32_t n_lobes;
-    float total, opaque_share; /* sums of shares: of all lobes, of those that a coat covers */
-    bool transmits;            /* light may come from below */
-    bool specular_only;        /* bsdf_evaluate gives 0 for all directions */
-    float coat_share;          /* part of the opaque lobes that is coated */
-    Lanes albedo;              /* about, of the opaque lobes */
+    float total, opaque_share, coat_share; /* sums of shares: of all lobes, of those that fuzz covers, and a coat */
+    bool transmits;                        /* light may come from below */
+    bool specular_only;                    /* bsdf_evaluate gives 0 for all directions */
+    bool coating;                          /* between bsdf_begin_coat and bsdf_end_coat */
+    Lanes opaque_albedo, coat_albedo;      /* about, of these lobes: the sums over their shares */
     BsdfLayer coat;
+    BsdfFuzz fuzz; /* share 0: none */
     BsdfLobe lobes[BSDF_LOBES];
 } Bsdf;
 
@@ -46,19 +47,28 @@ void bsdf_begin(Bsdf *bsdf);
 /* roughness 0: Lambert; up to 1: EON, J. Portsmouth, P. Kutz, S. Hill, "EON: A Practical Energy-Preserving Rough
  * Diffuse BRDF" (2024). albedo 0..1. */
 void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness);
+/* Lambert's law for light that comes out on the far side. */
+void bsdf_add_translucent(Bsdf *bsdf, float share, Lanes albedo);
 /* n + i k relative to the medium in front. */
 void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y);
-/* A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along the normal leaves,
+/* Facets that reflect all. */
+void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
+/* Not under a coat. A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along the normal leaves,
  * squared, which is about the colour that a white base gets; 1: clear. */
 void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
                       float roughness);
 /* The boundary between the medium of view, eta_i, and the one behind. */
 void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y);
 /* A dielectric sheet without thickness, all its internal reflections summed; eta relative to the medium on both sides;
- * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. */
-void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint);
-/* A clear layer over the diffuse, conductor and plastic lobes; as in bsdf_add_plastic. */
-void bsdf_set_coat(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint);
+ * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. phase:
+ * 0 where it is too thick for interference; else 4 pi n d / wavelength of a film of thickness d. */
+void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes phase);
+/* The one clear layer over the diffuse, conductor and mirror lobes that are added until bsdf_end_coat; as in
+ * bsdf_add_plastic. */
+void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint);
+void bsdf_end_coat(Bsdf *bsdf);
+/* Fibres on all that is opaque: the part of it that they stand on, 0..1; roughness 0..1, how far they are from upright. */
+void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness);
 
 /* Sums over all lobes that are not specular. pdf_w: of bsdf_sample. */
 void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);

@@ -37,7 +37,7 @@ void conductor_evaluate(const BsdfConductor *conductor, Vec3f view, Vec3f light,
     *f_cos = *pdf_w = lanes_all(0);
     if (conductor->facets.smooth) return;
     FacetReflection r = facets_reflect(&conductor->facets, view, light);
-    Lanes reflectance = fresnel_conductor(r.cosine, conductor->n, conductor->k);
+    Lanes reflectance = conductor->white ? lanes_all(1) : fresnel_conductor(r.cosine, conductor->n, conductor->k);
     /* the scaling puts back what white facets miss; coloured ones give back less of it, more saturated */
     float scaling =
         microfacet_mirror(conductor->roughness, r.angle_v) * microfacet_mirror(conductor->roughness, r.angle_l);
@@ -51,12 +51,29 @@ bool conductor_sample(const BsdfConductor *conductor, Vec3f view, const float u[
     if (!conductor->facets.smooth) return facets_sample_reflection(&conductor->facets, view, u, &sample->direction);
     sample->specular = true;
     sample->direction = mirrored(view);
-    sample->value = fresnel_conductor(view.z, conductor->n, conductor->k);
+    sample->value = conductor->white ? lanes_all(1) : fresnel_conductor(view.z, conductor->n, conductor->k);
     sample->density = lanes_all(1);
     return true;
 }
 
 /* ---- sheet ---- */
+
+/* What a film reflects whose two sides' waves interfere, the phase between them d: of each polarization
+ * 4 R sin^2(d / 2) / ((1 - R)^2 + 4 R sin^2(d / 2)), with R of one side. */
+static float film_reflectance(float cosine, float eta, float phase)
+{
+    float square = 1 - (1 - cosine) * (1 + cosine) / (eta * eta);
+    if (!(square > 0)) return 1;
+    float inside = sqrtf(square), sine = sinf(0.5f * phase * inside);
+    float across = (cosine - eta * inside) / (cosine + eta * inside),
+          along = (eta * cosine - inside) / (eta * cosine + inside);
+    float sum = 0, parts[2] = {across * across, along * along};
+    for (int i = 0; i < 2; i++) {
+        float waves = 4 * parts[i] * sine * sine, rest = 1 - parts[i];
+        sum += 0.5f * waves / (rest * rest + waves + 1e-12f);
+    }
+    return sum;
+}
 
 /* What the whole sheet reflects and transmits of light at an angle to it: the sums of two geometric series. */
 static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, Lanes *transmitted)
@@ -67,6 +84,12 @@ static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, 
         Lanes sine_square = lanes_div(lanes_all((1 - cosine) * (1 + cosine)), lanes_mul(sheet->eta, sheet->eta));
         Lanes inside = lanes_sqrt(lanes_clamp(lanes_rest(sine_square), 1e-6f, 1));
         through = lanes_exp(lanes_sub(lanes_all(0), lanes_div(sheet->depth, inside)));
+    }
+    if (sheet->film) {
+        for (int i = 0; i < LANES; i++)
+            lanes_set(reflected, i, film_reflectance(cosine, lanes_get(sheet->eta, i), lanes_get(sheet->phase, i)));
+        *transmitted = lanes_mul(lanes_rest(*reflected), through);
+        return;
     }
     Lanes rest = lanes_rest(once), back = lanes_mul(once, through);
     Lanes entered =

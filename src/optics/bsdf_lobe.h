@@ -7,6 +7,7 @@
 
 #include "base/lanes.h"
 #include "base/vec3.h"
+#include "optics/layered.h"
 #include "optics/microfacet.h"
 
 /* A rough surface's facets; smooth: there are none. */
@@ -27,16 +28,18 @@ typedef struct BsdfConductor {
     MicrofacetPlace roughness;
     Lanes n, k;           /* relative to the medium in front */
     Lanes mean, multiple; /* mean reflectance; the tint of what is reflected more than once */
+    bool white;           /* facets reflect all, whatever n and k */
 } BsdfConductor;
 
 /* A clear layer that is so thin that light leaves it where it entered, over something opaque. */
 typedef struct BsdfLayer {
     BsdfFacets facets;
     MicrofacetIndex index;
-    Lanes eta;      /* relative to the medium in front */
-    Lanes depth;    /* optical depth of one crossing along the normal */
-    Lanes returned; /* part of diffuse light from below that comes back, absorption included */
-    Lanes norm;     /* what passes of diffuse light from below, over what passes from above */
+    MicrofacetIndex among; /* in the tables of layered.h */
+    Lanes eta;             /* relative to the medium in front */
+    Lanes depth;           /* optical depth of one crossing along the normal */
+    Lanes returned;        /* part of diffuse light from below that comes back, absorption included */
+    Lanes norm;            /* what passes of diffuse light from below, over what passes from above */
     bool tinted;
 } BsdfLayer;
 
@@ -60,16 +63,34 @@ typedef struct BsdfSheet {
     MicrofacetPlace roughness;
     Lanes eta;   /* relative to the medium on both sides */
     Lanes depth; /* as in BsdfLayer */
-    bool tinted;
+    Lanes phase; /* of a film: between two waves reflected by its sides, head on; 0: too thick for that */
+    bool tinted, film;
 } BsdfSheet;
 
-typedef enum BsdfKind { BSDF_DIFFUSE, BSDF_CONDUCTOR, BSDF_PLASTIC, BSDF_BOUNDARY, BSDF_SHEET } BsdfKind;
+/* Fibres that stand on what is opaque. */
+typedef struct BsdfFuzz {
+    MicrofacetPlace roughness;
+    float exponent;
+    float share; /* of what they stand on that is covered */
+    Lanes color;
+} BsdfFuzz;
+
+typedef enum BsdfKind {
+    BSDF_DIFFUSE,
+    BSDF_TRANSLUCENT, /* Lambert's law on the far side */
+    BSDF_CONDUCTOR,
+    BSDF_PLASTIC,
+    BSDF_BOUNDARY,
+    BSDF_SHEET
+} BsdfKind;
 
 typedef struct BsdfLobe {
     BsdfKind kind;
-    float share; /* of the surface */
+    float share;     /* of the surface */
+    bool covered;    /* by the coat */
+    float fuzz_norm; /* of what is diffuse: one over the mean that layers let pass, with the fuzz over without it */
     union {
-        BsdfDiffuse diffuse;
+        BsdfDiffuse diffuse; /* translucent too */
         BsdfConductor conductor;
         BsdfPlastic plastic;
         BsdfBoundary boundary;
@@ -116,7 +137,13 @@ static inline bool lobe_choose(float *u, float p)
     return taken;
 }
 
+/* What is left of a lobe's light under something else: of what facets reflect, and of what is diffuse. */
+typedef struct LobeOver {
+    float mirror, diffuse;
+} LobeOver;
+
 /* ---- lobes: light.z > 0 but for boundary and sheet ---- */
+BsdfDiffuse diffuse_make(Lanes albedo, float roughness);
 Lanes diffuse_evaluate(const BsdfDiffuse *diffuse, Vec3f view, Vec3f light);
 float diffuse_density(const BsdfDiffuse *diffuse, Vec3f light);
 Vec3f diffuse_sample(const BsdfDiffuse *diffuse, float u_choice, const float u[2]);
@@ -126,10 +153,13 @@ void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, La
 bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
 void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
 bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
-void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
+void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, LobeOver over, Lanes *f_cos, Lanes *pdf_w);
 bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
 
 /* ---- the layer ---- */
+/* -ln, held finite */
+Lanes layer_depth(Lanes transmittance);
+BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint);
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w);
 /* What goes down, from above, absorption included. reflectance: layer_reflectance(layer, w) */
 Lanes layer_transmittance(const BsdfLayer *layer, Vec3f w, Lanes reflectance);
@@ -137,8 +167,22 @@ Lanes layer_transmittance(const BsdfLayer *layer, Vec3f w, Lanes reflectance);
 void layer_evaluate(const BsdfLayer *layer, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w);
 /* How often it is sampled rather than the base, where it covers a share: by what they reflect, about. */
 Lanes layer_chance(const BsdfLayer *layer, float share, Lanes reflectance, Lanes base_albedo);
-/* What becomes of f_cos of a base under it: the factor besides the transmittances. */
+/* ---- fuzz ---- */
+BsdfFuzz fuzz_make(float share, Lanes color, float roughness);
+float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w); /* of white fibres */
+void fuzz_evaluate(const BsdfFuzz *fuzz, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w);
+Vec3f fuzz_sample(float u_choice, const float u[2]);
+
+/* ---- under a layer ---- */
+/* What becomes of f_cos of a diffuse base under it: the factor besides the transmittances; EON departs from that, see
+ * layered.h. */
 Lanes layer_over_diffuse(const BsdfLayer *layer, Lanes base_albedo);
-Lanes layer_over_mirror(const BsdfLayer *layer, Lanes base_albedo, Lanes reflectance_v, Lanes reflectance_l);
+Lanes layer_over_rough_diffuse(const BsdfLayer *layer, float roughness, Vec3f view, Vec3f light);
+/* What becomes of f_cos of mirrors, white or not: all of the factor. passed: layer_transmittance(). */
+Lanes layer_over_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3f view, Vec3f light,
+                         Lanes reflectance_v, Lanes reflectance_l, Lanes passed_v, Lanes passed_l);
+/* What the layer reflects of light between it and a base of index eta_base (relative to the same medium), in the mean:
+ * of light that came in through the layer, bent. */
+Lanes layer_inner_reflectance(Lanes eta, Lanes eta_base);
 
 #endif

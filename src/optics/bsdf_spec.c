@@ -12,6 +12,8 @@ void bsdf_spec_init(BsdfSpec *spec)
         .transmission_color = spectrum_constant(1),
         .coat_color = spectrum_constant(1),
         .coat_ior = spectrum_constant(1.6f),
+        .fuzz_color = spectrum_constant(1),
+        .fuzz_roughness = 0.5f,
     };
 }
 
@@ -39,54 +41,89 @@ static Lanes weakened(Lanes eta, float weight)
     return lanes_div(lanes_add(lanes_all(1), root), lanes_rest(root));
 }
 
-/* Of the opaque base. Under a coat of a larger index nothing is totally reflected, as light is bent on its way in,
- * which the directions here do not know of; so the inverse stands for that, as in OpenPBR. */
-static Lanes base_eta(const BsdfSpec *spec, Lanes wavelength_nm, Lanes above)
+/* What is asked of all lobes of one surface. */
+typedef struct Making {
+    const BsdfSpec *spec;
+    Bsdf *bsdf;
+    Lanes nm, eta_i, base_color;
+    float alpha_x, alpha_y;
+} Making;
+
+static Lanes at(const Making *m, const Spectrum *spectrum)
 {
-    Lanes eta = lanes_div(spectrum_at(&spec->specular_ior, wavelength_nm), above);
-    for (int i = 0; i < LANES; i++)
-        if (spec->coat_weight > 0 && lanes_get(eta, i) < 1) lanes_set(&eta, i, 1 / lanes_get(eta, i));
-    return weakened(eta, spec->specular_weight);
+    return spectrum_at(spectrum, m->nm);
+}
+
+static void add_metal(const Making *m, float share, Lanes above)
+{
+    Lanes n = lanes_all(1), k;
+    if (m->spec->measured_metal) {
+        n = lanes_div(at(m, &m->spec->metal_n), above);
+        k = lanes_div(at(m, &m->spec->metal_k), above);
+    } else {
+        k = bsdf_metal_of_reflectance(m->base_color);
+    }
+    bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y);
+}
+
+static void add_dielectric(const Making *m, float share)
+{
+    const BsdfSpec *spec = m->spec;
+    if (spec->specular_weight > 0) {
+        Lanes eta = weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
+        bsdf_add_plastic(m->bsdf, share, eta, m->alpha_x, m->alpha_y, lanes_all(1), m->base_color,
+                         spec->base_diffuse_roughness);
+    } else {
+        bsdf_add_diffuse(m->bsdf, share, m->base_color, spec->base_diffuse_roughness);
+    }
+}
+
+/* All that a coat covers, where it does. */
+static void add_coated(const Making *m, float metal, float dielectric)
+{
+    const BsdfSpec *spec = m->spec;
+    float alpha_x, alpha_y, skin = 0;
+    Lanes coat_ior = at(m, &spec->coat_ior), eta = lanes_div(coat_ior, m->eta_i);
+    bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &alpha_x, &alpha_y);
+    bsdf_begin_coat(m->bsdf, eta, alpha_x, alpha_y, at(m, &spec->coat_color));
+    add_metal(m, metal, coat_ior);
+    if (spec->specular_weight > 0 && dielectric > 0) {
+        Lanes inner = weakened(lanes_div(at(m, &spec->specular_ior), coat_ior), spec->specular_weight);
+        skin = lanes_mean(layer_inner_reflectance(eta, lanes_mul(inner, eta)));
+    }
+    bsdf_add_mirrors(m->bsdf, dielectric * skin, m->alpha_x, m->alpha_y);
+    bsdf_add_diffuse(m->bsdf, dielectric * (1 - skin), m->base_color, spec->base_diffuse_roughness);
+    bsdf_end_coat(m->bsdf);
+}
+
+static void add_clear(const Making *m, float share, Lanes eta_t)
+{
+    const BsdfSpec *spec = m->spec;
+    if (!spec->thin_walled) {
+        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha_x, m->alpha_y);
+        return;
+    }
+    Lanes ior = at(m, &spec->specular_ior), phase = lanes_all(0);
+    if (spec->film_thickness_nm > 0)
+        phase = lanes_div(lanes_scale(ior, 4 * SAMPLING_PI * spec->film_thickness_nm), m->nm);
+    bsdf_add_sheet(m->bsdf, share, lanes_div(ior, m->eta_i), m->alpha_x, m->alpha_y, at(m, &spec->transmission_color),
+                   phase);
 }
 
 void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, Bsdf *bsdf)
 {
     float metal = spec->base_metalness, clear = (1 - metal) * spec->transmission_weight, opaque = 1 - metal - clear;
-    float alpha_x, alpha_y;
-    bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
-    Lanes coat_eta = lanes_div(spectrum_at(&spec->coat_ior, wavelength_nm), eta_i);
-    /* what lies under a coat borders on that; where only a part is covered, on something between */
-    Lanes above = lanes_add(lanes_all(1), lanes_scale(lanes_sub(coat_eta, lanes_all(1)), spec->coat_weight));
-    above = lanes_mul(eta_i, above);
-    Lanes base_color = spectrum_at(&spec->base_color, wavelength_nm);
+    float translucent = spec->thin_walled ? opaque * spec->translucency : 0, coat = spec->coat_weight;
+    Making m = {.spec = spec, .bsdf = bsdf, .nm = wavelength_nm, .eta_i = eta_i};
+    m.base_color = at(&m, &spec->base_color);
+    bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &m.alpha_x, &m.alpha_y);
+    opaque -= translucent;
     bsdf_begin(bsdf);
-    if (metal > 0) {
-        Lanes n = lanes_all(1), k;
-        if (spec->measured_metal) {
-            n = lanes_div(spectrum_at(&spec->metal_n, wavelength_nm), above);
-            k = lanes_div(spectrum_at(&spec->metal_k, wavelength_nm), above);
-        } else {
-            k = bsdf_metal_of_reflectance(base_color);
-        }
-        bsdf_add_conductor(bsdf, metal, n, k, alpha_x, alpha_y);
-    }
-    if (opaque > 0) {
-        if (spec->specular_weight > 0)
-            bsdf_add_plastic(bsdf, opaque, base_eta(spec, wavelength_nm, above), alpha_x, alpha_y, lanes_all(1),
-                             base_color, spec->base_diffuse_roughness);
-        else
-            bsdf_add_diffuse(bsdf, opaque, base_color, spec->base_diffuse_roughness);
-    }
-    if (clear > 0) {
-        if (spec->thin_walled)
-            bsdf_add_sheet(bsdf, clear, lanes_div(spectrum_at(&spec->specular_ior, wavelength_nm), eta_i), alpha_x,
-                           alpha_y, spectrum_at(&spec->transmission_color, wavelength_nm));
-        else
-            bsdf_add_boundary(bsdf, clear, eta_i, eta_t, alpha_x, alpha_y);
-    }
-    if (spec->coat_weight > 0) {
-        bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &alpha_x, &alpha_y);
-        bsdf_set_coat(bsdf, spec->coat_weight, coat_eta, alpha_x, alpha_y,
-                      spectrum_at(&spec->coat_color, wavelength_nm));
-    }
+    if (metal * (1 - coat) > 0) add_metal(&m, metal * (1 - coat), eta_i);
+    if (opaque * (1 - coat) > 0) add_dielectric(&m, opaque * (1 - coat));
+    if (coat > 0 && metal + opaque > 0) add_coated(&m, metal * coat, opaque * coat);
+    bsdf_add_translucent(bsdf, translucent, m.base_color);
+    if (clear > 0) add_clear(&m, clear, eta_t);
+    if (spec->fuzz_weight > 0)
+        bsdf_set_fuzz(bsdf, spec->fuzz_weight, spectrum_at(&spec->fuzz_color, wavelength_nm), spec->fuzz_roughness);
 }

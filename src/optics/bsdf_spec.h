@@ -1,7 +1,8 @@
 /* bsdf_spec.h - a surface as a scene describes it, and the Bsdf of it at one hit.
  * Parameters are OpenPBR's (Academy Software Foundation, "OpenPBR Surface Specification" 1.1) where it has them, so
  * that a material means the same elsewhere. Where it departs: metals may have measured indices, a Fresnel term is
- * exact, the coat covers what is opaque only, and light is not bent on its way through the coat.
+ * exact, coat and fuzz cover what is opaque only, light is not bent on its way through the coat, and the skin of a dielectric
+ * under a coat reflects the same at all angles: what it reflects, in the mean, of light that the coat has bent.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BSDF_SPEC_H
 #define MEN_BSDF_SPEC_H
@@ -28,7 +29,12 @@ typedef struct BsdfSpec {
     float coat_roughness;                /* [0] */
     float coat_roughness_anisotropy;     /* [0] */
     Spectrum coat_ior;                   /* relative to vacuum [1.6] */
-    bool thin_walled; /* what is clear is a sheet, with the medium of the point on both sides [false] */
+    float fuzz_weight;                   /* [0] */
+    Spectrum fuzz_color;                 /* [1] */
+    float fuzz_roughness;                /* [0.5] */
+    bool thin_walled;        /* what is clear is a sheet, with the medium of the point on both sides [false] */
+    float translucency;      /* thin walls: the part of the diffuse light that comes out on the far side [0] */
+    float film_thickness_nm; /* thin walls: for interference; 0: too thick for that [0] */
 } BsdfSpec;
 
 void bsdf_spec_init(BsdfSpec *spec);

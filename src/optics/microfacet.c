@@ -19,8 +19,13 @@ static float bilinear(const uint16_t table[MICROFACET_ROUGHNESSES][MICROFACET_AN
 
 MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta)
 {
+    return microfacet_index_among(alpha_x, alpha_y, eta, MICROFACET_ROUGHNESSES, MICROFACET_INDICES);
+}
+
+MicrofacetIndex microfacet_index_among(float alpha_x, float alpha_y, Lanes eta, int n_roughnesses, int n_indices)
+{
     float alpha = sqrtf(0.5f * (alpha_x * alpha_x + alpha_y * alpha_y));
-    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(alpha), MICROFACET_ROUGHNESSES),
+    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(alpha), n_roughnesses),
                              .alpha = alpha,
                              .one_cell = true,
                              .fraction = lanes_all(0)};
@@ -28,7 +33,7 @@ MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta)
     for (int i = 0; i < LANES; i++) {
         float n = lanes_get(eta, i);
         mean += float_min(n, 1 / n) / LANES;
-        MicrofacetPlace place = microfacet_place(sqrtf(sqrtf(2 * fabsf(n - 1) / (n + 1))), MICROFACET_INDICES);
+        MicrofacetPlace place = microfacet_place(sqrtf(sqrtf(2 * fabsf(n - 1) / (n + 1))), n_indices);
         index.side[i] = n < 1;
         if (n < 1) index.any_dense = true;
         index.cell[i] = (unsigned char)place.knot;

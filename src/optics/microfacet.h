@@ -135,6 +135,8 @@ typedef struct MicrofacetIndex {
 } MicrofacetIndex;
 
 MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta);
+/* The same in tables of other sizes. */
+MicrofacetIndex microfacet_index_among(float alpha_x, float alpha_y, Lanes eta, int n_roughnesses, int n_indices);
 /* A table for a direction of |z| and s; behind: it is on the far side of the boundary. */
 Lanes microfacet_lookup(const MicrofacetTable table, const MicrofacetIndex *index, bool behind, float z, float s);
 Lanes microfacet_lookup_mean(const MicrofacetMeans means, const MicrofacetIndex *index, bool behind);

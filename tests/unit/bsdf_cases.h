@@ -41,7 +41,17 @@ static const BsdfCase bsdf_cases[] = {
     {"plastic tinted", 0.3f, 1.5f, 0, 0},
     {"sheet", 0.4f, 1.5f, 0.02f, 0},
     {"sheet tinted", 0.8f, 1.5f, 0, 0},
+    {"sheet film", 0.5f, 1.33f, 0.01f, 0},
+    {"translucent", 0.5f, 0, 0, 0},
+    {"translucent", 0.2f, 0.8f, 0, 0},
+    {"fuzz", 0.5f, 0.2f, 0, 0},
+    {"fuzz metal", 0.6f, 0.9f, 0, 0},
+    {"coated", 0.3f, 1.5f, 0.02f, -0.3f},
+    {"coated", 0, 0.85f, 0.01f, 0},
+    {"coated metal", 0.5f, 1.6f, 0.02f, 0},
+    {"coated metal tinted", 0, 1.5f, 0.02f, 0},
     {"principled", 0.4f, 0.5f, 0.02f, 0},
+    {"principled fuzzy", 0.4f, 0.5f, 0.02f, 0},
     {"principled", 0.8f, 0.3f, 0, 0},
     {"principled smooth", 0.5f, 0.4f, 0.02f, 0},
 };
@@ -81,17 +91,42 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint,
                          case_lanes(0.6f, 0.3f, hero), 0.4f);
     else if (!strncmp(c->name, "sheet", 5))
-        bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint);
-    else {
+        bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint,
+                       strstr(c->name, "film") ? case_lanes(9, 0.2f, hero) : lanes_all(0));
+    else if (!strncmp(c->name, "translucent", 11)) {
+        bsdf_add_diffuse(bsdf, 0.4f, case_lanes(0.5f, 0.3f, hero), c->roughness);
+        bsdf_add_translucent(bsdf, 0.6f, case_lanes(0.6f, 0.3f, hero));
+        if (c->other > 0) bsdf_set_fuzz(bsdf, c->other, case_lanes(0.6f, 0.3f, hero), c->roughness);
+    } else if (!strncmp(c->name, "fuzz", 4)) {
+        Lanes color = case_lanes(0.7f, 0.2f, hero), eta = case_lanes(1.5f, 0.02f, hero);
+        if (strstr(c->name, "metal"))
+            bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), alpha, alpha);
+        else
+            bsdf_add_plastic(bsdf, 1, eta, alpha, alpha, tint, color, 0.3f);
+        bsdf_set_fuzz(bsdf, 0.9f, case_lanes(0.6f, 0.3f, hero), c->other);
+    } else if (!strncmp(c->name, "coated", 6)) {
+        Lanes color = case_lanes(0.6f, 0.3f, hero);
+        bsdf_begin_coat(bsdf, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint);
+        if (strstr(c->name, "metal"))
+            bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), 0.2f, 0.2f);
+        else {
+            bsdf_add_mirrors(bsdf, 0.1f, 0.3f, 0.1f);
+            bsdf_add_diffuse(bsdf, 0.9f, color, 0.7f);
+        }
+        bsdf_end_coat(bsdf);
+    } else {
         bool smooth = strstr(c->name, "smooth");
         Lanes eta = case_lanes(1.5f, c->spread, hero);
-        bsdf_add_conductor(bsdf, 0.3f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
+        bsdf_add_conductor(bsdf, 0.1f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
         bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha, tint,
                          case_lanes(0.5f, 0.3f, hero), c->roughness);
+        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f,
+                        case_lanes(0.8f, 0.1f, hero));
+        bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
         bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
-        bsdf_add_sheet(bsdf, 0.7f * (1 - c->other), eta, alpha, alpha, tint);
-        bsdf_set_coat(bsdf, 0.6f, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f,
-                      case_lanes(0.8f, 0.1f, hero));
+        bsdf_end_coat(bsdf);
+        bsdf_add_sheet(bsdf, 0.7f * (1 - c->other), eta, alpha, alpha, tint, lanes_all(0));
+        if (strstr(c->name, "fuzzy")) bsdf_set_fuzz(bsdf, 0.5f, case_lanes(0.8f, 0.1f, hero), 0.3f);
     }
     return front;
 }

@@ -98,13 +98,14 @@ static void white_surfaces_stay_white(void **unused)
             float r = roughnesses[k], alpha = r * r;
             const float eta[] = {1.5f, 1.128f, 2.4f, 0.9f};
             bsdf_begin(&bsdf);
+            if (i == 7) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, alpha, white);
+            if (i == 8) bsdf_begin_coat(&bsdf, lanes_all(1.5f), 0.01f, 0.01f, white);
             if (i == 0 || i == 8) bsdf_add_conductor(&bsdf, 1, white, mirror, alpha, alpha);
             if (i == 1) bsdf_add_diffuse(&bsdf, 1, white, r);
             if (i >= 2 && i < 6) bsdf_add_plastic(&bsdf, 1, lanes_all(eta[i - 2]), alpha, alpha, white, white, 0);
-            if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white);
+            if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, lanes_all(0));
             if (i == 7) bsdf_add_diffuse(&bsdf, 1, white, 0);
-            if (i == 7) bsdf_set_coat(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white);
-            if (i == 8) bsdf_set_coat(&bsdf, 1, lanes_all(1.5f), 0.01f, 0.01f, white);
+            bsdf_end_coat(&bsdf);
             double off = departure(&bsdf, 48, &grazing[i]);
             worst[i] = fmax(worst[i], off);
             printf(" %5.1f", off * 1000);
@@ -112,8 +113,7 @@ static void white_surfaces_stay_white(void **unused)
         printf("  (%5.1f at cosine 0.03)", grazing[i] * 1000);
     }
     printf("\n");
-    /* a rough metal under a smooth coat sends light back at other angles than it came at */
-    for (int i = 0; i < 9; i++) assert_true(worst[i] < (i == 8 ? 0.08 : 0.005));
+    for (int i = 0; i < 9; i++) assert_true(worst[i] < 0.005);
 }
 
 /* A skin of a smaller index than what is in front of it, as of plastic of index 1.1 in water: looked at closely about

@@ -258,7 +258,7 @@ static void nothing_breaks_it(void **unused)
         Bsdf bsdf;
         bsdf_begin(&bsdf);
         float a = awkward(&state, 0, 1), b = random_unit(&state) < 0.5f ? a : awkward(&state, 0, 1);
-        int kind = i % 6;
+        int kind = i % 7;
         Lanes eta = awkward_lanes(&state, 1, random_unit(&state) < 0.5f ? 1.00001f : 3),
               color = awkward_lanes(&state, 0, 1);
         bool alike = lanes_max(eta) < 1.1f * lanes_min(eta);
@@ -266,12 +266,22 @@ static void nothing_breaks_it(void **unused)
         if (kind == 1) bsdf_add_boundary(&bsdf, 1, eta, lanes_all(1), a, b);
         if (kind == 2) bsdf_add_conductor(&bsdf, 1, awkward_lanes(&state, 0, 4), awkward_lanes(&state, 0, 9), a, b);
         if (kind == 3) bsdf_add_plastic(&bsdf, 1, lanes_div(eta, lanes_all(1.3f)), a, b, color, color, b);
-        if (kind == 4) bsdf_add_sheet(&bsdf, 1, eta, a, b, color);
+        if (kind == 4)
+            bsdf_add_sheet(&bsdf, 1, eta, a, b, color, i % 5 ? lanes_all(0) : awkward_lanes(&state, 0, 100));
         if (kind == 5) {
             bsdf_add_diffuse(&bsdf, a, color, b);
             bsdf_add_conductor(&bsdf, b * 0.5f, eta, eta, a, b);
         }
-        if (kind >= 2 && i % 3) bsdf_set_coat(&bsdf, a, eta, b, a, color);
+        if (kind == 6) bsdf_add_translucent(&bsdf, b, color);
+        if (kind >= 2 && i % 3) {
+            Lanes coat = i % 5 ? eta : lanes_div(lanes_all(1), eta);
+            bsdf_begin_coat(&bsdf, coat, b, a, color);
+            bsdf_add_diffuse(&bsdf, a, color, b);
+            bsdf_add_conductor(&bsdf, b, eta, eta, a, b);
+            bsdf_add_mirrors(&bsdf, a, b, b);
+            bsdf_end_coat(&bsdf);
+        }
+        if (kind >= 2 && i % 4 == 1) bsdf_set_fuzz(&bsdf, a, color, b);
         Vec3f view = awkward_direction(&state), light = awkward_direction(&state);
         if (i % 2) light.z = -light.z;
         float u[2] = {awkward(&state, 0, 0x1.fffffep-1f), awkward(&state, 0, 0x1.fffffep-1f)};

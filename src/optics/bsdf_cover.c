@@ -1,0 +1,123 @@
+/* bsdf_cover.c - what a clear layer makes of what is under it, plastic as such a pair, and fuzz.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/bsdf_lobe.h"
+#include "optics/fresnel.h"
+
+/* ---- under a layer ---- */
+
+Lanes layer_over_rough_diffuse(const BsdfLayer *layer, float roughness, Vec3f view, Vec3f light)
+{
+    if (roughness == 0) return lanes_all(1);
+    MicrofacetPlace base = microfacet_place(roughness, LAYERED_DIFFUSES);
+    return lanes_mul(layered_lookup(layered_under_diffuse, base, &layer->among, view.z),
+                     layered_lookup(layered_under_diffuse, base, &layer->among, light.z));
+}
+
+/* t of layered.h; passed: T, without tint. */
+static Lanes passed_to_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3f w, Lanes passed)
+{
+    const BsdfFacets *facets = &base->facets;
+    Lanes smooth = lanes_sqrt(passed);
+    if (facets->smooth) return smooth;
+    float position = ((float)base->roughness.knot + base->roughness.fraction) / (MICROFACET_ROUGHNESSES - 1);
+    float angle = microfacet_angle(w.z, microfacet_slope(facets->alpha_x, facets->alpha_y, w));
+    MicrofacetPlace row = microfacet_place(position, LAYERED_MIRRORS);
+    return lanes_mul(smooth, layered_lookup(layered_under_mirror, row, &layer->among, angle));
+}
+
+/* A smooth mirror of reflectance m gives T^2 m / (1 - R m), which is m (1 - R) / (1 - R m) of what a white one gives. */
+Lanes layer_over_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3f view, Vec3f light,
+                         Lanes reflectance_v, Lanes reflectance_l, Lanes passed_v, Lanes passed_l)
+{
+    Lanes in = lanes_rest(reflectance_v), out = lanes_rest(reflectance_l);
+    Lanes factor = lanes_mul(passed_to_mirrors(layer, base, view, in), passed_to_mirrors(layer, base, light, out));
+    if (layer->tinted) {
+        Lanes tint = lanes_div(lanes_mul(passed_v, passed_l), lanes_add(lanes_mul(in, out), lanes_all(1e-20f)));
+        factor = lanes_mul(factor, lanes_clamp(tint, 0, 1));
+    }
+    Lanes back = lanes_sqrt(lanes_mul(reflectance_v, reflectance_l)), again = lanes_mul(back, base->mean);
+    if (layer->tinted) again = lanes_mul(again, lanes_exp(lanes_scale(layer->depth, -2)));
+    factor = lanes_mul(factor, lanes_div(lanes_add(lanes_rest(back), lanes_all(1e-6f)),
+                                         lanes_add(lanes_rest(again), lanes_all(1e-6f))));
+    return factor;
+}
+
+Lanes layer_inner_reflectance(Lanes eta, Lanes eta_base)
+{
+    /* Gauss's three points of the square of the cosine */
+    static const float squares[] = {0.1127017f, 0.5f, 0.8872983f}, weights[] = {5.0f / 18, 8.0f / 18, 5.0f / 18};
+    Lanes sum = lanes_all(0), weight = lanes_all(1e-12f);
+    for (int i = 0; i < 3; i++)
+        for (int lane = 0; lane < LANES; lane++) {
+            float n = lanes_get(eta, lane), square = 1 - (1 - squares[i]) / (n * n);
+            if (!(square > 0)) continue; /* does not get in */
+            float r = fresnel_dielectric(sqrtf(square), n, lanes_get(eta_base, lane));
+            lanes_set(&sum, lane, lanes_get(sum, lane) + weights[i] * r);
+            lanes_set(&weight, lane, lanes_get(weight, lane) + weights[i]);
+        }
+    return lanes_div(sum, weight);
+}
+
+/* ---- plastic ---- */
+
+void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, LobeOver over, Lanes *f_cos, Lanes *pdf_w)
+{
+    const BsdfLayer *layer = &plastic->layer;
+    Lanes reflectance_v = layer_reflectance(layer, view), reflectance_l = layer_reflectance(layer, light);
+    Lanes passed =
+        lanes_mul(layer_transmittance(layer, view, reflectance_v), layer_transmittance(layer, light, reflectance_l));
+    Lanes base =
+        lanes_mul(diffuse_evaluate(&plastic->base, view, light), layer_over_diffuse(layer, plastic->base.albedo));
+    base = lanes_mul(base, layer_over_rough_diffuse(layer, plastic->base.roughness, view, light));
+    Lanes chance = layer_chance(layer, 1, reflectance_v, plastic->base.albedo);
+    float layer_pdf;
+    layer_evaluate(layer, view, light, f_cos, &layer_pdf);
+    *f_cos = lanes_add(lanes_scale(*f_cos, over.mirror), lanes_scale(lanes_mul(base, passed), over.diffuse));
+    *pdf_w = lanes_add(lanes_scale(chance, layer_pdf),
+                       lanes_scale(lanes_rest(chance), diffuse_density(&plastic->base, light)));
+}
+
+bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+{
+    const BsdfLayer *layer = &plastic->layer;
+    Lanes reflectance = layer_reflectance(layer, view),
+          chance = layer_chance(layer, 1, reflectance, plastic->base.albedo);
+    if (!lobe_choose(&u_choice, lanes_get(chance, 0))) {
+        sample->direction = diffuse_sample(&plastic->base, u_choice, u);
+        return true;
+    }
+    if (!layer->facets.smooth) return facets_sample_reflection(&layer->facets, view, u, &sample->direction);
+    sample->specular = true;
+    sample->direction = mirrored(view);
+    sample->value = reflectance;
+    sample->density = chance;
+    return true;
+}
+
+/* ---- fuzz ---- */
+
+BsdfFuzz fuzz_make(float share, Lanes color, float roughness)
+{
+    return (BsdfFuzz){microfacet_place(roughness, LAYERED_FUZZ), layered_fuzz_exponent(roughness), share, color};
+}
+
+float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w)
+{
+    return fuzz->share * layered_fuzz(fuzz->roughness, fabsf(w.z));
+}
+
+void fuzz_evaluate(const BsdfFuzz *fuzz, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w)
+{
+    *f_cos = lanes_scale(fuzz->color, fuzz->share * layered_fuzz_value(fuzz->exponent, view, light) * light.z);
+    *pdf_w = (0.25f + 0.5f * light.z) / SAMPLING_PI;
+}
+
+/* Half evenly, half by the cosine. */
+Vec3f fuzz_sample(float u_choice, const float u[2])
+{
+    float pdf_w;
+    if (u_choice < 0.5f) return sampling_cosine_hemisphere(u[0], u[1], vec3f(0, 0, 1), &pdf_w);
+    Vec3f light = sampling_cone(u[0], u[1], vec3f(0, 0, 1), 1);
+    light.z = float_max(light.z, 1e-7f);
+    return light;
+}

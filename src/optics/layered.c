@@ -1,0 +1,42 @@
+/* layered.c - looking up the tables of layered.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/layered.h"
+
+static float between(const float row[LAYERED_ANGLES], MicrofacetPlace angle)
+{
+    return row[angle.knot] + (row[angle.knot + 1] - row[angle.knot]) * angle.fraction;
+}
+
+/* over the roughnesses of base and layer */
+static float at_index(const LayeredTable table[], MicrofacetPlace base, MicrofacetPlace layer, int side, int cell,
+                      MicrofacetPlace angle)
+{
+    float sum = 0;
+    for (int i = 0; i <= 1; i++)
+        for (int k = 0; k <= 1; k++) {
+            float part = (i ? base.fraction : 1 - base.fraction) * (k ? layer.fraction : 1 - layer.fraction);
+            if (part > 0) sum += part * between(table[base.knot + i][layer.knot + k][side][cell], angle);
+        }
+    return sum;
+}
+
+Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index, float angle)
+{
+    MicrofacetPlace place = microfacet_place(angle, LAYERED_ANGLES);
+    Lanes result = lanes_all(0);
+    for (int i = 0; i < LANES; i++) {
+        int side = index->side[i], cell = index->cell[i];
+        float near = at_index(table, base, index->roughness, side, cell, place);
+        float far = at_index(table, base, index->roughness, side, cell + 1, place);
+        if (index->one_cell) return lanes_add(lanes_all(near), lanes_scale(index->fraction, far - near));
+        lanes_set(&result, i, near + (far - near) * lanes_get(index->fraction, i));
+    }
+    return result;
+}
+
+float layered_fuzz(MicrofacetPlace roughness, float cosine)
+{
+    MicrofacetPlace angle = microfacet_place(sqrtf(cosine), LAYERED_ANGLES);
+    float near = between(layered_fuzz_albedo[roughness.knot], angle);
+    return near + (between(layered_fuzz_albedo[roughness.knot + 1], angle) - near) * roughness.fraction;
+}

@@ -1,0 +1,51 @@
+/* layered.h - tables of what becomes of light under a clear layer, and of fuzz.
+ *
+ * A surface that scatters f(v, l), all of it where it is white, under a layer that lets T(v) in: what comes out must
+ * be T(v) again, and the same both ways. f(v, l) t(v) t(l) does that for one function t, found as in microfacet.h. Over
+ * a smooth mirror it is sqrt(T), over Lambert's law T / sqrt(mean T). The tables hold the factor by which t departs from
+ * these: under_mirror for facets of a roughness from the first, under_diffuse for EON from the other.
+ *
+ * Fuzz: the microfiber distribution D = (2 + e) / (2 pi) sin(h)^e of A. Conty Estevez, C. Kulla, "Production Friendly
+ * Microfacet Sheen BRDF" (2017), with 1 / e from 0.25 to 1, and the visibility 1 / (4 (v.z + l.z - v.z l.z)) of D.
+ * Neubelt, M. Pettineo, "Crafting a Next-Gen Material Pipeline for The Order: 1886" (2013). It is reciprocal and, for
+ * these exponents, reflects less than all from any direction.
+ *
+ * Solved at build time by layered_gen.c.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_LAYERED_H
+#define MEN_LAYERED_H
+
+#include "optics/microfacet.h"
+
+enum {
+    LAYERED_ANGLES = 33,
+    LAYERED_INDICES = 12,     /* of the layer, as those of microfacet.h */
+    LAYERED_ROUGHNESSES = 13, /* of the layer */
+    LAYERED_MIRRORS = 9,      /* roughnesses of what is under it, from 0 to 1 */
+    LAYERED_DIFFUSES = 4,     /* the same of EON */
+    LAYERED_FUZZ = 9          /* roughnesses of fuzz */
+};
+
+typedef float LayeredTable[LAYERED_ROUGHNESSES][2][LAYERED_INDICES][LAYERED_ANGLES];
+extern const LayeredTable layered_under_mirror[LAYERED_MIRRORS], layered_under_diffuse[LAYERED_DIFFUSES];
+extern const float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]; /* by the root of the cosine */
+
+/* base: among the rows of the table; index: of the layer, of microfacet_index_among; angle 0..1: microfacet_angle of
+ * the facets, or the cosine over EON. */
+Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index, float angle);
+float layered_fuzz(MicrofacetPlace roughness, float cosine);
+
+static inline float layered_fuzz_exponent(float roughness)
+{
+    return 1 / (0.25f + 0.75f * roughness);
+}
+/* f of fuzz */
+static inline float layered_fuzz_value(float exponent, Vec3f view, Vec3f light)
+{
+    Vec3f h = vec3f_normalize(vec3f_add(view, light));
+    float distribution =
+        (2 + exponent) / (2 * SAMPLING_PI) * powf(float_max((1 - h.z) * (1 + h.z), 0), 0.5f * exponent);
+    return distribution / (4 * (view.z + light.z - view.z * light.z));
+}
+
+#endif

@@ -1,0 +1,198 @@
+/* layered_gen.c - solves the tables of layered.h and writes them as C source, at build time.
+ *     layered_gen FILE
+ * What a surface makes of light from a direction is noted once, as light that goes to places between angles, for many
+ * directions; what a layer makes of that is then a sum over them. Takes some seconds.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "optics/bsdf_lobe.h"
+#include "optics/layered.h"
+
+/* WAYS and STRIDE are neighbours in Fibonacci's sequence. */
+enum { WAYS = 610, STRIDE = 377, ROUNDS = 200 };
+
+/* Light that goes to a place between two angles, with a weight, at a cosine. */
+typedef struct Way {
+    int knot;
+    float fraction, weight, cosine;
+} Way;
+
+static Way ways[LAYERED_ANGLES][WAYS];
+static float cosines[LAYERED_ANGLES]; /* of the knots */
+static LayeredTable mirrors[LAYERED_MIRRORS], diffuses[LAYERED_DIFFUSES];
+static float fuzz[LAYERED_FUZZ][LAYERED_ANGLES];
+
+static Vec3f direction_of(float z)
+{
+    return vec3f(sqrtf(fmaxf(0, 1 - z * z)), 0, z);
+}
+
+static void numbers(int i, float u[2])
+{
+    u[0] = ((float)i + 0.5f) / WAYS;
+    u[1] = ((float)((i * STRIDE) % WAYS) + 0.5f) / WAYS;
+}
+
+static Way way_to(float angle, float weight, float cosine)
+{
+    MicrofacetPlace place = microfacet_place(angle, LAYERED_ANGLES);
+    return (Way){place.knot, place.fraction, weight, cosine};
+}
+
+/* White facets, with what microfacet_mirror puts back. */
+static void look_at_mirrors(float alpha)
+{
+    BsdfFacets facets = facets_make(alpha, alpha);
+    MicrofacetPlace roughness = microfacet_index(alpha, alpha, lanes_all(1)).roughness;
+    for (int i = 0; i < LAYERED_ANGLES; i++) {
+        float low = 0, high = 1, wanted = (float)i / (LAYERED_ANGLES - 1);
+        for (int k = 0; k < 40; k++) {
+            float middle = 0.5f * (low + high);
+            bool below = microfacet_angle(middle, microfacet_slope(alpha, alpha, direction_of(middle))) < wanted;
+            *(below ? &low : &high) = middle;
+        }
+        cosines[i] = fmaxf(i == LAYERED_ANGLES - 1 ? 1 : 0.5f * (low + high), 1e-6f);
+        Vec3f view = direction_of(cosines[i]), light;
+        for (int k = 0; k < WAYS; k++) {
+            float u[2];
+            numbers(k, u);
+            ways[i][k] = (Way){.cosine = 1};
+            if (!facets_sample_reflection(&facets, view, u, &light)) continue;
+            FacetReflection r = facets_reflect(&facets, view, light);
+            float scaling = microfacet_mirror(roughness, r.angle_v) * microfacet_mirror(roughness, r.angle_l);
+            ways[i][k] = way_to(r.angle_l, r.shadowing * scaling / WAYS, light.z);
+        }
+    }
+}
+
+static void look_at_diffuse(float roughness)
+{
+    BsdfDiffuse diffuse = diffuse_make(lanes_all(1), roughness);
+    for (int i = 0; i < LAYERED_ANGLES; i++) {
+        cosines[i] = fmaxf((float)i / (LAYERED_ANGLES - 1), 1e-6f);
+        for (int k = 0; k < WAYS; k++) {
+            float u[2], pdf;
+            numbers(k, u);
+            Vec3f light = sampling_cosine_hemisphere(u[0], u[1], vec3f(0, 0, 1), &pdf);
+            float f_cos = lanes_get(diffuse_evaluate(&diffuse, direction_of(cosines[i]), light), 0);
+            ways[i][k] = way_to(light.z, f_cos / pdf / WAYS, light.z);
+        }
+    }
+}
+
+static float passed(const BsdfLayer *layer, float cosine)
+{
+    return lanes_get(lanes_rest(layer_reflectance(layer, direction_of(cosine))), 0);
+}
+
+/* u at the knots: with a base that is like a mirror u sqrt(T) K sqrt(T) u = T, else u T K T u = T mean T. */
+static void solve(const BsdfLayer *layer, bool mirror, float u[LAYERED_ANGLES])
+{
+    static double sums[LAYERED_ANGLES][LAYERED_ANGLES];
+    double wanted[LAYERED_ANGLES], mean = 0;
+    for (int k = 0; k < WAYS; k++) mean += (double)passed(layer, sqrtf(((float)k + 0.5f) / WAYS)) / WAYS;
+    for (int i = 0; i < LAYERED_ANGLES; i++) {
+        double white = 0, root = sqrt((double)passed(layer, cosines[i]));
+        for (int k = 0; k < LAYERED_ANGLES; k++) sums[i][k] = 0;
+        for (int k = 0; k < WAYS; k++) {
+            const Way *way = &ways[i][k];
+            double out = (double)passed(layer, way->cosine), weight = (double)way->weight * (mirror ? sqrt(out) : out);
+            white += (double)way->weight;
+            sums[i][way->knot] += weight * (1 - (double)way->fraction);
+            sums[i][way->knot + 1] += weight * (double)way->fraction;
+        }
+        wanted[i] = (mirror ? root : mean) * white; /* the sum over directions is not exact: of what it has of white */
+        u[i] = 1;
+    }
+    for (int round = 0; round < ROUNDS; round++) {
+        float next[LAYERED_ANGLES];
+        for (int i = 0; i < LAYERED_ANGLES; i++) {
+            double sum = 0;
+            for (int k = 0; k < LAYERED_ANGLES; k++) sum += sums[i][k] * (double)u[k];
+            next[i] = sum > 0 ? (float)sqrt((double)u[i] * wanted[i] / sum) : u[i];
+        }
+        for (int i = 0; i < LAYERED_ANGLES; i++) u[i] = next[i];
+    }
+}
+
+static float index_of(int knot)
+{
+    float y = (float)knot / (LAYERED_INDICES - 1), x = y * y * y * y / 2;
+    return (1 + x) / (1 - x);
+}
+
+static void solve_layers(LayeredTable table, bool mirror)
+{
+    for (int rough = 0; rough < LAYERED_ROUGHNESSES; rough++)
+        for (int side = 0; side < 2; side++)
+            for (int i = 0; i < LAYERED_INDICES; i++) {
+                float r = (float)rough / (LAYERED_ROUGHNESSES - 1), eta = index_of(i);
+                BsdfLayer layer = layer_make(lanes_all(side ? 1 / eta : eta), r * r, r * r, lanes_all(1));
+                solve(&layer, mirror, table[rough][side][i]);
+            }
+}
+
+static float sum_fuzz(float exponent, float cosine)
+{
+    enum { STEPS = 200 };
+    double sum = 0;
+    Vec3f view = direction_of(fmaxf(cosine, 1e-5f));
+    for (int i = 0; i < STEPS; i++)
+        for (int k = 0; k < STEPS; k++) {
+            float z = ((float)i + 0.5f) / STEPS, angle = ((float)k + 0.5f) / STEPS * SAMPLING_PI, r = sqrtf(1 - z * z);
+            sum += (double)(layered_fuzz_value(exponent, view, vec3f(r * cosf(angle), r * sinf(angle), z)) * z);
+        }
+    return (float)(sum * 2 * (double)SAMPLING_PI / (STEPS * STEPS));
+}
+
+static void write_floats(FILE *out, const char *declaration, const float *values, size_t n)
+{
+    fprintf(out, "\nconst %s = {\n", declaration);
+    for (size_t i = 0; i < n; i++)
+        fprintf(out, "%af,%s", (double)values[i],
+                (i + 1) % LAYERED_ANGLES ? "" : "\n"); /* exact, whatever reads them */
+    fputs("};\n", out);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2) {
+        fputs("usage: layered_gen FILE\n", stderr);
+        return 2;
+    }
+    for (int i = 0; i < LAYERED_MIRRORS; i++) {
+        float r = (float)i / (LAYERED_MIRRORS - 1);
+        look_at_mirrors(fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA));
+        solve_layers(mirrors[i], true);
+    }
+    for (int i = 0; i < LAYERED_DIFFUSES; i++) {
+        look_at_diffuse((float)i / (LAYERED_DIFFUSES - 1));
+        solve_layers(diffuses[i], false);
+    }
+    for (int i = 0; i < LAYERED_FUZZ; i++)
+        for (int k = 0; k < LAYERED_ANGLES; k++) {
+            float root = (float)k / (LAYERED_ANGLES - 1);
+            fuzz[i][k] = sum_fuzz(layered_fuzz_exponent((float)i / (LAYERED_FUZZ - 1)), root * root);
+        }
+    FILE *out = fopen(argv[1], "w");
+    if (!out) {
+        perror(argv[1]);
+        return 1;
+    }
+    fputs("/* Made by layered_gen; see optics/layered.h. */\n#include \"optics/layered.h\"\n"
+          "#pragma GCC diagnostic ignored \"-Wmissing-braces\"\n",
+          out);
+    write_floats(out, "LayeredTable layered_under_mirror[LAYERED_MIRRORS]", &mirrors[0][0][0][0][0],
+                 sizeof mirrors / sizeof(float));
+    write_floats(out, "LayeredTable layered_under_diffuse[LAYERED_DIFFUSES]", &diffuses[0][0][0][0][0],
+                 sizeof diffuses / sizeof(float));
+    write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
+                 sizeof fuzz / sizeof(float));
+    int failed = ferror(out);
+    if (fclose(out) != 0 || failed) {
+        fprintf(stderr, "layered_gen: cannot write %s\n", argv[1]);
+        return 1;
+    }
+    return 0;
+}
