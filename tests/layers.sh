@@ -47,7 +47,7 @@ verdict 'no file over 1,000 lines' "$(find src -name '*.[ch]' -exec wc -l {} + |
 verdict 'no unsafe or locale-bound functions' \
     "$(grep -nE '\b(strcpy|strcat|sprintf|strtok|gets|setlocale|rand|srand|atof|atoi)\(' -r src --include='*.c')"
 verdict 'nothing below cli prints or exits' \
-    "$(grep -nE '\b(printf|puts|putchar|perror|exit)\(|\bstdout\b' -r src --include='*.c' | grep -vE '^src/(cli/|optics/(upsample|microfacet)_gen.c|image/exr.c|image/png.c|base/file.c)')"
+    "$(grep -nE '\b(printf|puts|putchar|perror|exit)\(|\bstdout\b' -r src --include='*.c' | grep -vE '^src/(cli/|optics/[a-z]*_gen.c|image/exr.c|image/png.c|base/file.c)')"
 verdict 'nothing is left open' "$(grep -nE 'FIXME|XXX|TODO' -r src grammar examples man Makefile 2> /dev/null)"
 echo "$n_passed passed, $n_failed failed"
 [ "$n_failed" -eq 0 ]
