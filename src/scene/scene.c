@@ -111,6 +111,7 @@ static double fold(const LightProfile *profile, double angle)
 {
     double first = (double)profile->horizontal[0], last = (double)profile->horizontal[profile->n_horizontal - 1];
     if (profile->n_horizontal == 1) return first;
+    if (profile->type != PROFILE_C) return first < 0 ? angle : fabs(angle);
     if (first == 90) return angle < 90 ? 180 - angle : angle > 270 ? 540 - angle : angle; /* 90 .. 270 */
     if (last <= 180 && angle > 180) angle = 360 - angle;
     if (last <= 90 && angle > 90) angle = 180 - angle;
@@ -135,13 +136,31 @@ static uint32_t find_interval(const float *values, uint32_t n, double x, double 
     return low;
 }
 
-static double profile_at(const LightProfile *profile, Vec3 direction)
+/* The two angles of a direction, in degrees; false where a lamp of this type is dark. */
+static bool profile_angles(ProfileType type, Vec3 direction, double *vertical, double *horizontal)
 {
     const double degree = 3.14159265358979323846 / 180;
-    double vertical = atan2(hypot(direction.x, direction.z), direction.y) / degree;
-    double horizontal = atan2(direction.z, direction.x) / degree;
-    if (horizontal < 0) horizontal += 360;
+    if (type == PROFILE_C) {
+        *vertical = atan2(hypot(direction.x, direction.z), direction.y) / degree;
+        *horizontal = atan2(direction.z, direction.x) / degree;
+        if (*horizontal < 0) *horizontal += 360;
+        return true;
+    }
+    /* of A and B: the one angle about an axis, the other from the plane across it */
+    Vec3 d = direction;
+    double right = -d.x, up = -d.z;
+    if (d.y < 0) return false;
+    *vertical = (type == PROFILE_B ? atan2(up, d.y) : atan2(up, hypot(right, d.y))) / degree;
+    *horizontal = (type == PROFILE_B ? atan2(right, hypot(up, d.y)) : atan2(right, d.y)) / degree;
+    return true;
+}
+
+static double profile_at(const LightProfile *profile, Vec3 direction)
+{
+    double vertical, horizontal;
     uint32_t n = profile->n_vertical;
+    if (!profile_angles(profile->type, direction, &vertical, &horizontal)) return 0;
+    if (profile->type != PROFILE_C && !(profile->vertical[0] < 0)) vertical = fabs(vertical);
     if (vertical < (double)profile->vertical[0] || vertical > (double)profile->vertical[n - 1]) return 0;
     double down, across;
     uint32_t row = find_interval(profile->vertical, n, vertical, &down);

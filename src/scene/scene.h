@@ -82,9 +82,17 @@ typedef struct SceneTree {
     uint32_t object; /* the combination's row */
 } SceneTree;
 
-/* Measured intensities of a lamp: by angle from its axis and angle about it, in degrees, linear in between; candela by 683
- * lm per watt. What is not given by symmetry is dark. */
+/* Measured intensities of a lamp by two angles in degrees, linear in between; candela by 683 lm per watt. The letters are
+ * those of goniophotometers. In the lamp's frame, whose axis is +y, up is -z and the right is -x. */
+typedef enum ProfileType {
+    PROFILE_C, /* vertical: from the axis; horizontal: about it, from +x over +z. What is not given by symmetry is dark. */
+    PROFILE_B, /* horizontal: to the right of the plane that the axis and up span; vertical: about the right, upwards */
+    PROFILE_A  /* vertical: above the plane that the axis and the right span; horizontal: about up, to the right. Of both,
+                * angles from 0 on stand for those below 0, too, and behind the lamp it is dark. */
+} ProfileType;
+
 typedef struct LightProfile {
+    ProfileType type;
     const float *vertical, *horizontal; /* ascending */
     const float *intensity;             /* n_vertical for each horizontal angle */
     uint32_t n_vertical, n_horizontal;

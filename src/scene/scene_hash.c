@@ -194,6 +194,7 @@ static void add_lights(Hasher *h, const Scene *scene)
             add_number(h, light->cos_full);
             add_number(h, light->cos_none);
             const LightProfile *profile = light->profile;
+            if (profile) add_integer(h, profile->type);
             for (uint32_t k = 0; profile && k < profile->n_vertical; k++) add_number(h, (double)profile->vertical[k]);
             for (uint32_t k = 0; profile && k < profile->n_horizontal; k++) add_number(h, (double)profile->horizontal[k]);
             for (uint32_t k = 0; profile && k < profile->n_vertical * profile->n_horizontal; k++)
