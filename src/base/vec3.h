@@ -16,6 +16,9 @@ typedef struct Vec3f {
     float x, y, z;
 } Vec3f;
 
+/* plain comparisons: fmax and fmin are calls of the mathematical library under our flags; not for NaN */
+static inline double double_max(double a, double b) { return a > b ? a : b; }
+static inline double double_min(double a, double b) { return a < b ? a : b; }
 static inline Vec3 vec3(double x, double y, double z) { return (Vec3){x, y, z}; }
 static inline Vec3 vec3_add(Vec3 a, Vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline Vec3 vec3_sub(Vec3 a, Vec3 b) { return vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -32,7 +35,7 @@ static inline Vec3 vec3_cross(Vec3 a, Vec3 b)
 }
 static inline double vec3_length(Vec3 a) { return sqrt(vec3_dot(a, a)); }
 static inline Vec3 vec3_normalize(Vec3 a) { return vec3_scale(a, 1 / vec3_length(a)); }
-static inline double vec3_max_abs(Vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
+static inline double vec3_max_abs(Vec3 a) { return double_max(fabs(a.x), double_max(fabs(a.y), fabs(a.z))); }
 static inline bool vec3_is_finite(Vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static inline Vec3 vec3_from_f(Vec3f a) { return vec3((double)a.x, (double)a.y, (double)a.z); }
 

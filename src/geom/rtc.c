@@ -11,38 +11,12 @@
 #include <float.h>
 #include <stdlib.h>
 
-#include "geom/rtc_scene.h"
+#include "geom/rtc_query.h"
 
-/* A float has 24 bits. Coordinates are trusted to 4 units in the last place; Embree's distances to 16,
- * divided by the cosine; the start is moved back by 32,768, for surfaces that are left at a grazing angle. */
-#define UNIT_ROUNDING 0x1p-23
-#define TRUSTED_ULPS 4.0
-#define EMBREE_NOISE 0x1p-20
-#define START_BACK 0x1p-9
-/* What double precision makes of a point on a surface. */
-#define DOUBLE_NOISE 0x1p-42
-/* Below this cosine a ray creeps along a curved surface, and is started off it by a step of double's rounding. */
-#define CREEPING_COSINE 1e-4
 /* Below this cosine the window for surfaces at one place grows no further. */
 #define LEAST_COSINE 1e-4
-
-typedef struct Query {
-    EmbreeContext context; /* first: Embree hands it back by this address */
-    const RtcScene *scene;
-    const Ray *ray;
-    Vec3 origin, direction;
-    Vec3 line;      /* the origin of the float ray that Embree traces; the direction is the same */
-    double back;    /* how far Embree's ray starts behind the true one */
-    double scale;   /* coordinates of start and scene, for noise */
-    double reach;   /* nearest query: candidates beyond do not matter any more */
-    double least_window; /* nearest query: chains are followed at least that far */
-    bool all, stop_at_opaque, blocked;
-    HitList *hits;
-    uint32_t cached_object; /* whose local ray is cached: pieces of one solid come in a row */
-    Vec3 cached_origin, cached_direction;
-    const Affine *cached_to_local; /* the object's own, or */
-    Affine moved_to_local;
-} Query;
+/* The window for candidates whose cosine is not known yet: most have a larger one. */
+#define USUAL_COSINE 0x1p-6
 
 void hit_list_clear(HitList *list)
 {
@@ -64,17 +38,18 @@ static bool hit_list_room(HitList *list)
     return true;
 }
 
-double rtc_rounding(Vec3 p)
+/* What rounding makes of distances about t, along a normal. */
+static inline double noise_at(const Query *query, double t)
 {
-    return TRUSTED_ULPS * UNIT_ROUNDING * vec3_max_abs(p);
+    return (4 * TRUSTED_ULPS * UNIT_ROUNDING + EMBREE_NOISE) * (query->scale + t);
 }
 
 /* How far behind a surface at distance t and cosine c another one can be and still be proposed by
  * Embree for a ray that must not lose it. */
 static double window_behind(const Query *query, const Hit *hit)
 {
-    double cosine = fmax(fabs(hit->cos_normal), LEAST_COSINE);
-    return fmax(query->least_window, (4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t)) / cosine);
+    double cosine = double_max(fabs(hit->cos_normal), LEAST_COSINE);
+    return double_max(query->least_window, (4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t)) / cosine);
 }
 
 /* The upper end of Embree's search, for what the true ray calls t. */
@@ -85,168 +60,68 @@ static float embree_t(const Query *query, double t)
     return far < (double)FLT_MAX ? (float)far : INFINITY;
 }
 
-/* Takes up a candidate that lies within the ray's range. Returns whether the search may now end at
- * query->reach (nearest) or at once (blocked). */
-static bool keep(Query *query, const Hit *hit)
+static bool is_target(const Ray *ray, uint32_t object, uint32_t primitive)
 {
-    if (query->all) {
-        if (query->stop_at_opaque && query->scene->objects[hit->object].opaque) {
-            const Ray *ray = query->ray;
-            if (hit->object == ray->target &&
-                (ray->target_primitive == RTC_NO_OBJECT || hit->primitive == ray->target_primitive))
-                return false;
-            query->blocked = true;
-            return true;
-        }
-        if (hit_list_room(query->hits)) query->hits->items[query->hits->n++] = *hit;
-        return false;
-    }
-    if (hit->t > query->reach) return false;
+    return object == ray->target && (ray->target_primitive == RTC_NO_OBJECT || primitive == ray->target_primitive);
+}
+
+static void append(Query *query, const Hit *hit)
+{
     if (hit_list_room(query->hits)) query->hits->items[query->hits->n++] = *hit;
-    query->reach = fmin(query->reach, hit->t + window_behind(query, hit));
-    return true;
 }
 
-/* Whether a candidate is the surface that the ray starts on: the same primitive, at the start to within the rounding of
- * double. The two crossings of a curved piece are told apart by their direction, however close they are. */
-static bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)
+/* A candidate of rtc_all. Returns whether the search may end at once. */
+static bool take_any(Query *query, Hit *hit)
 {
-    for (size_t i = 0; i < query->ray->n_left; i++) {
-        const Hit *left = &query->ray->left[i];
-        if (left->object != object || left->primitive != primitive) continue;
-        if (fabs(t * cos_normal) > DOUBLE_NOISE * (fmax(query->scale, query->ray->start_scale) + t)) continue;
-        if (left->inside == (cos_normal < 0)) return true; /* entering where it is inside already */
-    }
-    return false;
-}
-
-static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
-{
-    return object->detail->triangles ? object->detail->triangles[primitive] : object->mesh->triangles[primitive];
-}
-
-static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
-{
-    Vec3 p = vec3_from_f(object->mesh->positions[vertex]);
-    const Mesh *end = object->detail->mesh_end;
-    return end ? vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(end->positions[vertex]), time)) : p;
-}
-
-/* World-space corners in double; a mirrored instance has two of them swapped, so that the
- * counter-clockwise side is outside in any case. */
-static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time, Vec3 corner[3])
-{
-    const uint32_t *triangle = triangle_of(object, primitive);
-    const Vec3f *baked = object->detail->baked;
-    if (baked) {
-        for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(baked[triangle[i]]);
-    } else {
-        Affine to_world = rtc_to_world(scene, object, time);
-        for (int i = 0; i < 3; i++) corner[i] = affine_point(&to_world, local_corner(object, triangle[i], time));
-    }
-    if (!baked && object->mirrored) {
-        Vec3 swap = corner[1];
-        corner[1] = corner[2];
-        corner[2] = swap;
-    }
-}
-
-void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3])
-{
-    triangle_corners(scene, &scene->objects[object], primitive, time, corner);
-}
-
-/* Whether p, in the triangle's plane, is inside of it, edges included. */
-static bool is_inside(const Vec3 corner[3], Vec3 normal, Vec3 p)
-{
-    for (int i = 0; i < 3; i++) {
-        Vec3 edge = vec3_sub(corner[(i + 1) % 3], corner[i]);
-        if (vec3_dot(vec3_cross(edge, vec3_sub(p, corner[i])), normal) < 0) return false;
-    }
-    return true;
-}
-
-/* Whether a plane is parallel to one that the ray starts on, as far as coordinates in float can tell. */
-static bool is_parallel(const Ray *ray, Vec3 normal, double length)
-{
-    for (size_t i = 0; i < ray->n_left; i++) {
-        Vec3 cross = vec3_cross(vec3_from_f(ray->left[i].normal), normal);
-        if (vec3_dot(cross, cross) <= 1e-10 * length * length) return true;
-    }
-    return false;
-}
-
-/* Whether Embree's own line goes through the triangle. Embree accepts what is within its rounding of the edges, on
- * either side, which at a silhouette may let a surface be entered and not left. */
-static bool line_hits(const Query *query, const Vec3 corner[3])
-{
-    Vec3 relative[3];
-    for (int i = 0; i < 3; i++) relative[i] = vec3_sub(corner[i], query->line);
-    double side[3];
-    for (int i = 0; i < 3; i++) side[i] = vec3_dot(query->direction, vec3_cross(relative[i], relative[(i + 1) % 3]));
-    return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
-}
-
-/* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
- * its float ray runs a little beside the exact one, and reaches that plane elsewhere. */
-static bool consider_triangle(Query *query, uint32_t object_id, uint32_t primitive, float u, float v)
-{
-    const RtcPlaced *object = &query->scene->objects[object_id];
-    Vec3 corner[3];
-    triangle_corners(query->scene, object, primitive, query->ray->time, corner);
-    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
-    if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
-    double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope;
-    if (!(t > query->ray->t_min && t <= query->ray->t_max)) return false;
-    if (!query->all && t > query->reach) return false; /* keep() would refuse it; the rest costs more */
-    if (query->ray->n_left && is_left(query, object_id, primitive, t, slope / length)) return false;
-    double rounding = fmax(rtc_rounding(corner[0]), fmax(rtc_rounding(corner[1]), rtc_rounding(corner[2])));
-    if (query->ray->n_left && t * fabs(slope / length) <= 2 * rounding && is_parallel(query->ray, normal, length) &&
-        !is_inside(corner, normal, vec3_along(query->origin, t, query->direction)))
+    if (!query->stop_at_opaque || !query->scene->objects[hit->object].opaque) {
+        append(query, hit);
         return false;
-    Hit hit = {.t = t, .object = object_id, .primitive = primitive, .entering = slope < 0,
-               .normal = vec3f_from(vec3_scale(normal, 1 / length)), .cos_normal = slope / length,
-               .rounding = rounding, .u = u, .v = v,
-               .doubtful = object->detail->baked && !line_hits(query, corner)}; /* an instance is traced in its own frame */
-    return keep(query, &hit);
+    }
+    query->blocked = !is_target(query->ray, hit->object, hit->primitive) && rtc_complete_hit(query, hit);
+    return query->blocked;
+}
+
+/* A candidate of rtc_nearest that is to be computed exactly at once. Returns whether the search may now end at
+ * query->reach. */
+static bool take_exactly(Query *query, Hit *hit)
+{
+    if (!rtc_complete_hit(query, hit) || hit->t > query->reach) return false;
+    append(query, hit);
+    query->reach = double_min(query->reach, hit->t + window_behind(query, hit));
+    return true;
+}
+
+/* A candidate of rtc_nearest that is in front of the start for certain: it is put off. */
+static bool put_off(Query *query, const Hit *hit)
+{
+    append(query, hit);
+    query->reach = double_min(query->reach, hit->t + noise_at(query, hit->t) / USUAL_COSINE);
+    return true;
 }
 
 static bool consider_piece(Query *query, RtcPiece which)
 {
-    const RtcPlaced *object = &query->scene->objects[which.object];
-    const Piece *piece = &object->solid->pieces[which.piece];
-    if (query->cached_object != which.object) {
-        query->cached_object = which.object;
-        if (object->maps && !object->detail->keys) {
-            query->cached_to_local = &object->maps->to_local;
-        } else {
-            query->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
-            query->cached_to_local = &query->moved_to_local;
-        }
-        query->cached_origin = affine_point(query->cached_to_local, query->origin);
-        query->cached_direction = affine_vector(query->cached_to_local, query->direction);
-    }
+    if (query->local.object != which.object) rtc_enter_frame(query, which.object);
+    const LocalRay *local = &query->local;
+    const Ray *ray = query->ray;
     double t[PIECE_MAX_ROOTS];
-    double t_max = query->all ? query->ray->t_max : fmin(query->ray->t_max, query->reach);
-    int n = piece_intersect(piece, query->cached_origin, query->cached_direction, query->ray->t_min, t_max, t);
+    double t_max = query->all ? ray->t_max : double_min(ray->t_max, query->reach);
+    int n = piece_intersect(&query->scene->objects[which.object].solid->pieces[which.piece], local->origin,
+                            local->direction, query->t_min, t_max, t);
     bool shrink = false;
     for (int i = 0; i < n; i++) {
         if (which.sector != RTC_ALL_SECTORS) {
-            double x = query->cached_origin.x + t[i] * query->cached_direction.x;
-            double z = query->cached_origin.z + t[i] * query->cached_direction.z;
+            double x = local->origin.x + t[i] * local->direction.x;
+            double z = local->origin.z + t[i] * local->direction.z;
             if (rtc_sector(x, z) != which.sector) continue;
         }
-        Vec3 local = piece_normal(piece, query->cached_origin, query->cached_direction, t[i]);
-        Vec3 normal = vec3_normalize(affine_normal(query->cached_to_local, local));
-        double slope = vec3_dot(local, query->cached_direction); /* the sign that the piece itself sees */
-        double cosine = vec3_dot(normal, query->direction);
-        if (query->ray->n_left && is_left(query, which.object, which.piece, t[i], slope > 0 ? fabs(cosine) : -fabs(cosine))) continue;
-        Vec3 p = vec3_along(query->origin, t[i], query->direction);
-        Hit hit = {.t = t[i], .object = which.object, .primitive = which.piece, .entering = slope < 0,
-                   .normal = vec3f_from(normal), .cos_normal = cosine,
-                   .rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + t[i])};
-        shrink |= keep(query, &hit);
+        Hit hit = {.t = t[i], .object = which.object, .primitive = which.piece};
+        if (query->all)
+            shrink |= take_any(query, &hit);
+        else if (query->exact || rtc_find_left(ray, which.object, which.piece))
+            shrink |= take_exactly(query, &hit);
+        else if (t[i] <= query->reach)
+            shrink |= put_off(query, &hit);
     }
     return shrink;
 }
@@ -257,25 +132,47 @@ static struct RTCRay *ray_of(struct RTCRayN *ray)
     return (struct RTCRay *)(void *)ray;
 }
 
-static bool consider_embree(Query *query, struct RTCHitN *embree_hit)
+static Hit hit_of(struct RTCHitN *embree_hit)
 {
     const struct RTCHit *hit = (const struct RTCHit *)(const void *)embree_hit;
     uint32_t object = hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
-    return consider_triangle(query, object, hit->primID, hit->u, hit->v);
+    return (Hit){.object = object, .primitive = hit->primID, .u = hit->u, .v = hit->v};
+}
+
+/* Whether a triangle that the ray starts on is met no more: a straight line that starts in a plane, or beyond it, does not
+ * come to it again. */
+static bool is_behind(const Ray *ray, const Hit *left)
+{
+    double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
+    return left->inside == (slope < 0) && fabs(slope) > LEAST_COSINE;
 }
 
 void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    if (consider_embree(query, arguments->hit))
-        ray_of(arguments->ray)->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
+    struct RTCRay *embree = ray_of(arguments->ray);
+    const Ray *ray = query->ray;
+    Hit hit = hit_of(arguments->hit);
+    const Hit *left = rtc_find_left(ray, hit.object, hit.primitive);
+    bool taken = false;
+    if (!left || !is_behind(ray, left)) {
+        hit.t = (double)embree->tfar - query->back;
+        double doubt = noise_at(query, hit.t) / USUAL_COSINE;
+        bool certain = !query->exact && !left && hit.t > query->t_min + doubt && hit.t < ray->t_max - doubt;
+        taken = certain ? put_off(query, &hit) : take_exactly(query, &hit);
+    }
+    if (taken)
+        embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
     else
         arguments->valid[0] = 0;
 }
 
 void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
 {
-    if (!consider_embree((Query *)(void *)arguments->context, arguments->hit)) arguments->valid[0] = 0;
+    Query *query = (Query *)(void *)arguments->context;
+    Hit hit = hit_of(arguments->hit);
+    const Hit *left = rtc_find_left(query->ray, hit.object, hit.primitive);
+    if ((left && is_behind(query->ray, left)) || !take_any(query, &hit)) arguments->valid[0] = 0;
 }
 
 /* Around an eighth: the corners of its profile are extreme, as sine and cosine are monotonic in between. */
@@ -324,7 +221,8 @@ void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
     if (!arguments->valid[0]) return;
     if (consider_piece(query, set->pieces[arguments->primID])) {
         struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
-        ray->tfar = fminf(ray->tfar, embree_t(query, query->reach));
+        float tfar = embree_t(query, query->reach);
+        ray->tfar = tfar < ray->tfar ? tfar : ray->tfar;
     } else {
         arguments->valid[0] = 0;
     }
@@ -356,13 +254,14 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->ray = ray;
     query->origin = ray->origin;
     query->direction = vec3_from_f(ray->direction);
-    query->scale = fmax(vec3_max_abs(query->origin), scene->reach);
+    query->scale = double_max(vec3_max_abs(query->origin), scene->reach);
     query->back = START_BACK * query->scale;
+    query->t_min = ray->t_min;
     query->reach = HUGE_VAL;
     query->least_window = 0;
-    query->all = query->stop_at_opaque = query->blocked = false;
+    query->all = query->stop_at_opaque = query->blocked = query->exact = false;
     query->hits = hits;
-    query->cached_object = UINT32_MAX;
+    query->local.object = RTC_NO_OBJECT;
     hits->n = 0;
 }
 
@@ -377,9 +276,9 @@ static void embree_ray(Query *query, struct RTCRay *ray)
     ray->dir_x = query->ray->direction.x;
     ray->dir_y = query->ray->direction.y;
     ray->dir_z = query->ray->direction.z;
-    double near = query->ray->t_min > 0 ? query->ray->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
+    double near = query->t_min > 0 ? query->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
     ray->tnear = near > 0 ? (float)near : 0;
-    ray->tfar = embree_t(query, fmin(query->ray->t_max, query->reach));
+    ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
     ray->time = (float)query->ray->time;
     ray->mask = 0xffffffffU;
     ray->id = ray->flags = 0;
@@ -420,9 +319,9 @@ size_t rtc_cluster(const Hit *hits, size_t n_hits)
     size_t n = n_hits ? 1 : 0;
     for (; n < n_hits; n++) {
         const Hit *a = &hits[n - 1], *b = &hits[n];
-        double flat = fmin(fabs(a->cos_normal), fabs(b->cos_normal)), steep = fmax(fabs(a->cos_normal), fabs(b->cos_normal));
+        double flat = double_min(fabs(a->cos_normal), fabs(b->cos_normal)), steep = double_max(fabs(a->cos_normal), fabs(b->cos_normal));
         bool edge = a->object == b->object && a->entering != b->entering;
-        if ((b->t - a->t) * (edge ? fmax(flat, LEAST_COSINE) : steep) > fmax(a->rounding, b->rounding)) break;
+        if ((b->t - a->t) * (edge ? double_max(flat, LEAST_COSINE) : steep) > double_max(a->rounding, b->rounding)) break;
     }
     return n;
 }
@@ -437,7 +336,7 @@ static bool repeats_start(const Ray *ray, const Hit *hit)
         const Hit *left = &ray->left[i];
         if (left->object != hit->object || left->inside != hit->entering) continue;
         double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
-        if (hit->t * fmin(fabs(slope), fabs(hit->cos_normal)) <= 2 * hit->rounding) return true;
+        if (hit->t * double_min(fabs(slope), fabs(hit->cos_normal)) <= 2 * hit->rounding) return true;
     }
     return false;
 }
@@ -456,38 +355,96 @@ static size_t drop_repeats(const Ray *ray, Hit *hits, size_t n)
     return n;
 }
 
-size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
+/* How far a surface that stands at one place with this one may be. */
+static double chain_end(const Hit *last)
 {
-    Ray searched = *ray;
-    Query query;
-    query_init(&query, scene, &searched, hits);
-    if (!usable(ray)) return 0;
+    return last->t + 2 * last->rounding / double_max(fabs(last->cos_normal), LEAST_COSINE);
+}
+
+static void search_nearest(Query *query)
+{
+    query->reach = HUGE_VAL;
+    query->hits->n = 0;
+    for (uint32_t i = 0; i < query->scene->n_planes; i++) consider_piece(query, query->scene->planes[i]);
+    struct RTCRayHit embree;
+    embree_ray(query, &embree.ray);
+    embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    embree_intersect(query->scene->world, &query->context, &embree);
+}
+
+/* Completes the hits that were put off, as far as the search went on, and sorts them all. False when that shows that it
+ * may have ended too early: it went by what Embree said of a triangle that is elsewhere or nowhere, or past one that
+ * the ray grazes. */
+static bool complete_nearest(Query *query)
+{
+    HitList *hits = query->hits;
+    double end = query->reach + noise_at(query, query->reach) / USUAL_COSINE;
+    size_t n = 0;
+    for (size_t i = 0; i < hits->n; i++) {
+        Hit *hit = &hits->items[i];
+        if (hit->t > end) continue;
+        bool complete = hit->cos_normal != 0; /* at once, near the start */
+        if (!complete && !rtc_complete_hit(query, hit)) return false;
+        if (n != i) hits->items[n] = *hit;
+        n++;
+    }
+    hits->n = n;
+    if (n > 1) sort_hits(hits);
+    return n == 0 || hits->items[0].t + window_behind(query, &hits->items[0]) <= query->reach;
+}
+
+/* The same with every candidate computed exactly as it comes; a chain of surfaces at one place may come near the end of
+ * the window, and is then followed further. */
+ATTR_COLD static void search_exactly(Query *query)
+{
+    HitList *hits = query->hits;
+    query->exact = true;
+    query->least_window = 0;
     for (;;) {
-        for (uint32_t i = 0; i < scene->n_planes; i++) consider_piece(&query, scene->planes[i]);
-        struct RTCRayHit embree;
-        embree_ray(&query, &embree.ray);
-        embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        embree_intersect(scene->world, &query.context, &embree);
+        search_nearest(query);
         sort_hits(hits);
         size_t n = rtc_cluster(hits->items, hits->n);
-        if (n == 0) return 0;
-        /* A chain of surfaces may come near the end of the window; then look further. */
-        const Hit *last = &hits->items[n - 1];
-        double cosine = fmax(fabs(last->cos_normal), LEAST_COSINE);
-        double end = last->t + 2 * last->rounding / cosine;
-        if (n == 1 || end <= query.reach) {
-            double behind = last->t;
-            hits->n = drop_repeats(ray, hits->items, n);
-            if (LIKELY(hits->n)) return hits->n;
-            searched.t_min = behind; /* nothing but repetitions: look behind them */
-            query_init(&query, scene, &searched, hits);
-            continue;
-        }
-        double window = end - hits->items[0].t;
-        query_init(&query, scene, &searched, hits);
-        query.least_window = window;
+        if (n <= 1) return;
+        double end = chain_end(&hits->items[n - 1]);
+        if (end <= query->reach) return;
+        query->least_window = end - hits->items[0].t;
     }
+}
+
+size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
+{
+    Query query;
+    query_init(&query, scene, ray, hits);
+    if (!usable(ray)) return 0;
+    for (;;) {
+        search_nearest(&query);
+        bool good = complete_nearest(&query);
+        size_t n = rtc_cluster(hits->items, hits->n);
+        if (UNLIKELY(!good || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach))) {
+            search_exactly(&query);
+            n = rtc_cluster(hits->items, hits->n);
+        }
+        if (n == 0) return 0;
+        double behind = hits->items[n - 1].t;
+        hits->n = drop_repeats(ray, hits->items, n);
+        if (LIKELY(hits->n)) return hits->n;
+        query.t_min = behind; /* nothing but repetitions: look behind them */
+        query.exact = false;
+    }
+}
+
+/* Completes what was found along the ray. */
+static void complete_all(Query *query)
+{
+    HitList *hits = query->hits;
+    size_t n = 0;
+    for (size_t i = 0; i < hits->n; i++) {
+        if (!rtc_complete_hit(query, &hits->items[i])) continue;
+        if (n != i) hits->items[n] = hits->items[i];
+        n++;
+    }
+    hits->n = n;
 }
 
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits)
@@ -503,128 +460,8 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     embree_ray(&query, &embree);
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
+    complete_all(&query);
     sort_hits(hits);
     hits->n = drop_repeats(ray, hits->items, hits->n);
     return true;
-}
-
-bool rtc_is_plane(const RtcScene *scene, uint32_t object)
-{
-    const Solid *solid = scene->objects[object].solid;
-    return solid && solid->pieces[0].kind == PIECE_PLANE;
-}
-
-bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point, double time)
-{
-    Affine to_local = rtc_to_local(scene, &scene->objects[object], time);
-    return affine_point(&to_local, point).y < 0;
-}
-
-static Vec3f interpolated_normal(const Mesh *mesh, const uint32_t triangle[3], const Hit *hit)
-{
-    Vec3f a = mesh->normals[triangle[0]], b = mesh->normals[triangle[1]], c = mesh->normals[triangle[2]];
-    return vec3f_add(vec3f_scale(a, 1 - hit->u - hit->v), vec3f_add(vec3f_scale(b, hit->u), vec3f_scale(c, hit->v)));
-}
-
-/* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
- * other side. */
-static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, double time, const Hit *hit)
-{
-    const Mesh *mesh = object->mesh;
-    if (!mesh->normals) return hit->normal;
-    const uint32_t *triangle = triangle_of(object, hit->primitive);
-    Vec3f local = interpolated_normal(mesh, triangle, hit);
-    const Mesh *mesh_end = object->detail->mesh_end;
-    if (mesh_end && mesh_end->normals) {
-        Vec3f end = interpolated_normal(mesh_end, triangle, hit);
-        local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
-    }
-    Vec3 world = affine_normal(to_local, vec3_from_f(local));
-    double length = vec3_length(world);
-    if (!(length > 0)) return hit->normal;
-    Vec3f shading = vec3f_from(vec3_scale(world, 1 / length));
-    return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
-}
-
-void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
-{
-    const RtcPlaced *object = &scene->objects[hit->object];
-    Affine to_local = rtc_to_local(scene, object, ray->time);
-    surface->position = ray_point(ray, hit->t);
-    if (object->mesh) {
-        surface->shading = mesh_shading(object, &to_local, ray->time, hit);
-        surface->uv[0] = hit->u;
-        surface->uv[1] = hit->v;
-        return;
-    }
-    PieceRoot root;
-    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),
-                  affine_vector(&to_local, vec3_from_f(ray->direction)), hit->t, &root);
-    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&to_local, root.shading)));
-    surface->shading = vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
-    surface->uv[0] = (float)root.u;
-    surface->uv[1] = (float)root.v;
-}
-
-/* p moved towards the middle of the triangle until it is `margin` away from every edge. */
-static Vec3 triangle_inset(const RtcScene *scene, const Hit *hit, double time, Vec3 p, double margin)
-{
-    Vec3 corner[3];
-    triangle_corners(scene, &scene->objects[hit->object], hit->primitive, time, corner);
-    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    double area = vec3_length(normal), blend = 0;
-    for (int i = 0; i < 3; i++) {
-        Vec3 a = corner[(i + 1) % 3], edge = vec3_sub(corner[(i + 2) % 3], a);
-        double edge_length = vec3_length(edge);
-        double distance = vec3_dot(vec3_cross(edge, vec3_sub(p, a)), normal) / (edge_length * area);
-        double middle = area / edge_length / 3; /* of the centroid from this edge */
-        if (distance >= margin) continue;
-        blend = fmax(blend, middle > margin ? (margin - distance) / (middle - distance) : 1);
-    }
-    if (!(blend > 0)) return p;
-    Vec3 centroid = vec3_scale(vec3_add(corner[0], vec3_add(corner[1], corner[2])), 1.0 / 3);
-    return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
-}
-
-/* Keeps the first hit of each object; returns how many. */
-static size_t one_per_object(Hit *hits, size_t n)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
-        size_t k = 0;
-        while (k < kept && hits[k].object != hits[i].object) k++;
-        if (k == kept) hits[kept++] = hits[i];
-    }
-    return kept;
-}
-
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
-{
-    if (*n > 1) *n = one_per_object(hits, *n);
-    const Hit *hit = through ? &hits[*n - 1] : &hits[0];
-    Ray next = ray_make(ray_point(ray, hit->t), direction);
-    next.time = ray->time;
-    next.left = hits;
-    next.n_left = *n;
-    next.start_scale = vec3_max_abs(ray->origin) + hit->t;
-    /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
-     * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
-    double margin = 0.5 * hit->rounding;
-    for (size_t i = 0; i < *n; i++) {
-        if (scene->objects[hits[i].object].mesh)
-            next.origin = triangle_inset(scene, &hits[i], ray->time, next.origin, margin);
-    }
-    for (size_t i = 0; i < *n; i++) {
-        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next.origin, ray_point(ray, hits[i].t));
-        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(direction));
-        bool on_surface = fabs(height) <= DOUBLE_NOISE * next.start_scale + UNIT_ROUNDING * vec3_length(from_surface);
-        hits[i].inside = on_surface ? slope < 0 : height < 0;
-    }
-    Vec3 normal = vec3_from_f(hit->normal);
-    next.nudge = vec3_scale(normal, hit->inside ? -margin : margin);
-    /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
-     * end. */
-    if (scene->objects[hit->object].solid && fabs(vec3_dot(normal, vec3_from_f(direction))) < CREEPING_COSINE)
-        next.origin = vec3_along(next.origin, (hit->inside ? -0.25 : 0.25) * DOUBLE_NOISE * next.start_scale, normal);
-    return next;
 }

@@ -89,6 +89,7 @@ struct Hit {
     double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
     float u, v;            /* barycentric of the triangle; unused for pieces */
     bool inside;           /* set by rtc_leave: whether the new ray starts inside of this hit's object */
+    bool clear;            /* of a triangle: so far from its edges that no rounding of float reaches them */
     bool doubtful;         /* at a triangle's edge, so close that Embree's float ray is in fact outside of it */
 };
 

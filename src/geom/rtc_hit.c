@@ -1,0 +1,298 @@
+/* rtc_hit.c - a hit in double precision: where it is, which way it is crossed, its surface, and the ray that leaves it.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "geom/rtc_query.h"
+
+/* Below this cosine a ray creeps along a curved surface, and is started off it by a step of double's rounding. */
+#define CREEPING_COSINE 1e-4
+/* What Embree's barycentric coordinates can be off by, of the ratio of a triangle's length, times the distance, to its
+ * area as the ray sees it: some roundings of float. */
+#define EDGE_NOISE 0x1p-18
+
+double rtc_rounding(Vec3 p)
+{
+    return TRUSTED_ULPS * UNIT_ROUNDING * vec3_max_abs(p);
+}
+
+/* Whether a candidate is the surface that the ray starts on: the same primitive, at the start to within the rounding of
+ * double. The two crossings of a curved piece are told apart by their direction, however close they are. */
+static bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)
+{
+    for (size_t i = 0; i < query->ray->n_left; i++) {
+        const Hit *left = &query->ray->left[i];
+        if (left->object != object || left->primitive != primitive) continue;
+        if (fabs(t * cos_normal) > DOUBLE_NOISE * (fmax(query->scale, query->ray->start_scale) + t)) continue;
+        if (left->inside == (cos_normal < 0)) return true; /* entering where it is inside already */
+    }
+    return false;
+}
+
+static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
+{
+    return object->detail->triangles ? object->detail->triangles[primitive] : object->mesh->triangles[primitive];
+}
+
+static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
+{
+    Vec3 p = vec3_from_f(object->mesh->positions[vertex]);
+    const Mesh *end = object->detail->mesh_end;
+    return end ? vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(end->positions[vertex]), time)) : p;
+}
+
+/* World-space corners in double; a mirrored instance has two of them swapped, so that the
+ * counter-clockwise side is outside in any case. */
+static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time, Vec3 corner[3])
+{
+    const uint32_t *triangle = triangle_of(object, primitive);
+    const Vec3f *baked = object->detail->baked;
+    if (baked) {
+        for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(baked[triangle[i]]);
+    } else {
+        Affine to_world = rtc_to_world(scene, object, time);
+        for (int i = 0; i < 3; i++) corner[i] = affine_point(&to_world, local_corner(object, triangle[i], time));
+    }
+    if (!baked && object->mirrored) {
+        Vec3 swap = corner[1];
+        corner[1] = corner[2];
+        corner[2] = swap;
+    }
+}
+
+void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3])
+{
+    triangle_corners(scene, &scene->objects[object], primitive, time, corner);
+}
+
+/* Whether p, in the triangle's plane, is inside of it, edges included. */
+static bool is_inside(const Vec3 corner[3], Vec3 normal, Vec3 p)
+{
+    for (int i = 0; i < 3; i++) {
+        Vec3 edge = vec3_sub(corner[(i + 1) % 3], corner[i]);
+        if (vec3_dot(vec3_cross(edge, vec3_sub(p, corner[i])), normal) < 0) return false;
+    }
+    return true;
+}
+
+/* Whether a plane is parallel to one that the ray starts on, as far as coordinates in float can tell. */
+static bool is_parallel(const Ray *ray, Vec3 normal, double length)
+{
+    for (size_t i = 0; i < ray->n_left; i++) {
+        Vec3 cross = vec3_cross(vec3_from_f(ray->left[i].normal), normal);
+        if (vec3_dot(cross, cross) <= 1e-10 * length * length) return true;
+    }
+    return false;
+}
+
+/* Whether Embree's own line goes through the triangle. Embree accepts what is within its rounding of the edges, on
+ * either side, which at a silhouette may let a surface be entered and not left. */
+static bool line_hits(const Query *query, const Vec3 corner[3])
+{
+    Vec3 relative[3];
+    for (int i = 0; i < 3; i++) relative[i] = vec3_sub(corner[i], query->line);
+    double side[3];
+    for (int i = 0; i < 3; i++) side[i] = vec3_dot(query->direction, vec3_cross(relative[i], relative[(i + 1) % 3]));
+    return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
+}
+
+/* Whether the hit is so far from the triangle's edges that no rounding of float takes it to another one. */
+static bool is_clear(const Query *query, const Hit *hit, Vec3 edge1, Vec3 edge2, double slope)
+{
+    float least = hit->u < hit->v ? hit->u : hit->v, third = 1 - hit->u - hit->v;
+    double nearest = (double)(third < least ? third : least);
+    double length = fabs(edge1.x) + fabs(edge1.y) + fabs(edge1.z) + fabs(edge2.x) + fabs(edge2.y) + fabs(edge2.z);
+    return nearest * fabs(slope) > EDGE_NOISE * length * (query->scale + hit->t);
+}
+
+/* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
+ * its float ray runs a little beside the exact one, and reaches that plane elsewhere. */
+static bool complete_triangle(const Query *query, const RtcPlaced *object, Hit *hit)
+{
+    const Ray *ray = query->ray;
+    Vec3 corner[3];
+    triangle_corners(query->scene, object, hit->primitive, ray->time, corner);
+    Vec3 edge1 = vec3_sub(corner[1], corner[0]), edge2 = vec3_sub(corner[2], corner[0]);
+    Vec3 normal = vec3_cross(edge1, edge2);
+    double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
+    if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
+    double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope, cosine = slope / length;
+    if (!(t > query->t_min && t <= ray->t_max)) return false;
+    double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
+                      double_max(vec3_max_abs(corner[0]), double_max(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+    if (ray->n_left) {
+        if (is_left(query, hit->object, hit->primitive, t, cosine)) return false;
+        if (UNLIKELY(t * fabs(cosine) <= 2 * rounding) && is_parallel(ray, normal, length) &&
+            !is_inside(corner, normal, vec3_along(query->origin, t, query->direction)))
+            return false;
+    }
+    bool baked = object->detail->baked; /* an instance is traced in its own frame */
+    hit->t = t;
+    hit->entering = slope < 0;
+    hit->normal = vec3f_from(vec3_scale(normal, 1 / length));
+    hit->cos_normal = cosine;
+    hit->rounding = rounding;
+    hit->inside = false;
+    hit->clear = baked && is_clear(query, hit, edge1, edge2, slope);
+    hit->doubtful = baked && !hit->clear && !line_hits(query, corner);
+    return true;
+}
+
+void rtc_enter_frame(Query *query, uint32_t object_id)
+{
+    const RtcPlaced *object = &query->scene->objects[object_id];
+    LocalRay *local = &query->local;
+    local->object = object_id;
+    if (object->maps && !object->detail->keys) {
+        local->to_local = &object->maps->to_local;
+    } else {
+        local->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
+        local->to_local = &local->moved_to_local;
+    }
+    local->origin = affine_point(local->to_local, query->origin);
+    local->direction = affine_vector(local->to_local, query->direction);
+}
+
+static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
+{
+    if (query->local.object != hit->object) rtc_enter_frame(query, hit->object);
+    const LocalRay *local_ray = &query->local;
+    Vec3 local = piece_normal(&object->solid->pieces[hit->primitive], local_ray->origin, local_ray->direction, hit->t);
+    Vec3 normal = vec3_normalize(affine_normal(local_ray->to_local, local));
+    double slope = vec3_dot(local, local_ray->direction); /* the sign that the piece itself sees */
+    double cosine = vec3_dot(normal, query->direction);
+    if (query->ray->n_left &&
+        is_left(query, hit->object, hit->primitive, hit->t, slope > 0 ? fabs(cosine) : -fabs(cosine)))
+        return false;
+    Vec3 p = vec3_along(query->origin, hit->t, query->direction);
+    hit->entering = slope < 0;
+    hit->normal = vec3f_from(normal);
+    hit->cos_normal = cosine;
+    hit->rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + hit->t);
+    hit->inside = hit->clear = hit->doubtful = false;
+    return true;
+}
+
+bool rtc_complete_hit(Query *query, Hit *hit)
+{
+    const RtcPlaced *object = &query->scene->objects[hit->object];
+    return object->mesh ? complete_triangle(query, object, hit) : complete_piece(query, object, hit);
+}
+
+bool rtc_is_plane(const RtcScene *scene, uint32_t object)
+{
+    const Solid *solid = scene->objects[object].solid;
+    return solid && solid->pieces[0].kind == PIECE_PLANE;
+}
+
+bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point, double time)
+{
+    Affine to_local = rtc_to_local(scene, &scene->objects[object], time);
+    return affine_point(&to_local, point).y < 0;
+}
+
+static Vec3f interpolated_normal(const Mesh *mesh, const uint32_t triangle[3], const Hit *hit)
+{
+    Vec3f a = mesh->normals[triangle[0]], b = mesh->normals[triangle[1]], c = mesh->normals[triangle[2]];
+    return vec3f_add(vec3f_scale(a, 1 - hit->u - hit->v), vec3f_add(vec3f_scale(b, hit->u), vec3f_scale(c, hit->v)));
+}
+
+/* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
+ * other side. */
+static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, double time, const Hit *hit)
+{
+    const Mesh *mesh = object->mesh;
+    if (!mesh->normals) return hit->normal;
+    const uint32_t *triangle = triangle_of(object, hit->primitive);
+    Vec3f local = interpolated_normal(mesh, triangle, hit);
+    const Mesh *mesh_end = object->detail->mesh_end;
+    if (mesh_end && mesh_end->normals) {
+        Vec3f end = interpolated_normal(mesh_end, triangle, hit);
+        local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
+    }
+    Vec3 world = affine_normal(to_local, vec3_from_f(local));
+    double length = vec3_length(world);
+    if (!(length > 0)) return hit->normal;
+    Vec3f shading = vec3f_from(vec3_scale(world, 1 / length));
+    return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
+}
+
+void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
+{
+    const RtcPlaced *object = &scene->objects[hit->object];
+    Affine to_local = rtc_to_local(scene, object, ray->time);
+    surface->position = ray_point(ray, hit->t);
+    if (object->mesh) {
+        surface->shading = mesh_shading(object, &to_local, ray->time, hit);
+        surface->uv[0] = hit->u;
+        surface->uv[1] = hit->v;
+        return;
+    }
+    PieceRoot root;
+    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),
+                  affine_vector(&to_local, vec3_from_f(ray->direction)), hit->t, &root);
+    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&to_local, root.shading)));
+    surface->shading = vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
+    surface->uv[0] = (float)root.u;
+    surface->uv[1] = (float)root.v;
+}
+
+/* p moved towards the middle of the triangle until it is `margin` away from every edge. */
+static Vec3 triangle_inset(const RtcScene *scene, const Hit *hit, double time, Vec3 p, double margin)
+{
+    Vec3 corner[3];
+    triangle_corners(scene, &scene->objects[hit->object], hit->primitive, time, corner);
+    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    double area = vec3_length(normal), blend = 0;
+    for (int i = 0; i < 3; i++) {
+        Vec3 a = corner[(i + 1) % 3], edge = vec3_sub(corner[(i + 2) % 3], a);
+        double edge_length = vec3_length(edge);
+        double distance = vec3_dot(vec3_cross(edge, vec3_sub(p, a)), normal) / (edge_length * area);
+        double middle = area / edge_length / 3; /* of the centroid from this edge */
+        if (distance >= margin) continue;
+        blend = fmax(blend, middle > margin ? (margin - distance) / (middle - distance) : 1);
+    }
+    if (!(blend > 0)) return p;
+    Vec3 centroid = vec3_scale(vec3_add(corner[0], vec3_add(corner[1], corner[2])), 1.0 / 3);
+    return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
+}
+
+/* Keeps the first hit of each object; returns how many. */
+static size_t one_per_object(Hit *hits, size_t n)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        size_t k = 0;
+        while (k < kept && hits[k].object != hits[i].object) k++;
+        if (k == kept) hits[kept++] = hits[i];
+    }
+    return kept;
+}
+
+Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
+{
+    if (*n > 1) *n = one_per_object(hits, *n);
+    const Hit *hit = through ? &hits[*n - 1] : &hits[0];
+    Ray next = ray_make(ray_point(ray, hit->t), direction);
+    next.time = ray->time;
+    next.left = hits;
+    next.n_left = *n;
+    next.start_scale = vec3_max_abs(ray->origin) + hit->t;
+    /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
+     * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
+    double margin = 0.5 * hit->rounding;
+    for (size_t i = 0; i < *n; i++) {
+        if (scene->objects[hits[i].object].mesh && !(*n == 1 && hits[i].clear))
+            next.origin = triangle_inset(scene, &hits[i], ray->time, next.origin, margin);
+    }
+    for (size_t i = 0; i < *n; i++) {
+        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next.origin, ray_point(ray, hits[i].t));
+        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(direction));
+        bool on_surface = fabs(height) <= DOUBLE_NOISE * next.start_scale + UNIT_ROUNDING * vec3_length(from_surface);
+        hits[i].inside = on_surface ? slope < 0 : height < 0;
+    }
+    Vec3 normal = vec3_from_f(hit->normal);
+    next.nudge = vec3_scale(normal, hit->inside ? -margin : margin);
+    /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
+     * end. */
+    if (scene->objects[hit->object].solid && fabs(vec3_dot(normal, vec3_from_f(direction))) < CREEPING_COSINE)
+        next.origin = vec3_along(next.origin, (hit->inside ? -0.25 : 0.25) * DOUBLE_NOISE * next.start_scale, normal);
+    return next;
+}

@@ -1,0 +1,55 @@
+/* rtc_query.h - a search along one ray, while it goes on; private to rtc.c and rtc_hit.c.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RTC_QUERY_H
+#define MEN_RTC_QUERY_H
+
+#include "geom/rtc_scene.h"
+
+/* A float has 24 bits. Coordinates are trusted to 4 units in the last place; Embree's distances to 16,
+ * divided by the cosine; the start is moved back by 32,768, for surfaces that are left at a grazing angle. */
+#define UNIT_ROUNDING 0x1p-23
+#define TRUSTED_ULPS 4.0
+#define EMBREE_NOISE 0x1p-20
+#define START_BACK 0x1p-9
+/* What double precision makes of a point on a surface. */
+#define DOUBLE_NOISE 0x1p-42
+
+/* The ray in the frame of an object with pieces; those of one solid come in a row. */
+typedef struct LocalRay {
+    uint32_t object;
+    Vec3 origin, direction;
+    const Affine *to_local; /* the object's own, or */
+    Affine moved_to_local;
+} LocalRay;
+
+typedef struct Query {
+    EmbreeContext context; /* first: Embree hands it back by this address */
+    const RtcScene *scene;
+    const Ray *ray;
+    Vec3 origin, direction;
+    Vec3 line;    /* the origin of the float ray that Embree traces; the direction is the same */
+    double back;  /* how far Embree's ray starts behind the true one */
+    double scale; /* coordinates of start and scene, for noise */
+    double t_min; /* the ray's, or what has been found to be no more than repetitions of the start */
+    double reach; /* nearest query: candidates beyond do not matter any more */
+    double least_window; /* nearest query, exact: chains are followed at least that far */
+    bool all, stop_at_opaque, blocked;
+    bool exact; /* nearest query: every candidate is computed exactly as soon as it is found */
+    HitList *hits;
+    LocalRay local;
+} Query;
+
+/* The ray in an object's frame. */
+void rtc_enter_frame(Query *query, uint32_t object);
+/* Whether the ray starts on that primitive: NULL, or where it was hit. */
+static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t primitive)
+{
+    for (size_t i = 0; i < ray->n_left; i++)
+        if (ray->left[i].object == object && ray->left[i].primitive == primitive) return &ray->left[i];
+    return NULL;
+}
+/* Computes in double what a candidate is: hit has object and primitive, u and v of a triangle, t of a piece. False when
+ * it is not met between t_min and t_max, or is where the ray starts. */
+bool rtc_complete_hit(Query *query, Hit *hit);
+
+#endif
