@@ -24,12 +24,6 @@
  * tell, far above the rounding of a change of frame in double. */
 static const double least_cosine = 1e-9;
 
-typedef struct BandRoots {
-    int n;
-    double t[2];
-    bool leaving[2]; /* the line goes along the outward normal there */
-} BandRoots;
-
 /* One end of a band or an arc against the line: where the line passes the end's height, and whether the end is
  * farther from the axis than the line is there. A line at constant height passes other heights at
  * infinity; its own height counts as below it, so that of two neighbours exactly one holds the line. */
@@ -39,12 +33,13 @@ typedef struct BandEnd {
     bool above;
 } BandEnd;
 
-static inline BandEnd band_end(double radius, double height, Vec3 org, Vec3 dir)
+static inline BandEnd band_end(double radius, double height, const PieceLine *line)
 {
-    if (UNLIKELY(dir.y == 0)) return (BandEnd){height > org.y ? HUGE_VAL : -HUGE_VAL, 0, 0, HUGE_VAL, false};
-    double t = (height - org.y) / dir.y;
-    double x = org.x + t * dir.x;
-    double z = org.z + t * dir.z;
+    if (UNLIKELY(line->inverse_y == 0))
+        return (BandEnd){height > line->org.y ? HUGE_VAL : -HUGE_VAL, 0, 0, HUGE_VAL, false};
+    double t = (height - line->org.y) * line->inverse_y;
+    double x = line->org.x + t * line->dir.x;
+    double z = line->org.z + t * line->dir.z;
     double excess = (x * x + z * z) - radius * radius;
     return (BandEnd){t, x, z, excess, excess < 0};
 }
@@ -130,38 +125,41 @@ static double band_single(const Piece *piece, Vec3 org, Vec3 dir, const BandEnd 
 
 static double keep_between(double t, double a, double b)
 {
-    return fmax(fmin(a, b), fmin(t, fmax(a, b)));
+    return a < b ? double_max(a, double_min(t, b)) : double_max(b, double_min(t, a));
 }
 
-static BandRoots band_roots(const Piece *piece, Vec3 org, Vec3 dir)
+static inline void add_crossing(PieceCrossings *out, double t, bool leaving, double t_min, double t_max)
 {
-    BandRoots roots = {0, {0, 0}, {false, false}};
-    BandEnd p = band_end(piece->r0, piece->y0, org, dir);
-    BandEnd q = band_end(piece->r1, piece->y1, org, dir);
+    if (!(t > t_min && t <= t_max)) return;
+    out->t[out->n] = t;
+    out->leaving[out->n++] = leaving;
+}
+
+static inline void cross_band(const Piece *piece, const PieceLine *line, double t_min, double t_max,
+                              PieceCrossings *out)
+{
+    BandEnd p = band_end(piece->r0, piece->y0, line);
+    BandEnd q = band_end(piece->r1, piece->y1, line);
     if (p.above != q.above) {
-        roots.n = 1;
-        roots.t[0] = keep_between(band_single(piece, org, dir, &p, &q), p.t, q.t);
-        roots.leaving[0] = p.above == (dir.y > 0);
-        return roots;
+        if (double_max(p.t, q.t) <= t_min || double_min(p.t, q.t) > t_max) return;
+        double t = keep_between(band_single(piece, line->org, line->dir, &p, &q), p.t, q.t);
+        add_crossing(out, t, p.above == (line->dir.y > 0), t_min, t_max);
+        return;
     }
-    if (p.above || piece->y0 == piece->y1) return roots;
+    if (p.above || piece->y0 == piece->y1) return;
     /* F is positive at both ends; so two roots stand between them if F opens upward, falls below zero, and
      * has its least value between the ends. (Where the line lies in the surface F is nothing but rounding;
      * keeping the roots between the ends gives something sensible even then.) */
-    BandQuadratic f = band_quadratic(piece, org, dir);
-    if (!(f.A > 0) || !(f.root > 0)) return roots;
+    BandQuadratic f = band_quadratic(piece, line->org, line->dir);
+    if (!(f.A > 0) || !(f.root > 0)) return;
     double middle = -f.B / f.A;
-    if ((p.t < middle) == (q.t < middle)) return roots;
+    if ((p.t < middle) == (q.t < middle)) return;
     double near = band_root(&f, false, middle);
     double far = band_root(&f, true, middle);
-    if (!(near < middle && middle < far)) return roots; /* grazing: not met at all */
+    if (!(near < middle && middle < far)) return; /* grazing: not met at all */
     bool outer = piece->y1 > piece->y0;
-    roots.n = 2;
-    roots.t[0] = keep_between(near, p.t, q.t);
-    roots.t[1] = keep_between(far, p.t, q.t);
-    roots.leaving[0] = !outer;
-    roots.leaving[1] = outer;
-    return roots;
+    add_crossing(out, keep_between(near, p.t, q.t), !outer, t_min, t_max);
+    add_crossing(out, keep_between(far, p.t, q.t), outer, t_min, t_max);
 }
 
 static inline bool is_arc(const Piece *piece)
@@ -171,10 +169,10 @@ static inline bool is_arc(const Piece *piece)
 
 static Tube tube_of(const Piece *piece)
 {
-    if (piece->kind == PIECE_TORUS) return (Tube){TUBE_WHOLE, piece->r0, 0, piece->r1};
+    if (piece->kind == PIECE_TORUS) return (Tube){TUBE_WHOLE, piece->r0, 0, piece->r1 * piece->r1};
     double r = piece->r0 - piece->centre_r, y = piece->y0 - piece->centre_y;
     TubePart part = piece->kind == PIECE_OUTER_ARC ? TUBE_OUTER : TUBE_INNER;
-    return (Tube){part, piece->centre_r, piece->centre_y, sqrt(r * r + y * y)};
+    return (Tube){part, piece->centre_r, piece->centre_y, r * r + y * y};
 }
 
 /* 1 where the outside is away from the circle's centre, -1 where it is towards it. */
@@ -183,74 +181,79 @@ static double arc_side(const Piece *piece)
     return is_arc(piece) && (piece->kind == PIECE_OUTER_ARC) != (piece->y1 > piece->y0) ? -1 : 1;
 }
 
-static void curved_roots(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, TubeCrossings *out)
+static void cross_curved(const Piece *piece, const PieceLine *line, double t_min, double t_max, TubeCrossings *out)
 {
     Tube tube = tube_of(piece);
     if (piece->kind == PIECE_TORUS) {
-        tube_cross(&tube, org, dir, NULL, t_min, t_max, out);
+        tube_cross(&tube, line, NULL, t_min, t_max, out);
         return;
     }
-    BandEnd p = band_end(piece->r0, piece->y0, org, dir);
-    BandEnd q = band_end(piece->r1, piece->y1, org, dir);
+    BandEnd p = band_end(piece->r0, piece->y0, line);
+    BandEnd q = band_end(piece->r1, piece->y1, line);
     bool outer = piece->kind == PIECE_OUTER_ARC;
     TubeSpan span = {p.t, q.t, p.above == outer, q.above == outer};
     if (q.t < p.t) span = (TubeSpan){q.t, p.t, q.above == outer, p.above == outer};
-    tube_cross(&tube, org, dir, &span, t_min, t_max, out);
+    tube_cross(&tube, line, &span, t_min, t_max, out);
 }
 
 /* The discriminant from the distance between line and centre: E. Haines, J. Gunther, T. Akenine-Moeller,
  * "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7 (2019). */
-static int sphere_roots(double radius, Vec3 org, Vec3 dir, double t[2], double *middle)
+static void cross_sphere(double radius, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
 {
-    double a = vec3_dot(dir, dir);
-    double b = -vec3_dot(org, dir);
-    *middle = b / a;
-    Vec3 nearest = vec3_along(org, *middle, dir);
+    double a = vec3_dot(line->dir, line->dir);
+    double b = -vec3_dot(line->org, line->dir);
+    double middle = b / a;
+    Vec3 nearest = vec3_along(line->org, middle, line->dir);
     double discriminant = radius * radius - vec3_dot(nearest, nearest);
-    if (!(discriminant > 0)) return 0;
+    if (!(discriminant > 0)) return;
     double root = sqrt(a * discriminant);
     double q = b + (b < 0 ? -root : root);
-    double c = vec3_dot(org, org) - radius * radius;
+    double c = vec3_dot(line->org, line->org) - radius * radius;
     double t0 = c / q, t1 = q / a;
-    t[0] = fmin(t0, t1);
-    t[1] = fmax(t0, t1);
-    return t[0] < *middle && *middle < t[1] ? 2 : 0;
+    double near = double_min(t0, t1), far = double_max(t0, t1);
+    if (!(near < middle && middle < far)) return;
+    add_crossing(out, near, false, t_min, t_max);
+    add_crossing(out, far, true, t_min, t_max);
 }
 
-static int plane_root(const Piece *piece, Vec3 org, Vec3 dir, double t[2])
+static void cross_plane(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
 {
-    if (dir.y == 0) return 0;
-    t[0] = -org.y / dir.y;
-    if (piece->kind == PIECE_PLANE) return 1;
-    double x = org.x + t[0] * dir.x;
-    double z = org.z + t[0] * dir.z;
-    return fabs(x) <= piece->r0 && fabs(z) <= piece->r1;
+    if (line->dir.y == 0) return;
+    double t = -line->org.y / line->dir.y;
+    double x = line->org.x + t * line->dir.x;
+    double z = line->org.z + t * line->dir.z;
+    if (piece->kind == PIECE_PLANE || (fabs(x) <= piece->r0 && fabs(z) <= piece->r1))
+        add_crossing(out, t, line->dir.y > 0, t_min, t_max);
+}
+
+void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
+{
+    out->n = 0;
+    if (LIKELY(piece->kind == PIECE_BAND)) {
+        cross_band(piece, line, t_min, t_max, out);
+    } else if (piece->kind == PIECE_SPHERE) {
+        cross_sphere(piece->r0, line, t_min, t_max, out);
+    } else if (piece->kind == PIECE_TORUS || is_arc(piece)) {
+        TubeCrossings crossings;
+        cross_curved(piece, line, t_min, t_max, &crossings);
+        bool leaving = crossings.first_enters == (arc_side(piece) < 0);
+        out->n = crossings.n;
+        for (int i = 0; i < crossings.n; i++, leaving = !leaving) {
+            out->t[i] = crossings.t[i];
+            out->leaving[i] = leaving;
+        }
+    } else {
+        cross_plane(piece, line, t_min, t_max, out);
+    }
 }
 
 int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS])
 {
-    double found[2] = {0, 0};
-    int n = 0;
-    if (LIKELY(piece->kind == PIECE_BAND)) {
-        BandRoots roots = band_roots(piece, org, dir);
-        n = roots.n;
-        found[0] = roots.t[0];
-        found[1] = roots.t[1];
-    } else if (piece->kind == PIECE_SPHERE) {
-        double middle;
-        n = sphere_roots(piece->r0, org, dir, found, &middle);
-    } else if (piece->kind == PIECE_TORUS || is_arc(piece)) {
-        TubeCrossings crossings;
-        curved_roots(piece, org, dir, t_min, t_max, &crossings);
-        for (int i = 0; i < crossings.n; i++) t[i] = crossings.t[i];
-        return crossings.n;
-    } else {
-        n = plane_root(piece, org, dir, found);
-    }
-    int kept = 0;
-    for (int i = 0; i < n; i++)
-        if (found[i] > t_min && found[i] <= t_max) t[kept++] = found[i];
-    return kept;
+    PieceLine line = piece_line(org, dir);
+    PieceCrossings crossings;
+    piece_cross(piece, &line, t_min, t_max, &crossings);
+    for (int i = 0; i < crossings.n; i++) t[i] = crossings.t[i];
+    return crossings.n;
 }
 
 /* The unit vector away from the axis; any one on the axis itself. */
@@ -261,23 +264,15 @@ static Vec3 away_from_axis(Vec3 p)
 }
 
 /* Whether the line leaves at t, from the same signs that found the crossing. */
-static bool crossing_leaves(const Piece *piece, Vec3 org, Vec3 dir, double t, double cosine)
+ATTR_COLD static bool crossing_leaves(const Piece *piece, Vec3 org, Vec3 dir, double t, double cosine)
 {
-    if (piece->kind == PIECE_SPHERE) return t > -vec3_dot(org, dir) / vec3_dot(dir, dir);
-    if (piece->kind == PIECE_TORUS || is_arc(piece)) {
-        TubeCrossings crossings;
-        curved_roots(piece, org, dir, -HUGE_VAL, HUGE_VAL, &crossings);
-        int nearest = 0;
-        for (int i = 1; i < crossings.n; i++)
-            if (fabs(t - crossings.t[i]) < fabs(t - crossings.t[nearest])) nearest = i;
-        if (crossings.n == 0) return cosine > 0;
-        bool enters_tube = crossings.first_enters == (nearest % 2 == 0);
-        return enters_tube == (arc_side(piece) < 0);
-    }
-    if (piece->kind != PIECE_BAND) return dir.y > 0;
-    BandRoots roots = band_roots(piece, org, dir);
-    if (roots.n == 0) return cosine > 0;
-    return roots.leaving[roots.n == 2 && fabs(t - roots.t[1]) < fabs(t - roots.t[0])];
+    PieceLine line = piece_line(org, dir);
+    PieceCrossings crossings;
+    piece_cross(piece, &line, -HUGE_VAL, HUGE_VAL, &crossings);
+    int nearest = 0;
+    for (int i = 1; i < crossings.n; i++)
+        if (fabs(t - crossings.t[i]) < fabs(t - crossings.t[nearest])) nearest = i;
+    return crossings.n ? crossings.leaving[nearest] : cosine > 0;
 }
 
 static Vec3 unaided_normal(const Piece *piece, Vec3 p)
@@ -315,7 +310,7 @@ static double graze_of(const Piece *piece)
 {
     if (piece->kind != PIECE_TORUS && !is_arc(piece)) return least_cosine;
     Tube tube = tube_of(piece);
-    return 0x1p-24 * sqrt(1 + fabs(tube.centre_r) / tube.radius);
+    return 0x1p-24 * sqrt(1 + fabs(tube.centre_r) / sqrt(tube.squared));
 }
 
 /* How far p must move to turn the normal by about 1. */
@@ -441,7 +436,7 @@ static Vec3 arc_inset(const Piece *piece, Vec3 p, double margin)
     Tube tube = tube_of(piece);
     double r = sqrt(p.x * p.x + p.z * p.z);
     double r0 = piece->r0 - tube.centre_r, y0 = piece->y0 - tube.centre_y;
-    double whole = arc_angle(piece, piece->r1, piece->y1), length = tube.radius * whole;
+    double whole = arc_angle(piece, piece->r1, piece->y1), length = sqrt(tube.squared) * whole;
     double along = length * arc_fraction(piece, r, p.y);
     double low = 0, high = length;
     /* The pole of a sphere is no edge. */
@@ -486,9 +481,9 @@ HalfBox piece_half_bounds(const Piece *piece)
                    fmax(piece->y0, piece->y1)};
     if (is_arc(piece) && box.y0 < piece->centre_y && piece->centre_y < box.y1) {
         if (piece->kind == PIECE_OUTER_ARC)
-            box.r1 = piece->centre_r + tube_of(piece).radius;
+            box.r1 = piece->centre_r + sqrt(tube_of(piece).squared);
         else
-            box.r0 = fmax(piece->centre_r - tube_of(piece).radius, 0);
+            box.r0 = fmax(piece->centre_r - sqrt(tube_of(piece).squared), 0);
     }
     return box;
 }

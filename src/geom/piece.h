@@ -49,10 +49,27 @@ typedef struct PieceRoot {
     double u, v;  /* surface coordinates, 0..1: around from +x towards +z, along; PIECE_PLANE: x and z themselves */
 } PieceRoot;
 
+/* A line in a piece's frame, org + t dir, with what all pieces of a solid ask of it. dir need not be unit. */
+typedef struct PieceLine {
+    Vec3 org, dir;
+    double inverse_y;       /* 1 / dir.y; 0 where that is 0 */
+    double inverse_squared; /* 1 / dir.dir */
+} PieceLine;
+static inline PieceLine piece_line(Vec3 org, Vec3 dir)
+{
+    return (PieceLine){org, dir, fabs(dir.y) > 1e-300 ? 1 / dir.y : 0, 1 / vec3_dot(dir, dir)};
+}
+
 enum { PIECE_MAX_ROOTS = 4 };
-/* All crossings with t_min < t <= t_max in increasing t; returns how many: at most 4 on a torus and on inner arcs, 2
- * elsewhere. org and dir are in the piece's frame; dir need not be unit. Only t is filled. A tangent ray crosses twice
- * or not at all. */
+typedef struct PieceCrossings {
+    int n;
+    double t[PIECE_MAX_ROOTS];
+    bool leaving[PIECE_MAX_ROOTS]; /* the line goes along the outward normal there */
+} PieceCrossings;
+/* All crossings with t_min < t <= t_max in increasing t: at most 4 on a torus and on inner arcs, 2 elsewhere. A tangent
+ * line crosses twice or not at all. */
+void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out);
+/* The same for a line that is asked for once; only t is filled. Returns how many. */
 int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS]);
 /* The outward normal at one of these crossings, unit, as in PieceRoot, and nothing else (no trigonometry).
  * The sign of its product with dir tells which way the surface is crossed, and never contradicts the order

@@ -1,9 +1,12 @@
 /* rtc.c - tracing: Embree proposes, double precision decides.
  *
- * Each Embree call runs with a Query behind its context. Every candidate that Embree finds, in whatever order, goes
- * through consider_triangle() or consider_piece(), which compute its distance and direction in double and keep it when it may belong
- * to the answer. For the nearest cluster the search radius shrinks with the nearest candidate, but always
- * stays wider than everything that could stand at the same place as it.
+ * Each Embree call runs with a Query behind its context, and hands it every candidate that it finds, in whatever order.
+ * For the nearest cluster the search radius shrinks with the nearest candidate, but always stays wider than everything
+ * that could stand at the same place as it. Most candidates turn out not to belong to the answer; so the exact part is put
+ * off (put_off) until the search is over and few are left, and only what decides about the search is asked at once: is it
+ * in front of the start for certain? where it is not, it is computed exactly on the spot (take_exactly). What is then
+ * found in double shows whether the search went far enough; where it did not, at grazing rays above all, it is done
+ * again with every candidate computed as it comes (search_exactly).
  *
  * The ray that Embree sees starts a little behind the true one, so that a triangle right at the start is
  * proposed in spite of float rounding; whether it is in front of the start is then decided in double.
@@ -99,28 +102,34 @@ static bool put_off(Query *query, const Hit *hit)
     return true;
 }
 
+/* Whether a crossing of a piece that the ray starts on is that start. */
+static bool is_start(const Query *query, const Hit *left, double t, bool leaving)
+{
+    return t <= DOUBLE_NOISE * double_max(query->scale, query->ray->start_scale) && left->inside != leaving;
+}
+
 static bool consider_piece(Query *query, RtcPiece which)
 {
     if (query->local.object != which.object) rtc_enter_frame(query, which.object);
-    const LocalRay *local = &query->local;
+    const PieceLine *line = &query->local.line;
     const Ray *ray = query->ray;
-    double t[PIECE_MAX_ROOTS];
-    double t_max = query->all ? ray->t_max : double_min(ray->t_max, query->reach);
-    int n = piece_intersect(&query->scene->objects[which.object].solid->pieces[which.piece], local->origin,
-                            local->direction, query->t_min, t_max, t);
+    PieceCrossings crossings;
+    piece_cross(&query->scene->objects[which.object].solid->pieces[which.piece], line, query->t_min,
+                double_min(ray->t_max, query->reach), &crossings);
     bool shrink = false;
-    for (int i = 0; i < n; i++) {
-        if (which.sector != RTC_ALL_SECTORS) {
-            double x = local->origin.x + t[i] * local->direction.x;
-            double z = local->origin.z + t[i] * local->direction.z;
-            if (rtc_sector(x, z) != which.sector) continue;
-        }
-        Hit hit = {.t = t[i], .object = which.object, .primitive = which.piece};
+    for (int i = 0; i < crossings.n; i++) {
+        double t = crossings.t[i];
+        if (which.sector != RTC_ALL_SECTORS &&
+            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) != which.sector)
+            continue;
+        const Hit *left = rtc_find_left(ray, which.object, which.piece);
+        if (left && is_start(query, left, t, crossings.leaving[i])) continue;
+        Hit hit = {.t = t, .object = which.object, .primitive = which.piece};
         if (query->all)
             shrink |= take_any(query, &hit);
-        else if (query->exact || rtc_find_left(ray, which.object, which.piece))
+        else if (query->exact || left)
             shrink |= take_exactly(query, &hit);
-        else if (t[i] <= query->reach)
+        else if (t <= query->reach)
             shrink |= put_off(query, &hit);
     }
     return shrink;
@@ -179,8 +188,8 @@ void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
 static Box3 sector_bounds(const Piece *piece, uint32_t sector)
 {
     static const double half = 0.70710678118654757;
-    static const double ends[RTC_SECTORS + 1][2] = {{1, 0}, {half, half}, {0, 1}, {-half, half}, {-1, 0},
-                                                    {-half, -half}, {0, -1}, {half, -half}, {1, 0}};
+    static const double ends[RTC_SECTORS + 1][2] = {{1, 0},         {half, half}, {0, 1},        {-half, half}, {-1, 0},
+                                                    {-half, -half}, {0, -1},      {half, -half}, {1, 0}};
     /* rtc_sector counts by quadrants and then by the larger coordinate: to the order of angles */
     static const uint32_t by_angle[RTC_SECTORS] = {0, 1, 3, 2, 4, 5, 7, 6};
     uint32_t k = by_angle[sector];
@@ -244,7 +253,8 @@ static bool usable(const Ray *ray)
 {
     const double limit = 1e18;
     return vec3_max_abs(ray->origin) < limit && vec3_max_abs(vec3_from_f(ray->direction)) < limit &&
-           vec3_is_finite(ray->origin) && vec3_is_finite(vec3_from_f(ray->direction)) && ray->t_min >= 0 && ray->t_min < limit;
+           vec3_is_finite(ray->origin) && vec3_is_finite(vec3_from_f(ray->direction)) && ray->t_min >= 0 &&
+           ray->t_min < limit;
 }
 
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits)
@@ -319,9 +329,11 @@ size_t rtc_cluster(const Hit *hits, size_t n_hits)
     size_t n = n_hits ? 1 : 0;
     for (; n < n_hits; n++) {
         const Hit *a = &hits[n - 1], *b = &hits[n];
-        double flat = double_min(fabs(a->cos_normal), fabs(b->cos_normal)), steep = double_max(fabs(a->cos_normal), fabs(b->cos_normal));
+        double flat = double_min(fabs(a->cos_normal), fabs(b->cos_normal)),
+               steep = double_max(fabs(a->cos_normal), fabs(b->cos_normal));
         bool edge = a->object == b->object && a->entering != b->entering;
-        if ((b->t - a->t) * (edge ? double_max(flat, LEAST_COSINE) : steep) > double_max(a->rounding, b->rounding)) break;
+        if ((b->t - a->t) * (edge ? double_max(flat, LEAST_COSINE) : steep) > double_max(a->rounding, b->rounding))
+            break;
     }
     return n;
 }

@@ -40,7 +40,8 @@ static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 
 /* World-space corners in double; a mirrored instance has two of them swapped, so that the
  * counter-clockwise side is outside in any case. */
-static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time, Vec3 corner[3])
+static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time,
+                             Vec3 corner[3])
 {
     const uint32_t *triangle = triangle_of(object, primitive);
     const Vec3f *baked = object->detail->baked;
@@ -140,23 +141,29 @@ void rtc_enter_frame(Query *query, uint32_t object_id)
     const RtcPlaced *object = &query->scene->objects[object_id];
     LocalRay *local = &query->local;
     local->object = object_id;
-    if (object->maps && !object->detail->keys) {
-        local->to_local = &object->maps->to_local;
-    } else {
+    local->to_local = NULL;
+    if (object->detail->keys) {
         local->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
         local->to_local = &local->moved_to_local;
+    } else if (object->maps) {
+        local->to_local = &object->maps->to_local;
+    } else {
+        double smaller = 1 / object->scale;
+        local->line = piece_line(vec3_scale(vec3_sub(query->origin, object->place), smaller),
+                                 vec3_scale(query->direction, smaller));
+        return;
     }
-    local->origin = affine_point(local->to_local, query->origin);
-    local->direction = affine_vector(local->to_local, query->direction);
+    local->line =
+        piece_line(affine_point(local->to_local, query->origin), affine_vector(local->to_local, query->direction));
 }
 
 static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
 {
     if (query->local.object != hit->object) rtc_enter_frame(query, hit->object);
     const LocalRay *local_ray = &query->local;
-    Vec3 local = piece_normal(&object->solid->pieces[hit->primitive], local_ray->origin, local_ray->direction, hit->t);
-    Vec3 normal = vec3_normalize(affine_normal(local_ray->to_local, local));
-    double slope = vec3_dot(local, local_ray->direction); /* the sign that the piece itself sees */
+    Vec3 local = piece_normal(&object->solid->pieces[hit->primitive], local_ray->line.org, local_ray->line.dir, hit->t);
+    Vec3 normal = local_ray->to_local ? vec3_normalize(affine_normal(local_ray->to_local, local)) : local;
+    double slope = vec3_dot(local, local_ray->line.dir); /* the sign that the piece itself sees */
     double cosine = vec3_dot(normal, query->direction);
     if (query->ray->n_left &&
         is_left(query, hit->object, hit->primitive, hit->t, slope > 0 ? fabs(cosine) : -fabs(cosine)))

@@ -17,8 +17,8 @@
 /* The ray in the frame of an object with pieces; those of one solid come in a row. */
 typedef struct LocalRay {
     uint32_t object;
-    Vec3 origin, direction;
-    const Affine *to_local; /* the object's own, or */
+    PieceLine line;
+    const Affine *to_local; /* NULL where the object is only moved and made larger evenly; the object's own, or */
     Affine moved_to_local;
 } LocalRay;
 
@@ -27,11 +27,11 @@ typedef struct Query {
     const RtcScene *scene;
     const Ray *ray;
     Vec3 origin, direction;
-    Vec3 line;    /* the origin of the float ray that Embree traces; the direction is the same */
-    double back;  /* how far Embree's ray starts behind the true one */
-    double scale; /* coordinates of start and scene, for noise */
-    double t_min; /* the ray's, or what has been found to be no more than repetitions of the start */
-    double reach; /* nearest query: candidates beyond do not matter any more */
+    Vec3 line;           /* the origin of the float ray that Embree traces; the direction is the same */
+    double back;         /* how far Embree's ray starts behind the true one */
+    double scale;        /* coordinates of start and scene, for noise */
+    double t_min;        /* the ray's, or what has been found to be no more than repetitions of the start */
+    double reach;        /* nearest query: candidates beyond do not matter any more */
     double least_window; /* nearest query, exact: chains are followed at least that far */
     bool all, stop_at_opaque, blocked;
     bool exact; /* nearest query: every candidate is computed exactly as soon as it is found */

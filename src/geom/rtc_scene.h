@@ -1,4 +1,4 @@
-/* rtc_scene.h - what rtc_build.c makes and rtc.c traces; private to these two.
+/* rtc_scene.h - what rtc_build.c makes and rtc.c traces; private to src/geom/rtc*.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_RTC_SCENE_H
 #define MEN_RTC_SCENE_H

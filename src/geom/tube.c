@@ -25,17 +25,22 @@ enum {
 typedef struct TubeLine {
     const Tube *tube;
     double base;
-    Vec3 org, dir;       /* org: the point at u = 0 */
-    double squared;      /* of the tube's radius */
-    double first, last;  /* the span, in t */
-    double t_min, t_max; /* what is asked for */
-    double noise;        /* of f, by rounding */
-    double least_slope;  /* of f: with less, its noise shows in the place of a crossing */
+    Vec3 org, dir;          /* org: the point at u = 0 */
+    double length;          /* dir.dir, */
+    double inverse;         /* and one over it */
+    double speed;           /* and its root */
+    double moment;          /* squared, of dir about the axis */
+    double radius, squared; /* of the tube, and its square */
+    double first, last;     /* the span, in t */
+    double t_min, t_max;    /* what is asked for */
+    double noise;           /* of f, by rounding */
+    double least_slope;     /* of f: with less, its noise shows in the place of a crossing */
 } TubeLine;
 
 /* A place on the line. `inside` is what counts; f may differ from it by rounding at the ends of a span. */
 typedef struct Stop {
     double u, f, slope;
+    double r; /* from the axis */
     bool inside;
 } Stop;
 
@@ -46,18 +51,18 @@ static inline Stop stop_at(const TubeLine *line, double u)
     double z = line->org.z + u * line->dir.z;
     double r = sqrt(x * x + z * z);
     double away = r - line->tube->centre_r;
-    if (line->tube->part == TUBE_OUTER) away = fmax(away, 0);
-    if (line->tube->part == TUBE_INNER) away = fmin(away, 0);
+    if (line->tube->part == TUBE_OUTER) away = double_max(away, 0);
+    if (line->tube->part == TUBE_INNER) away = double_min(away, 0);
     double outward = r > 0 ? (x * line->dir.x + z * line->dir.z) / r : 0;
     double f = away * away + (y * y - line->squared);
     bool beyond =
         line->tube->part != TUBE_WHOLE && away == 0; /* what f knows only to rounding, at the top and the bottom */
-    return (Stop){u, f, 2 * (away * outward + y * line->dir.y), f < 0 || beyond};
+    return (Stop){u, f, 2 * (away * outward + y * line->dir.y), r, f < 0 || beyond};
 }
 
 static inline double time_of(const TubeLine *line, double u)
 {
-    return fmin(fmax(line->base + u, line->first), line->last);
+    return double_min(double_max(line->base + u, line->first), line->last);
 }
 
 /* Where the parabola that has f and slope of `at` and f of `other` meets 0 between them: the signs differ. */
@@ -69,6 +74,23 @@ static double parabola_root(const Stop *at, const Stop *other)
     double root = discriminant > 0 ? sqrt(discriminant) : 0;
     double divisor = at->slope + ((at->f < 0) == (h > 0) ? root : -root);
     return at->u - 2 * at->f / divisor;
+}
+
+/* One step from a place towards f = 0. f bends by 2 (d.d - c K^2 / r^3), and that changes by at most 6 c |d|^3 / r^2. */
+typedef struct Step {
+    double u;
+    double left; /* the most that f can be there */
+} Step;
+
+static inline Step step_from(const TubeLine *line, const Stop *stop)
+{
+    double inverse = 1 / stop->slope, step = stop->f * inverse;
+    double c = line->tube->centre_r, near = 1 / stop->r;
+    double bend = line->length - c * line->moment * (near * near * near);
+    double further = step * (1 + bend * inverse * step); /* Chebyshev's method */
+    double third = fabs(c) * near * near * line->length * line->speed;
+    double cube = fabs(step * step * step);
+    return (Step){stop->u - further, 8 * cube * (2 * bend * bend * fabs(inverse) + third)};
 }
 
 /* The crossing between a and b, a.u < b.u, of which one is inside, in a convex or concave stretch; guess may be
@@ -85,10 +107,14 @@ static double crossing_between(const TubeLine *line, const Stop *a, const Stop *
             low = u;
         else
             high = u;
-        double step = slopes ? stop.f / stop.slope : HUGE_VAL;
-        double next = u - step;
-        bool settled = fabs(stop.f) <= line->noise || fabs(step) <= 0x1p-52 * fabs(u);
-        if (slopes && settled && fabs(stop.slope) >= line->least_slope) return fmin(fmax(next, low), high);
+        double next = HUGE_VAL;
+        if (slopes) {
+            Step step = step_from(line, &stop);
+            bool settled =
+                step.left <= line->noise || fabs(stop.f) <= line->noise || fabs(step.u - u) <= 0x1p-52 * fabs(u);
+            if (settled && fabs(stop.slope) >= line->least_slope) return double_min(double_max(step.u, low), high);
+            next = step.u;
+        }
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (next == u || next == low || next == high) return next;
         u = next;
@@ -145,9 +171,8 @@ static bool passes_middle(const TubeLine *line, const Stop *a, const Stop *b, St
 {
     double c = line->tube->centre_r;
     double level = line->dir.x * line->dir.x + line->dir.z * line->dir.z;
-    double moment = line->org.x * line->dir.z - line->org.z * line->dir.x;
     double u = -(line->org.x * line->dir.x + line->org.z * line->dir.z) / level;
-    if (line->tube->part != TUBE_OUTER || !(c > 0) || !(moment * moment < c * c * level) || !(u > a->u && u < b->u))
+    if (line->tube->part != TUBE_OUTER || !(c > 0) || !(line->moment < c * c * level) || !(u > a->u && u < b->u))
         return false;
     *nearest = stop_at(line, u);
     return nearest->inside;
@@ -171,22 +196,20 @@ static bool concave_stretch(const TubeLine *line, double *middle, double *half)
     double c = line->tube->centre_r;
     if (line->tube->part == TUBE_OUTER || !(c > 0)) return false;
     double level = line->dir.x * line->dir.x + line->dir.z * line->dir.z;
-    double moment = line->org.x * line->dir.z - line->org.z * line->dir.x;
-    double nearest = moment * moment / level; /* the squared distance from the axis */
-    double length = level + line->dir.y * line->dir.y;
+    double nearest = line->moment / level; /* the squared distance from the axis */
     /* c K^2 / (d.d) <= nearest^(3/2), without the cube root */
-    double cube = c * (moment * moment) / length;
+    double cube = c * line->moment * line->inverse;
     if (cube * cube <= nearest * nearest * nearest && nearest > 1e-20 * c * c) return false;
-    double r = fmax(cbrt(cube), 1e-10 * c);
+    double r = double_max(cbrt(cube), 1e-10 * c);
     *middle = -(line->org.x * line->dir.x + line->org.z * line->dir.z) / level;
-    *half = sqrt(fmax(r * r - nearest, 0) / level);
+    *half = sqrt(double_max(r * r - nearest, 0) / level);
     return *half < HUGE_VAL && fabs(*middle) < HUGE_VAL;
 }
 
 /* The zone of a sphere: f is a parabola with its vertex at u = 0. */
 static void cross_sphere(const TubeLine *line, const Stop *a, const Stop *b, TubeCrossings *out)
 {
-    double u = sqrt(fmax(line->squared - vec3_dot(line->org, line->org), 0) / vec3_dot(line->dir, line->dir));
+    double u = sqrt(double_max(line->squared - vec3_dot(line->org, line->org), 0) * line->inverse);
     double found[2] = {-u, u};
     int n = a->inside != b->inside ? 1 : !a->inside && u > 0 && a->u < 0 && b->u > 0 ? 2 : 0;
     if (n == 1 && a->inside) found[0] = u;
@@ -204,18 +227,18 @@ static void cross_sphere(const TubeLine *line, const Stop *a, const Stop *b, Tub
 static bool clip(const TubeLine *line, double *low, double *high)
 {
     const Tube *tube = line->tube;
-    double c = fabs(tube->centre_r), a = tube->radius;
+    double c = fabs(tube->centre_r), a = line->radius;
     double reach = tube->part == TUBE_INNER ? c * c + line->squared : (c + a) * (c + a);
     double left = reach * (1 + 1e-12) - vec3_dot(line->org, line->org);
     if (!(left > 0)) return false;
-    double half = sqrt(left / vec3_dot(line->dir, line->dir));
-    *low = fmax(*low, -half);
-    *high = fmin(*high, half);
+    double half = sqrt(left * line->inverse);
+    *low = double_max(*low, -half);
+    *high = double_min(*high, half);
     if (tube->part == TUBE_WHOLE && line->dir.y != 0) {
         double top = a * (1 + 1e-12);
         double p = (-top - line->org.y) / line->dir.y, q = (top - line->org.y) / line->dir.y;
-        *low = fmax(*low, fmin(p, q));
-        *high = fmin(*high, fmax(p, q));
+        *low = double_max(*low, double_min(p, q));
+        *high = double_min(*high, double_max(p, q));
     } else if (tube->part == TUBE_WHOLE && fabs(line->org.y) > a) {
         return false;
     }
@@ -243,26 +266,34 @@ static void cross_stretches(const TubeLine *line, Stop a, Stop b, TubeCrossings 
     }
 }
 
-void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, double t_min, double t_max,
+void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *span, double t_min, double t_max,
                 TubeCrossings *out)
 {
     static const TubeSpan everything = {-HUGE_VAL, HUGE_VAL, false, false};
     if (!span) span = &everything;
+    Vec3 org = piece_line->org, dir = piece_line->dir;
     org.y -= tube->centre_y;
+    double radius = sqrt(tube->squared), length = vec3_dot(dir, dir);
     TubeLine line = {.tube = tube,
-                     .base = -vec3_dot(org, dir) / vec3_dot(dir, dir),
+                     .base = -vec3_dot(org, dir) * piece_line->inverse_squared,
                      .dir = dir,
-                     .squared = tube->radius * tube->radius,
+                     .length = length,
+                     .inverse = piece_line->inverse_squared,
+                     .speed = sqrt(length),
+                     .radius = radius,
+                     .squared = tube->squared,
                      .first = span->a,
                      .last = span->b,
                      .t_min = t_min,
                      .t_max = t_max,
-                     .noise = 0x1p-53 * tube->radius * (fabs(tube->centre_r) + tube->radius)};
+                     .noise = 0x1p-53 * radius * (fabs(tube->centre_r) + radius)};
     line.org = vec3_along(org, line.base, dir);
+    double moment = line.org.x * dir.z - line.org.z * dir.x;
+    line.moment = moment * moment;
     /* along the top and the bottom, where the parts meet, no part may find crossings in what is only noise: dips of
      * outer ones must be deeper than that, inner ones are as much thicker */
     if (tube->part == TUBE_INNER) line.squared += DEPTH * line.noise;
-    line.least_slope = 1e10 * line.noise / tube->radius * vec3_length(dir);
+    line.least_slope = 1e10 * 0x1p-53 * (fabs(tube->centre_r) + radius) * line.speed;
     out->n = 0;
     out->first_enters = true;
     double low = span->a - line.base, high = span->b - line.base;
@@ -278,7 +309,7 @@ void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, doub
     }
     if (time_of(&line, to) <= t_min || time_of(&line, from) > t_max) return;
     if (tube->centre_r == 0 && tube->part == TUBE_OUTER) {
-        Stop a = {low, 0, 0, span->inside_a}, b = {high, 0, 0, span->inside_b};
+        Stop a = {.u = low, .inside = span->inside_a}, b = {.u = high, .inside = span->inside_b};
         cross_sphere(&line, &a, &b, out);
         return;
     }

@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-#include "base/vec3.h"
+#include "geom/piece.h"
 
 enum { TUBE_MAX_CROSSINGS = 4 };
 
@@ -21,7 +21,7 @@ typedef enum TubePart {
 typedef struct Tube {
     TubePart part;
     double centre_r, centre_y;
-    double radius;
+    double squared; /* of its radius */
 } Tube;
 
 /* The part of the line that counts, t from a to b (either may be infinite), and whether its ends are inside of the
@@ -37,10 +37,10 @@ typedef struct TubeCrossings {
     bool first_enters; /* the first goes into the tube; from there on they alternate */
 } TubeCrossings;
 
-/* The crossings of org + t dir with t_min < t <= t_max, in increasing t. Without a span (NULL) the line starts and ends
+/* The crossings of a line with t_min < t <= t_max, in increasing t. Without a span (NULL) the line starts and ends
  * outside. With one the number of crossings is odd if and only if its ends differ, whatever rounding does, and none is
  * beyond the ends. A crossing that is found does not depend on t_min and t_max. */
-void tube_cross(const Tube *tube, Vec3 org, Vec3 dir, const TubeSpan *span, double t_min, double t_max,
+void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *span, double t_min, double t_max,
                 TubeCrossings *out);
 
 #endif
