@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/noise.h"
 #include "base/utf8.h"
 #include "lang/builtin_run.h"
 #include "lang/resolve.h"
@@ -303,8 +304,8 @@ static void run_srgb(const BuiltinCall *call, Value *result)
 
 /* ---- random numbers ---- */
 
-/* "meniscus" and "noise" in ASCII: rnd and noise share no values */
-static const uint64_t rnd_start = 0x6d656e6973637573U, noise_start = 0x6e6f697365U;
+/* "meniscus" in ASCII: not the start of noise(), so that they share no values */
+static const uint64_t rnd_start = 0x6d656e6973637573U;
 
 static uint64_t bits_of(double x)
 {
@@ -333,33 +334,6 @@ static void run_rnd(const BuiltinCall *call, Value *result)
     if (builtin_hash(call, 0, &h, result)) *result = value_number(hash_to_unit(h));
 }
 
-/* The value at a lattice point: h = noise_start; for each coordinate: h = hash_u64(h ^ coordinate as 64 bits in two's
- * complement); 2 * hash_to_unit(h) - 1. Between the points t -> t^3 (6 t^2 - 15 t + 10) mixes, along x first. */
-static double lattice(const double *cell, unsigned corner, unsigned n)
-{
-    uint64_t h = noise_start;
-    for (unsigned i = 0; i < n; i++) h = hash_u64(h ^ (uint64_t)((int64_t)cell[i] + (int64_t)(corner >> i & 1)));
-    return 2 * hash_to_unit(h) - 1;
-}
-
-static double noise(const double *point, unsigned n)
-{
-    double cell[3], weight[3], values[8];
-    for (unsigned i = 0; i < n; i++) {
-        cell[i] = floor(point[i]);
-        double t = point[i] - cell[i];
-        weight[i] = t * t * t * (t * (t * 6 - 15) + 10);
-    }
-    for (unsigned corner = 0; corner < 1U << n; corner++) values[corner] = lattice(cell, corner, n);
-    for (unsigned i = 0, left = 1U << n; i < n; i++) {
-        left /= 2;
-        for (unsigned k = 0; k < left; k++) values[k] = values[2 * k] + (values[2 * k + 1] - values[2 * k]) * weight[i];
-    }
-    return values[0];
-}
-
-#define LARGEST_NOISE_COORDINATE 4503599627370496.0 /* 2^52: beyond it all coordinates are whole */
-
 static void run_noise(const BuiltinCall *call, Value *result)
 {
     double point[4];
@@ -373,12 +347,12 @@ static void run_noise(const BuiltinCall *call, Value *result)
         for (unsigned k = 0; k < width; k++) point[n++] = call->args[i].as.v[k];
     }
     for (unsigned i = 0; i < n; i++)
-        if (!(fabs(point[i]) < LARGEST_NOISE_COORDINATE)) {
+        if (!(fabs(point[i]) < NOISE_LARGEST_COORDINATE)) {
             eval_error(call->evaluator, call->expr, D_BAD_NUMBER, "noise at %g has no meaning", point[i]);
             result->kind = VALUE_POISON;
             return;
         }
-    *result = value_number(noise(point, n));
+    *result = value_number(noise_value(point, n));
 }
 
 /* ---- lists and texts ---- */

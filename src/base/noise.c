@@ -1,0 +1,95 @@
+/* noise.c - noise on a lattice.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "base/noise.h"
+
+#include "base/hash.h"
+
+/* "noise" in ASCII */
+static const uint64_t value_start = 0x6e6f697365U;
+
+static double lattice(const double *cell, unsigned corner, unsigned n)
+{
+    uint64_t h = value_start;
+    for (unsigned i = 0; i < n; i++) h = hash_u64(h ^ (uint64_t)((int64_t)cell[i] + (int64_t)(corner >> i & 1)));
+    return 2 * hash_to_unit(h) - 1;
+}
+
+static double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+
+double noise_value(const double *point, unsigned n)
+{
+    double cell[3], weight[3], values[8];
+    for (unsigned i = 0; i < n; i++) {
+        cell[i] = floor(point[i]);
+        weight[i] = fade(point[i] - cell[i]);
+    }
+    for (unsigned corner = 0; corner < 1U << n; corner++) values[corner] = lattice(cell, corner, n);
+    for (unsigned i = 0, left = 1U << n; i < n; i++) {
+        left /= 2;
+        for (unsigned k = 0; k < left; k++) values[k] = values[2 * k] + (values[2 * k + 1] - values[2 * k]) * weight[i];
+    }
+    return values[0];
+}
+
+/* The lattice cell that a point is in. */
+typedef struct Cell {
+    uint64_t hashes[8]; /* of the corners; x changes first */
+    double t[3];        /* where in the cell, 0..1 */
+    double weight[3];
+} Cell;
+
+static void cell_at(Vec3 p, uint64_t seed, Cell *cell)
+{
+    const double point[3] = {p.x, p.y, p.z};
+    uint64_t at[3], start = hash_u64(seed);
+    for (int i = 0; i < 3; i++) {
+        double low = floor(point[i]);
+        at[i] = (uint64_t)(int64_t)low;
+        cell->t[i] = point[i] - low;
+        cell->weight[i] = fade(cell->t[i]);
+    }
+    for (unsigned x = 0; x < 2; x++) {
+        uint64_t along_x = hash_u64(start ^ (at[0] + x));
+        for (unsigned y = 0; y < 2; y++) {
+            uint64_t along_y = hash_u64(along_x ^ (at[1] + y));
+            for (unsigned z = 0; z < 2; z++) cell->hashes[x + 2 * y + 4 * z] = hash_u64(along_y ^ (at[2] + z));
+        }
+    }
+}
+
+/* By h % 12; a table, as signs that are as good as random are costly to branch on. */
+static const double gradients[12][3] = {{0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 0, 1},  {-1, 0, 1},
+                                        {1, 0, -1}, {-1, 0, -1}, {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
+
+static double gradient_dot(uint64_t h, double x, double y, double z)
+{
+    const double *gradient = gradients[h % 12];
+    return gradient[0] * x + gradient[1] * y + gradient[2] * z;
+}
+
+static double mix(double a, double b, double t) { return a + (b - a) * t; }
+
+static double mixed(const Cell *cell, unsigned shift)
+{
+    double value[8];
+    for (unsigned k = 0; k < 8; k++)
+        value[k] = gradient_dot(cell->hashes[k] >> shift, cell->t[0] - (k & 1), cell->t[1] - (k >> 1 & 1),
+                                cell->t[2] - (k >> 2));
+    for (unsigned k = 0; k < 4; k++) value[k] = mix(value[2 * k], value[2 * k + 1], cell->weight[0]);
+    for (unsigned k = 0; k < 2; k++) value[k] = mix(value[2 * k], value[2 * k + 1], cell->weight[1]);
+    return mix(value[0], value[1], cell->weight[2]);
+}
+
+double noise_gradient(Vec3 p, uint64_t seed)
+{
+    Cell cell;
+    cell_at(p, seed, &cell);
+    return mixed(&cell, 0);
+}
+
+Vec3 noise_gradient3(Vec3 p, uint64_t seed)
+{
+    Cell cell;
+    cell_at(p, seed, &cell);
+    return vec3(mixed(&cell, 0), mixed(&cell, 16), mixed(&cell, 32));
+}
