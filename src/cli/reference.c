@@ -33,6 +33,7 @@ static const char *kind_text(PropKind kind)
         [PROP_FUNCTION] = "name of a function",
         [PROP_STRINGS] = "string or list of strings",
         [PROP_NODES] = "list of",
+        [PROP_RAMP] = "list of numbers or colours, or of [position, number or colour]",
     };
     return texts[kind];
 }
@@ -87,6 +88,7 @@ void reference_print_type(const PropType *type, Buf *out)
     }
     if (type->unit != UNIT_NONE) buf_format(out, ", %s", unit_text(type->unit));
     print_range(type, out);
+    if (type->flags & PROP_TEXTURE) buf_add(out, ", or a texture");
 }
 
 const NodeType *reference_node(const char *name)

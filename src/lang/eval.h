@@ -35,6 +35,7 @@ typedef enum SpectrumForm { SPECTRUM_NUMBER, SPECTRUM_COLOR, SPECTRUM_VECTOR, SP
 typedef struct EvalProp {
     const PropType *type;
     Span span; /* of the value's expression */
+    bool textured; /* PROP_TEXTURE: as.node, whatever the kind */
     union {
         double number; /* PROP_NUMBER, PROP_INTEGER */
         bool truth;
@@ -56,8 +57,10 @@ typedef struct EvalProp {
                 const char *const *texts;   /* PROP_STRINGS */
                 const EvalNode *const *nodes;
             };
-            size_t n_lists;             /* PROP_NUMBER_LISTS, PROP_VECTOR2_LISTS: n and numbers are of all together */
-            const size_t *lengths;      /* n_lists */
+            size_t n_lists;             /* PROP_NUMBER_LISTS, PROP_VECTOR2_LISTS: n and numbers are of all together.
+                                         * PROP_RAMP: how many of the n values are colours; numbers: 4n, a position
+                                         * 0..1 in ascending order and three channels (all the same of a number) */
+            const size_t *lengths;      /* n_lists; not of PROP_RAMP */
         } list;
     } as;
 } EvalProp;
@@ -181,7 +184,8 @@ ATTR_NODISCARD Status eval_text(const char *name, const char *text, size_t lengt
 const EvalProp *eval_prop(const EvalNode *node, const char *name);
 /* Whether it was set, or has a default. */
 bool eval_has_value(const EvalNode *node, const char *name);
-/* The property's value, or else the default text of its table row, read as a number or truth. */
+/* The property's value, or else (also where a texture stands for it) the default text of its table row, read as a number
+ * or truth. */
 double eval_number(const EvalNode *node, const char *name);
 bool eval_truth(const EvalNode *node, const char *name);
 /* PROP_STRING, PROP_CHOICE: the value, else the default text, else NULL. */

@@ -80,6 +80,9 @@ static const EvalNode *origin_of(const EvalNode *node)
     return node;
 }
 
+/* Whether a property's value is one node. */
+static bool is_node(const EvalProp *prop) { return prop->textured || prop->type->kind == PROP_NODE; }
+
 static void collect(Flat *flat, const EvalNode *node);
 
 static void collect_reference(Flat *flat, const EvalNode *node, bool prototype)
@@ -93,7 +96,7 @@ static void collect(Flat *flat, const EvalNode *node)
 {
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
-        if (prop->type->kind == PROP_NODE) collect_reference(flat, prop->as.node, false);
+        if (is_node(prop)) collect_reference(flat, prop->as.node, false);
         for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++)
             collect_reference(flat, prop->as.list.nodes[k], false);
     }
@@ -264,16 +267,38 @@ static void print_spectrum(Flat *flat, const EvalProp *prop)
     print_value(out, value_number(term->scale));
 }
 
+static void print_ramp(Flat *flat, const EvalProp *prop)
+{
+    buf_add(flat->out, "[");
+    for (size_t i = 0; i < prop->as.list.n; i++) {
+        const double *stop = prop->as.list.numbers + 4 * i;
+        bool grey = stop[1] == stop[2] && stop[1] == stop[3];
+        buf_add(flat->out, i > 0 ? ", [" : "[");
+        print_value(flat->out, value_number(stop[0]));
+        buf_add(flat->out, ", ");
+        print_vector(flat->out, prop->as.list.n_lists > 0 || !grey ? VALUE_COLOR : VALUE_NUMBER, stop + 1);
+        buf_add(flat->out, "]");
+    }
+    buf_add(flat->out, "]");
+}
+
+static bool is_identity(const Affine *map);
+static void print_transform(Flat *flat, const Affine *map);
 static void print_node(Flat *flat, const EvalNode *node, const char *word, const char *name);
 
-/* A node as a value: its name, or all of it. */
+/* A node as a value: its name, or all of it. What has a name is declared without its place. */
 static void print_reference(Flat *flat, const EvalNode *node)
 {
     const Shared *shared = shared_find(flat, node);
-    if (shared->name)
-        buf_add(flat->out, shared->name);
-    else
+    if (!shared->name) {
         print_node(flat, node, node->type->name, NULL);
+        return;
+    }
+    buf_add(flat->out, shared->name);
+    if (is_identity(&node->transform)) return;
+    buf_add(flat->out, " {");
+    print_transform(flat, &node->transform);
+    buf_add(flat->out, " }");
 }
 
 static void print_list(Flat *flat, const EvalProp *prop)
@@ -292,6 +317,10 @@ static void print_list(Flat *flat, const EvalProp *prop)
 static void print_prop_value(Flat *flat, const EvalProp *prop)
 {
     Buf *out = flat->out;
+    if (prop->textured) {
+        print_reference(flat, prop->as.node);
+        return;
+    }
     switch (prop->type->kind) {
     case PROP_NUMBER:
     case PROP_INTEGER: print_value(out, value_number(prop->as.number)); break;
@@ -317,6 +346,7 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
         break;
     case PROP_NUMBER_LISTS: print_number_lists(flat, prop, VALUE_NUMBER); break;
     case PROP_VECTOR2_LISTS: print_number_lists(flat, prop, VALUE_VECTOR2); break;
+    case PROP_RAMP: print_ramp(flat, prop); break;
     case PROP_STRINGS:
     case PROP_NODES: print_list(flat, prop); break;
     }
@@ -464,7 +494,7 @@ static void declare_needs(Flat *flat, const EvalNode *node)
 {
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
-        if (prop->type->kind == PROP_NODE) declare(flat, prop->as.node);
+        if (is_node(prop)) declare(flat, prop->as.node);
         for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++) declare(flat, prop->as.list.nodes[k]);
     }
     if (node->prototype) {

@@ -45,7 +45,7 @@ static int read_numbers(const char *text, double *numbers, int n)
 double eval_number(const EvalNode *node, const char *name)
 {
     const EvalProp *prop = eval_prop(node, name);
-    if (prop) return prop->as.number;
+    if (prop && !prop->textured) return prop->as.number;
     const char *text = default_text(node, name);
     double number = 0;
     if (text) read_numbers(text, &number, 1);
@@ -69,7 +69,7 @@ const char *eval_word(const EvalNode *node, const char *name)
 Vec3 eval_vector(const EvalNode *node, const char *name)
 {
     const EvalProp *prop = eval_prop(node, name);
-    if (prop) return vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]);
+    if (prop && !prop->textured) return vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]);
     const char *text = default_text(node, name);
     double numbers[3] = {0};
     if (text && read_numbers(text, numbers, 3) == 1) numbers[1] = numbers[2] = numbers[0]; /* a grey */

@@ -92,7 +92,7 @@ void report_unknown_property(Diag *diag, Span span, const NodeType *type, const 
 
 /* ---- messages ---- */
 
-static const char *kind_text(Arena *arena, const PropType *type)
+static const char *plain_kind_text(Arena *arena, const PropType *type)
 {
     switch (type->kind) {
     case PROP_NUMBER: return "a number";
@@ -113,9 +113,16 @@ static const char *kind_text(Arena *arena, const PropType *type)
     case PROP_VECTOR2_LISTS: return "a list of vectors of 2, or a list of such lists";
     case PROP_FUNCTION: return "the name of a function, declared as def f(p) = ...";
     case PROP_STRINGS: return "a list of strings";
+    case PROP_RAMP: return "a list of numbers or colours, or of [position, number or colour]";
     case PROP_NODES: break;
     }
     return type->choices ? arena_format(arena, "a list of %s nodes", choice_text(arena, type->choices)) : "a list of nodes";
+}
+
+static const char *kind_text(Arena *arena, const PropType *type)
+{
+    const char *text = plain_kind_text(arena, type);
+    return type->flags & PROP_TEXTURE ? arena_format(arena, "%s or a texture", text) : text;
 }
 
 /* One property at one place while it is checked. */
@@ -341,6 +348,59 @@ static bool check_number_lists(const Check *check, const Value *value, EvalProp 
     return true;
 }
 
+/* One value of a ramp: numbers gets its position and three channels. */
+static bool check_stop(const Check *check, const Value *item, double place, double *numbers, bool *color)
+{
+    Value value = *item;
+    if (item->kind == VALUE_LIST) {
+        if (value_count(item) != 2) return wrong_type(check, item);
+        Value position = value_element(item, 0);
+        value = value_element(item, 1);
+        if (position.kind == VALUE_POISON) return false;
+        if (position.kind != VALUE_NUMBER) return wrong_type(check, item);
+        place = position.as.number;
+    }
+    if (value.kind == VALUE_POISON) return false;
+    if (value.kind != VALUE_NUMBER && value.kind != VALUE_COLOR) return wrong_type(check, item);
+    *color = value.kind == VALUE_COLOR;
+    numbers[0] = place;
+    for (int i = 0; i < 3; i++) numbers[1 + i] = value.as.v[*color ? i : 0];
+    if (isfinite(place) && place >= 0 && place <= 1) return check_numbers(check, numbers + 1, 3);
+    eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "the position %g in '%s' is outside 0..1", place,
+               check->type->name);
+    return false;
+}
+
+static bool check_ramp(const Check *check, const Value *value, EvalProp *prop)
+{
+    Evaluator *evaluator = check->evaluator;
+    size_t n = value->kind == VALUE_LIST ? value_count(value) : 0;
+    if (n == 0) return wrong_type(check, value);
+    if (!eval_reserve(evaluator, (double)n * 4 * sizeof(double), check->expr->span)) return false;
+    double *numbers = ARENA_ARRAY(evaluator->arena, double, 4 * n);
+    Check element = *check;
+    size_t n_colors = 0, n_placed = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!eval_step(evaluator, check->expr->span)) return false;
+        Value item = value_element(value, i);
+        bool color = false;
+        element.element = i + 1;
+        if (item.kind == VALUE_POISON) return false;
+        if (!check_stop(&element, &item, n > 1 ? (double)i / (double)(n - 1) : 0, numbers + 4 * i, &color)) return false;
+        n_colors += color;
+        n_placed += item.kind == VALUE_LIST;
+        if (n_placed != 0 && n_placed != i + 1) return wrong_type(&element, &item);
+        if (i == 0 || numbers[4 * i] >= numbers[4 * i - 4]) continue;
+        eval_error(evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "positions in '%s' ascend, but %g stands behind %g",
+                   check->type->name, numbers[4 * i], numbers[4 * i - 4]);
+        return false;
+    }
+    prop->as.list.n = n;
+    prop->as.list.n_lists = n_colors;
+    prop->as.list.numbers = numbers;
+    return true;
+}
+
 static bool check_string_list(const Check *check, const Value *value, EvalProp *prop)
 {
     bool single = value->kind == VALUE_STRING;
@@ -386,6 +446,11 @@ static bool check_node_list(const Check *check, const Value *value, EvalProp *pr
 static bool check_value(const Check *check, const Value *value, EvalProp *prop)
 {
     const PropType *type = check->type;
+    if (type->flags & PROP_TEXTURE && value->kind == VALUE_NODE && value->as.node->type->flags & NODE_TEXTURE) {
+        prop->textured = true;
+        prop->as.node = value->as.node;
+        return true;
+    }
     switch (type->kind) {
     case PROP_NUMBER:
     case PROP_INTEGER:
@@ -419,6 +484,7 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
     case PROP_VECTOR2_LISTS: return check_number_lists(check, value, prop);
     case PROP_FUNCTION: return wrong_type(check, value);
     case PROP_STRINGS: return check_string_list(check, value, prop);
+    case PROP_RAMP: return check_ramp(check, value, prop);
     case PROP_NODES: break;
     }
     return check_node_list(check, value, prop);

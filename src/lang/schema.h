@@ -28,6 +28,7 @@ typedef enum PropKind {
     PROP_VECTOR2_LISTS, /* a list of vectors, or a list of such lists */
     PROP_STRINGS,  /* or bare words, when `choices` lists them */
     PROP_NODES,
+    PROP_RAMP,     /* a list of numbers and colours, or of [position, number or colour] */
     PROP_FUNCTION  /* the name of a def that is a function of a point: f(p), or f(x, y, z) */
 } PropKind;
 
@@ -37,7 +38,8 @@ enum PropFlags {
     PROP_REQUIRED = 1,
     PROP_SHAPE = 2,    /* changes the geometry: an instance that sets it shares nothing */
     PROP_OPEN_MIN = 4, /* min itself is not allowed */
-    PROP_OPEN_MAX = 8
+    PROP_OPEN_MAX = 8,
+    PROP_TEXTURE = 16  /* a node of a type with NODE_TEXTURE may stand in place of the value */
 };
 
 typedef struct PropType {
@@ -56,7 +58,8 @@ enum NodeFlags {
     NODE_TRANSFORMS = 2, /* takes transform statements (rotate, translate, ...) */
     NODE_CHILDREN = 4,   /* takes child nodes (group, union) */
     NODE_SINGLE = 8,     /* settings: at most one per file; a later one adds to and overrides the earlier (render, film) */
-    NODE_NAMED = 16      /* must be declared with a name (medium) */
+    NODE_NAMED = 16,     /* must be declared with a name (medium) */
+    NODE_TEXTURE = 32    /* a value that depends on the place */
 };
 
 typedef struct NodeType {

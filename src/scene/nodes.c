@@ -28,6 +28,26 @@
          "in a blob only: the density in its middle, which falls to 0 at the radius; below 0 it takes away")
 #define TOLERANCE(doc) PROP(tolerance, NUMBER, UNIT_LENGTH, PROP_SHAPE | PROP_OPEN_MIN, 0, NO_MAX, NULL, NULL, doc)
 
+/* What every texture says: its values, and where it is. */
+#define TEXTURE (NODE_TEXTURE | NODE_TRANSFORMS)
+#define TEXTURE_VALUES                                                                                                 \
+    PROP(from, SPECTRUM, UNIT_NONE, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "0",                                           \
+         "the value where the pattern is 0: a number or a colour, or another texture")                                 \
+    PROP(to, SPECTRUM, UNIT_NONE, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "1", "the value where it is 1; in between, a mixture")
+#define TEXTURE_RAMP                                                                                                   \
+    PROP(ramp, RAMP, UNIT_NONE, 0, NO_MIN, NO_MAX, NULL, NULL,                                                         \
+         "instead of from and to: values, evenly spread from 0 to 1 or each with its position, as [[0, #fff], [.3, #000]]")
+#define TEXTURE_PLACE                                                                                                  \
+    PROP(space, CHOICE, UNIT_NONE, 0, NO_MIN, NO_MAX, "object|world", "object",                                        \
+         "object: it moves with what it is on; world: it stays where it is")                                           \
+    PROP(vary, NUMBER, UNIT_LENGTH, 0, 0, NO_MAX, NULL, "0",                                                           \
+         "each object has it shifted by a vector of its own, up to this far along each axis")
+#define TEXTURE_WARP(amount)                                                                                           \
+    PROP(turbulence, NUMBER, UNIT_NONE, 0, NO_MIN, NO_MAX, NULL, amount,                                               \
+         "how far noise moves the places where it is looked up, in units of the pattern")                              \
+    PROP(turbulence_octaves, INTEGER, UNIT_NONE, 0, 1, 16, NULL, "4", "octaves of that noise, each half the size of the last")
+#define TEXTURE_SEED PROP(seed, INTEGER, UNIT_NONE, 0, 0, 4294967295.0, NULL, "0", "another seed is another pattern")
+
 /* The names of optics/metal.h; a test compares them. */
 #define METALS "aluminium|brass|chromium|copper|gold|iron|nickel|silver|stainless_steel|titanium"
 
