@@ -284,14 +284,17 @@ static void print_ramp(Flat *flat, const EvalProp *prop)
 
 static bool is_identity(const Affine *map);
 static void print_transform(Flat *flat, const Affine *map);
-static void print_node(Flat *flat, const EvalNode *node, const char *word, const char *name);
+static void print_body(Flat *flat, const EvalNode *node, const EvalNode *origin, bool placed);
 
-/* A node as a value: its name, or all of it. What has a name is declared without its place. */
+/* A node as a value: its name, or what it is an instance of, or all of it. What has a name is declared without its
+ * place. */
 static void print_reference(Flat *flat, const EvalNode *node)
 {
     const Shared *shared = shared_find(flat, node);
     if (!shared->name) {
-        print_node(flat, node, node->type->name, NULL);
+        const EvalNode *origin = node->prototype ? origin_of(node) : NULL;
+        buf_add(flat->out, origin ? shared_find(flat, origin)->name : node->type->name);
+        print_body(flat, node, origin, true);
         return;
     }
     buf_add(flat->out, shared->name);
@@ -523,7 +526,11 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
     Flat flat = {.options = options, .diag = diag, .arena = diag->arena, .out = out};
     uint32_t n_errors = diag->n_errors;
     symbol_table_init(&flat.symbols, flat.arena);
-    for (size_t i = 0; i < scene->n_nodes; i++) collect(&flat, scene->nodes[i]);
+    const unsigned stands = NODE_PLACED | NODE_SINGLE;
+    for (size_t i = 0; i < scene->n_nodes; i++)
+        if (scene->nodes[i]->type->flags & stands) collect(&flat, scene->nodes[i]);
+    for (size_t i = 0; i < scene->n_nodes; i++) /* what only declares counts where it is referred to, if it is */
+        if (!(scene->nodes[i]->type->flags & stands) && !shared_find(&flat, scene->nodes[i])) collect(&flat, scene->nodes[i]);
     take_words(&flat);
     for (size_t i = 0; i < scene->n_nodes; i++) name_shared(&flat, scene->nodes[i]);
     buf_format(out, "meniscus 1.0 unit %s\n", unit_of_length(scene->unit_m));
