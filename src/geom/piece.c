@@ -353,13 +353,18 @@ static double band_fraction(const Piece *piece, double r, double y)
     return clamp_unit(((r - piece->r0) * er + (y - piece->y0) * ey) / (er * er + ey * ey));
 }
 
-/* The angle about the axis from +x towards +z, as a fraction of a turn in [0, 1). */
-static double turn_fraction(Vec3 p)
+static const double turns_per_radian = 0.15915494309189535; /* 1 / (2 pi) */
+
+/* The angle from x towards y, as a fraction of a turn in [0, 1). */
+static double turn_fraction(double x, double y)
 {
-    double u = atan2(p.z, p.x) * 0.15915494309189535; /* 1 / (2 pi) */
+    double u = atan2(y, x) * turns_per_radian;
     u = u < 0 ? u + 1 : u;
     return u < 1 ? u : 0;
 }
+
+/* About the axis, counter-clockwise seen from above: to the right, seen from outside. */
+static double turn_about_axis(Vec3 p) { return turn_fraction(p.x, -p.z); }
 
 /* The angle at an arc's centre from its start to (r, y), positive along the arc, -90 to 270 degrees. */
 static double arc_angle(const Piece *piece, double r, double y)
@@ -386,7 +391,7 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
     root->v = 0;
     switch (piece->kind) {
     case PIECE_SPHERE:
-        root->u = turn_fraction(p);
+        root->u = turn_about_axis(p);
         root->v = acos(fmin(fmax(-p.y / vec3_length(p), -1), 1)) * 0.3183098861837907; /* 1 / pi */
         break;
     case PIECE_BAND: {
@@ -398,28 +403,74 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
             Vec3 out = away_from_axis(p);
             root->shading = vec3(out.x * nr / length, ny / length, out.z * nr / length);
         }
-        root->u = turn_fraction(p);
+        root->u = turn_about_axis(p);
         root->v = (double)piece->v0 + s * ((double)piece->v1 - (double)piece->v0);
         break;
     }
     case PIECE_TORUS:
-        root->u = turn_fraction(p);
-        root->v = turn_fraction(vec3(sqrt(p.x * p.x + p.z * p.z) - piece->r0, 0, p.y));
+        root->u = turn_about_axis(p);
+        root->v = turn_fraction(sqrt(p.x * p.x + p.z * p.z) - piece->r0, p.y);
         break;
     case PIECE_OUTER_ARC:
     case PIECE_INNER_ARC: {
         double s = arc_fraction(piece, sqrt(p.x * p.x + p.z * p.z), p.y);
-        root->u = turn_fraction(p);
+        root->u = turn_about_axis(p);
         root->v = (double)piece->v0 + s * ((double)piece->v1 - (double)piece->v0);
         break;
     }
     case PIECE_RECT:
         root->u = clamp_unit(0.5 + 0.5 * p.x / piece->r0);
-        root->v = clamp_unit(0.5 + 0.5 * p.z / piece->r1);
+        root->v = clamp_unit(0.5 - 0.5 * p.z / piece->r1);
         break;
     case PIECE_PLANE:
         root->u = p.x;
-        root->v = p.z;
+        root->v = -p.z;
+        break;
+    }
+}
+
+/* From the half plane of r and y to space, at the angle about the axis that p is at. */
+static Vec3 from_half_plane(Vec3 p, double r, double y)
+{
+    Vec3 out = away_from_axis(p);
+    return vec3(out.x * r, y, out.z * r);
+}
+
+void piece_gradients(const Piece *piece, Vec3 p, Vec3 *du, Vec3 *dv)
+{
+    double square = p.x * p.x + p.z * p.z, r = sqrt(square), span = (double)piece->v1 - (double)piece->v0;
+    *du = square > 0 ? vec3(turns_per_radian * p.z / square, 0, -turns_per_radian * p.x / square) : vec3(0, 0, 0);
+    *dv = vec3(0, 0, 0);
+    switch (piece->kind) {
+    case PIECE_SPHERE: {
+        double radius = square + p.y * p.y;
+        if (radius > 0) *dv = vec3_scale(from_half_plane(p, -p.y, r), 2 * turns_per_radian / radius);
+        break;
+    }
+    case PIECE_BAND: {
+        double er = piece->r1 - piece->r0, ey = piece->y1 - piece->y0;
+        *dv = vec3_scale(from_half_plane(p, er, ey), span / (er * er + ey * ey));
+        break;
+    }
+    case PIECE_TORUS: {
+        double x = r - piece->r0, distance = x * x + p.y * p.y;
+        if (distance > 0) *dv = vec3_scale(from_half_plane(p, -p.y, x), turns_per_radian / distance);
+        break;
+    }
+    case PIECE_OUTER_ARC:
+    case PIECE_INNER_ARC: {
+        double x = r - piece->centre_r, y = p.y - piece->centre_y, distance = x * x + y * y;
+        double whole = arc_side(piece) * arc_angle(piece, piece->r1, piece->y1);
+        if (distance > 0) *dv = vec3_scale(from_half_plane(p, -y, x), span / (whole * distance));
+        break;
+    }
+    case PIECE_RECT:
+        *du = vec3(0.5 / piece->r0, 0, 0);
+        *dv = vec3(0, 0, -0.5 / piece->r1);
+        break;
+    case PIECE_PLANE:
+        *du = vec3(1, 0, 0);
+        *dv = vec3(0, 0, -1);
         break;
     }
 }

@@ -46,7 +46,8 @@ typedef struct PieceRoot {
     double t;
     Vec3 normal;  /* geometric, outward, NOT normalized in world units: local frame, unit there */
     Vec3 shading; /* shading normal, local frame, unit */
-    double u, v;  /* surface coordinates, 0..1: around from +x towards +z, along; PIECE_PLANE: x and z themselves */
+    double u, v;  /* surface coordinates, 0..1: around from +x towards -z, so to the right seen from outside; along;
+                   * PIECE_PLANE: x and -z themselves */
 } PieceRoot;
 
 /* A line in a piece's frame, org + t dir, with what all pieces of a solid ask of it. dir need not be unit. */
@@ -77,6 +78,9 @@ int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double
 Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t);
 /* The geometry at one of these crossings. */
 void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root);
+/* How u and v change at a point of the surface: their gradients along it, in the piece's frame; zero on the axis, where u
+ * has none. */
+void piece_gradients(const Piece *piece, Vec3 p, Vec3 *du, Vec3 *dv);
 /* The point nearest to p (a point on the surface) that keeps at least `margin` from the piece's edges,
  * along the surface; the middle when the piece is narrower than that. */
 Vec3 piece_inset(const Piece *piece, Vec3 p, double margin);

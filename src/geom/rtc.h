@@ -125,6 +125,17 @@ typedef struct HitSurface {
 } HitSurface;
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
 
+/* Where on its object a surface was met, for textures: in the object's own frame, where it stays while the object moves or
+ * its mesh deforms. */
+typedef struct RtcCoordinates {
+    Vec3 local;      /* of a mesh: as at time 0 */
+    Affine to_local; /* at the ray's time */
+    bool has_uv;     /* false: a mesh without any */
+    float uv[2];     /* the mesh's, or PieceRoot's */
+    Vec3 du, dv;     /* their gradients along the surface, in the object's frame; zero where there are none */
+} RtcCoordinates;
+void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, RtcCoordinates *coordinates);
+
 /* The corners of a mesh object's triangle in the world, as rays meet it: counter-clockwise seen from outside. */
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3]);
 

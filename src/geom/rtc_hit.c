@@ -26,11 +26,6 @@ static bool is_left(const Query *query, uint32_t object, uint32_t primitive, dou
     return false;
 }
 
-static const uint32_t *triangle_of(const RtcPlaced *object, uint32_t primitive)
-{
-    return object->detail->triangles ? object->detail->triangles[primitive] : object->mesh->triangles[primitive];
-}
-
 static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 {
     Vec3 p = vec3_from_f(object->mesh->positions[vertex]);
@@ -43,7 +38,7 @@ static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time,
                              Vec3 corner[3])
 {
-    const uint32_t *triangle = triangle_of(object, primitive);
+    const uint32_t *triangle = rtc_triangle_of(object, primitive);
     const Vec3f *baked = object->detail->baked;
     if (baked) {
         for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(baked[triangle[i]]);
@@ -207,7 +202,7 @@ static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, doubl
 {
     const Mesh *mesh = object->mesh;
     if (!mesh->normals) return hit->normal;
-    const uint32_t *triangle = triangle_of(object, hit->primitive);
+    const uint32_t *triangle = rtc_triangle_of(object, hit->primitive);
     Vec3f local = interpolated_normal(mesh, triangle, hit);
     const Mesh *mesh_end = object->detail->mesh_end;
     if (mesh_end && mesh_end->normals) {

@@ -92,6 +92,12 @@ static inline Affine rtc_first_to_local(const RtcPlaced *object)
     return map;
 }
 
+/* The corners' numbers of an object's triangle, counter-clockwise seen from outside as the mesh is placed. */
+static inline const uint32_t *rtc_triangle_of(const RtcPlaced *object, uint32_t primitive)
+{
+    return object->detail->triangles ? object->detail->triangles[primitive] : object->mesh->triangles[primitive];
+}
+
 /* Where a placed object is. */
 static inline Affine rtc_to_world(const RtcScene *scene, const RtcPlaced *object, double time)
 {

@@ -1,0 +1,230 @@
+/* surface_texture.c - looking up textures.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/surface_texture.h"
+
+#include "base/hash.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* Wavelengths for textures of numbers, which do not depend on them. */
+static Lanes any_wavelength(void) { return lanes_all(550); }
+
+/* ---- where ---- */
+
+/* A place in a texture's own coordinates. */
+typedef struct LocalPlace {
+    Vec3 p, normal;
+    double footprint;
+} LocalPlace;
+
+static Vec3 shift_of_object(uint64_t identity, uint64_t seed, double vary)
+{
+    uint64_t h = hash_u64(hash_u64(identity) ^ seed);
+    double shift[3];
+    for (int i = 0; i < 3; i++, h = hash_u64(h)) shift[i] = vary * (2 * hash_to_unit(h) - 1);
+    return vec3(shift[0], shift[1], shift[2]);
+}
+
+static LocalPlace local_place(const Texture *texture, const TexturePlace *place)
+{
+    LocalPlace local = texture->in_world ? (LocalPlace){place->world, place->world_normal, place->world_footprint}
+                                         : (LocalPlace){place->object, place->object_normal, place->footprint};
+    if (texture->vary > 0) local.p = vec3_add(local.p, shift_of_object(place->identity, texture->seed, texture->vary));
+    if (texture->placed) {
+        local.p = affine_point(&texture->to_pattern, local.p);
+        local.normal = affine_vector(&texture->to_pattern, local.normal);
+        double length = vec3_length(local.normal);
+        if (length > 0) local.normal = vec3_scale(local.normal, 1 / length);
+        local.footprint *= texture->shrink;
+    }
+    return local;
+}
+
+static double pattern_part(const Texture *texture, const TexturePlace *place)
+{
+    LocalPlace local = local_place(texture, place);
+    if (texture->turbulence != 0)
+        local.p = vec3_along(local.p, texture->turbulence,
+                             pattern_turbulence(local.p, texture->turbulence_octaves, local.footprint, ~texture->seed));
+    PatternPlace at = {local.p, local.normal, local.footprint};
+    return pattern_at(&texture->pattern, &at);
+}
+
+/* ---- pictures ---- */
+
+enum { MOST_LOOKS = 3 };
+
+static TextureLook look_by_uv(const Texture *texture, const TexturePlace *place)
+{
+    TextureLook look = {.u = (double)place->uv[0], .v = (double)place->uv[1], .wrap = texture->wrap};
+    double width_u = vec3_length(place->du) * place->footprint, width_v = vec3_length(place->dv) * place->footprint;
+    if (texture->vary > 0) {
+        Vec3 shift = shift_of_object(place->identity, texture->seed, texture->vary);
+        look.u += shift.x;
+        look.v += shift.y;
+    }
+    if (texture->placed) {
+        Vec3 p = affine_point(&texture->to_pattern, vec3(look.u, look.v, 0));
+        Vec3 u = affine_vector(&texture->to_pattern, vec3(width_u, 0, 0)),
+             v = affine_vector(&texture->to_pattern, vec3(0, width_v, 0));
+        look.u = p.x;
+        look.v = p.y;
+        width_u = fmax(fabs(u.x), fabs(v.x));
+        width_v = fmax(fabs(u.y), fabs(v.y));
+    }
+    look.width_u = (float)width_u;
+    look.width_v = (float)width_v;
+    return look;
+}
+
+/* Seen from outside a side's picture is upright and not mirrored. */
+static int looks_of_box(const LocalPlace *local, TextureLook *looks, float *weights)
+{
+    /* sides whose part would be less than this are left out, so that most places need one look */
+    const double least = 0.02;
+    const double normal[3] = {local->normal.x, local->normal.y, local->normal.z};
+    const double u[3] = {normal[0] > 0 ? -local->p.z : local->p.z, local->p.x,
+                         normal[2] > 0 ? local->p.x : -local->p.x};
+    const double v[3] = {local->p.y, normal[1] > 0 ? -local->p.z : local->p.z, local->p.y};
+    double part[3], sum = 0;
+    for (int i = 0; i < 3; i++) {
+        double square = normal[i] * normal[i];
+        part[i] = fmax(square * square - least, 0);
+        sum += part[i];
+    }
+    int n = 0;
+    for (int i = 0; i < 3; i++) {
+        if (!(part[i] > 0)) continue;
+        looks[n].u = u[i];
+        looks[n].v = v[i];
+        looks[n].width_u = looks[n].width_v = (float)local->footprint;
+        weights[n++] = (float)(part[i] / sum);
+    }
+    return n;
+}
+
+static TextureLook look_around(const LocalPlace *local, bool sphere)
+{
+    Vec3 p = local->p;
+    double r = sqrt(p.x * p.x + p.z * p.z), length = sphere ? vec3_length(p) : r;
+    TextureLook look = {.u = r > 0 ? atan2(p.z, p.x) / (2 * pi) : 0, .v = p.y};
+    if (look.u < 0) look.u += 1;
+    double width_v = local->footprint;
+    if (sphere) {
+        look.v = length > 0 ? 0.5 + asin(fmin(fmax(p.y / length, -1), 1)) / pi : 0.5;
+        width_v = length > 0 ? local->footprint / (pi * length) : 1;
+    }
+    /* all of the circle, beside the axis */
+    look.width_u = r * pi > local->footprint ? (float)(local->footprint / (2 * pi * r)) : 0.5f;
+    look.width_v = (float)width_v;
+    return look;
+}
+
+static int find_looks(const Texture *texture, const TexturePlace *place, TextureLook *looks, float *weights)
+{
+    weights[0] = 1;
+    if (texture->projection == PROJECTION_UV) {
+        looks[0] = look_by_uv(texture, place);
+        return 1;
+    }
+    LocalPlace local = local_place(texture, place);
+    int n = 1;
+    switch (texture->projection) {
+    case PROJECTION_UV:
+    case PROJECTION_PLANAR:
+        looks[0] = (TextureLook){local.p.x, local.p.y, (float)local.footprint, (float)local.footprint, texture->wrap};
+        break;
+    case PROJECTION_BOX: n = looks_of_box(&local, looks, weights); break;
+    case PROJECTION_CYLINDRICAL:
+    case PROJECTION_SPHERICAL: looks[0] = look_around(&local, texture->projection == PROJECTION_SPHERICAL); break;
+    }
+    for (int i = 0; i < n; i++) looks[i].wrap = texture->wrap;
+    return n;
+}
+
+static Lanes picture_color(const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+{
+    TextureLook looks[MOST_LOOKS];
+    float weights[MOST_LOOKS];
+    int n = find_looks(texture, place, looks, weights);
+    Lanes sum = lanes_all(0);
+    for (int i = 0; i < n; i++)
+        sum = lanes_add(sum, lanes_scale(texture_image_color(texture->image, &looks[i], wavelength_nm), weights[i]));
+    return sum;
+}
+
+Vec3f texture_vector_at(const Texture *texture, const TexturePlace *place)
+{
+    TextureLook looks[MOST_LOOKS];
+    float weights[MOST_LOOKS], values[3] = {0, 0, 0};
+    int n = find_looks(texture, place, looks, weights);
+    Vec3f sum = vec3f(0, 0, 0);
+    for (int i = 0; i < n; i++) {
+        texture_image_numbers(texture->image, &looks[i], values);
+        sum = vec3f_along(sum, weights[i], vec3f(values[0], values[1], values[2]));
+    }
+    return sum;
+}
+
+/* ---- what ---- */
+
+static Lanes at_stops(const Texture *texture, float part, Lanes wavelength_nm)
+{
+    const TextureStop *stops = texture->stops;
+    uint32_t low = 0, high = texture->n_stops; /* the first stop beyond the place */
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (stops[middle].at <= part)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    if (low == 0) return spectrum_at(&stops[0].value, wavelength_nm);
+    if (low == texture->n_stops) return spectrum_at(&stops[low - 1].value, wavelength_nm);
+    float t = (part - stops[low - 1].at) / (stops[low].at - stops[low - 1].at);
+    return lanes_add(lanes_scale(spectrum_at(&stops[low - 1].value, wavelength_nm), 1 - t),
+                     lanes_scale(spectrum_at(&stops[low].value, wavelength_nm), t));
+}
+
+static float part_of(const Texture *textures, const Texture *texture, const TexturePlace *place)
+{
+    double part = 0;
+    switch (texture->kind) {
+    case TEXTURE_CONSTANT: break;
+    case TEXTURE_PATTERN: part = pattern_part(texture, place); break;
+    case TEXTURE_IMAGE: part = (double)texture_vector_at(texture, place).x; break;
+    case TEXTURE_MIX: part = (double)texture_number_at(textures, texture->blend, place); break;
+    case TEXTURE_VARIATION: part = hash_to_unit(hash_u64(hash_u64(place->identity) ^ texture->seed)); break;
+    }
+    return part > 0 ? part < 1 ? (float)part : 1 : 0;
+}
+
+Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm)
+{
+    const Texture *texture = &textures[number];
+    if (texture->kind == TEXTURE_CONSTANT) return spectrum_at(&texture->value, wavelength_nm);
+    if (texture->image_is_value)
+        return texture_image_channels(texture->image) == 3 ? picture_color(texture, place, wavelength_nm)
+                                                           : lanes_all(texture_vector_at(texture, place).x);
+    float part = part_of(textures, texture, place);
+    if (texture->n_stops) return at_stops(texture, part, wavelength_nm);
+    if (part <= 0) return texture_at(textures, texture->low, place, wavelength_nm);
+    if (part >= 1) return texture_at(textures, texture->high, place, wavelength_nm);
+    return lanes_add(lanes_scale(texture_at(textures, texture->low, place, wavelength_nm), 1 - part),
+                     lanes_scale(texture_at(textures, texture->high, place, wavelength_nm), part));
+}
+
+float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place)
+{
+    return lanes_get(texture_at(textures, number, place, any_wavelength()), 0);
+}
+
+TexturePlace texture_place_moved(const TexturePlace *place, Vec3 object_offset, Vec3 world_offset)
+{
+    TexturePlace moved = *place;
+    moved.object = vec3_add(place->object, object_offset);
+    moved.world = vec3_add(place->world, world_offset);
+    moved.uv[0] += (float)vec3_dot(place->du, object_offset);
+    moved.uv[1] += (float)vec3_dot(place->dv, object_offset);
+    return moved;
+}
