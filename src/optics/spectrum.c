@@ -59,6 +59,7 @@ Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)
         result = lanes_sqrt(result);
         break;
     }
+    case SPECTRUM_LANES: result = lanes(value[0], value[1], value[2], value[3]); break;
     case SPECTRUM_CONSTANT: /* see spectrum_at */
     case SPECTRUM_TABLE:
     default:

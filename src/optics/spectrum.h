@@ -22,7 +22,9 @@ typedef enum SpectrumKind {
     SPECTRUM_LIGHT,    /* the same times the working space's white illuminant, for emission */
     SPECTRUM_CAUCHY,   /* A + B / um^2 + C / um^4 */
     SPECTRUM_SELLMEIER,/* n^2 = 1 + sum B_i um^2 / (um^2 - C_i) */
-    SPECTRUM_TABLE     /* SPECTRUM_SAMPLES values, linear in between */
+    SPECTRUM_TABLE,    /* SPECTRUM_SAMPLES values, linear in between */
+    SPECTRUM_LANES     /* value[0 .. 3] at the four wavelengths that it is asked for, whatever they are: a texture's value at
+                        * one hit; of no use elsewhere */
 } SpectrumKind;
 
 typedef struct Spectrum {

@@ -221,12 +221,15 @@ void build_visit(Builder *b, const EvalNode *node, const Affine *parent)
         Affine to_world = affine_compose(parent, &node->transform);
         uint64_t where = b->where;
         b->where = hash_u64(where + node->identity);
+        Affine outer_frame = b->node_to_world;
+        b->node_to_world = to_world;
         const DiagChain *outer = b->diag->chain;
         b->diag->chain = node->chain;
         if ((!b->combination || is_operand(b, node)) && build_check_transform(b, node, &to_world))
             placed[i].build(b, node, &to_world);
         b->diag->chain = outer;
         b->where = where;
+        b->node_to_world = outer_frame;
         return;
     }
 }

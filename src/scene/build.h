@@ -7,8 +7,9 @@
 
 /* What images are read with: the layer below has no image files. rgb is malloc'd, linear Rec.709 (working
  * space). space: name of the colour space, NULL by the file's kind, SCENE_SPACE_DATA for values as they are in the
- * file. */
+ * file, SCENE_SPACE_ALPHA for three times the alpha, which is 1 where there is none. */
 #define SCENE_SPACE_DATA ""
+#define SCENE_SPACE_ALPHA "/alpha"
 typedef Status (*SceneImageLoader)(void *context, const char *path, const char *space, float **rgb,
                                    uint32_t *width, uint32_t *height, Error *error);
 

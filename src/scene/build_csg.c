@@ -16,6 +16,7 @@ struct Combination {
     uint32_t medium, surface; /* SCENE_NONE for the one that it has not */
     Span matter_span;         /* where that is said */
     uint32_t part;            /* which part the next object becomes */
+    Affine frame;             /* of the node to the world */
 };
 
 /* A property that is set, of any type of node: groups know none of these. */
@@ -79,6 +80,7 @@ typedef struct OperandKind {
     const EvalNode *node;
     const char *name;
     uint32_t part_of, surface;
+    const Affine *frame; /* of the node that the surface was given to */
 } OperandKind;
 
 static SceneObject *add_operand(Builder *b, const OperandKind *kind, uint32_t shape, const Affine *to_world,
@@ -89,6 +91,7 @@ static SceneObject *add_operand(Builder *b, const OperandKind *kind, uint32_t sh
     SceneObject *object = &scene->objects[number];
     object->part_of = kind->part_of;
     object->surface = kind->surface;
+    build_texture_frame(b, number, kind->frame);
     scene->operands =
         room_for_one(b->arena, scene->operands, scene->n_operands, &b->operands_capacity, sizeof *scene->operands);
     scene->operands[scene->n_operands] = number;
@@ -116,6 +119,7 @@ void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affin
     const EvalProp *surface = find_prop(node, "surface");
     OperandKind kind = {.node = node, .name = build_name(b, node, node->type->name), .part_of = whole->object};
     kind.surface = surface ? build_surface(b, surface->as.node) : whole->surface;
+    kind.frame = surface ? &b->node_to_world : &whole->frame;
     if (!b->facts[shape].closed) build_report_open(b, node->span, kind.name, shape);
     Layers layers = build_layers(b, shape);
     if (layers.n > 1)
@@ -137,7 +141,7 @@ bool build_layered(Builder *b, const EvalNode *node, uint32_t shape, const Affin
     Layers layers = build_layers(b, shape);
     if (layers.n == 1) return false;
     uint32_t whole = build_add_object(b, node, SCENE_NONE, to_world), root = add_parts(b, 1);
-    OperandKind kind = {node, b->scene->objects[whole].name, whole, surface};
+    OperandKind kind = {node, b->scene->objects[whole].name, whole, surface, &b->node_to_world};
     add_tree(b, whole, root);
     add_layers(b, &kind, layers, to_world, root);
     return true;
@@ -170,7 +174,7 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     const EvalNode *said = find_matter(node);
     const EvalProp *interior = NULL, *surface = NULL, *priority = find_prop(node, "priority");
     if (!b->only_shapes && !build_matter(b, said ? said : node, &interior, &surface)) return;
-    struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE};
+    struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE, .frame = *to_world};
     if (interior || surface) whole.matter_span = (interior ? interior : surface)->span;
     if (interior) whole.medium = build_medium(b, interior->as.node);
     if (surface) whole.surface = build_surface(b, surface->as.node);

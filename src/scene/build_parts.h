@@ -46,6 +46,12 @@ typedef struct ShapeFacts {
     } open[4], non_manifold[4]; /* the first of such edges */
 } ShapeFacts;
 
+/* What values a texture can take, as numbers, and what a look-up costs. */
+typedef struct TextureFacts {
+    double least, most;
+    unsigned cost, depth;
+} TextureFacts;
+
 typedef struct Builder {
     Scene *scene;
     Arena *arena; /* the scene's */
@@ -62,6 +68,12 @@ typedef struct Builder {
     size_t objects_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
+    Map textures, pictures;
+    TextureFacts *texture_facts;     /* of scene->textures */
+    uint32_t texture_facts_capacity, textures_capacity, pictures_capacity, texture_frames_capacity;
+    double picture_bytes;
+    const EvalProp *texture_user;    /* the property that textures are being built for */
+    Affine node_to_world;            /* of the node being built: the frame that it is described in */
     Map mesh_files;                            /* shapes by the address of the first mesh node that has them */
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
     uint32_t grey;                             /* the surface of a ground that names none */
@@ -108,6 +120,24 @@ uint32_t build_surface(Builder *b, const EvalNode *node);
 bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear);
 uint32_t build_black_surface(Builder *b);
 uint32_t build_grey_surface(Builder *b);
+
+/* build_texture.c */
+typedef enum TextureUse { TEXTURE_OF_NUMBERS, TEXTURE_OF_COLORS, TEXTURE_OF_VECTORS } TextureUse;
+/* Whether textures matter to what is being built. */
+bool build_textures_wanted(const Builder *b);
+/* The row of the texture that a property has instead of a value; reports values outside of the property's range. *least,
+ * *most: what a texture of numbers can come to. */
+uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double *least, double *most);
+/* Squares of two reflectances in turn, in the world, as a surface's pattern = checker has them. */
+uint32_t build_world_checker(Builder *b, const double rgb[3], const double other[3], double size);
+/* The row of a texture's node. */
+uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use);
+/* Says where the textures on an object are, if it has any: in the frame of the node that its surface was given to. */
+void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_world);
+
+/* build_picture.c */
+/* The picture of an image node; NULL after reporting. */
+const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use);
 
 /* build_spectrum.c */
 /* What a property's spectrum() says, its factor included; false after reporting. most: the largest value that can be

@@ -128,6 +128,7 @@ uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uin
         .medium = SCENE_NONE,
         .surface = SCENE_NONE,
         .light = SCENE_NONE,
+        .texture_frame = SCENE_NONE,
         .motion = SCENE_NONE,
         .identity = b->where,
         .tree = SCENE_NONE,
@@ -169,6 +170,7 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
     SceneObject *object = &b->scene->objects[before];
     const EvalProp *priority = eval_prop(node, "priority");
     object->surface = cover;
+    build_texture_frame(b, before, &b->node_to_world);
     if (!interior) {
         build_needs(b, node, "priority", "on an opaque object");
         return;
@@ -269,6 +271,7 @@ void build_ground(Builder *b, const EvalNode *node, const Affine *to_world)
     uint32_t number = build_add_object(b, node, shape, &place);
     if (b->only_shapes) return;
     b->scene->objects[number].surface = surface ? build_surface(b, surface->as.node) : build_grey_surface(b);
+    build_texture_frame(b, number, to_world);
 }
 
 void build_plane(Builder *b, const EvalNode *node, const Affine *to_world)

@@ -31,6 +31,22 @@ static const Parameter parameters[] = {
     {"coat_tint", PARAMETER_COLOR, offsetof(BsdfSpec, coat_color)},
 };
 
+/* The spec gets the largest number that the texture can come to, so that it says what there is at all. */
+static void read_texture(Builder *b, const EvalProp *prop, const Parameter *parameter, SceneSurface *surface,
+                         SurfaceTexture *texture)
+{
+    bool color = parameter->kind == PARAMETER_COLOR;
+    double least, most;
+    if (!build_textures_wanted(b)) return;
+    *texture = (SurfaceTexture){.texture = build_texture(b, prop, color ? TEXTURE_OF_COLORS : TEXTURE_OF_NUMBERS, &least, &most),
+                                .color = color,
+                                .offset = parameter->offset,
+                                .least = (float)prop->type->min,
+                                .most = (float)prop->type->max};
+    if (!color) *(float *)((char *)&surface->spec + parameter->offset) = (float)most;
+    surface->n_textures++;
+}
+
 /* What is neither set nor has a default stays as bsdf_spec_init left it. */
 static void read_parameter(const EvalNode *node, const Parameter *parameter, BsdfSpec *spec)
 {
@@ -48,6 +64,95 @@ static void read_parameter(const EvalNode *node, const Parameter *parameter, Bsd
     }
 }
 
+static void read_parameters(Builder *b, const EvalNode *node, SceneSurface *surface)
+{
+    SurfaceTexture *textures = ARENA_ARRAY(b->arena, SurfaceTexture, COUNT_OF(parameters) + 1);
+    surface->textures = textures;
+    for (size_t i = 0; i < COUNT_OF(parameters); i++) {
+        const EvalProp *prop = eval_prop(node, parameters[i].property);
+        if (prop && prop->textured)
+            read_texture(b, prop, &parameters[i], surface, &textures[surface->n_textures]);
+        else
+            read_parameter(node, &parameters[i], &surface->spec);
+    }
+}
+
+/* The checker that a surface has by itself: a texture of squares in the world, whose layers along y are half a square off
+ * the origin, so that a ground at y = 0 is in the midst of one. */
+static void read_checker(Builder *b, const EvalNode *node, SceneSurface *surface)
+{
+    const EvalProp *albedo = eval_prop(node, "albedo"), *other = eval_prop(node, "albedo2");
+    double size = eval_number(node, "check_size");
+    if (albedo && albedo->textured) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "pattern"),
+                                         "'pattern' and a texture for 'albedo' exclude each other");
+        diag_note(b->diag, report, albedo->span, "the texture is here");
+        return;
+    }
+    if (!(size >= (double)FLT_MIN && size <= SCENE_REACH)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "check_size"), "squares of %g cannot be drawn", size);
+        return;
+    }
+    Vec3 rgb = eval_vector(node, "albedo"), second = vec3_scale(rgb, 0.25);
+    if (other) second = vec3(other->as.vector[0], other->as.vector[1], other->as.vector[2]);
+    SurfaceTexture *texture = (SurfaceTexture *)ARENA_ARRAY(b->arena, SurfaceTexture, surface->n_textures + 1);
+    if (surface->n_textures) memcpy(texture, surface->textures, surface->n_textures * sizeof *texture);
+    surface->textures = texture;
+    texture[surface->n_textures++] = (SurfaceTexture){
+        .texture = build_world_checker(b, (const double[3]){rgb.x, rgb.y, rgb.z},
+                                       (const double[3]){second.x, second.y, second.z}, size),
+        .color = true,
+        .offset = offsetof(BsdfSpec, base_color),
+        .most = 1};
+}
+
+/* ---- relief ---- */
+
+static void read_bump(Builder *b, const EvalNode *node, SceneSurface *surface)
+{
+    const EvalProp *bump = eval_prop(node, "bump"), *height = eval_prop(node, "bump_height");
+    double least, most;
+    if (!bump) {
+        build_needs(b, node, "bump_height", "without a bump");
+        return;
+    }
+    if (!bump->textured) {
+        Diagnostic *report = diag_report(b->diag, D_WRONG_TYPE, bump->span, "a bump that is the same everywhere is none");
+        diag_hint(b->diag, report, "give it a texture, as in: bump = noise { scale(.1) }  bump_height = .01");
+        return;
+    }
+    if (!height) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, bump->span, "a 'bump' needs a 'bump_height'");
+        diag_hint(b->diag, report, "it is how far up the texture's 1 is");
+        return;
+    }
+    if (!build_textures_wanted(b)) return;
+    surface->bump = build_texture(b, bump, TEXTURE_OF_NUMBERS, &least, &most);
+    surface->bump_height = height->as.number;
+}
+
+static void read_normal_map(Builder *b, const EvalNode *node, SceneSurface *surface)
+{
+    const EvalProp *map = eval_prop(node, "normal_map");
+    if (!map) {
+        build_needs(b, node, "normal_strength", "without a normal_map");
+        build_needs(b, node, "normal_y", "without a normal_map");
+        return;
+    }
+    static const char *const scalar[] = {"from", "to", "ramp"};
+    const EvalNode *image = map->as.node;
+    for (size_t i = 0; i < COUNT_OF(scalar); i++) build_needs(b, image, scalar[i], "in a map of normals");
+    const EvalProp *projection = eval_prop(image, "projection");
+    if (projection && strcmp(projection->as.text, "uv") != 0)
+        diag_report(b->diag, D_CONFLICTING_PROPERTIES, projection->span,
+                    "a normal map lies on the surface's own coordinates, projection = uv");
+    if (!build_textures_wanted(b)) return;
+    b->texture_user = map;
+    surface->normal_map = build_texture_row(b, image, TEXTURE_OF_VECTORS);
+    surface->normal_x = surface->normal_y = (float)eval_number(node, "normal_strength");
+    if (strcmp(eval_word(node, "normal_y"), "down") == 0) surface->normal_y = -surface->normal_y;
+}
+
 static uint32_t add_surface(Builder *b, SceneSurface surface)
 {
     Scene *scene = b->scene;
@@ -61,9 +166,18 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
 {
     const EvalProp *ior = eval_prop(node, "ior");
     const char *metal = eval_word(node, "metal");
-    BsdfSpec *spec = &surface->spec[0];
+    BsdfSpec *spec = &surface->spec;
     bsdf_spec_init(spec);
-    for (size_t i = 0; i < COUNT_OF(parameters); i++) read_parameter(node, &parameters[i], spec);
+    read_parameters(b, node, surface);
+    surface->albedo = spec->base_color;
+    if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
+        read_checker(b, node, surface);
+    } else {
+        build_needs(b, node, "albedo2", "without pattern = checker");
+        build_needs(b, node, "check_size", "without pattern = checker");
+    }
+    read_bump(b, node, surface);
+    read_normal_map(b, node, surface);
     surface->roughness = spec->specular_roughness;
     spec->specular_weight = ior ? 1 : 0;
     if (metal) {
@@ -71,8 +185,6 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
         spec->measured_metal =
             metal_index(metal, &spec->metal_n, &spec->metal_k, build_new_table(b), build_new_table(b));
     }
-    surface->spec[1] = *spec;
-    surface->spec[1].base_color = surface->albedo2;
     surface->finished = ior || metal || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0;
     static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
     for (size_t i = 0; metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
@@ -81,15 +193,24 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
         build_needs(b, node, of_coat[i], "without a coat");
 }
 
+/* Whether a clear object's surface can have that. */
+static bool clear_has(const char *property)
+{
+    static const char *const properties[] = {"roughness", "bump", "bump_height", "normal_map", "normal_strength", "normal_y"};
+    for (size_t i = 0; i < COUNT_OF(properties); i++)
+        if (strcmp(property, properties[i]) == 0) return true;
+    return false;
+}
+
 bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
 {
     const EvalNode *node = surface->as.node;
     size_t n_errors = b->diag->n_errors;
     for (size_t i = 0; clear && i < node->n_props; i++) {
-        if (strcmp(node->props[i].type->name, "roughness") == 0) continue;
+        if (clear_has(node->props[i].type->name)) continue;
         Diagnostic *report =
             diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
-                        "an object with an interior is clear: its surface can be rough, but has no '%s'",
+                        "an object with an interior is clear: its surface can be rough and have relief, but has no '%s'",
                         node->props[i].type->name);
         diag_note(b->diag, report, node->props[i].span, "'%s' is set here", node->props[i].type->name);
         break;
@@ -107,54 +228,35 @@ bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
     return b->diag->n_errors == n_errors;
 }
 
+static SceneSurface plain_surface(const char *name, float albedo)
+{
+    return (SceneSurface){
+        .name = name, .albedo = spectrum_constant(albedo), .bump = SCENE_NONE, .normal_map = SCENE_NONE};
+}
+
 uint32_t build_surface(Builder *b, const EvalNode *node)
 {
     bool found;
     uint32_t known = *build_row_of(b, &b->surfaces, node, b->scene->n_surfaces, &found);
     if (found) return known;
     const char *name = node->name ? node->name : "surface";
-    Vec3 albedo = eval_vector(node, "albedo");
-    double rgb[3] = {albedo.x, albedo.y, albedo.z};
-    SceneSurface surface = {.name = arena_copy_text(b->arena, name, strlen(name)),
-                            .albedo = spectrum_from_reflectance(rgb)};
-    surface.albedo2 = surface.albedo;
+    SceneSurface surface = plain_surface(arena_copy_text(b->arena, name, strlen(name)), 0);
     if (!eval_prop(node, "emission"))
         build_needs(b, node, "radiance", "without an 'emission'");
     else if (build_emission(b, node, "emission", eval_number(node, "radiance"), &surface.emission))
         surface.emits = !spectrum_is_zero(&surface.emission);
-    surface.check_size = (float)eval_number(node, "check_size");
-    if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
-        const EvalProp *albedo2 = eval_prop(node, "albedo2");
-        double other[3];
-        for (int i = 0; i < 3; i++) other[i] = albedo2 ? albedo2->as.vector[i] : rgb[i] / 4;
-        surface.checkered = true;
-        surface.albedo2 = spectrum_from_reflectance(other);
-        if (!(surface.check_size >= FLT_MIN && surface.check_size <= (float)SCENE_REACH))
-            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "check_size"), "squares of %g cannot be drawn",
-                        eval_number(node, "check_size"));
-    } else {
-        build_needs(b, node, "albedo2", "without pattern = checker");
-        build_needs(b, node, "check_size", "without pattern = checker");
-    }
     finish_of(b, node, &surface);
     return add_surface(b, surface);
 }
 
 uint32_t build_black_surface(Builder *b)
 {
-    if (b->black == SCENE_NONE)
-        b->black = add_surface(
-            b, (SceneSurface){
-                   .name = "light", .albedo = spectrum_constant(0), .albedo2 = spectrum_constant(0), .check_size = 1});
+    if (b->black == SCENE_NONE) b->black = add_surface(b, plain_surface("light", 0));
     return b->black;
 }
 
 uint32_t build_grey_surface(Builder *b)
 {
-    if (b->grey == SCENE_NONE)
-        b->grey = add_surface(b, (SceneSurface){.name = "grey",
-                                                .albedo = spectrum_constant(0.5f),
-                                                .albedo2 = spectrum_constant(0.5f),
-                                                .check_size = 1});
+    if (b->grey == SCENE_NONE) b->grey = add_surface(b, plain_surface("grey", 0.5f));
     return b->grey;
 }

@@ -13,6 +13,7 @@ void scene_free(Scene *scene)
         mesh_free(scene->shapes[i].mesh_end);
         mesh_parts_clear(&scene->shapes[i].parts);
     }
+    for (uint32_t i = 0; i < scene->n_images; i++) texture_image_free(scene->images[i]);
     environment_free(scene->environment);
     free(scene->objects);
     free(scene->motions);

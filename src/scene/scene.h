@@ -14,6 +14,7 @@
 #include "optics/bsdf_spec.h"
 #include "optics/phase.h"
 #include "optics/spectrum.h"
+#include "optics/surface_texture.h"
 #include "optics/texture.h"
 #include "scene/aov.h"
 
@@ -34,16 +35,27 @@ typedef struct SceneMedium {
     int32_t priority;
 } SceneMedium;
 
-/* What an opaque object is covered with; of a clear one, only roughness counts. */
+/* A parameter of a surface that a texture says. */
+typedef struct SurfaceTexture {
+    uint32_t texture; /* of scene->textures */
+    bool color;       /* the parameter is a Spectrum of reflectances; else a float in least .. most */
+    size_t offset;    /* in BsdfSpec */
+    float least, most;
+} SurfaceTexture;
+
+/* What an opaque object is covered with; of a clear one, only roughness and relief count. */
 typedef struct SceneSurface {
     const char *name;
-    Spectrum albedo;     /* diffuse reflectance, 0..1 */
-    bool checkered;      /* albedo2 in every other square of a world-space checker in x and z (y for walls) */
-    Spectrum albedo2;
-    float check_size;
+    Spectrum albedo;  /* diffuse reflectance, 0..1 */
     float roughness;  /* of the boundary of a clear object; its alpha is the square */
     bool finished;    /* more than matte: */
-    BsdfSpec spec[2]; /* of albedo, and of albedo2 */
+    BsdfSpec spec;    /* of a number that a texture says: the largest that it can be */
+    const SurfaceTexture *textures;
+    uint32_t n_textures;
+    uint32_t bump;    /* SCENE_NONE, or a texture of heights, in units of: */
+    double bump_height;
+    uint32_t normal_map; /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
+    float normal_x, normal_y; /* factors of its slopes */
     bool emits;          /* shines by itself, from both sides */
     Spectrum emission;   /* radiance, as SceneLight's */
 } SceneSurface;
@@ -71,10 +83,17 @@ typedef struct SceneObject {
     uint32_t surface; /* of an opaque object, or of an operand of one; of a hull one that makes it rough, or SCENE_NONE */
     uint32_t light;   /* SCENE_NONE when it does not shine */
     uint32_t motion;  /* which of the scene's motions; SCENE_NONE when it stands still */
+    uint32_t texture_frame; /* which of the scene's; SCENE_NONE where no texture needs it */
     uint64_t identity; /* which object this is at another clock; see EvalNode.identity */
     int32_t priority; /* the object's own, or its medium's, or 0 */
     double volume;    /* enclosed, in cubic scene units; 0 for a combination, see CompiledScene.hulls */
 } SceneObject;
+
+/* Where the textures on an object are: they stay with the frame that it was described in. */
+typedef struct SceneTextureFrame {
+    Affine from_shape; /* from the frame of the object's shape */
+    Box3 box;          /* around the shape, in its own frame: the sides of it stand for the uv of a mesh without any */
+} SceneTextureFrame;
 
 /* A union, intersection or difference of other objects; see nest/csg.h. Operands count from 0 through the scene. */
 typedef struct SceneTree {
@@ -169,11 +188,17 @@ typedef struct SceneAnimation {
 } SceneAnimation;
 
 typedef struct Scene {
-    Arena arena; /* holds everything but objects, meshes, solids and the environment, which scene_free frees too */
+    Arena arena; /* holds everything but objects, meshes, solids, images and the environment, which scene_free frees too */
     SceneMedium *media; /* [0] is the world's */
     uint32_t n_media;
     SceneSurface *surfaces;
     uint32_t n_surfaces;
+    Texture *textures;
+    uint32_t n_textures;
+    TextureImage **images; /* that textures refer to */
+    uint32_t n_images;
+    SceneTextureFrame *texture_frames;
+    uint32_t n_texture_frames;
     SceneShape *shapes;
     uint32_t n_shapes;
     SceneObject *objects;
@@ -206,6 +231,15 @@ typedef struct Scene {
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */
+/* Whether anything of a surface depends on the place. */
+static inline bool surface_has_relief(const SceneSurface *surface)
+{
+    return surface->bump != SCENE_NONE || surface->normal_map != SCENE_NONE;
+}
+static inline bool surface_has_textures(const SceneSurface *surface)
+{
+    return surface->n_textures > 0 || surface_has_relief(surface);
+}
 /* The row of the combination that an object is an operand of, or its own. */
 static inline uint32_t scene_whole(const Scene *scene, uint32_t object)
 {

@@ -78,7 +78,8 @@ static void add_solid(Hasher *h, const Solid *solid)
 
 /* Hashes of the tables' rows, each computed once however often it is used. */
 typedef struct Rows {
-    uint64_t *shapes, *media, *surfaces;
+    uint64_t *shapes, *media, *surfaces, *textures;
+    bool *texture_varies; /* whether it has another value on each object */
 } Rows;
 
 uint64_t scene_shape_hash(const SceneShape *shape)
@@ -106,19 +107,87 @@ static uint64_t medium_hash(const SceneMedium *medium)
     return h.state;
 }
 
-static uint64_t surface_hash(const SceneSurface *surface)
+static void add_pattern(Hasher *h, const Pattern *p)
+{
+    const unsigned words[] = {p->kind, p->shape, p->wave, p->style, p->octaves, p->value};
+    const double numbers[] = {p->mortar, p->bevel, p->bond, p->frequency, p->phase, p->lacunarity, p->gain, p->grain,
+                              p->radius, p->blur};
+    for (size_t i = 0; i < COUNT_OF(words); i++) add_integer(h, words[i]);
+    for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(h, numbers[i]);
+    add_integer(h, p->seed);
+    add_vector(h, p->size);
+}
+
+static void add_textures(Hasher *h, const Rows *rows, uint32_t texture)
+{
+    if (texture != TEXTURE_NONE) add_integer(h, rows->textures[texture]);
+}
+
+/* Those that it refers to stand before it. */
+static uint64_t texture_hash(const Texture *t, const Rows *rows)
+{
+    Hasher h = {4};
+    const unsigned words[] = {t->kind, t->in_world, t->image_is_value, t->projection, t->wrap, t->turbulence_octaves};
+    for (size_t i = 0; i < COUNT_OF(words); i++) add_integer(&h, words[i]);
+    if (t->placed) add_map(&h, &t->to_pattern);
+    add_number(&h, t->vary);
+    add_number(&h, t->turbulence);
+    add_integer(&h, t->seed);
+    if (t->kind == TEXTURE_PATTERN) add_pattern(&h, &t->pattern);
+    if (t->image) add_integer(&h, texture_image_hash(t->image));
+    if (t->kind == TEXTURE_CONSTANT) add_spectrum(&h, &t->value);
+    for (uint32_t i = 0; i < t->n_stops; i++) {
+        add_number(&h, (double)t->stops[i].at);
+        add_spectrum(&h, &t->stops[i].value);
+    }
+    const uint32_t others[] = {t->low, t->high, t->blend};
+    for (size_t i = 0; t->kind != TEXTURE_CONSTANT && i < COUNT_OF(others); i++) add_textures(&h, rows, others[i]);
+    return h.state;
+}
+
+static bool texture_varies(const Texture *t, const Rows *rows)
+{
+    const uint32_t others[] = {t->low, t->high, t->blend};
+    if (t->kind == TEXTURE_VARIATION || t->vary > 0) return true;
+    for (size_t i = 0; t->kind != TEXTURE_CONSTANT && i < COUNT_OF(others); i++)
+        if (others[i] != TEXTURE_NONE && rows->texture_varies[others[i]]) return true;
+    return false;
+}
+
+static bool surface_varies(const SceneSurface *surface, const Rows *rows)
+{
+    for (uint32_t i = 0; i < surface->n_textures; i++)
+        if (rows->texture_varies[surface->textures[i].texture]) return true;
+    return (surface->bump != SCENE_NONE && rows->texture_varies[surface->bump]) ||
+           (surface->normal_map != SCENE_NONE && rows->texture_varies[surface->normal_map]);
+}
+
+static void add_relief(Hasher *h, const SceneSurface *surface, const Rows *rows)
+{
+    if (surface->bump != SCENE_NONE) {
+        add_integer(h, rows->textures[surface->bump]);
+        add_number(h, surface->bump_height);
+    }
+    if (surface->normal_map != SCENE_NONE) {
+        add_integer(h, rows->textures[surface->normal_map]);
+        add_number(h, (double)surface->normal_x);
+        add_number(h, (double)surface->normal_y);
+    }
+}
+
+static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
 {
     Hasher h = {3};
     add_spectrum(&h, &surface->albedo);
-    add_integer(&h, surface->checkered);
-    if (surface->checkered) {
-        add_spectrum(&h, &surface->albedo2);
-        add_number(&h, (double)surface->check_size);
+    for (uint32_t i = 0; i < surface->n_textures; i++) {
+        add_integer(&h, surface->textures[i].offset);
+        add_integer(&h, rows->textures[surface->textures[i].texture]);
     }
+    add_relief(&h, surface, rows);
     if (surface->emits) add_spectrum(&h, &surface->emission);
     add_number(&h, (double)surface->roughness);
     if (!surface->finished) return h.state;
-    const BsdfSpec *spec = &surface->spec[0];
+    const BsdfSpec *spec = &surface->spec;
     const float numbers[] = {spec->base_diffuse_roughness, spec->base_metalness, spec->specular_weight, spec->coat_weight,
                              spec->coat_roughness};
     for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(&h, (double)numbers[i]);
@@ -135,10 +204,15 @@ static uint64_t surface_hash(const SceneSurface *surface)
 static Rows hash_rows(const Scene *scene, Arena *scratch)
 {
     Rows rows = {ARENA_ARRAY(scratch, uint64_t, scene->n_shapes), ARENA_ARRAY(scratch, uint64_t, scene->n_media),
-                 ARENA_ARRAY(scratch, uint64_t, scene->n_surfaces)};
+                 ARENA_ARRAY(scratch, uint64_t, scene->n_surfaces), ARENA_ARRAY(scratch, uint64_t, scene->n_textures),
+                 ARENA_ARRAY(scratch, bool, scene->n_textures)};
     for (uint32_t i = 0; i < scene->n_shapes; i++) rows.shapes[i] = scene_shape_hash(&scene->shapes[i]);
     for (uint32_t i = 0; i < scene->n_media; i++) rows.media[i] = medium_hash(&scene->media[i]);
-    for (uint32_t i = 0; i < scene->n_surfaces; i++) rows.surfaces[i] = surface_hash(&scene->surfaces[i]);
+    for (uint32_t i = 0; i < scene->n_textures; i++) {
+        rows.textures[i] = texture_hash(&scene->textures[i], &rows);
+        rows.texture_varies[i] = texture_varies(&scene->textures[i], &rows);
+    }
+    for (uint32_t i = 0; i < scene->n_surfaces; i++) rows.surfaces[i] = surface_hash(&scene->surfaces[i], &rows);
     return rows;
 }
 
@@ -160,7 +234,10 @@ static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *
             if (!world && !first_use[object->medium]) first_use[object->medium] = i + 1;
             add_integer(h, world ? 0 : first_use[object->medium]);
         }
-        if (object->surface != SCENE_NONE) add_integer(h, rows->surfaces[object->surface]);
+        if (object->surface == SCENE_NONE) continue;
+        add_integer(h, rows->surfaces[object->surface]);
+        if (object->texture_frame != SCENE_NONE) add_map(h, &scene->texture_frames[object->texture_frame].from_shape);
+        if (surface_varies(&scene->surfaces[object->surface], rows)) add_integer(h, object->identity);
     }
 }
 

@@ -36,7 +36,7 @@ void tracer_clear(Tracer *tracer)
 }
 
 /* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
-ATTR_COLD static void reflectance_color(const SceneSurface *surface, Vec3 p, float rgb[3])
+ATTR_COLD static void reflectance_color(const Path *path, const Event *event, const SceneSurface *surface, float rgb[3])
 {
     enum { SAMPLES = 32 }; /* of four wavelengths each */
     double sum[3] = {0}, white[3] = {0};
@@ -44,7 +44,7 @@ ATTR_COLD static void reflectance_color(const SceneSurface *surface, Vec3 p, flo
         WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / (4 * SAMPLES));
         Lanes light = white_at(wavelengths.nm);
         float reflected[3], given[3];
-        color_from_lanes(lanes_mul(path_albedo(surface, p, wavelengths.nm), light), &wavelengths, reflected);
+        color_from_lanes(lanes_mul(path_albedo(path, event, surface, wavelengths.nm), light), &wavelengths, reflected);
         color_from_lanes(light, &wavelengths, given);
         for (int c = 0; c < 3; c++) {
             sum[c] += (double)reflected[c];
@@ -77,7 +77,12 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     for (int i = 0; i < 2; i++) sight->uv[i] = at.uv[i];
     for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
     if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
-        reflectance_color(&scene->surfaces[object->surface], at.position, sight->albedo);
+        reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);
+    if (object->surface != SCENE_NONE && surface_has_relief(&scene->surfaces[object->surface])) {
+        SurfacePlace place = path_place(path, event);
+        path_relief(path, event, &scene->surfaces[object->surface], &place);
+        sight->normal = place.normal;
+    }
 }
 
 /* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
@@ -158,10 +163,12 @@ static bool follow(Path *path)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
+    const bool textured = world->scene->n_textures > 0;
     if (UNLIKELY(tracer->first_sight && world->scatters)) look_ahead(path);
     for (bool first = true;; first = false) {
         Event event;
         path_next_event(path, &event);
+        if (textured) path_reach(path, &event);
         if (UNLIKELY(first && tracer->first_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
@@ -185,6 +192,7 @@ static bool follow(Path *path)
             return true;
         path->n_counted += event.kind != EVENT_SCATTER;
         path->bounce++;
+        if (textured) path_widen(path);
         keep_in_range(path);
         if (!survives(path)) return true;
     }
@@ -215,6 +223,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     }
     camera_ray(camera, point, lens, &path.ray);
     path.ray.time = time;
+    path.cone_spread = (float)(camera->tan_half_width / width); /* half a pixel at distance 1 */
     tracer->counters.paths++;
     bool met = true;
     if (start_list(&path, camera))

@@ -19,6 +19,8 @@ typedef struct Path {
     Vec3f scatter_normal; /* the surface's there, if it scatters to its one side only; else zero */
     float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
     uint32_t bounce;    /* events so far: each has random numbers of its own */
+    float cone_width, cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
+    bool cone_bent;     /* it has gone through a boundary, or off a mirror */
     bool straight;      /* media do not scatter it: it only looks what is there */
     uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
@@ -86,10 +88,8 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
 /* Adds what reaches the camera of a radiance seen at the end of the path. */
 void path_add_radiance(Path *path, Lanes factor, Lanes basic);
-/* Whether a checkered surface has its other colour at a place. */
-bool path_other_square(const SceneSurface *surface, Vec3 p);
-/* The reflectance of an opaque surface at a place. */
-Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm);
+/* The reflectance of an opaque surface where it was hit. */
+Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */
 void path_scatter_in_medium(Path *path, const Event *event);
 /* What an opaque surface that was hit shines by itself. */
@@ -99,6 +99,32 @@ bool path_shade_opaque(Path *path, Event *event);
 /* A boundary between two dielectrics. Where it is smooth, one of the two ways is taken, with the probability of the
  * hero's Fresnel reflectance. Returns whether the path goes on. */
 bool path_cross_boundary(Path *path, Event *event);
+
+/* A direction mirrored by the surface as it is. */
+static inline Vec3f path_mirror(const SurfacePlace *place, Vec3f direction)
+{
+    return vec3f_along(direction, -2 * vec3f_dot(direction, place->geometric), place->geometric);
+}
+/* Whether the shading normal is another than the geometric one. */
+static inline bool path_is_bent(const SurfacePlace *place)
+{
+    return vec3f_dot(place->normal, place->geometric) < 0.999999f;
+}
+
+/* ---- texture_shade.c ---- */
+
+/* The cone around the path, as wide as it is where the event is. */
+void path_reach(Path *path, const Event *event);
+/* Where the path goes on after an event: the cone around it widens with the directions that it could have taken. */
+void path_widen(Path *path);
+/* A shading normal such that nothing that comes from `view` is mirrored into the surface. */
+Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal);
+/* What bumps and normal maps make of the shading normal. */
+void path_relief(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place);
+/* The parameters that a surface with textures has where it was hit, for the four wavelengths given and no others; and
+ * what path_relief does. */
+void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
+                        Lanes wavelength_nm, BsdfSpec *spec);
 
 /* ---- shade_bsdf.c ---- */
 

@@ -17,16 +17,13 @@ void path_add_radiance(Path *path, Lanes factor, Lanes basic)
         lanes_add(path->radiance, lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio));
 }
 
-bool path_other_square(const SceneSurface *surface, Vec3 p)
+Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm)
 {
-    if (!surface->checkered) return false;
-    double size = (double)surface->check_size;
-    return fmod(floor(p.x / size) + floor(p.y / size + 0.5) + floor(p.z / size), 2) != 0;
-}
-
-Lanes path_albedo(const SceneSurface *surface, Vec3 p, Lanes wavelength_nm)
-{
-    return spectrum_at(path_other_square(surface, p) ? &surface->albedo2 : &surface->albedo, wavelength_nm);
+    if (!surface->n_textures) return spectrum_at(&surface->albedo, wavelength_nm);
+    SurfacePlace place = path_place(path, event);
+    BsdfSpec spec;
+    path_read_textures(path, event, surface, &place, wavelength_nm, &spec);
+    return spectrum_at(&spec.base_color, wavelength_nm);
 }
 
 void path_leave(Path *path, Event *event, bool through, Vec3f direction)
@@ -67,13 +64,23 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
     path_add_radiance(path, factor, path_basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
 }
 
+/* The density of a matte surface's directions. A lobe about the shading normal reaches below the surface; that part of it is
+ * mirrored back, so that nothing leaks in and none of the light is lost. direction: above the surface. */
+static float diffuse_pdf(const SurfacePlace *place, Vec3f direction)
+{
+    float cosine = float_max(vec3f_dot(direction, place->normal), 0);
+    float folded = float_max(vec3f_dot(path_mirror(place, direction), place->normal), 0);
+    return (cosine + folded) / SAMPLING_PI;
+}
+
 /* Light that a diffuse surface gets straight from a light source. */
 static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
 {
     LightSample light = path_choose_light(path, place->position, place->normal);
     if (!(light.pdf_w > 0)) return;
-    float cosine = vec3f_dot(light.direction, place->normal), scatter_pdf = cosine / SAMPLING_PI;
-    if (!(cosine > 0) || !(vec3f_dot(light.direction, place->geometric) > 0)) return;
+    if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
+    float scatter_pdf = diffuse_pdf(place, light.direction);
+    if (!(scatter_pdf > 0)) return;
     Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster,
                         false, light.direction);
     path_add_direct_light(path, &light, ray, lanes_scale(albedo, scatter_pdf), scatter_pdf);
@@ -108,7 +115,8 @@ SurfacePlace path_place(const Path *path, const Event *event)
     SurfacePlace place = {.position = at.position,
                           .normal = front ? at.shading : vec3f_negate(at.shading),
                           .geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal)};
-    if (!(vec3f_dot(path->ray.direction, place.normal) < 0)) place.normal = place.geometric;
+    if (path_is_bent(&place))
+        place.normal = path_bend_normal(vec3f_negate(path->ray.direction), place.geometric, place.normal);
     return place;
 }
 
@@ -134,15 +142,21 @@ bool path_shade_opaque(Path *path, Event *event)
     if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
     const SceneSurface *surface = &world->scene->surfaces[object->surface];
-    if (surface->finished)
-        return path_shade_finished(path, event, &surface->spec[path_other_square(surface, place.position)], &place);
-    Lanes albedo = path_albedo(surface, place.position, path->wavelengths.nm);
+    const BsdfSpec *spec = &surface->spec;
+    BsdfSpec textured;
+    if (UNLIKELY(surface_has_textures(surface))) {
+        path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
+        spec = &textured;
+    }
+    if (surface->finished) return path_shade_finished(path, event, spec, &place);
+    Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
     light_diffuse(path, event, &place, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     Vec3f direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
-    if (!(vec3f_dot(direction, place.geometric) > 0)) return false; /* into the surface */
+    if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);
+    path->scatter_pdf = diffuse_pdf(&place, direction);
     path->beta = lanes_mul(path->beta, albedo);
     path->scatter_point = place.position;
     path->scatter_normal = place.normal;
@@ -172,9 +186,18 @@ bool path_cross_boundary(Path *path, Event *event)
     Lanes eta_i = medium_ior(world, event->crossing.medium_from, path->wavelengths.nm);
     Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
     SurfacePlace place = path_place(path, event);
-    uint32_t surface = world->scene->objects[event->hit.object].surface;
-    if (surface != SCENE_NONE && world->scene->surfaces[surface].roughness > 0)
-        return path_cross_rough(path, event, world->scene->surfaces[surface].roughness, &place, eta_i, eta_t);
+    uint32_t number = world->scene->objects[event->hit.object].surface;
+    const SceneSurface *surface = number == SCENE_NONE ? NULL : &world->scene->surfaces[number];
+    if (surface && surface->roughness > 0) {
+        float roughness = surface->roughness;
+        BsdfSpec textured;
+        if (surface_has_textures(surface)) {
+            path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
+            roughness = textured.specular_roughness;
+        }
+        return path_cross_rough(path, event, roughness, &place, eta_i, eta_t);
+    }
+    if (surface && surface_has_relief(surface)) path_relief(path, event, surface, &place);
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
     BoundaryChoice choice = choose_at_boundary(path->ray.direction, place.normal, eta_i, eta_t, u);
     /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection

@@ -42,17 +42,35 @@ static Vec3f one_side(const Bsdf *bsdf, const SurfacePlace *place)
     return bsdf->transmits ? vec3f(0, 0, 0) : place->normal;
 }
 
+/* What a Bsdf does with light between two directions, the second in the world. A lobe about the shading normal that reaches
+ * through to the other side of the surface as it is, is mirrored back to its own: nothing leaks, and none of the light is
+ * lost. So two of the lobe's directions come to one. */
+static void evaluate(const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view, Vec3f direction,
+                     Lanes *f_cos, Lanes *pdf_w)
+{
+    bool below = vec3f_dot(direction, place->geometric) < 0;
+    *f_cos = *pdf_w = lanes_all(0);
+    if (below && !bsdf->transmits) return;
+    Vec3f local = to_local(frame, direction);
+    if (below == (local.z < 0)) bsdf_evaluate(bsdf, view, local, f_cos, pdf_w);
+    if (!path_is_bent(place)) return;
+    local = to_local(frame, path_mirror(place, direction));
+    if (below != (local.z < 0)) return;
+    Lanes more, more_pdf;
+    bsdf_evaluate(bsdf, view, local, &more, &more_pdf);
+    *f_cos = lanes_add(*f_cos, more);
+    *pdf_w = lanes_add(*pdf_w, more_pdf);
+}
+
 static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view)
 {
     if (bsdf->specular_only) return;
     LightSample light = path_choose_light(path, place->position, one_side(bsdf, place));
     if (!(light.pdf_w > 0)) return;
-    Vec3f local = to_local(frame, light.direction);
-    bool below = local.z < 0;
-    if ((below && !bsdf->transmits) || below != (vec3f_dot(light.direction, place->geometric) < 0)) return;
     Lanes f_cos, pdf_w;
-    bsdf_evaluate(bsdf, view, local, &f_cos, &pdf_w);
+    evaluate(bsdf, place, frame, view, light.direction, &f_cos, &pdf_w);
     if (lanes_zero(f_cos)) return;
+    bool below = vec3f_dot(light.direction, place->geometric) < 0;
     Tracer *tracer = path->tracer;
     Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction);
     path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
@@ -70,9 +88,14 @@ static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePla
         return false;
     Vec3f direction = vec3f_normalize(from_local(&frame, sample.direction));
     /* which side the new ray is on is the geometry's to say */
-    if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted) return false;
+    Lanes pdf_w = sample.pdf_w;
+    if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted) direction = path_mirror(place, direction);
+    if (!sample.specular && path_is_bent(place)) {
+        Lanes f_cos;
+        evaluate(bsdf, place, &frame, view, direction, &f_cos, &pdf_w);
+    }
     float hero = lanes_get(sample.pdf_w, 0);
-    path->scatter_pdf = sample.specular ? -1 : mean_density(path, sample.pdf_w);
+    path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
     path->scatter_point = place->position;
     path->scatter_normal = one_side(bsdf, place);
     path->beta = lanes_mul(path->beta, sample.weight);

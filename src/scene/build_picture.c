@@ -1,0 +1,158 @@
+/* build_picture.c - the pictures that textures are made of: read once however many surfaces have them, and checked.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+#include <string.h>
+
+#include "diag/limits.h"
+#include "scene/build_parts.h"
+
+/* A texture's picture as it is wanted: what makes two of one file different. */
+typedef struct PictureWish {
+    const char *path;
+    const char *space; /* as SceneImageLoader takes it */
+    TextureUse use;
+    int channel; /* of numbers: -1 for the mean, else 0 .. 2 */
+    bool clip;
+} PictureWish;
+
+static const char *wish_key(Builder *b, const PictureWish *wish)
+{
+    return arena_format(b->arena, "%d %d %d %d %s %s", (int)wish->use, wish->channel, wish->clip, wish->space != NULL,
+                        wish->space ? wish->space : "", wish->path);
+}
+
+/* ---- pixels ---- */
+
+typedef struct Pixels {
+    float *rgb; /* malloc'd; changed in place */
+    uint32_t width, height;
+} Pixels;
+
+static const char *const channel_names[] = {"red", "green", "blue"};
+
+static void report_pixel(Builder *b, Span span, const char *path, const Pixels *pixels, size_t at, bool color)
+{
+    size_t pixel = at / 3;
+    double value = (double)pixels->rgb[at];
+    Diagnostic *report = diag_report(b->diag, D_IMAGE_INVALID, span,
+                                     "'%s' has %s %g in the %s of pixel <%zu, %zu> (from the top left), %s", path,
+                                     isfinite(value) ? "the value" : "no number but", value, channel_names[at % 3],
+                                     pixel % pixels->width, pixel / pixels->width,
+                                     color ? "and what a surface reflects is in 0..1" : "and a texture needs finite numbers");
+    if (!isfinite(value))
+        diag_hint(b->diag, report, "mend the picture; clip = true takes such a pixel as 0");
+    else
+        diag_hint(b->diag, report, "clip = true holds all values to 0..1; data are read with colorspace = \"raw\"");
+}
+
+/* Holds pixels to what can be used, or reports the first that is not. Conversions of colours round. */
+static bool check_pixels(Builder *b, Span span, const PictureWish *wish, Pixels *pixels)
+{
+    const float slack = 1e-3f;
+    bool color = wish->use == TEXTURE_OF_COLORS;
+    size_t n = (size_t)pixels->width * pixels->height * 3;
+    for (size_t i = 0; i < n; i++) {
+        float *value = &pixels->rgb[i];
+        bool fine = isfinite(*value) && (!color || (*value >= -slack && *value <= 1 + slack));
+        if (!fine && !wish->clip) {
+            report_pixel(b, span, wish->path, pixels, i, color);
+            return false;
+        }
+        if (!color && !wish->clip) continue;
+        if (!(*value > 0)) *value = 0; /* also what is no number */
+        if (*value > 1) *value = 1;
+    }
+    return true;
+}
+
+/* One number to a pixel, in place. */
+static void take_channel(Pixels *pixels, int channel)
+{
+    size_t n = (size_t)pixels->width * pixels->height;
+    for (size_t i = 0; i < n; i++) {
+        const float *rgb = pixels->rgb + 3 * i;
+        bool grey = rgb[0] == rgb[1] && rgb[1] == rgb[2];
+        pixels->rgb[i] = channel >= 0 ? rgb[channel] : grey ? rgb[0] : (rgb[0] + rgb[1] + rgb[2]) / 3;
+    }
+}
+
+/* ---- reading ---- */
+
+static bool fits(Builder *b, Span span, const PictureWish *wish, const Pixels *pixels)
+{
+    double bytes = texture_image_bytes(wish->use == TEXTURE_OF_NUMBERS ? 1 : 3, pixels->width, pixels->height);
+    double most = LIMIT_PICTURES_MB * 1048576.0;
+    if (b->picture_bytes + bytes > most) {
+        Diagnostic *report = diag_report(b->diag, D_LIMIT, span,
+                                         "'%s' of %u by %u pixels needs %.0f MB, and the pictures of a scene may have %d MB",
+                                         wish->path, pixels->width, pixels->height, bytes / 1048576, LIMIT_PICTURES_MB);
+        diag_hint(b->diag, report, "make the picture smaller");
+        return false;
+    }
+    b->picture_bytes += bytes;
+    return true;
+}
+
+static Status load(Builder *b, const PictureWish *wish, Pixels *pixels, Error *error)
+{
+    if (!b->options->load_image) return fail(error, STATUS_INPUT, "images cannot be read here");
+    TRY(b->options->load_image(b->options->load_image_context, wish->path, wish->space, &pixels->rgb, &pixels->width,
+                               &pixels->height, error));
+    if (pixels->width && pixels->height) return STATUS_OK;
+    free(pixels->rgb);
+    return fail(error, STATUS_INPUT, "'%s' has no pixels", wish->path);
+}
+
+static TextureImage *new_picture(Builder *b, Span span, const PictureWish *wish)
+{
+    Error error;
+    Pixels pixels = {0};
+    TextureImage *image = NULL;
+    Status status = load(b, wish, &pixels, &error);
+    if (status == STATUS_OK && check_pixels(b, span, wish, &pixels) && fits(b, span, wish, &pixels)) {
+        if (wish->use == TEXTURE_OF_NUMBERS) take_channel(&pixels, wish->channel);
+        status = wish->use == TEXTURE_OF_COLORS
+                     ? texture_image_new_colors(pixels.rgb, pixels.width, pixels.height, &image, &error)
+                     : texture_image_new_numbers(pixels.rgb, wish->use == TEXTURE_OF_VECTORS ? 3 : 1, pixels.width,
+                                                 pixels.height, &image, &error);
+    }
+    if (status == STATUS_NOMEM)
+        build_succeeded(b, status, &error, span);
+    else if (status != STATUS_OK)
+        diag_report(b->diag, D_IMAGE_INVALID, span, "%s", error.text);
+    if (pixels.width && pixels.height) free(pixels.rgb);
+    return image;
+}
+
+const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use)
+{
+    Scene *scene = b->scene;
+    const EvalProp *file = eval_prop(node, "file"), *space = eval_prop(node, "colorspace");
+    const char *word = eval_word(node, "channel");
+    if (!file) return NULL; /* reported */
+    PictureWish wish = {.use = use, .channel = -1, .clip = eval_truth(node, "clip")};
+    wish.path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
+    if (!wish.path) return NULL;
+    if (use == TEXTURE_OF_NUMBERS) {
+        for (int c = 0; c < 3; c++)
+            if (strcmp(word, channel_names[c]) == 0) wish.channel = c;
+        wish.space = SCENE_SPACE_DATA;
+    } else {
+        build_needs(b, node, "channel", "where all channels are taken");
+        if (use == TEXTURE_OF_VECTORS) wish.space = SCENE_SPACE_DATA;
+    }
+    if (space) wish.space = strcmp(space->as.text, "raw") == 0 ? SCENE_SPACE_DATA : space->as.text;
+    if (use == TEXTURE_OF_NUMBERS && strcmp(word, "alpha") == 0) wish.space = SCENE_SPACE_ALPHA;
+    const char *key = wish_key(b, &wish);
+    const uint32_t *known = map_seek(&b->pictures, key, strlen(key));
+    if (known) return *known == SCENE_NONE ? NULL : scene->images[*known];
+    build_note_file(b, wish.path);
+    scene->images =
+        room_for_one(b->arena, scene->images, scene->n_images, &b->pictures_capacity, sizeof *scene->images);
+    uint32_t *row = map_find(b->arena, &b->pictures, key, strlen(key), SCENE_NONE);
+    TextureImage *image = new_picture(b, file->span, &wish);
+    if (!image) return NULL;
+    *row = scene->n_images;
+    scene->images[scene->n_images++] = image;
+    return image;
+}

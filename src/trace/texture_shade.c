@@ -1,0 +1,227 @@
+/* texture_shade.c - what textures make of a surface at a hit: its parameters, and its shading normal.
+ *
+ * How small the details are that a look-up needs to tell apart comes from a cone around the path: T. Akenine-Moeller et
+ * al., "Texture Level of Detail Strategies for Real-Time Ray Tracing", Ray Tracing Gems ch. 20 (2019), without the
+ * curvature of surfaces. Instead of that, what is seen by way of boundaries and mirrors is told apart four times as
+ * finely, as glass may magnify it.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "optics/sampling.h"
+#include "trace/path_parts.h"
+
+void path_reach(Path *path, const Event *event)
+{
+    if (event->kind == EVENT_SCATTER)
+        path->cone_width += path->cone_spread * (float)event->t;
+    else if (event->kind == EVENT_OPAQUE || event->kind == EVENT_BOUNDARY)
+        path->cone_width += path->cone_spread * (float)event->hit.t;
+}
+
+void path_widen(Path *path)
+{
+    /* of the angle that holds most of the directions that could have been taken: the next event is seen from one of many
+     * paths, whose mean blurs it already */
+    const float part = 0.125f, magnified = 0.25f;
+    if (path->scatter_pdf > 0) {
+        float spread = part * sqrtf(1 / (SAMPLING_PI * path->scatter_pdf));
+        path->cone_spread = float_max(path->cone_spread, float_min(spread, part));
+    } else if (!path->cone_bent) {
+        path->cone_bent = true;
+        path->cone_spread *= magnified;
+        path->cone_width *= magnified;
+    }
+}
+
+/* ---- where ---- */
+
+/* The uv of a mesh without any: each side of the box around it is 0..1, to the right and up seen from outside. */
+static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place, Vec3 *du,
+                      Vec3 *dv)
+{
+    Vec3 low = frame->box.min, size = vec3_sub(frame->box.max, frame->box.min), p = vec3_sub(at->local, low);
+    double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
+    size = vec3(fmax(size.x, 1e-30), fmax(size.y, 1e-30), fmax(size.z, 1e-30));
+    double u = p.x / size.x, v = p.y / size.y;
+    *du = vec3(1 / size.x, 0, 0);
+    *dv = vec3(0, 1 / size.y, 0);
+    bool turned = normal.z < 0;
+    if (ax >= ay && ax >= az) {
+        u = p.z / size.z;
+        *du = vec3(0, 0, 1 / size.z);
+        turned = normal.x > 0;
+    } else if (ay >= az) {
+        bool up = normal.y > 0;
+        v = up ? 1 - p.z / size.z : p.z / size.z;
+        *dv = vec3(0, 0, (up ? -1 : 1) / size.z);
+        turned = false;
+    }
+    place->uv[0] = (float)(turned ? 1 - u : u);
+    place->uv[1] = (float)v;
+    if (turned) *du = vec3_scale(*du, -1);
+}
+
+/* A place and the maps between it and the world. */
+typedef struct TextureView {
+    TexturePlace at;
+    Affine to_texture; /* from the world to the frame of the object's textures */
+} TextureView;
+
+static void view_textures(const Path *path, const Event *event, const SurfacePlace *surface_place, TextureView *view)
+{
+    const World *world = path->tracer->world;
+    const Scene *scene = world->scene;
+    const SceneObject *object = &scene->objects[event->hit.object];
+    const SceneTextureFrame *frame = &scene->texture_frames[object->texture_frame];
+    RtcCoordinates at;
+    rtc_coordinates(world->compiled->rtc, &path->ray, &event->hit, &at);
+    TexturePlace *place = &view->at;
+    view->to_texture = affine_compose(&frame->from_shape, &at.to_local);
+    double volume = affine_determinant(&view->to_texture), sign = volume < 0 ? -1 : 1;
+    Vec3 outward = vec3_from_f(event->hit.normal), normal = affine_area(&view->to_texture, outward);
+    Vec3 du = at.du, dv = at.dv;
+    if (!at.has_uv) uv_of_box(frame, &at, affine_area(&at.to_local, outward), place, &du, &dv);
+    if (at.has_uv)
+        for (int i = 0; i < 2; i++) place->uv[i] = at.uv[i];
+    /* gradients go to the other frame as normals do */
+    double inverse = 1 / affine_determinant(&frame->from_shape);
+    place->du = vec3_scale(affine_area(&frame->from_shape, du), inverse);
+    place->dv = vec3_scale(affine_area(&frame->from_shape, dv), inverse);
+    place->object = affine_point(&frame->from_shape, at.local);
+    place->object_normal = vec3_scale(vec3_normalize(normal), sign);
+    place->world = surface_place->position;
+    place->world_normal = outward;
+    /* Where a pattern has a face where the surface is, what shows is the inside. */
+    const double deep = 4e-6;
+    place->object = vec3_along(place->object, -deep * vec3_max_abs(place->object), place->object_normal);
+    place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
+    place->world_footprint = (double)path->cone_width;
+    place->footprint = place->world_footprint * cbrt(fabs(volume));
+    place->identity = scene->objects[scene_whole(scene, event->hit.object)].identity;
+}
+
+/* ---- relief ---- */
+
+/* Two directions along a surface. */
+static void tangents_of(Vec3 normal, Vec3 *first, Vec3 *second)
+{
+    Vec3f x, y;
+    sampling_basis(vec3f_from(normal), &x, &y);
+    *first = vec3_from_f(x);
+    *second = vec3_from_f(y);
+}
+
+/* How fast the bump rises, along the surface, in the textures' frame. Heights are lengths of that frame. */
+static Vec3 slope_of_bump(const World *world, const SceneSurface *surface, const TextureView *view)
+{
+    const TexturePlace *at = &view->at;
+    Affine to_world;
+    if (!affine_invert(&view->to_texture, &to_world)) return vec3(0, 0, 0);
+    /* over the footprint, or else over the least length that floats of uv can tell apart on a picture */
+    double least = 1e-4 * vec3_max_abs(at->object), steep = fmax(vec3_length(at->du), vec3_length(at->dv));
+    if (steep > 0) least = fmin(least, 1e-4 / steep);
+    double step = fmax(0.5 * at->footprint, fmax(least, 1e-9));
+    Vec3 along[2], slope = vec3(0, 0, 0);
+    tangents_of(at->object_normal, &along[0], &along[1]);
+    for (int i = 0; i < 2; i++) {
+        Vec3 offset = vec3_scale(along[i], step), in_world = affine_vector(&to_world, offset);
+        TexturePlace ahead = texture_place_moved(at, offset, in_world);
+        TexturePlace behind = texture_place_moved(at, vec3_scale(offset, -1), vec3_scale(in_world, -1));
+        double rise = (double)texture_number_at(world->scene->textures, surface->bump, &ahead) -
+                      (double)texture_number_at(world->scene->textures, surface->bump, &behind);
+        slope = vec3_along(slope, surface->bump_height * rise / (2 * step), along[i]);
+    }
+    return slope;
+}
+
+/* A normal map's normal about the shading normal n, in the textures' frame; n where the surface has no tangents. */
+static Vec3 normal_of_map(const Scene *scene, const SceneSurface *surface, const TextureView *view, Vec3 n)
+{
+    Vec3f coded = texture_vector_at(&scene->textures[surface->normal_map], &view->at);
+    double x = (double)(surface->normal_x * (2 * coded.x - 1)), y = (double)(surface->normal_y * (2 * coded.y - 1));
+    double z = fmax((double)(2 * coded.z - 1), 1e-3);
+    /* along u while v stays, at a right angle to n; the other way round for v */
+    Vec3 u = vec3_cross(view->at.dv, n), v = vec3_cross(n, view->at.du);
+    if (vec3_dot(u, view->at.du) < 0) { /* a mirrored map */
+        u = vec3_scale(u, -1);
+        v = vec3_scale(v, -1);
+    }
+    double long_u = vec3_length(u), long_v = vec3_length(v);
+    if (!(long_u > 0) || !(long_v > 0)) return n;
+    return vec3_normalize(vec3_along(vec3_along(vec3_scale(n, z), x / long_u, u), y / long_v, v));
+}
+
+/* W. Keller et al., "The Iray Light Transport Simulation and Rendering System" (2017), A.3: a shading normal that would
+ * send the mirrored direction into the surface is bent back, just so far that it does not. view: to where the path comes
+ * from; both on the geometric normal's side. */
+Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal)
+{
+    const float least = 0.01f; /* of the mirrored direction's height over the surface */
+    float cosine = vec3f_dot(view, normal), low = least * float_min(vec3f_dot(view, geometric), 1);
+    Vec3f mirrored = vec3f_along(vec3f_negate(view), 2 * cosine, normal);
+    float height = vec3f_dot(mirrored, geometric);
+    if (height >= low) return normal;
+    mirrored = vec3f_along(mirrored, low - height, geometric);
+    float length = vec3f_length(mirrored);
+    if (!(length > 1e-6f)) return geometric;
+    Vec3f half = vec3f_along(view, 1 / length, mirrored);
+    length = vec3f_length(half);
+    return length > 1e-6f ? vec3f_scale(half, 1 / length) : geometric;
+}
+
+static void add_relief(const Path *path, const Event *event, const SceneSurface *surface, const TextureView *view,
+                       SurfacePlace *place)
+{
+    const World *world = path->tracer->world;
+    bool front = event->hit.entering;
+    Affine to_world;
+    if (!affine_invert(&view->to_texture, &to_world)) return;
+    double sign = affine_determinant(&view->to_texture) < 0 ? -1 : 1;
+    Vec3 outward = vec3_from_f(front ? place->normal : vec3f_negate(place->normal));
+    Vec3 n = vec3_scale(vec3_normalize(affine_area(&view->to_texture, outward)), sign);
+    if (surface->normal_map != SCENE_NONE) n = normal_of_map(world->scene, surface, view, n);
+    if (surface->bump != SCENE_NONE) {
+        Vec3 slope = slope_of_bump(world, surface, view);
+        slope = vec3_along(slope, -vec3_dot(slope, n), n);
+        n = vec3_sub(n, slope);
+    }
+    Vec3 turned = affine_normal(&view->to_texture, n);
+    double length = vec3_length(turned);
+    if (!(length > 0) || !isfinite(length)) return;
+    Vec3f normal = vec3f_from(vec3_scale(turned, (front ? 1 : -1) / length));
+    place->normal = path_bend_normal(vec3f_negate(path->ray.direction), place->geometric, normal);
+}
+
+/* ---- parameters ---- */
+
+void path_relief(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place)
+{
+    TextureView view;
+    view_textures(path, event, place, &view);
+    add_relief(path, event, surface, &view, place);
+}
+
+static void read_color(const Scene *scene, const SurfaceTexture *texture, const TexturePlace *at, Lanes wavelength_nm,
+                       Spectrum *out)
+{
+    Lanes value = lanes_clamp(texture_at(scene->textures, texture->texture, at, wavelength_nm), 0, 1);
+    *out = (Spectrum){.kind = SPECTRUM_LANES, .scale = 1};
+    for (int i = 0; i < LANES; i++) out->value[i] = lanes_get(value, i);
+}
+
+void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
+                        Lanes wavelength_nm, BsdfSpec *spec)
+{
+    const Scene *scene = path->tracer->world->scene;
+    TextureView view;
+    view_textures(path, event, place, &view);
+    *spec = surface->spec;
+    for (uint32_t i = 0; i < surface->n_textures; i++) {
+        const SurfaceTexture *texture = &surface->textures[i];
+        void *target = (char *)spec + texture->offset;
+        if (texture->color)
+            read_color(scene, texture, &view.at, wavelength_nm, target);
+        else
+            *(float *)target = float_min(
+                float_max(texture_number_at(scene->textures, texture->texture, &view.at), texture->least), texture->most);
+    }
+    if (surface_has_relief(surface)) add_relief(path, event, surface, &view, place);
+}
