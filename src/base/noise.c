@@ -14,7 +14,10 @@ static double lattice(const double *cell, unsigned corner, unsigned n)
     return 2 * hash_to_unit(h) - 1;
 }
 
-static double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+static double fade(double t)
+{
+    return t * t * t * (t * (t * 6 - 15) + 10);
+}
 
 double noise_value(const double *point, unsigned n)
 {
@@ -58,8 +61,8 @@ static void cell_at(Vec3 p, uint64_t seed, Cell *cell)
 }
 
 /* By h % 12; a table, as signs that are as good as random are costly to branch on. */
-static const double gradients[12][3] = {{0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 0, 1},  {-1, 0, 1},
-                                        {1, 0, -1}, {-1, 0, -1}, {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
+static const double gradients[12][3] = {{0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1}, {1, 0, 1},  {-1, 0, 1},
+                                        {1, 0, -1}, {-1, 0, -1}, {1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}};
 
 static double gradient_dot(uint64_t h, double x, double y, double z)
 {
@@ -67,7 +70,10 @@ static double gradient_dot(uint64_t h, double x, double y, double z)
     return gradient[0] * x + gradient[1] * y + gradient[2] * z;
 }
 
-static double mix(double a, double b, double t) { return a + (b - a) * t; }
+static double mix(double a, double b, double t)
+{
+    return a + (b - a) * t;
+}
 
 static double mixed(const Cell *cell, unsigned shift)
 {

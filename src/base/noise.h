@@ -16,8 +16,8 @@
  * Between the points t -> t^3 (6 t^2 - 15 t + 10) mixes, along x first. */
 double noise_value(const double *point, unsigned n);
 
-/* Gradient noise, smoother to look at: about -1..1 with a root mean square of 0.27, zero at lattice points. K. Perlin,
- * "Improving Noise" (2002), with hash_u64 in place of the permutation: h = hash_u64(seed); for each coordinate h =
+/* Gradient noise, smoother to look at: about -1..1 with a root mean square of 0.27, zero at lattice points. [Perlin02],
+ * with hash_u64 in place of the permutation: h = hash_u64(seed); for each coordinate h =
  * hash_u64(h ^ coordinate); the gradient is number h % 12 of the directions from a cube's middle to its edges: with
  * k = h % 12 / 4 the axis that has no part in it, and the signs of the others, in order, from bits 0 and 1 of h % 4
  * (set: -). Mixed as above. */

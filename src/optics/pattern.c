@@ -8,8 +8,14 @@
 
 static const double pi = 3.14159265358979323846;
 
-static double clamp_unit(double x) { return x < 0 ? 0 : x > 1 ? 1 : x; }
-static double fraction(double x) { return x - floor(x); }
+static double clamp_unit(double x)
+{
+    return x < 0 ? 0 : x > 1 ? 1 : x;
+}
+static double fraction(double x)
+{
+    return x - floor(x);
+}
 static double smooth_step(double t)
 {
     t = clamp_unit(t);
@@ -218,8 +224,8 @@ static double agate(const Pattern *pattern, const PatternPlace *place)
     Vec3 p = place->p;
     double twist = 0, weight = 1, frequency = 1;
     for (unsigned i = 0; i < 5; i++, weight *= 0.5, frequency *= 2)
-        twist += weight * seen(frequency, place->footprint) *
-                 noise_gradient(octave_point(p, frequency, i), pattern->seed);
+        twist +=
+            weight * seen(frequency, place->footprint) * noise_gradient(octave_point(p, frequency, i), pattern->seed);
     return pow(pattern_wave(WAVE_SINE, 1.1 * p.z + 1.3 * twist), 0.77);
 }
 

@@ -14,18 +14,18 @@ typedef enum PatternKind {
     PATTERN_HEXAGON,  /* prisms along y over hexagons with sides of 1 in x and z: 0, 1/2, 1 */
     PATTERN_GRADIENT, /* a wave of a distance or an angle */
     PATTERN_NOISE,
-    PATTERN_WOOD,     /* rings about the z axis */
+    PATTERN_WOOD, /* rings about the z axis */
     PATTERN_GRANITE,
-    PATTERN_CRACKLE,  /* cells around points that are strewn about, one to a unit cube */
-    PATTERN_SPOTS,    /* balls around the same points */
+    PATTERN_CRACKLE, /* cells around points that are strewn about, one to a unit cube */
+    PATTERN_SPOTS,   /* balls around the same points */
     PATTERN_AGATE
 } PatternKind;
 
 typedef enum GradientShape {
-    GRADIENT_LINEAR,      /* x */
-    GRADIENT_RADIAL,      /* turns about the y axis, from +x towards +z */
-    GRADIENT_SPHERICAL,   /* distance from the origin */
-    GRADIENT_CYLINDRICAL  /* distance from the y axis */
+    GRADIENT_LINEAR,     /* x */
+    GRADIENT_RADIAL,     /* turns about the y axis, from +x towards +z */
+    GRADIENT_SPHERICAL,  /* distance from the origin */
+    GRADIENT_CYLINDRICAL /* distance from the y axis */
 } GradientShape;
 
 typedef enum PatternWave {
@@ -53,20 +53,20 @@ enum { PATTERN_MOST_OCTAVES = 16 };
 /* A kind, and what it needs to know. */
 typedef struct Pattern {
     PatternKind kind;
-    uint64_t seed;      /* of noise, wood, granite, crackle, spots, agate */
-    Vec3 size;          /* BRICK: of a brick with its mortar */
-    double mortar;      /* BRICK: its width, less than size */
-    double bevel;       /* BRICK: over which length the edge of a brick rises from 0 to 1; 0: sharp */
-    double bond;        /* BRICK: by which part of a brick each course is shifted against the one below */
+    uint64_t seed; /* of noise, wood, granite, crackle, spots, agate */
+    Vec3 size;     /* BRICK: of a brick with its mortar */
+    double mortar; /* BRICK: its width, less than size */
+    double bevel;  /* BRICK: over which length the edge of a brick rises from 0 to 1; 0: sharp */
+    double bond;   /* BRICK: by which part of a brick each course is shifted against the one below */
     GradientShape shape;
     PatternWave wave;
     double frequency, phase; /* GRADIENT: waves per unit, or per turn, and a shift in waves */
     NoiseStyle style;
-    unsigned octaves;           /* NOISE, 1 .. PATTERN_MOST_OCTAVES */
-    double lacunarity, gain;    /* NOISE: frequency and weight of each octave, by the one before */
-    double grain;               /* WOOD: the part of the fine fibres, 0..1 */
+    unsigned octaves;        /* NOISE, 1 .. PATTERN_MOST_OCTAVES */
+    double lacunarity, gain; /* NOISE: frequency and weight of each octave, by the one before */
+    double grain;            /* WOOD: the part of the fine fibres, 0..1 */
     CrackleValue value;
-    double radius, blur;        /* SPOTS: of the balls, and over which length their edge is soft */
+    double radius, blur; /* SPOTS: of the balls, and over which length their edge is soft */
 } Pattern;
 
 /* A place, in the pattern's own coordinates. */

@@ -7,7 +7,10 @@
 static const double pi = 3.14159265358979323846;
 
 /* Wavelengths for textures of numbers, which do not depend on them. */
-static Lanes any_wavelength(void) { return lanes_all(550); }
+static Lanes any_wavelength(void)
+{
+    return lanes_all(550);
+}
 
 /* ---- where ---- */
 

@@ -38,9 +38,9 @@ typedef struct Texture {
     bool image_is_value; /* IMAGE: its colours or numbers themselves are the value */
     TextureProjection projection;
     TextureWrap wrap;
-    Affine to_pattern;   /* from the object (or the world) to the pattern's own coordinates */
-    double shrink;       /* how much smaller lengths are there, or larger: a mean */
-    double vary;         /* each object has it shifted by up to this */
+    Affine to_pattern; /* from the object (or the world) to the pattern's own coordinates */
+    double shrink;     /* how much smaller lengths are there, or larger: a mean */
+    double vary;       /* each object has it shifted by up to this */
     double turbulence;
     unsigned turbulence_octaves;
     uint64_t seed;
@@ -49,8 +49,8 @@ typedef struct Texture {
     uint32_t low, high;        /* textures at 0 and 1 of the pattern; or else: */
     const TextureStop *stops;
     uint32_t n_stops;
-    uint32_t blend;  /* MIX: a texture of numbers */
-    Spectrum value;  /* CONSTANT */
+    uint32_t blend; /* MIX: a texture of numbers */
+    Spectrum value; /* CONSTANT */
 } Texture;
 
 /* Where textures are looked up. Object: in the frame that the object was described in, where textures stand still on it. */
@@ -58,10 +58,10 @@ typedef struct TexturePlace {
     Vec3 object, world;
     Vec3 object_normal, world_normal; /* geometric, outward, unit */
     float uv[2];
-    Vec3 du, dv;            /* how fast u and v change, along the surface, per object length */
-    double footprint;       /* what is smaller than this length in the object's frame need not be told apart */
+    Vec3 du, dv;      /* how fast u and v change, along the surface, per object length */
+    double footprint; /* what is smaller than this length in the object's frame need not be told apart */
     double world_footprint;
-    uint64_t identity;      /* of the object */
+    uint64_t identity; /* of the object */
 } TexturePlace;
 
 /* The value for each of the wavelengths. */

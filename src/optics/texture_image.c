@@ -40,8 +40,14 @@ double texture_image_bytes(uint32_t channels, uint32_t width, uint32_t height)
     return 4.0 / 3 * width * height * channels * (double)sizeof(float);
 }
 
-uint64_t texture_image_hash(const TextureImage *image) { return image->hash; }
-uint32_t texture_image_channels(const TextureImage *image) { return image->n_channels; }
+uint64_t texture_image_hash(const TextureImage *image)
+{
+    return image->hash;
+}
+uint32_t texture_image_channels(const TextureImage *image)
+{
+    return image->n_channels;
+}
 
 void texture_image_range(const TextureImage *image, uint32_t channel, float *least, float *most)
 {
@@ -76,7 +82,8 @@ static void halve(const Level *from, Level *to, uint32_t n_channels)
             float sum[3] = {0, 0, 0};
             for (int j = 0; j < n_rows; j++)
                 for (int i = 0; i < n_columns; i++) {
-                    const float *texel = from->texels + ((row + (uint32_t)j) * (size_t)from->width + column + (uint32_t)i) * n_channels;
+                    const float *texel =
+                        from->texels + ((row + (uint32_t)j) * (size_t)from->width + column + (uint32_t)i) * n_channels;
                     for (uint32_t c = 0; c < n_channels; c++) sum[c] += down[j] * across[i] * texel[c];
                 }
             memcpy(to->texels + ((size_t)y * to->width + x) * n_channels, sum, n_channels * sizeof(float));

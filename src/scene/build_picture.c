@@ -34,11 +34,10 @@ static void report_pixel(Builder *b, Span span, const char *path, const Pixels *
 {
     size_t pixel = at / 3;
     double value = (double)pixels->rgb[at];
-    Diagnostic *report = diag_report(b->diag, D_IMAGE_INVALID, span,
-                                     "'%s' has %s %g in the %s of pixel <%zu, %zu> (from the top left), %s", path,
-                                     isfinite(value) ? "the value" : "no number but", value, channel_names[at % 3],
-                                     pixel % pixels->width, pixel / pixels->width,
-                                     color ? "and what a surface reflects is in 0..1" : "and a texture needs finite numbers");
+    Diagnostic *report = diag_report(
+        b->diag, D_IMAGE_INVALID, span, "'%s' has %s %g in the %s of pixel <%zu, %zu> (from the top left), %s", path,
+        isfinite(value) ? "the value" : "no number but", value, channel_names[at % 3], pixel % pixels->width,
+        pixel / pixels->width, color ? "and what a surface reflects is in 0..1" : "and a texture needs finite numbers");
     if (!isfinite(value))
         diag_hint(b->diag, report, "mend the picture; clip = true takes such a pixel as 0");
     else
@@ -83,9 +82,9 @@ static bool fits(Builder *b, Span span, const PictureWish *wish, const Pixels *p
     double bytes = texture_image_bytes(wish->use == TEXTURE_OF_NUMBERS ? 1 : 3, pixels->width, pixels->height);
     double most = LIMIT_PICTURES_MB * 1048576.0;
     if (b->picture_bytes + bytes > most) {
-        Diagnostic *report = diag_report(b->diag, D_LIMIT, span,
-                                         "'%s' of %u by %u pixels needs %.0f MB, and the pictures of a scene may have %d MB",
-                                         wish->path, pixels->width, pixels->height, bytes / 1048576, LIMIT_PICTURES_MB);
+        Diagnostic *report = diag_report(
+            b->diag, D_LIMIT, span, "'%s' of %u by %u pixels needs %.0f MB, and the pictures of a scene may have %d MB",
+            wish->path, pixels->width, pixels->height, bytes / 1048576, LIMIT_PICTURES_MB);
         diag_hint(b->diag, report, "make the picture smaller");
         return false;
     }

@@ -26,7 +26,8 @@ static uint32_t add_texture(Builder *b, const Texture *texture, TextureFacts fac
     Scene *scene = b->scene;
     b->texture_facts =
         room_for_one(b->arena, b->texture_facts, scene->n_textures, &b->texture_facts_capacity, sizeof facts);
-    scene->textures = room_for_one(b->arena, scene->textures, scene->n_textures, &b->textures_capacity, sizeof *texture);
+    scene->textures =
+        room_for_one(b->arena, scene->textures, scene->n_textures, &b->textures_capacity, sizeof *texture);
     b->texture_facts[scene->n_textures] = facts;
     scene->textures[scene->n_textures] = *texture;
     return scene->n_textures++;
@@ -50,8 +51,9 @@ static bool color_of(Builder *b, Span span, const char *name, const double rgb[3
 {
     for (int c = 0; c < 3; c++) {
         if (rgb[c] >= 0 && rgb[c] <= 1) continue;
-        Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span,
-                                         "'%s' has a channel of %g, and a colour of a surface is in 0..1", name, rgb[c]);
+        Diagnostic *report =
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span,
+                        "'%s' has a channel of %g, and a colour of a surface is in 0..1", name, rgb[c]);
         diag_hint(b->diag, report, "more than 1 would reflect more light than there is");
         return false;
     }
@@ -94,8 +96,9 @@ static uint32_t value_of(Builder *b, const EvalNode *node, const char *name, dou
         if (use == TEXTURE_OF_NUMBERS)
             wants_number(b, prop->span, name);
         else if (strcmp(prop->as.spectrum.term->type->name, "spectrum") != 0)
-            diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a number, a colour, a spectrum() or a texture, not %s()",
-                        name, prop->as.spectrum.term->type->name);
+            diag_report(b->diag, D_WRONG_TYPE, prop->span,
+                        "'%s' is a number, a colour, a spectrum() or a texture, not %s()", name,
+                        prop->as.spectrum.term->type->name);
         else if (!build_spectrum(b, prop, 1, &value))
             value = spectrum_constant(0);
         break;
@@ -259,11 +262,11 @@ static const struct {
     PatternKind kind;
     void (*read)(Builder *b, const EvalNode *node, Pattern *pattern);
 } patterns[] = {
-    {"checker", PATTERN_CHECKER, NULL},        {"brick", PATTERN_BRICK, brick_of},
-    {"hexagon", PATTERN_HEXAGON, NULL},        {"gradient", PATTERN_GRADIENT, gradient_of},
-    {"noise", PATTERN_NOISE, noise_of},        {"marble", PATTERN_GRADIENT, marble_of},
-    {"wood", PATTERN_WOOD, wood_of},           {"granite", PATTERN_GRANITE, NULL},
-    {"crackle", PATTERN_CRACKLE, crackle_of},  {"spots", PATTERN_SPOTS, spots_of},
+    {"checker", PATTERN_CHECKER, NULL},       {"brick", PATTERN_BRICK, brick_of},
+    {"hexagon", PATTERN_HEXAGON, NULL},       {"gradient", PATTERN_GRADIENT, gradient_of},
+    {"noise", PATTERN_NOISE, noise_of},       {"marble", PATTERN_GRADIENT, marble_of},
+    {"wood", PATTERN_WOOD, wood_of},          {"granite", PATTERN_GRANITE, NULL},
+    {"crackle", PATTERN_CRACKLE, crackle_of}, {"spots", PATTERN_SPOTS, spots_of},
     {"agate", PATTERN_AGATE, NULL},
 };
 
@@ -284,9 +287,9 @@ static void read_pattern(Builder *b, const EvalNode *node, Texture *texture, Tex
 static void check_size(Builder *b, const EvalNode *node, TextureFacts *facts)
 {
     if (facts->depth <= MOST_DEPTH && facts->cost <= MOST_COST) return;
-    Diagnostic *report =
-        diag_report(b->diag, D_TOO_DEEP, node->span, "textures within textures: %u levels and %u look-ups, of %d and %d",
-                    facts->depth, facts->cost, MOST_DEPTH, MOST_COST);
+    Diagnostic *report = diag_report(b->diag, D_TOO_DEEP, node->span,
+                                     "textures within textures: %u levels and %u look-ups, of %d and %d", facts->depth,
+                                     facts->cost, MOST_DEPTH, MOST_COST);
     diag_hint(b->diag, report, "look for a texture that takes itself in, turn by turn");
     facts->depth = facts->cost = 1; /* it is said once */
 }
@@ -300,8 +303,8 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         texture.kind = TEXTURE_IMAGE;
         texture.projection = (TextureProjection)choice_of(node, "projection");
         texture.wrap = (TextureWrap)choice_of(node, "wrap");
-        texture.image_is_value =
-            use == TEXTURE_OF_VECTORS || (!eval_prop(node, "from") && !eval_prop(node, "to") && !eval_prop(node, "ramp"));
+        texture.image_is_value = use == TEXTURE_OF_VECTORS ||
+                                 (!eval_prop(node, "from") && !eval_prop(node, "to") && !eval_prop(node, "ramp"));
         TextureUse of_image = texture.image_is_value ? use : TEXTURE_OF_NUMBERS;
         texture.image = build_texture_image(b, node, of_image);
         if (texture.image_is_value) {
@@ -340,12 +343,14 @@ uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use)
         facts = (TextureFacts){0, 0, 1, 1};
     }
     uint32_t row = add_texture(b, &texture, facts);
-    return *map_find(b->arena, &b->textures, arena_copy_text(b->arena, (const char *)&key, sizeof key), sizeof key, row);
+    return *map_find(b->arena, &b->textures, arena_copy_text(b->arena, (const char *)&key, sizeof key), sizeof key,
+                     row);
 }
 
 uint32_t build_world_checker(Builder *b, const double rgb[3], const double other[3], double size)
 {
-    Texture texture = {.kind = TEXTURE_PATTERN, .in_world = true, .placed = true, .shrink = 1 / size, .blend = TEXTURE_NONE};
+    Texture texture = {
+        .kind = TEXTURE_PATTERN, .in_world = true, .placed = true, .shrink = 1 / size, .blend = TEXTURE_NONE};
     texture.pattern.kind = PATTERN_CHECKER;
     texture.to_pattern = affine_identity();
     for (int i = 0; i < 3; i++) texture.to_pattern.m[i][i] = 1 / size;

@@ -1,7 +1,6 @@
 /* texture_shade.c - what textures make of a surface at a hit: its parameters, and its shading normal.
  *
- * How small the details are that a look-up needs to tell apart comes from a cone around the path: T. Akenine-Moeller et
- * al., "Texture Level of Detail Strategies for Real-Time Ray Tracing", Ray Tracing Gems ch. 20 (2019), without the
+ * How small the details are that a look-up needs to tell apart comes from a cone around the path: [AM19], without the
  * curvature of surfaces. Instead of that, what is seen by way of boundaries and mirrors is told apart four times as
  * finely, as glass may magnify it.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -34,8 +33,8 @@ void path_widen(Path *path)
 /* ---- where ---- */
 
 /* The uv of a mesh without any: each side of the box around it is 0..1, to the right and up seen from outside. */
-static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place, Vec3 *du,
-                      Vec3 *dv)
+static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place,
+                      Vec3 *du, Vec3 *dv)
 {
     Vec3 low = frame->box.min, size = vec3_sub(frame->box.max, frame->box.min), p = vec3_sub(at->local, low);
     double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
@@ -149,7 +148,7 @@ static Vec3 normal_of_map(const Scene *scene, const SceneSurface *surface, const
     return vec3_normalize(vec3_along(vec3_along(vec3_scale(n, z), x / long_u, u), y / long_v, v));
 }
 
-/* W. Keller et al., "The Iray Light Transport Simulation and Rendering System" (2017), A.3: a shading normal that would
+/* [Keller17] A.3: a shading normal that would
  * send the mirrored direction into the surface is bent back, just so far that it does not. view: to where the path comes
  * from; both on the geometric normal's side. */
 Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal)
@@ -220,8 +219,9 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
         if (texture->color)
             read_color(scene, texture, &view.at, wavelength_nm, target);
         else
-            *(float *)target = float_min(
-                float_max(texture_number_at(scene->textures, texture->texture, &view.at), texture->least), texture->most);
+            *(float *)target =
+                float_min(float_max(texture_number_at(scene->textures, texture->texture, &view.at), texture->least),
+                          texture->most);
     }
     if (surface_has_relief(surface)) add_relief(path, event, surface, &view, place);
 }

@@ -95,9 +95,17 @@ static void surfaces_are_diffuse_or_checkered(void **state)
              "sphere { surface = surface { pattern = checker albedo = .8 check_size = 3 } }");
     assert_int_equal(f.scene->objects[0].surface, f.scene->objects[1].surface);
     const SceneSurface *s = &f.scene->surfaces[f.scene->objects[2].surface];
-    assert_true(s->checkered && s->check_size == 3);
+    assert_int_equal(s->n_textures, 1);
     assert_near((double)spectrum_at_one(&s->albedo, 550), .8, 1e-4);
-    assert_near((double)spectrum_at_one(&s->albedo2, 550), .2, 1e-4);
+    /* squares of 3 in the world, whose layers along y are half a square off the origin */
+    static const struct {
+        Vec3 p;
+        double albedo;
+    } places[] = {{{1, 0, 1}, .8}, {{4, 0, 1}, .2}, {{4, 0, 4}, .8}, {{-1, 1, 1}, .2}, {{1, 1.6, 1}, .2}, {{1, -1.6, 1}, .2}};
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        TexturePlace at = {.world = places[i].p, .object = {9, 9, 9}};
+        assert_near((double)texture_number_at(f.scene->textures, s->textures[0].texture, &at), places[i].albedo, 1e-4);
+    }
     assert_int_equal(f.scene->objects[0].medium, SCENE_NONE);
     fixture_clear(&f);
     REFUSED("surface s { albedo2 = .5 }sphere { surface = s }", D_CONFLICTING_PROPERTIES);

@@ -296,7 +296,7 @@ static void test_open_pieces(void **state)
     piece_surface(&rect, vec3(1, 5, -1), vec3(0, -1, 0), 5, &root);
     assert_near(root.normal.y, 1, 0);
     assert_near(root.u, 0.75, 0);
-    assert_near(root.v, 0, 0);
+    assert_near(root.v, 1, 0);
     Vec3 inset = piece_inset(&rect, vec3(2, 0, -1), 0.25);
     assert_near(inset.x, 1.75, 0);
     assert_near(inset.z, -0.75, 0);
@@ -444,7 +444,15 @@ static void test_arcs_and_tori(void **state)
             if (vec3_length(vec3_sub(normal, root.normal)) > 1e-6) fail_msg("a normal off its gradient");
             if (piece->kind == PIECE_OUTER_ARC && r < 3 - 1e-12) fail_msg("a root on the other half");
             if (piece->kind == PIECE_INNER_ARC && r > 3 + 1e-12) fail_msg("a root on the other half");
-            double turn = atan2(p.z, p.x) / (2 * pi), around = atan2(p.y, r - 3) / (2 * pi);
+            double turn = atan2(-p.z, p.x) / (2 * pi), around = atan2(p.y, r - 3) / (2 * pi);
+            Vec3 du, dv; /* along the surface: a quarter of a turn or less of the arc */
+            piece_gradients(piece, p, &du, &dv);
+            assert_near(vec3_dot(du, vec3(p.z, 0, -p.x)), 1 / (2 * pi), 1e-12);
+            assert_near(vec3_length(du) * r, 1 / (2 * pi), 1e-12);
+            Vec3 up = vec3(-p.y * p.x / r, r - 3, -p.y * p.z / r); /* along the circle, its length 1 */
+            double per_turn = piece->kind == PIECE_TORUS ? 1 : piece->y1 > piece->y0 ? 2 : -2;
+            if (piece->kind == PIECE_INNER_ARC) per_turn = -per_turn;
+            assert_near(vec3_dot(dv, up) * 2 * pi, per_turn, 1e-9);
             assert_near(root.u, turn < 0 ? turn + 1 : turn, 1e-12);
             double v = around < 0 ? around + 1 : around;
             if (piece->kind == PIECE_OUTER_ARC) v = 0.5 + (piece->y1 > piece->y0 ? 2 : -2) * around;
