@@ -337,3 +337,23 @@ Status sky_new(const SkyModel *model, Environment **environment, float sun[SPECT
     free(values);
     return status;
 }
+
+Status sky_new_overcast(const SkyModel *model, Environment **environment, Error *error)
+{
+    /* of level ground, 100 klx counting as pi; the gradient's mean under the cosine is 7/9 of the zenith's */
+    const double level = (0.3 + 21 * sin(model->elevation)) / 100 * pi * model->strength, zenith = level / pi * 9 / 7;
+    float *values = malloc((size_t)WIDTH * HEIGHT * BANDS * sizeof *values), white[SPECTRUM_SAMPLES], ground[BANDS];
+    if (!values) return fail_memory(error, (size_t)WIDTH * HEIGHT * BANDS * sizeof *values, "a sky");
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++)
+        white[i] = lanes_get(white_at(lanes_all(SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM))), 0);
+    for (int k = 0; k < BANDS; k++)
+        ground[k] = (float)(level / pi) * spectrum_at_one(model->ground, (float)(1e3 * band_um(k)));
+    for (int row = 0; row < HEIGHT; row++) {
+        float radiance = (float)(zenith * (1 + 2 * cos(pi * (row + 0.5) / HEIGHT)) / 3);
+        for (int i = 0; i < WIDTH * BANDS; i++)
+            values[(size_t)row * WIDTH * BANDS + (size_t)i] = row < HEIGHT / 2 ? radiance : ground[i % BANDS];
+    }
+    Status status = environment_new_bands(values, WIDTH, HEIGHT, white, environment, error);
+    free(values);
+    return status;
+}

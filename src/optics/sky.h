@@ -1,4 +1,4 @@
-/* sky.h - a clear sky and its sun, from what air is made of.
+/* sky.h - a clear sky and its sun, from what air is made of; and an overcast one.
  *
  * Light is scattered once by molecules and by aerosol along every line of sight, and the rest of the scattering is added
  * as the sum of a geometric series after S. Hillaire, "A Scalable and Production Ready Sky and Atmosphere Rendering
@@ -27,5 +27,11 @@ typedef struct SkyModel {
  * horizon). Takes some 50 ms. */
 ATTR_NODISCARD Status sky_new(const SkyModel *model, Environment **environment, float sun[SPECTRUM_SAMPLES],
                               Error *error);
+
+/* A sky that is closed by clouds, three times as bright at the zenith as at the horizon: L = Lz (1 + 2 sin e) / 3, P. Moon,
+ * D. E. Spencer, "Illumination from a non-uniform sky", Illuminating Engineering 37 (1942), CIE's overcast sky. It is of
+ * the white of the working space, D65, and gives 0.3 + 21 sin(elevation) klx on level ground (IES Lighting Handbook, 9th
+ * edition, 8-6). The turbidity does not count; the elevation is not negative. */
+ATTR_NODISCARD Status sky_new_overcast(const SkyModel *model, Environment **environment, Error *error);
 
 #endif

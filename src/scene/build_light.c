@@ -341,18 +341,27 @@ static void environment_from_sky(Builder *b, const EvalNode *node)
     /* the sky has its sun over +z; turned by the azimuth it is where it should be */
     Affine turn = {{{cos(azimuth), 0, -sin(azimuth)}, {0, 1, 0}, {sin(azimuth), 0, cos(azimuth)}}, {0, 0, 0}};
     scene->world_to_environment = affine_compose(&turn, &scene->world_to_environment);
-    float sun[SPECTRUM_SAMPLES];
+    float sun[SPECTRUM_SAMPLES] = {0};
     Error error;
-    Status status = sky_new(&model, &scene->environment, sun, &error);
+    bool overcast = strcmp(eval_word(node, "sky"), "overcast") == 0;
+    if (overcast && model.elevation < 0) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "elevation"),
+                    "the sun is %g degrees below the horizon: an overcast sky has no twilight",
+                    -model.elevation / degree);
+        return;
+    }
+    Status status = overcast ? sky_new_overcast(&model, &scene->environment, &error)
+                             : sky_new(&model, &scene->environment, sun, &error);
     if (!build_succeeded(b, status, &error, node->span)) return;
-    double key[] = {model.elevation, model.turbidity, model.strength, rgb[0], rgb[1], rgb[2]};
+    double key[] = {overcast, model.elevation, model.turbidity, model.strength, rgb[0], rgb[1], rgb[2]};
     b->environment_hash = hash_bytes(key, sizeof key, b->environment_hash);
-    if (model.elevation > 0 && model.strength > 0 && eval_truth(node, "disc")) add_sun(b, node, model.elevation, sun);
+    if (!overcast && model.elevation > 0 && model.strength > 0 && eval_truth(node, "disc"))
+        add_sun(b, node, model.elevation, sun);
 }
 
 void build_environment(Builder *b, const EvalNode *node)
 {
-    static const char *const of_sky[] = {"elevation", "azimuth", "turbidity", "ground", "disc"};
+    static const char *const of_sky[] = {"elevation", "ground"}, *const of_clear[] = {"azimuth", "turbidity", "disc"};
     const EvalProp *image = eval_prop(node, "image");
     double scale;
     bool similar = is_similar(&node->transform, &scale);
@@ -365,8 +374,10 @@ void build_environment(Builder *b, const EvalNode *node)
         return;
     }
     b->scene->world_to_environment.t = vec3(0, 0, 0);
-    if (!eval_prop(node, "sky"))
-        for (size_t i = 0; i < COUNT_OF(of_sky); i++) build_needs(b, node, of_sky[i], "without sky = clear");
+    bool clear = eval_prop(node, "sky") && strcmp(eval_word(node, "sky"), "clear") == 0;
+    for (size_t i = 0; i < COUNT_OF(of_sky) && !eval_prop(node, "sky"); i++)
+        build_needs(b, node, of_sky[i], "without sky = clear or overcast");
+    for (size_t i = 0; i < COUNT_OF(of_clear) && !clear; i++) build_needs(b, node, of_clear[i], "without sky = clear");
     if (eval_prop(node, "sky"))
         environment_from_sky(b, node);
     else if (image)

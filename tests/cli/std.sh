@@ -66,8 +66,13 @@ lights.lamp { color = lights.illuminant_a()  power = 2 }
 lights.sparkle { n = 2  color = lights.sodium() }
 lights.three_point { color = lights.sunlight() }
 lights.lamp { color = lights.skylight() }
+for (color in [lights.illuminant_d(5000K), lights.illuminant_d50(), lights.illuminant_d55(), lights.illuminant_d65(),
+  lights.illuminant_e(), lights.illuminant_f2(), lights.illuminant_f7(), lights.illuminant_f11(), lights.illuminant_led_b3()]) {
+  lights.lamp { color = color }
+}
 lights.sun()
-lights.plain_sky()
+param clouded = false
+if (clouded) { lights.overcast() } else { lights.daylight() }
 SCENE
 }
 
@@ -79,6 +84,8 @@ for unit in mm cm m; do
     empty err
     sed -n '/^Clear/,$p' out > "report.$unit"
 done
+run check all.mns -D clouded=true --werror
+exits 0
 says report.mm drink
 cmp -s report.mm report.cm || flunk "$(diff report.mm report.cm)"
 cmp -s report.mm report.m || flunk "$(diff report.mm report.m)"

@@ -396,6 +396,7 @@ static void outside(void **state)
          3.14159,
          0.99},
         {"a sky", "environment { sky = clear  disc = false }", origin, up, {0, 1, 0}, 3.14159, 0.99},
+        {"an overcast sky", "environment { sky = overcast }", origin, up, {0, 1, 0}, 3.14159, 0.99},
         {"through a window", "environment { color = 2 } " WINDOW("0"), origin, anywhere, {30, 20, 0}, 0.6, 0.99},
         {"through a window, beyond it too",
          "environment { color = 2 } " WINDOW("0"),

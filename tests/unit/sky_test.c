@@ -146,9 +146,33 @@ static void looks_like_a_sky(void **state)
     end(&night);
 }
 
+/* CIE's overcast sky: white, three times as bright above as at the horizon, and on level ground what the IES measured. */
+static void overcast(void **state)
+{
+    (void)state;
+    for (int elevation = 0; elevation <= 90; elevation += 30) {
+        Spectrum ground = spectrum_constant(0.3f);
+        Error error;
+        SkyModel model = {elevation * pi / 180, 2.2, &ground, 2};
+        Environment *sky;
+        assert_int_equal(sky_new_overcast(&model, &sky, &error), STATUS_OK);
+        double zenith[3], slope[3], below[3], level = 2 * (0.3 + 21 * sin(elevation * pi / 180)) * pi / 100;
+        colour_of(sky, towards(pi / 2, 0), zenith);
+        colour_of(sky, towards(pi / 6, 1), slope);
+        colour_of(sky, towards(-0.3, 1), below);
+        for (int c = 0; c < 3; c++) {
+            assert_near(zenith[c] / luminance(zenith), 1, 2e-3);
+            assert_near(zenith[c], level / pi * 9 / 7, 3e-3 * level);
+            assert_near(slope[c] / zenith[c], 2.0 / 3, 1e-3);
+            assert_near(below[c], 0.3 * level / pi, 2e-3 * level);
+        }
+        environment_free(sky);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(published), cmocka_unit_test(beers_law),
-                                       cmocka_unit_test(looks_like_a_sky)};
+                                       cmocka_unit_test(looks_like_a_sky), cmocka_unit_test(overcast)};
     return cmocka_run_group_tests_name("sky", tests, NULL, NULL);
 }

@@ -3,6 +3,8 @@
 #include "test.h"
 
 #include "near.h"
+#include "optics/color.h"
+#include "optics/observer.h"
 #include "scene/library.h"
 #include "scene_fixture.h"
 
@@ -184,6 +186,42 @@ static void gems_have_their_facets(void **state)
     }
 }
 
+/* Chromaticities by the CIE 1931 observer, as they are published with the illuminants: ISO/CIE 11664-2, CIE 15:2018. */
+static void illuminants_have_their_chromaticities(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double x, y;
+    } rows[] = {
+        {"illuminant_a()", 0.44758, 0.40745},    {"illuminant_d50()", 0.34567, 0.35851},
+        {"illuminant_d55()", 0.33243, 0.34744},  {"illuminant_d65()", 0.31271, 0.32903},
+        {"illuminant_d()", 0.31271, 0.32903},    {"illuminant_d(7504K)", 0.29903, 0.31488},
+        {"illuminant_e()", 0.33333, 0.33333},    {"illuminant_f2()", 0.3721, 0.3751},
+        {"illuminant_f7()", 0.3129, 0.3292},     {"illuminant_f11()", 0.3805, 0.3769},
+        {"illuminant_led_b3()", 0.3756, 0.3723},
+    };
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        Fixture f;
+        char text[300];
+        snprintf(text, sizeof text,
+                 "use \"std/lights.mns\" as lights light { shape = sphere  radius = 1  color = lights.%s }",
+                 rows[i].name);
+        build(&f, text);
+        const Spectrum *radiance = &f.scene->lights[0].radiance;
+        double xyz[3] = {0};
+        for (int k = 0; k < SPECTRUM_SAMPLES; k++)
+            for (int c = 0; c < 3; c++)
+                xyz[c] += at(radiance, (double)SPECTRUM_MIN_NM + k * SPECTRUM_STEP_NM) * (double)observer_xyz[k][c];
+        double sum = xyz[0] + xyz[1] + xyz[2], x = xyz[0] / sum, y = xyz[1] / sum;
+        printf("%-20s x %.5f y %.5f, published %.5f %.5f\n", rows[i].name, x, y, rows[i].x, rows[i].y);
+        assert_near(x, rows[i].x, 1e-4);
+        assert_near(y, rows[i].y, 1e-4);
+        assert_near(spectrum_luminance(radiance), 1, 1e-4); /* as bright as white */
+        fixture_clear(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -192,6 +230,7 @@ int main(void)
         cmocka_unit_test(water_and_ice_absorb_as_measured),
         cmocka_unit_test(air_follows_its_density),
         cmocka_unit_test(gems_have_their_facets),
+        cmocka_unit_test(illuminants_have_their_chromaticities),
     };
     return cmocka_run_group_tests_name("std", tests, NULL, NULL);
 }
