@@ -8,6 +8,10 @@
 #include <math.h>
 #include <stdbool.h>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 enum { LANES = 4 };
 
 #if defined(__GNUC__)
@@ -48,12 +52,17 @@ static inline float float_max(float a, float b) { return a > b ? a : b; }
 static inline float float_min(float a, float b) { return a < b ? a : b; }
 static inline float lanes_max(Lanes a) { return float_max(float_max(a.v[0], a.v[1]), float_max(a.v[2], a.v[3])); }
 static inline float lanes_min(Lanes a) { return float_min(float_min(a.v[0], a.v[1]), float_min(a.v[2], a.v[3])); }
-/* no lane differs from lane 0 */
-static inline bool lanes_uniform(Lanes a)
+static inline bool lanes_equal(Lanes a, Lanes b)
 {
-    return a.v[0] == a.v[1] && a.v[0] == a.v[2] && a.v[0] == a.v[3];
+#if defined(__GNUC__) && defined(__SSE2__)
+    return _mm_movemask_ps(_mm_cmpeq_ps((__m128)a.v, (__m128)b.v)) == 0xf;
+#else
+    return a.v[0] == b.v[0] && a.v[1] == b.v[1] && a.v[2] == b.v[2] && a.v[3] == b.v[3];
+#endif
 }
-static inline bool lanes_zero(Lanes a) { return a.v[0] == 0 && a.v[1] == 0 && a.v[2] == 0 && a.v[3] == 0; }
+/* no lane differs from lane 0 */
+static inline bool lanes_uniform(Lanes a) { return lanes_equal(a, lanes_all(a.v[0])); }
+static inline bool lanes_zero(Lanes a) { return lanes_equal(a, lanes_all(0)); }
 static inline bool lanes_finite(Lanes a)
 {
     return isfinite(a.v[0]) && isfinite(a.v[1]) && isfinite(a.v[2]) && isfinite(a.v[3]);
