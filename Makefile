@@ -36,6 +36,8 @@ EXR_LIBS ?= -lOpenEXRCore
 PNG_LIBS ?= -lpng -lz
 OCIO_LIBS ?= -lOpenColorIO
 JANSSON_LIBS ?= -ljansson
+# NanoVDB is headers only; its files may be compressed by zlib and Blosc.
+BLOSC_LIBS ?= -lblosc -lz
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow \
   -Wundef -Wformat=2 -Wcast-qual -Wpointer-arith -Wwrite-strings -Wimplicit-fallthrough -Wvla
@@ -55,7 +57,7 @@ CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSI
   -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(patsubst -I%,-isystem %,$(FREETYPE_CFLAGS)) $(CPPFLAGS)
 CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
-LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) -lstdc++ -lpthread -lm
+LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) -lstdc++ -lpthread -lm
 
 GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c src/optics/layered_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
@@ -167,7 +169,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/replay.c tests/fuzz/fuzz.h tests/fuzz
 
 # ---- packages ----
 
-PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjansson-dev libfreetype-dev fonts-dejavu-core libcmocka-dev mandoc python3
+PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjansson-dev libfreetype-dev libnanovdb-dev libblosc-dev fonts-dejavu-core libcmocka-dev mandoc python3
 
 deps: ## install the Debian packages that are missing (with sudo where not root)
 	@missing=''; for p in $(PACKAGES); do \
