@@ -16,7 +16,7 @@
 static uint32_t place_of(const NestList *list, const NestOrder *order, uint32_t hull)
 {
     uint32_t place = list->n;
-    if (order->policy == NEST_ENTERED) return place; /* on top, whatever it is */
+    if (order->policy == NEST_ENTERED && !nest_mixes(order, hull)) return place; /* on top, whatever it is */
     const uint32_t *items = nest_list_items(list);
     uint32_t rank = order->rank[hull];
     while (place > 0 && order->rank[items[place - 1]] > rank) place--;
@@ -87,19 +87,25 @@ static void pass_without_nesting(NestList *list, const NestOrder *order, NestPas
     if (last.entering) nest_list_insert(list, list->n, last.hull);
 }
 
+/* Hulls that mix are added and taken away as ever: they have no surfaces to show. */
 static void cross_without_nesting(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                                   NestCrossing *crossing)
 {
     NestPass last = {NEST_WORLD, false};
     for (uint32_t i = 0; i < n; i++) {
-        if (passes[i].hull < order->n_hulls) {
+        if (nest_mixes(order, passes[i].hull)) {
+            crossing->n_faults += apply(list, order, passes[i]);
+        } else if (passes[i].hull < order->n_hulls) {
             last = passes[i];
         } else if (opens_tree(order, passes, i) && combine(list, order, passes, n, i, crossing)) {
             uint32_t tree = nest_csg_tree(order->csg, passes[i].hull), hull = order->csg->trees[tree].hull;
+            NestPass pass = {hull, nest_csg_holds(order->csg, tree, list)};
             if (hull == NEST_OPAQUE)
                 crossing->opaque = true;
+            else if (nest_mixes(order, hull))
+                apply(list, order, pass);
             else
-                last = (NestPass){hull, nest_csg_holds(order->csg, tree, list)};
+                last = pass;
         }
     }
     if (last.hull != NEST_WORLD) pass_without_nesting(list, order, last, crossing);

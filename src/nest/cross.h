@@ -14,7 +14,7 @@
 static inline uint32_t nest_owner(const NestOrder *order, const NestList *list)
 {
     uint32_t top = list->n ? nest_list_items(list)[list->n - 1] : NEST_WORLD;
-    return top < order->n_hulls ? top : NEST_WORLD; /* operands alone are nothing */
+    return top < order->n_hulls && !nest_mixes(order, top) ? top : NEST_WORLD; /* operands alone are nothing */
 }
 /* The medium there. */
 static inline uint32_t nest_medium(const NestOrder *order, const NestList *list)

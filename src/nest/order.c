@@ -276,6 +276,19 @@ static Status order_priority(NestOrder *order, const NestHull *hulls, Error *err
     return STATUS_OK;
 }
 
+/* Hulls that mix go below all others; among both kinds everything stays as it was. */
+static Status sink_mixing(NestOrder *order, const NestHull *hulls, Error *error)
+{
+    for (uint32_t h = 0; h < order->n_hulls; h++) order->n_mixing += hulls[h].mixes;
+    if (!order->n_mixing) return STATUS_OK;
+    uint32_t *hull_of_rank = malloc(order->n_hulls * sizeof *hull_of_rank), next[2] = {order->n_mixing, 0};
+    if (!hull_of_rank) return fail_memory(error, order->n_hulls * sizeof *hull_of_rank, "the order of the hulls");
+    for (uint32_t h = 0; h < order->n_hulls; h++) hull_of_rank[order->rank[h]] = h;
+    for (uint32_t r = 0; r < order->n_hulls; r++) order->rank[hull_of_rank[r]] = next[hulls[hull_of_rank[r]].mixes]++;
+    free(hull_of_rank);
+    return STATUS_OK;
+}
+
 Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
                         uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error)
 {
@@ -286,12 +299,13 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medi
     order->medium = order->rank + n;
     order->circle = order->medium + n;
     for (uint32_t h = 0; h < n_hulls; h++) {
-        order->medium[h] = hulls[h].medium;
+        order->medium[h] = hulls[h].mixes ? world_medium : hulls[h].medium;
         order->rank[h] = h;
     }
     Status status = STATUS_OK;
     if (policy == NEST_AUTOMATIC) status = order_automatic(order, hulls, overlaps, n_overlaps, error);
     if (policy == NEST_PRIORITY) status = order_priority(order, hulls, error);
+    if (status == STATUS_OK) status = sink_mixing(order, hulls, error);
     if (status != STATUS_OK) nest_order_clear(order);
     return status;
 }

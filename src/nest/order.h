@@ -28,6 +28,7 @@ typedef struct NestHull {
     int32_t priority; /* 0 unless stated; larger is on top */
     NestState state;
     double volume;    /* enclosed; INFINITY for a half-space */
+    bool mixes;       /* never owns a point, but adds to whatever does: its crossings are silent */
 } NestHull;
 
 typedef enum NestRelation { NEST_PARTIAL, NEST_A_IN_B, NEST_B_IN_A } NestRelation;
@@ -64,7 +65,8 @@ typedef struct NestOrder {
     NestPolicy policy;
     uint32_t n_hulls, world_medium;
     uint32_t *rank;   /* of each hull, 0 .. n - 1, larger on top; a permutation */
-    uint32_t *medium; /* of each hull */
+    uint32_t *medium; /* of each hull; of one that mixes the world's */
+    uint32_t n_mixing; /* hulls that mix: the lowest ranks are theirs */
     uint32_t n_circles;      /* groups of hulls whose pairwise answers ran in a circle */
     uint32_t *circle;        /* of each hull: 0, or the number of its circle from 1 */
     const NestCsg *csg;      /* how hulls are combined from operands; NULL: none is */
@@ -76,6 +78,11 @@ typedef struct NestOrder {
  * declaration. overlaps may name a pair twice. O((n + m) log n). STATUS_NOMEM. */
 ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
                                        uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error);
+/* Whether a hull mixes; false for operands of combinations. */
+static inline bool nest_mixes(const NestOrder *order, uint32_t hull)
+{
+    return UNLIKELY(order->n_mixing) && hull < order->n_hulls && order->rank[hull] < order->n_mixing;
+}
 /* Tells the order of combinations; csg->first_operand is the number of hulls. csg is not owned. STATUS_NOMEM. */
 ATTR_NODISCARD Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error);
 void nest_order_clear(NestOrder *order);

@@ -281,7 +281,29 @@ static bool any_emits(const Scene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++)
         if (scene->objects[i].surface != SCENE_NONE && scene->surfaces[scene->objects[i].surface].emits) return true;
-    return false;
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->objects[i].medium != SCENE_NONE && scene->media[scene->objects[i].medium].emits) return true;
+    return scene->media[0].emits;
+}
+
+/* The world's medium reaches to infinity, unless its density ends. */
+static void check_world(Builder *b, bool distant)
+{
+    const SceneMedium *medium = &b->scene->media[0];
+    if (medium->mixes) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, medium->span,
+                                         "the world's medium '%s' mixes, and there is nothing that it could mix with",
+                                         medium->name);
+        diag_hint(b->diag, report, "leave 'mixes' out, or put it into an object");
+    }
+    if (medium->density && !(medium->density->outside > 0)) return;
+    if ((medium->absorbs || medium->scatters) && distant)
+        diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, medium->span,
+                    "the world's medium '%s' %s, so that no light from infinitely far arrives", medium->name,
+                    medium->absorbs ? "absorbs" : "scatters");
+    if (medium->emits && !medium->absorbs && !medium->scatters)
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, medium->span,
+                    "the world's medium '%s' shines and lets all light through: it is infinitely bright", medium->name);
 }
 
 static void check_whole(Builder *b)
@@ -305,10 +327,7 @@ static void check_whole(Builder *b)
         Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");
         diag_hint(b->diag, report, "add one: camera { from = <0, 1, 5>  to = <0, 0, 0> }");
     }
-    if ((scene->media[0].absorbs || scene->media[0].scatters) && distant)
-        diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, scene->media[0].span,
-                    "the world's medium '%s' %s, so that no light from infinitely far arrives", scene->media[0].name,
-                    scene->media[0].absorbs ? "absorbs" : "scatters");
+    check_world(b, distant);
 }
 
 static void build_all(Builder *b)

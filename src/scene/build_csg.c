@@ -183,6 +183,7 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     SceneObject *object = &scene->objects[whole.object];
     object->medium = whole.medium;
     object->surface = whole.surface;
+    if (interior) build_note_frame(b, whole.object);
     if (interior) object->priority = priority ? (int32_t)priority->as.number : scene->media[whole.medium].priority;
     whole.part = add_parts(b, 1);
     add_tree(b, whole.object, whole.part);

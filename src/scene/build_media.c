@@ -137,6 +137,50 @@ static NestState state_of(const EvalNode *node)
     return strcmp(word, "solid") == 0 ? NEST_SOLID : strcmp(word, "gas") == 0 ? NEST_GAS : NEST_LIQUID;
 }
 
+/* What it gives off by itself. */
+static void glow_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    const EvalProp *emission = eval_prop(node, "emission"), *temperature = eval_prop(node, "temperature");
+    medium->emission = spectrum_constant(0);
+    if (!emission) build_needs(b, node, "radiance", "without an 'emission'");
+    if (temperature && (!emission || !is_term(emission, "blackbody"))) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, temperature->span,
+                                         "'temperature' needs emission = blackbody(kelvin)");
+        diag_hint(b->diag, report, "'radiance' is that of places which are as hot as that; others follow");
+        return;
+    }
+    if (!emission || !build_emission(b, node, "emission", eval_number(node, "radiance"), &medium->emission)) return;
+    medium->emits = !spectrum_is_zero(&medium->emission);
+    if (!temperature) return;
+    medium->reference_k = emission->as.spectrum.term->args[0];
+    medium->temperature = build_volume(b, node, "temperature");
+}
+
+/* A medium that mixes is neither on top of anything nor bounded by anything. */
+static void mixing_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    static const char *const of_owners[] = {"ior", "priority"};
+    static const char *const reasons[] = {"it has the index of what it is in", "it is on top of nothing"};
+    medium->mixes = eval_truth(node, "mixes");
+    if (!medium->mixes && !eval_prop(node, "ior"))
+        diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a medium lacks its property 'ior'");
+    for (size_t i = 0; medium->mixes && i < COUNT_OF(of_owners); i++) {
+        const EvalProp *prop = eval_prop(node, of_owners[i]);
+        if (!prop) continue;
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
+                                         "a medium that mixes can have no '%s': %s", of_owners[i], reasons[i]);
+        diag_note(b->diag, report, build_span(node, "mixes"), "'mixes' is set here");
+    }
+}
+
+static void density_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    if (!medium->absorbs && !medium->scatters && !medium->emits)
+        build_needs(b, node, "density", "on a medium that neither absorbs, scatters nor shines");
+    else
+        medium->density = build_volume(b, node, "density");
+}
+
 uint32_t build_medium(Builder *b, const EvalNode *node)
 {
     Scene *scene = b->scene;
@@ -148,8 +192,11 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
         arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
     const EvalProp *ior = eval_prop(node, "ior");
     if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
+    mixing_of(b, node, &medium);
     absorption_of(b, node, &medium);
     scattering_of(b, node, &medium);
+    glow_of(b, node, &medium);
+    density_of(b, node, &medium);
     const EvalProp *priority = eval_prop(node, "priority");
     if (priority) {
         medium.has_priority = true;

@@ -64,7 +64,7 @@ typedef struct Builder {
     uint64_t where;                  /* identity of the node being built, with those of the groups around it */
     struct Combination *combination; /* that the nodes being built are operands of; NULL outside of any */
     uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, lights_capacity,
-        cameras_capacity, files_capacity, operands_capacity, parts_capacity, trees_capacity;
+        cameras_capacity, files_capacity, volumes_capacity, frames_capacity, operands_capacity, parts_capacity, trees_capacity;
     size_t objects_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
@@ -74,6 +74,7 @@ typedef struct Builder {
     double picture_bytes;
     const EvalProp *texture_user;    /* the property that textures are being built for */
     Affine node_to_world;            /* of the node being built: the frame that it is described in */
+    Map volumes;    /* by the address of their node */
     Map mesh_files;                            /* shapes by the address of the first mesh node that has them */
     uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
     uint32_t grey;                             /* the surface of a ground that names none */
@@ -138,6 +139,11 @@ void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_
 /* build_picture.c */
 /* The picture of an image node; NULL after reporting. */
 const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use);
+/* build_volume.c */
+/* The volume that a property says, if it is set; NULL after reporting. */
+const Volume *build_volume(Builder *b, const EvalNode *node, const char *property);
+/* Notes the frame of the object that was added last, where its medium needs one. */
+void build_note_frame(Builder *b, uint32_t object);
 
 /* build_spectrum.c */
 /* What a property's spectrum() says, its factor included; false after reporting. most: the largest value that can be

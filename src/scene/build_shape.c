@@ -148,6 +148,17 @@ bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, c
         diag_hint(b->diag, report, "clear: interior = a medium; opaque: surface = surface { albedo = .5 }");
         return false;
     }
+    if (*interior && eval_truth((*interior)->as.node, "mixes")) {
+        static const char *const of_owners[] = {"surface", "priority"};
+        for (size_t i = 0; i < COUNT_OF(of_owners); i++) {
+            const EvalProp *prop = eval_prop(node, of_owners[i]);
+            if (!prop) continue;
+            diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
+                        "a medium that mixes fills this %s: it has no boundary, and no '%s'", node->type->name,
+                        of_owners[i]);
+            return false;
+        }
+    }
     return !*surface || build_surface_fits(b, *surface, *interior != NULL);
 }
 
@@ -176,6 +187,7 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
         return;
     }
     object->medium = build_medium(b, interior->as.node);
+    build_note_frame(b, before);
     object->priority = priority ? (int32_t)priority->as.number : b->scene->media[object->medium].priority;
     if (!b->facts[shape].closed)
         build_report_open(b, node->span, object->name, shape);

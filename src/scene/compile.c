@@ -31,7 +31,8 @@ static Status number_hulls(CompiledScene *compiled, Error *error)
         compiled->hulls[hull] = (NestHull){.medium = object->medium,
                                            .priority = object->priority,
                                            .state = scene->media[object->medium].state,
-                                           .volume = object->volume};
+                                           .volume = object->volume,
+                                           .mixes = scene->media[object->medium].mixes};
         compiled->hull_bounds[hull] = scene_next_bounds(scene, object, &known);
     }
     return STATUS_OK;
@@ -193,9 +194,10 @@ static void report_empty_combinations(const CompiledScene *compiled, Diag *diag)
 
 /* ---- order ---- */
 
-/* Hulls of one medium merge, whichever is on top: between them there is nothing to order. */
+/* Hulls of one medium merge, whichever is on top, and those that mix are on top of nothing: there is nothing to order. */
 static bool needs_order(const CompiledScene *compiled, const HullPair *pair)
 {
+    if (compiled->hulls[pair->a].mixes || compiled->hulls[pair->b].mixes) return false;
     return pair->overlaps && compiled->hulls[pair->a].medium != compiled->hulls[pair->b].medium;
 }
 
@@ -412,13 +414,26 @@ static Status majority(const CompiledScene *compiled, const NestList *lists, Nes
     return STATUS_OK;
 }
 
+/* Moves the hulls that mix in front of the others, from `first` on; returns where the others begin. */
+static uint32_t sink_mixing(const NestOrder *order, uint32_t *items, uint32_t first, uint32_t n)
+{
+    for (uint32_t i = first; order->n_mixing && i < n; i++) {
+        uint32_t hull = items[i], k = i;
+        if (!nest_mixes(order, hull)) continue;
+        for (; k > first; k--) items[k] = items[k - 1];
+        items[first++] = hull;
+    }
+    return first;
+}
+
 /* Puts the owner last. Under NEST_ENTERED the order of entry stands; without nesting only the innermost counts.
- * Operands of combinations stay first. */
+ * Operands of combinations stay first, and hulls that mix stand behind them. */
 static void sort_list(const CompiledScene *compiled, NestList *list)
 {
     const NestOrder *order = &compiled->order;
     uint32_t *items = nest_list_hulls(list), first = 0;
     while (first < list->n && items[first] >= compiled->n_hulls) first++;
+    first = sink_mixing(order, items, first, list->n);
     if (order->policy == NEST_ENTERED) return;
     if (order->policy == NEST_NONE) {
         uint32_t innermost = first;

@@ -14,12 +14,25 @@ void scene_free(Scene *scene)
         mesh_parts_clear(&scene->shapes[i].parts);
     }
     for (uint32_t i = 0; i < scene->n_images; i++) texture_image_free(scene->images[i]);
+    for (uint32_t i = 0; i < scene->n_volumes; i++) volume_free(scene->volumes[i]);
     environment_free(scene->environment);
     free(scene->objects);
     free(scene->motions);
     free(scene->camera_keys);
     arena_clear(&scene->arena);
     free(scene);
+}
+
+static NestState mixing_state(const SceneMedium *medium, bool is_world)
+{
+    const float most_gaseous_ior = 1.01f; /* air: 1.0003; the densest vapours 1.002 */
+    if (medium->state != NEST_STATE_UNKNOWN) return medium->state;
+    return medium->mixes || is_world || spectrum_max(&medium->ior) <= most_gaseous_ior ? NEST_GAS : NEST_STATE_UNKNOWN;
+}
+
+bool scene_medium_mixes(const SceneMedium *mixing, const SceneMedium *owner, bool owner_is_world)
+{
+    return mixing_state(mixing, false) == mixing_state(owner, owner_is_world);
 }
 
 /* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the map's row

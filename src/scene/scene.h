@@ -16,6 +16,7 @@
 #include "optics/spectrum.h"
 #include "optics/surface_texture.h"
 #include "optics/texture.h"
+#include "optics/volume.h"
 #include "scene/aov.h"
 
 #define SCENE_NONE UINT32_MAX
@@ -30,6 +31,12 @@ typedef struct SceneMedium {
     bool absorbs;        /* absorption is not zero */
     bool scatters;       /* scattering is not zero */
     bool disperses;      /* the index depends on the wavelength */
+    const Volume *density; /* a factor of all that; NULL: 1 everywhere */
+    bool emits;            /* emission is not zero */
+    Spectrum emission;     /* radiance gained per scene unit, as SceneLight's */
+    const Volume *temperature; /* NULL, or in kelvin where emission is that of a black body of reference_k */
+    double reference_k;
+    bool mixes;            /* adds to the medium that owns a place, see scene_medium_mixes */
     NestState state;
     bool has_priority;
     int32_t priority;
@@ -42,6 +49,16 @@ typedef struct SurfaceTexture {
     size_t offset;    /* in BsdfSpec */
     float least, most;
 } SurfaceTexture;
+
+/* Whether a medium that mixes is there where another one owns the place: where both are of one state of matter. What has
+ * none is taken for gas where it bends light as little as gases do, and so is the world's own medium. */
+bool scene_medium_mixes(const SceneMedium *mixing, const SceneMedium *owner, bool owner_is_world);
+
+/* The frame of an object whose medium varies from place to place: where its node's own coordinates are in the world. */
+typedef struct SceneFrame {
+    uint32_t object;
+    Affine to_world;
+} SceneFrame;
 
 /* What an opaque object is covered with; of a clear one, only roughness and relief count. */
 typedef struct SceneSurface {
@@ -199,6 +216,10 @@ typedef struct Scene {
     uint32_t n_images;
     SceneTextureFrame *texture_frames;
     uint32_t n_texture_frames;
+    Volume **volumes; /* freed by scene_free */
+    uint32_t n_volumes;
+    SceneFrame *frames; /* in the order of objects */
+    uint32_t n_frames;
     SceneShape *shapes;
     uint32_t n_shapes;
     SceneObject *objects;

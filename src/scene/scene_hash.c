@@ -90,6 +90,21 @@ uint64_t scene_shape_hash(const SceneShape *shape)
     return h.state;
 }
 
+static void add_volume(Hasher *h, const Volume *volume)
+{
+    add_integer(h, volume != NULL);
+    if (!volume) return;
+    add_map(h, &volume->to_lattice);
+    size_t n_bricks = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        add_integer(h, (uint64_t)volume->n_points[axis]);
+        n_bricks *= (size_t)volume->n_bricks[axis];
+    }
+    add_bytes(h, volume->bricks, n_bricks * sizeof *volume->bricks);
+    add_bytes(h, volume->values, (size_t)volume->n_blocks * VOLUME_BRICK_VALUES * sizeof *volume->values);
+    add_number(h, (double)volume->outside);
+}
+
 static uint64_t medium_hash(const SceneMedium *medium)
 {
     Hasher h = {2};
@@ -104,6 +119,13 @@ static uint64_t medium_hash(const SceneMedium *medium)
         }
     }
     add_integer(&h, medium->state);
+    if (!medium->emits && !medium->density && !medium->mixes) return h.state;
+    add_integer(&h, medium->mixes);
+    add_volume(&h, medium->density);
+    if (!medium->emits) return h.state;
+    add_spectrum(&h, &medium->emission);
+    add_volume(&h, medium->temperature);
+    if (medium->temperature) add_number(&h, medium->reference_k);
     return h.state;
 }
 
@@ -298,6 +320,14 @@ static void add_cameras(Hasher *h, const Scene *scene)
     for (uint32_t i = 0; i < scene->n_cameras; i++) add_camera(h, &scene->cameras[i]);
 }
 
+static void add_frames(Hasher *h, const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_frames; i++) {
+        add_integer(h, scene->frames[i].object);
+        add_map(h, &scene->frames[i].to_world);
+    }
+}
+
 uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch)
 {
     Hasher h = {0};
@@ -305,6 +335,7 @@ uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratc
     add_integer(&h, rows.media[0]);
     add_objects(&h, scene, &rows, scratch);
     if (scene->n_trees) add_trees(&h, scene);
+    add_frames(&h, scene);
     add_lights(&h, scene);
     add_cameras(&h, scene);
     add_integer(&h, environment_hash);

@@ -196,7 +196,7 @@ static void bench_crossing(void)
 {
     enum { HULLS = 8, TURNS = 400000 };
     NestHull hulls[HULLS];
-    for (uint32_t h = 0; h < HULLS; h++) hulls[h] = (NestHull){h + 1, (int32_t)h, NEST_STATE_UNKNOWN, 1};
+    for (uint32_t h = 0; h < HULLS; h++) hulls[h] = (NestHull){h + 1, (int32_t)h, NEST_STATE_UNKNOWN, 1, false};
     NestOrder order;
     if (nest_order_build(&order, NEST_PRIORITY, 0, hulls, HULLS, NULL, 0, NULL) != STATUS_OK) exit(1);
     double ns[RUNS];

@@ -83,7 +83,7 @@ static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
     NestOrder order;
     make_model(&model, seed);
     const NestHull hulls[HULLS] = {
-        {1, 0, NEST_STATE_UNKNOWN, 3}, {2, 0, NEST_STATE_UNKNOWN, 2}, {3, 0, NEST_STATE_UNKNOWN, 1}};
+        {1, 0, NEST_STATE_UNKNOWN, 3, false}, {2, 0, NEST_STATE_UNKNOWN, 2, false}, {3, 0, NEST_STATE_UNKNOWN, 1, false}};
     assert_int_equal(nest_order_build(&order, policy, WORLD, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
     assert_int_equal(nest_order_combine(&order, &model.csg, NULL), STATUS_OK);
     bool inside[HULLS + OPERANDS] = {false};

@@ -98,7 +98,7 @@ static void test_table_floating_ice(void **state)
 {
     (void)state;
     /* A: ice, B: water. Ice is solid, so that it wins although its volume is the larger here */
-    Fixture f = {.hulls = {{1, 3, NEST_SOLID, 9}, {2, 1, NEST_LIQUID, 2}}, .n_hulls = 2,
+    Fixture f = {.hulls = {{1, 3, NEST_SOLID, 9, false}, {2, 1, NEST_LIQUID, 2, false}}, .n_hulls = 2,
                  .overlaps = {{B, A, NEST_PARTIAL}}, .n_overlaps = 1};
     sequence(NEST_ENTERED, &f, "+A +B -A -B", "A B . 0");
     sequence(NEST_PRIORITY, &f, "+A +B -A -B", "A . B 0");
@@ -248,7 +248,7 @@ static void test_entered_is_the_printed_stack(void **state)
             for (uint32_t h = 0; h < HULLS; h++) {
                 random = hash_u64(random);
                 medium[h] = random % 5 == 0 ? WORLD : (uint32_t)(random % 4) + 1;
-                hulls[h] = (NestHull){medium[h], 0, NEST_STATE_UNKNOWN, 1};
+                hulls[h] = (NestHull){medium[h], 0, NEST_STATE_UNKNOWN, 1, false};
             }
             assert_int_equal(nest_order_build(&order, NEST_ENTERED, WORLD, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
         }
@@ -328,7 +328,7 @@ static void test_reversal(void **state)
 {
     (void)state;
     NestHull hulls[4];
-    for (uint32_t h = 0; h < 4; h++) hulls[h] = (NestHull){h + 1, (int)h, NEST_STATE_UNKNOWN, 4.0 - h};
+    for (uint32_t h = 0; h < 4; h++) hulls[h] = (NestHull){h + 1, (int)h, NEST_STATE_UNKNOWN, 4.0 - h, false};
     NestOverlap overlaps[6];
     size_t n_overlaps = 0;
     for (uint32_t a = 0; a < 4; a++)
@@ -355,7 +355,7 @@ static void test_thousand_shells(void **state)
     enum { N = 1000 };
     static NestHull hulls[N];
     static NestOverlap overlaps[N];
-    for (uint32_t h = 0; h < N; h++) hulls[h] = (NestHull){h, 0, NEST_STATE_UNKNOWN, (double)(N - h)};
+    for (uint32_t h = 0; h < N; h++) hulls[h] = (NestHull){h, 0, NEST_STATE_UNKNOWN, (double)(N - h), false};
     for (uint32_t h = 0; h + 1 < N; h++) overlaps[h] = (NestOverlap){h, h + 1, NEST_B_IN_A};
     for (int policy = NEST_AUTOMATIC; policy <= NEST_PRIORITY; policy++) {
         NestOrder order;
@@ -387,7 +387,7 @@ static void test_thousand_shells(void **state)
 static void test_rules(void **state)
 {
     (void)state;
-    NestHull hulls[] = {{1, 0, NEST_SOLID, 116}, {2, 0, NEST_LIQUID, 93}};
+    NestHull hulls[] = {{1, 0, NEST_SOLID, 116, false}, {2, 0, NEST_LIQUID, 93, false}};
     NestOverlap partial = {0, 1, NEST_PARTIAL}, contained = {0, 1, NEST_A_IN_B};
     NestDecision decision = nest_decide(hulls, &partial); /* pouring: less whisky than glass */
     assert_int_equal(decision.top, 0);
@@ -407,7 +407,7 @@ static void test_rules(void **state)
     decision = nest_decide(hulls, &partial);
     assert_int_equal(decision.top, 1);
     assert_int_equal(decision.rule, NEST_BY_DECLARATION);
-    NestHull matter[] = {{1, 0, NEST_GAS, 9}, {2, 0, NEST_LIQUID, 1}, {3, 0, NEST_SOLID, 99}};
+    NestHull matter[] = {{1, 0, NEST_GAS, 9, false}, {2, 0, NEST_LIQUID, 1, false}, {3, 0, NEST_SOLID, 99, false}};
     NestOverlap gas_liquid = {0, 1, NEST_PARTIAL}, gas_solid = {0, 2, NEST_PARTIAL};
     assert_int_equal(nest_decide(matter, &gas_liquid).top, 0);
     assert_int_equal(nest_decide(matter, &gas_solid).top, 2);
@@ -417,7 +417,7 @@ static void test_rules(void **state)
 static void test_circle_falls_back_to_volume(void **state)
 {
     (void)state;
-    NestHull hulls[] = {{1, 0, NEST_SOLID, 10}, {2, 0, NEST_LIQUID, 4}, {3, 0, NEST_STATE_UNKNOWN, 6}, {4, 0, NEST_SOLID, 1}};
+    NestHull hulls[] = {{1, 0, NEST_SOLID, 10, false}, {2, 0, NEST_LIQUID, 4, false}, {3, 0, NEST_STATE_UNKNOWN, 6, false}, {4, 0, NEST_SOLID, 1, false}};
     /* 0 over 1 by state, 1 over 2 by volume, 2 over 0 by volume; 3 stands apart */
     NestOverlap overlaps[] = {{0, 1, NEST_PARTIAL}, {1, 2, NEST_PARTIAL}, {0, 2, NEST_PARTIAL}};
     for (int turn = 0; turn < 3; turn++) { /* however the pairs are listed */
@@ -446,7 +446,7 @@ static void test_order_respects_pairs(void **state)
         NestOverlap overlaps[M];
         for (uint32_t h = 0; h < N; h++) {
             random = hash_u64(random);
-            hulls[h] = (NestHull){h, scene % 3 ? 0 : (int32_t)(random % 3), (NestState)(random >> 8 & 3), (double)(random >> 32 & 15)};
+            hulls[h] = (NestHull){h, scene % 3 ? 0 : (int32_t)(random % 3), (NestState)(random >> 8 & 3), (double)(random >> 32 & 15), false};
         }
         for (uint32_t i = 0; i < M; i++) {
             random = hash_u64(random);
@@ -469,6 +469,54 @@ static void test_order_respects_pairs(void **state)
         nest_order_clear(&order);
     }
     assert_true(circles > 0); /* the test would say little otherwise */
+}
+
+/* Hulls that mix change nothing for the others, under any policy, and are members of the list where they should be. */
+static void test_mixing_owns_nothing(void **state)
+{
+    (void)state;
+    enum { OTHERS = 5, ALL = 8, STEPS = 40 };
+    uint64_t random = 11;
+    for (int sequence = 0; sequence < 4000; sequence++) {
+        NestPolicy policy = (NestPolicy)(sequence % 4);
+        NestHull hulls[ALL];
+        NestOrder order, without;
+        for (uint32_t h = 0; h < ALL; h++) { /* those that mix stand among the others, with priorities like theirs */
+            random = hash_u64(random);
+            hulls[h] = (NestHull){h < OTHERS ? (uint32_t)(random % 3) + 1 : 9, (int32_t)(random >> 8 & 3),
+                                  NEST_STATE_UNKNOWN, (double)(random >> 16 & 7), h >= OTHERS};
+        }
+        assert_int_equal(nest_order_build(&order, policy, WORLD, hulls, ALL, NULL, 0, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&without, policy, WORLD, hulls, OTHERS, NULL, 0, NULL), STATUS_OK);
+        NestList list, plain;
+        nest_list_init(&list);
+        nest_list_init(&plain);
+        bool inside[ALL] = {false};
+        for (int i = 0; i < STEPS; i++) {
+            random = hash_u64(random);
+            uint32_t hull = (uint32_t)(random % ALL);
+            NestPass pass = {hull, !inside[hull]};
+            NestCrossing crossing, expected;
+            inside[hull] = !inside[hull];
+            assert_int_equal(nest_cross(&list, &order, &pass, 1, &crossing), STATUS_OK);
+            if (hull < OTHERS) {
+                assert_int_equal(nest_cross(&plain, &without, &pass, 1, &expected), STATUS_OK);
+                assert_memory_equal(&crossing, &expected, sizeof crossing);
+            } else {
+                assert_int_equal(crossing.medium_from, crossing.medium_to);
+                assert_int_equal(crossing.n_faults, 0);
+                assert_int_equal(nest_list_has(&list, hull), inside[hull]);
+            }
+            assert_int_equal(nest_owner(&order, &list), nest_owner(&without, &plain));
+            assert_int_equal(nest_medium(&order, &list), nest_medium(&without, &plain));
+            for (uint32_t k = 1; k < list.n; k++) /* at the front */
+                assert_true(nest_list_items(&list)[k] < OTHERS || nest_list_items(&list)[k - 1] >= OTHERS);
+        }
+        nest_list_clear(&list);
+        nest_list_clear(&plain);
+        nest_order_clear(&order);
+        nest_order_clear(&without);
+    }
 }
 
 int main(void)

@@ -1,0 +1,202 @@
+/* build_volume.c - volumes: grids from files, and functions of the scene that are made into grids.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <float.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "diag/limits.h"
+#include "optics/nanovdb.h"
+#include "scene/build_parts.h"
+
+/* ---- grids of functions ---- */
+
+/* The values of a function at the corners of cells, all at once: a grid's bricks share those at their sides. */
+typedef struct Corners {
+    const float *values;
+    int32_t n[3];
+} Corners;
+
+static Status fill_from_corners(void *context, const int32_t first[3], float values[VOLUME_BRICK_VALUES], bool *uniform,
+                                Error *error)
+{
+    const Corners *corners = context;
+    (void)uniform;
+    (void)error;
+    for (int32_t k = 0; k < VOLUME_EDGE; k++)
+        for (int32_t j = 0; j < VOLUME_EDGE; j++)
+            for (int32_t i = 0; i < VOLUME_EDGE; i++) {
+                const int32_t offset[3] = {i, j, k};
+                int32_t at[3];
+                for (int axis = 0; axis < 3; axis++) { /* beyond the grid its last values go on */
+                    at[axis] = first[axis] + offset[axis];
+                    if (at[axis] > corners->n[axis] - 1) at[axis] = corners->n[axis] - 1;
+                }
+                *values++ = corners->values[((size_t)at[2] * (size_t)corners->n[1] + (size_t)at[1]) * (size_t)corners->n[0] +
+                                            (size_t)at[0]];
+            }
+    return STATUS_OK;
+}
+
+static bool check_value(Builder *b, const EvalProp *function, const char *what, Vec3 p, double value)
+{
+    if (value >= 0 && value <= (double)FLT_MAX / 16) return true;
+    Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, function->span,
+                                     "this %s is %g at <%g, %g, %g>, and must be 0 or more", what, value, p.x, p.y, p.z);
+    if (value < 0) diag_hint(b->diag, report, "max(0, ...) cuts off what is below");
+    return false;
+}
+
+/* Asks the function at all corners; false after reporting. */
+static bool ask_corners(Builder *b, const EvalProp *function, const char *what, Box3 box, const int32_t n[3],
+                        float *values)
+{
+    Vec3 size = vec3_sub(box.max, box.min);
+    for (int32_t k = 0; k < n[2]; k++)
+        for (int32_t j = 0; j < n[1]; j++)
+            for (int32_t i = 0; i < n[0]; i++) {
+                Vec3 p = vec3(box.min.x + size.x * i / (n[0] - 1), box.min.y + size.y * j / (n[1] - 1),
+                              box.min.z + size.z * k / (n[2] - 1));
+                double value;
+                if (!eval_function_at(function->as.function, p, &value) || !check_value(b, function, what, p, value))
+                    return false;
+                *values++ = (float)value;
+            }
+    return true;
+}
+
+/* How many corners along each axis; false after reporting. */
+static bool count_corners(Builder *b, const EvalNode *node, Box3 box, int32_t n[3])
+{
+    Vec3 size = vec3_sub(box.max, box.min);
+    const double sizes[3] = {size.x, size.y, size.z};
+    double longest = vec3_max_abs(size), cells = eval_number(node, "cells"), total = 1;
+    if (!(size.x > 0 && size.y > 0 && size.z > 0)) {
+        diag_report(b->diag, D_DEGENERATE_SHAPE, build_span(node, "to"), "the box of this volume measures %g x %g x %g",
+                    size.x, size.y, size.z);
+        return false;
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        n[axis] = (int32_t)fmax(ceil(cells * sizes[axis] / longest - 1e-9), 1) + 1;
+        total *= n[axis];
+    }
+    if (total <= LIMIT_VOLUME_VALUES) return true;
+    Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "cells"),
+                                     "%g cells make a grid of %.3g values; the limit is %.3g", cells, total,
+                                     (double)LIMIT_VOLUME_VALUES);
+    limit_hint(b->diag, report, OVER_VOLUME_VALUES);
+    return false;
+}
+
+static size_t most_bytes(void)
+{
+    double most = LIMIT_VOLUME_MB * 1e6;
+#ifdef _SC_PHYS_PAGES
+    double pages = (double)sysconf(_SC_PHYS_PAGES), page = (double)sysconf(_SC_PAGESIZE);
+    if (pages > 0 && page > 0) most = fmin(most, 0.75 * pages * page);
+#endif
+    return (size_t)fmin(most, (double)SIZE_MAX / 4);
+}
+
+static Volume *volume_of_function(Builder *b, const EvalNode *node, const EvalProp *function, const char *what)
+{
+    Box3 box = box3_add_point(box3_add_point(box3_empty(), eval_vector(node, "from")), eval_vector(node, "to"));
+    Corners corners;
+    if (!build_check_reach(b, node->span, "a volume", box) || !count_corners(b, node, box, corners.n)) return NULL;
+    size_t n = (size_t)corners.n[0] * (size_t)corners.n[1] * (size_t)corners.n[2];
+    float *values = ARENA_ARRAY(b->eval_options.arena, float, n); /* gone when the scene is built */
+    if (!ask_corners(b, function, what, box, corners.n, values)) return NULL;
+    corners.values = values;
+    Volume *volume;
+    Error error;
+    Status status = volume_new(corners.n, fill_from_corners, &corners, 0, most_bytes(), "the grid of a function", &volume,
+                               &error);
+    if (!build_succeeded(b, status, &error, function->span)) return NULL;
+    Vec3 size = vec3_sub(box.max, box.min);
+    Affine *map = &volume->to_lattice;
+    map->m[0][0] = (corners.n[0] - 1) / size.x;
+    map->m[1][1] = (corners.n[1] - 1) / size.y;
+    map->m[2][2] = (corners.n[2] - 1) / size.z;
+    map->t = vec3_scale(affine_vector(map, box.min), -1);
+    return volume;
+}
+
+/* ---- grids of files ---- */
+
+static Volume *volume_of_file(Builder *b, const EvalNode *node, const EvalProp *file)
+{
+    const EvalProp *grid = eval_prop(node, "grid");
+    const char *path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
+    if (!path) return NULL;
+    build_note_file(b, path);
+    Volume *volume;
+    Error error;
+    Status status = nanovdb_read(path, grid ? grid->as.text : NULL, most_bytes(), &volume, &error);
+    if (status == STATUS_OK) return volume;
+    Diagnostic *report = diag_report(b->diag, D_VOLUME_INVALID, grid ? grid->span : file->span, "%s", error.text);
+    if (status == STATUS_NOMEM) limit_hint(b->diag, report, OVER_VOLUME_MB);
+    return NULL;
+}
+
+/* ---- nodes ---- */
+
+static void check_node(Builder *b, const EvalNode *node)
+{
+    static const char *const of_function[] = {"from", "to", "cells"};
+    const EvalProp *file = eval_prop(node, "file"), *function = eval_prop(node, "function");
+    build_exclude(b, node, "file", "function");
+    if (!file) build_needs(b, node, "grid", "without a 'file'");
+    for (size_t i = 0; file && !function && i < COUNT_OF(of_function); i++)
+        build_needs(b, node, of_function[i], "on a grid from a file: transforms place it");
+    if (file || function) return;
+    Diagnostic *report =
+        diag_report(b->diag, D_MISSING_PROPERTY, node->span, "this volume has neither a file nor a function");
+    diag_hint(b->diag, report, "volume { file = \"smoke.nvdb\" } or volume { function = f }, with def f(p) = ...");
+}
+
+static Volume *make_volume(Builder *b, const EvalNode *node, const char *what)
+{
+    const EvalProp *file = eval_prop(node, "file"), *function = eval_prop(node, "function");
+    size_t n_errors = b->diag->n_errors;
+    check_node(b, node);
+    if (b->diag->n_errors != n_errors || !build_check_transform(b, node, &node->transform)) return NULL;
+    Volume *volume = file ? volume_of_file(b, node, file) : volume_of_function(b, node, function, what);
+    if (!volume) return NULL;
+    Affine to_own;
+    double scale = eval_number(node, "scale");
+    affine_invert(&node->transform, &to_own); /* it is not flat */
+    volume->to_lattice = affine_compose(&volume->to_lattice, &to_own);
+    if ((double)volume->largest * scale > (double)FLT_MAX / 16) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "scale"), "%g times this volume's %g is too large",
+                    scale, (double)volume->largest);
+        scale = 0;
+    }
+    volume_scale(volume, (float)scale);
+    return volume;
+}
+
+const Volume *build_volume(Builder *b, const EvalNode *node, const char *property)
+{
+    const EvalProp *prop = eval_prop(node, property);
+    /* media are as they are when the shutter opens: later ones of the same scene are not looked at */
+    if (!prop || b->only_shapes || b->options->moment.later > 0) return NULL;
+    Scene *scene = b->scene;
+    bool found;
+    uint32_t *row = build_row_of(b, &b->volumes, prop->as.node, SCENE_NONE, &found);
+    if (found) return *row == SCENE_NONE ? NULL : scene->volumes[*row];
+    scene->volumes =
+        room_for_one(b->arena, scene->volumes, scene->n_volumes, &b->volumes_capacity, sizeof *scene->volumes);
+    Volume *volume = make_volume(b, prop->as.node, property);
+    if (!volume) return NULL;
+    *row = scene->n_volumes;
+    scene->volumes[scene->n_volumes++] = volume;
+    return volume;
+}
+
+void build_note_frame(Builder *b, uint32_t object)
+{
+    Scene *scene = b->scene;
+    const SceneMedium *medium = &scene->media[scene->objects[object].medium];
+    if (!medium->density && !medium->temperature) return;
+    scene->frames = room_for_one(b->arena, scene->frames, scene->n_frames, &b->frames_capacity, sizeof *scene->frames);
+    scene->frames[scene->n_frames++] = (SceneFrame){object, b->node_to_world};
+}
