@@ -23,16 +23,11 @@ void scene_free(Scene *scene)
     free(scene);
 }
 
-static NestState mixing_state(const SceneMedium *medium, bool is_world)
+NestState scene_mixing_state(const SceneMedium *medium, bool is_world)
 {
     const float most_gaseous_ior = 1.01f; /* air: 1.0003; the densest vapours 1.002 */
     if (medium->state != NEST_STATE_UNKNOWN) return medium->state;
     return medium->mixes || is_world || spectrum_max(&medium->ior) <= most_gaseous_ior ? NEST_GAS : NEST_STATE_UNKNOWN;
-}
-
-bool scene_medium_mixes(const SceneMedium *mixing, const SceneMedium *owner, bool owner_is_world)
-{
-    return mixing_state(mixing, false) == mixing_state(owner, owner_is_world);
 }
 
 /* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the map's row

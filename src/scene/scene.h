@@ -36,7 +36,7 @@ typedef struct SceneMedium {
     Spectrum emission;     /* radiance gained per scene unit, as SceneLight's */
     const Volume *temperature; /* NULL, or in kelvin where emission is that of a black body of reference_k */
     double reference_k;
-    bool mixes;            /* adds to the medium that owns a place, see scene_medium_mixes */
+    bool mixes;            /* adds to the medium that owns a place, see scene_mixing_state */
     NestState state;
     bool has_priority;
     int32_t priority;
@@ -50,9 +50,9 @@ typedef struct SurfaceTexture {
     float least, most;
 } SurfaceTexture;
 
-/* Whether a medium that mixes is there where another one owns the place: where both are of one state of matter. What has
- * none is taken for gas where it bends light as little as gases do, and so is the world's own medium. */
-bool scene_medium_mixes(const SceneMedium *mixing, const SceneMedium *owner, bool owner_is_world);
+/* The state of matter by which media mix: one that does is where the owner of the place is of its own state. What states
+ * none is taken for gas where it mixes, is the world's, or bends light as little as gases do. */
+NestState scene_mixing_state(const SceneMedium *medium, bool is_world);
 
 /* The frame of an object whose medium varies from place to place: where its node's own coordinates are in the world. */
 typedef struct SceneFrame {

@@ -2,34 +2,10 @@
  * straight rays to lights.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/array.h"
-#include "trace/path_parts.h"
+#include "trace/flight.h"
 
 /* A straight line that crosses more surfaces than this without any event is given up, and counted. */
 enum { SILENT_LIMIT = 100000 };
-
-/* Optical depth of a stretch of one medium. */
-static Lanes stretch_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
-{
-    const SceneMedium *m = &world->scene->media[medium];
-    if (!m->absorbs || world->no_absorption || !(length > 0)) return lanes_all(0);
-    /* held finite, so that a wavelength that is not absorbed at all stays so out to infinity */
-    return lanes_scale(spectrum_at(&m->absorption, wavelength_nm), length < 1e30 ? (float)length : 1e30f);
-}
-
-/* The same for what is lost to a straight ray, by scattering too. */
-static Lanes stretch_extinction(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
-{
-    Lanes depth = stretch_depth(world, medium, length, wavelength_nm);
-    const SceneMedium *m = &world->scene->media[medium];
-    if (!m->scatters || !(length > 0)) return depth;
-    return lanes_add(depth,
-                     lanes_scale(spectrum_at(&m->scattering, wavelength_nm), length < 1e30 ? (float)length : 1e30f));
-}
-
-static Lanes attenuation(Lanes depth)
-{
-    return lanes_zero(depth) ? lanes_all(1) : lanes_exp(lanes_sub(lanes_all(0), depth));
-}
 
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing)
 {
@@ -130,54 +106,13 @@ static bool cross_nearest(Path *path, Event *event)
     }
 }
 
-/* How far a path goes before it is scattered. A medium's scattering is sampled for the hero, and its absorption is a
- * weight: what is sampled never ends a path. */
-typedef struct FreeFlight {
-    float budget; /* of the hero's optical depth of scattering that is left; INFINITY where nothing scatters */
-    Lanes depth;  /* what is used up so far, of every lane */
-} FreeFlight;
-
-static FreeFlight begin_flight(Path *path)
-{
-    FreeFlight flight = {INFINITY, lanes_all(0)};
-    if (path->tracer->world->scatters && !path->straight)
-        flight.budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
-    return flight;
-}
-
-/* Goes up to `length` through a medium; returns how far it came: less where it is scattered. */
-static double fly(FreeFlight *flight, const World *world, uint32_t medium, double length, Lanes wavelength_nm,
-                  Lanes *coefficient)
-{
-    const SceneMedium *m = &world->scene->media[medium];
-    if (!m->scatters || !(length > 0)) return length;
-    *coefficient = spectrum_at(&m->scattering, wavelength_nm);
-    double hero = (double)lanes_get(*coefficient, 0), reach = (double)flight->budget;
-    bool scattered = hero * length > reach;
-    if (scattered) length = reach / hero;
-    flight->depth = lanes_add(flight->depth, lanes_scale(*coefficient, length < 1e30 ? (float)length : 1e30f));
-    flight->budget -= (float)(hero * length);
-    if (scattered || flight->budget < 0) flight->budget = 0;
-    return length;
-}
-
-/* What the flight has made of the path: lanes that are scattered more, or less, than the hero. */
-static void end_flight(Path *path, const FreeFlight *flight, const Lanes *coefficient)
-{
-    Lanes more = lanes_sub(flight->depth, lanes_all(lanes_get(flight->depth, 0)));
-    Lanes factor = attenuation(more);
-    if (coefficient) factor = lanes_mul(factor, lanes_scale(*coefficient, 1 / lanes_get(*coefficient, 0)));
-    path->beta = lanes_mul(path->beta, factor);
-    path->ratio = lanes_mul(path->ratio, factor);
-}
-
 void path_next_event(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     double t_done = 0; /* the ray's start, not t_min: lengths are measured from the origin */
-    Lanes depth = lanes_all(0), coefficient;
-    FreeFlight flight = begin_flight(path);
+    bool uneven = false;
+    FreeFlight flight = flight_begin(path);
     for (uint32_t silent = 0;; silent++) {
         if (!cross_nearest(path, event)) {
             event->kind = EVENT_LOST;
@@ -187,8 +122,9 @@ void path_next_event(Path *path, Event *event)
         size_t n = event->n_cluster;
         uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
         double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
-        double flown = fly(&flight, world, medium, length, path->wavelengths.nm, &coefficient);
-        depth = lanes_add(depth, stretch_depth(world, medium, flown, path->wavelengths.nm));
+        uneven = flight_is_uneven(world, &tracer->list, medium);
+        double flown = LIKELY(!uneven) ? flight_even(&flight, world, medium, length, path->wavelengths.nm)
+                                       : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
             break;
@@ -214,8 +150,7 @@ void path_next_event(Path *path, Event *event)
         swap_lists(tracer);
         path->ray.t_min = hits[n - 1].t;
     }
-    path->beta = lanes_mul(path->beta, attenuation(depth));
-    if (world->scatters) end_flight(path, &flight, event->kind == EVENT_SCATTER ? &coefficient : NULL);
+    flight_end(path, &flight, event->kind == EVENT_SCATTER && !uneven);
 }
 
 bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
@@ -233,6 +168,31 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
     return true;
 }
 
+/* What the media that vary, shine or mix leave of a straight ray that nothing blocks. */
+static Lanes transmit_uneven(Path *path, const Ray *ray)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const Hit *hits = tracer->shadow_hits.items;
+    size_t n = tracer->shadow_hits.n, end = 0;
+    NestList *list = &tracer->shadow_list;
+    Lanes left = lanes_all(1);
+    uint32_t n_drawn = 0;
+    double t_done = 0;
+    if (!path_cross_towards(tracer, ray, list)) tracer->out_of_memory = true;
+    for (size_t begin = 0; !lanes_zero(left) && !tracer->out_of_memory; begin = end) {
+        double t = begin < n ? hits[begin].t : ray->t_max;
+        if (flight_is_uneven(world, list, nest_medium(&world->compiled->order, list)))
+            left = lanes_mul(left, flight_transmit(path, ray, list, t_done, t, &n_drawn));
+        if (begin == n) break;
+        NestCrossing crossing;
+        end = begin + rtc_cluster(hits + begin, n - begin);
+        if (!path_cross(tracer, list, hits + begin, end - begin, &crossing)) tracer->out_of_memory = true;
+        t_done = t;
+    }
+    return left;
+}
+
 bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
 {
     Tracer *tracer = path->tracer;
@@ -246,26 +206,33 @@ bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *med
         return false;
     }
     uint32_t medium = nest_medium(&world->compiled->order, &tracer->shadow_list);
-    Lanes depth = lanes_all(0);
+    Lanes depth = lanes_all(0), nm = path->wavelengths.nm;
+    bool uneven = false;
     double t_done = 0;
     for (size_t begin = 0; begin < n;) {
         size_t end = begin + rtc_cluster(hits + begin, n - begin);
         NestCrossing crossing;
+        bool uneven_here = flight_is_uneven(world, &tracer->shadow_list, medium);
         if (!path_cross(tracer, &tracer->shadow_list, hits + begin, end - begin, &crossing)) {
             tracer->out_of_memory = true;
             return false;
         }
         tracer->counters.crossings += end - begin;
         tracer->counters.nesting_faults += crossing.n_faults;
-        if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, path->wavelengths.nm))
-            return false;
-        depth = lanes_add(depth, stretch_extinction(world, medium, hits[begin].t - t_done, path->wavelengths.nm));
+        if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, nm)) return false;
+        uneven = uneven || uneven_here;
+        if (LIKELY(!uneven_here))
+            depth = lanes_add(depth, flight_depth(world, medium, hits[begin].t - t_done, nm));
         t_done = hits[begin].t;
         medium = crossing.medium_to;
         begin = end;
     }
-    depth = lanes_add(depth, stretch_extinction(world, medium, ray->t_max - t_done, path->wavelengths.nm));
-    *transmittance = attenuation(depth);
+    if (LIKELY(!flight_is_uneven(world, &tracer->shadow_list, medium)))
+        depth = lanes_add(depth, flight_depth(world, medium, ray->t_max - t_done, nm));
+    else
+        uneven = true;
+    *transmittance = flight_attenuation(depth);
     *medium_at_light = medium;
+    if (UNLIKELY(uneven)) *transmittance = lanes_mul(*transmittance, transmit_uneven(path, ray));
     return true;
 }

@@ -211,6 +211,37 @@ static LightSample sample_emitter(const World *world, const Emitter *emitter, Ve
     return sample;
 }
 
+float light_pdf_glow(const World *world, const Glow *glow, double density, double distance2)
+{
+    return world->media_choice * glow->probability * (float)(density * distance2 * glow->across);
+}
+
+/* Towards a place of a medium that shines. rest: uniform in [0, 1). */
+static LightSample sample_glow(const World *world, Vec3 from, double time, double rest, const float u[2],
+                               Lanes wavelength_nm)
+{
+    const WorldMedia *media = &world->media;
+    uint32_t i = 0;
+    while (i + 1 < media->n_glows && rest >= (double)media->glows[i].cumulative) i++;
+    const Glow *glow = &media->glows[i];
+    double before = i ? (double)media->glows[i - 1].cumulative : 0;
+    rest = fmin(fmax((rest - before) / ((double)glow->cumulative - before), 0), 1 - 0x1p-53);
+    GlowPoint point = glow_sample(world->scene, glow, time, rest, u);
+    const SceneMedium *medium = &world->scene->media[glow->place->medium];
+    Vec3 to = vec3_sub(point.position, from);
+    double distance = vec3_length(to);
+    if (!(point.amount > 0) || !(distance > 0)) return (LightSample){.pdf_w = 0};
+    Lanes radiance = lanes_scale(spectrum_at(&medium->emission, wavelength_nm), point.amount * (float)glow->across);
+    if (medium->temperature) radiance = lanes_mul(radiance, media_planck_ratio(medium, point.kelvin, wavelength_nm));
+    return (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
+                         .distance = distance,
+                         .object = RTC_NO_OBJECT,
+                         .primitive = RTC_NO_OBJECT,
+                         .pdf_w = light_pdf_glow(world, glow, point.density, distance * distance),
+                         .glow = glow,
+                         .radiance = radiance};
+}
+
 LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
                          Lanes wavelength_nm)
 {
@@ -223,6 +254,8 @@ LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double tim
     LightSample sample;
     if (chosen->light == LIGHT_ENVIRONMENT) {
         sample = light_sample_environment(world, from, normal, rest, u, wavelength_nm);
+    } else if (chosen->light == LIGHT_MEDIA) {
+        return sample_glow(world, from, time, rest, u, wavelength_nm); /* its density has the choice in it */
     } else if (chosen->light == LIGHT_NEAR) {
         float probability;
         uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, rest, &probability);

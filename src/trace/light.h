@@ -12,6 +12,7 @@ typedef struct LightSample {
     uint32_t object;    /* that a ray to there is aimed at, see Ray; RTC_NO_OBJECT: none */
     uint32_t primitive; /* of it; RTC_NO_OBJECT: all */
     float pdf_w;        /* per steradian, the choice of the light included; 0: nothing to gain */
+    const Glow *glow;   /* NULL, or the medium whose place this is, if that has not gone to another one there */
     bool delta;         /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
     Lanes radiance;     /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
@@ -27,6 +28,10 @@ bool light_radiance_hit(const World *world, const Hit *hit, Lanes wavelength_nm,
 /* The density (per steradian, choice included) with which light_sample, given the same `from` and normal, would have found
  * the place that was hit; 0 for places that are found by chance only. */
 float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit);
+
+/* The same for a place of a medium that shines; density: of choosing the place in it (glow_density); and the square of
+ * how far it is. Its sample's radiance is what a way as long as glow->across would gain. */
+float light_pdf_glow(const World *world, const Glow *glow, double density, double distance2);
 
 /* What comes from infinity along direction: environment and distant lights, each with its density. A call
  * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the

@@ -31,6 +31,8 @@ void tracer_clear(Tracer *tracer)
     nest_list_clear(&tracer->list);
     nest_list_clear(&tracer->next);
     nest_list_clear(&tracer->shadow_list);
+    free(tracer->parts.items);
+    tracer->parts = (FlightParts){0};
     free(tracer->passes);
     tracer->passes = NULL;
 }

@@ -28,12 +28,35 @@ typedef struct FirstSight {
     float uv[2], albedo[3];
 } FirstSight;
 
+/* One of the media that fill a place which a path flies through; see flight.c. */
+typedef struct FlightPart {
+    const SceneMedium *medium;
+    uint32_t number; /* of the medium */
+    const MediumPlace *place; /* of its volumes; NULL: it has none */
+    const Glow *glow;         /* NULL: light sampling does not look there */
+    Lanes absorption, scattering, emission; /* where its density is 1 */
+    float bound;      /* the largest extinction of any lane there */
+    float low, high;  /* bounds of its density, up to t_end of the ray */
+    double t_end;
+    bool walks;       /* it varies: through these bricks */
+    VolumeWalk walk;
+    double stretch;   /* of lengths cubed, from the world to lattice coordinates */
+    Affine to_temperature; /* from the world to lattice coordinates of that */
+} FlightPart;
+
+typedef struct FlightParts {
+    FlightPart *items;
+    size_t capacity;
+    uint32_t n;
+} FlightParts;
+
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     const World *world;
     HitList hits, shadow_hits;
     HitList left; /* the surfaces that the path's ray starts on */
     NestList list, next, shadow_list;
+    FlightParts parts;
     NestPass *passes;
     size_t passes_capacity;
     PathCounters counters;

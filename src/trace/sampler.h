@@ -25,6 +25,7 @@ enum {
     DIM_WAVELENGTH,        /* 1 */
     DIM_PATH,              /* the first bounce's group begins here */
     DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
+    DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
     DIM_SCATTER,      /* 2: direction */
@@ -147,6 +148,12 @@ static inline uint32_t sampler_scramble(uint32_t reversed, uint32_t pixel, uint3
     reversed *= factor;
     reversed ^= reversed * 0x05526c56U;
     return reversed ^ (reversed * 0x53a22864U);
+}
+
+/* For more numbers than have names: hash_combine of it and 0, 1, 2, ... */
+static inline uint32_t sampler_key(const Sampler *sampler, uint32_t dimension)
+{
+    return hash_combine(hash_combine(sampler->pixel, dimension), sampler->index_reversed);
 }
 
 /* uniform in [0, 1) */

@@ -8,14 +8,16 @@
 #include "optics/portal.h"
 #include "scene/compile.h"
 #include "trace/emitter.h"
+#include "trace/media.h"
 
-/* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, or all
- * that shines from a finite place together, among which the tree then chooses. */
+/* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, all
+ * surfaces that shine from a finite place together, among which the tree then chooses, or all media that do. */
 #define LIGHT_ENVIRONMENT UINT32_MAX
 #define LIGHT_NEAR (UINT32_MAX - 1)
+#define LIGHT_MEDIA (UINT32_MAX - 2)
 
 typedef struct LightChoice {
-    uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT or LIGHT_NEAR */
+    uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT, LIGHT_NEAR or LIGHT_MEDIA */
     float probability; /* of being chosen */
     float cumulative;  /* of this and all before */
 } LightChoice;
@@ -36,11 +38,13 @@ typedef struct World {
     float *choice_of_light;   /* probability of each distant light of the scene */
     float environment_choice; /* probability of the environment */
     float near_choice;        /* probability of choosing with the tree */
+    float media_choice;       /* of media that shine */
     EmitterSet emitters;
     WorldPortal *portals; /* where the scene has an environment that shines */
     uint32_t n_portals;
     PortalMap **portal_maps;
     uint32_t n_portal_maps;
+    WorldMedia media;
     NestList camera_list;   /* the hulls around the camera's centre */
     bool moves;             /* something does while the shutter is open */
     bool camera_list_moves; /* and so the camera's hulls may be others at other times */

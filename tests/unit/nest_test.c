@@ -529,6 +529,7 @@ int main(void)
         cmocka_unit_test(test_entered_is_the_printed_stack), cmocka_unit_test(test_reversal),
         cmocka_unit_test(test_thousand_shells), cmocka_unit_test(test_rules),
         cmocka_unit_test(test_circle_falls_back_to_volume), cmocka_unit_test(test_order_respects_pairs),
+        cmocka_unit_test(test_mixing_owns_nothing),
     };
     return cmocka_run_group_tests_name("nest", tests, NULL, NULL);
 }

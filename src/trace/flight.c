@@ -1,0 +1,411 @@
+/* flight.c - flights through media that vary from place to place, shine, or mix.
+ *
+ * The way is cut into pieces in which the density of every medium there has known bounds, low and high: the bricks of
+ * their grids. Within a piece the least density is flown through in closed form, and only what may be more is left to
+ * chance (decomposition, [KHLN17] section 5): collisions are drawn at the rate
+ *     low x the hero's scattering + (high - low) x the largest extinction of any lane,
+ * at each the density is looked up, and the path is scattered or goes on. Collisions that are none multiply beta and
+ * ratio of each lane by what it and the hero make of them. The rate of the second term is the same for all lanes, so that
+ * the density with which a path would have been sampled by another lane is known in relation to the hero's, and the
+ * balance heuristic over the wavelengths holds as everywhere ([MGJ19] section 5; path.c). Absorption is a weight.
+ * A straight ray takes every such collision as a weight (ratio tracking).
+ *
+ * What media give off is gathered along the way: in closed form where nothing varies, else at one place of each piece,
+ * up to where the path is scattered.
+ *
+ * [KHLN17] P. Kutz, R. Habel, Y. K. Li, J. Novak, "Spectral and Decomposition Tracking for Rendering Heterogeneous
+ * Volumes", ACM TOG 36(4) (2017). [MGJ19] B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation
+ * of Light Transport", ACM TOG 38(4) (2019).
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/flight.h"
+
+#include "base/array.h"
+#include "optics/sampling.h"
+
+/* held finite, so that a wavelength at which nothing happens stays so out to infinity */
+static float finite_length(double length)
+{
+    return length < 1e30 ? (float)length : 1e30f;
+}
+
+/* ---- even media ---- */
+
+static Lanes absorption_of(const World *world, const SceneMedium *medium, Lanes wavelength_nm)
+{
+    return medium->absorbs && !world->no_absorption ? spectrum_at(&medium->absorption, wavelength_nm) : lanes_all(0);
+}
+
+FreeFlight flight_begin(Path *path)
+{
+    FreeFlight flight = {.budget = INFINITY, .scattered = lanes_all(0), .absorbed = lanes_all(0)};
+    const World *world = path->tracer->world;
+    if (path->straight) return flight;
+    if (world->scatters || world->media.vary)
+        flight.budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
+    if (world->media.vary) flight.key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce);
+    return flight;
+}
+
+double flight_even(FreeFlight *flight, const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!(length > 0)) return length;
+    if (m->scatters && flight->budget < INFINITY) {
+        Lanes coefficient = spectrum_at(&m->scattering, wavelength_nm);
+        double hero = (double)lanes_get(coefficient, 0), reach = (double)flight->budget;
+        bool scattered = hero * length > reach;
+        if (scattered) length = reach / hero;
+        flight->scattered = lanes_add(flight->scattered, lanes_scale(coefficient, finite_length(length)));
+        flight->coefficient = coefficient;
+        flight->budget -= (float)(hero * length);
+        if (scattered || flight->budget < 0) flight->budget = 0;
+    }
+    if (m->absorbs && !world->no_absorption)
+        flight->absorbed = lanes_add(
+            flight->absorbed, lanes_scale(spectrum_at(&m->absorption, wavelength_nm), finite_length(length)));
+    return length;
+}
+
+/* Lanes that are scattered more, or less, than the hero. */
+static Lanes lane_factor(const FreeFlight *flight)
+{
+    return flight_attenuation(lanes_sub(flight->scattered, lanes_all(lanes_get(flight->scattered, 0))));
+}
+
+void flight_end(Path *path, const FreeFlight *flight, bool even)
+{
+    path->beta = lanes_mul(path->beta, flight_attenuation(flight->absorbed));
+    if (!path->tracer->world->scatters) return;
+    Lanes factor = lane_factor(flight);
+    if (even) factor = lanes_mul(factor, lanes_scale(flight->coefficient, 1 / lanes_get(flight->coefficient, 0)));
+    path->beta = lanes_mul(path->beta, factor);
+    path->ratio = lanes_mul(path->ratio, factor);
+}
+
+Lanes flight_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if (!(length > 0) || (!m->absorbs && !m->scatters)) return lanes_all(0);
+    Lanes extinction = absorption_of(world, m, wavelength_nm);
+    if (m->scatters) extinction = lanes_add(extinction, spectrum_at(&m->scattering, wavelength_nm));
+    return lanes_scale(extinction, finite_length(length));
+}
+
+/* ---- what fills a place ---- */
+
+static void add_part(const Path *path, FlightParts *parts, const Ray *ray, double t, uint32_t hull, uint32_t number)
+{
+    const World *world = path->tracer->world;
+    const SceneMedium *medium = &world->scene->media[number];
+    Lanes nm = path->wavelengths.nm;
+    if (!medium->absorbs && !medium->scatters && !medium->emits) return;
+    FlightPart *part = &parts->items[parts->n++];
+    *part = (FlightPart){.medium = medium,
+                         .number = number,
+                         .place = media_place(&world->media, world->compiled, hull),
+                         .absorption = absorption_of(world, medium, nm),
+                         .scattering = medium->scatters ? spectrum_at(&medium->scattering, nm) : lanes_all(0),
+                         .emission = medium->emits ? spectrum_at(&medium->emission, nm) : lanes_all(0),
+                         .low = 1,
+                         .high = 1,
+                         .t_end = HUGE_VAL};
+    part->bound = lanes_max(lanes_add(part->absorption, part->scattering));
+    if (!part->place) return;
+    Affine to_frame = media_to_frame(world->scene, part->place, ray->time);
+    if (medium->temperature) part->to_temperature = affine_compose(&medium->temperature->to_lattice, &to_frame);
+    if (!medium->density) return;
+    Affine to_lattice = affine_compose(&medium->density->to_lattice, &to_frame);
+    volume_walk_start(&part->walk, medium->density, &to_lattice, ray->origin, vec3_from_f(ray->direction), t);
+    part->walks = true;
+    part->low = part->walk.low;
+    part->high = part->walk.high;
+    part->t_end = part->walk.t_end;
+    uint32_t glow = world->media.glow_of_place[part->place - world->media.places];
+    if (glow == SCENE_NONE) return;
+    part->glow = &world->media.glows[glow];
+    part->stretch = fabs(affine_determinant(&to_lattice));
+}
+
+/* The owner's medium, and those that mix with it; false when memory ends. */
+static bool find_parts(const Path *path, const NestList *list, const Ray *ray, double t)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const CompiledScene *compiled = world->compiled;
+    const NestOrder *order = &compiled->order;
+    const uint32_t *items = nest_list_items(list);
+    uint32_t owner = nest_owner(order, list), medium = nest_medium(order, list), i = 0;
+    tracer->parts.n = 0;
+    if (!array_reserve(&tracer->parts.items, &tracer->parts.capacity, list->n + 1U, sizeof *tracer->parts.items))
+        return false;
+    add_part(path, &tracer->parts, ray, t, owner, medium);
+    while (i < list->n && items[i] >= order->n_hulls) i++;
+    for (; i < list->n && nest_mixes(order, items[i]); i++) {
+        uint32_t mixing = compiled->hulls[items[i]].medium;
+        if (world->media.mixing_state[mixing] == world->media.mixing_state[medium])
+            add_part(path, &tracer->parts, ray, t, items[i], mixing);
+    }
+    return true;
+}
+
+/* A stretch of the way on which all bounds stay as they are. */
+typedef struct FlightPiece {
+    double begin, end;
+    Lanes scattering, absorption; /* of the least densities together */
+    float excess;                 /* the rate of collisions with what may be more than that, of any lane */
+    bool shines;
+} FlightPiece;
+
+/* The piece that begins at t. */
+static FlightPiece piece_at(FlightParts *parts, double t, double to)
+{
+    FlightPiece piece = {t, to, lanes_all(0), lanes_all(0), 0, false};
+    for (uint32_t i = 0; i < parts->n; i++) {
+        FlightPart *part = &parts->items[i];
+        while (part->t_end <= t) {
+            volume_walk_next(&part->walk);
+            part->low = part->walk.low;
+            part->high = part->walk.high;
+            part->t_end = part->walk.t_end;
+        }
+        if (part->t_end < piece.end) piece.end = part->t_end;
+        if (!(part->high > 0)) continue;
+        piece.shines = piece.shines || part->medium->emits;
+        piece.excess += (part->high - part->low) * part->bound;
+        piece.scattering = lanes_add(piece.scattering, lanes_scale(part->scattering, part->low));
+        piece.absorption = lanes_add(piece.absorption, lanes_scale(part->absorption, part->low));
+    }
+    return piece;
+}
+
+static float density_at(const FlightPart *part, double t)
+{
+    return part->walks ? volume_walk_value(&part->walk, t) : 1;
+}
+
+/* ---- light on the way ---- */
+
+static Lanes emission_at(const FlightPart *part, const Ray *ray, double t, Lanes wavelength_nm)
+{
+    Lanes emission = part->emission;
+    const Volume *temperature = part->medium->temperature;
+    if (temperature) {
+        float kelvin = volume_at(temperature, affine_point(&part->to_temperature, ray_point(ray, t)));
+        emission = lanes_mul(emission, media_planck_ratio(part->medium, kelvin, wavelength_nm));
+    }
+    return lanes_scale(emission, density_at(part, t));
+}
+
+/* Against finding the place by light sampling. */
+static float weight_of(const Path *path, const FlightPart *part, double t)
+{
+    if (!part->glow || path->scatter_pdf < 0) return 1;
+    size_t brick = volume_walk_brick(&part->walk, t);
+    if (brick == SIZE_MAX) return 1;
+    Vec3 to = vec3_sub(ray_point(&path->ray, t), path->scatter_point);
+    double density = glow_density(part->glow, part->medium->density, brick, part->stretch);
+    return sampling_balance(path->scatter_pdf,
+                            light_pdf_glow(path->tracer->world, part->glow, density, vec3_dot(to, to)));
+}
+
+/* With what beta and ratio have yet to be given of the flight. */
+static void add_light(Path *path, const FreeFlight *flight, Lanes light)
+{
+    const World *world = path->tracer->world;
+    uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    Lanes factor = lane_factor(flight), beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
+    float mean_ratio = lanes_mean(lanes_mul(path->ratio, factor));
+    if (!(mean_ratio > 0)) return;
+    Lanes basic = path_basic_radiance(world, light, medium, path->wavelengths.nm);
+    path->radiance = lanes_add(path->radiance, lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio));
+}
+
+/* (1 - e^(-x length)) / x of each lane. */
+static Lanes mean_way(Lanes extinction, float length)
+{
+    for (int i = 0; i < LANES; i++) {
+        float x = lanes_get(extinction, i), depth = x * length;
+        lanes_set(&extinction, i, depth > 1e-4f ? -expm1f(-depth) / x : length * (1 - 0.5f * depth));
+    }
+    return extinction;
+}
+
+/* Where nothing varies, and light sampling does not look there: all of the piece in closed form, in the place of what is
+ * gathered before and after the path is scattered. */
+static bool gather_even(Path *path, const FreeFlight *flight, const FlightPiece *piece)
+{
+    const FlightParts *parts = &path->tracer->parts;
+    Lanes light = lanes_all(0);
+    if (piece->excess > 0) return false;
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const FlightPart *part = &parts->items[i];
+        if (!part->medium->emits || !(part->high > 0)) continue;
+        if (part->high > part->low || part->medium->temperature || (part->glow && path->scatter_pdf >= 0)) return false;
+        light = lanes_add(light, lanes_scale(part->emission, part->low));
+    }
+    Lanes way = mean_way(lanes_add(piece->absorption, piece->scattering), finite_length(piece->end - piece->begin));
+    add_light(path, flight, lanes_mul(light, way));
+    return true;
+}
+
+/* At one place of what is flown through of the piece. */
+static void gather_at_place(Path *path, const FreeFlight *flight, const FlightPiece *piece, double length, float u)
+{
+    const FlightParts *parts = &path->tracer->parts;
+    FreeFlight up_to = *flight;
+    double way = (double)u * length, t = piece->begin + way;
+    Lanes light = lanes_all(0);
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const FlightPart *part = &parts->items[i];
+        if (!part->medium->emits || !(part->high > 0)) continue;
+        light = lanes_add(light, lanes_scale(emission_at(part, &path->ray, t, path->wavelengths.nm),
+                                             weight_of(path, part, t) * (float)length));
+    }
+    if (lanes_zero(light)) return;
+    up_to.scattered = lanes_add(up_to.scattered, lanes_scale(piece->scattering, (float)way));
+    up_to.absorbed = lanes_add(up_to.absorbed, lanes_scale(piece->absorption, (float)way));
+    add_light(path, &up_to, light);
+}
+
+/* ---- flights ---- */
+
+static float draw(uint32_t key, uint32_t *n_drawn)
+{
+    return hash_to_unit_f(hash_combine(key, (*n_drawn)++));
+}
+
+/* What all that may collide beyond the least density comes to at a place: scattering and extinction, of every lane. */
+static void excess_at(const FlightParts *parts, double t, Lanes *scattering, Lanes *extinction)
+{
+    *scattering = *extinction = lanes_all(0);
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const FlightPart *part = &parts->items[i];
+        if (!(part->high > part->low)) continue;
+        float more = density_at(part, t) - part->low;
+        *scattering = lanes_add(*scattering, lanes_scale(part->scattering, more));
+        *extinction = lanes_add(*extinction, lanes_scale(lanes_add(part->scattering, part->absorption), more));
+    }
+}
+
+/* Which of the media it is that scatters the hero at a place: by what each has a part of. */
+static const FlightPart *scatterer(const FlightParts *parts, double t, float u)
+{
+    float sum = 0, before = 0;
+    if (parts->n == 1) return &parts->items[0];
+    for (uint32_t i = 0; i < parts->n; i++) sum += density_at(&parts->items[i], t) * lanes_get(parts->items[i].scattering, 0);
+    const FlightPart *last = NULL;
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const FlightPart *part = &parts->items[i];
+        float share = density_at(part, t) * lanes_get(part->scattering, 0);
+        if (!(share > 0)) continue;
+        last = part;
+        before += share;
+        if (u * sum < before) break;
+    }
+    return last;
+}
+
+/* Scales both where they would leave the range of float: only their quotient counts. */
+static void multiply(Path *path, Lanes beta, Lanes ratio)
+{
+    const float large = 0x1p40f;
+    path->beta = lanes_mul(path->beta, beta);
+    path->ratio = lanes_mul(path->ratio, ratio);
+    if (LIKELY(lanes_max(path->ratio) < large)) return;
+    path->beta = lanes_scale(path->beta, 1 / large);
+    path->ratio = lanes_scale(path->ratio, 1 / large);
+}
+
+/* At a collision: what scatters the path, or NULL where it goes on. */
+static const FlightPart *collide(Path *path, FreeFlight *flight, const FlightPiece *piece, double t)
+{
+    const FlightParts *parts = &path->tracer->parts;
+    float rate = lanes_get(piece->scattering, 0) + piece->excess, u = draw(flight->key, &flight->n_drawn) * rate;
+    Lanes scattering = lanes_all(0), extinction = lanes_all(0);
+    if (piece->excess > 0 && u >= lanes_get(piece->scattering, 0)) {
+        excess_at(parts, t, &scattering, &extinction);
+        float goes_on = piece->excess - lanes_get(scattering, 0);
+        if (u >= lanes_get(piece->scattering, 0) + lanes_get(scattering, 0) && goes_on > 0) {
+            Lanes all = lanes_all(piece->excess);
+            multiply(path, lanes_scale(lanes_sub(all, extinction), 1 / goes_on),
+                     lanes_scale(lanes_sub(all, scattering), 1 / goes_on));
+            return NULL;
+        }
+    }
+    /* one that mixes with others is chosen, and by other lanes would be, in proportion to its scattering */
+    const FlightPart *by = scatterer(parts, t, parts->n > 1 ? draw(flight->key, &flight->n_drawn) : 0);
+    if (!by) return NULL;
+    Lanes factor = lanes_scale(by->scattering, 1 / lanes_get(by->scattering, 0));
+    multiply(path, factor, factor);
+    return by;
+}
+
+double flight_uneven(Path *path, FreeFlight *flight, double from, double length, uint32_t *medium)
+{
+    Tracer *tracer = path->tracer;
+    double t = from, to = from + length;
+    if (path->straight) return length;
+    if (!find_parts(path, &tracer->list, &path->ray, t)) {
+        tracer->out_of_memory = true;
+        return length;
+    }
+    bool gathered = false; /* the present piece, in closed form */
+    for (FlightPiece piece = {.end = t}; t < to && !lanes_zero(path->beta);) {
+        if (t >= piece.end) {
+            piece = piece_at(&tracer->parts, t, to);
+            gathered = piece.shines && gather_even(path, flight, &piece);
+        }
+        piece.begin = t;
+        double rate = (double)(lanes_get(piece.scattering, 0) + piece.excess), step = piece.end - t;
+        bool collides = rate > 0 && rate * step > (double)flight->budget;
+        if (collides) step = (double)flight->budget / rate;
+        if (piece.shines && !gathered && step > 0)
+            gather_at_place(path, flight, &piece, step, draw(flight->key, &flight->n_drawn));
+        float way = finite_length(step);
+        flight->scattered = lanes_add(flight->scattered, lanes_scale(piece.scattering, way));
+        flight->absorbed = lanes_add(flight->absorbed, lanes_scale(piece.absorption, way));
+        t = collides ? t + step : piece.end;
+        if (!collides) {
+            if (rate > 0) flight->budget = float_max(flight->budget - (float)(rate * step), 0);
+            continue;
+        }
+        const FlightPart *by = collide(path, flight, &piece, t);
+        if (by) {
+            *medium = by->number;
+            flight->budget = 0;
+            return t - from < length ? t - from : nextafter(length, 0);
+        }
+        flight->budget = -logf(1 - draw(flight->key, &flight->n_drawn));
+    }
+    return length;
+}
+
+Lanes flight_transmit(const Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn)
+{
+    const float faint = 0.01f, survival = 0.25f; /* what has become faint mostly ends */
+    FlightParts *parts = &path->tracer->parts;
+    Lanes depth = lanes_all(0), left = lanes_all(1);
+    uint32_t key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce + 1);
+    if (!find_parts(path, list, ray, t)) {
+        path->tracer->out_of_memory = true;
+        return left;
+    }
+    while (t < to) {
+        FlightPiece piece = piece_at(parts, t, to);
+        double rate = (double)piece.excess, at = t;
+        while (rate > 0) {
+            at += -log1p(-(double)draw(key, n_drawn)) / rate;
+            if (!(at < piece.end)) break;
+            Lanes scattering, extinction;
+            excess_at(parts, at, &scattering, &extinction);
+            left = lanes_mul(left, lanes_rest(lanes_scale(extinction, 1 / piece.excess)));
+            if (lanes_max(left) > faint) continue;
+            if (lanes_zero(left) || draw(key, n_drawn) >= survival) return lanes_all(0);
+            left = lanes_scale(left, 1 / survival);
+        }
+        Lanes even = lanes_add(piece.scattering, piece.absorption);
+        depth = lanes_add(depth, lanes_scale(even, finite_length(piece.end - t)));
+        t = piece.end;
+    }
+    return lanes_mul(left, flight_attenuation(depth));
+}

@@ -1,0 +1,71 @@
+/* media.h - media that vary from place to place, shine or mix: where their volumes are, what they give off, and places
+ * in them that shine, for light sampling.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_MEDIA_H
+#define MEN_MEDIA_H
+
+#include "scene/compile.h"
+
+struct World;
+
+/* Where the volumes of a medium are in one hull that it fills. */
+typedef struct MediumPlace {
+    uint32_t hull;         /* NEST_WORLD: where no hull is */
+    uint32_t medium;
+    const Affine *keys;    /* NULL, or the object's places while the shutter is open */
+    Affine frame_in_object; /* of what moves */
+    Affine to_frame;       /* from the world; of what moves, when the shutter opens */
+} MediumPlace;
+
+/* A hull whose medium shines unevenly: light sampling looks for its bright places. Brick i of its density, shares[i] of
+ * the way up to the next one, has that part of its light; within a brick any place is as likely. */
+typedef struct Glow {
+    const MediumPlace *place;
+    double *shares; /* ascending, from that of brick 0 up to 1 */
+    size_t n_bricks;
+    double across;  /* a typical way through it, in scene units */
+    double power;   /* luminance in all directions, as lights': W / m^2 times square scene units */
+    float probability, cumulative; /* of being chosen among all */
+} Glow;
+
+typedef struct WorldMedia {
+    bool vary;               /* some medium does, shines or mixes; else the rest does not matter */
+    bool *varies;            /* of each medium: its density does, or it shines */
+    NestState *mixing_state; /* of each medium, see scene_mixing_state */
+    MediumPlace *places;
+    uint32_t n_places;
+    uint32_t *place_of_hull; /* SCENE_NONE: its medium has no volumes; [n_hulls] is the world's */
+    Glow *glows;
+    uint32_t n_glows;
+    uint32_t *glow_of_place; /* SCENE_NONE: light sampling does not look there */
+} WorldMedia;
+
+ATTR_NODISCARD Status media_find(const CompiledScene *compiled, WorldMedia *media, Error *error);
+void media_clear(WorldMedia *media);
+
+/* Whether the medium of a place is there where the list holds: it owns the point, or mixes with what does. */
+bool media_is_there(const struct World *world, const MediumPlace *place, const NestList *list);
+/* From the world to the frame of a place's volumes, at a time of the shutter. */
+Affine media_to_frame(const Scene *scene, const MediumPlace *place, double time);
+/* The place of the volumes of a hull's medium (NEST_WORLD: the world's); NULL: it has none. */
+static inline const MediumPlace *media_place(const WorldMedia *media, const CompiledScene *compiled, uint32_t hull)
+{
+    uint32_t number = media->place_of_hull[hull == NEST_WORLD ? compiled->n_hulls : hull];
+    return number == SCENE_NONE ? NULL : &media->places[number];
+}
+
+/* How much brighter than at medium->reference_k a place at that temperature is: quotients of Planck's law. */
+Lanes media_planck_ratio(const SceneMedium *medium, float kelvin, Lanes wavelength_nm);
+
+/* A place that shines; digits, u: uniform in [0, 1). */
+typedef struct GlowPoint {
+    Vec3 position;
+    double density;       /* of choosing it, per cubic scene unit */
+    float amount, kelvin; /* density of the medium there, temperature */
+} GlowPoint;
+GlowPoint glow_sample(const Scene *scene, const Glow *glow, double time, double digits, const float u[2]);
+/* The density of choosing a place, per cubic scene unit, by the brick that it is in; stretch: the determinant of the map
+ * from the world to lattice coordinates. */
+double glow_density(const Glow *glow, const Volume *volume, size_t brick, double stretch);
+
+#endif
