@@ -31,8 +31,9 @@ static Status fill_from_corners(void *context, const int32_t first[3], float val
                     at[axis] = first[axis] + offset[axis];
                     if (at[axis] > corners->n[axis] - 1) at[axis] = corners->n[axis] - 1;
                 }
-                *values++ = corners->values[((size_t)at[2] * (size_t)corners->n[1] + (size_t)at[1]) * (size_t)corners->n[0] +
-                                            (size_t)at[0]];
+                *values++ =
+                    corners->values[((size_t)at[2] * (size_t)corners->n[1] + (size_t)at[1]) * (size_t)corners->n[0] +
+                                    (size_t)at[0]];
             }
     return STATUS_OK;
 }
@@ -40,8 +41,9 @@ static Status fill_from_corners(void *context, const int32_t first[3], float val
 static bool check_value(Builder *b, const EvalProp *function, const char *what, Vec3 p, double value)
 {
     if (value >= 0 && value <= (double)FLT_MAX / 16) return true;
-    Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, function->span,
-                                     "this %s is %g at <%g, %g, %g>, and must be 0 or more", what, value, p.x, p.y, p.z);
+    Diagnostic *report =
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, function->span,
+                    "this %s is %g at <%g, %g, %g>, and must be 0 or more", what, value, p.x, p.y, p.z);
     if (value < 0) diag_hint(b->diag, report, "max(0, ...) cuts off what is below");
     return false;
 }
@@ -108,8 +110,8 @@ static Volume *volume_of_function(Builder *b, const EvalNode *node, const EvalPr
     corners.values = values;
     Volume *volume;
     Error error;
-    Status status = volume_new(corners.n, fill_from_corners, &corners, 0, most_bytes(), "the grid of a function", &volume,
-                               &error);
+    Status status =
+        volume_new(corners.n, fill_from_corners, &corners, 0, most_bytes(), "the grid of a function", &volume, &error);
     if (!build_succeeded(b, status, &error, function->span)) return NULL;
     Vec3 size = vec3_sub(box.max, box.min);
     Affine *map = &volume->to_lattice;

@@ -13,9 +13,7 @@
  * What media give off is gathered along the way: in closed form where nothing varies, else at one place of each piece,
  * up to where the path is scattered.
  *
- * [KHLN17] P. Kutz, R. Habel, Y. K. Li, J. Novak, "Spectral and Decomposition Tracking for Rendering Heterogeneous
- * Volumes", ACM TOG 36(4) (2017). [MGJ19] B. Miller, I. Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation
- * of Light Transport", ACM TOG 38(4) (2019).
+ * [KHLN17] and [MGJ19] are named in full in src/README.md.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/flight.h"
 
@@ -61,8 +59,8 @@ double flight_even(FreeFlight *flight, const World *world, uint32_t medium, doub
         if (scattered || flight->budget < 0) flight->budget = 0;
     }
     if (m->absorbs && !world->no_absorption)
-        flight->absorbed = lanes_add(
-            flight->absorbed, lanes_scale(spectrum_at(&m->absorption, wavelength_nm), finite_length(length)));
+        flight->absorbed =
+            lanes_add(flight->absorbed, lanes_scale(spectrum_at(&m->absorption, wavelength_nm), finite_length(length)));
     return length;
 }
 
@@ -213,7 +211,8 @@ static void add_light(Path *path, const FreeFlight *flight, Lanes light)
 {
     const World *world = path->tracer->world;
     uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
-    Lanes factor = lane_factor(flight), beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
+    Lanes factor = lane_factor(flight),
+          beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
     float mean_ratio = lanes_mean(lanes_mul(path->ratio, factor));
     if (!(mean_ratio > 0)) return;
     Lanes basic = path_basic_radiance(world, light, medium, path->wavelengths.nm);
@@ -292,7 +291,8 @@ static const FlightPart *scatterer(const FlightParts *parts, double t, float u)
 {
     float sum = 0, before = 0;
     if (parts->n == 1) return &parts->items[0];
-    for (uint32_t i = 0; i < parts->n; i++) sum += density_at(&parts->items[i], t) * lanes_get(parts->items[i].scattering, 0);
+    for (uint32_t i = 0; i < parts->n; i++)
+        sum += density_at(&parts->items[i], t) * lanes_get(parts->items[i].scattering, 0);
     const FlightPart *last = NULL;
     for (uint32_t i = 0; i < parts->n; i++) {
         const FlightPart *part = &parts->items[i];

@@ -12,9 +12,8 @@ static MediumPlace place_of_frame(const CompiledScene *compiled, const SceneFram
 {
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[frame->object];
-    MediumPlace place = {.hull = compiled->hull_of_object[frame->object],
-                         .medium = object->medium,
-                         .keys = scene_keys(scene, object)};
+    MediumPlace place = {
+        .hull = compiled->hull_of_object[frame->object], .medium = object->medium, .keys = scene_keys(scene, object)};
     Affine to_object;
     affine_invert(&frame->to_world, &place.to_frame); /* no object is flat */
     affine_invert(&object->to_world, &to_object);
@@ -64,9 +63,10 @@ Affine media_to_frame(const Scene *scene, const MediumPlace *place, double time)
 Lanes media_planck_ratio(const SceneMedium *medium, float kelvin, Lanes wavelength_nm)
 {
     const float second_constant_nm = 1.438776877e7f; /* h c / k, in nm K; CODATA 2018 */
-    if (!(kelvin > 1)) return lanes_all(0); /* colder is black in any float */
+    if (!(kelvin > 1)) return lanes_all(0);          /* colder is black in any float */
     Lanes per_kelvin = lanes_div(lanes_all(second_constant_nm), wavelength_nm);
-    Lanes reference = lanes_scale(per_kelvin, 1 / (float)medium->reference_k), here = lanes_scale(per_kelvin, 1 / kelvin);
+    Lanes reference = lanes_scale(per_kelvin, 1 / (float)medium->reference_k),
+          here = lanes_scale(per_kelvin, 1 / kelvin);
     Lanes zero = lanes_all(0);
     Lanes ratio = lanes_exp(lanes_sub(reference, here));
     return lanes_div(lanes_mul(ratio, lanes_rest(lanes_exp(lanes_sub(zero, reference)))),
@@ -82,8 +82,7 @@ static double relative_luminance(const SceneMedium *medium, float kelvin)
 static Vec3 brick_size(const Volume *volume, const int32_t first[3])
 {
     double size[3];
-    for (int axis = 0; axis < 3; axis++)
-        size[axis] = fmin(VOLUME_BRICK, volume->n_points[axis] - 1 - first[axis]);
+    for (int axis = 0; axis < 3; axis++) size[axis] = fmin(VOLUME_BRICK, volume->n_points[axis] - 1 - first[axis]);
     return vec3(size[0], size[1], size[2]);
 }
 
@@ -107,8 +106,9 @@ static double brick_brightness(const SceneMedium *medium, size_t number, Vec3 co
     to_temperature = affine_compose(&medium->temperature->to_lattice, &to_frame);
     double sum = 0;
     for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
-        Vec3 place = vec3(corner.x + size.x * (i % SIDE + 0.5) / SIDE, corner.y + size.y * (i / SIDE % SIDE + 0.5) / SIDE,
-                          corner.z + size.z * (i / (SIDE * SIDE) + 0.5) / SIDE);
+        Vec3 place =
+            vec3(corner.x + size.x * (i % SIDE + 0.5) / SIDE, corner.y + size.y * (i / SIDE % SIDE + 0.5) / SIDE,
+                 corner.z + size.z * (i / (SIDE * SIDE) + 0.5) / SIDE);
         float kelvin = volume_at(medium->temperature, affine_point(&to_temperature, place));
         sum += (double)volume_at(density, place) * relative_luminance(medium, kelvin);
     }
@@ -199,7 +199,8 @@ static Status find_glows(const CompiledScene *compiled, WorldMedia *media, Error
 static double third_number(double digits, const float u[2])
 {
     /* the digits that have chosen a brick are used up */
-    uint64_t bits = (uint64_t)(digits * 0x1p53) ^ hash_u64((uint64_t)((double)u[0] * 0x1p24) << 32 | (uint64_t)((double)u[1] * 0x1p24));
+    uint64_t bits = (uint64_t)(digits * 0x1p53) ^
+                    hash_u64((uint64_t)((double)u[0] * 0x1p24) << 32 | (uint64_t)((double)u[1] * 0x1p24));
     return (double)(hash_u64(bits) >> 11) * 0x1p-53;
 }
 
@@ -220,7 +221,8 @@ GlowPoint glow_sample(const Scene *scene, const Glow *glow, double time, double 
     Vec3 size = brick_size(volume, first);
     Vec3 at = vec3(first[0] + size.x * (double)u[0], first[1] + size.y * (double)u[1],
                    first[2] + size.z * third_number(digits, u));
-    Affine to_frame = media_to_frame(scene, glow->place, time), to_lattice = affine_compose(&volume->to_lattice, &to_frame);
+    Affine to_frame = media_to_frame(scene, glow->place, time),
+           to_lattice = affine_compose(&volume->to_lattice, &to_frame);
     Affine to_world;
     GlowPoint point = {.amount = volume_at(volume, at)};
     if (!affine_invert(&to_lattice, &to_world)) return (GlowPoint){0};

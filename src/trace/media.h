@@ -10,11 +10,11 @@ struct World;
 
 /* Where the volumes of a medium are in one hull that it fills. */
 typedef struct MediumPlace {
-    uint32_t hull;         /* NEST_WORLD: where no hull is */
+    uint32_t hull; /* NEST_WORLD: where no hull is */
     uint32_t medium;
-    const Affine *keys;    /* NULL, or the object's places while the shutter is open */
+    const Affine *keys;     /* NULL, or the object's places while the shutter is open */
     Affine frame_in_object; /* of what moves */
-    Affine to_frame;       /* from the world; of what moves, when the shutter opens */
+    Affine to_frame;        /* from the world; of what moves, when the shutter opens */
 } MediumPlace;
 
 /* A hull whose medium shines unevenly: light sampling looks for its bright places. Brick i of its density, shares[i] of
@@ -23,8 +23,8 @@ typedef struct Glow {
     const MediumPlace *place;
     double *shares; /* ascending, from that of brick 0 up to 1 */
     size_t n_bricks;
-    double across;  /* a typical way through it, in scene units */
-    double power;   /* luminance in all directions, as lights': W / m^2 times square scene units */
+    double across;                 /* a typical way through it, in scene units */
+    double power;                  /* luminance in all directions, as lights': W / m^2 times square scene units */
     float probability, cumulative; /* of being chosen among all */
 } Glow;
 

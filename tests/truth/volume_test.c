@@ -14,7 +14,8 @@ enum { WIDTH = 32, ALL = -1 };
     " light { shape = disc  from = <0, 0, -5>  to = <0, 0, 9>  radius = .02  radiance = 1 }"
 #define DARK " camera { from = <0, 0, 5>  to = <0, 0, 0>  fov = .02deg }"
 #define PROBE_BOX " box { interior = m  size = <1, 1, 2> } "
-#define GRID " from = <-.5, -.5, -1>  to = <.5, .5, 1> "
+/* Cells along z alone: the grid is stretched across. */
+#define GRID " from = <-.01, -.01, -1>  to = <.01, .01, 1>  scale(<100, 100, 1>) "
 
 static void picture_of(const char *text, uint32_t samples, bool furnace, Picture *picture)
 {
@@ -81,8 +82,7 @@ static double integral(double (*f)(double z, const void *context), const void *c
 {
     enum { STEPS = 2000 };
     double sum = 0, step = (to - from) / STEPS;
-    for (int i = 0; i <= STEPS; i++)
-        sum += f(from + i * step, context) * (i == 0 || i == STEPS ? 1 : i & 1 ? 4 : 2);
+    for (int i = 0; i <= STEPS; i++) sum += f(from + i * step, context) * (i == 0 || i == STEPS ? 1 : i & 1 ? 4 : 2);
     return sum * step / 3;
 }
 
@@ -109,12 +109,12 @@ static void transmittance(void **state)
         for (size_t k = 0; k < COUNT_OF(parts); k++) {
             char text[1200], what[100];
             snprintf(text, sizeof text,
-                     HEAD "def f(p) = %s medium m { ior = 1  absorption = %g  scattering = %g  density = volume { function = f " GRID
-                          " cells = 400 } }" PROBE_BOX LAMP,
+                     HEAD "def f(p) = %s medium m { ior = 1  absorption = %g  scattering = %g  density = volume { "
+                          "function = f " GRID " cells = 400 } }" PROBE_BOX LAMP,
                      densities[i].formula, parts[k][0], parts[k][1]);
             snprintf(what, sizeof what, "transmittance of %s that %s", densities[i].name, losses[k]);
             truth_expect(what, exp(-0.7 * depth_of(&densities[i], -1, 1)),
-                         quotient(mean_of(text, 512, false, ALL), clear), 4, 0.01);
+                         quotient(mean_of(text, 128, false, ALL), clear), 4, 0.01);
         }
 }
 
@@ -136,8 +136,8 @@ static void shadow_rays(void **state)
                  densities[i].formula, view);
         char what[100];
         snprintf(what, sizeof what, "sunlight through %s", densities[i].name);
-        truth_expect(what, exp(-0.7 * depth_of(&densities[i], -1, 1)), quotient(mean_of(text, 256, false, ALL), clear), 4,
-                     0.01);
+        truth_expect(what, exp(-0.7 * depth_of(&densities[i], -1, 1)), quotient(mean_of(text, 64, false, ALL), clear),
+                     4, 0.01);
     }
 }
 
@@ -150,15 +150,15 @@ static void colors(void **state)
     char even[1000], uneven[1000];
     double mean = depth_of(&densities[2], -1, 1) / 2;
     snprintf(even, sizeof even,
-             HEAD "medium m { ior = 1  scattering = <%g, %g, %g>  absorption = <%g, %g, 0> }" PROBE_BOX LAMP, .05 * mean,
-             .5 * mean, 5 * mean, .3 * mean, .1 * mean);
+             HEAD "medium m { ior = 1  scattering = <%g, %g, %g>  absorption = <%g, %g, 0> }" PROBE_BOX LAMP,
+             .05 * mean, .5 * mean, 5 * mean, .3 * mean, .1 * mean);
     snprintf(uneven, sizeof uneven,
              HEAD "def f(p) = 1 + sin(40 * p.z) medium m { %s  density = volume { function = f " GRID
                   " cells = 400 } }" PROBE_BOX LAMP,
              fog);
     Picture pictures[2];
-    picture_of(even, 1024, false, &pictures[0]);
-    picture_of(uneven, 1024, false, &pictures[1]);
+    picture_of(even, 256, false, &pictures[0]);
+    picture_of(uneven, 256, false, &pictures[1]);
     for (int channel = 0; channel < 3; channel++) {
         static const char *const names[] = {"red", "green", "blue"};
         Estimate of[2];
@@ -166,7 +166,7 @@ static void colors(void **state)
         for (int i = 0; i < 2; i++) of[i] = truth_mean(&pictures[i], channel);
         snprintf(what, sizeof what, "%s through waves of a fog that is bluest, over an even one", names[channel]);
         truth_expect(what, 1, quotient(of[1], of[0]), 4, 0.02);
-        printf("  noise of %s: %.2g of its mean in a pixel of 1024 samples, %.2g in the even fog\n", names[channel],
+        printf("  noise of %s: %.2g of its mean in a pixel of 256 samples, %.2g in the even fog\n", names[channel],
                of[1].error / of[1].mean * WIDTH, of[0].error / of[0].mean * WIDTH);
         assert_true(of[1].error < 3 * of[0].error + 0.001 * of[0].mean);
     }
@@ -203,20 +203,14 @@ static void single_scattering(void **state)
         const Slab slab = {&densities[i], extinction, 1 / cos_sun};
         snprintf(text, sizeof text,
                  HEAD "def f(p) = %s medium m { ior = 1  absorption = %.12g  scattering = %.12g  phase = hg(%g)"
-                      " density = volume { function = f  from = <-45, -45, -1>  to = <45, 45, 1>  cells = 200"
-                      " scale(<1, 1, 1>) } } box { interior = m  size = <90, 90, 2> } %s",
+                      " density = volume { function = f " GRID " cells = 400  scale(<90, 90, 1>) } }"
+                      " box { interior = m  size = <90, 90, 2> } %s",
                  densities[i].formula, extinction * (1 - share), extinction * share, g, view);
-        /* 200 cells along x: along z two, of which nothing would be left; so the grid is stretched */
-        char *from = strstr(text, "<-45, -45, -1>"), *scale = strstr(text, "<1, 1, 1>"), *to = strstr(text, "<45, 45, 1>");
-        assert_true(from && scale && to);
-        memcpy(from, "<-.5,-.5,  -1>", 14);
-        memcpy(to, "< .5,.5, 1>", 11);
-        memcpy(scale, "<90,90,1>", 9);
-        Estimate seen = mean_of(text, 2048, false, ALL);
+        Estimate seen = mean_of(text, 512, false, ALL);
         double phase = (1 - g * g) / (4 * TRUTH_PI * pow(1 + g * g + 2 * g * cos_sun, 1.5));
         double expected = irradiance * phase * extinction * share * integral(scattered_at, &slab, -1, 1);
         snprintf(what, sizeof what, "single scattering in %s", densities[i].name);
-        truth_expect(what, 1, scaled(seen, 1 / expected), 4, 0.03);
+        truth_expect(what, 1, scaled(seen, 1 / expected), 4, 0.06);
     }
 }
 
@@ -229,19 +223,21 @@ static void furnaces(void **state)
     } cases[] = {
         {"smoke in a bubble in glass",
          HEAD "def f(p) = 4 * max(0, noise(p * 4)) medium glass { ior = 1.5  state = solid }"
-              "medium smoke { ior = 1.1  scattering = <2, 3, 5>  phase = hg(.5)  density = volume { function = f  cells = 40 } }"
+              "medium smoke { ior = 1.1  scattering = <2, 3, 5>  phase = hg(.5)  density = volume { function = f  "
+              "cells = 40 } }"
               "sphere { interior = glass  radius = 1.1 } sphere { interior = smoke  radius = 1 }"
               "camera { from = <0, 0, 4>  to = <0, 0, 0>  fov = 40deg }" TRUTH_SKY},
         {"two smokes that mix with air and with each other, one turned and partly within glass",
          HEAD "def f(p) = 3 * max(0, 1 - length(p)) medium glass { ior = 1.5  state = solid }"
               "medium grey { mixes = true  scattering = 2  density = volume { function = f } }"
-              "medium blue { mixes = true  scattering = <1, 2, 6>  phase = rayleigh()  density = volume { function = f  scale(.8) } }"
+              "medium blue { mixes = true  scattering = <1, 2, 6>  phase = rayleigh()  density = volume { function = f "
+              " scale(.8) } }"
               "sphere { interior = glass  radius = .4  center = <.5, .2, 0> } box { interior = grey  size = <2, 2, 2> }"
               "box { interior = blue  size = <1.6, 1.6, 1.6>  rotate(y, 30)  translate(<.4, 0, .2>) }"
               "camera { from = <0, 0, 4>  to = <0, 0, 0>  fov = 40deg }" TRUTH_SKY},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++)
-        truth_expect(cases[i].name, 1, mean_of(cases[i].text, 256, true, ALL), 4, 0.002);
+        truth_expect(cases[i].name, 1, mean_of(cases[i].text, 64, true, ALL), 4, 0.004);
 }
 
 /* ---- mixing ---- */
@@ -251,20 +247,22 @@ static void furnaces(void **state)
 static void mixing_adds_up(void **state)
 {
     (void)state;
-    static const char *const view = " camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 16deg }"
-                                    " light { shape = sphere  from = <3, 3, 3>  radius = .5  radiance = 30 }" TRUTH_WHITE_SKY;
+    static const char *const view =
+        " camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 16deg }"
+        " light { shape = sphere  from = <3, 3, 3>  radius = .5  radiance = 30 }" TRUTH_WHITE_SKY;
     static const char *const two =
         "def f(p) = 3 * max(0, 1 - length(p)) def g(p) = 1 - f(p) / 3"
         " medium a { mixes = true  scattering = <2, 1, .5>  absorption = .2  density = volume { function = f } }"
         " medium b { mixes = true  scattering = <6, 3, 1.5>  absorption = .6  density = volume { function = g } }"
         " sphere { interior = a } sphere { interior = b }";
-    static const char *const one = " medium m { ior = 1  scattering = <6, 3, 1.5>  absorption = .6 } sphere { interior = m }";
+    static const char *const one =
+        " medium m { ior = 1  scattering = <6, 3, 1.5>  absorption = .6 } sphere { interior = m }";
     char text[1200];
     Estimate total[2];
     for (int i = 0; i < 2; i++) {
         Picture picture;
         snprintf(text, sizeof text, HEAD "%s%s", i ? one : two, view);
-        picture_of(text, 128, false, &picture);
+        picture_of(text, 64, false, &picture);
         total[i] = truth_total(&picture);
         truth_clear(&picture);
     }
@@ -301,7 +299,7 @@ static void columns(void **state)
                  PROBE_BOX, DARK);
         snprintf(what, sizeof what, "an even column that shines and absorbs %g", a);
         /* white of radiance 1 has luminance 1, to the noise of its wavelengths */
-        truth_expect(what, 0.4 * (a > 0 ? -expm1(-2 * a) / a : 2), mean_of(text, 256, false, ALL), 4, 0.01);
+        truth_expect(what, 0.4 * (a > 0 ? -expm1(-2 * a) / a : 2), mean_of(text, 32, false, ALL), 4, 0.01);
     }
     for (size_t i = 0; i < COUNT_OF(densities); i++) {
         const Slab slab = {&densities[i], 0.7, 0};
@@ -313,14 +311,14 @@ static void columns(void **state)
         char *scattering = strstr(text, "absorption = .4  scattering = .3");
         memcpy(scattering, "absorption = .7                 ", 32);
         snprintf(what, sizeof what, "a column of %s", densities[i].name);
-        truth_expect(what, integral(seen_of_itself, &slab, -1, 1), mean_of(text, 256, false, ALL), 4, 0.01);
+        truth_expect(what, integral(seen_of_itself, &slab, -1, 1), mean_of(text, 32, false, ALL), 4, 0.01);
     }
     const Column column = {ramp, 0.9};
     snprintf(text, sizeof text,
              HEAD "def f(p) = %s medium haze { ior = 1  absorption = .9 } medium m { mixes = true  emission = 1 "
                   " density = volume { function = f " GRID " } } box { interior = haze  size = <1, 1, 2> } %s %s",
              densities[0].formula, PROBE_BOX, DARK);
-    truth_expect("a flame in a haze", integral(seen_of, &column, -1, 1), mean_of(text, 256, false, ALL), 4, 0.01);
+    truth_expect("a flame in a haze", integral(seen_of, &column, -1, 1), mean_of(text, 32, false, ALL), 4, 0.01);
 }
 
 static double planck(void *context, double nm)
@@ -345,11 +343,14 @@ static void temperatures(void **state)
         char text[1000], what[100];
         snprintf(text, sizeof text,
                  HEAD "def f(p) = 1 def t(p) = %g medium m { ior = 1  emission = blackbody(1800)  radiance = .5"
-                      " density = volume { function = f " GRID " } temperature = volume { function = t " GRID " } } %s %s",
+                      " density = volume { function = f " GRID " } temperature = volume { function = t " GRID
+                      " } } %s %s",
                  kelvins[i], PROBE_BOX, DARK);
         snprintf(what, sizeof what, "a column at %g K, over one at 1800 K", kelvins[i]);
-        truth_expect(what, planck_luminance(kelvins[i]) / planck_luminance(1800),
-                     mean_of(text, 512, false, ALL), 4, 0.02);
+        double expected = planck_luminance(kelvins[i]) / planck_luminance(1800);
+        Estimate seen = mean_of(text, 64, false, ALL);
+        seen.error = hypot(seen.error, 0.001 * expected); /* tables in steps of 5 nm, of spectra as steep as these */
+        truth_expect(what, expected, seen, 4, 0.02);
     }
 }
 
@@ -364,33 +365,28 @@ static void flames(void **state)
         char text[1400];
         Picture picture;
         snprintf(text, sizeof text,
-                 HEAD "def f(p) = 6 * max(0, 1 - length(p)) def t(p) = 1900 - 600 * length(p)"
-                      " medium skin { ior = %.6g } medium fog { mixes = true  scattering = .1  absorption = .02 }"
-                      " medium flame { mixes = true  emission = blackbody(1900)  radiance = 3  absorption = .5  state = gas"
-                      " density = volume { function = f } temperature = volume { function = t } }"
-                      " sphere { interior = skin  radius = 1.2 } sphere { interior = flame }"
-                      " box { interior = fog  size = <9, 9, 9> } ground { y = -2 }"
-                      " camera { from = <0, 0, 9>  to = <0, -1.5, 0>  fov = 40deg }",
+                 HEAD
+                 "def f(p) = 6 * max(0, 1 - length(p)) def t(p) = 1900 - 600 * length(p)"
+                 " medium skin { ior = %.6g } medium fog { mixes = true  scattering = .1  absorption = .02 }"
+                 " medium flame { mixes = true  emission = blackbody(1900)  radiance = 3  absorption = .5  state = gas"
+                 " density = volume { function = f } temperature = volume { function = t } }"
+                 " sphere { interior = skin  radius = 1.2 } sphere { interior = flame }"
+                 " box { interior = fog  size = <9, 9, 9> } ground { y = -1.3 }"
+                 " camera { from = <0, 1, 7>  to = <0, -1, 0>  fov = 30deg }",
                  indices[i]);
-        picture_of(text, i ? 512 : 64, false, &picture);
+        picture_of(text, i ? 256 : 64, false, &picture);
         total[i] = truth_total(&picture);
         truth_clear(&picture);
     }
-    truth_expect("a flame's light found by sampling, and by chance", 1, quotient(total[0], total[1]), 4, 0.01);
+    truth_expect("a flame's light found by sampling, and by chance", 1, quotient(total[0], total[1]), 4, 0.02);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(transmittance),
-        cmocka_unit_test(shadow_rays),
-        cmocka_unit_test(colors),
-        cmocka_unit_test(single_scattering),
-        cmocka_unit_test(furnaces),
-        cmocka_unit_test(mixing_adds_up),
-        cmocka_unit_test(columns),
-        cmocka_unit_test(temperatures),
-        cmocka_unit_test(flames),
+        cmocka_unit_test(transmittance),     cmocka_unit_test(shadow_rays),  cmocka_unit_test(colors),
+        cmocka_unit_test(single_scattering), cmocka_unit_test(furnaces),     cmocka_unit_test(mixing_adds_up),
+        cmocka_unit_test(columns),           cmocka_unit_test(temperatures), cmocka_unit_test(flames),
     };
     return cmocka_run_group_tests_name("volume", tests, NULL, NULL);
 }
