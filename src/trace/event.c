@@ -221,8 +221,7 @@ bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *med
         tracer->counters.nesting_faults += crossing.n_faults;
         if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, nm)) return false;
         uneven = uneven || uneven_here;
-        if (LIKELY(!uneven_here))
-            depth = lanes_add(depth, flight_depth(world, medium, hits[begin].t - t_done, nm));
+        if (LIKELY(!uneven_here)) depth = lanes_add(depth, flight_depth(world, medium, hits[begin].t - t_done, nm));
         t_done = hits[begin].t;
         medium = crossing.medium_to;
         begin = end;
