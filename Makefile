@@ -222,6 +222,10 @@ $(BUILD)/bench: $(BENCH_SOURCES) tests/bench/measure.h $(BUILD)/libmeniscus.a
 $(BUILD)/peers/glass.mns: tests/peers/glass.py
 	$(PYTHON) $< $(@D)
 
+peers: all ## compare with Cycles and POV-Ray, where they are installed (packages blender and povray); takes minutes
+	$(PYTHON) tests/peers/run.py $(BUILD)/meniscus $(BUILD)/peers
+.PHONY: peers
+
 golden: all assets ## make one reference picture anew: make golden NAME=whisky
 	sh tests/render/run.sh build/meniscus --make $(NAME)
 .PHONY: golden

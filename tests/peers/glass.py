@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The scene that renderers are compared on: a glass with a drink, ice and bubbles on a table, all of triangles.
 
-usage: glass.py FOLDER     writes glass.mns and its meshes there
+usage: glass.py FOLDER     writes glass.mns and its meshes there; with PEERS_GREY=1 in the environment all is grey
 
 The same triangles for all: hulls() are closed bodies that overlap, as meniscus takes them; borders() is what a renderer
 needs that knows nothing of nesting: every border between two media once, cut by hand. Both are made from the same
@@ -30,6 +30,10 @@ MEDIA = {  # index, absorption per mm of red, green and blue
     "drink": (1.36, (0.004, 0.03, 0.16)),
     "ice": (1.31, (0.0004, 0.00008, 0.00003)),
 }
+# Without colours a renderer by three colours and one by wavelengths must make the same picture.
+if os.environ.get("PEERS_GREY"):
+    MEDIA = {name: (ior, (sum(sigma) / 3,) * 3) for name, (ior, sigma) in MEDIA.items()}
+    TABLE_ALBEDO, SKY = (0.55,) * 3, (0.65,) * 3
 
 
 # ---- small geometry ----
