@@ -12,6 +12,18 @@ static void add_choice(World *world, uint32_t light, double power, double *total
     *total += power;
 }
 
+/* Whether light is looked for in the environment's direction. One that is the same everywhere is found best by the
+ * directions in which surfaces scatter: every one of them that leaves the scene comes to it, and with just the weight that
+ * the surface gives it. Portals say where else to look. */
+static bool seeks_environment(const Scene *scene)
+{
+    if (!scene->environment || environment_is_black(scene->environment)) return false;
+    if (environment_width(scene->environment) > 0) return true;
+    for (uint32_t i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].kind == LIGHT_PORTAL) return true;
+    return false;
+}
+
 /* Half of the samples by flux onto the scene, half evenly by the number of lights, so that a small light near a surface
  * is not starved. */
 static Status choose_lights(World *world, Error *error)
@@ -32,7 +44,7 @@ static Status choose_lights(World *world, Error *error)
         double cone = 2 * pi * (1 - light->cos_angle);
         add_choice(world, i, fmax(spectrum_luminance(&light->radiance), 0) * cone * pi * radius * radius, &total);
     }
-    if (scene->environment && !environment_is_black(scene->environment))
+    if (seeks_environment(scene))
         add_choice(world, LIGHT_ENVIRONMENT, (double)environment_power(scene->environment) * pi * radius * radius,
                    &total);
     double of_media = 0;
