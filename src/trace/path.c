@@ -12,8 +12,10 @@
 
 #include "trace/path_parts.h"
 
-/* Bounces before Russian roulette begins. */
-enum { ROULETTE_START = 4 };
+/* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
+ * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the
+ * error after equal time: from 0.05 to 0.2 there is little difference; 1 is worse by up to a half. */
+#define ROULETTE_BELOW 0.1f
 
 void tracer_init(Tracer *tracer, const World *world)
 {
@@ -101,10 +103,10 @@ static void keep_in_range(Path *path)
 static bool survives(Path *path)
 {
     if (lanes_zero(path->beta)) return false;
-    if (path->bounce < ROULETTE_START) return true;
     float carried = lanes_max(path->beta) / lanes_mean(path->ratio) * 0.25f;
     carried = float_max(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
-    if (carried >= 1) return true;
+    if (carried >= ROULETTE_BELOW) return true;
+    carried *= 1 / ROULETTE_BELOW;
     if (sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_ROULETTE)) >= carried) return false;
     path->beta = lanes_scale(path->beta, 1 / carried);
     return true;
