@@ -83,6 +83,19 @@ def border_material(name, behind, front):
     return material
 
 
+def add_lamp():
+    """A square that shines to one side; from its back it is black. Blender's area lights would let the sky through."""
+    material, nodes, links = new_material("lamp")
+    output, mix = nodes.new("ShaderNodeOutputMaterial"), nodes.new("ShaderNodeMixShader")
+    front, back = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeEmission")
+    front.inputs["Strength"].default_value, back.inputs["Strength"].default_value = glass.LAMP["radiance"], 0
+    links.new(nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"], mix.inputs[0])
+    links.new(front.outputs[0], mix.inputs[1])
+    links.new(back.outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], output.inputs["Surface"])
+    add_mesh("lamp", glass.lamp(), material)
+
+
 def build():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     for name, behind, front, mesh in glass.borders():
@@ -98,13 +111,7 @@ def build():
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = glass.SKY + (1,)
 
-    lamp = bpy.data.lights.new("lamp", "AREA")
-    lamp.shape, lamp.size = "SQUARE", glass.LAMP["size"]
-    lamp.energy = 4 * glass.LAMP["size"] ** 2 * glass.LAMP["radiance"]
-    lamp.cycles.max_bounces = glass.BOUNCES
-    placed = bpy.data.objects.new("lamp", lamp)
-    bpy.context.scene.collection.objects.link(placed)
-    look(placed, glass.LAMP)
+    add_lamp()
 
     camera = bpy.data.cameras.new("camera")
     camera.sensor_fit, camera.angle = "HORIZONTAL", math.radians(glass.CAMERA["fov"])

@@ -222,6 +222,15 @@ def table():
     return Mesh([(-h, TABLE_Y, h), (h, TABLE_Y, h), (h, TABLE_Y, -h), (-h, TABLE_Y, -h)], [(0, 1, 2), (0, 2, 3)])
 
 
+def lamp():
+    """The lamp's front. Its edges are level, or in the plane that holds the vertical."""
+    forward = unit(sub(LAMP["to"], LAMP["from"]))
+    side = scaled(unit(cross(forward, (0, 1, 0))), LAMP["size"] / 2)
+    up = scaled(unit(cross(side, forward)), LAMP["size"] / 2)
+    corners = [add(LAMP["from"], add(scaled(side, a), scaled(up, b))) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return Mesh(corners, [(0, 2, 1), (0, 3, 2)])
+
+
 def hulls():
     """(name, medium, mesh) of closed bodies."""
     made = [("tumbler", "glass", turned(glass_outline()[0])), ("filling", "drink", drink_hull())]
