@@ -34,6 +34,7 @@ FREETYPE_LIBS ?= -lfreetype
 EXR_CFLAGS ?= -isystem /usr/include/OpenEXR
 EXR_LIBS ?= -lOpenEXRCore
 PNG_LIBS ?= -lpng -lz
+JPEG_LIBS ?= -ljpeg
 OCIO_LIBS ?= -lOpenColorIO
 JANSSON_LIBS ?= -ljansson
 # NanoVDB is headers only; its files may be compressed by zlib and Blosc.
@@ -57,7 +58,7 @@ CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSI
   -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(patsubst -I%,-isystem %,$(FREETYPE_CFLAGS)) $(CPPFLAGS)
 CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
-LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) -lstdc++ -lpthread -lm
+LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(JPEG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) -lstdc++ -lpthread -lm
 
 GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c src/optics/layered_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
@@ -169,7 +170,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/replay.c tests/fuzz/fuzz.h tests/fuzz
 
 # ---- packages ----
 
-PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjansson-dev libfreetype-dev libnanovdb-dev libblosc-dev fonts-dejavu-core libcmocka-dev mandoc python3
+PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjpeg62-turbo-dev libjansson-dev libfreetype-dev libnanovdb-dev libblosc-dev fonts-dejavu-core libcmocka-dev mandoc python3
 
 deps: ## install the Debian packages that are missing (with sudo where not root)
 	@missing=''; for p in $(PACKAGES); do \

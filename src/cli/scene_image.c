@@ -6,17 +6,6 @@
 
 #include "cli/scene_input.h"
 
-static bool is_png(const char *path)
-{
-    static const char signature[] = "\x89PNG\r\n\x1a\n";
-    char start[sizeof signature - 1];
-    FILE *file = fopen(path, "rb");
-    if (!file) return false;
-    bool same = fread(start, 1, sizeof start, file) == sizeof start && memcmp(start, signature, sizeof start) == 0;
-    fclose(file);
-    return same;
-}
-
 static Status copy_colors(const char *path, const Image *image, float **rgb, Error *error)
 {
     int channels[3];
@@ -31,8 +20,9 @@ static Status copy_colors(const char *path, const Image *image, float **rgb, Err
 
 Status image_read_linear(const char *path, Image *image, Error *error)
 {
-    TRY(image_read(path, image, error));
-    if (is_png(path)) image_decode_srgb(image);
+    bool encoded;
+    TRY(image_read_as(path, image, &encoded, error));
+    if (encoded) image_decode_srgb(image);
     return STATUS_OK;
 }
 
@@ -48,7 +38,7 @@ static Status copy_alpha(const char *path, const Image *image, float **rgb, Erro
     return STATUS_OK;
 }
 
-/* SCENE_SPACE_DATA leaves values as they are. Without a named space an EXR file is linear in the working space already, and a PNG file is sRGB. */
+/* SCENE_SPACE_DATA leaves values as they are. Without a named space an EXR file is linear in the working space already, and PNG and JPEG files are sRGB. */
 Status load_scene_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
                         uint32_t *height, Error *error)
 {

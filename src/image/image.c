@@ -28,6 +28,11 @@ Status image_new(uint32_t width, uint32_t height, const char *const *names, uint
                     MAX_CHANNELS);
     /* at most 2^32 * 2^10 * 4 = 2^44 bytes: no overflow where size_t has 64 bits */
     uint64_t bytes = (uint64_t)width * height * n_channels * sizeof(float);
+    /* Memory that is not there is promised all the same, and then ends the program. */
+    double machine = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (machine > 0 && (double)bytes > machine)
+        return fail(error, STATUS_NOMEM, "a picture of %lu x %lu pixels and %lu channels needs %.0f GB, and there are %.0f",
+                    (unsigned long)width, (unsigned long)height, (unsigned long)n_channels, (double)bytes / 1e9, machine / 1e9);
     if (bytes > SIZE_MAX / 2) return fail_memory(error, SIZE_MAX, "a picture");
     image->names = calloc(n_channels, sizeof *image->names);
     image->pixels = calloc((size_t)bytes, 1);
@@ -111,7 +116,7 @@ void image_decode_srgb(Image *image)
     }
 }
 
-typedef enum Format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_PNG } Format;
+typedef enum Format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_PNG, FORMAT_JPEG } Format;
 
 static Format format_of_bytes(const unsigned char *bytes, size_t length)
 {
@@ -119,10 +124,11 @@ static Format format_of_bytes(const unsigned char *bytes, size_t length)
     static const unsigned char png_magic[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     if (length >= sizeof exr_magic && memcmp(bytes, exr_magic, sizeof exr_magic) == 0) return FORMAT_EXR;
     if (length >= sizeof png_magic && memcmp(bytes, png_magic, sizeof png_magic) == 0) return FORMAT_PNG;
+    if (length >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) return FORMAT_JPEG;
     return FORMAT_UNKNOWN;
 }
 
-Status image_read(const char *path, Image *image, Error *error)
+Status image_read_as(const char *path, Image *image, bool *encoded, Error *error)
 {
     *image = (Image){0};
     /* Only a regular file can be looked at twice; the others go by their name, and standard input is EXR. */
@@ -143,13 +149,21 @@ Status image_read(const char *path, Image *image, Error *error)
         const char *extension = file_extension(path);
         if (strcasecmp(extension, "exr") == 0) format = FORMAT_EXR;
         if (strcasecmp(extension, "png") == 0) format = FORMAT_PNG;
+        if (strcasecmp(extension, "jpg") == 0 || strcasecmp(extension, "jpeg") == 0) format = FORMAT_JPEG;
     }
+    if (encoded) *encoded = format == FORMAT_PNG || format == FORMAT_JPEG;
     switch (format) {
     case FORMAT_EXR: return exr_read(path, image, error);
     case FORMAT_PNG: return png_read(path, image, error);
+    case FORMAT_JPEG: return jpeg_read(path, image, error);
     case FORMAT_UNKNOWN: break;
     }
     if (stat(path, &facts) != 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
     if (S_ISDIR(facts.st_mode)) return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", path);
-    return fail(error, STATUS_INPUT, "cannot read '%s': it is neither an EXR nor a PNG picture", path);
+    return fail(error, STATUS_INPUT, "cannot read '%s': it is neither an EXR nor a PNG or JPEG picture", path);
+}
+
+Status image_read(const char *path, Image *image, Error *error)
+{
+    return image_read_as(path, image, NULL, error);
 }

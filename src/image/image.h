@@ -1,4 +1,4 @@
-/* image.h - pictures in memory, EXR and PNG files.
+/* image.h - pictures in memory, EXR, PNG and JPEG files.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_IMAGE_H
 #define MEN_IMAGE_H
@@ -42,7 +42,7 @@ int image_channel(const Image *image, const char *name);
 /* The channels that hold the colour: R, G, B; else those of the first layer that has them (layer.R ...); else
  * Y three times. false when there is no colour. */
 bool image_rgb(const Image *image, int rgb[3]);
-/* sRGB's curve undone on the colour channels: from what png_read gives to linear Rec.709. */
+/* sRGB's curve undone on the colour channels: from what png_read and jpeg_read give to linear Rec.709. */
 void image_decode_srgb(Image *image);
 
 /* Scan lines, ZIP or PIZ compression, chromaticities and attributes; written beside its place and renamed when whole.
@@ -63,7 +63,13 @@ ATTR_NODISCARD Status exr_visit_attributes(const char *path,
  * rounding plus a fixed ordered dither (8, so that gradients do not band). Atomic, as exr_write. */
 ATTR_NODISCARD Status png_write(const char *path, const Image *image, unsigned bits, Error *error);
 ATTR_NODISCARD Status png_read(const char *path, Image *image, Error *error);
-/* By content, then extension: EXR, PNG. */
+/* 8 bits, grey or colour, baseline or progressive, as display-referred R, G, B in 0..1; how a camera was held (EXIF) is not
+ * looked at. STATUS_INPUT for CMYK, and for files that are damaged or cut short. */
+ATTR_NODISCARD Status jpeg_read(const char *path, Image *image, Error *error);
+/* By content, then extension: EXR, PNG, JPEG. *encoded (may be NULL): whether its values are a display's, as those of PNG
+ * and JPEG, rather than linear. */
+ATTR_NODISCARD Status image_read_as(const char *path, Image *image, bool *encoded, Error *error);
+/* The same without that. */
 ATTR_NODISCARD Status image_read(const char *path, Image *image, Error *error);
 
 #endif

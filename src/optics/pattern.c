@@ -158,6 +158,7 @@ static Vec3 octave_point(Vec3 p, double frequency, unsigned octave)
 
 static double noise(const Pattern *pattern, const PatternPlace *place)
 {
+    const double crest = 1 - 2 * noise_mean_size + noise_rms * noise_rms; /* the mean of (1 - |noise|)^2 */
     double sum = 0, weight = 1, weights = 0, squares = 0, frequency = 1;
     for (unsigned i = 0; i < pattern->octaves; i++) {
         double part = seen(frequency, place->footprint), value = 0;
@@ -167,7 +168,7 @@ static double noise(const Pattern *pattern, const PatternPlace *place)
         else if (pattern->style == NOISE_TURBULENCE)
             sum += weight * (part * fabs(value) + (1 - part) * noise_mean_size);
         else
-            sum += weight * (part * (1 - fabs(value)) * (1 - fabs(value)) + (1 - part) * (1 - noise_mean_size));
+            sum += weight * (part * (1 - fabs(value)) * (1 - fabs(value)) + (1 - part) * crest);
         weights += weight;
         squares += weight * weight;
         weight *= pattern->gain;

@@ -376,8 +376,8 @@ static void what_is_no_picture_is_refused(void **state)
     assert_refused(in_folder("empty.exr"), "empty");
     write_bytes(in_folder("text.exr"), "hello, world, this is text", 26);
     assert_refused(in_folder("text.exr"), "not an EXR");
-    write_bytes(in_folder("text.jpeg"), "hello, world", 12);
-    assert_refused(in_folder("text.jpeg"), "neither an EXR nor a PNG");
+    write_bytes(in_folder("text.gif"), "hello, world", 12);
+    assert_refused(in_folder("text.gif"), "neither an EXR nor a PNG");
     write_bytes(in_folder("magic.exr"), "\x76\x2f\x31\x01\x02\0\0\0", 8);
     assert_refused(in_folder("magic.exr"), "damaged or cut short");
 }
