@@ -235,7 +235,7 @@ static double gradient(const Pattern *pattern, Vec3 p)
     double along = p.x;
     switch (pattern->shape) {
     case GRADIENT_LINEAR: break;
-    case GRADIENT_RADIAL: along = p.x == 0 && p.z == 0 ? 0 : fraction(atan2(p.z, p.x) / (2 * pi)); break;
+    case GRADIENT_RADIAL: along = p.x == 0 && p.z == 0 ? 0 : fraction(atan2(-p.z, p.x) / (2 * pi)); break;
     case GRADIENT_SPHERICAL: along = vec3_length(p); break;
     case GRADIENT_CYLINDRICAL: along = sqrt(p.x * p.x + p.z * p.z); break;
     }

@@ -23,7 +23,7 @@ typedef enum PatternKind {
 
 typedef enum GradientShape {
     GRADIENT_LINEAR,     /* x */
-    GRADIENT_RADIAL,     /* turns about the y axis, from +x towards +z */
+    GRADIENT_RADIAL,     /* turns about the y axis, counter-clockwise seen from above, from +x */
     GRADIENT_SPHERICAL,  /* distance from the origin */
     GRADIENT_CYLINDRICAL /* distance from the y axis */
 } GradientShape;

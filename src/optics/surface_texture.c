@@ -110,7 +110,7 @@ static TextureLook look_around(const LocalPlace *local, bool sphere)
 {
     Vec3 p = local->p;
     double r = sqrt(p.x * p.x + p.z * p.z), length = sphere ? vec3_length(p) : r;
-    TextureLook look = {.u = r > 0 ? atan2(p.z, p.x) / (2 * pi) : 0, .v = p.y};
+    TextureLook look = {.u = r > 0 ? atan2(-p.z, p.x) / (2 * pi) : 0, .v = p.y};
     if (look.u < 0) look.u += 1;
     double width_v = local->footprint;
     if (sphere) {

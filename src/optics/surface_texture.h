@@ -21,7 +21,7 @@ typedef enum TextureProjection {
     PROJECTION_UV,
     PROJECTION_PLANAR,      /* x and y, along z */
     PROJECTION_BOX,         /* along the axis that the normal is nearest to; between two, a mixture */
-    PROJECTION_CYLINDRICAL, /* u: turns about y from +x towards +z; v: y */
+    PROJECTION_CYLINDRICAL, /* u: turns about y counter-clockwise seen from above, from +x; v: y */
     PROJECTION_SPHERICAL    /* the same; v: from the south pole to the north one */
 } TextureProjection;
 

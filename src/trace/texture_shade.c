@@ -153,8 +153,10 @@ static Vec3 normal_of_map(const Scene *scene, const SceneSurface *surface, const
  * from; both on the geometric normal's side. */
 Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal)
 {
-    const float least = 0.01f; /* of the mirrored direction's height over the surface */
-    float cosine = vec3f_dot(view, normal), low = least * float_min(vec3f_dot(view, geometric), 1);
+    /* how high over the surface the mirrored direction stays: never both low and lower than it came, or light within glass
+     * would creep along its surface ever more closely */
+    const float least = 0.05f;
+    float cosine = vec3f_dot(view, normal), low = float_min(vec3f_dot(view, geometric), least);
     Vec3f mirrored = vec3f_along(vec3f_negate(view), 2 * cosine, normal);
     float height = vec3f_dot(mirrored, geometric);
     if (height >= low) return normal;

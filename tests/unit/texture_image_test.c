@@ -114,7 +114,8 @@ static void pixels_are_where_they_are(void **state)
 static void colours_are_spectra(void **state)
 {
     (void)state;
-    static const double colours[][3] = {{0.8, 0.1, 0.05}, {0, 0, 0}, {1, 1, 1}, {0.2, 0.5, 0.9}, {0.5, 0.5, 0.5}, {1, 0, 1}};
+    static const double colours[][3] = {{0.8, 0.1, 0.05}, {0, 0, 0},       {1, 1, 1},
+                                        {0.2, 0.5, 0.9},  {0.5, 0.5, 0.5}, {1, 0, 1}};
     enum { N = 3 };
     double worst = 0;
     for (size_t i = 0; i < COUNT_OF(colours); i++) {
@@ -167,8 +168,10 @@ static void sizes_are_checked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(means_stay),          cmocka_unit_test(wide_looks_are_local_means),
-        cmocka_unit_test(pixels_are_where_they_are), cmocka_unit_test(colours_are_spectra),
+        cmocka_unit_test(means_stay),
+        cmocka_unit_test(wide_looks_are_local_means),
+        cmocka_unit_test(pixels_are_where_they_are),
+        cmocka_unit_test(colours_are_spectra),
         cmocka_unit_test(sizes_are_checked),
     };
     return cmocka_run_group_tests_name("texture_image", tests, NULL, NULL);

@@ -1,0 +1,127 @@
+/* relief_test.c - bumps move light about: in a white furnace they neither make any nor lose any, however
+ * steep they are, and light sampling and scattering agree about them. Textures that are the same everywhere are the value
+ * itself.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+enum { WIDTH = 24 };
+
+#define HEAD "meniscus 1.0 unit m medium glass { ior = 1.5  state = solid }\n"
+#define VIEW " camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 22deg } "
+
+static double two_skies(double elevation)
+{
+    return elevation > 0.4 ? 3 : 0.2;
+}
+
+static Picture render(const char *text, uint32_t samples)
+{
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .sky = two_skies});
+    RenderSettings settings = truth_settings(WIDTH, samples);
+    settings.bounces = 1000000;
+    truth_render(&scene, &settings, 0, &picture);
+    if (picture.stats.nesting_faults) fail_msg("%s: nesting faults", text);
+    fixture_clear(&scene);
+    return picture;
+}
+
+/* Slopes of about 45 degrees, and of 85. */
+static const char *const reliefs[] = {
+    "bump = noise { octaves = 2 scale(.2) } bump_height = .15",
+    "bump = crackle { scale(.1) } bump_height = 1",
+};
+
+static void white_furnaces(void **state)
+{
+    (void)state;
+    static const char *const things[] = {
+        "sphere { surface = surface { albedo = 1 %s } }",
+        "sphere { surface = surface { albedo = 1 diffuse_roughness = .7 %s } }",
+        "sphere { surface = surface { albedo = 1 ior = 1.5 roughness = .3 %s } }",
+        "sphere { surface = surface { albedo = 1 ior = 1.5 roughness = 0 %s } }",
+        "sphere { surface = surface { albedo = 1 coat = .7 coat_roughness = .2 %s } }",
+        "sphere { interior = glass surface = surface { %s } }",
+        "sphere { interior = glass surface = surface { roughness = .4 %s } }",
+        "box { size = <1.6, 1.6, 1.6> rotate(<20, 30, 0>) surface = surface { albedo = 1 ior = 1.5 roughness = .5 %s } "
+        "}",
+    };
+    double worst = 0;
+    for (size_t i = 0; i < COUNT_OF(things); i++)
+        for (size_t k = 0; k < COUNT_OF(reliefs); k++) {
+            char thing[400], text[1200], what[140];
+            const char *hole = strstr(things[i], "%s");
+            snprintf(thing, sizeof thing, "%.*s%s%s", (int)(hole - things[i]), things[i], reliefs[k], hole + 2);
+            snprintf(text, sizeof text, HEAD "%s" VIEW TRUTH_WHITE_SKY, thing);
+            snprintf(what, sizeof what, "%.55s..., relief %zu", things[i], k);
+            Picture picture = render(text, 128);
+            Estimate mean = truth_mean(&picture, -1);
+            truth_figure(what, 1, mean.mean, mean.error);
+            worst = fmax(worst, fabs(mean.mean - 1));
+            if (!(fabs(mean.mean - 1) <= 0.005 + 3 * mean.error))
+                fail_msg("%s: %.5f +- %.5f", what, mean.mean, mean.error);
+            assert_true(mean.error < 0.01);
+            truth_clear(&picture);
+        }
+    printf("    at worst %.5f off\n", worst);
+}
+
+/* Behind a boundary of next to no index, light sampling is blocked, and all light is found by scattering. */
+static void lights_are_found_alike(void **state)
+{
+    (void)state;
+    static const char *const finishes[] = {"albedo = .8", "albedo = .8 ior = 1.5 roughness = .4",
+                                           "metal = gold roughness = .5"};
+    for (size_t i = 0; i < COUNT_OF(finishes); i++) {
+        Estimate seen[2];
+        for (int chance = 0; chance < 2; chance++) {
+            char text[1200];
+            snprintf(text, sizeof text,
+                     HEAD "medium nearly { ior = 1.0000001 state = gas } sphere { surface = surface { %s "
+                          "bump = noise { octaves = 2 scale(.2) } bump_height = .2 } } %s" VIEW TRUTH_SKY,
+                     finishes[i], chance ? "sphere { radius = 3 interior = nearly }" : "");
+            Picture picture = render(text, 512);
+            seen[chance] = truth_mean(&picture, -1);
+            truth_clear(&picture);
+        }
+        truth_figure(finishes[i], seen[0].mean, seen[1].mean, hypot(seen[0].error, seen[1].error));
+        double apart = fabs(seen[0].mean - seen[1].mean);
+        if (!(apart <= 4 * hypot(seen[0].error, seen[1].error))) fail_msg("%s: %g apart", finishes[i], apart);
+    }
+}
+
+/* The same picture, sample for sample, from a constant and from textures that come to it. */
+static void constants_are_constants(void **state)
+{
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"albedo = rgb(.8, .3, .1)", "albedo = noise { from = rgb(.8, .3, .1) to = rgb(.8, .3, .1) }"},
+        {"albedo = .5 ior = 1.5 roughness = .3", "albedo = .5 ior = 1.5 roughness = marble { from = .3 to = .3 }"},
+        {"albedo = .5 coat = .4 coat_roughness = .2 coat_tint = rgb(.9, .5, .2)",
+         "albedo = mix { from = .5 to = .5 } coat = brick { ramp = [.4] } coat_roughness = agate { from = .2 to = .2 } "
+         "coat_tint = variation { ramp = [rgb(.9, .5, .2), rgb(.9, .5, .2)] }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(pairs); i++) {
+        Picture pictures[2];
+        for (int k = 0; k < 2; k++) {
+            char text[1200];
+            snprintf(text, sizeof text, HEAD "sphere { surface = surface { %s } } " VIEW TRUTH_SKY, pairs[i][k]);
+            pictures[k] = render(text, 64);
+        }
+        double difference = truth_largest_difference(&pictures[0], &pictures[1]);
+        printf("    %.50s: at most %.2g apart\n", pairs[i][0], difference);
+        assert_true(difference < 1e-4);
+        for (int k = 0; k < 2; k++) truth_clear(&pictures[k]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(white_furnaces),
+        cmocka_unit_test(lights_are_found_alike),
+        cmocka_unit_test(constants_are_constants),
+    };
+    return cmocka_run_group_tests_name("relief", tests, NULL, NULL);
+}
