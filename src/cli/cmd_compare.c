@@ -10,6 +10,7 @@ static void print_text(const Comparison *c, bool flip, Buf *out)
 {
     buf_format(out, "rmse            %.6g\n", c->rmse);
     buf_format(out, "relative mse    %.6g\n", c->relative_mse);
+    buf_format(out, "relative error  %.6g\n", c->relative_error);
     buf_format(out, "largest         %.6g at %u,%u\n", c->max_difference, c->max_x, c->max_y);
     buf_format(out, "mean of A       %.6g %.6g %.6g\n", c->mean_a[0], c->mean_a[1], c->mean_a[2]);
     buf_format(out, "mean of B       %.6g %.6g %.6g\n", c->mean_b[0], c->mean_b[1], c->mean_b[2]);
@@ -31,6 +32,7 @@ static void print_json(const Comparison *c, bool flip, Buf *out)
     json_begin_object(&json);
     json_add_number(&json, "rmse", c->rmse);
     json_add_number(&json, "relativeMse", c->relative_mse);
+    json_add_number(&json, "relativeError", c->relative_error);
     json_add_number(&json, "maxDifference", c->max_difference);
     json_add_whole(&json, "maxX", c->max_x);
     json_add_whole(&json, "maxY", c->max_y);

@@ -76,7 +76,7 @@ static Status render(RenderRun *run, Error *error)
     Status status =
         render_image(run->input.compiled, settings, run->pool, &events, &run->image, &run->stats, error);
     progress_end(&run->progress, status == STATUS_OK && !run->stats.stopped);
-    if (status == STATUS_OK) run->noise = render_noise_of(&run->image, settings);
+    if (status == STATUS_OK) run->noise = run->stats.noise;
     return status;
 }
 

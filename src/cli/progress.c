@@ -78,6 +78,8 @@ static void show_bar(Progress *progress, const RenderProgress *state)
     if (state->noise >= 0) {
         snprintf(text, sizeof text, "  noise %.2g%%", 100 * state->noise);
         add(facts, text);
+        if (state->noise_wanted > 0) snprintf(text, sizeof text, " of %.2g%%", 100 * state->noise_wanted);
+        if (state->noise_wanted > 0) add(facts, text);
     }
     add_time_left(facts, state);
     char front[64] = "";
@@ -141,6 +143,7 @@ static void show_json(const Progress *progress, const RenderProgress *state)
     json_add_number(&json, "secondsLeftLow", state->seconds_left_low < 0 ? (double)NAN : state->seconds_left_low);
     json_add_number(&json, "secondsLeftHigh", state->seconds_left_high < 0 ? (double)NAN : state->seconds_left_high);
     json_add_number(&json, "noise", state->noise < 0 ? (double)NAN : state->noise);
+    json_add_number(&json, "noiseWanted", state->noise_wanted);
     json_add_whole(&json, "paths", state->paths);
     json_add_whole(&json, "rays", state->rays);
     talk_event_end(&json);

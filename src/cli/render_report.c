@@ -8,23 +8,6 @@
 #include "base/file.h"
 #include "cli/render_run.h"
 
-double render_noise_of(const Image *image, const RenderSettings *settings)
-{
-    int noise = image_channel(image, "noise.Y"), rgb[3];
-    if (noise < 0 || !image_rgb(image, rgb)) return -1;
-    const uint32_t *crop = settings->crop;
-    uint32_t x1 = crop[2] ? crop[2] : image->width, y1 = crop[3] ? crop[3] : image->height;
-    double sum = 0;
-    /* as the stop rule of the renderer has it: the floor keeps black pixels from dividing by nothing */
-    for (uint32_t y = crop[1]; y < y1; y++)
-        for (uint32_t x = crop[0]; x < x1; x++) {
-            const float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
-            double luminance = 0.2126 * (double)pixel[rgb[0]] + 0.7152 * (double)pixel[rgb[1]] + 0.0722 * (double)pixel[rgb[2]];
-            sum += (double)pixel[noise] / (fabs(luminance) + 0.01);
-        }
-    return sum / ((double)(x1 - crop[0]) * (y1 - crop[1]));
-}
-
 static double per_million(uint64_t n, uint64_t of)
 {
     return of ? 1e6 * (double)n / (double)of : 0;
@@ -74,10 +57,24 @@ static void summarize_as_json(const RenderRun *run, double seconds)
     json_add_whole(&json, "width", run->settings.width);
     json_add_whole(&json, "height", run->settings.height);
     json_add_whole(&json, "samples", run->stats.samples);
+    json_add_number(&json, "meanSamples", run->stats.mean_samples);
+    json_add_number(&json, "noise", run->noise < 0 ? (double)NAN : run->noise);
     json_add_truth(&json, "stopped", run->stats.stopped);
     json_add_whole(&json, "nestingFaults", run->stats.nesting_faults);
     json_add_number(&json, "seconds", seconds);
     talk_event_end(&json);
+}
+
+/* 16 to 4096 samples, 87.1 on average, noise 0.94 % */
+static void summarize_noise(const RenderRun *run, Buf *line)
+{
+    const RenderStats *stats = &run->stats;
+    double pixels = stats->mean_samples > 0 ? (double)stats->paths / stats->mean_samples : 0;
+    buf_format(line, "%u to %u samples, %.3g on average", stats->samples, stats->most_samples, stats->mean_samples);
+    if (stats->noise >= 0) buf_format(line, ", noise %.2g %%", 100 * stats->noise);
+    if (stats->noisy_pixels && pixels > 0)
+        buf_format(line, ", %.2g %% of the pixels above %.3g %% at %u samples", 100 * (double)stats->noisy_pixels / pixels,
+                   100 * run->settings.noise, run->settings.samples);
 }
 
 void render_summarize(const RenderRun *run)
@@ -95,8 +92,12 @@ void render_summarize(const RenderRun *run)
     if (stats->stopped) snprintf(total, sizeof total, " of %u", run->settings.samples);
     buf_add(&line, "wrote ");
     list_outputs(&run->outputs, &line);
-    buf_format(&line, " (%u x %u, %u%s sample%s, %llu nesting fault%s) in %s\n", run->settings.width, run->settings.height,
-               stats->samples, total, plural(stats->samples), (unsigned long long)stats->nesting_faults,
+    buf_format(&line, " (%u x %u, ", run->settings.width, run->settings.height);
+    if (run->settings.noise > 0)
+        summarize_noise(run, &line);
+    else
+        buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->samples));
+    buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
     talk_write(&line);
     buf_clear(&line);
@@ -154,9 +155,13 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_add_whole(&json, "seed", run->settings.seed);
     json_add_text(&json, "nesting", nest_policy_text(input->compiled->order.policy));
     json_add_whole(&json, "samples", stats->samples);
+    json_add_whole(&json, "mostSamples", stats->most_samples);
+    json_add_number(&json, "meanSamples", stats->mean_samples);
     json_add_whole(&json, "samplesWanted", run->settings.samples);
     json_add_truth(&json, "stopped", stats->stopped);
     json_add_number(&json, "noise", run->noise < 0 ? (double)NAN : run->noise);
+    json_add_number(&json, "noiseWanted", run->settings.noise);
+    json_add_whole(&json, "noisyPixels", stats->noisy_pixels);
     json_add_whole(&json, "objects", input->scene->n_objects);
     json_add_whole(&json, "hulls", input->compiled->n_hulls);
     json_add_whole(&json, "media", input->scene->n_media);
@@ -190,6 +195,8 @@ static void print_stats_text(const RenderRun *run, Buf *out)
                100 * (double)stats->silent_crossings / crossings);
     buf_format(out, "nesting faults     %llu, %.3g per million crossings\n", (unsigned long long)stats->nesting_faults,
                per_million(stats->nesting_faults, stats->crossings));
+    buf_format(out, "samples            %u to %u per pixel, %.4g on average\n", stats->samples, stats->most_samples,
+               stats->mean_samples);
     if (run->noise >= 0) buf_format(out, "noise              %.3g %%\n", 100 * run->noise);
     buf_format(out, "geometry           %.1f MiB\n", (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
     buf_format(out, "time               %.2f s to render, %.2f s of processors, %u thread%s\n", stats->seconds,

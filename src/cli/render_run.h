@@ -23,7 +23,7 @@ typedef struct RenderRun {
     RenderSettings settings;
     Image image;
     RenderStats stats;
-    double noise;   /* that was reached: mean relative standard error per pixel */
+    double noise;   /* that was reached, as render/adapt.h has it; < 0: not known */
     double start_s; /* of the frame's work, which begins with the command or the end of the frame before */
     double command_start_s;
 } RenderRun;
@@ -46,7 +46,5 @@ void render_warn(const RenderRun *run);
 void render_summarize(const RenderRun *run);
 void render_summarize_frames(const RenderRun *run);
 ATTR_NODISCARD Status render_print_stats(const RenderRun *run, Error *error);
-/* The mean over the crop of noise.Y relative to luminance; negative without that channel. */
-double render_noise_of(const Image *image, const RenderSettings *settings);
 
 #endif

@@ -120,6 +120,8 @@ Status render_settings_merge(RenderRun *run, Error *error)
         .seed = count_of(options, OPTION_SEED, render->seed),
         .no_absorption = option_given(options, OPTION_NO_ABSORPTION),
     };
+    bool samples_given = option_given(options, OPTION_SPP) || render->samples_given;
+    if (run->settings.noise > 0 && !samples_given) run->settings.samples = RENDER_MOST_SAMPLES;
     TRY(merge_aovs(run, error));
     TRY(merge_size(run, error));
     TRY(merge_crop(run, error));

@@ -278,11 +278,17 @@ static Status compare_flip(const Image *a, const int rgb_a[3], const Image *b, c
 
 /* --- sums --- */
 
+static double luminance_at(const Image *image, const int rgb[3], size_t i)
+{
+    const float *p = image->pixels + i * image->n_channels;
+    return 0.2126 * (double)p[rgb[0]] + 0.7152 * (double)p[rgb[1]] + 0.0722 * (double)p[rgb[2]];
+}
+
 static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3],
                          Comparison *comparison)
 {
-    double squares = 0, relative = 0;
-    uint64_t n[3] = {0};
+    double squares = 0, relative = 0, relative_y = 0;
+    uint64_t n[3] = {0}, n_y = 0;
     for (uint32_t y = 0; y < a->height; y++)
         for (uint32_t x = 0; x < a->width; x++) {
             size_t i = (size_t)y * a->width + x;
@@ -305,7 +311,12 @@ static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, con
                     comparison->max_y = y;
                 }
             }
+            double ya = luminance_at(a, rgb_a, i), yb = luminance_at(b, rgb_b, i);
+            if (!isfinite(ya) || !isfinite(yb)) continue;
+            relative_y += fabs(ya - yb) / sqrt(yb * yb + 0.01);
+            n_y++;
         }
+    comparison->relative_error = n_y ? relative_y / (double)n_y : 0;
     double total = (double)(n[0] + n[1] + n[2]);
     comparison->rmse = total > 0 ? sqrt(squares / total) : 0;
     comparison->relative_mse = total > 0 ? relative / total : 0;

@@ -5,9 +5,11 @@
 
 #include "image/image.h"
 
-/* Over R, G, B of all pixels. relative: squared difference over (reference^2 + 0.01), meaned. */
+/* Over R, G, B of all pixels. relative: squared difference over (reference^2 + 0.01), meaned.
+ * relative_error: of the luminance of all pixels, |difference| over the root of (reference^2 + 0.01), meaned: what a render
+ * states as its noise. */
 typedef struct Comparison {
-    double rmse, relative_mse, max_difference, mean_a[3], mean_b[3];
+    double rmse, relative_mse, relative_error, max_difference, mean_a[3], mean_b[3];
     double flip;              /* mean of the FLIP map (Andersson et al. 2020) of the two under the sRGB view */
     uint32_t max_x, max_y;    /* where the largest difference is */
     uint64_t n_not_finite;    /* channels that are NaN or infinite in either; left out of the sums */

@@ -11,8 +11,7 @@
 Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
 {
     *film = (Film){width, height, calloc((size_t)width * height, sizeof(FilmPixel))};
-    if (!film->pixels)
-        return fail_memory(error, (size_t)width * height * sizeof(FilmPixel), "the film");
+    if (!film->pixels) return fail_memory(error, (size_t)width * height * sizeof(FilmPixel), "the film");
     return STATUS_OK;
 }
 
@@ -44,6 +43,8 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
         pixel->rgb[i] += llrint(value[i] / FILM_UNIT);
     }
     double y_value = luminance(value);
+    if ((pixel->n & (pixel->n - 1)) == 0) pixel->first = pixel->luminance;
+    pixel->luminance += llrint(y_value / FILM_UNIT);
     bool square_held = false; /* only the estimate of the noise suffers */
     pixel->squares += llrint(held(y_value * y_value, LARGEST_SQUARE, &square_held) / SQUARE_UNIT);
     pixel->alpha += alpha > 0.5f;
@@ -57,41 +58,71 @@ void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error
     *standard_error = -1;
     if (!pixel->n) return;
     double n = pixel->n;
-    double sum[3] = {(double)pixel->rgb[0] * FILM_UNIT, (double)pixel->rgb[1] * FILM_UNIT, (double)pixel->rgb[2] * FILM_UNIT};
-    *mean = luminance(sum) / n;
+    *mean = (double)pixel->luminance * FILM_UNIT / n;
     if (pixel->n < 2) return;
     double variance = ((double)pixel->squares * SQUARE_UNIT / n - *mean * *mean) * n / (n - 1);
     *standard_error = sqrt(fmax(variance, 0) / n);
 }
 
-double film_noise(const Film *film, const uint32_t crop[4])
+double film_spread(const FilmPixel *pixel)
 {
-    double sum = 0;
-    uint64_t n = 0;
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++) {
-            double mean, error;
-            film_luminance(&film->pixels[(size_t)y * film->width + x], &mean, &error);
-            if (error < 0) return -1;
-            sum += error / (fabs(mean) + 0.01);
-            n++;
+    if (pixel->n < 2) return -1;
+    uint32_t n_first = 1;
+    while (n_first < pixel->n - n_first) n_first *= 2;
+    double n = pixel->n, n_rest = n - n_first, first = (double)pixel->first,
+           rest = (double)(pixel->luminance - pixel->first);
+    return fabs(first / n_first - rest / n_rest) * FILM_UNIT / sqrt(1 / (double)n_first + 1 / n_rest);
+}
+
+/* Squares of what the pixels' samples say of their error, and of what their halves say, each for one sample. */
+typedef struct Spread {
+    float samples, halves;
+} Spread;
+
+static Spread *spreads_of(const Film *film)
+{
+    size_t n = (size_t)film->width * film->height;
+    Spread *spreads = calloc(n, sizeof *spreads);
+    for (size_t i = 0; spreads && i < n; i++) {
+        double mean, error, halves = film_spread(&film->pixels[i]);
+        film_luminance(&film->pixels[i], &mean, &error);
+        if (error > 0) spreads[i] = (Spread){(float)(error * error * film->pixels[i].n), (float)(halves * halves)};
+    }
+    return spreads;
+}
+
+/* The samples of a pixel are spread evenly, so that their mean is better than their variance says; how much, the halves of
+ * the pixels around know, whose own errors are as even. Returns the factor of the standard error. */
+static double evenness(const Spread *spreads, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    enum { RADIUS = 3 };
+    double samples = 0, halves = 0;
+    for (uint32_t v = y > RADIUS ? y - RADIUS : 0; v <= y + RADIUS && v < height; v++)
+        for (uint32_t u = x > RADIUS ? x - RADIUS : 0; u <= x + RADIUS && u < width; u++) {
+            samples += (double)spreads[(size_t)v * width + u].samples;
+            halves += (double)spreads[(size_t)v * width + u].halves;
         }
-    return n ? sum / (double)n : -1;
+    return samples > 0 ? sqrt(halves / samples) : 1;
 }
 
 Status film_resolve(const Film *film, Image *image, Error *error)
 {
     static const char *const names[] = {"R", "G", "B", "A", "noise.Y"};
-    TRY(image_new(film->width, film->height, names, COUNT_OF(names), image, error));
-    size_t n = (size_t)film->width * film->height;
-    for (size_t i = 0; i < n; i++) {
-        const FilmPixel *pixel = &film->pixels[i];
-        float *out = image->pixels + i * COUNT_OF(names);
-        double scale = pixel->n ? 1.0 / pixel->n : 0, mean, standard_error;
-        for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
-        out[3] = (float)(pixel->alpha * scale);
-        film_luminance(pixel, &mean, &standard_error);
-        out[4] = (float)fmax(standard_error, 0);
-    }
-    return STATUS_OK;
+    Spread *spreads = spreads_of(film);
+    if (!spreads)
+        return fail_memory(error, (size_t)film->width * film->height * sizeof *spreads, "the errors of pixels");
+    Status status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
+    for (uint32_t y = 0; status == STATUS_OK && y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++) {
+            const FilmPixel *pixel = film_pixel(film, x, y);
+            float *out = image->pixels + ((size_t)y * film->width + x) * COUNT_OF(names);
+            double scale = pixel->n ? 1.0 / pixel->n : 0, mean, standard_error;
+            for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
+            out[3] = (float)(pixel->alpha * scale);
+            film_luminance(pixel, &mean, &standard_error);
+            if (standard_error > 0) standard_error *= evenness(spreads, film->width, film->height, x, y);
+            out[4] = (float)fmax(standard_error, 0);
+        }
+    free(spreads);
+    return status;
 }

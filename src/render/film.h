@@ -14,7 +14,9 @@
 typedef struct FilmPixel {
     int64_t rgb[3];
     int64_t squares; /* of the luminance, in units of 2^-20, each held at FILM_LARGEST^2 / 2^4 */
-    uint32_t alpha;  /* samples that met something */
+    int64_t luminance;
+    int64_t first;  /* luminance of the first 2^k samples, the largest power of two below n */
+    uint32_t alpha; /* samples that met something */
     uint32_t n;
 } FilmPixel;
 
@@ -23,15 +25,23 @@ typedef struct Film {
     FilmPixel *pixels;
 } Film;
 
+static inline const FilmPixel *film_pixel(const Film *film, uint32_t x, uint32_t y)
+{
+    return &film->pixels[(size_t)y * film->width + x];
+}
+
 ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Error *error);
 void film_clear(Film *film);
 /* Returns whether the sample was brighter than the film can hold (it is then held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
-/* Mean luminance of a pixel and its standard error as estimated from its own samples; error < 0 with fewer than 2. */
+/* Mean luminance of a pixel and its standard error as if its samples were independent, an upper bound; error < 0 with fewer
+ * than 2. */
 void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error);
-/* Mean over the pixels of standard error / (mean + 0.01); < 0 when not known. */
-double film_noise(const Film *film, const uint32_t crop[4]);
-/* Channels R G B A and noise.Y. */
+/* What the means of a pixel's first samples and of its others, two pictures of one thing, say of the error: |difference|,
+ * scaled so that over the square root of the number of samples it stands for the absolute error of a mean over them. It is
+ * right in the mean over pixels, not for one; < 0 with fewer than 2 samples. */
+double film_spread(const FilmPixel *pixel);
+/* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are. */
 ATTR_NODISCARD Status film_resolve(const Film *film, Image *image, Error *error);
 
 #endif

@@ -1,12 +1,14 @@
 /* render.c - passes over the whole frame, tile by tile.
  * The first passes have one sample per pixel, later ones more, so that a picture is there early and the
- * overhead is small late. A tile belongs to one thread during a pass, and a sample depends on nothing but its number.
+ * overhead is small late. With a noise to be reached, pixels stop by themselves (adapt.h). A tile belongs to one thread during a pass, and a sample depends on nothing but its number.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/render.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "render/adapt.h"
 #include "render/aov_film.h"
 #include "render/film.h"
 #include "trace/path.h"
@@ -27,9 +29,14 @@ typedef struct Job {
     AovFilm aovs;
     uint32_t crop[4];
     uint32_t tiles_x, tiles_y;
-    uint32_t first, n; /* samples of this pass */
-    uint32_t done;     /* samples of the passes before */
-    double start, last_progress, noise;
+    uint32_t n;             /* samples of this pass, for each pixel that it is about */
+    uint32_t done;          /* samples that every pixel has by now, */
+    uint64_t n_pixels, samples, pass_samples; /* of the crop; what they have together, and what the pass adds */
+    const uint32_t *wanted; /* what each pixel of the crop is to have; NULL: n more, all of them */
+    AdaptPlan plan;
+    double planned_at_samples;        /* all pixels' together */
+    double adapted_at, adapted_from;  /* seconds and samples when the first plan was made */
+    double start, last_progress, noise, fraction;
     bool *tile_done;   /* of this pass */
 } Job;
 
@@ -41,23 +48,51 @@ static bool asked_to_stop(const Job *job)
     return limit > 0 && job->done > 0 && clock_now_s() - job->start > limit;
 }
 
+/* How much is done, and how long the rest takes, of a render that ends after so many samples of each pixel. */
+static void judge_uniform(const Job *job, double done, RenderProgress *progress)
+{
+    progress->fraction = done / ((double)job->settings->samples * (double)job->n_pixels);
+    if (!(progress->fraction > 0) || progress->seconds <= 0.5) return;
+    double left = progress->seconds * (1 - progress->fraction) / progress->fraction;
+    double doubt = 0.05 + 0.25 * (1 - progress->fraction); /* early passes say less of the later ones */
+    progress->seconds_left_low = left * (1 - doubt);
+    progress->seconds_left_high = left * (1 + doubt);
+}
+
+/* The same of one that ends with the noise: known once the first plan is there. The pixels that are left take longer than
+ * those that are done, so that only samples since then count; how many are still missing is known within a half or so. */
+static void judge_adaptive(const Job *job, double done, RenderProgress *progress)
+{
+    double all = job->planned_at_samples + (double)job->plan.left, since = done - job->adapted_from;
+    progress->fraction = job->wanted && all > 0 ? fmin(done / all, 1) : 0;
+    double seconds = progress->seconds - job->adapted_at;
+    if (!(since > 0) || seconds <= 0.5) return;
+    double one = seconds / since, most = job->planned_at_samples + (double)job->plan.at_most;
+    progress->seconds_left_low = one * fmax(0.7 * all - done, 0);
+    progress->seconds_left_high = one * fmax(fmin(1.6 * all, most) - done, 0);
+}
+
 static void report_progress(Job *job, double fraction_of_pass)
 {
     if (!job->events || !job->events->progress) return;
-    double now = clock_now_s();
-    bool last = job->done == job->settings->samples;
+    const RenderSettings *settings = job->settings;
+    double now = clock_now_s(), limit = settings->time_limit_s;
+    bool last = job->done == settings->samples;
     if (!last && now - job->last_progress < 0.1) return;
     job->last_progress = now;
-    RenderProgress progress = {.samples_done = job->done, .samples_total = job->settings->samples, .seconds = now - job->start,
-                               .noise = job->noise, .seconds_left_low = -1, .seconds_left_high = -1};
-    double total = job->settings->samples ? job->settings->samples : 1;
-    progress.fraction = (job->done + (last ? 0 : fraction_of_pass * job->n)) / total;
-    if (progress.fraction > 0 && progress.seconds > 0.5) {
-        double left = progress.seconds * (1 - progress.fraction) / progress.fraction;
-        double doubt = 0.05 + 0.25 * (1 - progress.fraction); /* early passes say less of the later ones */
-        progress.seconds_left_low = left * (1 - doubt);
-        progress.seconds_left_high = left * (1 + doubt);
+    double done = (double)job->samples + (last ? 0 : fraction_of_pass * (double)job->pass_samples);
+    RenderProgress progress = {.samples_done = (uint32_t)(done / (double)job->n_pixels), .samples_total = settings->samples,
+                               .seconds = now - job->start, .noise = job->noise, .noise_wanted = settings->noise,
+                               .seconds_left_low = -1, .seconds_left_high = -1};
+    (settings->noise > 0 && !last ? judge_adaptive : judge_uniform)(job, done, &progress);
+    if (limit > 0) {
+        double left = fmax(limit - progress.seconds, 0);
+        progress.fraction = fmin(fmax(progress.fraction, progress.seconds / limit), 1);
+        if (progress.seconds_left_low > left) progress.seconds_left_low = left;
+        if (progress.seconds_left_high > left || progress.seconds_left_high < 0) progress.seconds_left_high = left;
+        if (progress.seconds_left_low < 0) progress.seconds_left_low = 0;
     }
+    progress.fraction = job->fraction = fmax(job->fraction, progress.fraction);
     /* The other threads' counters are in motion: they do about what the calling thread does. */
     progress.paths = job->tracers[0].counters.paths * job->n_threads;
     progress.rays = job->tracers[0].counters.rays * job->n_threads;
@@ -76,6 +111,15 @@ static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     job->saturated[worker] += film_add(&job->film, x, y, rgb, alpha);
 }
 
+/* The samples that a pixel gets in this pass. */
+static uint32_t pass_of_pixel(const Job *job, uint32_t x, uint32_t y)
+{
+    if (!job->wanted) return job->n;
+    uint32_t wanted = job->wanted[(size_t)(y - job->crop[1]) * (job->crop[2] - job->crop[0]) + (x - job->crop[0])];
+    uint32_t left = wanted - film_pixel(&job->film, x, y)->n;
+    return left < job->n ? left : job->n;
+}
+
 static void render_tile(void *context, uint32_t index, unsigned worker)
 {
     Job *job = context;
@@ -84,8 +128,10 @@ static void render_tile(void *context, uint32_t index, unsigned worker)
     uint32_t x1 = x0 + TILE < job->crop[2] ? x0 + TILE : job->crop[2];
     uint32_t y1 = y0 + TILE < job->crop[3] ? y0 + TILE : job->crop[3];
     for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t x = x0; x < x1; x++)
-            for (uint32_t s = 0; s < job->n; s++) render_sample(job, worker, x, y, job->first + s);
+        for (uint32_t x = x0; x < x1; x++) {
+            uint32_t n = pass_of_pixel(job, x, y), first = job->settings->first_sample + film_pixel(&job->film, x, y)->n;
+            for (uint32_t i = 0; i < n; i++) render_sample(job, worker, x, y, first + i);
+        }
     job->tile_done[index] = true;
     if (worker == 0) report_progress(job, (double)index / (job->tiles_x * job->tiles_y));
 }
@@ -96,30 +142,93 @@ static uint32_t pass_size(uint32_t done)
     return n < LARGEST_PASS ? n : LARGEST_PASS;
 }
 
+/* One pass over all tiles, unless it is stopped. */
+static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *error)
+{
+    uint32_t n_tiles = job->tiles_x * job->tiles_y;
+    job->n = n;
+    job->pass_samples = job->wanted ? 0 : job->n_pixels * n;
+    for (uint32_t y = job->crop[1]; job->wanted && y < job->crop[3]; y++)
+        for (uint32_t x = job->crop[0]; x < job->crop[2]; x++) job->pass_samples += pass_of_pixel(job, x, y);
+    for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
+    pool_run(pool, n_tiles, render_tile, job);
+    for (unsigned i = 0; i < job->n_threads; i++)
+        if (job->tracers[i].out_of_memory) return fail(error, STATUS_NOMEM, "out of memory while rendering");
+    for (uint32_t i = 0; i < n_tiles; i++)
+        if (!job->tile_done[i]) *stopped = true;
+    if (!*stopped) job->samples += job->pass_samples;
+    return STATUS_OK;
+}
+
+/* Passes that are the same for all pixels. */
+static Status run_uniform(Job *job, Pool *pool, uint32_t samples, bool *stopped, Error *error)
+{
+    while (job->done < samples && !*stopped) {
+        uint32_t n = pass_size(job->done);
+        if (n > samples - job->done) n = samples - job->done;
+        TRY(run_pass(job, pool, n, stopped, error));
+        if (*stopped) break;
+        job->done += n;
+        if (job->done >= NOISE_FLOOR) job->noise = adapt_noise(&job->film, job->crop);
+        report_progress(job, 0);
+        if (job->done < job->settings->samples && asked_to_stop(job)) *stopped = true;
+    }
+    return STATUS_OK;
+}
+
+/* Samples where the noise is too large, until it is nowhere so. A pass is no longer than elsewhere, so that a wish to stop is
+ * heard; plans are made when all pixels have what they wanted. */
+static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Error *error)
+{
+    job->adapted_at = clock_now_s() - job->start;
+    job->adapted_from = (double)job->samples;
+    job->wanted = adapt->wanted;
+    while (!*stopped) {
+        job->plan = adapt_plan(adapt, &job->film, job->settings->noise, job->settings->samples);
+        job->planned_at_samples = (double)job->samples;
+        job->noise = adapt_noise(&job->film, job->crop);
+        uint32_t left = job->plan.next;
+        if (!left) break;
+        while (left && !*stopped) {
+            uint32_t n = left < LARGEST_PASS ? left : LARGEST_PASS;
+            TRY(run_pass(job, pool, n, stopped, error));
+            report_progress(job, 0);
+            if (asked_to_stop(job)) *stopped = true;
+            left -= n;
+        }
+    }
+    return STATUS_OK;
+}
+
 /* Runs passes until all samples are there, the noise is low enough, or a stop is asked for. */
 static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
 {
     const RenderSettings *settings = job->settings;
-    uint32_t n_tiles = job->tiles_x * job->tiles_y;
+    bool adapts = settings->noise > 0 && settings->samples > NOISE_FLOOR;
     *stopped = false;
-    while (job->done < settings->samples && !*stopped) {
-        job->n = pass_size(job->done);
-        if (job->n > settings->samples - job->done) job->n = settings->samples - job->done;
-        job->first = settings->first_sample + job->done;
-        for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
-        pool_run(pool, n_tiles, render_tile, job);
-        for (unsigned i = 0; i < job->n_threads; i++)
-            if (job->tracers[i].out_of_memory) return fail(error, STATUS_NOMEM, "out of memory while rendering");
-        for (uint32_t i = 0; i < n_tiles; i++)
-            if (!job->tile_done[i]) *stopped = true;
-        if (*stopped) break;
-        job->done += job->n;
-        if (settings->noise > 0 || job->done >= NOISE_FLOOR) job->noise = film_noise(&job->film, job->crop);
-        report_progress(job, 0);
-        if (settings->noise > 0 && job->done >= NOISE_FLOOR && job->noise <= settings->noise) break;
-        if (job->done < settings->samples && asked_to_stop(job)) *stopped = true;
-    }
-    return STATUS_OK;
+    TRY(run_uniform(job, pool, adapts ? NOISE_FLOOR : settings->samples, stopped, error));
+    if (!adapts || *stopped) return STATUS_OK;
+    Adapt adapt;
+    TRY(adapt_init(&adapt, job->crop, error));
+    Status status = run_adaptive(job, pool, &adapt, stopped, error);
+    job->wanted = NULL;
+    adapt_clear(&adapt);
+    return status;
+}
+
+/* How many samples the pixels have. */
+static void count_samples(const Job *job, RenderStats *stats)
+{
+    double sum = 0;
+    stats->samples = UINT32_MAX;
+    for (uint32_t y = job->crop[1]; y < job->crop[3]; y++)
+        for (uint32_t x = job->crop[0]; x < job->crop[2]; x++) {
+            uint32_t n = film_pixel(&job->film, x, y)->n;
+            if (n < stats->samples) stats->samples = n;
+            if (n > stats->most_samples) stats->most_samples = n;
+            sum += n;
+        }
+    stats->mean_samples = sum / (double)job->n_pixels;
 }
 
 static void sum_counters(const Job *job, RenderStats *stats)
@@ -149,6 +258,7 @@ static Status job_init(Job *job, Error *error)
                     job->crop[1], job->crop[2], job->crop[3], settings->width, settings->height);
     job->tiles_x = (job->crop[2] - job->crop[0] + TILE - 1) / TILE;
     job->tiles_y = (job->crop[3] - job->crop[1] + TILE - 1) / TILE;
+    job->n_pixels = (uint64_t)(job->crop[2] - job->crop[0]) * (job->crop[3] - job->crop[1]);
     job->noise = -1;
     job->tracers = calloc(job->n_threads, sizeof *job->tracers);
     job->saturated = calloc(job->n_threads, sizeof *job->saturated);
@@ -191,7 +301,9 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     if (status == STATUS_OK) status = run_passes(&job, pool, &stats->stopped, error);
     if (status == STATUS_OK) {
         sum_counters(&job, stats);
-        stats->samples = job.done;
+        count_samples(&job, stats);
+        stats->noisy_pixels = job.plan.unmet;
+        stats->noise = adapt_noise(&job.film, job.crop);
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
         status = aov_film_resolve(&job.aovs, &job.film, image, error);

@@ -10,12 +10,15 @@
 #include "image/image.h"
 #include "scene/compile.h"
 
+/* Of a pixel when there is a noise to be reached and nobody says how many. */
+enum { RENDER_MOST_SAMPLES = 4096 };
+
 typedef struct RenderSettings {
     uint32_t width, height;
     uint32_t crop[4];           /* x0, y0, x1, y1; all 0: the whole frame */
-    uint32_t samples;           /* per pixel */
+    uint32_t samples;           /* per pixel; with a noise: at most */
     uint32_t first_sample;      /* for slices; 0 */
-    double noise;               /* stop at this mean relative error; 0: never */
+    double noise;               /* each pixel stops at this error, as adapt.h has it; 0: none does */
     double time_limit_s;        /* 0: none */
     uint32_t bounces, seed, camera;
     AovSet aovs;                /* further channels */
@@ -29,7 +32,8 @@ typedef struct RenderProgress {
     double fraction;                      /* 0..1 of the work */
     double seconds;                       /* since the start */
     double seconds_left_low, seconds_left_high; /* negative: not known yet */
-    double noise;                         /* mean relative standard error per pixel so far; < 0: not known */
+    double noise;                         /* of the picture so far, as adapt.h has it; < 0: not known */
+    double noise_wanted;                  /* of each pixel; 0: none */
     uint64_t paths, rays;
 } RenderProgress;
 
@@ -42,7 +46,11 @@ typedef struct RenderStats {
     uint64_t bad_samples;       /* not finite; left out */
     uint64_t saturated_samples; /* brighter than the film can hold; held at its limit */
     double seconds, cpu_seconds;
-    uint32_t samples;           /* per pixel, done everywhere */
+    uint32_t samples;           /* per pixel, done everywhere: the least that a pixel has */
+    uint32_t most_samples;      /* and the most */
+    double mean_samples;
+    double noise;               /* of the picture, as adapt.h has it; < 0: not known */
+    uint64_t noisy_pixels;      /* that are above the noise that was wanted, with the most samples that they may have */
     bool stopped;               /* by the stop flag or the time limit, before all samples */
 } RenderStats;
 

@@ -190,8 +190,9 @@ typedef struct SceneFilm {
 } SceneFilm;
 
 typedef struct SceneRender {
-    uint32_t samples;   /* per pixel */
-    double noise;       /* relative error per pixel at which to stop; 0: never */
+    uint32_t samples;   /* per pixel, at most when there is a noise */
+    bool samples_given; /* by the scene */
+    double noise;       /* error at which a pixel stops, as render/adapt.h has it; 0: none does */
     uint32_t bounces;   /* real boundaries and scatterings, not silent crossings */
     NestPolicy nesting;
     uint32_t seed;

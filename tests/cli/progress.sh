@@ -77,3 +77,39 @@ small_scene
 on_terminal xterm render small.mns -o -
 says out "standard output is a terminal"
 end
+
+begin "a noise: pixels stop by themselves, and the closing line says what was reached"
+cat > noisy.mns <<'SCENE'
+meniscus 1.0 unit mm
+ground { surface = surface { albedo = .8 } }
+sphere { center = <0, 1, 0>  radius = 1  surface = surface { albedo = .2 } }
+light { shape = sphere  from = <3, 5, 2>  radius = .3  color = 40 }
+camera { from = <0, 3, 9>  to = <0, 1, 0>  fov = 30 }
+film { size = <32, 32> }
+SCENE
+run render noisy.mns -o a.exr -n 1% --aov samples --stats=stats.json
+exits 0
+matches err '^wrote a\.exr \(32 x 32, [0-9]+ to [0-9]+ samples, [0-9.]+ on average, noise [0-9.]+ %, 0 nesting faults\) in '
+"$python" - <<'PYTHON' || flunk "the statistics"
+import json
+s = json.load(open("stats.json"))
+assert s["noiseWanted"] == 0.01 and 0 < s["noise"] < 0.01 and s["noisyPixels"] == 0, s
+assert s["samplesWanted"] == 4096 and 16 <= s["samples"] < s["meanSamples"] < s["mostSamples"] < 4096, s
+PYTHON
+run render noisy.mns -o reference.exr -s 4096 --seed 5 -q
+run compare a.exr reference.exr
+"$python" - <<'PYTHON' || flunk "the error that compare measures is not the one that was stated"
+import json
+stated = json.load(open("stats.json"))["noise"]
+measured = float([l for l in open("out") if l.startswith("relative error")][0].split()[2])
+assert measured / 1.25 < stated < measured * 1.25, (stated, measured)
+PYTHON
+run render noisy.mns -o b.exr -n 0.1% -s 64
+exits 0
+matches err 'noise [0-9.]+ %, [0-9.]+ % of the pixels above 0\.1 % at 64 samples, 0 nesting'
+run render noisy.mns -o c.exr -n 2% -j 1 -q
+run render noisy.mns -o d.exr -n 2% -j 3 -q
+cmp -s c.exr d.exr || flunk "not the same bits for 1 and 3 threads"
+run render noisy.mns -o e.exr -n 2% --progress json -q
+while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
+end

@@ -114,7 +114,9 @@ void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned
     Pool *pool = NULL;
     Error error;
     if (pool_new(threads, &pool, &error) != STATUS_OK) fail_msg("%s", error.text);
-    Status status = render_image(scene->compiled, settings, pool, NULL, &picture->image, &picture->stats, &error);
+    RenderSettings own = *settings;
+    own.aovs |= (AovSet)1 << AOV_VARIANCE;
+    Status status = render_image(scene->compiled, &own, pool, NULL, &picture->image, &picture->stats, &error);
     pool_free(pool);
     if (status != STATUS_OK) fail_msg("%s", error.text);
     assert_int_equal(picture->stats.samples, settings->samples);
@@ -155,9 +157,9 @@ double truth_luminance(const Picture *picture, uint32_t x, uint32_t y)
 
 double truth_film_error(const Picture *picture, uint32_t x, uint32_t y)
 {
-    int channel = image_channel(&picture->image, "noise.Y");
+    int channel = image_channel(&picture->image, "variance.Y");
     assert_true(channel >= 0);
-    return truth_channel(picture, x, y, channel);
+    return sqrt(truth_channel(picture, x, y, channel) / picture->stats.samples);
 }
 
 double truth_largest_difference(const Picture *a, const Picture *b)

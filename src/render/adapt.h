@@ -1,0 +1,39 @@
+/* adapt.h - where more samples are needed, and how noisy a picture is.
+ *
+ * The noise of a picture is the mean over its pixels of |error of luminance| / sqrt(luminance^2 + 0.1^2): relative in what is
+ * bright, absolute in what is darker than a tenth of white, where nobody sees more.
+ *
+ * A pixel does not judge itself. One that has not seen its firefly yet believes that it is done, and stopping when the
+ * samples happen to agree would make pictures darker than they are. Whether it goes on is up to its neighbours' samples
+ * alone: how many it takes is independent of what they say, so that its mean stays without bias, and so does the error that
+ * is estimated from them.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_ADAPT_H
+#define MEN_ADAPT_H
+
+#include "render/film.h"
+
+/* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples. */
+double adapt_noise(const Film *film, const uint32_t crop[4]);
+
+typedef struct Adapt {
+    uint32_t crop[4];
+    uint32_t *wanted; /* for each pixel of the crop, by rows: how many samples it is to have next */
+    float *spread, *luminance, *near_spread, *wide_spread, *near_luminance; /* maps of the same size */
+} Adapt;
+
+/* What is left to do for a noise. */
+typedef struct AdaptPlan {
+    uint32_t next;    /* the most samples that any pixel wants more, now; 0: all are done */
+    uint64_t left;    /* samples of all pixels, as it looks now, until all are done */
+    uint64_t at_most; /* the same if no pixel ever were */
+    uint64_t unmet;   /* pixels that have the most samples, and are not done */
+} AdaptPlan;
+
+ATTR_NODISCARD Status adapt_init(Adapt *adapt, const uint32_t crop[4], Error *error);
+void adapt_clear(Adapt *adapt);
+/* Judges all pixels, which have 2 samples or more, and sets what each wants next: at most twice what it has, at most
+ * `most`, and in steps such that the samples of a pixel fill its strata, 2^k or 3 * 2^k of them. A function of the film alone. */
+AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most);
+
+#endif
