@@ -162,7 +162,7 @@ $(BUILD)/truth/%: tests/truth/%.c tests/truth/truth.c $(BUILD)/libmeniscus.a
 FUZZERS := $(patsubst tests/fuzz/%.c,%,$(filter-out tests/fuzz/replay.c,$(sort $(wildcard tests/fuzz/*.c))))
 FUZZ_MAIN := $(if $(filter fuzz,$(VARIANT)),-fsanitize=fuzzer,tests/fuzz/replay.c)
 OPTION_OBJECTS := $(filter $(BUILD)/cli/option%.o,$(CLI_OBJECTS))
-$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/replay.c tests/fuzz/fuzz.h tests/fuzz/fuzz_mesh.h $(OPTION_OBJECTS) $(BUILD)/libmeniscus.a
+$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/replay.c $(wildcard tests/fuzz/*.h) $(OPTION_OBJECTS) $(BUILD)/libmeniscus.a
 	@mkdir -p $(@D)
 	$(SAY) $(TEST_COMPILE) -Itests/fuzz $< $(FUZZ_MAIN) $(OPTION_OBJECTS) $(BUILD)/libmeniscus.a $(LIBS)
 

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "scene/build_parts.h"
 #include "scene/geometry.h"
@@ -111,6 +112,30 @@ void build_note_file(Builder *b, const char *path)
     b->file_table = room_for_one(b->arena, b->file_table, scene->n_files, &b->files_capacity, sizeof *b->file_table);
     b->file_table[scene->n_files++] = kept;
     scene->files = b->file_table;
+}
+
+bool build_text_file(Builder *b, Span span, const char *name, size_t most_bytes, DiagCode not_text, BuildText *file)
+{
+    const char *path = eval_find_file(&b->eval_options, b->diag, span, name);
+    if (!path) return false;
+    char *bytes;
+    Error error;
+    Status status = file_read(path, most_bytes, &bytes, &file->length, &error);
+    if (status == STATUS_NOMEM) return build_succeeded(b, status, &error, span);
+    if (status != STATUS_OK) {
+        diag_report(b->diag, D_FILE_UNREADABLE, span, "%s", error.text);
+        return false;
+    }
+    SourceSet *sources = b->diag->sources;
+    file->text = arena_copy_text(sources->arena, bytes, file->length);
+    free(bytes);
+    build_note_file(b, path);
+    if (memchr(file->text, 0, file->length)) {
+        diag_report(b->diag, not_text, span, "'%s' is no text", name);
+        return false;
+    }
+    file->source = source_add(sources, path, path, file->text, file->length);
+    return true;
 }
 
 bool build_check_reach(Builder *b, Span span, const char *what, Box3 bounds)

@@ -96,6 +96,14 @@ void build_visit(Builder *b, const EvalNode *node, const Affine *parent);
 const char *build_name(Builder *b, const EvalNode *node, const char *word);
 /* Notes a file that was read. */
 void build_note_file(Builder *b, const char *path);
+/* A file of text, which messages can quote even when there is no scene in the end. */
+typedef struct BuildText {
+    const char *text; /* terminated */
+    size_t length;
+    uint32_t source;
+} BuildText;
+/* Finds it, reads it whole and notes it; false after a report: of not_text, say, where it holds a byte 0. */
+bool build_text_file(Builder *b, Span span, const char *name, size_t most_bytes, DiagCode not_text, BuildText *file);
 /* Reports unless every coordinate of the box is finite and within reach. */
 bool build_check_reach(Builder *b, Span span, const char *what, Box3 bounds);
 /* Reports a map that flattens or is not finite. */

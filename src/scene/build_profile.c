@@ -3,10 +3,10 @@
  * ends of line between them: with TILT=INCLUDE how the lamp's output depends on how it is tilted, 13 about the lamp, the
  * vertical angles, the horizontal ones, and the candela values.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/num.h"
 #include "scene/build_parts.h"
 
@@ -257,27 +257,9 @@ static bool read_profile(Reader *r, SceneLight *light)
 /* Finds a file of text, reads it whole, and lets messages quote it. */
 static bool open_text(Builder *b, Span span, const char *name, Reader *reader)
 {
-    const char *path = eval_find_file(&b->eval_options, b->diag, span, name);
-    if (!path) return false;
-    char *bytes;
-    size_t length;
-    Error error;
-    Status status = file_read(path, LARGEST_FILE, &bytes, &length, &error);
-    if (status == STATUS_NOMEM) return build_succeeded(b, status, &error, span);
-    if (status != STATUS_OK) {
-        diag_report(b->diag, D_FILE_UNREADABLE, span, "%s", error.text);
-        return false;
-    }
-    const char *text = arena_copy_text(b->arena, bytes, length);
-    bool is_text = !memchr(bytes, 0, length);
-    free(bytes);
-    build_note_file(b, path);
-    if (!is_text) {
-        diag_report(b->diag, D_BAD_PROFILE, span, "'%s' is no text", name);
-        return false;
-    }
-    *reader = (Reader){
-        .b = b, .text = text, .length = length, .source = source_add(b->diag->sources, path, path, text, length)};
+    BuildText file;
+    if (!build_text_file(b, span, name, LARGEST_FILE, D_BAD_PROFILE, &file)) return false;
+    *reader = (Reader){.b = b, .text = file.text, .length = file.length, .source = file.source};
     return true;
 }
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/num.h"
 #include "scene/build_parts.h"
 
@@ -83,24 +82,9 @@ static bool read_rows(Rows *rows, uint32_t source, const char *text, size_t leng
 
 static bool read_file(Rows *rows, const EvalTerm *term)
 {
-    Builder *b = rows->b;
-    const char *path = eval_find_file(&b->eval_options, b->diag, term->span, term->text);
-    if (!path) return false;
-    char *bytes;
-    size_t length;
-    Error error;
-    if (file_read(path, LARGEST_FILE, &bytes, &length, &error) != STATUS_OK) {
-        diag_report(b->diag, D_FILE_UNREADABLE, term->span, "%s", error.text);
-        return false;
-    }
-    const char *text = arena_copy_text(b->arena, bytes, length);
-    free(bytes);
-    build_note_file(b, path);
-    if (memchr(text, 0, length)) {
-        diag_report(b->diag, D_BAD_SPECTRUM, term->span, "'%s' is no text", term->text);
-        return false;
-    }
-    return read_rows(rows, source_add(b->diag->sources, path, path, text, length), text, length);
+    BuildText file;
+    return build_text_file(rows->b, term->span, term->text, LARGEST_FILE, D_BAD_SPECTRUM, &file) &&
+           read_rows(rows, file.source, file.text, file.length);
 }
 
 /* ---- checks ---- */

@@ -113,6 +113,11 @@ def main():
     for half in (True, False):
         for compression in (0, 1, 3):
             put(os.path.join(top, "exr"), f"{half}-{compression}.exr", exr(half, compression))
+    for path in glob.glob(os.path.join(ROOT, "tests", "unit", "*.ies")):
+        with open(path, "rb") as file:
+            put(os.path.join(top, "profile"), os.path.basename(path), file.read())
+    put(os.path.join(top, "spectrum"), "columns.txt", "# nm value\n380 0.1\n500, 0.25\n780\t1e-3\n")
+    put(os.path.join(top, "spectrum"), "heading.csv", "wavelength,absorption\n400,1\n700,2\n")
     words = ["scene.mns\n-o\nx.exr\n-s\n64", "--size\n640x480\n--crop\n0,0,1,1\na.mns", "-D\na=1\n--set\ncamera.fov=3\n-j4\nx", "--help", "-"]
     for i, text in enumerate(words):
         for command in range(4):
