@@ -233,7 +233,7 @@ static void remark_enclosed(Remarks *r)
     for (uint32_t h = 0; h < n; h++) places[h] = (Place){r->compiled->hull_bounds[h].min.x, h};
     qsort(places, n, sizeof *places, compare_places);
     for (uint32_t i = 0; i < r->scene->n_objects; i++)
-        if (r->compiled->hull_of_object[i] == SCENE_NONE && encloses(r->scene, &r->scene->objects[i]))
+        if (r->compiled->hull_of_object[i] == SCENE_NONE && !scene_is_thin(r->scene, i) && encloses(r->scene, &r->scene->objects[i]))
             remark_enclosed_in(r, i, places, &tally);
     tally_end(r, &tally);
     free(places);

@@ -165,21 +165,23 @@ static void add_sheet(Worker *worker, double t)
         worker->out_of_memory = true;
 }
 
-/* The opaque thing that a surface bounds, and whether it is entered there; SCENE_NONE where there is none. */
+/* The opaque thing that a surface bounds, and whether it is entered there; SCENE_NONE where there is none. What is thin
+ * bounds nothing. */
 static uint32_t opaque_crossed(const Drawing *d, Worker *worker, const Hit *hit, bool *entering)
 {
     const CompiledScene *compiled = d->compiled;
     const NestCsg *csg = &compiled->csg;
     uint32_t pass = compiled->hull_of_object[hit->object];
     *entering = hit->entering;
-    if (pass == SCENE_NONE) return hit->object;
+    if (pass == SCENE_NONE) return scene_is_thin(compiled->scene, hit->object) ? SCENE_NONE : hit->object;
     if (pass < compiled->n_hulls || compiled_hull(compiled, hit->object) != SCENE_NONE) return SCENE_NONE;
     uint32_t tree = nest_csg_tree(csg, pass);
     bool before = nest_csg_holds(csg, tree, &worker->operands);
     if (nest_list_reserve(&worker->operands, 1) != STATUS_OK) worker->out_of_memory = true;
     if (worker->out_of_memory || !nest_csg_pass(csg, &worker->operands, pass, hit->entering)) return SCENE_NONE;
     *entering = nest_csg_holds(csg, tree, &worker->operands);
-    return *entering == before ? SCENE_NONE : compiled->scene->trees[tree].object;
+    uint32_t whole = compiled->scene->trees[tree].object;
+    return *entering == before || scene_is_thin(compiled->scene, whole) ? SCENE_NONE : whole;
 }
 
 /* Opaque objects: from where one is entered to where it is left. A mesh that is open encloses nothing: it is a boundary

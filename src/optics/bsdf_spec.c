@@ -14,6 +14,7 @@ void bsdf_spec_init(BsdfSpec *spec)
         .coat_ior = spectrum_constant(1.6f),
         .fuzz_color = spectrum_constant(1),
         .fuzz_roughness = 0.5f,
+        .film_thickness_nm = -1,
     };
 }
 
@@ -104,8 +105,8 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
         return;
     }
     Lanes ior = at(m, &spec->specular_ior), phase = lanes_all(0);
-    if (spec->film_thickness_nm > 0)
-        phase = lanes_div(lanes_scale(ior, 4 * SAMPLING_PI * spec->film_thickness_nm), m->nm);
+    if (spec->film_thickness_nm >= 0)
+        phase = lanes_div(lanes_scale(ior, 4 * SAMPLING_PI * float_max(spec->film_thickness_nm, 1e-3f)), m->nm);
     bsdf_add_sheet(m->bsdf, share, lanes_div(ior, m->eta_i), m->alpha_x, m->alpha_y, at(m, &spec->transmission_color),
                    phase);
 }

@@ -34,7 +34,8 @@ typedef struct BsdfSpec {
     float fuzz_roughness;                /* [0.5] */
     bool thin_walled;        /* what is clear is a sheet, with the medium of the point on both sides [false] */
     float translucency;      /* thin walls: the part of the diffuse light that comes out on the far side [0] */
-    float film_thickness_nm; /* thin walls: for interference; 0: too thick for that [0] */
+    float mix_weight;        /* of a surface that is a mix of two: the part of the second; not for bsdf_from_spec */
+    float film_thickness_nm; /* thin walls: for interference; below 0: too thick for that [-1] */
 } BsdfSpec;
 
 void bsdf_spec_init(BsdfSpec *spec);

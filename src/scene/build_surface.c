@@ -1,4 +1,4 @@
-/* build_surface.c - surfaces: what covers opaque objects, and how rough clear ones are.
+/* build_surface.c - surfaces: what covers opaque objects, and the boundaries of clear ones.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
 #include <string.h>
@@ -9,9 +9,10 @@
 
 /* Properties that are parameters of a BsdfSpec, each on its own: what the property is read as, and where it goes. */
 typedef enum ParameterKind {
-    PARAMETER_NUMBER, /* a float */
-    PARAMETER_COLOR,  /* a Spectrum of reflectances */
-    PARAMETER_INDEX   /* a Spectrum, the same at all wavelengths */
+    PARAMETER_NUMBER,    /* a float */
+    PARAMETER_COLOR,     /* a Spectrum of reflectances */
+    PARAMETER_INDEX,     /* a Spectrum, the same at all wavelengths */
+    PARAMETER_NANOMETRES /* a float, of a length */
 } ParameterKind;
 
 typedef struct Parameter {
@@ -23,13 +24,29 @@ typedef struct Parameter {
 static const Parameter parameters[] = {
     {"albedo", PARAMETER_COLOR, offsetof(BsdfSpec, base_color)},
     {"diffuse_roughness", PARAMETER_NUMBER, offsetof(BsdfSpec, base_diffuse_roughness)},
+    {"metalness", PARAMETER_NUMBER, offsetof(BsdfSpec, base_metalness)},
+    {"specular", PARAMETER_NUMBER, offsetof(BsdfSpec, specular_weight)},
     {"roughness", PARAMETER_NUMBER, offsetof(BsdfSpec, specular_roughness)},
+    {"anisotropy", PARAMETER_NUMBER, offsetof(BsdfSpec, specular_roughness_anisotropy)},
     {"ior", PARAMETER_INDEX, offsetof(BsdfSpec, specular_ior)},
+    {"transmission", PARAMETER_NUMBER, offsetof(BsdfSpec, transmission_weight)},
+    {"tint", PARAMETER_COLOR, offsetof(BsdfSpec, transmission_color)},
+    {"translucency", PARAMETER_NUMBER, offsetof(BsdfSpec, translucency)},
     {"coat", PARAMETER_NUMBER, offsetof(BsdfSpec, coat_weight)},
     {"coat_ior", PARAMETER_INDEX, offsetof(BsdfSpec, coat_ior)},
     {"coat_roughness", PARAMETER_NUMBER, offsetof(BsdfSpec, coat_roughness)},
     {"coat_tint", PARAMETER_COLOR, offsetof(BsdfSpec, coat_color)},
+    {"film", PARAMETER_NANOMETRES, offsetof(BsdfSpec, film_thickness_nm)},
+    {"weight", PARAMETER_NUMBER, offsetof(BsdfSpec, mix_weight)},
+    {"fuzz", PARAMETER_NUMBER, offsetof(BsdfSpec, fuzz_weight)},
+    {"fuzz_color", PARAMETER_COLOR, offsetof(BsdfSpec, fuzz_color)},
+    {"fuzz_roughness", PARAMETER_NUMBER, offsetof(BsdfSpec, fuzz_roughness)},
 };
+
+static double factor_of(const Builder *b, const Parameter *parameter)
+{
+    return parameter->kind == PARAMETER_NANOMETRES ? b->scene->unit_m * 1e9 : 1;
+}
 
 /* The spec gets the largest number that the texture can come to, so that it says what there is at all. */
 static void read_texture(Builder *b, const EvalProp *prop, const Parameter *parameter, SceneSurface *surface,
@@ -38,17 +55,19 @@ static void read_texture(Builder *b, const EvalProp *prop, const Parameter *para
     bool color = parameter->kind == PARAMETER_COLOR;
     double least, most;
     if (!build_textures_wanted(b)) return;
-    *texture = (SurfaceTexture){.texture = build_texture(b, prop, color ? TEXTURE_OF_COLORS : TEXTURE_OF_NUMBERS, &least, &most),
-                                .color = color,
-                                .offset = parameter->offset,
-                                .least = (float)prop->type->min,
-                                .most = (float)prop->type->max};
-    if (!color) *(float *)((char *)&surface->spec + parameter->offset) = (float)most;
+    *texture = (SurfaceTexture){
+        .texture = build_texture(b, prop, color ? TEXTURE_OF_COLORS : TEXTURE_OF_NUMBERS, &least, &most),
+        .color = color,
+        .offset = parameter->offset,
+        .least = (float)prop->type->min,
+        .most = (float)prop->type->max,
+        .factor = (float)factor_of(b, parameter)};
+    if (!color) *(float *)((char *)&surface->spec + parameter->offset) = (float)(most * factor_of(b, parameter));
     surface->n_textures++;
 }
 
 /* What is neither set nor has a default stays as bsdf_spec_init left it. */
-static void read_parameter(const EvalNode *node, const Parameter *parameter, BsdfSpec *spec)
+static void read_parameter(const Builder *b, const EvalNode *node, const Parameter *parameter, BsdfSpec *spec)
 {
     void *target = (char *)spec + parameter->offset;
     if (!eval_has_value(node, parameter->property)) return;
@@ -56,7 +75,7 @@ static void read_parameter(const EvalNode *node, const Parameter *parameter, Bsd
         Vec3 color = eval_vector(node, parameter->property);
         *(Spectrum *)target = spectrum_from_reflectance((const double[3]){color.x, color.y, color.z});
     } else {
-        float number = (float)eval_number(node, parameter->property);
+        float number = (float)(eval_number(node, parameter->property) * factor_of(b, parameter));
         if (parameter->kind == PARAMETER_INDEX)
             *(Spectrum *)target = spectrum_constant(number);
         else
@@ -73,7 +92,7 @@ static void read_parameters(Builder *b, const EvalNode *node, SceneSurface *surf
         if (prop && prop->textured)
             read_texture(b, prop, &parameters[i], surface, &textures[surface->n_textures]);
         else
-            read_parameter(node, &parameters[i], &surface->spec);
+            read_parameter(b, node, &parameters[i], &surface->spec);
     }
 }
 
@@ -90,7 +109,8 @@ static void read_checker(Builder *b, const EvalNode *node, SceneSurface *surface
         return;
     }
     if (!(size >= (double)FLT_MIN && size <= SCENE_REACH)) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "check_size"), "squares of %g cannot be drawn", size);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "check_size"), "squares of %g cannot be drawn",
+                    size);
         return;
     }
     Vec3 rgb = eval_vector(node, "albedo"), second = vec3_scale(rgb, 0.25);
@@ -98,12 +118,12 @@ static void read_checker(Builder *b, const EvalNode *node, SceneSurface *surface
     SurfaceTexture *texture = (SurfaceTexture *)ARENA_ARRAY(b->arena, SurfaceTexture, surface->n_textures + 1);
     if (surface->n_textures) memcpy(texture, surface->textures, surface->n_textures * sizeof *texture);
     surface->textures = texture;
-    texture[surface->n_textures++] = (SurfaceTexture){
-        .texture = build_world_checker(b, (const double[3]){rgb.x, rgb.y, rgb.z},
-                                       (const double[3]){second.x, second.y, second.z}, size),
-        .color = true,
-        .offset = offsetof(BsdfSpec, base_color),
-        .most = 1};
+    texture[surface->n_textures++] =
+        (SurfaceTexture){.texture = build_world_checker(b, (const double[3]){rgb.x, rgb.y, rgb.z},
+                                                        (const double[3]){second.x, second.y, second.z}, size),
+                         .color = true,
+                         .offset = offsetof(BsdfSpec, base_color),
+                         .most = 1};
 }
 
 /* ---- relief ---- */
@@ -117,7 +137,8 @@ static void read_bump(Builder *b, const EvalNode *node, SceneSurface *surface)
         return;
     }
     if (!bump->textured) {
-        Diagnostic *report = diag_report(b->diag, D_WRONG_TYPE, bump->span, "a bump that is the same everywhere is none");
+        Diagnostic *report =
+            diag_report(b->diag, D_WRONG_TYPE, bump->span, "a bump that is the same everywhere is none");
         diag_hint(b->diag, report, "give it a texture, as in: bump = noise { scale(.1) }  bump_height = .01");
         return;
     }
@@ -161,7 +182,60 @@ static uint32_t add_surface(Builder *b, SceneSurface surface)
     return scene->n_surfaces++;
 }
 
-/* Skin, metal, coat: what makes a surface more than matte. */
+/* Properties that have no effect without another. */
+typedef struct Need {
+    const char *property, *other, *words;
+} Need;
+
+static const Need needs[] = {
+    {"specular", "ior", "without an 'ior'"},
+    {"tint", "transmission", "without 'transmission'"},
+    {"film", "transmission", "without 'transmission'"},
+    {"grain", "anisotropy", "without 'anisotropy'"},
+    {"grain_angle", "anisotropy", "without 'anisotropy'"},
+    {"coat_ior", "coat", "without a coat"},
+    {"coat_roughness", "coat", "without a coat"},
+    {"coat_tint", "coat", "without a coat"},
+    {"fuzz_color", "fuzz", "without 'fuzz'"},
+    {"fuzz_roughness", "fuzz", "without 'fuzz'"},
+    {"weight", "mix", "without a 'mix'"},
+};
+
+static bool is_on(const EvalNode *node, const char *property) /* set, and if a number, not 0 */
+{
+    const EvalProp *prop = eval_prop(node, property);
+    return prop && (prop->textured || prop->type->kind != PROP_NUMBER || prop->as.number > 0);
+}
+
+static void check_needs(Builder *b, const EvalNode *node)
+{
+    static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
+    static const char *const of_thin[] = {"tint", "film", "translucency"};
+    for (size_t i = 0; i < COUNT_OF(needs); i++)
+        if (!is_on(node, needs[i].other)) build_needs(b, node, needs[i].property, needs[i].words);
+    for (size_t i = 0; !eval_truth(node, "thin") && i < COUNT_OF(of_thin); i++)
+        build_needs(b, node, of_thin[i], "without thin = true");
+    bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
+    for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
+    if (is_on(node, "anisotropy") && !eval_prop(node, "metal") && !is_on(node, "metalness")) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "anisotropy"),
+                                         "'anisotropy' is for metals");
+        diag_hint(b->diag, report, "name a metal, or give metalness = 1");
+    }
+    if (!eval_truth(node, "thin") || is_on(node, "transmission") || is_on(node, "translucency")) return;
+    Diagnostic *report =
+        diag_report(b->diag, D_MISSING_PROPERTY, build_span(node, "thin"), "nothing goes through this thin surface");
+    diag_hint(b->diag, report,
+              "a pane: ior = 1.5  transmission = 1; a leaf: albedo = rgb(.2, .4, .1)  translucency = .5");
+}
+
+static SceneGrain grain_of(const EvalNode *node)
+{
+    const char *word = eval_word(node, "grain");
+    return strcmp(word, "around") == 0 ? GRAIN_AROUND : (SceneGrain)(GRAIN_X + (word[0] - 'x'));
+}
+
+/* What makes a surface more than matte. */
 static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
 {
     const EvalProp *ior = eval_prop(node, "ior");
@@ -179,53 +253,130 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
     read_bump(b, node, surface);
     read_normal_map(b, node, surface);
     surface->roughness = spec->specular_roughness;
-    spec->specular_weight = ior ? 1 : 0;
+    if (!ior) spec->specular_weight = 0;
     if (metal) {
-        spec->base_metalness = 1;
+        if (!eval_prop(node, "metalness")) spec->base_metalness = 1;
         spec->measured_metal =
             metal_index(metal, &spec->metal_n, &spec->metal_k, build_new_table(b), build_new_table(b));
     }
-    surface->finished = ior || metal || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0;
-    static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
-    for (size_t i = 0; metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
-    static const char *const of_coat[] = {"coat_ior", "coat_roughness", "coat_tint"};
-    for (size_t i = 0; spec->coat_weight == 0 && i < COUNT_OF(of_coat); i++)
-        build_needs(b, node, of_coat[i], "without a coat");
+    spec->thin_walled = surface->thin = eval_truth(node, "thin");
+    surface->grain = grain_of(node);
+    surface->grain_angle = eval_number(node, "grain_angle");
+    surface->painted = eval_prop(node, "transmission") && !spec->thin_walled;
+    surface->finished = ior || spec->base_metalness > 0 || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0 ||
+                        spec->thin_walled || spec->fuzz_weight > 0;
 }
+
+/* ---- what suits an object ---- */
 
 /* Whether a clear object's surface can have that. */
 static bool clear_has(const char *property)
 {
-    static const char *const properties[] = {"roughness", "bump", "bump_height", "normal_map", "normal_strength", "normal_y"};
+    static const char *const properties[] = {"roughness",       "bump",    "bump_height", "normal_map",
+                                             "normal_strength", "normal_y"};
     for (size_t i = 0; i < COUNT_OF(properties); i++)
         if (strcmp(property, properties[i]) == 0) return true;
     return false;
 }
 
-bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
+/* The surface of a boundary says how rough it is, or, with 'transmission', what part of it is clear at all. */
+static void check_boundary(Builder *b, const EvalNode *node, Span where)
 {
-    const EvalNode *node = surface->as.node;
-    size_t n_errors = b->diag->n_errors;
-    for (size_t i = 0; clear && i < node->n_props; i++) {
-        if (clear_has(node->props[i].type->name)) continue;
-        Diagnostic *report =
-            diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
-                        "an object with an interior is clear: its surface can be rough and have relief, but has no '%s'",
-                        node->props[i].type->name);
-        diag_note(b->diag, report, node->props[i].span, "'%s' is set here", node->props[i].type->name);
+    const EvalProp *transmission = eval_prop(node, "transmission");
+    bool all_opaque = transmission && !transmission->textured && transmission->as.number == 0;
+    for (size_t i = 0; i < node->n_props; i++) {
+        const EvalProp *prop = &node->props[i];
+        const char *name = prop->type->name;
+        bool coat = strcmp(name, "coat") == 0 && !all_opaque, thin = strcmp(name, "thin") == 0;
+        bool shines = strcmp(name, "emission") == 0;
+        if (clear_has(name) || (transmission && !coat && !thin && !shines)) continue;
+        Diagnostic *report = diag_report(
+            b->diag, D_CONFLICTING_PROPERTIES, where,
+            "an object with an interior is clear: its surface can be rough and have relief, but has no '%s'", name);
+        diag_note(b->diag, report, prop->span, "'%s' is set here", name);
+        if (coat)
+            diag_hint(b->diag, report,
+                      "a coat on glass is a medium of its own: put a slightly larger object around this one");
+        else if (!thin && !shines)
+            diag_hint(b->diag, report, "transmission = .5 makes it half clear and half painted, 0 all painted");
         break;
     }
-    if (clear && node->n_props == 0) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, surface->span,
-                                         "an object with an interior is clear: this surface says nothing of it");
-        diag_hint(b->diag, report, "a rough one is surface { roughness = .3 }");
+    if (node->n_props > 0) return;
+    Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, where,
+                                     "an object with an interior is clear: this surface says nothing of it");
+    diag_hint(b->diag, report, "a rough one is surface { roughness = .3 }");
+}
+
+static void check_opaque(Builder *b, const EvalNode *node)
+{
+    bool thin = eval_truth(node, "thin"),
+         facets = eval_prop(node, "ior") || eval_prop(node, "metal") || is_on(node, "metalness");
+    if (is_on(node, "transmission") && !thin) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "transmission"),
+                                         "this object has no interior for light to go through");
+        diag_hint(b->diag, report, "name one, interior = a medium, or make the surface thin = true");
+    } else if (is_on(node, "transmission") && !eval_prop(node, "ior")) {
+        build_needs(b, node, "transmission", "without an 'ior'");
     }
-    if (!clear && !eval_prop(node, "ior") && !eval_prop(node, "metal") && eval_prop(node, "roughness")) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "roughness"),
-                                         "'roughness' has no effect on a matte surface");
-        diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
-    }
+    if (facets || !eval_prop(node, "roughness")) return;
+    Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "roughness"),
+                                     "'roughness' has no effect on a matte surface");
+    diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
+}
+
+static void check_fits(Builder *b, const EvalNode *node, Span where, bool clear)
+{
+    const EvalProp *mix = eval_prop(node, "mix");
+    for (size_t i = 0; mix && i < mix->as.list.n; i++) check_fits(b, mix->as.list.nodes[i], where, clear);
+    if (mix) return;
+    if (clear)
+        check_boundary(b, node, where);
+    else
+        check_opaque(b, node);
+}
+
+bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
+{
+    size_t n_errors = b->diag->n_errors;
+    check_fits(b, surface->as.node, surface->span, clear);
     return b->diag->n_errors == n_errors;
+}
+
+/* ---- making ---- */
+
+/* The mix's own row comes before those of its surfaces. */
+static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32_t row)
+{
+    static const char *const own[] = {"mix", "weight", "emission", "radiance"};
+    for (size_t i = 0; i < node->n_props; i++) {
+        const char *name = node->props[i].type->name;
+        size_t k = 0;
+        while (k < COUNT_OF(own) && strcmp(name, own[k]) != 0) k++;
+        if (k < COUNT_OF(own)) continue;
+        diag_report(b->diag, D_CONFLICTING_PROPERTIES, node->props[i].span,
+                    "'%s' belongs in one of the two surfaces of the mix", name);
+    }
+    if (mix->as.list.n != 2) {
+        diag_report(b->diag, D_WRONG_TYPE, mix->span, "a mix is of two surfaces, not %zu", mix->as.list.n);
+        return;
+    }
+    uint32_t parts[2];
+    for (int i = 0; i < 2; i++) {
+        const EvalNode *part = mix->as.list.nodes[i];
+        const EvalProp *emission = eval_prop(part, "emission");
+        if (emission) {
+            Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, emission->span,
+                                             "a surface within a mix cannot have an 'emission' of its own");
+            diag_hint(b->diag, report, "give it to the mix");
+        }
+        parts[i] = build_surface(b, part);
+    }
+    SceneSurface *surface = &b->scene->surfaces[row];
+    surface->mixed = true;
+    for (int i = 0; i < 2; i++) {
+        surface->mix[i] = parts[i];
+        if (b->scene->surfaces[parts[i]].thin) surface->thin = true;
+    }
 }
 
 static SceneSurface plain_surface(const char *name, float albedo)
@@ -245,8 +396,12 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
         build_needs(b, node, "radiance", "without an 'emission'");
     else if (build_emission(b, node, "emission", eval_number(node, "radiance"), &surface.emission))
         surface.emits = !spectrum_is_zero(&surface.emission);
+    check_needs(b, node);
     finish_of(b, node, &surface);
-    return add_surface(b, surface);
+    uint32_t row = add_surface(b, surface);
+    const EvalProp *mix = eval_prop(node, "mix");
+    if (mix) mix_of(b, node, mix, row);
+    return row;
 }
 
 uint32_t build_black_surface(Builder *b)

@@ -385,12 +385,18 @@ uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double 
     return row;
 }
 
+static bool any_textures(const Scene *scene, const SceneSurface *surface)
+{
+    return surface_has_textures(surface) || (surface->mixed && (any_textures(scene, &scene->surfaces[surface->mix[0]]) ||
+                                                                any_textures(scene, &scene->surfaces[surface->mix[1]])));
+}
+
 void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_world)
 {
     Scene *scene = b->scene;
     SceneObject *object = &scene->objects[object_row];
     if (object->shape == SCENE_NONE || object->surface == SCENE_NONE || !build_textures_wanted(b)) return;
-    if (!surface_has_textures(&scene->surfaces[object->surface])) return;
+    if (!any_textures(scene, &scene->surfaces[object->surface])) return;
     Affine to_node;
     if (!affine_invert(node_to_world, &to_node)) return; /* reported */
     SceneTextureFrame frame = {affine_compose(&to_node, &object->to_world), b->facts[object->shape].bounds};

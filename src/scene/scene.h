@@ -48,6 +48,7 @@ typedef struct SurfaceTexture {
     bool color;       /* the parameter is a Spectrum of reflectances; else a float in least .. most */
     size_t offset;    /* in BsdfSpec */
     float least, most;
+    float factor;     /* of the texture's number */
 } SurfaceTexture;
 
 /* The state of matter by which media mix: one that does is where the owner of the place is of its own state. What states
@@ -60,13 +61,22 @@ typedef struct SceneFrame {
     Affine to_world;
 } SceneFrame;
 
-/* What an opaque object is covered with; of a clear one, only roughness and relief count. */
+/* Along what the scratches of a brushed metal run: circles about the y axis of the object's shape, or one of its axes. */
+typedef enum SceneGrain { GRAIN_AROUND, GRAIN_X, GRAIN_Y, GRAIN_Z } SceneGrain;
+
+/* What an opaque object is covered with, or the boundary of a clear one. */
 typedef struct SceneSurface {
     const char *name;
     Spectrum albedo;  /* diffuse reflectance, 0..1 */
     float roughness;  /* of the boundary of a clear object; its alpha is the square */
     bool finished;    /* more than matte: */
     BsdfSpec spec;    /* of a number that a texture says: the largest that it can be */
+    bool thin;        /* light goes through it, or through a part of the mix */
+    bool painted;     /* says what part of a clear object's boundary is clear */
+    SceneGrain grain;
+    double grain_angle; /* radians */
+    bool mixed;         /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
+    uint32_t mix[2];
     const SurfaceTexture *textures;
     uint32_t n_textures;
     uint32_t bump;    /* SCENE_NONE, or a texture of heights, in units of: */
@@ -258,7 +268,7 @@ static inline bool surface_has_relief(const SceneSurface *surface)
 {
     return surface->bump != SCENE_NONE || surface->normal_map != SCENE_NONE;
 }
-static inline bool surface_has_textures(const SceneSurface *surface)
+static inline bool surface_has_textures(const SceneSurface *surface) /* itself, not those that it is a mix of */
 {
     return surface->n_textures > 0 || surface_has_relief(surface);
 }
@@ -267,6 +277,12 @@ static inline uint32_t scene_whole(const Scene *scene, uint32_t object)
 {
     uint32_t whole = scene->objects[object].part_of;
     return whole == SCENE_NONE ? object : whole;
+}
+/* Whether light goes through an object that has no interior. */
+static inline bool scene_is_thin(const Scene *scene, uint32_t object)
+{
+    uint32_t surface = scene->objects[object].surface;
+    return surface != SCENE_NONE && scene->objects[object].medium == SCENE_NONE && scene->surfaces[surface].thin;
 }
 /* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
 static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)

@@ -176,8 +176,10 @@ static bool texture_varies(const Texture *t, const Rows *rows)
     return false;
 }
 
-static bool surface_varies(const SceneSurface *surface, const Rows *rows)
+static bool surface_varies(const Scene *scene, const SceneSurface *surface, const Rows *rows)
 {
+    for (int i = 0; surface->mixed && i < 2; i++)
+        if (surface_varies(scene, &scene->surfaces[surface->mix[i]], rows)) return true;
     for (uint32_t i = 0; i < surface->n_textures; i++)
         if (rows->texture_varies[surface->textures[i].texture]) return true;
     return (surface->bump != SCENE_NONE && rows->texture_varies[surface->bump]) ||
@@ -210,9 +212,22 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
     add_number(&h, (double)surface->roughness);
     if (!surface->finished) return h.state;
     const BsdfSpec *spec = &surface->spec;
-    const float numbers[] = {spec->base_diffuse_roughness, spec->base_metalness, spec->specular_weight, spec->coat_weight,
-                             spec->coat_roughness};
+    const float numbers[] = {spec->base_diffuse_roughness,
+                             spec->base_metalness,
+                             spec->specular_weight,
+                             spec->specular_roughness_anisotropy,
+                             spec->transmission_weight,
+                             spec->translucency,
+                             spec->film_thickness_nm,
+                             spec->coat_weight,
+                             spec->coat_roughness,
+                             spec->fuzz_weight,
+                             spec->fuzz_roughness};
     for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(&h, (double)numbers[i]);
+    add_integer(&h, (uint64_t)spec->thin_walled + 2 * (uint64_t)surface->painted + 4 * (uint64_t)surface->grain);
+    add_number(&h, surface->grain_angle);
+    add_spectrum(&h, &spec->transmission_color);
+    add_spectrum(&h, &spec->fuzz_color);
     add_spectrum(&h, &spec->specular_ior);
     add_spectrum(&h, &spec->coat_ior);
     add_spectrum(&h, &spec->coat_color);
@@ -220,6 +235,15 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
         add_spectrum(&h, &spec->metal_n);
         add_spectrum(&h, &spec->metal_k);
     }
+    return h.state;
+}
+
+/* A mix comes before its surfaces. */
+static uint64_t mix_hash(const SceneSurface *surface, const Rows *rows)
+{
+    Hasher h = {surface_hash(surface, rows)};
+    add_number(&h, (double)surface->spec.mix_weight);
+    for (int i = 0; i < 2; i++) add_integer(&h, rows->surfaces[surface->mix[i]]);
     return h.state;
 }
 
@@ -234,7 +258,10 @@ static Rows hash_rows(const Scene *scene, Arena *scratch)
         rows.textures[i] = texture_hash(&scene->textures[i], &rows);
         rows.texture_varies[i] = texture_varies(&scene->textures[i], &rows);
     }
-    for (uint32_t i = 0; i < scene->n_surfaces; i++) rows.surfaces[i] = surface_hash(&scene->surfaces[i], &rows);
+    for (uint32_t i = scene->n_surfaces; i-- > 0;) {
+        const SceneSurface *surface = &scene->surfaces[i];
+        rows.surfaces[i] = surface->mixed ? mix_hash(surface, &rows) : surface_hash(surface, &rows);
+    }
     return rows;
 }
 
@@ -259,7 +286,7 @@ static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *
         if (object->surface == SCENE_NONE) continue;
         add_integer(h, rows->surfaces[object->surface]);
         if (object->texture_frame != SCENE_NONE) add_map(h, &scene->texture_frames[object->texture_frame].from_shape);
-        if (surface_varies(&scene->surfaces[object->surface], rows)) add_integer(h, object->identity);
+        if (surface_varies(scene, &scene->surfaces[object->surface], rows)) add_integer(h, object->identity);
     }
 }
 

@@ -89,6 +89,8 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
 /* Adds what reaches the camera of a radiance seen at the end of the path. */
 void path_add_radiance(Path *path, Lanes factor, Lanes basic);
+/* The surface of that number, or one of those that it is a mix of, by its weight. */
+const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t surface);
 /* The reflectance of an opaque surface where it was hit. */
 Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */
@@ -129,9 +131,11 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
 
 /* ---- shade_bsdf.c ---- */
 
-/* An opaque surface that is more than matte; false: the path ends. */
-bool path_shade_finished(Path *path, Event *event, const BsdfSpec *spec, const SurfacePlace *place);
-/* A rough boundary between two media; false: the path ends. */
-bool path_cross_rough(Path *path, Event *event, float roughness, const SurfacePlace *place, Lanes eta_i, Lanes eta_t);
+/* An opaque surface that is more than matte, and its parameters there; false: the path ends. */
+bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                         const SurfacePlace *place);
+/* A boundary between two media that is rough, or not clear in all parts; false: the path ends. */
+bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec, const SurfacePlace *place,
+                      Lanes eta_i, Lanes eta_t);
 
 #endif

@@ -33,6 +33,7 @@ enum {
     DIM_LIGHT,        /* 2: point on the light */
     DIM_ROULETTE,     /* 1 */
     DIM_DISTANCE,     /* 1: to where a medium scatters */
+    DIM_MIX,          /* 1: which of the surfaces of a mix */
     DIM_PER_BOUNCE = 8
 };
 

@@ -17,8 +17,38 @@ void path_add_radiance(Path *path, Lanes factor, Lanes basic)
         lanes_add(path->radiance, lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio));
 }
 
+static float mix_weight(const Path *path, const Event *event, const SceneSurface *surface)
+{
+    if (!surface->n_textures) return surface->spec.mix_weight;
+    SurfacePlace place = path_place(path, event);
+    BsdfSpec spec;
+    path_read_textures(path, event, surface, &place, path->wavelengths.nm, &spec);
+    return spec.mix_weight;
+}
+
+const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t number)
+{
+    const SceneSurface *surfaces = path->tracer->world->scene->surfaces, *surface = &surfaces[number];
+    if (LIKELY(!surface->mixed)) return surface;
+    float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_MIX));
+    while (surface->mixed) {
+        float weight = mix_weight(path, event, surface);
+        bool second = u < weight;
+        u = float_min(second ? u / weight : (u - weight) / (1 - weight), 0x1.fffffep-1f);
+        surface = &surfaces[surface->mix[second]];
+    }
+    return surface;
+}
+
 Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm)
 {
+    if (surface->mixed) {
+        const SceneSurface *surfaces = path->tracer->world->scene->surfaces;
+        Lanes first = path_albedo(path, event, &surfaces[surface->mix[0]], wavelength_nm);
+        Lanes second = path_albedo(path, event, &surfaces[surface->mix[1]], wavelength_nm);
+        float weight = mix_weight(path, event, surface);
+        return lanes_add(lanes_scale(first, 1 - weight), lanes_scale(second, weight));
+    }
     if (!surface->n_textures) return spectrum_at(&surface->albedo, wavelength_nm);
     SurfacePlace place = path_place(path, event);
     BsdfSpec spec;
@@ -77,7 +107,7 @@ static float diffuse_pdf(const SurfacePlace *place, Vec3f direction)
 /* Light that a diffuse surface gets straight from a light source. */
 static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
 {
-    LightSample light = path_choose_light(path, place->position, place->normal);
+    LightSample light = path_choose_light(path, place->position, place->geometric);
     if (!(light.pdf_w > 0)) return;
     if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
     float scatter_pdf = diffuse_pdf(place, light.direction);
@@ -142,14 +172,14 @@ bool path_shade_opaque(Path *path, Event *event)
     path_add_emission(path, &event->hit);
     if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
-    const SceneSurface *surface = &world->scene->surfaces[object->surface];
+    const SceneSurface *surface = path_surface(path, event, object->surface);
     const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
     if (UNLIKELY(surface_has_textures(surface))) {
         path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
         spec = &textured;
     }
-    if (surface->finished) return path_shade_finished(path, event, spec, &place);
+    if (surface->finished) return path_shade_finished(path, event, surface, spec, &place);
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
     light_diffuse(path, event, &place, albedo);
 
@@ -160,7 +190,7 @@ bool path_shade_opaque(Path *path, Event *event)
     path->scatter_pdf = diffuse_pdf(&place, direction);
     path->beta = lanes_mul(path->beta, albedo);
     path->scatter_point = place.position;
-    path->scatter_normal = place.normal;
+    path->scatter_normal = place.geometric;
     path_leave(path, event, false, direction);
     return true;
 }
@@ -188,15 +218,15 @@ bool path_cross_boundary(Path *path, Event *event)
     Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->scene->objects[event->hit.object].surface;
-    const SceneSurface *surface = number == SCENE_NONE ? NULL : &world->scene->surfaces[number];
-    if (surface && surface->roughness > 0) {
-        float roughness = surface->roughness;
+    const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
+    if (surface && (surface->roughness > 0 || surface->painted)) {
+        const BsdfSpec *spec = &surface->spec;
         BsdfSpec textured;
         if (surface_has_textures(surface)) {
             path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
-            roughness = textured.specular_roughness;
+            spec = &textured;
         }
-        return path_cross_rough(path, event, roughness, &place, eta_i, eta_t);
+        return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
     }
     if (surface && surface_has_relief(surface)) path_relief(path, event, surface, &place);
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));

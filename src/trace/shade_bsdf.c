@@ -36,10 +36,10 @@ static float mean_density(const Path *path, Lanes pdf_w)
     return lanes_mean(lanes_mul(path->ratio, pdf_w)) / lanes_mean(path->ratio);
 }
 
-/* The normal of a surface that takes light from one side only; else zero. */
+/* The side of a surface that takes light from one side only; else zero. */
 static Vec3f one_side(const Bsdf *bsdf, const SurfacePlace *place)
 {
-    return bsdf->transmits ? vec3f(0, 0, 0) : place->normal;
+    return bsdf->transmits ? vec3f(0, 0, 0) : place->geometric;
 }
 
 /* What a Bsdf does with light between two directions, the second in the world. A lobe about the shading normal that reaches
@@ -62,7 +62,8 @@ static void evaluate(const Bsdf *bsdf, const SurfacePlace *place, const Frame *f
     *pdf_w = lanes_add(*pdf_w, more_pdf);
 }
 
-static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view)
+static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
+                      Vec3f view)
 {
     if (bsdf->specular_only) return;
     LightSample light = path_choose_light(path, place->position, one_side(bsdf, place));
@@ -72,28 +73,41 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     if (lanes_zero(f_cos)) return;
     bool below = vec3f_dot(light.direction, place->geometric) < 0;
     Tracer *tracer = path->tracer;
-    Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction);
+    Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below,
+                        light.direction);
     path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
 }
 
-static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place)
+/* The hulls behind an opaque surface that light goes through, into tracer->next. */
+static bool cross_opaque(Path *path, const Event *event)
 {
-    Frame frame = frame_about(place->normal);
-    Vec3f view = to_local(&frame, vec3f_negate(path->ray.direction));
-    add_light(path, event, bsdf, place, &frame, view);
+    Tracer *tracer = path->tracer;
+    NestCrossing crossing;
+    if (nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
+        path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, &crossing))
+        return true;
+    tracer->out_of_memory = true;
+    return false;
+}
+
+static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame)
+{
+    Vec3f view = to_local(frame, vec3f_negate(path->ray.direction));
+    add_light(path, event, bsdf, place, frame, view);
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     BsdfSample sample;
     if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample))
         return false;
-    Vec3f direction = vec3f_normalize(from_local(&frame, sample.direction));
+    Vec3f direction = vec3f_normalize(from_local(frame, sample.direction));
     /* which side the new ray is on is the geometry's to say */
     Lanes pdf_w = sample.pdf_w;
     if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted) direction = path_mirror(place, direction);
     if (!sample.specular && path_is_bent(place)) {
         Lanes f_cos;
-        evaluate(bsdf, place, &frame, view, direction, &f_cos, &pdf_w);
+        evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     }
+    if (sample.transmitted && event->kind == EVENT_OPAQUE && !cross_opaque(path, event)) return false;
     float hero = lanes_get(sample.pdf_w, 0);
     path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
     path->scatter_point = place->position;
@@ -104,22 +118,55 @@ static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePla
     return true;
 }
 
-bool path_shade_finished(Path *path, Event *event, const BsdfSpec *spec, const SurfacePlace *place)
+/* x across the scratches, as they tilt facets that way; any frame where there are none. */
+static Frame frame_of(const Path *path, const Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                      const SurfacePlace *place)
+{
+    Frame frame = frame_about(place->normal);
+    if (spec->specular_roughness_anisotropy == 0) return frame;
+    RtcCoordinates at;
+    Affine to_world;
+    rtc_coordinates(path->tracer->world->compiled->rtc, &path->ray, &event->hit, &at);
+    if (!affine_invert(&at.to_local, &to_world)) return frame;
+    Vec3 along = surface->grain == GRAIN_AROUND
+                     ? vec3(at.local.z, 0, -at.local.x)
+                     : vec3(surface->grain == GRAIN_X, surface->grain == GRAIN_Y, surface->grain == GRAIN_Z);
+    Vec3f scratch = vec3f_from(vec3_normalize(affine_vector(&to_world, along)));
+    Vec3f across = vec3f_cross(scratch, frame.z);
+    float length = vec3f_length(across);
+    if (!(length > 1e-4f)) return frame; /* the axis of a lathe, or an end of a straight grain */
+    across = vec3f_scale(across, 1 / length);
+    Vec3f beside = vec3f_cross(frame.z, across);
+    float c = (float)cos(surface->grain_angle), s = (float)sin(surface->grain_angle);
+    frame.x = vec3f_along(vec3f_scale(across, c), s, beside);
+    frame.y = vec3f_cross(frame.z, frame.x);
+    return frame;
+}
+
+bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                         const SurfacePlace *place)
 {
     const World *world = path->tracer->world;
     Lanes nm = path->wavelengths.nm;
     Lanes around = medium_ior(world, nest_medium(&world->compiled->order, &path->tracer->list), nm);
     Bsdf bsdf;
     bsdf_from_spec(spec, nm, around, around, &bsdf);
-    return scatter(path, event, &bsdf, place);
+    Frame frame = frame_of(path, event, surface, spec, place);
+    return scatter(path, event, &bsdf, place, &frame);
 }
 
-bool path_cross_rough(Path *path, Event *event, float roughness, const SurfacePlace *place, Lanes eta_i, Lanes eta_t)
+bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                      const SurfacePlace *place, Lanes eta_i, Lanes eta_t)
 {
     Bsdf bsdf;
-    float alpha_x, alpha_y;
-    bsdf_alphas(roughness, 0, &alpha_x, &alpha_y);
-    bsdf_begin(&bsdf);
-    bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
-    return scatter(path, event, &bsdf, place);
+    if (surface->painted) {
+        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, &bsdf);
+    } else {
+        float alpha_x, alpha_y;
+        bsdf_alphas(spec->specular_roughness, 0, &alpha_x, &alpha_y);
+        bsdf_begin(&bsdf);
+        bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
+    }
+    Frame frame = frame_of(path, event, surface, spec, place);
+    return scatter(path, event, &bsdf, place, &frame);
 }

@@ -222,6 +222,7 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
             read_color(scene, texture, &view.at, wavelength_nm, target);
         else
             *(float *)target =
+                texture->factor *
                 float_min(float_max(texture_number_at(scene->textures, texture->texture, &view.at), texture->least),
                           texture->most);
     }
