@@ -136,12 +136,20 @@ const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull)
 
 /* ---- which of a pair is on top, and why ---- */
 
+bool report_adds(const Scene *scene, uint32_t mixing, uint32_t owner)
+{
+    return scene_mixing_state(&scene->media[mixing], false) == scene_mixing_state(&scene->media[owner], owner == 0);
+}
+
 ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair)
 {
     uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];
     const NestHull *hulls = compiled->hulls;
     const NestOrder *order = &compiled->order;
     ReportVerdict verdict = {.top = b, .bottom = a};
+    if (hulls[a].mixes || hulls[b].mixes)
+        return hulls[a].mixes ? (ReportVerdict){.top = b, .bottom = a, .kind = VERDICT_MIX}
+                              : (ReportVerdict){.top = a, .bottom = b, .kind = VERDICT_MIX};
     if (order->policy == NEST_NONE || order->policy == NEST_ENTERED) {
         if (pair->relation == NEST_A_IN_B) verdict = (ReportVerdict){.top = a, .bottom = b};
         verdict.kind = order->policy == NEST_NONE ? VERDICT_NO_NESTING : VERDICT_ENTERED;
@@ -168,7 +176,10 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
 {
     const SceneMedium *medium = &scene->media[i];
     buf_add(&row[0], medium->name);
-    buf_format(&row[1], "index %.4g", (double)spectrum_at_one(&medium->ior, 589.3f));
+    if (medium->mixes)
+        buf_add(&row[1], "mixes");
+    else
+        buf_format(&row[1], "index %.4g", (double)spectrum_at_one(&medium->ior, 589.3f));
     if (medium->disperses)
         buf_format(&row[2], "%.4g .. %.4g, 700 to 400 nm", (double)spectrum_at_one(&medium->ior, 700),
                    (double)spectrum_at_one(&medium->ior, 400));
@@ -199,6 +210,8 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
             report_add_length(&row[4], scene, 1 / coefficient);
         }
     }
+    if (medium->emits) buf_format(&row[4], "%sshines", row[4].length ? ", " : "");
+    if (medium->density) buf_format(&row[4], ", by a density up to %.3g", (double)medium->density->largest);
     if (medium->has_priority) buf_format(&row[5], "priority %d", (int)medium->priority);
     if (i == 0) buf_format(&row[5], "%sthe world", row[5].length ? ", " : "");
 }

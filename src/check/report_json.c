@@ -24,6 +24,9 @@ static void add_medium(JsonWriter *json, const SceneMedium *medium)
     json_add_truth(json, "disperses", medium->disperses);
     json_add_truth(json, "absorbs", medium->absorbs);
     json_add_truth(json, "scatters", medium->scatters);
+    json_add_truth(json, "shines", medium->emits);
+    json_add_truth(json, "mixes", medium->mixes);
+    json_add_truth(json, "varies", medium->density != NULL);
     json_add_text(json, "state", states[medium->state]);
     json_add_number(json, "priority", medium->priority);
     json_end(json);
@@ -67,7 +70,7 @@ static void add_hulls(JsonWriter *json, const CompiledScene *compiled, SourceSet
 static void add_pair(JsonWriter *json, const CompiledScene *compiled, const HullPair *pair)
 {
     static const char *const relations[] = {"partial", "a-in-b", "b-in-a"};
-    static const char *const verdicts[] = {"rule", "circle", "merge", "entered", "none"};
+    static const char *const verdicts[] = {"rule", "circle", "merge", "entered", "none", "mix"};
     const Scene *scene = compiled->scene;
     json_begin_object(json);
     json_add_text(json, "a", scene->objects[pair->a].name);

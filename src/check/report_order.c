@@ -46,7 +46,7 @@ static bool find_levels(const CompiledScene *compiled, uint32_t *level)
         if (!compiled->pairs[i].overlaps) continue;
         ReportVerdict verdict = report_verdict(compiled, &compiled->pairs[i]);
         level[verdict.top] = level[verdict.bottom] = 1;
-        if (verdict.kind != VERDICT_MERGE)
+        if (verdict.kind != VERDICT_MERGE && verdict.kind != VERDICT_MIX)
             tops[n++] = (OnTop){compiled->order.rank[verdict.top], verdict.top, verdict.bottom};
     }
     qsort(tops, n, sizeof *tops, compare_ranks);

@@ -68,9 +68,15 @@ static size_t collect_lines(const CompiledScene *compiled, const ReportGroups *g
 /* ": X on top, by volume". */
 static void add_reason(const CompiledScene *compiled, const ReportVerdict *verdict, const char *top, Buf *out)
 {
+    const Scene *scene = compiled->scene;
+    uint32_t above = compiled->hulls[verdict->top].medium, below = compiled->hulls[verdict->bottom].medium;
     switch (verdict->kind) {
-    case VERDICT_MERGE:
-        buf_format(out, ": both %s, they merge\n", compiled->scene->media[compiled->hulls[verdict->top].medium].name);
+    case VERDICT_MERGE: buf_format(out, ": both %s, they merge\n", scene->media[above].name); return;
+    case VERDICT_MIX:
+        if (scene->media[above].mixes || report_adds(scene, below, above))
+            buf_format(out, ": %s and %s add up\n", scene->media[below].name, scene->media[above].name);
+        else
+            buf_format(out, ": there is no %s in %s\n", scene->media[below].name, scene->media[above].name);
         return;
     case VERDICT_ENTERED: buf_add(out, ": the one that a ray enters last is on top\n"); return;
     case VERDICT_NO_NESTING: buf_add(out, ": each is bounded by the world's medium\n"); return;

@@ -40,7 +40,8 @@ typedef enum VerdictKind {
     VERDICT_CIRCLE,  /* the rule's answer is part of a circle; volume decided */
     VERDICT_MERGE,   /* one medium: there is no boundary */
     VERDICT_ENTERED, /* depends on the ray */
-    VERDICT_NO_NESTING
+    VERDICT_NO_NESTING,
+    VERDICT_MIX      /* bottom adds to top, or is displaced by it: see report_adds */
 } VerdictKind;
 typedef struct ReportVerdict {
     VerdictKind kind;
@@ -48,6 +49,8 @@ typedef struct ReportVerdict {
     uint32_t top, bottom; /* hulls */
 } ReportVerdict;
 ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair);
+/* Whether a medium that mixes is there where another one is on top. */
+bool report_adds(const Scene *scene, uint32_t mixing, uint32_t owner);
 
 /* Which hulls have to do with each other, and who is on top of whom there. */
 typedef struct ReportOrder {

@@ -133,7 +133,7 @@ static void remark_indifferent(Remarks *r)
     uint32_t n_lines = report_lines_of_each(compiled->n_hulls);
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         const SceneMedium *medium = &r->scene->media[compiled->hulls[h].medium];
-        bool clear = !medium->absorbs && !medium->scatters &&
+        bool clear = !medium->absorbs && !medium->scatters && !medium->emits &&
                      spectrum_at_one(&medium->ior, 550) == spectrum_at_one(&r->scene->media[0].ior, 550);
         if ((!suspect[h] && !clear) || is_one_of_many(r, h)) continue;
         if (report_look_at(compiled, &r->probe, h, n_lines) != REPORT_INDIFFERENT || !tally_next(&tally)) continue;

@@ -86,7 +86,7 @@ static uint32_t holder_of(const CompiledScene *compiled, uint32_t hull)
                       (pair->b == number && pair->relation == NEST_B_IN_A);
         if (!pair->overlaps || !inside) continue;
         ReportVerdict verdict = report_verdict(compiled, pair);
-        if (verdict.bottom == hull && verdict.kind != VERDICT_MERGE) return verdict.top;
+        if (verdict.bottom == hull && verdict.kind != VERDICT_MERGE && verdict.kind != VERDICT_MIX) return verdict.top;
     }
     return SCENE_NONE;
 }
@@ -107,7 +107,7 @@ static void report_hidden(const CompiledScene *compiled, uint32_t hull, Diag *di
         const HullPair *pair = &compiled->pairs[i];
         if (!pair->overlaps || (pair->a != number && pair->b != number)) continue;
         ReportVerdict verdict = report_verdict(compiled, pair);
-        if (verdict.bottom != hull || verdict.kind == VERDICT_MERGE) continue;
+        if (verdict.bottom != hull || verdict.kind == VERDICT_MERGE || verdict.kind == VERDICT_MIX) continue;
         diag_note(diag, report, report_object(compiled, verdict.top)->span, "%s is on top by %s",
                   report_object(compiled, verdict.top)->name,
                   verdict.kind == VERDICT_CIRCLE ? "volume within a circle" : nest_rule_text(verdict.rule));

@@ -121,6 +121,12 @@ static void print_step(const CompiledScene *compiled, const SightStep *step, Buf
     case SIGHT_OPAQUE: buf_add(&row[2], "opaque"); break;
     case SIGHT_SILENT:
         buf_format(&row[2], "%s in silence", step->entering ? "entered" : "left");
+        uint32_t hull = compiled_hull(compiled, step->object);
+        if (hull != SCENE_NONE && compiled->hulls[hull].mixes) {
+            bool adds = report_adds(scene, compiled->hulls[hull].medium, step->to);
+            buf_format(&row[2], adds ? ": it adds to %s" : ": there is none of it in %s", to);
+            break;
+        }
         if (step->top == NEST_WORLD) break;
         buf_format(&row[2], ": %s is on top", report_object(compiled, step->top)->name);
         const char *rule = rule_between(compiled, step->top, step->object);
