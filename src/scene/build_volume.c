@@ -173,6 +173,8 @@ static Volume *make_volume(Builder *b, const EvalNode *node, const char *what)
         scale = 0;
     }
     volume_scale(volume, (float)scale);
+    if (!(volume->largest > 0))
+        diag_report(b->diag, D_EMPTY_VOLUME, node->span, "this %s is 0 everywhere", what);
     return volume;
 }
 
