@@ -139,4 +139,5 @@ void report_warnings(const CompiledScene *compiled, Diag *diag)
 {
     warn_of_gaps(compiled, diag);
     warn_of_hidden(compiled, diag);
+    report_lost_lights(compiled, diag);
 }

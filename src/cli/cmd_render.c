@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "check/report.h"
 #include "cli/commands.h"
 #include "cli/render_run.h"
 #include "cli/signals.h"
@@ -189,11 +190,19 @@ static Status render_and_write(RenderRun *run, Error *error)
     return status;
 }
 
+/* What a picture would be without, and not look wrong for. */
+static void warn_of_lights(void *context)
+{
+    RenderRun *run = context;
+    report_lost_lights(run->input.compiled, &run->input.diag);
+}
+
 /* The input's scene is at the frame. */
 static Status render_frame(RenderRun *run, Error *error)
 {
     Status status = render_settings_merge(run, error);
     if (status == STATUS_OK) status = scene_input_compile(&run->input, run->pool, error);
+    if (status == STATUS_OK) status = scene_input_guard(&run->input, warn_of_lights, run, error);
     TRY(print_findings(run, status, error));
     note_scene(run);
     status = render_and_write(run, error);

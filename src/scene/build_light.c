@@ -10,6 +10,7 @@
 
 static const double pi = 3.14159265358979323846;
 static const double suns_angle = 0.53; /* degrees, the whole disc */
+static const double least_angle = 0.001; /* degrees: the cosine is to tell it from none */
 static const double brightest_sky = 1e20;
 static const double degree = 3.14159265358979323846 / 180;
 
@@ -162,8 +163,8 @@ static bool check_area(Builder *b, const EvalNode *node, const SceneLight *light
                    vec3_add(light->to_world.t, vec3(reach, reach, reach))};
     if (!build_check_reach(b, node->span, "this light", bounds)) return false;
     if (!(light->half_width > 0) || !(light->half_height > 0) || !isfinite(1 / area_of(light))) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this light has no area: its transforms scale it by %g",
-                    scale);
+        Diagnostic *report = diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this light has no area");
+        if (scale != 1) diag_hint(b->diag, report, "its transforms scale it by %g", scale);
         return false;
     }
     return true;
@@ -218,6 +219,11 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         return;
     }
     const EvalProp *angle = eval_prop(node, "angle");
+    if (angle && !(angle->as.number >= least_angle)) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, angle->span, "an angle of %g degrees is too small: %g is the least",
+                    angle->as.number, least_angle);
+        return;
+    }
     double half_angle = (angle ? angle->as.number : suns_angle) / 2 * degree;
     light.to_world = rigid_frame(to_world, &frame);
     light.towards = vec3_scale(column(&light.to_world, 1), -1);
