@@ -46,6 +46,7 @@ C_WARNINGS := -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
 # -ffp-contract=off: the same bits from every compiler; never -ffast-math.
 FLAGS_release := -O3
 FLAGS_debug := -O0 -g
+FLAGS_profile := -O3 -g
 FLAGS_asan := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan := -O1 -g -fsanitize=thread
 FLAGS_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all \
@@ -201,22 +202,31 @@ check-quick: check-program ## the tests without the renders that hold it to phys
 check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUILD)/fuzz/%) assets
 .PHONY: check-quick check-program
 
-BENCH_SCENES ?= examples/whisky.mns examples/whisky-gap.mns examples/aquarium.mns examples/glass-of-water.mns
-# MENISCUS_BENCH_OBJECTS=10000000 make bench: that many objects instead of a million
-LIMIT_SCENES := $(BUILD)/peers/glass.mns $(addprefix examples/,$(addsuffix .mns,whisky aquarium glass-of-water half-submerged \
+# About three minutes on two idle cores. Each part by itself: build/release/bench NAME [SCENE...]; without words it lists them.
+BENCH_SCENES ?= $(BUILD)/peers/glass.mns $(addprefix examples/,$(addsuffix .mns,whisky aquarium glass-of-water half-submerged \
   snells-window soda cold-glass cut-glass diamond still-life tea light-bulb))
-bench-limit: $(BUILD)/bench assets $(LIMIT_SCENES) ## renders in ratio to their own rays through bare Embree, and their speed
+bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory and noise, as ratios within one run
 	$(BUILD)/bench paths $(BUILD)/peers/glass.mns
-	$(BUILD)/bench limit $(LIMIT_SCENES)
-.PHONY: bench-limit
+	$(BUILD)/bench limit $(BENCH_SCENES)
+	$(BUILD)/bench nesting
+	$(BUILD)/bench threads $(wordlist 1,4,$(BENCH_SCENES))
+	$(BUILD)/bench scale
+	$(BUILD)/bench rays
+	$(BUILD)/bench noise $(BENCH_SCENES)
 
-bench: $(BUILD)/bench assets ## measure what nesting and exactness cost, as ratios within one run
-	$(BUILD)/bench $(BENCH_SCENES)
+# MENISCUS_BENCH_OBJECTS=10000000 make bench-objects: that many objects instead of a million
+bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fast scene texts are read; minutes
+	$(BUILD)/bench objects
 	$(PYTHON) tests/bench/language.py $(BUILD)/meniscus
+
+bench-instructions: assets ## which part of all instructions the interior list takes; needs valgrind, minutes
+	$(MAKE) VARIANT=profile build/profile/meniscus build/profile/peers/glass.mns
+	sh tests/bench/instructions.sh build/profile/meniscus build/profile/peers/glass.mns examples/whisky.mns
+.PHONY: bench-objects bench-instructions
 
 # --wrap: limit.c notes the rays that a render casts
 BENCH_SOURCES := $(wildcard tests/bench/*.c)
-$(BUILD)/bench: $(BENCH_SOURCES) tests/bench/measure.h $(BUILD)/libmeniscus.a
+$(BUILD)/bench: $(BENCH_SOURCES) $(wildcard tests/bench/*.h) $(BUILD)/libmeniscus.a
 	$(SAY) $(CC) $(CPPFLAGS_ALL) -Itests/bench $(CFLAGS_ALL) $(LDFLAGS) -Wl,--wrap=rtc_nearest,--wrap=rtc_all -o $@ \
 	  $(BENCH_SOURCES) $(BUILD)/libmeniscus.a $(LIBS)
 

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bare.h"
 #include "base/array.h"
 #include "base/clock.h"
-#include "geom/embree.h"
 #include "measure.h"
 
 /* ---- noting rays ---- */
@@ -72,7 +72,7 @@ bool __wrap_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, 
 /* ---- the scene as triangles ---- */
 
 typedef struct Soup {
-    float (*vertices)[3];
+    Vec3f *vertices;
     uint32_t (*triangles)[3];
     size_t n_vertices, n_triangles, vertices_capacity, triangles_capacity;
     double reach;  /* how large the scene is */
@@ -84,10 +84,7 @@ static uint32_t soup_vertex(Soup *soup, Vec3 p)
 {
     if (!array_reserve(&soup->vertices, &soup->vertices_capacity, soup->n_vertices + 2, sizeof *soup->vertices))
         bench_fail("memory", NULL);
-    float *vertex = soup->vertices[soup->n_vertices];
-    vertex[0] = (float)p.x;
-    vertex[1] = (float)p.y;
-    vertex[2] = (float)p.z;
+    soup->vertices[soup->n_vertices] = vec3f_from(p);
     return (uint32_t)soup->n_vertices++;
 }
 
@@ -175,23 +172,6 @@ static void soup_from_scene(Soup *soup, const CompiledScene *compiled)
     }
 }
 
-/* One geometry for all, with a hierarchy as good as Embree makes it in robust mode. */
-static RTCScene soup_commit(Soup *soup, RTCDevice device)
-{
-    RTCScene scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, soup->vertices, 0, 12,
-                               soup->n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, soup->triangles, 0, 12,
-                               soup->n_triangles);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
-}
-
 static void soup_clear(Soup *soup)
 {
     free(soup->vertices);
@@ -272,12 +252,6 @@ static void note_render(const CompiledScene *compiled, Notes *noted, Pool *one)
         bench_fail("the rays of a render were not noted: is the program linked with --wrap?", NULL);
 }
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static void limit_of(const char *path, RTCDevice device, Pool *pools[2])
 {
     Made made;
@@ -287,7 +261,9 @@ static void limit_of(const char *path, RTCDevice device, Pool *pools[2])
     soup_from_scene(&soup, made.compiled);
     noted.steps = soup.steps;
     note_render(made.compiled, &noted, pools[0]);
-    Replay replay = {.scene = soup_commit(&soup, device), .notes = &noted};
+    Replay replay = {.scene = bare_scene(device, soup.vertices, soup.n_vertices, (const uint32_t(*)[3])soup.triangles,
+                                         soup.n_triangles),
+                     .notes = &noted};
     double ratio[2][RUNS], ray_ns[RUNS], agreed;
     RenderStats stats;
     for (int run = 0; run < RUNS; run++)
@@ -298,7 +274,7 @@ static void limit_of(const char *path, RTCDevice device, Pool *pools[2])
             if (k == 0) ray_ns[run] = seconds / (double)noted.n * 1e9;
         }
     Spread one = spread_of(ratio[0], RUNS), two = spread_of(ratio[1], RUNS);
-    printf("%-24s %-9s %6.2f (%.2f .. %.2f) %6.2f (%.2f .. %.2f) %6.2f %7.0f %7.1f %%\n", base_name(path),
+    printf("%-24s %-9s %6.2f (%.2f .. %.2f) %6.2f (%.2f .. %.2f) %6.2f %7.0f %7.1f %%\n", file_name(path),
            soup.pieces ? "pieces" : "triangles", one.median, one.low, one.high, two.median, two.low, two.high,
            (double)noted.n / (double)stats.paths, spread_of(ray_ns, RUNS).median, 100 * agreed);
     fflush(stdout);
@@ -336,7 +312,7 @@ void bench_paths(char **paths, int n)
             rate[run] = (double)stats.paths / stats.cpu_seconds * 1e-6;
         }
         Spread spread = spread_of(rate, RUNS);
-        printf("%-24s %6.3f million (%.3f .. %.3f), %.2f rays a path\n", base_name(paths[i]), spread.median, spread.low,
+        printf("%-24s %6.3f million (%.3f .. %.3f), %.2f rays a path\n", file_name(paths[i]), spread.median, spread.low,
                spread.high, (double)stats.rays / (double)stats.paths);
         made_clear(&made);
     }

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 
@@ -52,7 +53,7 @@ static Status load_image(void *context, const char *path, const char *space, flo
     return colored ? STATUS_OK : fail(error, STATUS_INPUT, "'%s' has no colour", path);
 }
 
-static void make(Made *made, const char *path, const char *text)
+static void make(Made *made, const char *path, const char *text, Pool *pool)
 {
     Error error = {0};
     *made = (Made){0};
@@ -66,7 +67,7 @@ static void make(Made *made, const char *path, const char *text)
     made->build_s = clock_cpu_s() - start;
     start = clock_cpu_s();
     if (status == STATUS_OK)
-        status = compile_scene(made->scene, made->scene->render.nesting, NULL, NULL, &made->compiled, &error);
+        status = compile_scene(made->scene, made->scene->render.nesting, pool, NULL, &made->compiled, &error);
     made->compile_s = clock_cpu_s() - start;
     if (status == STATUS_OK) return;
     Buf out = {0};
@@ -77,11 +78,15 @@ static void make(Made *made, const char *path, const char *text)
 
 void made_from_text(Made *made, const char *text)
 {
-    make(made, "bench", text);
+    make(made, "bench", text, NULL);
+}
+void made_with_pool(Made *made, const char *text, Pool *pool)
+{
+    make(made, "bench", text, pool);
 }
 void made_from_file(Made *made, const char *path)
 {
-    make(made, path, NULL);
+    make(made, path, NULL, NULL);
 }
 
 void made_clear(Made *made)
@@ -99,15 +104,27 @@ Pool *pool_of(unsigned threads)
     return pool;
 }
 
-RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples, Pool *pool)
+RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples,
+                            uint32_t seed, Pool *pool, Image *image)
 {
     Error error = {0};
-    Image image;
     RenderStats stats;
     RenderSettings settings = {
-        .width = width, .height = height, .samples = samples, .bounces = compiled->scene->render.bounces};
-    if (render_image(compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK)
-        bench_fail("render", &error);
+        .width = width, .height = height, .samples = samples, .seed = seed, .bounces = compiled->scene->render.bounces};
+    if (render_image(compiled, &settings, pool, NULL, image, &stats, &error) != STATUS_OK) bench_fail("render", &error);
+    return stats;
+}
+
+RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples, Pool *pool)
+{
+    Image image;
+    RenderStats stats = render_image_at(compiled, width, height, samples, 0, pool, &image);
     image_clear(&image);
     return stats;
+}
+
+const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
 }

@@ -29,18 +29,39 @@ typedef struct Made {
     double build_s, compile_s;
 } Made;
 void made_from_text(Made *made, const char *text);
+void made_with_pool(Made *made, const char *text, Pool *pool); /* compiled by several threads */
 void made_from_file(Made *made, const char *path);
 void made_clear(Made *made);
 
-/* Renders with a pool of that many threads and throws the picture away. */
+/* Renders with the scene's bounces. *image is the caller's to clear. */
+RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples,
+                            uint32_t seed, Pool *pool, Image *image);
+/* The same, and throws the picture away. */
 RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples, Pool *pool);
 Pool *pool_of(unsigned threads);
+/* What follows the last '/'. */
+const char *file_name(const char *path);
 
-/* ---- the benchmarks ---- */
+/* ---- the benchmarks; see the table in bench.c ---- */
 
-/* A render's time in ratio to that of its own rays, replayed through bare Embree calls. */
 void bench_limit(char **paths, int n);
-/* Paths per second of the processor. */
 void bench_paths(char **paths, int n);
+void bench_noise(char **paths, int n);
+void bench_threads(char **paths, int n);
+void bench_nesting(void);
+void bench_rays(void);
+void bench_scale(void);
+void bench_objects(void);
+
+/* A soda with ever more, ever smaller bubbles, which fill the same part of it: arguments for snprintf are their number
+ * and the statement that makes one, without its last bracket; `size` is theirs, i the bubble. */
+#define SODA                                                                                                           \
+    "meniscus 1.0 unit mm medium glass { ior = 1.5 state = solid } medium soda { ior = 1.33 state = liquid } "         \
+    "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] } "           \
+    "cylinder drink { interior = soda from = <0, 9.9, 0> to = <0, 80, 0> radius = 37.1 } "                             \
+    "ground { y = -.01 } environment { } camera { from = <0, 90, -240> to = <0, 45, 0> fov = 24 } "                    \
+    "render { bounces = 64 } let n = %u let size = 16 / n ^ (1 / 3) "                                                  \
+    "for (i in 1..n) { let r = 34 * sqrt(rnd(i, 2)) let a = 360 * rnd(i, 1) "                                          \
+    "%s translate(<r * cos(a), 14 + 60 * rnd(i, 4), r * sin(a)>) } }"
 
 #endif
