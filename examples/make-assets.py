@@ -4,8 +4,8 @@
     examples/make-assets.py FOLDER
 
 writes ice1.ply ice2.ply ice3.ply (ice cubes of about 24 units, centred on the origin), water_surface.ply
-(the body of water of the aquarium), goby.ply (a fish of 6 units that swims towards +x) and studio.exr (a
-lat-long environment of soft lights). The same bytes on every run. Python's standard library is enough.
+(the body of water of the aquarium), goby.ply (a fish of 6 units that swims towards +x), studio.exr (a
+lat-long environment of soft lights) and label.png (an oval label, clear around it). The same bytes on every run. Python's standard library is enough.
 SPDX-License-Identifier: Apache-2.0
 """
 
@@ -14,6 +14,7 @@ import os
 import random
 import struct
 import sys
+import zlib
 from array import array
 
 
@@ -410,6 +411,73 @@ def write_studio(path):
             out.write(struct.pack('<ii', j, row_bytes) + studio_row(j))
 
 
+# ---- a label ----
+
+LABEL_WIDTH, LABEL_HEIGHT = 512, 320
+
+# Strokes of letters in a box of 1 by 1.4.
+LETTERS = {
+    'M': [(0, 0, 0, 1.4), (0, 1.4, .5, .6), (.5, .6, 1, 1.4), (1, 1.4, 1, 0)],
+    'E': [(0, 0, 0, 1.4), (0, 0, .85, 0), (0, .72, .7, .72), (0, 1.4, .85, 1.4)],
+    'N': [(0, 0, 0, 1.4), (0, 1.4, 1, 0), (1, 0, 1, 1.4)],
+    'I': [(.5, 0, .5, 1.4)],
+    'S': [(0, .1, .25, 0), (.25, 0, .7, 0), (.7, 0, .95, .2), (.95, .2, .95, .5), (.95, .5, .7, .7), (.7, .7, .3, .7),
+          (.3, .7, .05, .9), (.05, .9, .05, 1.2), (.05, 1.2, .3, 1.4), (.3, 1.4, .75, 1.4), (.75, 1.4, .95, 1.3)],
+    'C': [(1, .25, .7, 0), (.7, 0, .3, 0), (.3, 0, 0, .3), (0, .3, 0, 1.1), (0, 1.1, .3, 1.4), (.3, 1.4, .7, 1.4),
+          (.7, 1.4, 1, 1.15)],
+    'U': [(0, 1.4, 0, .3), (0, .3, .3, 0), (.3, 0, .7, 0), (.7, 0, 1, .3), (1, .3, 1, 1.4)],
+}
+
+
+def stroke_distance(x, y, stroke):
+    ax, ay, bx, by = stroke
+    dx, dy = bx - ax, by - ay
+    t = min(1.0, max(0.0, ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)))
+    return math.hypot(x - ax - t * dx, y - ay - t * dy)
+
+
+def text_distance(word, size, pitch, x, y):
+    """From the middle of the word at the origin, in pixels; far away it is only a bound."""
+    width = (len(word) - 1) * pitch + size
+    k = int(math.floor((x + width / 2 + (pitch - size) / 2) / pitch))
+    if k < 0 or k >= len(word) or abs(y) > size * 1.2:
+        return 1e3
+    u, v = (x + width / 2 - k * pitch) / size, y / size + .7
+    return size * min(stroke_distance(u, v, stroke) for stroke in LETTERS[word[k]])
+
+
+def label_pixel(column, row):
+    x, y = column + .5 - LABEL_WIDTH / 2, LABEL_HEIGHT / 2 - row - .5
+    oval = 1 - math.hypot(x / (LABEL_WIDTH / 2 - 4), y / (LABEL_HEIGHT / 2 - 4))
+    edge = oval * LABEL_HEIGHT / 2
+    paper, ink, red = (244, 234, 208), (46, 38, 60), (160, 30, 36)
+    drop = math.hypot(x, y - 62 + max(0.0, y - 62) * .45) if y < 62 else math.hypot(x * (1 + (y - 62) / 26), (y - 62) * .62)
+    layers = [
+        (red, 3.5 - abs(edge - 12)), (ink, 1.2 - abs(edge - 20)),
+        (red, 17 - drop), (ink, 4.2 - text_distance('MENISCUS', 30, 44, x, y + 12)),
+        (ink, 1.2 - abs(y + 54) if abs(x) < 120 else -1), (red, 2.6 - text_distance('NUCIS', 20, 31, x, y + 86)),
+    ]
+    color = paper
+    for layer, inside in layers:
+        part = smoothstep(-.7, .7, inside)
+        color = tuple(a + (b - a) * part for a, b in zip(color, layer))
+    return [int(c + .5) for c in color] + [int(255 * smoothstep(-.7, .7, edge) + .5)]
+
+
+def png_chunk(kind, body):
+    return struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
+
+
+def write_label(path):
+    rows = b''.join(b'\0' + bytes(b for column in range(LABEL_WIDTH) for b in label_pixel(column, row))
+                    for row in range(LABEL_HEIGHT))
+    with open(path, 'wb') as out:
+        out.write(b'\x89PNG\r\n\x1a\n')
+        out.write(png_chunk(b'IHDR', struct.pack('>IIBBBBB', LABEL_WIDTH, LABEL_HEIGHT, 8, 6, 0, 0, 0)))
+        out.write(png_chunk(b'IDAT', zlib.compress(rows, 9)))
+        out.write(png_chunk(b'IEND', b''))
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit('usage: make-assets.py FOLDER')
@@ -419,6 +487,7 @@ def main():
         make_ice(i).write(os.path.join(folder, 'ice%d.ply' % i))
     make_water().write(os.path.join(folder, 'water_surface.ply'))
     make_goby().write(os.path.join(folder, 'goby.ply'))
+    write_label(os.path.join(folder, 'label.png'))
     write_studio(os.path.join(folder, 'studio.exr'))
 
 
