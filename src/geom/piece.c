@@ -275,6 +275,22 @@ ATTR_COLD static bool crossing_leaves(const Piece *piece, Vec3 org, Vec3 dir, do
     return crossings.n ? crossings.leaving[nearest] : cosine > 0;
 }
 
+/* Where a tube's normal points at p, from the circle that it is about. */
+static Vec3 tube_normal(const Piece *piece, const Tube *tube, Vec3 p)
+{
+    double from_axis = sqrt(p.x * p.x + p.z * p.z);
+    double r = from_axis - tube->centre_r, y = p.y - tube->centre_y;
+    /* A crossing that rounding puts beyond the arc's top or bottom is still one of the arc. */
+    if (tube->part == TUBE_OUTER) r = double_max(r, 0);
+    if (tube->part == TUBE_INNER) r = double_min(r, 0);
+    double squared = r * r + y * y;
+    if (!(squared > 0)) return vec3(0, 1, 0);
+    double scale = arc_side(piece) / sqrt(squared);
+    if (!(from_axis > 0)) return vec3(r * scale, y * scale, 0);
+    double across = r * scale / from_axis;
+    return vec3(p.x * across, y * scale, p.z * across);
+}
+
 static Vec3 unaided_normal(const Piece *piece, Vec3 p)
 {
     switch (piece->kind) {
@@ -282,21 +298,16 @@ static Vec3 unaided_normal(const Piece *piece, Vec3 p)
     case PIECE_BAND: {
         double er = piece->r1 - piece->r0;
         double ey = piece->y1 - piece->y0;
-        double scale = 1 / sqrt(er * er + ey * ey);
-        Vec3 out = away_from_axis(p);
-        return vec3(out.x * ey * scale, -er * scale, out.z * ey * scale);
+        double squared = p.x * p.x + p.z * p.z, length = er * er + ey * ey;
+        if (!(squared > 0)) return vec3_normalize(vec3(ey, -er, 0));
+        double scale = 1 / sqrt(squared * length);
+        return vec3(p.x * ey * scale, -er * sqrt(squared) * scale, p.z * ey * scale);
     }
     case PIECE_TORUS:
     case PIECE_OUTER_ARC:
     case PIECE_INNER_ARC: {
         Tube tube = tube_of(piece);
-        double r = sqrt(p.x * p.x + p.z * p.z) - tube.centre_r, y = p.y - tube.centre_y;
-        /* A crossing that rounding puts beyond the arc's top or bottom is still one of the arc. */
-        if (tube.part == TUBE_OUTER) r = fmax(r, 0);
-        if (tube.part == TUBE_INNER) r = fmin(r, 0);
-        double length = sqrt(r * r + y * y), scale = length > 0 ? arc_side(piece) / length : 0;
-        Vec3 out = away_from_axis(p);
-        return scale != 0 ? vec3(out.x * r * scale, y * scale, out.z * r * scale) : vec3(0, 1, 0);
+        return tube_normal(piece, &tube, p);
     }
     case PIECE_RECT:
     case PIECE_PLANE: break;
@@ -317,8 +328,8 @@ static double graze_of(const Piece *piece)
 static double turning_length(const Piece *piece, Vec3 p)
 {
     double across = fabs(p.x) + fabs(p.z);
-    if (piece->kind == PIECE_TORUS) return fmin(across, piece->r1);
-    if (is_arc(piece)) return fmin(across, fabs(piece->r0 - piece->centre_r) + fabs(piece->y0 - piece->centre_y));
+    if (piece->kind == PIECE_TORUS) return double_min(across, piece->r1);
+    if (is_arc(piece)) return double_min(across, fabs(piece->r0 - piece->centre_r) + fabs(piece->y0 - piece->centre_y));
     return across;
 }
 
@@ -326,13 +337,13 @@ Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t)
 {
     Vec3 p = vec3_along(org, t, dir);
     Vec3 normal = unaided_normal(piece, p);
-    double squared = vec3_dot(dir, dir);
-    double length = sqrt(squared);
-    double cosine = vec3_dot(normal, dir) / length;
+    double slope = vec3_dot(normal, dir), squared = vec3_dot(dir, dir);
     double reach = fabs(org.x) + fabs(org.z) + fabs(t) * (fabs(dir.x) + fabs(dir.z));
     if (piece->kind != PIECE_BAND) reach += fabs(org.y) + fabs(t * dir.y);
-    double across = turning_length(piece, p), least = graze_of(piece);
-    if (LIKELY(fabs(cosine) * across > least * across + 1e-14 * reach)) return normal;
+    double across = turning_length(piece, p);
+    if (LIKELY(slope * slope > 1e-2 * squared && across > 1e-6 * reach)) return normal;
+    double length = sqrt(squared), cosine = slope / length, least = graze_of(piece);
+    if (fabs(cosine) * across > least * across + 1e-14 * reach) return normal;
     /* A graze, or a place where the normal is all rounding: what counts is which way the surface is crossed,
      * and that is known. The normal is tilted to say the same. */
     double side = crossing_leaves(piece, org, dir, t, cosine) ? 1 : -1;
@@ -364,7 +375,10 @@ static double turn_fraction(double x, double y)
 }
 
 /* About the axis, counter-clockwise seen from above: to the right, seen from outside. */
-static double turn_about_axis(Vec3 p) { return turn_fraction(p.x, -p.z); }
+static double turn_about_axis(Vec3 p)
+{
+    return turn_fraction(p.x, -p.z);
+}
 
 /* The angle at an arc's centre from its start to (r, y), positive along the arc, -90 to 270 degrees. */
 static double arc_angle(const Piece *piece, double r, double y)

@@ -53,12 +53,11 @@ typedef struct PieceRoot {
 /* A line in a piece's frame, org + t dir, with what all pieces of a solid ask of it. dir need not be unit. */
 typedef struct PieceLine {
     Vec3 org, dir;
-    double inverse_y;       /* 1 / dir.y; 0 where that is 0 */
-    double inverse_squared; /* 1 / dir.dir */
+    double inverse_y; /* 1 / dir.y; 0 where that is 0 */
 } PieceLine;
 static inline PieceLine piece_line(Vec3 org, Vec3 dir)
 {
-    return (PieceLine){org, dir, fabs(dir.y) > 1e-300 ? 1 / dir.y : 0, 1 / vec3_dot(dir, dir)};
+    return (PieceLine){org, dir, fabs(dir.y) > 1e-300 ? 1 / dir.y : 0};
 }
 
 enum { PIECE_MAX_ROOTS = 4 };
@@ -76,6 +75,11 @@ int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double
  * The sign of its product with dir tells which way the surface is crossed, and never contradicts the order
  * of crossings: at grazing incidence, where rounding could turn it over, it is tilted by about 1e-9. */
 Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t);
+/* Whether the normal for shading is another one than the geometric, to more than float tells. */
+static inline bool piece_is_smoothed(const Piece *piece)
+{
+    return piece->kind == PIECE_BAND && !(piece->nr0 == piece->nr1 && piece->ny0 == piece->ny1);
+}
 /* The geometry at one of these crossings. */
 void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root);
 /* How u and v change at a point of the surface: their gradients along it, in the piece's frame; zero on the axis, where u

@@ -27,9 +27,8 @@ void hit_list_clear(HitList *list)
     *list = (HitList){0};
 }
 
-static bool hit_list_room(HitList *list)
+ATTR_COLD static bool hit_list_grow(HitList *list)
 {
-    if (LIKELY(list->n < list->capacity)) return true;
     size_t capacity = list->capacity ? list->capacity * 2 : 16;
     Hit *items = realloc(list->items, capacity * sizeof *items);
     if (!items) {
@@ -55,6 +54,13 @@ static double window_behind(const Query *query, const Hit *hit)
     return double_max(query->least_window, (4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t)) / cosine);
 }
 
+/* Whether the search went that far. */
+static inline bool reaches_behind(const Query *query, const Hit *hit)
+{
+    double cosine = double_max(fabs(hit->cos_normal), LEAST_COSINE);
+    return 4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t) <= (query->reach - hit->t) * cosine;
+}
+
 /* The upper end of Embree's search, for what the true ray calls t. */
 static float embree_t(const Query *query, double t)
 {
@@ -68,16 +74,25 @@ static bool is_target(const Ray *ray, uint32_t object, uint32_t primitive)
     return object == ray->target && (ray->target_primitive == RTC_NO_OBJECT || primitive == ray->target_primitive);
 }
 
-static void append(Query *query, const Hit *hit)
+/* The place of the next hit of the list; NULL when memory ends. Of a hit that is put off no more than these fields is
+ * set: a cosine of 0 says so. */
+static inline Hit *next_hit(Query *query, double t, uint32_t object, uint32_t primitive)
 {
-    if (hit_list_room(query->hits)) query->hits->items[query->hits->n++] = *hit;
+    HitList *hits = query->hits;
+    if (UNLIKELY(hits->n == hits->capacity) && !hit_list_grow(hits)) return NULL;
+    Hit *hit = &hits->items[hits->n];
+    hit->t = t;
+    hit->object = object;
+    hit->primitive = primitive;
+    hit->cos_normal = 0;
+    return hit;
 }
 
 /* A candidate of rtc_all. Returns whether the search may end at once. */
 static bool take_any(Query *query, Hit *hit)
 {
     if (!query->stop_at_opaque || !query->scene->objects[hit->object].opaque) {
-        append(query, hit);
+        query->hits->n++;
         return false;
     }
     query->blocked = !is_target(query->ray, hit->object, hit->primitive) && rtc_complete_hit(query, hit);
@@ -89,15 +104,15 @@ static bool take_any(Query *query, Hit *hit)
 static bool take_exactly(Query *query, Hit *hit)
 {
     if (!rtc_complete_hit(query, hit) || hit->t > query->reach) return false;
-    append(query, hit);
+    query->hits->n++;
     query->reach = double_min(query->reach, hit->t + window_behind(query, hit));
     return true;
 }
 
 /* A candidate of rtc_nearest that is in front of the start for certain: it is put off. */
-static bool put_off(Query *query, const Hit *hit)
+static inline bool put_off(Query *query, const Hit *hit)
 {
-    append(query, hit);
+    query->hits->n++;
     query->reach = double_min(query->reach, hit->t + noise_at(query, hit->t) / USUAL_COSINE);
     return true;
 }
@@ -108,29 +123,30 @@ static bool is_start(const Query *query, const Hit *left, double t, bool leaving
     return t <= DOUBLE_NOISE * double_max(query->scale, query->ray->start_scale) && left->inside != leaving;
 }
 
+static bool take_crossing(Query *query, RtcPiece which, double t, bool leaving)
+{
+    const Hit *left = rtc_find_left(query->ray, which.object, which.piece);
+    if (left && is_start(query, left, t, leaving)) return false;
+    Hit *hit = next_hit(query, t, which.object, which.piece);
+    if (UNLIKELY(!hit)) return false;
+    if (query->all) return take_any(query, hit);
+    if (query->exact || left) return take_exactly(query, hit);
+    return t <= query->reach && put_off(query, hit);
+}
+
 static bool consider_piece(Query *query, RtcPiece which)
 {
     if (query->local.object != which.object) rtc_enter_frame(query, which.object);
     const PieceLine *line = &query->local.line;
-    const Ray *ray = query->ray;
     PieceCrossings crossings;
     piece_cross(&query->scene->objects[which.object].solid->pieces[which.piece], line, query->t_min,
-                double_min(ray->t_max, query->reach), &crossings);
+                double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++) {
         double t = crossings.t[i];
-        if (which.sector != RTC_ALL_SECTORS &&
-            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) != which.sector)
-            continue;
-        const Hit *left = rtc_find_left(ray, which.object, which.piece);
-        if (left && is_start(query, left, t, crossings.leaving[i])) continue;
-        Hit hit = {.t = t, .object = which.object, .primitive = which.piece};
-        if (query->all)
-            shrink |= take_any(query, &hit);
-        else if (query->exact || left)
-            shrink |= take_exactly(query, &hit);
-        else if (t <= query->reach)
-            shrink |= put_off(query, &hit);
+        if (which.sector == RTC_ALL_SECTORS ||
+            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == which.sector)
+            shrink |= take_crossing(query, which, t, crossings.leaving[i]);
     }
     return shrink;
 }
@@ -141,11 +157,9 @@ static struct RTCRay *ray_of(struct RTCRayN *ray)
     return (struct RTCRay *)(void *)ray;
 }
 
-static Hit hit_of(struct RTCHitN *embree_hit)
+static inline uint32_t object_of(const struct RTCHit *hit)
 {
-    const struct RTCHit *hit = (const struct RTCHit *)(const void *)embree_hit;
-    uint32_t object = hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
-    return (Hit){.object = object, .primitive = hit->primID, .u = hit->u, .v = hit->v};
+    return hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
 }
 
 /* Whether a triangle that the ray starts on is met no more: a straight line that starts in a plane, or beyond it, does not
@@ -156,21 +170,29 @@ static bool is_behind(const Ray *ray, const Hit *left)
     return left->inside == (slope < 0) && fabs(slope) > LEAST_COSINE;
 }
 
+/* A triangle that Embree has found; its t and the object that it is of. */
+static bool consider_triangle(Query *query, const struct RTCHit *found, float embree_tfar)
+{
+    const Ray *ray = query->ray;
+    uint32_t object = object_of(found);
+    const Hit *left = rtc_find_left(ray, object, found->primID);
+    if (left && is_behind(ray, left)) return false;
+    double t = (double)embree_tfar - query->back;
+    Hit *hit = next_hit(query, t, object, found->primID);
+    if (UNLIKELY(!hit)) return false;
+    hit->u = found->u;
+    hit->v = found->v;
+    if (query->all) return take_any(query, hit);
+    double doubt = noise_at(query, t) / USUAL_COSINE;
+    bool certain = !query->exact && !left && t > query->t_min + doubt && t < ray->t_max - doubt;
+    return LIKELY(certain) ? put_off(query, hit) : take_exactly(query, hit);
+}
+
 void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
     struct RTCRay *embree = ray_of(arguments->ray);
-    const Ray *ray = query->ray;
-    Hit hit = hit_of(arguments->hit);
-    const Hit *left = rtc_find_left(ray, hit.object, hit.primitive);
-    bool taken = false;
-    if (!left || !is_behind(ray, left)) {
-        hit.t = (double)embree->tfar - query->back;
-        double doubt = noise_at(query, hit.t) / USUAL_COSINE;
-        bool certain = !query->exact && !left && hit.t > query->t_min + doubt && hit.t < ray->t_max - doubt;
-        taken = certain ? put_off(query, &hit) : take_exactly(query, &hit);
-    }
-    if (taken)
+    if (consider_triangle(query, (const struct RTCHit *)(const void *)arguments->hit, embree->tfar))
         embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
     else
         arguments->valid[0] = 0;
@@ -179,9 +201,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    Hit hit = hit_of(arguments->hit);
-    const Hit *left = rtc_find_left(query->ray, hit.object, hit.primitive);
-    if ((left && is_behind(query->ray, left)) || !take_any(query, &hit)) arguments->valid[0] = 0;
+    if (!consider_triangle(query, (const struct RTCHit *)(const void *)arguments->hit, 0)) arguments->valid[0] = 0;
 }
 
 /* Around an eighth: the corners of its profile are extreme, as sine and cosine are monotonic in between. */
@@ -249,12 +269,16 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 }
 
 /* Debian's Embree aborts on rays that are not finite or very far away. */
-static bool usable(const Ray *ray)
+static inline bool is_tame(double x)
 {
-    const double limit = 1e18;
-    return vec3_max_abs(ray->origin) < limit && vec3_max_abs(vec3_from_f(ray->direction)) < limit &&
-           vec3_is_finite(ray->origin) && vec3_is_finite(vec3_from_f(ray->direction)) && ray->t_min >= 0 &&
-           ray->t_min < limit;
+    return fabs(x) < 1e18; /* not of NaN, either */
+}
+
+static inline bool usable(const Ray *ray)
+{
+    return is_tame(ray->origin.x) && is_tame(ray->origin.y) && is_tame(ray->origin.z) &&
+           is_tame((double)ray->direction.x) && is_tame((double)ray->direction.y) &&
+           is_tame((double)ray->direction.z) && ray->t_min >= 0 && is_tame(ray->t_min);
 }
 
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits)
@@ -403,7 +427,7 @@ static bool complete_nearest(Query *query)
     }
     hits->n = n;
     if (n > 1) sort_hits(hits);
-    return n == 0 || hits->items[0].t + window_behind(query, &hits->items[0]) <= query->reach;
+    return n == 0 || reaches_behind(query, &hits->items[0]);
 }
 
 /* The same with every candidate computed exactly as it comes; a chain of surfaces at one place may come near the end of

@@ -121,9 +121,10 @@ double rtc_rounding(Vec3 p);
 typedef struct HitSurface {
     Vec3 position;  /* on the surface, double */
     Vec3f shading;  /* shading normal, unit, outward; on the geometric normal's side */
-    float uv[2];
 } HitSurface;
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
+/* A surface's own coordinates where it was met: barycentric ones of a triangle, PieceRoot's of a piece. */
+void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2]);
 
 /* Where on its object a surface was met, for textures: in the object's own frame, where it stays while the object moves or
  * its mesh deforms. */

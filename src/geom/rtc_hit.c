@@ -143,7 +143,7 @@ void rtc_enter_frame(Query *query, uint32_t object_id)
     } else if (object->maps) {
         local->to_local = &object->maps->to_local;
     } else {
-        double smaller = 1 / object->scale;
+        double smaller = object->scale == 1 ? 1 : 1 / object->scale;
         local->line = piece_line(vec3_scale(vec3_sub(query->origin, object->place), smaller),
                                  vec3_scale(query->direction, smaller));
         return;
@@ -198,7 +198,7 @@ static Vec3f interpolated_normal(const Mesh *mesh, const uint32_t triangle[3], c
 
 /* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
  * other side. */
-static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, double time, const Hit *hit)
+static Vec3f mesh_shading(const RtcScene *scene, const RtcPlaced *object, double time, const Hit *hit)
 {
     const Mesh *mesh = object->mesh;
     if (!mesh->normals) return hit->normal;
@@ -209,31 +209,36 @@ static Vec3f mesh_shading(const RtcPlaced *object, const Affine *to_local, doubl
         Vec3f end = interpolated_normal(mesh_end, triangle, hit);
         local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
     }
-    Vec3 world = affine_normal(to_local, vec3_from_f(local));
+    Vec3 world = vec3_from_f(local);
+    if (object->maps || object->detail->keys) {
+        Affine to_local = rtc_to_local(scene, object, time);
+        world = affine_normal(&to_local, world);
+    }
     double length = vec3_length(world);
     if (!(length > 0)) return hit->normal;
     Vec3f shading = vec3f_from(vec3_scale(world, 1 / length));
     return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
 }
 
+/* The normal of a piece that is smoothed, or the geometric one. */
+static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const Ray *ray, const Hit *hit)
+{
+    const Piece *piece = &object->solid->pieces[hit->primitive];
+    if (!piece_is_smoothed(piece)) return hit->normal;
+    Affine to_local = rtc_to_local(scene, object, ray->time);
+    PieceRoot root;
+    piece_surface(piece, affine_point(&to_local, ray->origin), affine_vector(&to_local, vec3_from_f(ray->direction)),
+                  hit->t, &root);
+    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&to_local, root.shading)));
+    return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
+}
+
 void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    Affine to_local = rtc_to_local(scene, object, ray->time);
     surface->position = ray_point(ray, hit->t);
-    if (object->mesh) {
-        surface->shading = mesh_shading(object, &to_local, ray->time, hit);
-        surface->uv[0] = hit->u;
-        surface->uv[1] = hit->v;
-        return;
-    }
-    PieceRoot root;
-    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),
-                  affine_vector(&to_local, vec3_from_f(ray->direction)), hit->t, &root);
-    Vec3f shading = vec3f_from(vec3_normalize(affine_normal(&to_local, root.shading)));
-    surface->shading = vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
-    surface->uv[0] = (float)root.u;
-    surface->uv[1] = (float)root.v;
+    surface->shading =
+        object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 
 /* p moved towards the middle of the triangle until it is `margin` away from every edge. */

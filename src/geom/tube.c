@@ -273,12 +273,12 @@ void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *s
     if (!span) span = &everything;
     Vec3 org = piece_line->org, dir = piece_line->dir;
     org.y -= tube->centre_y;
-    double radius = sqrt(tube->squared), length = vec3_dot(dir, dir);
+    double radius = sqrt(tube->squared), length = vec3_dot(dir, dir), inverse = 1 / length;
     TubeLine line = {.tube = tube,
-                     .base = -vec3_dot(org, dir) * piece_line->inverse_squared,
+                     .base = -vec3_dot(org, dir) * inverse,
                      .dir = dir,
                      .length = length,
-                     .inverse = piece_line->inverse_squared,
+                     .inverse = inverse,
                      .speed = sqrt(length),
                      .radius = radius,
                      .squared = tube->squared,

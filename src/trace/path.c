@@ -78,7 +78,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     sight->distance = event->hit.t;
     sight->position = at.position;
     sight->normal = event->hit.cos_normal < 0 ? at.shading : vec3f_negate(at.shading);
-    for (int i = 0; i < 2; i++) sight->uv[i] = at.uv[i];
+    rtc_uv(world->compiled->rtc, &path->ray, &event->hit, sight->uv);
     for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
     if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
         reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);
