@@ -88,14 +88,27 @@ static inline Hit *next_hit(Query *query, double t, uint32_t object, uint32_t pr
     return hit;
 }
 
+static bool starts_on(const Ray *ray, uint32_t object)
+{
+    for (size_t i = 0; i < ray->n_left; i++)
+        if (ray->left[i].object == object) return true;
+    return false;
+}
+
 /* A candidate of rtc_all. Returns whether the search may end at once. */
 static bool take_any(Query *query, Hit *hit)
 {
-    if (!query->stop_at_opaque || !query->scene->objects[hit->object].opaque) {
+    const RtcPlaced *object = &query->scene->objects[hit->object];
+    const Ray *ray = query->ray;
+    bool clear = !object->opaque;
+    if (!query->stop_at_opaque || (clear && (!(object->stops & ray->stops) || starts_on(ray, hit->object)))) {
         query->hits->n++;
         return false;
     }
-    query->blocked = !is_target(query->ray, hit->object, hit->primitive) && rtc_complete_hit(query, hit);
+    bool target = is_target(ray, hit->object, hit->primitive);
+    if (!target && !rtc_complete_hit(query, hit)) return false;
+    query->blocked = !target && !(clear && hit->doubtful);
+    if (UNLIKELY(clear && !query->blocked)) query->hits->n++;
     return query->blocked;
 }
 

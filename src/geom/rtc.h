@@ -42,6 +42,9 @@ typedef RtcObject RtcDescribe(const void *context, uint32_t i);
 ATTR_NODISCARD Status rtc_scene_new_from(RtcDescribe *describe, const void *context, uint32_t n_objects, uint32_t n_keys,
                                          unsigned n_threads, RtcScene **scene, Error *error);
 void rtc_scene_free(RtcScene *scene);
+/* The classes of straight rays that an object which is not opaque stops as well, whatever is on their way; see Ray.stops.
+ * None unless set; not while rays are traced. */
+void rtc_set_stops(RtcScene *scene, uint32_t object, uint32_t classes);
 /* Around everything but unbounded planes; empty for an empty scene. */
 Box3 rtc_scene_bounds(const RtcScene *scene);
 /* Whether the object is a plane without end, which divides space: rays that stay on one side never tell which it is. */
@@ -63,6 +66,7 @@ typedef struct Ray {
     double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
     uint32_t target_primitive; /* of it only this primitive does not; RTC_NO_OBJECT: none of them */
+    uint32_t stops;          /* rtc_all with stop_at_opaque: ends at objects of these classes, too, but at ones it starts on */
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
     double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
@@ -109,8 +113,8 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
 /* How many of n >= 1 hits in increasing t stand at one place with the first. */
 size_t rtc_cluster(const Hit *hits, size_t n);
 
-/* Every surface along the ray in increasing t. With stop_at_opaque the search ends as soon as any opaque object is
- * found in the way, wherever: it returns false and the list holds nothing of use. Otherwise true. */
+/* Every surface along the ray in increasing t. With stop_at_opaque the search ends as soon as any opaque object, or
+ * another that stops the ray, is found in the way, wherever: it returns false and the list holds nothing of use. Otherwise true. */
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
 
 /* The distance that the coordinates of a point can be off by rounding: four units in the last place of its

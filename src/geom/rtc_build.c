@@ -455,6 +455,11 @@ void rtc_scene_free(RtcScene *scene)
     free(scene);
 }
 
+void rtc_set_stops(RtcScene *scene, uint32_t object, uint32_t classes)
+{
+    scene->objects[object].stops = classes;
+}
+
 Box3 rtc_scene_bounds(const RtcScene *scene)
 {
     return scene->bounds;

@@ -30,6 +30,7 @@ typedef struct RtcPlaced {
     Vec3 place;
     double scale;        /* > 0 */
     bool opaque;
+    uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
 } RtcPlaced;
 

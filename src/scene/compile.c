@@ -274,7 +274,7 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
         compiled->pairs[i].a = compiled->object_of_hull[compiled->pairs[i].a];
         compiled->pairs[i].b = compiled->object_of_hull[compiled->pairs[i].b];
     }
-    return STATUS_OK;
+    return compiled_mark_stops(compiled, error);
 }
 
 Status compile_scene(const Scene *scene, NestPolicy policy, Pool *pool, Diag *diag, CompiledScene **out, Error *error)

@@ -62,6 +62,16 @@ ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool 
                                     Error *error);
 void compiled_scene_free(CompiledScene *compiled);
 
+/* Media have classes, of which a ray can be said to start in one (Ray.stops): rtc_all then ends at objects that stop
+ * light from there for certain. Only the first media have one; the world's is the first. */
+enum { COMPILED_STOP_CLASSES = 32 };
+static inline uint32_t compiled_stop_class(uint32_t medium)
+{
+    return medium < COMPILED_STOP_CLASSES ? 1U << medium : 0;
+}
+/* Tells rtc which objects do; part of compile_scene. */
+ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error);
+
 /* The hulls that hold a point at a time 0..1 of the shutter, found by tracing from outside of the scene to it along one direction, again along
  * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the
  * object whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */

@@ -193,19 +193,20 @@ static Lanes transmit_uneven(Path *path, const Ray *ray)
     return left;
 }
 
-bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     tracer->counters.rays++;
-    if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
-    const Hit *hits = tracer->shadow_hits.items;
-    size_t n = tracer->shadow_hits.n;
     if (!path_cross_towards(tracer, ray, &tracer->shadow_list)) {
         tracer->out_of_memory = true;
         return false;
     }
     uint32_t medium = nest_medium(&world->compiled->order, &tracer->shadow_list);
+    ray->stops = compiled_stop_class(medium);
+    if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
+    const Hit *hits = tracer->shadow_hits.items;
+    size_t n = tracer->shadow_hits.n;
     Lanes depth = lanes_all(0), nm = path->wavelengths.nm;
     bool uneven = false;
     double t_done = 0;

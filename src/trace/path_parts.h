@@ -68,7 +68,7 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list);
 /* Transmittance of a straight shadow ray from the path's place; false when something blocks it. Opaque
  * objects and visible boundaries block: light that crosses a boundary arrives by paths that are bent there.
  * tracer->shadow_list is then the list at its end. */
-bool path_shadow(Path *path, const Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
+bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 
 /* ---- shade.c ---- */
 
