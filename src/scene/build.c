@@ -295,7 +295,7 @@ static void build_settings(Builder *b)
         void (*build)(Builder *b, const EvalNode *node);
     } settings[] = {{"environment", build_environment}, {"film", build_film}, {"render", build_render}};
     b->scene->film = (SceneFilm){.width = 640, .height = 480};
-    b->scene->render = (SceneRender){.samples = 256, .bounces = 32};
+    b->scene->render = (SceneRender){.samples = 256, .bounces = 256};
     for (size_t i = 0; i < COUNT_OF(settings) && b->status == STATUS_OK; i++) {
         const EvalNode *node = find_single(b, settings[i].type);
         if (node) settings[i].build(b, node);

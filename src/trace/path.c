@@ -16,6 +16,9 @@
  * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the
  * error after equal time: from 0.05 to 0.2 there is little difference; 1 is worse by up to a half. */
 #define ROULETTE_BELOW 0.1f
+/* What is reflected totally, again and again, carries on as it was: beyond many bounces one in twenty ends each time, long
+ * before the scene's limit would cut off what the others, in their place, bring home. */
+#define LONG_WAY_SURVIVAL 0.95f
 
 void tracer_init(Tracer *tracer, const World *world)
 {
@@ -105,8 +108,9 @@ static bool survives(Path *path)
     if (lanes_zero(path->beta)) return false;
     float carried = lanes_max(path->beta) / lanes_mean(path->ratio) * 0.25f;
     carried = float_max(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
-    if (carried >= ROULETTE_BELOW) return true;
-    carried *= 1 / ROULETTE_BELOW;
+    bool long_way = path->n_counted > path->tracer->world->long_way;
+    if (LIKELY(carried >= ROULETTE_BELOW && !long_way)) return true;
+    carried = float_min(carried * (1 / ROULETTE_BELOW), 1) * (long_way ? LONG_WAY_SURVIVAL : 1);
     if (sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_ROULETTE)) >= carried) return false;
     path->beta = lanes_scale(path->beta, 1 / carried);
     return true;

@@ -53,6 +53,7 @@ typedef struct World {
     bool no_absorption;
     bool white_noise;       /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
+    uint32_t long_way;      /* bounces after which even paths that carry much are left to chance: half of these, and many */
 } World;
 
 ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,

@@ -194,6 +194,30 @@ static void threads_do_not_matter(void **state)
     fixture_clear(&scene);
 }
 
+/* Total reflection within a cut diamond is not cut off by the default number of bounces, which 32 would do. The paths are
+ * the same ones, so that their means differ by what is cut off alone. */
+static void long_ways_are_not_cut_off(void **state)
+{
+    (void)state;
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.file = "examples/diamond.mns", .policy = NEST_AUTOMATIC});
+    const uint32_t bounces[] = {32, scene.scene->render.bounces, 4000};
+    double mean[3] = {0};
+    for (int i = 0; i < 3; i++) {
+        Picture picture;
+        RenderSettings settings = settings_of(&scene, 0, 192, 1);
+        settings.bounces = bounces[i];
+        render(&scene, &settings, 0, &picture);
+        for (uint32_t p = 0; p < PIXELS; p++) mean[i] += truth_luminance(&picture, p % WIDTH, p / WIDTH) / PIXELS;
+        truth_clear(&picture);
+    }
+    print_message("a diamond with %u, %u and %u bounces: %.6f, %.6f, %.6f\n", bounces[0], bounces[1], bounces[2],
+                  mean[0], mean[1], mean[2]);
+    assert_true(mean[0] < 0.997 * mean[2]);
+    assert_near(mean[1] / mean[2], 1, 0.001);
+    fixture_clear(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -203,6 +227,7 @@ int main(void)
         cmocka_unit_test(snells_window),
         cmocka_unit_test(rare_light_is_not_lost),
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(long_ways_are_not_cut_off),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
