@@ -169,6 +169,9 @@ static void soup_from_scene(Soup *soup, const CompiledScene *compiled)
             soup->steps[i] = fmax(soup->steps[i], 2 * off);
             soup->pieces = true;
         }
+        /* a ray may be aimed at any point of a ball that shines, and ends before the ball */
+        if (object->light != SCENE_NONE && compiled->scene->lights[object->light].kind == LIGHT_SPHERE)
+            soup->steps[i] = 2 * compiled->scene->lights[object->light].half_width;
     }
 }
 
