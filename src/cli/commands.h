@@ -15,6 +15,7 @@ ATTR_NODISCARD Status cmd_params(const Options *options, const Talk *talk, Error
 ATTR_NODISCARD Status cmd_view(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_compare(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_info(const Options *options, const Talk *talk, Error *error);
+ATTR_NODISCARD Status cmd_bench(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_completion(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_help(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_manual(const Options *options, const Talk *talk, Error *error);

@@ -1,4 +1,4 @@
-# tools.sh - view, compare, info, completion, version.
+# tools.sh - view, compare, info, bench, completion, version.
 # SPDX-License-Identifier: Apache-2.0
 
 begin "compare: equal pictures, different ones, other sizes"
@@ -49,6 +49,17 @@ exits 4
 printf 'no picture' > text.exr
 run view text.exr -o b.png
 exits 4
+end
+
+begin "bench: paths and rays of one thread and of two"
+run bench -j 2
+exits 0
+matches out '^ +1 thread +[0-9.]+ million paths a second +[0-9.]+ million rays a second$'
+matches out '^ +2 threads +[0-9.]+ million paths a second .* [0-9.]+ x$'
+run bench -j 1 --json
+exits 0
+is_json out
+matches out '"pathsPerSecond": [1-9]'
 end
 
 begin "info: meshes"

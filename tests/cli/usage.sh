@@ -94,7 +94,7 @@ there a.exr
 end
 
 begin "help goes to standard output, status 0"
-for command in render check params view compare info completion help version; do
+for command in render check params view compare info bench completion help version; do
     run $command -h
     exits 0
     says out "usage: meniscus $command"
