@@ -33,21 +33,15 @@ static Lanes absorption_of(const World *world, const SceneMedium *medium, Lanes 
     return medium->absorbs && !world->no_absorption ? spectrum_at(&medium->absorption, wavelength_nm) : lanes_all(0);
 }
 
-FreeFlight flight_begin(Path *path)
+void flight_draw(const Path *path, FreeFlight *flight)
 {
-    FreeFlight flight = {.budget = INFINITY, .scattered = lanes_all(0), .absorbed = lanes_all(0)};
     const World *world = path->tracer->world;
-    if (path->straight) return flight;
-    if (world->scatters || world->media.vary)
-        flight.budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
-    if (world->media.vary) flight.key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce);
-    return flight;
+    flight->budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
+    if (world->media.vary) flight->key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce);
 }
 
-double flight_even(FreeFlight *flight, const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+double flight_through(FreeFlight *flight, const World *world, const SceneMedium *m, double length, Lanes wavelength_nm)
 {
-    const SceneMedium *m = &world->scene->media[medium];
-    if (!(length > 0)) return length;
     if (m->scatters && flight->budget < INFINITY) {
         Lanes coefficient = spectrum_at(&m->scattering, wavelength_nm);
         double hero = (double)lanes_get(coefficient, 0), reach = (double)flight->budget;
@@ -70,7 +64,7 @@ static Lanes lane_factor(const FreeFlight *flight)
     return flight_attenuation(lanes_sub(flight->scattered, lanes_all(lanes_get(flight->scattered, 0))));
 }
 
-void flight_end(Path *path, const FreeFlight *flight, bool even)
+void flight_weigh(Path *path, const FreeFlight *flight, bool even)
 {
     path->beta = lanes_mul(path->beta, flight_attenuation(flight->absorbed));
     if (!path->tracer->world->scatters) return;
@@ -80,13 +74,10 @@ void flight_end(Path *path, const FreeFlight *flight, bool even)
     path->ratio = lanes_mul(path->ratio, factor);
 }
 
-Lanes flight_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+Lanes flight_extinction(const World *world, const SceneMedium *medium, Lanes wavelength_nm)
 {
-    const SceneMedium *m = &world->scene->media[medium];
-    if (!(length > 0) || (!m->absorbs && !m->scatters)) return lanes_all(0);
-    Lanes extinction = absorption_of(world, m, wavelength_nm);
-    if (m->scatters) extinction = lanes_add(extinction, spectrum_at(&m->scattering, wavelength_nm));
-    return lanes_scale(extinction, finite_length(length));
+    Lanes absorption = absorption_of(world, medium, wavelength_nm);
+    return medium->scatters ? lanes_add(absorption, spectrum_at(&medium->scattering, wavelength_nm)) : absorption;
 }
 
 /* ---- what fills a place ---- */

@@ -18,15 +18,38 @@ typedef struct FreeFlight {
     uint32_t key, n_drawn;     /* of the flight's own random numbers */
 } FreeFlight;
 
-FreeFlight flight_begin(Path *path);
+/* The parts of those below that scenes without such media need not pay for. */
+void flight_draw(const Path *path, FreeFlight *flight);
+double flight_through(FreeFlight *flight, const World *world, const SceneMedium *medium, double length,
+                      Lanes wavelength_nm);
+void flight_weigh(Path *path, const FreeFlight *flight, bool even);
+
+static inline FreeFlight flight_begin(const Path *path)
+{
+    FreeFlight flight = {.budget = INFINITY, .scattered = lanes_all(0), .absorbed = lanes_all(0)};
+    const World *world = path->tracer->world;
+    if (UNLIKELY(world->scatters || world->media.vary) && !path->straight) flight_draw(path, &flight);
+    return flight;
+}
+
 /* Up to `length` through an even medium; returns how far it came: less where it is scattered. */
-double flight_even(FreeFlight *flight, const World *world, uint32_t medium, double length, Lanes wavelength_nm);
+static inline double flight_even(FreeFlight *flight, const World *world, uint32_t medium, double length,
+                                 Lanes wavelength_nm)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if ((!m->absorbs && !m->scatters) || !(length > 0)) return length;
+    return flight_through(flight, world, m, length, wavelength_nm);
+}
+
+/* What the flight has made of the path; `even`: it ended where an even medium scatters. */
+static inline void flight_end(Path *path, const FreeFlight *flight, bool even)
+{
+    if (path->tracer->world->scatters || !lanes_zero(flight->absorbed)) flight_weigh(path, flight, even);
+}
+
 /* The same from t = from along the path's ray, through what fills the place where tracer->list holds; *medium becomes
  * what scatters it. What shines on the way is added to the path's radiance. */
 double flight_uneven(Path *path, FreeFlight *flight, double from, double length, uint32_t *medium);
-/* What the flight has made of the path; `even`: it ended where an even medium scatters. */
-void flight_end(Path *path, const FreeFlight *flight, bool even);
-
 /* Whether the way through where a list holds has to be flown as flight_uneven does. */
 static inline bool flight_is_uneven(const World *world, const NestList *list, uint32_t medium)
 {
@@ -39,8 +62,15 @@ static inline bool flight_is_uneven(const World *world, const NestList *list, ui
     return i < list->n && nest_mixes(order, items[i]);
 }
 
+Lanes flight_extinction(const World *world, const SceneMedium *medium, Lanes wavelength_nm);
 /* Optical depth, for what is lost of a straight ray, of a stretch of an even medium. */
-Lanes flight_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm);
+static inline Lanes flight_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
+{
+    const SceneMedium *m = &world->scene->media[medium];
+    if ((!m->absorbs && !m->scatters) || !(length > 0)) return lanes_all(0);
+    /* held finite, so that a wavelength that is not lost at all stays so out to infinity */
+    return lanes_scale(flight_extinction(world, m, wavelength_nm), length < 1e30 ? (float)length : 1e30f);
+}
 /* What is left of a straight ray from t to `to`, through what fills the place where the list holds: an estimate. *n_drawn
  * counts the ray's own random numbers. */
 Lanes flight_transmit(const Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn);
