@@ -25,6 +25,7 @@ static const char file_magics[2][9] = {"NanoVDB0", "NanoVDB2"};
 static const char grid_magics[2][9] = {"NanoVDB0", "NanoVDB1"};
 
 enum { HEADER_BYTES = 16, META_BYTES = 176, MAJOR_VERSION = 32, TILES_MOST = 1000 };
+static const double MOST_WORK = 4e9;
 enum { CODEC_NONE, CODEC_ZIP, CODEC_BLOSC };
 
 /* What a segment says of a grid. */
@@ -379,6 +380,11 @@ static Status make_volume(const Reader *r, const GridEntry *entry, uint32_t *byt
     TRY(open_grid(r, entry, bytes, &g));
     TRY(map_of(r, &g, &to_voxels));
     TRY(bricks_around(r, &g, g.first, n_points));
+    /* every brick asks at all its corners, and mostly by way of the root */
+    double asked = (double)n_points[0] * n_points[1] * n_points[2] / (VOLUME_BRICK * VOLUME_BRICK * VOLUME_BRICK);
+    if (asked * (pnanovdb_root_get_tile_count(g.buf, g.root) + 1.0) > MOST_WORK)
+        return fail(r->error, STATUS_INPUT, "grid '%.*s' of '%s' is too large to be read: it spans %d x %d x %d voxels",
+                    (int)g.name_length, g.name, r->path, (int)n_points[0], (int)n_points[1], (int)n_points[2]);
     pnanovdb_uint32_t level;
     int32_t beyond = 1 << 30;
     float background = value_of(&g, beyond, beyond, beyond, &level);

@@ -100,19 +100,16 @@ static void add_part(const Path *path, FlightParts *parts, const Ray *ray, doubl
                          .t_end = HUGE_VAL};
     part->bound = lanes_max(lanes_add(part->absorption, part->scattering));
     if (!part->place) return;
-    Affine to_frame = media_to_frame(world->scene, part->place, ray->time);
-    if (medium->temperature) part->to_temperature = affine_compose(&medium->temperature->to_lattice, &to_frame);
+    part->maps = media_maps(world->scene, part->place, ray->time, &part->moved);
     if (!medium->density) return;
-    Affine to_lattice = affine_compose(&medium->density->to_lattice, &to_frame);
-    volume_walk_start(&part->walk, medium->density, &to_lattice, ray->origin, vec3_from_f(ray->direction), t);
+    volume_walk_start(&part->walk, medium->density, &part->maps->to_density, ray->origin, vec3_from_f(ray->direction),
+                      t);
     part->walks = true;
     part->low = part->walk.low;
     part->high = part->walk.high;
     part->t_end = part->walk.t_end;
     uint32_t glow = world->media.glow_of_place[part->place - world->media.places];
-    if (glow == SCENE_NONE) return;
-    part->glow = &world->media.glows[glow];
-    part->stretch = fabs(affine_determinant(&to_lattice));
+    if (glow != SCENE_NONE) part->glow = &world->media.glows[glow];
 }
 
 /* The owner's medium, and those that mix with it; false when memory ends. */
@@ -179,7 +176,7 @@ static Lanes emission_at(const FlightPart *part, const Ray *ray, double t, Lanes
     Lanes emission = part->emission;
     const Volume *temperature = part->medium->temperature;
     if (temperature) {
-        float kelvin = volume_at(temperature, affine_point(&part->to_temperature, ray_point(ray, t)));
+        float kelvin = volume_at(temperature, affine_point(&part->maps->to_temperature, ray_point(ray, t)));
         emission = lanes_mul(emission, media_planck_ratio(part->medium, kelvin, wavelength_nm));
     }
     return lanes_scale(emission, density_at(part, t));
@@ -192,7 +189,7 @@ static float weight_of(const Path *path, const FlightPart *part, double t)
     size_t brick = volume_walk_brick(&part->walk, t);
     if (brick == SIZE_MAX) return 1;
     Vec3 to = vec3_sub(ray_point(&path->ray, t), path->scatter_point);
-    double density = glow_density(part->glow, part->medium->density, brick, part->stretch);
+    double density = glow_density(part->glow, part->medium->density, brick, part->maps->stretch);
     return sampling_balance(path->scatter_pdf,
                             light_pdf_glow(path->tracer->world, part->glow, density, vec3_dot(to, to)));
 }

@@ -8,16 +8,30 @@
 
 /* ---- places ---- */
 
+/* With the frame that the volumes stand in; no object is flat. */
+static MediumMaps maps_of(const SceneMedium *medium, const Affine *frame_to_world)
+{
+    MediumMaps maps = {.stretch = 1};
+    Affine to_frame;
+    if (!affine_invert(frame_to_world, &to_frame)) to_frame = affine_identity();
+    if (medium->temperature) maps.to_temperature = affine_compose(&medium->temperature->to_lattice, &to_frame);
+    if (!medium->density) return maps;
+    maps.to_density = affine_compose(&medium->density->to_lattice, &to_frame);
+    maps.stretch = fabs(affine_determinant(&maps.to_density));
+    return maps;
+}
+
 static MediumPlace place_of_frame(const CompiledScene *compiled, const SceneFrame *frame)
 {
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[frame->object];
-    MediumPlace place = {
-        .hull = compiled->hull_of_object[frame->object], .medium = object->medium, .keys = scene_keys(scene, object)};
+    MediumPlace place = {.hull = compiled->hull_of_object[frame->object],
+                         .medium = object->medium,
+                         .keys = scene_keys(scene, object),
+                         .maps = maps_of(&scene->media[object->medium], &frame->to_world)};
     Affine to_object;
-    affine_invert(&frame->to_world, &place.to_frame); /* no object is flat */
-    affine_invert(&object->to_world, &to_object);
-    place.frame_in_object = affine_compose(&to_object, &frame->to_world);
+    if (affine_invert(&object->to_world, &to_object))
+        place.frame_in_object = affine_compose(&to_object, &frame->to_world);
     return place;
 }
 
@@ -35,7 +49,8 @@ static Status find_places(const CompiledScene *compiled, WorldMedia *media, Erro
         media->place_of_hull[place->hull] = media->n_places++;
     }
     if (scene->media[0].density || scene->media[0].temperature) {
-        media->places[media->n_places] = (MediumPlace){.hull = NEST_WORLD, .to_frame = affine_identity()};
+        const Affine world = affine_identity();
+        media->places[media->n_places] = (MediumPlace){.hull = NEST_WORLD, .maps = maps_of(&scene->media[0], &world)};
         media->place_of_hull[n_hulls] = media->n_places++;
     }
     return STATUS_OK;
@@ -49,12 +64,13 @@ bool media_is_there(const World *world, const MediumPlace *place, const NestList
     return nest_list_has(list, place->hull) && state[place->medium] == state[nest_medium(order, list)];
 }
 
-Affine media_to_frame(const Scene *scene, const MediumPlace *place, double time)
+const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, double time, MediumMaps *room)
 {
-    if (!place->keys) return place->to_frame;
-    Affine to_world = affine_between(place->keys, scene->n_keys, time), inverse;
+    if (!place->keys) return &place->maps;
+    Affine to_world = affine_between(place->keys, scene->n_keys, time);
     to_world = affine_compose(&to_world, &place->frame_in_object);
-    return affine_invert(&to_world, &inverse) ? inverse : place->to_frame;
+    *room = maps_of(&scene->media[place->medium], &to_world);
+    return room;
 }
 
 /* ---- light ---- */
@@ -160,10 +176,8 @@ static Status find_glow(const CompiledScene *compiled, WorldMedia *media, const 
     *glow = (Glow){.place = place};
     if (!medium->emits || !medium->density || medium->density->outside > 0) return STATUS_OK;
     TRY(find_shares(medium, glow, error));
-    Affine to_lattice = affine_compose(&medium->density->to_lattice, &place->to_frame);
-    double stretch = fabs(affine_determinant(&to_lattice));
-    glow->power *= 4 * acos(-1) / stretch;
-    glow->across /= cbrt(stretch);
+    glow->power *= 4 * acos(-1) / place->maps.stretch;
+    glow->across /= cbrt(place->maps.stretch);
     if (glow->power > 0 && isfinite(glow->power) && glow->across > 0)
         media->glow_of_place[place - media->places] = media->n_glows++;
     else
@@ -221,16 +235,15 @@ GlowPoint glow_sample(const Scene *scene, const Glow *glow, double time, double 
     Vec3 size = brick_size(volume, first);
     Vec3 at = vec3(first[0] + size.x * (double)u[0], first[1] + size.y * (double)u[1],
                    first[2] + size.z * third_number(digits, u));
-    Affine to_frame = media_to_frame(scene, glow->place, time),
-           to_lattice = affine_compose(&volume->to_lattice, &to_frame);
+    MediumMaps room;
+    const MediumMaps *maps = media_maps(scene, glow->place, time, &room);
     Affine to_world;
     GlowPoint point = {.amount = volume_at(volume, at)};
-    if (!affine_invert(&to_lattice, &to_world)) return (GlowPoint){0};
+    if (!affine_invert(&maps->to_density, &to_world)) return (GlowPoint){.amount = 0};
     point.position = affine_point(&to_world, at);
-    point.density = glow_density(glow, volume, low, affine_determinant(&to_lattice));
+    point.density = glow_density(glow, volume, low, maps->stretch);
     if (medium->temperature)
-        point.kelvin = volume_at(medium->temperature, affine_point(&medium->temperature->to_lattice,
-                                                                   affine_point(&to_frame, point.position)));
+        point.kelvin = volume_at(medium->temperature, affine_point(&maps->to_temperature, point.position));
     return point;
 }
 
@@ -240,7 +253,7 @@ double glow_density(const Glow *glow, const Volume *volume, size_t brick, double
     brick_first(volume, brick, first);
     Vec3 size = brick_size(volume, first);
     double share = glow->shares[brick] - (brick ? glow->shares[brick - 1] : 0);
-    return share / (size.x * size.y * size.z) * fabs(stretch);
+    return share / (size.x * size.y * size.z) * stretch;
 }
 
 /* ---- all of them ---- */

@@ -8,13 +8,19 @@
 
 struct World;
 
+/* From the world to lattice coordinates of a medium's volumes, where it has them. */
+typedef struct MediumMaps {
+    Affine to_density, to_temperature;
+    double stretch; /* of lengths cubed, by to_density */
+} MediumMaps;
+
 /* Where the volumes of a medium are in one hull that it fills. */
 typedef struct MediumPlace {
     uint32_t hull; /* NEST_WORLD: where no hull is */
     uint32_t medium;
     const Affine *keys;     /* NULL, or the object's places while the shutter is open */
     Affine frame_in_object; /* of what moves */
-    Affine to_frame;        /* from the world; of what moves, when the shutter opens */
+    MediumMaps maps;        /* of what moves, when the shutter opens */
 } MediumPlace;
 
 /* A hull whose medium shines unevenly: light sampling looks for its bright places. Brick i of its density, shares[i] of
@@ -45,8 +51,8 @@ void media_clear(WorldMedia *media);
 
 /* Whether the medium of a place is there where the list holds: it owns the point, or mixes with what does. */
 bool media_is_there(const struct World *world, const MediumPlace *place, const NestList *list);
-/* From the world to the frame of a place's volumes, at a time of the shutter. */
-Affine media_to_frame(const Scene *scene, const MediumPlace *place, double time);
+/* Where the volumes of a place are at a time of the shutter; room is for those that move. */
+const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, double time, MediumMaps *room);
 /* The place of the volumes of a hull's medium (NEST_WORLD: the world's); NULL: it has none. */
 static inline const MediumPlace *media_place(const WorldMedia *media, const CompiledScene *compiled, uint32_t hull)
 {
@@ -64,8 +70,7 @@ typedef struct GlowPoint {
     float amount, kelvin; /* density of the medium there, temperature */
 } GlowPoint;
 GlowPoint glow_sample(const Scene *scene, const Glow *glow, double time, double digits, const float u[2]);
-/* The density of choosing a place, per cubic scene unit, by the brick that it is in; stretch: the determinant of the map
- * from the world to lattice coordinates. */
+/* The density of choosing a place, per cubic scene unit, by the brick that it is in; stretch: of its MediumMaps. */
 double glow_density(const Glow *glow, const Volume *volume, size_t brick, double stretch);
 
 #endif

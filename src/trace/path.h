@@ -40,8 +40,8 @@ typedef struct FlightPart {
     double t_end;
     bool walks;       /* it varies: through these bricks */
     VolumeWalk walk;
-    double stretch;   /* of lengths cubed, from the world to lattice coordinates */
-    Affine to_temperature; /* from the world to lattice coordinates of that */
+    const MediumMaps *maps; /* of the place, or these: */
+    MediumMaps moved;
 } FlightPart;
 
 typedef struct FlightParts {
