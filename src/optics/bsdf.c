@@ -283,10 +283,28 @@ static Lanes lobe_probability(const Bsdf *bsdf, const BsdfLobe *lobe, const Chan
 
 /* ---- the sum ---- */
 
-static LobeOver fuzz_over(const BsdfLobe *lobe, const Covers *v, const Covers *l)
+static const BsdfFacets *facets_of(const BsdfLobe *lobe) /* NULL: none that reflect by themselves */
 {
-    float both = v->fuzz * l->fuzz;
-    return (LobeOver){both < 1 ? sqrtf(both) : 1, both * lobe->fuzz_norm};
+    return lobe->kind == BSDF_CONDUCTOR ? &lobe->as.conductor.facets
+           : lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer.facets
+                                        : NULL;
+}
+
+/* passed_v, passed_l: what the fuzz lets pass */
+static LobeOver fuzz_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, float passed_v,
+                          float passed_l)
+{
+    const BsdfFuzz *fuzz = &bsdf->fuzz;
+    if (!(fuzz->share > 0)) return (LobeOver){1, 1};
+    LobeOver over = {1, lobe->fuzz_norm};
+    const BsdfFacets *facets = facets_of(lobe);
+    if (facets)
+        over.mirror = fuzz_to_mirrors(fuzz, facets, view, passed_v) * fuzz_to_mirrors(fuzz, facets, light, passed_l);
+    if (lobe->kind == BSDF_CONDUCTOR) return over;
+    float roughness = lobe->kind == BSDF_PLASTIC ? lobe->as.plastic.base.roughness : lobe->as.diffuse.roughness;
+    over.diffuse *=
+        fuzz_to_diffuse(fuzz, roughness, view, passed_v) * fuzz_to_diffuse(fuzz, roughness, light, passed_l);
+    return over;
 }
 
 static Lanes coat_over_mirrors(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
@@ -300,7 +318,8 @@ static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f 
                                   const Covers *l)
 {
     const BsdfDiffuse *diffuse = &lobe->as.diffuse;
-    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), fuzz_over(lobe, v, l).diffuse);
+    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light),
+                          fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz).diffuse);
     if (!lobe->covered) return f;
     f = lanes_mul(f, lanes_mul(v->passed, l->passed));
     f = lanes_mul(f, layer_over_rough_diffuse(&bsdf->coat, diffuse->roughness, view, light));
@@ -321,17 +340,19 @@ static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
     case BSDF_TRANSLUCENT:
         if (!below) return;
         *pdf_w = lanes_all(-light.z / SAMPLING_PI);
-        *f_cos = lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w), fuzz_over(lobe, v, l).diffuse);
+        *f_cos = lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w),
+                             fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz).diffuse);
         break;
     case BSDF_CONDUCTOR:
         if (below) return;
         conductor_evaluate(&lobe->as.conductor, view, light, f_cos, pdf_w);
         if (lobe->covered) *f_cos = lanes_mul(*f_cos, coat_over_mirrors(bsdf, lobe, view, light, v, l));
-        *f_cos = lanes_scale(*f_cos, fuzz_over(lobe, v, l).mirror);
+        *f_cos = lanes_scale(*f_cos, fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz).mirror);
         break;
     case BSDF_PLASTIC:
         if (below) return;
-        plastic_evaluate(&lobe->as.plastic, view, light, fuzz_over(lobe, v, l), f_cos, pdf_w);
+        plastic_evaluate(&lobe->as.plastic, view, light, fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz), f_cos,
+                         pdf_w);
         break;
     case BSDF_BOUNDARY: boundary_evaluate(&lobe->as.boundary, view, light, f_cos, pdf_w); break;
     case BSDF_SHEET: sheet_evaluate(&lobe->as.sheet, view, light, f_cos, pdf_w); break;
@@ -351,8 +372,11 @@ static void covers_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, const Cov
     }
     if (bsdf->coat_share > 0) {
         layer_evaluate(&bsdf->coat, view, light, &f, &pdf);
-        float both = v->fuzz * l->fuzz;
-        *f_cos = lanes_add(*f_cos, lanes_scale(f, bsdf->coat_share * (both < 1 ? sqrtf(both) : 1)));
+        float over = 1;
+        if (bsdf->fuzz.share > 0)
+            over = fuzz_to_mirrors(&bsdf->fuzz, &bsdf->coat.facets, view, v->fuzz) *
+                   fuzz_to_mirrors(&bsdf->fuzz, &bsdf->coat.facets, light, l->fuzz);
+        *f_cos = lanes_add(*f_cos, lanes_scale(f, bsdf->coat_share * over));
         *pdf_w = lanes_add(*pdf_w, lanes_scale(coat_probability(bsdf, chances), pdf));
     }
 }

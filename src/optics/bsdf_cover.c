@@ -19,9 +19,8 @@ static Lanes passed_to_mirrors(const BsdfLayer *layer, const BsdfConductor *base
     const BsdfFacets *facets = &base->facets;
     Lanes smooth = lanes_sqrt(passed);
     if (facets->smooth) return smooth;
-    float position = ((float)base->roughness.knot + base->roughness.fraction) / (MICROFACET_ROUGHNESSES - 1);
     float angle = microfacet_angle(w.z, microfacet_slope(facets->alpha_x, facets->alpha_y, w));
-    MicrofacetPlace row = microfacet_place(position, LAYERED_MIRRORS);
+    MicrofacetPlace row = facets_row(facets);
     return lanes_mul(smooth, layered_lookup(layered_under_mirror, row, &layer->among, angle));
 }
 
@@ -104,6 +103,21 @@ BsdfFuzz fuzz_make(float share, Lanes color, float roughness)
 float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w)
 {
     return fuzz->share * layered_fuzz(fuzz->roughness, fabsf(w.z));
+}
+
+float fuzz_to_mirrors(const BsdfFuzz *fuzz, const BsdfFacets *facets, Vec3f w, float passed)
+{
+    if (facets->smooth) return sqrtf(passed);
+    float angle = microfacet_angle(w.z, microfacet_slope(facets->alpha_x, facets->alpha_y, w));
+    return sqrtf(passed) *
+           layered_lookup_fuzz(layered_fuzz_mirror, facets_row(facets), fuzz->roughness, fuzz->share, angle);
+}
+
+float fuzz_to_diffuse(const BsdfFuzz *fuzz, float roughness, Vec3f w, float passed)
+{
+    if (roughness == 0) return passed;
+    MicrofacetPlace row = microfacet_place(roughness, LAYERED_DIFFUSES);
+    return passed * layered_lookup_fuzz(layered_fuzz_diffuse, row, fuzz->roughness, fuzz->share, fabsf(w.z));
 }
 
 void fuzz_evaluate(const BsdfFuzz *fuzz, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w)

@@ -118,6 +118,12 @@ FacetReflection facets_reflect(const BsdfFacets *facets, Vec3f view, Vec3f light
 /* false: the reflection goes down, where nothing comes of it */
 bool facets_sample_reflection(const BsdfFacets *facets, Vec3f view, const float u[2], Vec3f *light);
 
+/* Where facets are among the rows of a table of layered.h. */
+static inline MicrofacetPlace facets_row(const BsdfFacets *facets)
+{
+    float square = 0.5f * (facets->alpha_x * facets->alpha_x + facets->alpha_y * facets->alpha_y);
+    return microfacet_place(sqrtf(sqrtf(square)), LAYERED_MIRRORS);
+}
 static inline Vec3f mirrored(Vec3f view)
 {
     return vec3f(-view.x, -view.y, view.z);
@@ -170,6 +176,10 @@ Lanes layer_chance(const BsdfLayer *layer, float share, Lanes reflectance, Lanes
 /* ---- fuzz ---- */
 BsdfFuzz fuzz_make(float share, Lanes color, float roughness);
 float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w); /* of white fibres */
+/* What passes the fuzz on the way to facets, and to what is diffuse: t of layered.h, there times a mean of its own.
+ * passed: 1 - fuzz_albedo(). */
+float fuzz_to_mirrors(const BsdfFuzz *fuzz, const BsdfFacets *facets, Vec3f w, float passed);
+float fuzz_to_diffuse(const BsdfFuzz *fuzz, float roughness, Vec3f w, float passed);
 void fuzz_evaluate(const BsdfFuzz *fuzz, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w);
 Vec3f fuzz_sample(float u_choice, const float u[2]);
 

@@ -34,6 +34,21 @@ Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const Mic
     return result;
 }
 
+float layered_lookup_fuzz(const LayeredFuzzTable table[], MicrofacetPlace base, MicrofacetPlace roughness, float share,
+                          float angle)
+{
+    MicrofacetPlace place = microfacet_place(angle, LAYERED_ANGLES), covered = microfacet_place(share, LAYERED_SHARES);
+    float sum = 0;
+    for (int i = 0; i < 8; i++) {
+        float part = (i & 1 ? base.fraction : 1 - base.fraction) *
+                     (i & 2 ? roughness.fraction : 1 - roughness.fraction) *
+                     (i & 4 ? covered.fraction : 1 - covered.fraction);
+        const float *row = table[base.knot + (i & 1)][roughness.knot + (i >> 1 & 1)][covered.knot + (i >> 2)];
+        if (part > 0) sum += part * between(row, place);
+    }
+    return sum;
+}
+
 float layered_fuzz(MicrofacetPlace roughness, float cosine)
 {
     MicrofacetPlace angle = microfacet_place(sqrtf(cosine), LAYERED_ANGLES);

@@ -3,7 +3,8 @@
  * A surface that scatters f(v, l), all of it where it is white, under a layer that lets T(v) in: what comes out must
  * be T(v) again, and the same both ways. f(v, l) t(v) t(l) does that for one function t, found as in microfacet.h. Over
  * a smooth mirror it is sqrt(T), over Lambert's law T / sqrt(mean T). The tables hold the factor by which t departs from
- * these: under_mirror for facets of a roughness from the first, under_diffuse for EON from the other.
+ * these: under_mirror for facets of a roughness from the first, under_diffuse for EON from the other. What fuzz stands on
+ * is treated alike.
  *
  * Fuzz: the microfiber distribution D = (2 + e) / (2 pi) sin(h)^e of A. Conty Estevez, C. Kulla, "Production Friendly
  * Microfacet Sheen BRDF" (2017), with 1 / e from 0.25 to 1, and the visibility 1 / (4 (v.z + l.z - v.z l.z)) of D.
@@ -23,16 +24,22 @@ enum {
     LAYERED_ROUGHNESSES = 13, /* of the layer */
     LAYERED_MIRRORS = 9,      /* roughnesses of what is under it, from 0 to 1 */
     LAYERED_DIFFUSES = 4,     /* the same of EON */
-    LAYERED_FUZZ = 9          /* roughnesses of fuzz */
+    LAYERED_FUZZ = 9,         /* roughnesses of fuzz */
+    LAYERED_SHARES = 3        /* of what it stands on that is covered, from 0 to 1 */
 };
 
 typedef float LayeredTable[LAYERED_ROUGHNESSES][2][LAYERED_INDICES][LAYERED_ANGLES];
 extern const LayeredTable layered_under_mirror[LAYERED_MIRRORS], layered_under_diffuse[LAYERED_DIFFUSES];
+typedef float LayeredFuzzTable[LAYERED_FUZZ][LAYERED_SHARES][LAYERED_ANGLES];
+extern const LayeredFuzzTable layered_fuzz_mirror[LAYERED_MIRRORS], layered_fuzz_diffuse[LAYERED_DIFFUSES];
 extern const float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]; /* by the root of the cosine */
 
 /* base: among the rows of the table; index: of the layer, of microfacet_index_among; angle 0..1: microfacet_angle of
  * the facets, or the cosine over EON. */
 Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index, float angle);
+/* The same under fuzz. */
+float layered_lookup_fuzz(const LayeredFuzzTable table[], MicrofacetPlace base, MicrofacetPlace roughness, float share,
+                          float angle);
 float layered_fuzz(MicrofacetPlace roughness, float cosine);
 
 static inline float layered_fuzz_exponent(float roughness)

@@ -22,6 +22,7 @@ static Way ways[LAYERED_ANGLES][WAYS];
 static float cosines[LAYERED_ANGLES]; /* of the knots */
 static LayeredTable mirrors[LAYERED_MIRRORS], diffuses[LAYERED_DIFFUSES];
 static float fuzz[LAYERED_FUZZ][LAYERED_ANGLES];
+static LayeredFuzzTable fuzz_mirrors[LAYERED_MIRRORS], fuzz_diffuses[LAYERED_DIFFUSES];
 
 static Vec3f direction_of(float z)
 {
@@ -81,23 +82,33 @@ static void look_at_diffuse(float roughness)
     }
 }
 
-static float passed(const BsdfLayer *layer, float cosine)
+/* What lets light pass: a layer, or fuzz of a roughness that covers a share. */
+typedef struct Cover {
+    const BsdfLayer *layer; /* NULL: fuzz */
+    int fuzz;
+    float share;
+} Cover;
+
+static float passed(const Cover *cover, float cosine)
 {
-    return lanes_get(lanes_rest(layer_reflectance(layer, direction_of(cosine))), 0);
+    if (cover->layer) return lanes_get(lanes_rest(layer_reflectance(cover->layer, direction_of(cosine))), 0);
+    MicrofacetPlace place = microfacet_place(sqrtf(cosine), LAYERED_ANGLES);
+    const float *row = fuzz[cover->fuzz];
+    return 1 - cover->share * (row[place.knot] + (row[place.knot + 1] - row[place.knot]) * place.fraction);
 }
 
 /* u at the knots: with a base that is like a mirror u sqrt(T) K sqrt(T) u = T, else u T K T u = T mean T. */
-static void solve(const BsdfLayer *layer, bool mirror, float u[LAYERED_ANGLES])
+static void solve(const Cover *cover, bool mirror, float u[LAYERED_ANGLES])
 {
     static double sums[LAYERED_ANGLES][LAYERED_ANGLES];
     double wanted[LAYERED_ANGLES], mean = 0;
-    for (int k = 0; k < WAYS; k++) mean += (double)passed(layer, sqrtf(((float)k + 0.5f) / WAYS)) / WAYS;
+    for (int k = 0; k < WAYS; k++) mean += (double)passed(cover, sqrtf(((float)k + 0.5f) / WAYS)) / WAYS;
     for (int i = 0; i < LAYERED_ANGLES; i++) {
-        double white = 0, root = sqrt((double)passed(layer, cosines[i]));
+        double white = 0, root = sqrt((double)passed(cover, cosines[i]));
         for (int k = 0; k < LAYERED_ANGLES; k++) sums[i][k] = 0;
         for (int k = 0; k < WAYS; k++) {
             const Way *way = &ways[i][k];
-            double out = (double)passed(layer, way->cosine), weight = (double)way->weight * (mirror ? sqrt(out) : out);
+            double out = (double)passed(cover, way->cosine), weight = (double)way->weight * (mirror ? sqrt(out) : out);
             white += (double)way->weight;
             sums[i][way->knot] += weight * (1 - (double)way->fraction);
             sums[i][way->knot + 1] += weight * (double)way->fraction;
@@ -129,8 +140,15 @@ static void solve_layers(LayeredTable table, bool mirror)
             for (int i = 0; i < LAYERED_INDICES; i++) {
                 float r = (float)rough / (LAYERED_ROUGHNESSES - 1), eta = index_of(i);
                 BsdfLayer layer = layer_make(lanes_all(side ? 1 / eta : eta), r * r, r * r, lanes_all(1));
-                solve(&layer, mirror, table[rough][side][i]);
+                solve(&(Cover){.layer = &layer}, mirror, table[rough][side][i]);
             }
+}
+
+static void solve_fuzz(LayeredFuzzTable table, bool mirror)
+{
+    for (int i = 0; i < LAYERED_FUZZ; i++)
+        for (int k = 0; k < LAYERED_SHARES; k++)
+            solve(&(Cover){.fuzz = i, .share = (float)k / (LAYERED_SHARES - 1)}, mirror, table[i][k]);
 }
 
 static float sum_fuzz(float exponent, float cosine)
@@ -161,20 +179,22 @@ int main(int argc, char **argv)
         fputs("usage: layered_gen FILE\n", stderr);
         return 2;
     }
-    for (int i = 0; i < LAYERED_MIRRORS; i++) {
-        float r = (float)i / (LAYERED_MIRRORS - 1);
-        look_at_mirrors(fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA));
-        solve_layers(mirrors[i], true);
-    }
-    for (int i = 0; i < LAYERED_DIFFUSES; i++) {
-        look_at_diffuse((float)i / (LAYERED_DIFFUSES - 1));
-        solve_layers(diffuses[i], false);
-    }
     for (int i = 0; i < LAYERED_FUZZ; i++)
         for (int k = 0; k < LAYERED_ANGLES; k++) {
             float root = (float)k / (LAYERED_ANGLES - 1);
             fuzz[i][k] = sum_fuzz(layered_fuzz_exponent((float)i / (LAYERED_FUZZ - 1)), root * root);
         }
+    for (int i = 0; i < LAYERED_MIRRORS; i++) {
+        float r = (float)i / (LAYERED_MIRRORS - 1);
+        look_at_mirrors(fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA));
+        solve_layers(mirrors[i], true);
+        solve_fuzz(fuzz_mirrors[i], true);
+    }
+    for (int i = 0; i < LAYERED_DIFFUSES; i++) {
+        look_at_diffuse((float)i / (LAYERED_DIFFUSES - 1));
+        solve_layers(diffuses[i], false);
+        solve_fuzz(fuzz_diffuses[i], false);
+    }
     FILE *out = fopen(argv[1], "w");
     if (!out) {
         perror(argv[1]);
@@ -187,6 +207,10 @@ int main(int argc, char **argv)
                  sizeof mirrors / sizeof(float));
     write_floats(out, "LayeredTable layered_under_diffuse[LAYERED_DIFFUSES]", &diffuses[0][0][0][0][0],
                  sizeof diffuses / sizeof(float));
+    write_floats(out, "LayeredFuzzTable layered_fuzz_mirror[LAYERED_MIRRORS]", &fuzz_mirrors[0][0][0][0],
+                 sizeof fuzz_mirrors / sizeof(float));
+    write_floats(out, "LayeredFuzzTable layered_fuzz_diffuse[LAYERED_DIFFUSES]", &fuzz_diffuses[0][0][0][0],
+                 sizeof fuzz_diffuses / sizeof(float));
     write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
                  sizeof fuzz / sizeof(float));
     int failed = ferror(out);
