@@ -21,7 +21,14 @@ static Lanes passed_to_mirrors(const BsdfLayer *layer, const BsdfConductor *base
     if (facets->smooth) return smooth;
     float angle = microfacet_angle(w.z, microfacet_slope(facets->alpha_x, facets->alpha_y, w));
     MicrofacetPlace row = facets_row(facets);
-    return lanes_mul(smooth, layered_lookup(layered_under_mirror, row, &layer->among, angle));
+    Lanes over = lanes_sqrt(lanes_div(passed, lanes_add(layer->mean_passed, lanes_all(1e-12f))));
+    const Lanes factors[3] = {smooth, lanes_mul(smooth, lanes_sqrt(over)), lanes_mul(smooth, over)};
+    int near = layered_quarters(row.knot), far = layered_quarters(row.knot + 1);
+    if (near == far) return lanes_mul(factors[near], layered_lookup(layered_under_mirror, row, &layer->among, angle));
+    Lanes first = layered_lookup(layered_under_mirror, (MicrofacetPlace){row.knot, 0}, &layer->among, angle);
+    Lanes second = layered_lookup(layered_under_mirror, (MicrofacetPlace){row.knot, 1}, &layer->among, angle);
+    return lanes_add(lanes_scale(lanes_mul(factors[near], first), 1 - row.fraction),
+                     lanes_scale(lanes_mul(factors[far], second), row.fraction));
 }
 
 /* A smooth mirror of reflectance m gives T^2 m / (1 - R m), which is m (1 - R) / (1 - R m) of what a white one gives. */

@@ -23,6 +23,7 @@ BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint)
     layer.depth = lanes_scale(layer_depth(tint), 0.5f);
     layer.tinted = !lanes_zero(layer.depth);
     Lanes passed = lanes_rest(microfacet_lookup_mean(microfacet_reflected_mean, &layer.index, false));
+    layer.mean_passed = passed;
     /* Reciprocity. Under a layer of the smaller index it can say more than all, as what one facet misses counts as
      * passed. */
     Lanes passed_back = lanes_clamp(lanes_div(passed, lanes_mul(eta, eta)), 0, 1);

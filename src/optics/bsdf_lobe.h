@@ -39,6 +39,7 @@ typedef struct BsdfLayer {
     Lanes eta;             /* relative to the medium in front */
     Lanes depth;           /* optical depth of one crossing along the normal */
     Lanes returned;        /* part of diffuse light from below that comes back, absorption included */
+    Lanes mean_passed;     /* of diffuse light from above, without absorption */
     Lanes norm;            /* what passes of diffuse light from below, over what passes from above */
     bool tinted;
 } BsdfLayer;

@@ -3,8 +3,9 @@
  * A surface that scatters f(v, l), all of it where it is white, under a layer that lets T(v) in: what comes out must
  * be T(v) again, and the same both ways. f(v, l) t(v) t(l) does that for one function t, found as in microfacet.h. Over
  * a smooth mirror it is sqrt(T), over Lambert's law T / sqrt(mean T). The tables hold the factor by which t departs from
- * these: under_mirror for facets of a roughness from the first, under_diffuse for EON from the other. What fuzz stands on
- * is treated alike.
+ * these: under_mirror for facets of a roughness from the first, under_diffuse for EON from the other; and as rough facets
+ * spread light as EON does, from the other for them, too, but for the smoothest. What fuzz stands
+ * on is treated alike.
  *
  * Fuzz: the microfiber distribution D = (2 + e) / (2 pi) sin(h)^e of A. Conty Estevez, C. Kulla, "Production Friendly
  * Microfacet Sheen BRDF" (2017), with 1 / e from 0.25 to 1, and the visibility 1 / (4 (v.z + l.z - v.z l.z)) of D.
@@ -34,6 +35,11 @@ typedef float LayeredFuzzTable[LAYERED_FUZZ][LAYERED_SHARES][LAYERED_ANGLES];
 extern const LayeredFuzzTable layered_fuzz_mirror[LAYERED_MIRRORS], layered_fuzz_diffuse[LAYERED_DIFFUSES];
 extern const float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]; /* by the root of the cosine */
 
+/* Which of these: t of a row of under_mirror, under a layer, is u sqrt(T) (T / mean T)^(quarters / 4). */
+static inline int layered_quarters(int row)
+{
+    return row < 2 ? 0 : row == 2 ? 1 : 2;
+}
 /* base: among the rows of the table; index: of the layer, of microfacet_index_among; angle 0..1: microfacet_angle of
  * the facets, or the cosine over EON. */
 Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index, float angle);

@@ -97,23 +97,25 @@ static float passed(const Cover *cover, float cosine)
     return 1 - cover->share * (row[place.knot] + (row[place.knot + 1] - row[place.knot]) * place.fraction);
 }
 
-/* u at the knots: with a base that is like a mirror u sqrt(T) K sqrt(T) u = T, else u T K T u = T mean T. */
-static void solve(const Cover *cover, bool mirror, float u[LAYERED_ANGLES])
+/* u at the knots: u S K S u = T with S = sqrt(T) (T / mean T)^(quarters / 4). */
+static void solve(const Cover *cover, int quarters, float u[LAYERED_ANGLES])
 {
     static double sums[LAYERED_ANGLES][LAYERED_ANGLES];
     double wanted[LAYERED_ANGLES], mean = 0;
     for (int k = 0; k < WAYS; k++) mean += (double)passed(cover, sqrtf(((float)k + 0.5f) / WAYS)) / WAYS;
     for (int i = 0; i < LAYERED_ANGLES; i++) {
-        double white = 0, root = sqrt((double)passed(cover, cosines[i]));
+        double white = 0, t = (double)passed(cover, cosines[i]);
         for (int k = 0; k < LAYERED_ANGLES; k++) sums[i][k] = 0;
         for (int k = 0; k < WAYS; k++) {
             const Way *way = &ways[i][k];
-            double out = (double)passed(cover, way->cosine), weight = (double)way->weight * (mirror ? sqrt(out) : out);
+            double out = (double)passed(cover, way->cosine);
+            double weight = (double)way->weight * sqrt(out) * pow(out / mean, 0.25 * quarters);
             white += (double)way->weight;
             sums[i][way->knot] += weight * (1 - (double)way->fraction);
             sums[i][way->knot + 1] += weight * (double)way->fraction;
         }
-        wanted[i] = (mirror ? root : mean) * white; /* the sum over directions is not exact: of what it has of white */
+        wanted[i] = t > 0 ? sqrt(t) * pow(t / mean, -0.25 * quarters) * white
+                          : 0; /* the sum over directions is not exact: of what it has of white */
         u[i] = 1;
     }
     for (int round = 0; round < ROUNDS; round++) {
@@ -133,22 +135,22 @@ static float index_of(int knot)
     return (1 + x) / (1 - x);
 }
 
-static void solve_layers(LayeredTable table, bool mirror)
+static void solve_layers(LayeredTable table, int quarters)
 {
     for (int rough = 0; rough < LAYERED_ROUGHNESSES; rough++)
         for (int side = 0; side < 2; side++)
             for (int i = 0; i < LAYERED_INDICES; i++) {
                 float r = (float)rough / (LAYERED_ROUGHNESSES - 1), eta = index_of(i);
                 BsdfLayer layer = layer_make(lanes_all(side ? 1 / eta : eta), r * r, r * r, lanes_all(1));
-                solve(&(Cover){.layer = &layer}, mirror, table[rough][side][i]);
+                solve(&(Cover){.layer = &layer}, quarters, table[rough][side][i]);
             }
 }
 
-static void solve_fuzz(LayeredFuzzTable table, bool mirror)
+static void solve_fuzz(LayeredFuzzTable table, int quarters)
 {
     for (int i = 0; i < LAYERED_FUZZ; i++)
         for (int k = 0; k < LAYERED_SHARES; k++)
-            solve(&(Cover){.fuzz = i, .share = (float)k / (LAYERED_SHARES - 1)}, mirror, table[i][k]);
+            solve(&(Cover){.fuzz = i, .share = (float)k / (LAYERED_SHARES - 1)}, quarters, table[i][k]);
 }
 
 static float sum_fuzz(float exponent, float cosine)
@@ -187,13 +189,13 @@ int main(int argc, char **argv)
     for (int i = 0; i < LAYERED_MIRRORS; i++) {
         float r = (float)i / (LAYERED_MIRRORS - 1);
         look_at_mirrors(fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA));
-        solve_layers(mirrors[i], true);
-        solve_fuzz(fuzz_mirrors[i], true);
+        solve_layers(mirrors[i], layered_quarters(i));
+        solve_fuzz(fuzz_mirrors[i], 0);
     }
     for (int i = 0; i < LAYERED_DIFFUSES; i++) {
         look_at_diffuse((float)i / (LAYERED_DIFFUSES - 1));
-        solve_layers(diffuses[i], false);
-        solve_fuzz(fuzz_diffuses[i], false);
+        solve_layers(diffuses[i], 2);
+        solve_fuzz(fuzz_diffuses[i], 2);
     }
     FILE *out = fopen(argv[1], "w");
     if (!out) {
