@@ -261,7 +261,7 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
     }
     spec->thin_walled = surface->thin = eval_truth(node, "thin");
     surface->grain = grain_of(node);
-    surface->grain_angle = eval_number(node, "grain_angle");
+    surface->grain_angle = eval_number(node, "grain_angle") * (3.14159265358979323846 / 180);
     surface->painted = eval_prop(node, "transmission") && !spec->thin_walled;
     surface->finished = ior || spec->base_metalness > 0 || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0 ||
                         spec->thin_walled || spec->fuzz_weight > 0;

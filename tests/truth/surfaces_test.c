@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
+#include "temporary.h"
+
 enum { WIDTH = 32 };
 
 #define HEAD                                                                                                           \
@@ -43,10 +45,16 @@ static void white_furnaces(void **state)
         "sphere { surface = surface { albedo = 1  coat = .7  coat_roughness = %g } }",
         "sphere { surface = surface { albedo = 1  diffuse_roughness = %g } }",
         "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g } }",
+        "sphere { surface = surface { thin = true  ior = 1.5  transmission = 1  roughness = %g } } sphere { interior = water  radius = .8 }",
+        "sphere { surface = surface { thin = true  albedo = 1  translucency = .4  ior = 1.4  roughness = %g } }",
+        "sphere { surface = surface { thin = true  ior = 1.33  transmission = .7  film = 400nm  albedo = 1  roughness = %g } }",
+        "sphere { surface = surface { albedo = 1  metalness = .5  ior = 1.5  roughness = %g  coat = 1  fuzz = .6 } }",
+        "sphere { interior = glass  surface = surface { transmission = .6  albedo = 1  ior = 1.5  roughness = %g } }",
+        "sphere { interior = glass  surface = surface { mix = [surface { transmission = 0  albedo = 1 }, surface { roughness = %g }]  weight = .6 } }",
     };
     const double roughness[] = {0.1, 0.3, 0.6, 1};
     for (size_t i = 0; i < COUNT_OF(things); i++)
-        for (size_t k = 0; k < COUNT_OF(roughness); k++) {
+        for (size_t k = i < 8 ? 0 : 1; k < COUNT_OF(roughness); k += i < 8 ? 1 : 2) { /* of the later ones, two each */
             char thing[400], text[1200], what[140];
             snprintf(what, sizeof what, "%.*s..., roughness %g", 62, things[i], roughness[k]);
             const char *hole = strstr(things[i], "%g");
@@ -72,6 +80,11 @@ static void lights_are_found_alike(void **state)
         "sphere { surface = surface { albedo = rgb(.8, .3, .1)  ior = 1.5  roughness = .3 } }",
         "sphere { surface = surface { albedo = rgb(.8, .3, .1)  coat = 1  coat_roughness = .5  coat_tint = rgb(.9, .8, .3) } }",
         "sphere { surface = surface { albedo = .8  diffuse_roughness = 1 } }",
+        "sphere { surface = surface { thin = true  albedo = rgb(.4, .6, .2)  translucency = .5  ior = 1.4  roughness = .5 } }",
+        "sphere { surface = surface { thin = true  ior = 1.5  transmission = 1  roughness = .6 } }",
+        "sphere { surface = surface { albedo = rgb(.4, .1, .1)  fuzz = .9  fuzz_color = rgb(1, .5, .5) } }",
+        "sphere { surface = surface { metal = iron  roughness = .5  anisotropy = .8 } }",
+        "sphere { surface = surface { mix = [surface { albedo = .7 }, surface { metal = gold  roughness = .5 }]  weight = .3 } }",
     };
     for (size_t i = 0; i < COUNT_OF(things); i++) {
         Estimate seen[2];
@@ -100,8 +113,11 @@ static void surroundings_count(void **state)
     };
     double middle[2];
     for (int i = 0; i < 2; i++) {
-        Picture picture = render(text[i], 2048);
-        middle[i] = truth_luminance(&picture, WIDTH / 2, WIDTH / 2);
+        Picture picture = render(text[i], 512);
+        middle[i] = 0;
+        for (uint32_t y = 0; y < 8; y++)
+            for (uint32_t x = 0; x < 8; x++)
+                middle[i] += truth_luminance(&picture, WIDTH / 2 - 4 + x, WIDTH / 2 - 4 + y) / 64;
         truth_clear(&picture);
     }
     double expected = pow(0.33 / 2.33, 2);
@@ -111,12 +127,79 @@ static void surroundings_count(void **state)
     assert_true(fabs(middle[1] - expected) < 0.03 * expected);
 }
 
+/* A ball of 180 triangles with the normals of a sphere: of light that its normals send into it, nothing is lost. */
+static void smooth_meshes_lose_nothing(void **state)
+{
+    (void)state;
+    enum { RINGS = 7, COLUMNS = 15 };
+    const char *path = in_folder("ball.obj");
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    for (int i = 0; i <= RINGS; i++)
+        for (int k = 0; k < COLUMNS; k++) {
+            double down = 3.14159265358979 * i / RINGS, around = 2 * 3.14159265358979 * k / COLUMNS;
+            double x = sin(down) * cos(around), y = cos(down), z = sin(down) * sin(around);
+            fprintf(out, "v %.9f %.9f %.9f\nvn %.9f %.9f %.9f\n", x, y, z, x, y, z);
+        }
+    for (int i = 0; i < RINGS; i++)
+        for (int k = 0; k < COLUMNS; k++) {
+            int a = i * COLUMNS + k + 1, b = i * COLUMNS + (k + 1) % COLUMNS + 1, c = a + COLUMNS, d = b + COLUMNS;
+            if (i > 0) fprintf(out, "f %d//%d %d//%d %d//%d\n", a, a, b, b, d, d);
+            if (i + 1 < RINGS) fprintf(out, "f %d//%d %d//%d %d//%d\n", a, a, d, d, c, c);
+        }
+    fclose(out);
+    static const char *const surfaces[] = {
+        "albedo = 1", "albedo = 1  ior = 1.5  roughness = .3", "albedo = 1  ior = 1.5",
+        "thin = true  transmission = .5  translucency = .5  albedo = 1  ior = 1.5  roughness = .4"};
+    for (size_t i = 0; i < COUNT_OF(surfaces); i++) {
+        char text[1200];
+        snprintf(text, sizeof text, HEAD "mesh { file = \"%s\"  surface = surface { %s } } " VIEW TRUTH_WHITE_SKY, path,
+                 surfaces[i]);
+        Picture picture = render(text, 256);
+        Estimate mean = truth_mean(&picture, -1);
+        truth_figure(surfaces[i], 1, mean.mean, mean.error);
+        if (!(fabs(mean.mean - 1) <= 0.001 + 3 * mean.error)) fail_msg("%s: %.5f +- %.5f", surfaces[i], mean.mean, mean.error);
+        truth_clear(&picture);
+    }
+}
+
+/* Head on, a film whose thickness is a quarter of the wavelength in it reflects as a pane of two boundaries in phase:
+ * ((1 - n^2) / (1 + n^2))^2; one that is very thin, nothing. */
+static void films_interfere(void **state)
+{
+    (void)state;
+    const double thickness_nm[] = {0.5, 100};
+    for (int i = 0; i < 2; i++) {
+        char text[600];
+        snprintf(text, sizeof text,
+                 HEAD "sphere { surface = surface { thin = true  ior = 1.4  transmission = 1  film = %gnm } }" VIEW
+                      "sphere { center = <0, 0, -9>  radius = 2  surface = surface { albedo = 0 } }" TRUTH_WHITE_SKY,
+                 thickness_nm[i]);
+        Picture picture = render(text, 4096);
+        double middle = truth_luminance(&picture, WIDTH / 2, WIDTH / 2);
+        /* two walls of the ball, one behind the other, over the eye's colours */
+        double once = 0, weights = 0;
+        for (int nm = 450; nm <= 660; nm += 5) {
+            double weight = exp(-0.5 * pow((nm - 560) / 43.0, 2)), r = pow(0.4 / 2.4, 2);
+            double waves = 4 * r * pow(sin(2 * 3.14159265358979 * 1.4 * thickness_nm[i] / nm), 2);
+            double of_one = waves / ((1 - r) * (1 - r) + waves);
+            once += weight * 2 * of_one / (1 + of_one);
+            weights += weight;
+        }
+        truth_figure(i ? "a film of 100 nm, head on" : "a film of half a nanometre", once / weights, middle, 0);
+        assert_true(fabs(middle - once / weights) < 0.03 * once / weights + 2e-4);
+        truth_clear(&picture);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_furnaces),
         cmocka_unit_test(lights_are_found_alike),
         cmocka_unit_test(surroundings_count),
+        cmocka_unit_test(smooth_meshes_lose_nothing),
+        cmocka_unit_test(films_interfere),
     };
-    return cmocka_run_group_tests_name("surfaces", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("surfaces", tests, make_folder, remove_folder);
 }

@@ -138,6 +138,106 @@ static void low_skins_stay_white(void **unused)
     assert_true(worst < 0.0065);
 }
 
+static const float some_roughnesses[] = {0.1f, 0.25f, 0.5f, 1};
+
+/* What is under a coat: facets that reflect all, and EON. */
+static void coats_keep_all_light(void **unused)
+{
+    (void)unused;
+    const float indices[] = {1.1f, 1.5f, 2.4f}, coats[] = {0, 0.1f, 0.4f, 0.8f};
+    double worst[2] = {0}, grazing = 0;
+    for (int base = 0; base < 2; base++)
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 4; c++)
+                for (int k = 0; k < 4; k++) {
+                    float r = some_roughnesses[k], alpha = r * r, coat = coats[c] * coats[c];
+                    Bsdf bsdf;
+                    bsdf_begin(&bsdf);
+                    bsdf_begin_coat(&bsdf, lanes_all(indices[i]), coat, coat, lanes_all(1));
+                    if (base == 0)
+                        bsdf_add_mirrors(&bsdf, 1, alpha, alpha);
+                    else
+                        bsdf_add_diffuse(&bsdf, 1, lanes_all(1), r);
+                    bsdf_end_coat(&bsdf);
+                    worst[base] = fmax(worst[base], departure(&bsdf, 32, &grazing));
+                }
+    printf("under coats: facets off by at most %.4f, matte surfaces %.4f, at cosine 0.03 %.4f\n", worst[0], worst[1],
+           grazing);
+    assert_true(worst[0] < 0.009);
+    assert_true(worst[1] < 0.009);
+    assert_true(grazing < 0.012);
+}
+
+/* White fuzz on what is white. */
+static void fuzz_keeps_all_light(void **unused)
+{
+    (void)unused;
+    const float fuzzes[] = {0, 0.4f, 1};
+    const char *const names[] = {"matte", "metal", "plastic", "coated", "translucent"};
+    for (int base = 0; base < 5; base++) {
+        double worst = 0, grazing = 0;
+        for (int f = 0; f < 3; f++)
+            for (int k = 0; k < 4; k++) {
+                Lanes white = lanes_all(1);
+                float r = some_roughnesses[k], alpha = r * r;
+                Bsdf bsdf;
+                bsdf_begin(&bsdf);
+                if (base == 0) bsdf_add_diffuse(&bsdf, 1, white, r);
+                if (base == 1) bsdf_add_mirrors(&bsdf, 1, alpha, alpha);
+                if (base == 2) bsdf_add_plastic(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, white, 0.3f);
+                if (base == 3) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, alpha, white);
+                if (base == 3) bsdf_add_diffuse(&bsdf, 1, white, 0);
+                bsdf_end_coat(&bsdf);
+                if (base == 4) bsdf_add_translucent(&bsdf, 1, white);
+                bsdf_set_fuzz(&bsdf, 0.5f + 0.5f * (float)(k % 2), white, fuzzes[f]);
+                worst = fmax(worst, departure(&bsdf, 40, &grazing));
+            }
+        printf("fuzz on what is %s: off by at most %.4f, at cosine 0.03 %.4f\n", names[base], worst, grazing);
+        assert_true(worst < 0.01);
+        assert_true(grazing < 0.02);
+    }
+}
+
+/* What a scene can say of one surface, all of it white, in air and in water. */
+static void white_mixtures_stay_white(void **unused)
+{
+    (void)unused;
+    uint32_t state = 40;
+    double sum = 0, worst = 0;
+    enum { SURFACES = 300 };
+    for (int i = 0; i < SURFACES; i++) {
+        BsdfSpec spec;
+        Bsdf bsdf;
+        float water = i % 3 ? 1 : 1.33f;
+        bsdf_spec_init(&spec);
+        spec.base_color = spectrum_constant(1);
+        spec.base_diffuse_roughness = random_unit(&state);
+        spec.base_metalness = i % 2 ? 0 : random_unit(&state);
+        spec.specular_ior = spectrum_constant(1.1f + 1.5f * random_unit(&state));
+        spec.specular_roughness = random_unit(&state);
+        spec.specular_weight = random_unit(&state);
+        spec.thin_walled = i % 4 == 1;
+        spec.transmission_weight = i % 4 < 2 ? random_unit(&state) : 0;
+        spec.translucency = random_unit(&state);
+        if (i % 8 == 1) spec.film_thickness_nm = 900 * random_unit(&state);
+        spec.coat_weight = i % 5 < 2 ? 0 : random_unit(&state);
+        spec.coat_ior = spectrum_constant(1.1f + random_unit(&state));
+        spec.coat_roughness = random_unit(&state);
+        spec.fuzz_weight = i % 7 < 3 ? 0 : random_unit(&state);
+        spec.fuzz_roughness = random_unit(&state);
+        Lanes behind = lanes_all(spec.thin_walled ? water : 1.1f + 1.5f * random_unit(&state));
+        bsdf_from_spec(&spec, lanes(500, 550, 600, 650), lanes_all(water), behind, &bsdf);
+        Furnace found = furnace(&bsdf, 0.1f + 0.9f * random_unit(&state), 0.3f, 32);
+        double off = fmax(0, fabs(found.albedo - 1) - 2 * found.error);
+        worst = fmax(worst, off);
+        sum += found.albedo - 1;
+    }
+    printf("%d white surfaces of all kinds: off by at most %.4f, in the mean by %+.5f\n", (int)SURFACES, worst,
+           sum / SURFACES);
+    assert_true(worst < 0.02);
+    assert_true(fabs(sum / SURFACES) < 0.002);
+}
+
 /* Stretched facets are scaled by what is known of round ones. */
 static void anisotropy_loses_little(void **unused)
 {
@@ -199,8 +299,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boundaries_keep_all_light), cmocka_unit_test(white_surfaces_stay_white),
-        cmocka_unit_test(low_skins_stay_white),      cmocka_unit_test(anisotropy_loses_little),
-        cmocka_unit_test(nothing_is_gained),
+        cmocka_unit_test(low_skins_stay_white),      cmocka_unit_test(coats_keep_all_light),
+        cmocka_unit_test(fuzz_keeps_all_light),      cmocka_unit_test(white_mixtures_stay_white),
+        cmocka_unit_test(anisotropy_loses_little),   cmocka_unit_test(nothing_is_gained),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -584,9 +584,89 @@ static void the_hash_is_of_the_meaning(void **state)
                 hash_of("sphere { interior = glass } sphere { interior = glass center = <1, 0, 0> }"));
 }
 
+/* What has no effect, or does not go together, is refused; so is each number outside of its range. */
+static void surfaces_are_checked(void **state)
+{
+    (void)state;
+#define THING(text) M text V
+#define ON(surface) THING("sphere { surface = surface { " surface " } }")
+    static const char *const in_conflict[] = {
+        ON("specular = .5"),
+        ON("ior = 1.5 tint = .5"),
+        ON("thin = true ior = 1.5 translucency = .5 tint = .5"),
+        ON("ior = 1.5 transmission = 1"),
+        ON("thin = true transmission = 1"),
+        ON("translucency = .5"),
+        ON("film = 1"),
+        ON("metal = gold albedo = .5"),
+        ON("metal = gold ior = 1.5"),
+        ON("ior = 1.5 anisotropy = .5"),
+        ON("metal = gold grain = x"),
+        ON("metal = gold grain_angle = 20"),
+        ON("coat_tint = .5"),
+        ON("fuzz_color = .5"),
+        ON("fuzz_roughness = .5"),
+        ON("weight = .5"),
+        ON("albedo = .5 mix = [surface { }, surface { albedo = 1 }]"),
+        ON("mix = [surface { emission = 1 }, surface { albedo = 1 }]"),
+        ON("mix = [surface { roughness = .5 }, surface { albedo = 1 }]"),
+        THING("sphere { interior = glass surface = surface { coat = 1 } }"),
+        THING("sphere { interior = glass surface = surface { transmission = .5 coat = 1 } }"),
+        THING("sphere { interior = glass surface = surface { transmission = .5 thin = true } }"),
+        THING("sphere { interior = glass surface = surface { transmission = .5 emission = 1 } }"),
+        THING("sphere { interior = glass surface = surface { mix = [surface { }, surface { roughness = 1 }] } }"),
+    };
+    for (size_t i = 0; i < COUNT_OF(in_conflict); i++) fixture_refused(in_conflict[i], D_CONFLICTING_PROPERTIES);
+    static const char *const out_of_range[] = {
+        ON("albedo = -.1"),         ON("albedo = rgb(.5, 1.1, .5)"), ON("ior = 0"),
+        ON("ior = -1.5"),           ON("roughness = 1.1"),           ON("roughness = -.1"),
+        ON("diffuse_roughness = 2"), ON("ior = 1.5 specular = 2"),    ON("metalness = -1"),
+        ON("metal = gold anisotropy = 1.5"), ON("coat = 1.5"),        ON("coat = 1 coat_ior = .5"),
+        ON("coat = 1 coat_roughness = 3"),   ON("coat = 1 coat_tint = 2"), ON("fuzz = -.5"),
+        ON("fuzz = 1 fuzz_color = 3"),       ON("fuzz = 1 fuzz_roughness = -1"),
+        ON("thin = true ior = 1.5 transmission = 1.2"), ON("thin = true translucency = 7"),
+        ON("thin = true ior = 1.5 transmission = 1 film = -1"), ON("thin = true ior = 1.5 transmission = 1 tint = 2"),
+        ON("mix = [surface { }, surface { albedo = 1 }] weight = 2"),
+    };
+    for (size_t i = 0; i < COUNT_OF(out_of_range); i++) fixture_refused(out_of_range[i], D_VALUE_OUT_OF_RANGE);
+    fixture_refused(ON("thin = true"), D_MISSING_PROPERTY);
+    fixture_refused(ON("mix = [surface { albedo = 1 }]"), D_WRONG_TYPE);
+    fixture_refused(ON("mix = [1, 2]"), D_WRONG_TYPE);
+#undef ON
+#undef THING
+}
+
+static void surfaces_become_parameters(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "surface pane { thin = true ior = 1.5 transmission = .9 film = 400nm tint = .5 }"
+             "surface lid { metal = iron metalness = .5 anisotropy = .7 grain = z grain_angle = 90 albedo = .2 }"
+             "surface both { mix = [pane, lid] weight = .3 }"
+             "sphere { surface = both } sphere { surface = pane } sphere { surface = lid }"
+             "sphere { interior = glass surface = surface { transmission = .25 albedo = 1 } }");
+    const Scene *scene = f.scene;
+    const SceneSurface *both = &scene->surfaces[scene->objects[0].surface], *pane = &scene->surfaces[scene->objects[1].surface],
+                       *lid = &scene->surfaces[scene->objects[2].surface], *paint = &scene->surfaces[scene->objects[3].surface];
+    assert_true(both->mixed && both->thin && !pane->mixed && pane->thin && !lid->thin);
+    assert_ptr_equal(&scene->surfaces[both->mix[0]], pane);
+    assert_ptr_equal(&scene->surfaces[both->mix[1]], lid);
+    assert_near((double)both->spec.mix_weight, 0.3, 1e-6);
+    assert_near((double)pane->spec.film_thickness_nm, 400, 1e-3);
+    assert_near((double)pane->spec.transmission_weight, 0.9, 1e-6);
+    assert_true(lid->grain == GRAIN_Z && lid->spec.measured_metal);
+    assert_near(lid->grain_angle, 1.5707963, 1e-6);
+    assert_near((double)lid->spec.base_metalness, 0.5, 1e-6);
+    assert_true(paint->painted && !pane->painted);
+    assert_true(scene_is_thin(scene, 0) && scene_is_thin(scene, 1) && !scene_is_thin(scene, 2) && !scene_is_thin(scene, 3));
+    fixture_clear(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(surfaces_are_checked),
+        cmocka_unit_test(surfaces_become_parameters),
         cmocka_unit_test(media_keep_their_properties),
         cmocka_unit_test(the_world_is_air_unless_it_is_not),
         cmocka_unit_test(wrong_media_are_refused),
