@@ -151,8 +151,9 @@ static Cone cone_union(Cone a, Cone b)
     if (b.cos_o <= -1) return b;
     float cosine = vec3f_dot(a.axis, b.axis);
     cosine = cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
+    /* inside already: the angle is no more than the difference of the two; without an arc cosine, as it is the usual case */
+    if (cosine >= b.cos_o * a.cos_o + sqrtf((1 - b.cos_o * b.cos_o) * (1 - a.cos_o * a.cos_o))) return b;
     float angle = acosf(cosine), narrow = acosf(a.cos_o), wide = acosf(b.cos_o);
-    if (angle + narrow <= wide) return b;
     float half = 0.5f * (wide + angle + narrow);
     if (half >= pi_f) return (Cone){b.axis, -1};
     /* the axis turned from b's towards a's */
