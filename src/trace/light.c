@@ -65,10 +65,12 @@ static LightSample sample_sphere(uint32_t object, double radius, Vec3 centre, Ve
     Vec3 to = vec3_sub(centre, from);
     double cone = sphere_cone(radius, to);
     if (cone >= 2) return (LightSample){.pdf_w = 0}; /* from inside, the light's own surface is opaque */
-    double distance = vec3_length(to);
-    Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / distance)), (float)cone);
+    Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / vec3_length(to))), (float)cone);
+    /* to the near side: what is within the light does not hide it, and a medium takes nothing beyond that */
+    Vec3 along = vec3_from_f(direction), beside = vec3_cross(to, along);
+    double distance = vec3_dot(to, along) - sqrt(fmax(radius * radius - vec3_dot(beside, beside), 0));
     return (LightSample){.direction = direction,
-                         .distance = distance + radius,
+                         .distance = distance * (1 + 1e-5),
                          .object = object,
                          .primitive = RTC_NO_OBJECT,
                          .pdf_w = sampling_cone_pdf((float)cone)};

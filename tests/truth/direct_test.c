@@ -1,0 +1,255 @@
+/* direct_test.c - the irradiance of every kind of light, at several distances and aslant, in clear air and where a medium
+ * absorbs, against closed forms and quadratures in double; each of them by looking for the light and by chance.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+static const double degree = TRUTH_PI / 180;
+
+static Estimate measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance)
+{
+    enum { PICTURE = 16 };
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .sky = sky, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, samples);
+    settings.by_chance = by_chance;
+    truth_render(&scene, &settings, 0, &picture);
+    assert_int_equal(picture.stats.nesting_faults, 0);
+    Estimate mean = truth_mean(&picture, -1);
+    truth_clear(&picture);
+    fixture_clear(&scene);
+    return mean;
+}
+
+#define FLOOR                                                                                                          \
+    "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n"                                              \
+    "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n"
+
+/* A light on a floor of albedo 0.8 at the origin, looked for and by chance; chance samples as many as its solid angle
+ * needs, or 0: a light that is too small for chance. */
+static void expect_both(const char *what, const char *light, double (*sky)(double), double irradiance, uint32_t chance)
+{
+    char text[1500], name[160];
+    double expected = 0.8 / TRUTH_PI * irradiance;
+    snprintf(text, sizeof text, FLOOR "%s\n", light);
+    truth_expect(what, expected, measure(text, sky, 1024, false), 4, 0.002);
+    if (!chance) return;
+    snprintf(name, sizeof name, "%s, by chance", what);
+    truth_expect(name, expected, measure(text, sky, chance, true), 4, 0.005);
+}
+
+/* ---- closed forms ---- */
+
+/* Of a sphere that is wholly above the horizon: pi L (r / d)^2 cos, whatever the distance d. */
+static void spheres(void **state)
+{
+    (void)state;
+    static const double distances[] = {12.5, 15, 20, 40, 400, 1e5};
+    for (size_t i = 0; i < COUNT_OF(distances); i++) {
+        char light[200], what[80];
+        double d = distances[i];
+        /* the farther, the brighter: the film adds up in steps */
+        snprintf(light, sizeof light, "light { shape = sphere  from = <0, %.17g, 0>  radius = 10  radiance = %.17g }",
+                 d, 2 * d * d / 400);
+        snprintf(what, sizeof what, "sphere of 10 at %g", d);
+        expect_both(what, light, NULL, TRUTH_PI * 0.5, d < 30 ? 2048 : 0);
+    }
+    expect_both("sphere aslant", "light { shape = sphere  from = <20, 15, 9>  radius = 10  radiance = 2 }", NULL,
+                TRUTH_PI * 2 * 100 / 706 * 15 / sqrt(706), 4096);
+}
+
+/* J. H. Lambert, Photometria (1760): half the sum, over a polygon's edges, of the angle that an edge is seen under times
+ * the cosine between the receiver's normal and that of the plane through the edge. All of it is above the horizon. */
+static double lamberts_polygon(const Vec3 *corners, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        Vec3 a = vec3_normalize(corners[i]), b = vec3_normalize(corners[(i + 1) % n]), across = vec3_cross(a, b);
+        double sine = vec3_length(across);
+        sum += atan2(sine, vec3_dot(a, b)) * across.y / sine;
+    }
+    return 0.5 * fabs(sum);
+}
+
+static void quads(void **state)
+{
+    (void)state;
+    static const struct {
+        Vec3 from, to;
+        double width, height;
+        uint32_t chance;
+    } cases[] = {
+        {{0, 20, 0}, {0, 0, 0}, 30, 12, 4096},    {{12, 18, -7}, {0, 0, 0}, 14, 20, 4096},
+        {{12, 18, -7}, {-9, 0, 5}, 14, 20, 4096}, {{-30, 12, 5}, {0, 9, 0}, 25, 10, 8192},
+        {{0, 5, 0}, {0, 0, 0}, 80, 100, 1024},    {{300, 500, 200}, {0, 0, 0}, 3, 9, 0},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        /* as the language has it: the width is level */
+        Vec3 y = vec3_normalize(vec3_sub(cases[i].to, cases[i].from)), up = vec3(0, 1, 0), x = vec3_cross(up, y),
+             corners[4];
+        x = vec3_length(x) > 1e-9 ? vec3_normalize(x) : vec3(1, 0, 0);
+        Vec3 z = vec3_cross(x, y);
+        for (int k = 0; k < 4; k++) {
+            corners[k] = vec3_along(cases[i].from, (k == 1 || k == 2 ? 0.5 : -0.5) * cases[i].width, x);
+            corners[k] = vec3_along(corners[k], (k >= 2 ? 0.5 : -0.5) * cases[i].height, z);
+        }
+        char light[300], what[80];
+        snprintf(light, sizeof light, "light { from = <%g, %g, %g>  to = <%g, %g, %g>  size = <%g, %g>  radiance = 2 }",
+                 cases[i].from.x, cases[i].from.y, cases[i].from.z, cases[i].to.x, cases[i].to.y, cases[i].to.z,
+                 cases[i].width, cases[i].height);
+        snprintf(what, sizeof what, "quad at %g %g %g: Lambert", cases[i].from.x, cases[i].from.y, cases[i].from.z);
+        expect_both(what, light, NULL, 2 * lamberts_polygon(corners, 4), cases[i].chance);
+    }
+}
+
+/* A disc in a parallel plane, aside of the place: J. R. Howell, A Catalog of Radiation Heat Transfer Configuration
+ * Factors, B-13. */
+static void discs(void **state)
+{
+    (void)state;
+    static const struct {
+        double aside, height, radius;
+        uint32_t chance;
+    } cases[] = {{0, 20, 15, 4096}, {12, 20, 15, 4096}, {30, 9, 15, 8192}, {0, 5, 90, 1024}, {500, 900, 7, 0}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        double a = cases[i].aside, h = cases[i].height, r = cases[i].radius, s = a * a + h * h + r * r;
+        double factor = 0.5 * (1 - (a * a + h * h - r * r) / sqrt(s * s - 4 * a * a * r * r));
+        char light[300], what[80];
+        snprintf(light, sizeof light,
+                 "light { shape = disc  from = <%g, %g, 0>  to = <%g, 0, 0>  radius = %g  radiance = 2 }", a, h, a, r);
+        snprintf(what, sizeof what, "disc of %g, %g above and %g aside", r, h, a);
+        expect_both(what, light, NULL, TRUTH_PI * 2 * factor, cases[i].chance);
+    }
+}
+
+static double bright_zenith(double elevation)
+{
+    return 0.2 + 3 * pow(fmax(sin(elevation), 0), 4);
+}
+
+static void from_infinity(void **state)
+{
+    (void)state;
+    expect_both("distant, half angle 20 degrees, aslant: pi L sin^2 cos",
+                "light { shape = distant  from = <0, cos(35), sin(35)>  to = <0, 0, 0>  angle = 40deg  radiance = 3 }",
+                NULL, TRUTH_PI * 3 * pow(sin(20 * degree), 2) * cos(35 * degree), 4096);
+    expect_both("the sun, aslant: E cos",
+                "light { shape = distant  from = <0, cos(35), sin(35)>  to = <0, 0, 0>  power = 2 }", NULL,
+                2 * cos(35 * degree), 0);
+    expect_both("the same from everywhere: pi L", "environment { color = 3 }", NULL, TRUTH_PI * 3, 256);
+    expect_both("an image: its integral", TRUTH_SKY, bright_zenith, TRUTH_PI * 0.2 + 2 * TRUTH_PI * 3 / 6, 1024);
+    expect_both("a sky of clouds: 0.3 + 21 sin klx", "environment { sky = overcast  elevation = 50deg }", NULL,
+                (0.3 + 21 * sin(50 * degree)) / 100 * TRUTH_PI, 1024);
+}
+
+/* ---- in a medium that absorbs ---- */
+
+/* The irradiance of a level quad above, every part of it weakened by Beer's law, by a midpoint sum. */
+static double absorbed_quad(double width, double depth, double height, double sigma)
+{
+    enum { N = 800 };
+    double sum = 0;
+    for (int i = 0; i < N; i++)
+        for (int k = 0; k < N; k++) {
+            double x = width * ((i + 0.5) / N - 0.5), z = depth * ((k + 0.5) / N - 0.5);
+            double square = x * x + z * z + height * height, distance = sqrt(square);
+            sum += height * height / (square * square) * exp(-sigma * distance);
+        }
+    return sum * width * depth / ((double)N * N);
+}
+
+/* And of a sphere above, seen as a disc of directions, each of which ends where the sphere begins. */
+static double absorbed_sphere(double radius, double height, double sigma)
+{
+    enum { N = 200000 };
+    double most = radius / height, sum = 0;
+    for (int i = 0; i < N; i++) {
+        double sine2 = most * most * (i + 0.5) / N, cosine = sqrt(1 - sine2);
+        double distance = height * cosine - sqrt(radius * radius - height * height * sine2);
+        sum += exp(-sigma * distance);
+    }
+    return TRUTH_PI * most * most * sum / N; /* pi d(sin^2) is the projected solid angle */
+}
+
+#define MURK                                                                                                           \
+    "medium murk { ior = 1  absorption = .03 / 1mm } box { interior = murk  from = <-900, -1, -900>  to = <900, 99, "  \
+    "900> }\n"
+
+static void in_murk(void **state)
+{
+    (void)state;
+    const double sigma = 0.03;
+    expect_both("quad through murk", MURK "light { from = <0, 20, 0>  to = <0, 0, 0>  size = <30, 12>  radiance = 2 }",
+                NULL, 2 * absorbed_quad(30, 12, 20, sigma) * exp(-sigma * sqrt(9 + 20.25)), 4096);
+    expect_both("sphere through murk", MURK "light { shape = sphere  from = <0, 20, 0>  radius = 10  radiance = 2 }",
+                NULL, 2 * absorbed_sphere(10, 20, sigma) * exp(-sigma * sqrt(9 + 20.25)), 2048);
+    expect_both("point through murk: I exp(-s d) cos / d^2",
+                MURK "light { shape = point  from = <30, 40, 0>  intensity = 2 }", NULL,
+                2 / 2500e-6 * 0.8 * exp(-sigma * 50) * exp(-sigma * sqrt(9 + 20.25)), 0);
+    expect_both("spot through murk",
+                MURK "light { shape = spot  from = <0, 40, 0>  to = <5, 0, 0>  angle = 60deg  intensity = 2 }", NULL,
+                2 / 1600e-6 * exp(-sigma * 40) * exp(-sigma * sqrt(9 + 20.25)), 0);
+    expect_both(
+        "shining ball through murk",
+        MURK
+        "sphere { center = <0, 20, 0>  radius = 10  surface = surface { albedo = 0  emission = 1  radiance = 2 } }",
+        NULL, 2 * absorbed_sphere(10, 20, sigma) * exp(-sigma * sqrt(9 + 20.25)), 2048);
+}
+
+/* A glowing ball in a bulb of glass in murk: what a pair of surfaces lets pass, (1 - R) / (1 + R), less what the murk takes
+ * between the bulb and its own end. */
+static void bulb_in_murk(void **state)
+{
+    (void)state;
+    double r = truth_fresnel(1, 1, 1.5);
+    const char *text =
+        "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid }\n"
+        "medium murk { ior = 1  absorption = .02 / 1mm }\n"
+        "sphere { interior = murk  radius = 60 }\n"
+        "sphere { interior = glass  radius = 20  priority = 1 } sphere { interior = air  radius = 19  priority = 2 }\n"
+        "light { shape = sphere  radius = 2  radiance = 5 }\n"
+        "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
+    truth_expect("a light in a bulb in murk", 5 * (1 - r) / (1 + r) * exp(-0.02 * 40), measure(text, NULL, 4096, false),
+                 4, 0.005);
+}
+
+/* ---- the two estimators where media scatter ---- */
+
+static void agree_in_fog(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *light;
+    } cases[] = {
+        {"quad in fog", "light { from = <0, 20, 0>  to = <0, 0, 0>  size = <30, 22>  radiance = 2 }"},
+        {"disc in fog", "light { shape = disc  from = <5, 14, 0>  to = <0, 0, 0>  radius = 9  radiance = 2 }"},
+        {"sphere in fog", "light { shape = sphere  from = <5, 16, 0>  radius = 9  radiance = 2 }"},
+        {"distant light on fog",
+         "light { shape = distant  to = <0, 0, 0>  from = <1, 3, 1>  angle = 60deg  radiance = 2 }"},
+        {"sky on fog", "environment { sky = clear  disc = false }"},
+        {"shining ring in fog", "torus { radius = 9  tube = 4  translate(<0, 14, 0>)  surface = surface { albedo = .5  "
+                                "emission = 1  radiance = 2 } }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1500];
+        snprintf(text, sizeof text,
+                 FLOOR "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
+                       "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }\n%s\n",
+                 cases[i].light);
+        Estimate sampled = measure(text, NULL, 1024, false), chance = measure(text, NULL, 4096, true);
+        double error = hypot(sampled.error, chance.error);
+        truth_figure(cases[i].what, chance.mean, sampled.mean, error);
+        assert_true(sampled.error < 0.005 * sampled.mean && chance.error < 0.005 * chance.mean);
+        assert_near(sampled.mean, chance.mean, 4 * error);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(spheres),       cmocka_unit_test(quads),   cmocka_unit_test(discs),
+        cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk), cmocka_unit_test(bulb_in_murk),
+        cmocka_unit_test(agree_in_fog),
+    };
+    return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
+}
