@@ -106,19 +106,20 @@ static int looks_of_box(const LocalPlace *local, TextureLook *looks, float *weig
     return n;
 }
 
-static TextureLook look_around(const LocalPlace *local, bool sphere)
+static TextureLook look_around(const Texture *texture, const LocalPlace *local)
 {
+    bool sphere = texture->projection == PROJECTION_SPHERICAL;
     Vec3 p = local->p;
     double r = sqrt(p.x * p.x + p.z * p.z), length = sphere ? vec3_length(p) : r;
-    TextureLook look = {.u = r > 0 ? atan2(-p.z, p.x) / (2 * pi) : 0, .v = p.y};
-    if (look.u < 0) look.u += 1;
+    TextureLook look = {.u = r > 0 ? atan2(p.z, -p.x) / (2 * pi) / texture->turns + 0.5 : 0.5, .v = p.y};
     double width_v = local->footprint;
     if (sphere) {
         look.v = length > 0 ? 0.5 + asin(fmin(fmax(p.y / length, -1), 1)) / pi : 0.5;
         width_v = length > 0 ? local->footprint / (pi * length) : 1;
     }
-    /* all of the circle, beside the axis */
-    look.width_u = r * pi > local->footprint ? (float)(local->footprint / (2 * pi * r)) : 0.5f;
+    /* half of the circle, beside the axis */
+    double width_u = r * pi > local->footprint ? local->footprint / (2 * pi * r) : 0.5;
+    look.width_u = (float)(width_u / texture->turns);
     look.width_v = (float)width_v;
     return look;
 }
@@ -139,7 +140,7 @@ static int find_looks(const Texture *texture, const TexturePlace *place, Texture
         break;
     case PROJECTION_BOX: n = looks_of_box(&local, looks, weights); break;
     case PROJECTION_CYLINDRICAL:
-    case PROJECTION_SPHERICAL: looks[0] = look_around(&local, texture->projection == PROJECTION_SPHERICAL); break;
+    case PROJECTION_SPHERICAL: looks[0] = look_around(texture, &local); break;
     }
     for (int i = 0; i < n; i++) looks[i].wrap = texture->wrap;
     return n;

@@ -21,7 +21,7 @@ typedef enum TextureProjection {
     PROJECTION_UV,
     PROJECTION_PLANAR,      /* x and y, along z */
     PROJECTION_BOX,         /* along the axis that the normal is nearest to; between two, a mixture */
-    PROJECTION_CYLINDRICAL, /* u: turns about y counter-clockwise seen from above, from +x; v: y */
+    PROJECTION_CYLINDRICAL, /* u: about y, counter-clockwise seen from above, the picture's middle at -x; v: y */
     PROJECTION_SPHERICAL    /* the same; v: from the south pole to the north one */
 } TextureProjection;
 
@@ -38,6 +38,7 @@ typedef struct Texture {
     bool image_is_value; /* IMAGE: its colours or numbers themselves are the value */
     TextureProjection projection;
     TextureWrap wrap;
+    double turns;        /* IMAGE, around an axis: the part of a turn that the picture takes */
     Affine to_pattern; /* from the object (or the world) to the pattern's own coordinates */
     double shrink;     /* how much smaller lengths are there, or larger: a mean */
     double vary;       /* each object has it shifted by up to this */

@@ -303,6 +303,9 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         texture.kind = TEXTURE_IMAGE;
         texture.projection = (TextureProjection)choice_of(node, "projection");
         texture.wrap = (TextureWrap)choice_of(node, "wrap");
+        texture.turns = eval_number(node, "turns");
+        if (texture.projection != PROJECTION_CYLINDRICAL && texture.projection != PROJECTION_SPHERICAL)
+            build_needs(b, node, "turns", "with a projection that does not go around");
         texture.image_is_value = use == TEXTURE_OF_VECTORS ||
                                  (!eval_prop(node, "from") && !eval_prop(node, "to") && !eval_prop(node, "ramp"));
         TextureUse of_image = texture.image_is_value ? use : TEXTURE_OF_NUMBERS;

@@ -153,6 +153,7 @@ static uint64_t texture_hash(const Texture *t, const Rows *rows)
     for (size_t i = 0; i < COUNT_OF(words); i++) add_integer(&h, words[i]);
     if (t->placed) add_map(&h, &t->to_pattern);
     add_number(&h, t->vary);
+    add_number(&h, t->turns);
     add_number(&h, t->turbulence);
     add_integer(&h, t->seed);
     if (t->kind == TEXTURE_PATTERN) add_pattern(&h, &t->pattern);

@@ -153,6 +153,13 @@ static void pictures_go_round(void **state)
         expect(things[i], "<0, 1, -9>", "<0, 1, 0>", RED);
         expect(things[i], "<0, -1, -9>", "<0, -1, 0>", BLUE);
     }
+    /* a quarter of the way around, turned to face +z */
+    static const char *const label = ON("cylinder { from = <0, -2, 0> to = <0, 2, 0> radius = 2",
+                                        "projection = cylindrical turns = .25 wrap = clamp scale(<1, 4, 1>) "
+                                        "translate(<0, -2, 0>) rotate(y, 90)");
+    expect(label, "<.7, 1, 9>", "<.7, 1, 0>", GREEN);
+    expect(label, "<-.7, 1, 9>", "<-.7, 1, 0>", RED);
+    expect(label, "<-1.9, -1, 9>", "<-1.9, -1, 0>", BLUE);
     tolerance = 0.008;
     expect(ON("ground {", "projection = uv scale(4)"), "<1, 5, -1>", "<1, 0, -1>", BLUE);
     expect(ON("ground {", "projection = uv scale(4)"), "<3, 5, -3>", "<3, 0, -3>", GREEN);
