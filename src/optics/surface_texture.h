@@ -38,7 +38,7 @@ typedef struct Texture {
     bool image_is_value; /* IMAGE: its colours or numbers themselves are the value */
     TextureProjection projection;
     TextureWrap wrap;
-    double turns;        /* IMAGE, around an axis: the part of a turn that the picture takes */
+    double turns;      /* IMAGE, around an axis: the part of a turn that the picture takes */
     Affine to_pattern; /* from the object (or the world) to the pattern's own coordinates */
     double shrink;     /* how much smaller lengths are there, or larger: a mean */
     double vary;       /* each object has it shifted by up to this */

@@ -21,7 +21,9 @@ typedef struct Level {
 
 struct TextureImage {
     uint32_t n_channels;
-    bool colors; /* coefficients of upsample_at */
+    bool colors;     /* coefficients of upsample_at */
+    float light;     /* 0, or the colours are those of light, times this */
+    float luminance; /* of light: the mean */
     int n_levels;
     Level levels[MOST_LEVELS];
     float least[3], most[3]; /* of numbers */
@@ -158,6 +160,30 @@ Status texture_image_new_colors(const float *rgb, uint32_t width, uint32_t heigh
     return STATUS_OK;
 }
 
+Status texture_image_new_light(const float *rgb, uint32_t width, uint32_t height, TextureImage **image, Error *error)
+{
+    size_t n = (size_t)width * height * 3;
+    float largest = 1e-30f;
+    for (size_t i = 0; i < n; i++) largest = float_max(largest, rgb[i]);
+    TRY(new_image(rgb, 3, width, height, image, error));
+    const Level *last = &(*image)->levels[(*image)->n_levels - 1];
+    (*image)->luminance = color_luminance(last->texels);
+    (*image)->colors = true;
+    (*image)->light = 2 * largest; /* spectra are smooth below 1/2 */
+    (*image)->hash = hash_u64(~(*image)->hash);
+    for (int i = 0; i < (*image)->n_levels; i++) {
+        Level *level = &(*image)->levels[i];
+        for (size_t k = 0; k < (size_t)level->width * level->height * 3; k++) level->texels[k] /= 2 * largest;
+        colors_to_spectra(level);
+    }
+    return STATUS_OK;
+}
+
+float texture_image_luminance(const TextureImage *image)
+{
+    return image->luminance;
+}
+
 Status texture_image_new_numbers(const float *values, uint32_t channels, uint32_t width, uint32_t height,
                                  TextureImage **image, Error *error)
 {
@@ -241,7 +267,7 @@ static Lanes add_color(Lanes sum, const Four *four, float weight, Lanes waveleng
     return sum;
 }
 
-Lanes texture_image_color(const TextureImage *image, const TextureLook *look, Lanes wavelength_nm)
+static Lanes mixed_color(const TextureImage *image, const TextureLook *look, Lanes wavelength_nm)
 {
     TextureLook at = usable(look);
     float part;
@@ -251,6 +277,12 @@ Lanes texture_image_color(const TextureImage *image, const TextureLook *look, La
     if (!(part > 0)) return sum;
     four = four_around(image, level + 1, &at);
     return add_color(sum, &four, part, wavelength_nm);
+}
+
+Lanes texture_image_color(const TextureImage *image, const TextureLook *look, Lanes wavelength_nm)
+{
+    Lanes color = mixed_color(image, look, wavelength_nm);
+    return image->light > 0 ? lanes_mul(lanes_scale(color, image->light), white_at(wavelength_nm)) : color;
 }
 
 static void add_numbers(float *values, const Four *four, float weight, uint32_t n)

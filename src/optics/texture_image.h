@@ -19,6 +19,11 @@ enum { TEXTURE_IMAGE_LARGEST = 65536 }; /* pixels each way */
  * side is 0 or too large; STATUS_NOMEM. */
 ATTR_NODISCARD Status texture_image_new_colors(const float *rgb, uint32_t width, uint32_t height, TextureImage **image,
                                                Error *error);
+/* The same for light of any brightness that is not below 0: spectra as spectrum_from_light has them. */
+ATTR_NODISCARD Status texture_image_new_light(const float *rgb, uint32_t width, uint32_t height, TextureImage **image,
+                                              Error *error);
+/* The mean luminance of a picture of light. */
+float texture_image_luminance(const TextureImage *image);
 /* The same for numbers of any range, `channels` (1 or 3) to a pixel. */
 ATTR_NODISCARD Status texture_image_new_numbers(const float *values, uint32_t channels, uint32_t width, uint32_t height,
                                                 TextureImage **image, Error *error);

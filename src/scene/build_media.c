@@ -212,7 +212,7 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
 /* beyond this the products along a path could leave the range of float */
 static const double brightest = 1e30;
 
-static bool is_bearable(Builder *b, Span span, double radiance)
+bool build_is_bearable(Builder *b, Span span, double radiance)
 {
     if (radiance <= brightest) return true;
     diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span, "a radiance of %g is beyond what can be rendered, %g", radiance,
@@ -247,7 +247,7 @@ static bool emission_of_table(Builder *b, const EvalProp *prop, double factor, S
         double luminance = spectrum_luminance(out);
         factor /= luminance > 0 ? luminance : 1;
     }
-    if (!is_bearable(b, prop->span, factor * (double)spectrum_max(out))) return false;
+    if (!build_is_bearable(b, prop->span, factor * (double)spectrum_max(out))) return false;
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)out->table[i] * factor);
     out->table = table;
     return true;
@@ -266,7 +266,7 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
     }
     if (prop)
         for (int i = 0; i < 3; i++) rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
-    if (!is_bearable(b, prop ? prop->span : node->span, factor * fmax(rgb[0], fmax(rgb[1], rgb[2])))) return false;
+    if (!build_is_bearable(b, prop ? prop->span : node->span, factor * fmax(rgb[0], fmax(rgb[1], rgb[2])))) return false;
     for (int i = 0; i < 3; i++) rgb[i] *= factor;
     *out = spectrum_from_light(rgb);
     return true;

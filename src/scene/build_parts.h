@@ -48,7 +48,7 @@ typedef struct ShapeFacts {
 
 /* What values a texture can take, as numbers, and what a look-up costs. */
 typedef struct TextureFacts {
-    double least, most;
+    double least, most; /* of numbers; of light about the mean luminance, twice */
     unsigned cost, depth;
 } TextureFacts;
 
@@ -117,6 +117,8 @@ void build_needs(Builder *b, const EvalNode *node, const char *property, const c
 
 /* build_media.c */
 uint32_t build_medium(Builder *b, const EvalNode *node);
+/* Whether a radiance can be rendered; reports when not. */
+bool build_is_bearable(Builder *b, Span span, double radiance);
 /* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */
 bool build_emission(Builder *b, const EvalNode *node, const char *property, double factor, Spectrum *out);
 
@@ -131,7 +133,7 @@ uint32_t build_black_surface(Builder *b);
 uint32_t build_grey_surface(Builder *b);
 
 /* build_texture.c */
-typedef enum TextureUse { TEXTURE_OF_NUMBERS, TEXTURE_OF_COLORS, TEXTURE_OF_VECTORS } TextureUse;
+typedef enum TextureUse { TEXTURE_OF_NUMBERS, TEXTURE_OF_COLORS, TEXTURE_OF_VECTORS, TEXTURE_OF_LIGHT } TextureUse;
 /* Whether textures matter to what is being built. */
 bool build_textures_wanted(const Builder *b);
 /* The row of the texture that a property has instead of a value; reports values outside of the property's range. *least,

@@ -30,14 +30,14 @@ typedef struct Pixels {
 
 static const char *const channel_names[] = {"red", "green", "blue"};
 
-static void report_pixel(Builder *b, Span span, const char *path, const Pixels *pixels, size_t at, bool color)
+static void report_pixel(Builder *b, Span span, const char *path, const Pixels *pixels, size_t at, const char *wanted)
 {
     size_t pixel = at / 3;
     double value = (double)pixels->rgb[at];
-    Diagnostic *report = diag_report(
-        b->diag, D_IMAGE_INVALID, span, "'%s' has %s %g in the %s of pixel <%zu, %zu> (from the top left), %s", path,
-        isfinite(value) ? "the value" : "no number but", value, channel_names[at % 3], pixel % pixels->width,
-        pixel / pixels->width, color ? "and what a surface reflects is in 0..1" : "and a texture needs finite numbers");
+    Diagnostic *report = diag_report(b->diag, D_IMAGE_INVALID, span,
+                                     "'%s' has %s %g in the %s of pixel <%zu, %zu> (from the top left), %s", path,
+                                     isfinite(value) ? "the value" : "no number but", value, channel_names[at % 3],
+                                     pixel % pixels->width, pixel / pixels->width, wanted);
     if (!isfinite(value))
         diag_hint(b->diag, report, "mend the picture; clip = true takes such a pixel as 0");
     else
@@ -47,19 +47,23 @@ static void report_pixel(Builder *b, Span span, const char *path, const Pixels *
 /* Holds pixels to what can be used, or reports the first that is not. Conversions of colours round. */
 static bool check_pixels(Builder *b, Span span, const PictureWish *wish, Pixels *pixels)
 {
-    const float slack = 1e-3f;
-    bool color = wish->use == TEXTURE_OF_COLORS;
+    const float slack = 1e-3f, brightest = 1e30f;
+    bool color = wish->use == TEXTURE_OF_COLORS, light = wish->use == TEXTURE_OF_LIGHT;
     size_t n = (size_t)pixels->width * pixels->height * 3;
     for (size_t i = 0; i < n; i++) {
         float *value = &pixels->rgb[i];
         bool fine = isfinite(*value) && (!color || (*value >= -slack && *value <= 1 + slack));
+        fine = fine && (!light || (*value >= -slack && *value <= brightest));
         if (!fine && !wish->clip) {
-            report_pixel(b, span, wish->path, pixels, i, color);
+            report_pixel(b, span, wish->path, pixels, i,
+                         color   ? "and what a surface reflects is in 0..1"
+                         : light ? "and light is in 0..1e30"
+                                 : "and a texture needs finite numbers");
             return false;
         }
-        if (!color && !wish->clip) continue;
+        if (!color && !light && !wish->clip) continue;
         if (!(*value > 0)) *value = 0; /* also what is no number */
-        if (*value > 1) *value = 1;
+        if (*value > 1 && (color || wish->clip)) *value = 1;
     }
     return true;
 }
@@ -110,8 +114,9 @@ static TextureImage *new_picture(Builder *b, Span span, const PictureWish *wish)
     Status status = load(b, wish, &pixels, &error);
     if (status == STATUS_OK && check_pixels(b, span, wish, &pixels) && fits(b, span, wish, &pixels)) {
         if (wish->use == TEXTURE_OF_NUMBERS) take_channel(&pixels, wish->channel);
-        status = wish->use == TEXTURE_OF_COLORS
-                     ? texture_image_new_colors(pixels.rgb, pixels.width, pixels.height, &image, &error)
+        status = wish->use == TEXTURE_OF_COLORS || wish->use == TEXTURE_OF_LIGHT
+                     ? (wish->use == TEXTURE_OF_LIGHT ? texture_image_new_light : texture_image_new_colors)(
+                           pixels.rgb, pixels.width, pixels.height, &image, &error)
                      : texture_image_new_numbers(pixels.rgb, wish->use == TEXTURE_OF_VECTORS ? 3 : 1, pixels.width,
                                                  pixels.height, &image, &error);
     }

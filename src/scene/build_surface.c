@@ -382,7 +382,19 @@ static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32
 static SceneSurface plain_surface(const char *name, float albedo)
 {
     return (SceneSurface){
-        .name = name, .albedo = spectrum_constant(albedo), .bump = SCENE_NONE, .normal_map = SCENE_NONE};
+        .name = name, .albedo = spectrum_constant(albedo), .bump = SCENE_NONE, .normal_map = SCENE_NONE, .emission_texture = SCENE_NONE};
+}
+
+static void shine_by_texture(Builder *b, const EvalNode *node, SceneSurface *surface)
+{
+    double factor = eval_number(node, "radiance"), least, most;
+    if (!build_textures_wanted(b)) return;
+    surface->emission_texture = build_texture(b, eval_prop(node, "emission"), TEXTURE_OF_LIGHT, &least, &most);
+    surface->emission_factor = (float)factor;
+    double mean = 0.5 * (least + most) * factor;
+    build_is_bearable(b, build_span(node, "radiance"), fmax(mean, factor));
+    surface->emission = spectrum_from_light((const double[3]){mean, mean, mean});
+    surface->emits = mean > 0;
 }
 
 uint32_t build_surface(Builder *b, const EvalNode *node)
@@ -394,6 +406,8 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
     SceneSurface surface = plain_surface(arena_copy_text(b->arena, name, strlen(name)), 0);
     if (!eval_prop(node, "emission"))
         build_needs(b, node, "radiance", "without an 'emission'");
+    else if (eval_prop(node, "emission")->textured)
+        shine_by_texture(b, node, &surface);
     else if (build_emission(b, node, "emission", eval_number(node, "radiance"), &surface.emission))
         surface.emits = !spectrum_is_zero(&surface.emission);
     check_needs(b, node);

@@ -44,6 +44,12 @@ static uint32_t add_number(Builder *b, double number)
     return add_constant(b, spectrum_constant((float)number), number);
 }
 
+static uint32_t add_light(Builder *b, const double rgb[3])
+{
+    Spectrum light = spectrum_from_light(rgb);
+    return add_constant(b, light, spectrum_luminance(&light));
+}
+
 /* ---- values ---- */
 
 /* A reflectance of channels that may be anything; false after reporting. */
@@ -71,9 +77,15 @@ static void wants_number(Builder *b, Span span, const char *name)
 static uint32_t value_of(Builder *b, const EvalNode *node, const char *name, double unset, TextureUse use)
 {
     const EvalProp *prop = eval_prop(node, name);
+    if (!prop && use == TEXTURE_OF_LIGHT) return add_light(b, (const double[3]){unset, unset, unset});
     if (!prop) return add_number(b, unset);
     if (prop->textured) return build_texture_row(b, prop->as.node, use);
     if (prop->type->kind == PROP_NUMBER) return add_number(b, prop->as.number);
+    if (use == TEXTURE_OF_LIGHT) {
+        Spectrum light;
+        bool fine = build_emission(b, node, name, 1, &light);
+        return add_constant(b, fine ? light : spectrum_constant(0), fine ? spectrum_luminance(&light) : 0);
+    }
     const double *rgb = prop->as.spectrum.rgb;
     Spectrum value = spectrum_constant(0);
     switch (prop->as.spectrum.form) {
@@ -106,6 +118,21 @@ static uint32_t value_of(Builder *b, const EvalNode *node, const char *name, dou
     return add_constant(b, value, 0);
 }
 
+/* A stop of a ramp of light; its share of the mean goes to the facts. */
+static bool light_of(Builder *b, Span span, const double rgb[3], Spectrum *out, TextureFacts *facts, size_t i, size_t n)
+{
+    for (int c = 0; c < 3; c++) {
+        if (rgb[c] >= 0 && build_is_bearable(b, span, rgb[c])) continue;
+        if (rgb[c] < 0)
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span, "'ramp' has a channel of %g: there is no light below 0",
+                        rgb[c]);
+        return false;
+    }
+    *out = spectrum_from_light(rgb);
+    facts->least = facts->most = (i ? facts->most : 0) + spectrum_luminance(out) / (double)n;
+    return true;
+}
+
 static void read_ramp(Builder *b, const EvalProp *ramp, TextureUse use, Texture *texture, TextureFacts *facts)
 {
     size_t n = ramp->as.list.n;
@@ -118,8 +145,11 @@ static void read_ramp(Builder *b, const EvalProp *ramp, TextureUse use, Texture 
     for (size_t i = 0; i < n; i++) {
         const double *stop = ramp->as.list.numbers + 4 * i;
         stops[i] = (TextureStop){(float)stop[0], spectrum_constant((float)stop[1])};
-        facts->least = i ? fmin(facts->least, stop[1]) : stop[1];
-        facts->most = i ? fmax(facts->most, stop[1]) : stop[1];
+        if (use != TEXTURE_OF_LIGHT) {
+            facts->least = i ? fmin(facts->least, stop[1]) : stop[1];
+            facts->most = i ? fmax(facts->most, stop[1]) : stop[1];
+        }
+        if (use == TEXTURE_OF_LIGHT && !light_of(b, ramp->span, stop + 1, &stops[i].value, facts, i, n)) break;
         if (use == TEXTURE_OF_COLORS && !color_of(b, ramp->span, "ramp", stop + 1, &stops[i].value)) break;
     }
     texture->stops = stops;
@@ -313,6 +343,7 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         if (texture.image_is_value) {
             float least = 0, most = 0;
             if (texture.image && use == TEXTURE_OF_NUMBERS) texture_image_range(texture.image, 0, &least, &most);
+            if (texture.image && use == TEXTURE_OF_LIGHT) least = most = texture_image_luminance(texture.image);
             facts->least = (double)least;
             facts->most = (double)most;
             return texture;
@@ -390,8 +421,9 @@ uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double 
 
 static bool any_textures(const Scene *scene, const SceneSurface *surface)
 {
-    return surface_has_textures(surface) || (surface->mixed && (any_textures(scene, &scene->surfaces[surface->mix[0]]) ||
-                                                                any_textures(scene, &scene->surfaces[surface->mix[1]])));
+    return surface_has_textures(surface) || surface->emission_texture != SCENE_NONE ||
+           (surface->mixed && (any_textures(scene, &scene->surfaces[surface->mix[0]]) ||
+                               any_textures(scene, &scene->surfaces[surface->mix[1]])));
 }
 
 void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_world)

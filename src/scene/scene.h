@@ -84,7 +84,9 @@ typedef struct SceneSurface {
     uint32_t normal_map; /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
     float normal_x, normal_y; /* factors of its slopes */
     bool emits;          /* shines by itself, from both sides */
-    Spectrum emission;   /* radiance, as SceneLight's */
+    Spectrum emission;   /* radiance, as SceneLight's; of one that a texture says, about its mean */
+    uint32_t emission_texture; /* SCENE_NONE, or radiance from place to place, in units of: */
+    float emission_factor;
 } SceneSurface;
 
 typedef struct SceneShape { /* geometry that objects share; one of the two */
@@ -268,7 +270,7 @@ static inline bool surface_has_relief(const SceneSurface *surface)
 {
     return surface->bump != SCENE_NONE || surface->normal_map != SCENE_NONE;
 }
-static inline bool surface_has_textures(const SceneSurface *surface) /* itself, not those that it is a mix of */
+static inline bool surface_has_textures(const SceneSurface *surface) /* for its Bsdf; itself, not those that it is a mix of */
 {
     return surface->n_textures > 0 || surface_has_relief(surface);
 }

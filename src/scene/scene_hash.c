@@ -184,7 +184,8 @@ static bool surface_varies(const Scene *scene, const SceneSurface *surface, cons
     for (uint32_t i = 0; i < surface->n_textures; i++)
         if (rows->texture_varies[surface->textures[i].texture]) return true;
     return (surface->bump != SCENE_NONE && rows->texture_varies[surface->bump]) ||
-           (surface->normal_map != SCENE_NONE && rows->texture_varies[surface->normal_map]);
+           (surface->normal_map != SCENE_NONE && rows->texture_varies[surface->normal_map]) ||
+           (surface->emission_texture != SCENE_NONE && rows->texture_varies[surface->emission_texture]);
 }
 
 static void add_relief(Hasher *h, const SceneSurface *surface, const Rows *rows)
@@ -210,6 +211,10 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
     }
     add_relief(&h, surface, rows);
     if (surface->emits) add_spectrum(&h, &surface->emission);
+    if (surface->emission_texture != SCENE_NONE) {
+        add_integer(&h, rows->textures[surface->emission_texture]);
+        add_number(&h, (double)surface->emission_factor);
+    }
     add_number(&h, (double)surface->roughness);
     if (!surface->finished) return h.state;
     const BsdfSpec *spec = &surface->spec;

@@ -3,6 +3,7 @@
 #include "trace/light.h"
 
 #include "optics/sampling.h"
+#include "trace/texture_view.h"
 
 /* Where a thing with these keys is at a time of the shutter; room is for one that moves. */
 static const Affine *place_at(const World *world, const Affine *keys, const Affine *still, double time, Affine *room)
@@ -195,6 +196,37 @@ static LightSample sample_light(const World *world, const SceneLight *light, Vec
     return sample;
 }
 
+/* What a place shines that was chosen on an object: its own, or its texture's there. */
+static Lanes sample_emission(const World *world, const SceneSurface *surface, const Emitter *emitter, Vec3 from,
+                             double time, const LightSample *sample, Lanes wavelength_nm)
+{
+    if (surface->emission_texture == SCENE_NONE || !(sample->pdf_w > 0))
+        return spectrum_at(&surface->emission, wavelength_nm);
+    Ray ray = ray_make(from, sample->direction);
+    ray.time = time;
+    Hit hit = {.t = sample->distance / (1 + 1e-5), .object = emitter->of, .primitive = emitter->part};
+    if (emitter->kind == EMITTER_BALL) { /* of which the sample knows the direction only */
+        const SceneObject *object = &world->scene->objects[emitter->of];
+        double radius = ball_radius(world, object, emitter->part);
+        Vec3 to = vec3_sub(object->to_world.t, from);
+        double middle = vec3_dot(to, vec3_from_f(sample->direction));
+        hit.t = middle - sqrt(fmax(radius * radius + middle * middle - vec3_dot(to, to), 0));
+    }
+    if (emitter->kind == EMITTER_TRIANGLE) {
+        Vec3 corner[3], p = ray_point(&ray, hit.t);
+        rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, time, corner);
+        Vec3 b = vec3_sub(corner[1], corner[0]), c = vec3_sub(corner[2], corner[0]), at = vec3_sub(p, corner[0]);
+        Vec3 normal = vec3_cross(b, c);
+        double square = vec3_dot(normal, normal);
+        hit.u = (float)(vec3_dot(vec3_cross(at, c), normal) / square);
+        hit.v = (float)(vec3_dot(vec3_cross(b, at), normal) / square);
+        hit.normal = vec3f_from(vec3_scale(normal, 1 / sqrt(square)));
+    } else {
+        hit.normal = vec3f_negate(sample->direction); /* only tells the side: patterns are looked up just beneath it */
+    }
+    return texture_emission(world, surface, &ray, &hit, wavelength_nm);
+}
+
 static LightSample sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
                                   Lanes wavelength_nm)
 {
@@ -209,7 +241,8 @@ static LightSample sample_emitter(const World *world, const Emitter *emitter, Ve
         sample = sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u);
     else
         sample = sample_piece(world, emitter, from, time, u);
-    sample.radiance = spectrum_at(&scene->surfaces[object->surface].emission, wavelength_nm);
+    sample.radiance =
+        sample_emission(world, &scene->surfaces[object->surface], emitter, from, time, &sample, wavelength_nm);
     return sample;
 }
 
@@ -271,7 +304,7 @@ LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double tim
     return sample;
 }
 
-bool light_radiance_hit(const World *world, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)
+bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)
 {
     const Scene *scene = world->scene;
     const SceneObject *object = &scene->objects[hit->object];
@@ -280,7 +313,9 @@ bool light_radiance_hit(const World *world, const Hit *hit, Lanes wavelength_nm,
         return hit->entering; /* lights shine to one side */
     }
     if (object->surface == SCENE_NONE || !scene->surfaces[object->surface].emits) return false;
-    *radiance = spectrum_at(&scene->surfaces[object->surface].emission, wavelength_nm);
+    const SceneSurface *surface = &scene->surfaces[object->surface];
+    *radiance = surface->emission_texture == SCENE_NONE ? spectrum_at(&surface->emission, wavelength_nm)
+                                                        : texture_emission(world, surface, ray, hit, wavelength_nm);
     return true;
 }
 

@@ -24,7 +24,7 @@ LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double tim
                          Lanes wavelength_nm);
 
 /* Whether the surface that was hit shines, and its radiance towards there. */
-bool light_radiance_hit(const World *world, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
+bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
 /* The density (per steradian, choice included) with which light_sample, given the same `from` and normal, would have found
  * the place that was hit; 0 for places that are found by chance only. */
 float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit);

@@ -155,7 +155,7 @@ void path_add_emission(Path *path, const Hit *hit)
 {
     const World *world = path->tracer->world;
     Lanes radiance;
-    if (!light_radiance_hit(world, hit, path->wavelengths.nm, &radiance)) return;
+    if (!light_radiance_hit(world, &path->ray, hit, path->wavelengths.nm, &radiance)) return;
     float weight = 1; /* against finding it by light sampling */
     if (path->scatter_pdf >= 0)
         weight = sampling_balance(path->scatter_pdf,

@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/sampling.h"
 #include "trace/path_parts.h"
+#include "trace/texture_view.h"
 
 void path_reach(Path *path, const Event *event)
 {
@@ -28,73 +29,6 @@ void path_widen(Path *path)
         path->cone_spread *= magnified;
         path->cone_width *= magnified;
     }
-}
-
-/* ---- where ---- */
-
-/* The uv of a mesh without any: each side of the box around it is 0..1, to the right and up seen from outside. */
-static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place,
-                      Vec3 *du, Vec3 *dv)
-{
-    Vec3 low = frame->box.min, size = vec3_sub(frame->box.max, frame->box.min), p = vec3_sub(at->local, low);
-    double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
-    size = vec3(fmax(size.x, 1e-30), fmax(size.y, 1e-30), fmax(size.z, 1e-30));
-    double u = p.x / size.x, v = p.y / size.y;
-    *du = vec3(1 / size.x, 0, 0);
-    *dv = vec3(0, 1 / size.y, 0);
-    bool turned = normal.z < 0;
-    if (ax >= ay && ax >= az) {
-        u = p.z / size.z;
-        *du = vec3(0, 0, 1 / size.z);
-        turned = normal.x > 0;
-    } else if (ay >= az) {
-        bool up = normal.y > 0;
-        v = up ? 1 - p.z / size.z : p.z / size.z;
-        *dv = vec3(0, 0, (up ? -1 : 1) / size.z);
-        turned = false;
-    }
-    place->uv[0] = (float)(turned ? 1 - u : u);
-    place->uv[1] = (float)v;
-    if (turned) *du = vec3_scale(*du, -1);
-}
-
-/* A place and the maps between it and the world. */
-typedef struct TextureView {
-    TexturePlace at;
-    Affine to_texture; /* from the world to the frame of the object's textures */
-} TextureView;
-
-static void view_textures(const Path *path, const Event *event, const SurfacePlace *surface_place, TextureView *view)
-{
-    const World *world = path->tracer->world;
-    const Scene *scene = world->scene;
-    const SceneObject *object = &scene->objects[event->hit.object];
-    const SceneTextureFrame *frame = &scene->texture_frames[object->texture_frame];
-    RtcCoordinates at;
-    rtc_coordinates(world->compiled->rtc, &path->ray, &event->hit, &at);
-    TexturePlace *place = &view->at;
-    view->to_texture = affine_compose(&frame->from_shape, &at.to_local);
-    double volume = affine_determinant(&view->to_texture), sign = volume < 0 ? -1 : 1;
-    Vec3 outward = vec3_from_f(event->hit.normal), normal = affine_area(&view->to_texture, outward);
-    Vec3 du = at.du, dv = at.dv;
-    if (!at.has_uv) uv_of_box(frame, &at, affine_area(&at.to_local, outward), place, &du, &dv);
-    if (at.has_uv)
-        for (int i = 0; i < 2; i++) place->uv[i] = at.uv[i];
-    /* gradients go to the other frame as normals do */
-    double inverse = 1 / affine_determinant(&frame->from_shape);
-    place->du = vec3_scale(affine_area(&frame->from_shape, du), inverse);
-    place->dv = vec3_scale(affine_area(&frame->from_shape, dv), inverse);
-    place->object = affine_point(&frame->from_shape, at.local);
-    place->object_normal = vec3_scale(vec3_normalize(normal), sign);
-    place->world = surface_place->position;
-    place->world_normal = outward;
-    /* Where a pattern has a face where the surface is, what shows is the inside. */
-    const double deep = 4e-6;
-    place->object = vec3_along(place->object, -deep * vec3_max_abs(place->object), place->object_normal);
-    place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
-    place->world_footprint = (double)path->cone_width;
-    place->footprint = place->world_footprint * cbrt(fabs(volume));
-    place->identity = scene->objects[scene_whole(scene, event->hit.object)].identity;
 }
 
 /* ---- relief ---- */
@@ -196,7 +130,7 @@ static void add_relief(const Path *path, const Event *event, const SceneSurface 
 void path_relief(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place)
 {
     TextureView view;
-    view_textures(path, event, place, &view);
+    texture_view(path->tracer->world, &path->ray, &event->hit, (double)path->cone_width, &view);
     add_relief(path, event, surface, &view, place);
 }
 
@@ -213,7 +147,7 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
 {
     const Scene *scene = path->tracer->world->scene;
     TextureView view;
-    view_textures(path, event, place, &view);
+    texture_view(path->tracer->world, &path->ray, &event->hit, (double)path->cone_width, &view);
     *spec = surface->spec;
     for (uint32_t i = 0; i < surface->n_textures; i++) {
         const SurfaceTexture *texture = &surface->textures[i];

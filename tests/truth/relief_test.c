@@ -116,12 +116,54 @@ static void constants_are_constants(void **state)
     }
 }
 
+/* What shines by a texture lights a floor as what it looks like: found by sampling or by chance, and where the texture
+ * comes to a constant, like one. */
+static void textures_shine(void **state)
+{
+    (void)state;
+    static const char *const shapes[] = {
+        "sphere { radius = .5 %s translate(<0, 1, 0>) }",
+        "box { size = <1, 1, 1> rotate(<30, 40, 0>) %s translate(<0, 1, 0>) }",
+        "cylinder { to = <0, .8, 0> radius = .4 %s translate(<0, .7, 0>) }",
+    };
+    static const char *const emissions[] = {
+        "surface = surface { albedo = 0 emission = rgb(3, 2, 1) }",
+        "surface = surface { albedo = 0 emission = noise { from = rgb(3, 2, 1) to = rgb(3, 2, 1) } }",
+        "surface = surface { albedo = 0 emission = gradient { ramp = [rgb(6, 1, 0), rgb(0, 3, 2)] wave = once "
+        "translate(<-.5, 0, 0>) } }",
+    };
+    for (size_t i = 0; i < COUNT_OF(shapes); i++) {
+        Estimate seen[4];
+        for (int k = 0; k < 4; k++) { /* the last by chance */
+            char thing[400], text[1200];
+            const char *hole = strstr(shapes[i], "%s");
+            snprintf(thing, sizeof thing, "%.*s%s%s", (int)(hole - shapes[i]), shapes[i], emissions[k < 3 ? k : 2],
+                     hole + 2);
+            snprintf(text, sizeof text,
+                     HEAD
+                     "medium nearly { ior = 1.0000001 state = gas } %s ground { surface = surface { albedo = .8 } } %s "
+                     "camera { from = <0, 6, 3> to = <.8, 0, .6> fov = 12deg }",
+                     thing, k == 3 ? "sphere { radius = 1 center = <0, 1.01, 0> interior = nearly }" : "");
+            Picture picture = render(text, k == 3 ? 2048 : 64);
+            seen[k] = truth_total(&picture);
+            truth_clear(&picture);
+        }
+        printf("    %.20s: a constant gives %.4f, a texture that is one %.4f\n", shapes[i], seen[0].mean, seen[1].mean);
+        assert_near(seen[1].mean / seen[0].mean, 1, 1e-4);
+        truth_figure("by sampling and by chance", seen[2].mean, seen[3].mean, hypot(seen[2].error, seen[3].error));
+        double apart = fabs(seen[2].mean - seen[3].mean);
+        if (!(apart <= 4 * hypot(seen[2].error, seen[3].error))) fail_msg("%s: %g apart", shapes[i], apart);
+        assert_true(seen[3].error < 0.05 * seen[3].mean);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_furnaces),
         cmocka_unit_test(lights_are_found_alike),
         cmocka_unit_test(constants_are_constants),
+        cmocka_unit_test(textures_shine),
     };
     return cmocka_run_group_tests_name("relief", tests, NULL, NULL);
 }

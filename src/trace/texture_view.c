@@ -1,0 +1,70 @@
+/* texture_view.c - where on its object a hit is, for textures; what surfaces shine that have one for that.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/texture_view.h"
+
+/* The uv of a mesh without any: each side of the box around it is 0..1, to the right and up seen from outside. */
+static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place,
+                      Vec3 *du, Vec3 *dv)
+{
+    Vec3 low = frame->box.min, size = vec3_sub(frame->box.max, frame->box.min), p = vec3_sub(at->local, low);
+    double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
+    size = vec3(fmax(size.x, 1e-30), fmax(size.y, 1e-30), fmax(size.z, 1e-30));
+    double u = p.x / size.x, v = p.y / size.y;
+    *du = vec3(1 / size.x, 0, 0);
+    *dv = vec3(0, 1 / size.y, 0);
+    bool turned = normal.z < 0;
+    if (ax >= ay && ax >= az) {
+        u = p.z / size.z;
+        *du = vec3(0, 0, 1 / size.z);
+        turned = normal.x > 0;
+    } else if (ay >= az) {
+        bool up = normal.y > 0;
+        v = up ? 1 - p.z / size.z : p.z / size.z;
+        *dv = vec3(0, 0, (up ? -1 : 1) / size.z);
+        turned = false;
+    }
+    place->uv[0] = (float)(turned ? 1 - u : u);
+    place->uv[1] = (float)v;
+    if (turned) *du = vec3_scale(*du, -1);
+}
+
+void texture_view(const World *world, const Ray *ray, const Hit *hit, double footprint, TextureView *view)
+{
+    const Scene *scene = world->scene;
+    const SceneObject *object = &scene->objects[hit->object];
+    const SceneTextureFrame *frame = &scene->texture_frames[object->texture_frame];
+    RtcCoordinates at;
+    rtc_coordinates(world->compiled->rtc, ray, hit, &at);
+    TexturePlace *place = &view->at;
+    view->to_texture = affine_compose(&frame->from_shape, &at.to_local);
+    double volume = affine_determinant(&view->to_texture), sign = volume < 0 ? -1 : 1;
+    Vec3 outward = vec3_from_f(hit->normal), normal = affine_area(&view->to_texture, outward);
+    Vec3 du = at.du, dv = at.dv;
+    if (!at.has_uv) uv_of_box(frame, &at, affine_area(&at.to_local, outward), place, &du, &dv);
+    if (at.has_uv)
+        for (int i = 0; i < 2; i++) place->uv[i] = at.uv[i];
+    /* gradients go to the other frame as normals do */
+    double inverse = 1 / affine_determinant(&frame->from_shape);
+    place->du = vec3_scale(affine_area(&frame->from_shape, du), inverse);
+    place->dv = vec3_scale(affine_area(&frame->from_shape, dv), inverse);
+    place->object = affine_point(&frame->from_shape, at.local);
+    place->object_normal = vec3_scale(vec3_normalize(normal), sign);
+    place->world = ray_point(ray, hit->t);
+    place->world_normal = outward;
+    /* Where a pattern has a face where the surface is, what shows is the inside. */
+    const double deep = 4e-6;
+    place->object = vec3_along(place->object, -deep * vec3_max_abs(place->object), place->object_normal);
+    place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
+    place->world_footprint = footprint;
+    place->footprint = place->world_footprint * cbrt(fabs(volume));
+    place->identity = scene->objects[scene_whole(scene, hit->object)].identity;
+}
+
+Lanes texture_emission(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                       Lanes wavelength_nm)
+{
+    TextureView view;
+    texture_view(world, ray, hit, 0, &view);
+    Lanes light = texture_at(world->scene->textures, surface->emission_texture, &view.at, wavelength_nm);
+    return lanes_scale(lanes_clamp(light, 0, HUGE_VALF), surface->emission_factor);
+}

@@ -1,0 +1,21 @@
+/* texture_view.h - where on its object a hit is, for textures.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_TEXTURE_VIEW_H
+#define MEN_TEXTURE_VIEW_H
+
+#include "trace/world.h"
+
+/* A place and the maps between it and the world. */
+typedef struct TextureView {
+    TexturePlace at;
+    Affine to_texture; /* from the world to the frame of the object's textures */
+} TextureView;
+
+/* Of the object that the ray has hit, which has a frame for textures. Of the hit, t, object, primitive, normal and the
+ * barycentric u, v count. footprint: a length in the world that details need not be smaller than. */
+void texture_view(const World *world, const Ray *ray, const Hit *hit, double footprint, TextureView *view);
+/* The radiance of a surface whose emission is a texture. */
+Lanes texture_emission(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                       Lanes wavelength_nm);
+
+#endif
