@@ -23,7 +23,7 @@ typedef struct LightSample {
 LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
                          Lanes wavelength_nm);
 
-/* Whether the surface that was hit shines, and its radiance towards there. */
+/* Whether the surface that the ray has hit shines, and its radiance towards there. */
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
 /* The density (per steradian, choice included) with which light_sample, given the same `from` and normal, would have found
  * the place that was hit; 0 for places that are found by chance only. */
