@@ -177,6 +177,9 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_add_whole(&json, "silentLimit", stats->silent_limit);
     json_add_whole(&json, "badSamples", stats->bad_samples);
     json_add_whole(&json, "saturatedSamples", stats->saturated_samples);
+    json_add_whole(&json, "photons", stats->guide.followed);
+    json_add_whole(&json, "photonsLanded", stats->guide.landed);
+    json_add_whole(&json, "guideBytes", stats->guide.bytes);
     json_add_number(&json, "renderSeconds", stats->seconds);
     json_add_number(&json, "cpuSeconds", stats->cpu_seconds);
     json_add_number(&json, "totalSeconds", clock_now_s() - run->start_s);
@@ -197,6 +200,9 @@ static void print_stats_text(const RenderRun *run, Buf *out)
                per_million(stats->nesting_faults, stats->crossings));
     buf_format(out, "samples            %u to %u per pixel, %.4g on average\n", stats->samples, stats->most_samples,
                stats->mean_samples);
+    if (stats->guide.landed)
+        buf_format(out, "caustics           %llu of %llu photons landed, %.1f MiB\n", (unsigned long long)stats->guide.landed,
+                   (unsigned long long)stats->guide.followed, (double)stats->guide.bytes / (1024.0 * 1024));
     if (run->noise >= 0) buf_format(out, "noise              %.3g %%\n", 100 * run->noise);
     buf_format(out, "geometry           %.1f MiB\n", (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
     buf_format(out, "time               %.2f s to render, %.2f s of processors, %u thread%s\n", stats->seconds,

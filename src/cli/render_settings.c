@@ -118,10 +118,14 @@ Status render_settings_merge(RenderRun *run, Error *error)
         .time_limit_s = values[OPTION_TIME_LIMIT].number,
         .bounces = render->bounces,
         .seed = count_of(options, OPTION_SEED, render->seed),
+        .caustics = render->caustics,
         .no_absorption = option_given(options, OPTION_NO_ABSORPTION),
     };
     bool samples_given = option_given(options, OPTION_SPP) || render->samples_given;
     if (run->settings.noise > 0 && !samples_given) run->settings.samples = RENDER_MOST_SAMPLES;
+    const char *caustics = option_text(options, OPTION_CAUSTICS, NULL);
+    if (caustics && !scene_caustics_from_text(caustics, &run->settings.caustics))
+        return fail(error, STATUS_USAGE, "option '--caustics': there is no choice '%s'", caustics);
     TRY(merge_aovs(run, error));
     TRY(merge_size(run, error));
     TRY(merge_crop(run, error));

@@ -11,6 +11,7 @@
 #include "render/adapt.h"
 #include "render/aov_film.h"
 #include "render/film.h"
+#include "trace/guide.h"
 #include "trace/path.h"
 
 enum { TILE = 16, LARGEST_PASS = 16 };
@@ -286,6 +287,21 @@ static void job_clear(Job *job)
     free(job->sights);
 }
 
+/* Photons by the size of the picture, and no matter how many samples: so slices of one picture have the same guide. */
+static Status make_guide(const Job *job, Pool *pool, Guide **guide, GuideStats *stats, Error *error)
+{
+    const uint64_t fewest = 1 << 13, most = 1 << 20, followed = 8;
+    const RenderSettings *settings = job->settings;
+    uint64_t n = (uint64_t)settings->width * settings->height;
+    n = n < fewest ? fewest : n > most ? most : n;
+    GuideSettings wish = {.photons = (uint32_t)n,
+                          .most_photons = (uint32_t)(followed * n),
+                          .seed = settings->seed,
+                          .always = settings->caustics == CAUSTICS_ON,
+                          .stop = job->events ? job->events->stop : NULL};
+    return guide_new(job->world, &wish, pool, guide, stats, error);
+}
+
 Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
                     Image *image, RenderStats *stats, Error *error)
 {
@@ -293,11 +309,14 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     *image = (Image){0};
     World world;
     TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, error));
-    if (settings->by_chance) world_leave_to_chance(&world);
     world.white_noise = settings->white_noise;
     double cpu = clock_cpu_s();
+    if (settings->by_chance) world_leave_to_chance(&world);
     Job job = {.settings = settings, .events = events, .world = &world, .n_threads = pool_threads(pool), .start = clock_now_s()};
-    Status status = job_init(&job, error);
+    Guide *guide = NULL;
+    Status status = settings->caustics == CAUSTICS_OFF ? STATUS_OK : make_guide(&job, pool, &guide, &stats->guide, error);
+    world.guide = guide;
+    if (status == STATUS_OK) status = job_init(&job, error);
     if (status == STATUS_OK) status = run_passes(&job, pool, &stats->stopped, error);
     if (status == STATUS_OK) {
         sum_counters(&job, stats);
@@ -310,5 +329,6 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     }
     job_clear(&job);
     world_clear(&world);
+    guide_free(guide);
     return status;
 }

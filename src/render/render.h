@@ -9,6 +9,7 @@
 #include "base/pool.h"
 #include "image/image.h"
 #include "scene/compile.h"
+#include "trace/guide.h"
 
 /* Of a pixel when there is a noise to be reached and nobody says how many. */
 enum { RENDER_MOST_SAMPLES = 4096 };
@@ -23,6 +24,7 @@ typedef struct RenderSettings {
     uint32_t bounces, seed, camera;
     AovSet aovs;                /* further channels */
     bool no_absorption;         /* media neither absorb nor emit: for tests */
+    SceneCaustics caustics;     /* whether photons look for light behind glass first */
     bool by_chance;             /* no light is looked for, all are found by scattering alone: for tests */
     bool white_noise;           /* the errors of neighbouring pixels have nothing to do with each other: for tests */
 } RenderSettings;
@@ -51,6 +53,7 @@ typedef struct RenderStats {
     double mean_samples;
     double noise;               /* of the picture, as adapt.h has it; < 0: not known */
     uint64_t noisy_pixels;      /* that are above the noise that was wanted, with the most samples that they may have */
+    GuideStats guide;           /* photons that looked for light behind glass, and what they have found */
     bool stopped;               /* by the stop flag or the time limit, before all samples */
 } RenderStats;
 

@@ -3,6 +3,7 @@
 #include "scene/scene.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void scene_free(Scene *scene)
 {
@@ -232,6 +233,17 @@ Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShape
 static Vec3 blend(Vec3 a, Vec3 b, double part)
 {
     return vec3_add(vec3_scale(a, 1 - part), vec3_scale(b, part));
+}
+
+bool scene_caustics_from_text(const char *text, SceneCaustics *caustics)
+{
+    static const char *const words[] = {"automatic", "on", "off"};
+    for (uint32_t i = 0; i < COUNT_OF(words); i++)
+        if (strcmp(text, words[i]) == 0) {
+            *caustics = (SceneCaustics)i;
+            return true;
+        }
+    return false;
 }
 
 SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, double time)

@@ -201,7 +201,13 @@ typedef struct SceneFilm {
     bool box; /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
+/* Whether light from small lights through clear objects is looked for before rendering. */
+typedef enum SceneCaustics { CAUSTICS_AUTOMATIC, CAUSTICS_ON, CAUSTICS_OFF } SceneCaustics;
+/* By its word; false: there is none. */
+bool scene_caustics_from_text(const char *text, SceneCaustics *caustics);
+
 typedef struct SceneRender {
+    SceneCaustics caustics;
     uint32_t samples;   /* per pixel, at most when there is a noise */
     bool samples_given; /* by the scene */
     double noise;       /* error at which a pixel stops, as render/adapt.h has it; 0: none does */

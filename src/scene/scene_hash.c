@@ -378,6 +378,7 @@ uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratc
     add_integer(&h, scene->film.box);
     add_integer(&h, scene->render.bounces);
     add_integer(&h, scene->render.nesting);
+    add_integer(&h, scene->render.caustics);
     add_integer(&h, scene->render.seed);
     return h.state;
 }

@@ -108,6 +108,7 @@ static bool survives(Path *path)
     if (lanes_zero(path->beta)) return false;
     float carried = lanes_max(path->beta) / lanes_mean(path->ratio) * 0.25f;
     carried = float_max(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
+    carried *= path->steering; /* a guided path carries little, and much when it finds its light */
     bool long_way = path->n_counted > path->tracer->world->long_way;
     if (LIKELY(carried >= ROULETTE_BELOW && !long_way)) return true;
     carried = float_min(carried * (1 / ROULETTE_BELOW), 1) * (long_way ? LONG_WAY_SURVIVAL : 1);
@@ -215,7 +216,8 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
                  .beta = lanes_all(1),
                  .ratio = lanes_all(1),
                  .radiance = lanes_all(0),
-                 .scatter_pdf = -1};
+                 .scatter_pdf = -1,
+                 .steering = 1};
     float u[2], lens[2];
     sampler_2d(&path.sampler, DIM_PIXEL, u);
     sampler_2d(&path.sampler, DIM_LENS, lens);

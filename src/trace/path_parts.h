@@ -3,6 +3,7 @@
 #ifndef MEN_PATH_PARTS_H
 #define MEN_PATH_PARTS_H
 
+#include "trace/guide.h"
 #include "trace/light.h"
 #include "trace/path.h"
 
@@ -21,6 +22,8 @@ typedef struct Path {
     uint32_t bounce;    /* events so far: each has random numbers of its own */
     float cone_width, cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;     /* it has gone through a boundary, or off a mirror */
+    GuideAt guide;      /* at the place where the path is scattered last */
+    float steering;     /* how much denser its direction was chosen there than the surface alone would have */
     bool straight;      /* media do not scatter it: it only looks what is there */
     uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
@@ -95,6 +98,20 @@ const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t 
 Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */
 void path_scatter_in_medium(Path *path, const Event *event);
+/* Looks for a guide at a place where the path is to be scattered: into path->guide. */
+static inline void path_find_guide(Path *path, Vec3 place)
+{
+    const Guide *guide = path->tracer->world->guide;
+    if (UNLIKELY(guide)) {
+        path->guide = guide_find(guide, place);
+        path->steering = 1;
+    }
+}
+/* Whether the guide is to choose the direction, and which one it chooses then. */
+bool path_ask_guide(const Path *path, Vec3f *direction);
+/* A direction was chosen by the guide, or by what has the density path->scatter_pdf there: sets path->scatter_pdf to the
+ * density of both together. Returns the factor by which that changes the path's weight. */
+float path_mix_guide(Path *path, Vec3f direction);
 /* What an opaque surface that was hit shines by itself. */
 void path_add_emission(Path *path, const Hit *hit);
 /* A hit of an opaque surface. Returns whether the path goes on. */

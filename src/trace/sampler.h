@@ -34,6 +34,7 @@ enum {
     DIM_ROULETTE,     /* 1 */
     DIM_DISTANCE,     /* 1: to where a medium scatters */
     DIM_MIX,          /* 1: which of the surfaces of a mix */
+    DIM_GUIDE,        /* 1: whether to follow the guide, and which of its lobes */
     DIM_PER_BOUNCE = 8
 };
 

@@ -110,11 +110,31 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     LightSample light = path_choose_light(path, place->position, place->geometric);
     if (!(light.pdf_w > 0)) return;
     if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
-    float scatter_pdf = diffuse_pdf(place, light.direction);
-    if (!(scatter_pdf > 0)) return;
+    float diffuse = diffuse_pdf(place, light.direction);
+    if (!(diffuse > 0)) return;
     Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster,
                         false, light.direction);
-    path_add_direct_light(path, &light, ray, lanes_scale(albedo, scatter_pdf), scatter_pdf);
+    path_add_direct_light(path, &light, ray, lanes_scale(albedo, diffuse),
+                          guide_mixture(&path->guide, light.direction, diffuse));
+}
+
+bool path_ask_guide(const Path *path, Vec3f *direction)
+{
+    const GuideAt *guide = &path->guide;
+    if (LIKELY(guide->share == 0)) return false;
+    float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_GUIDE)), v[2];
+    if (u >= guide->share) return false;
+    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), v);
+    *direction = guide_sample(guide, u / guide->share, v);
+    return true;
+}
+
+float path_mix_guide(Path *path, Vec3f direction)
+{
+    float alone = path->scatter_pdf, mixture = guide_mixture(&path->guide, direction, alone);
+    path->scatter_pdf = mixture;
+    path->steering = float_max(mixture / alone, 1);
+    return alone / mixture;
 }
 
 void path_scatter_in_medium(Path *path, const Event *event)
@@ -122,19 +142,26 @@ void path_scatter_in_medium(Path *path, const Event *event)
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
     Vec3 position = ray_point(&path->ray, event->t);
     Vec3f along = path->ray.direction;
+    path_find_guide(path, position);
     LightSample light = path_choose_light(path, position, vec3f(0, 0, 0));
     if (light.pdf_w > 0) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
         Ray ray = ray_make(position, light.direction);
         ray.time = path->ray.time;
-        path_add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
+        path_add_direct_light(path, &light, ray, lanes_all(pdf), guide_mixture(&path->guide, light.direction, pdf));
     }
     float u[2];
     double time = path->ray.time;
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     path->scatter_point = position;
     path->scatter_normal = vec3f(0, 0, 0);
-    path->ray = ray_make(position, phase_sample(phase, along, u, &path->scatter_pdf));
+    Vec3f direction;
+    if (path_ask_guide(path, &direction))
+        path->scatter_pdf = phase_evaluate(phase, vec3f_dot(along, direction));
+    else
+        direction = phase_sample(phase, along, u, &path->scatter_pdf);
+    if (UNLIKELY(path->guide.share > 0)) path->beta = lanes_scale(path->beta, path_mix_guide(path, direction));
+    path->ray = ray_make(position, direction);
     path->ray.time = time;
 }
 
@@ -181,18 +208,26 @@ bool path_shade_opaque(Path *path, Event *event)
     }
     if (surface->finished) return path_shade_finished(path, event, surface, spec, &place);
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
+    path_find_guide(path, place.position);
     light_diffuse(path, event, &place, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    Vec3f direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
-    if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);
+    Vec3f direction;
+    bool guided = path_ask_guide(path, &direction);
+    if (LIKELY(!guided)) {
+        direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
+        if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);
+    } else if (!(vec3f_dot(direction, place.geometric) > 0)) {
+        return false;
+    }
     path->scatter_pdf = diffuse_pdf(&place, direction);
+    if (UNLIKELY(path->guide.share > 0)) albedo = lanes_scale(albedo, path_mix_guide(path, direction));
     path->beta = lanes_mul(path->beta, albedo);
     path->scatter_point = place.position;
     path->scatter_normal = place.geometric;
     path_leave(path, event, false, direction);
-    return true;
+    return path->scatter_pdf > 0;
 }
 
 /* Reflection or refraction about one normal, which is on the side that the ray comes from. */

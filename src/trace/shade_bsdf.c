@@ -75,7 +75,25 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     Tracer *tracer = path->tracer;
     Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below,
                         light.direction);
-    path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
+    path_add_direct_light(path, &light, ray, f_cos,
+                          guide_mixture(&path->guide, light.direction, mean_density(path, pdf_w)));
+}
+
+/* Weight and densities of a direction that is the guide's, or that the surface has chosen beside a guide. */
+ATTR_COLD static void mix_guide(Path *path, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view,
+                                Vec3f direction, BsdfSample *sample)
+{
+    float share = path->guide.share;
+    if (sample->specular) { /* which the guide never finds */
+        sample->weight = lanes_scale(sample->weight, 1 / (1 - share));
+        return;
+    }
+    Lanes f_cos, pdf_w;
+    evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
+    float hero = lanes_get(pdf_w, 0), mixture = guide_mixture(&path->guide, direction, hero);
+    sample->pdf_w = lanes_add(lanes_scale(pdf_w, 1 - share), lanes_all(mixture - (1 - share) * hero));
+    sample->weight = lanes_scale(f_cos, 1 / mixture);
+    path->steering = hero > 0 ? float_max(mixture / hero, 1) : 1;
 }
 
 /* The hulls behind an opaque surface that light goes through, into tracer->next. */
@@ -93,22 +111,32 @@ static bool cross_opaque(Path *path, const Event *event)
 static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame)
 {
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction));
+    if (!bsdf->specular_only) path_find_guide(path, place->position);
     add_light(path, event, bsdf, place, frame, view);
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    BsdfSample sample;
-    if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample))
-        return false;
-    Vec3f direction = vec3f_normalize(from_local(frame, sample.direction));
-    /* which side the new ray is on is the geometry's to say */
+    BsdfSample sample = {.specular = false};
+    Vec3f direction;
+    if (!bsdf->specular_only && path_ask_guide(path, &direction)) {
+        sample.transmitted = vec3f_dot(direction, place->geometric) < 0;
+    } else {
+        if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample))
+            return false;
+        direction = vec3f_normalize(from_local(frame, sample.direction));
+        /* which side the new ray is on is the geometry's to say */
+        if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted)
+            direction = path_mirror(place, direction);
+    }
+    bool mixed = path->guide.share > 0 && !bsdf->specular_only;
+    if (UNLIKELY(mixed)) mix_guide(path, bsdf, place, frame, view, direction, &sample);
     Lanes pdf_w = sample.pdf_w;
-    if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted) direction = path_mirror(place, direction);
-    if (!sample.specular && path_is_bent(place)) {
+    if (!mixed && !sample.specular && path_is_bent(place)) {
         Lanes f_cos;
         evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     }
     if (sample.transmitted && event->kind == EVENT_OPAQUE && !cross_opaque(path, event)) return false;
     float hero = lanes_get(sample.pdf_w, 0);
+    if (!(hero > 0) || lanes_zero(sample.weight)) return false;
     path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
     path->scatter_point = place->position;
     path->scatter_normal = one_side(bsdf, place);

@@ -45,6 +45,7 @@ typedef struct World {
     PortalMap **portal_maps;
     uint32_t n_portal_maps;
     WorldMedia media;
+    const struct Guide *guide; /* to lights behind glass, see guide.h; NULL: none. Not owned */
     NestList camera_list;   /* the hulls around the camera's centre */
     bool moves;             /* something does while the shutter is open */
     bool camera_list_moves; /* and so the camera's hulls may be others at other times */

@@ -1,0 +1,84 @@
+/* guide.h - where to look for small bright lights that are seen through glass.
+ *
+ * A straight line to a light that lies behind a clear boundary is blocked, and paths that are bent there find a small
+ * light once in some ten thousand tries: each find is then ten thousand times too bright. So before a picture is rendered,
+ * photons are followed from the lights through the clear objects (trace/photon.h), and where they land they say from where
+ * such light comes. Paths that scatter hereabouts choose some of their directions after that ([Jensen95]). The density of these directions is known exactly, and mixed with
+ * the surface's own ([Veach97] 9.2.4); so the picture converges to the same whatever the photons say, no weight is above
+ * that of the surface's own sampling by more than the share it leaves to it, and paths that go from the camera through
+ * glass to the place are guided alike.
+ *
+ * Every photon carries its differentials, so that it says for the places around it in which directions the whole of its
+ * light is seen by its way through the glass: lobes whose mean depends on the place. A sun of half a degree is so met
+ * through a lens by most directions, in cells that are larger by far than its image.
+ *
+ * Why not otherwise: manifold next-event estimation (J. Hanika, M. Droske, L. Fascione, EGSR (2015); T. Zeltner, I.
+ * Georgiev, W. Jakob, "Specular Manifold Sampling", SIGGRAPH (2020)) has to be told, or to guess, which surfaces a path
+ * passes, needs a walk for each of the many ways through nested objects with bubbles, and surfaces that are smooth
+ * everywhere. Merging vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
+ * What this does not find: lights without size behind glass, which no direction meets; and images of lights in glass that
+ * the camera sees straight, which are found by the pixel's own samples.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_GUIDE_H
+#define MEN_GUIDE_H
+
+#include <signal.h>
+
+#include "trace/photon.h"
+
+/* What is known of a small region. */
+typedef struct GuideCell {
+    Vec3f low, high; /* around its photons, and a little more */
+    uint32_t first_lobe, n_lobes;
+    float share; /* of the directions that should be chosen by the guide */
+} GuideCell;
+
+typedef struct Guide Guide;
+
+/* What makes a guide. A photon takes 88 bytes until the guide is made of them, and some 90 bytes of it then. */
+typedef struct GuideSettings {
+    uint32_t photons;      /* that should find their way through glass: no more are followed after these */
+    uint32_t most_photons; /* that are followed at most */
+    uint32_t seed;
+    bool always;                       /* also where little is to be gained */
+    const volatile sig_atomic_t *stop; /* NULL, or not 0 to give up: there is no guide then */
+} GuideSettings;
+
+typedef struct GuideStats {
+    uint64_t followed, landed, lobes;
+    size_t bytes;
+} GuideStats;
+
+/* Makes a guide for the world; NULL where it would be of no use: without small bright lights, without clear or mirroring
+ * objects, or where hardly any light comes through these. STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, Guide **guide,
+                                GuideStats *stats, Error *error);
+void guide_free(Guide *guide); /* NULL is fine */
+/* The same from photons that are there, which are put into another order. threshold: see photons_trace. */
+ATTR_NODISCARD Status guide_from_photons(const World *world, float threshold, Photon *photons, uint32_t n, Pool *pool,
+                                         Guide **guide, Error *error);
+
+/* The guide at a place. share 0: there is none. */
+typedef struct GuideAt {
+    const Guide *guide;
+    const GuideCell *cell;
+    Vec3f offset; /* of the place in the cell */
+    float share;
+} GuideAt;
+
+GuideAt guide_find(const Guide *guide, Vec3 place);
+static inline GuideAt guide_at(const Guide *guide, Vec3 place)
+{
+    return LIKELY(!guide) ? (GuideAt){.share = 0} : guide_find(guide, place);
+}
+/* Directions towards lights; u: uniform in [0, 1). */
+Vec3f guide_sample(const GuideAt *at, float u, const float v[2]);
+/* The density of that per steradian. */
+float guide_pdf(const GuideAt *at, Vec3f direction);
+/* The density of choosing by the guide with the probability `share`, and with a density pdf_w otherwise. */
+static inline float guide_mixture(const GuideAt *at, Vec3f direction, float pdf_w)
+{
+    return LIKELY(at->share == 0) ? pdf_w : pdf_w + at->share * (guide_pdf(at, direction) - pdf_w);
+}
+
+#endif

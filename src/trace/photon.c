@@ -1,0 +1,562 @@
+/* photon.c - light followed from the small bright lights of a scene through its clear objects, to where it is scattered.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/photon.h"
+
+#include <stdlib.h>
+
+#include "optics/sampling.h"
+#include "trace/path_parts.h"
+
+/* A scattering whose density per steradian is above this sends light on almost as a smooth surface does: it is about that
+ * of a roughness of 0.25. */
+#define NEARLY_SMOOTH 20.0f
+/* Boundaries and mirrors that a photon is followed through. */
+enum { MOST_EVENTS = 64 };
+enum { BATCH = 1024 };
+/* The photons' own random numbers: no pixel of a picture has these coordinates. */
+enum { PHOTON_PIXEL_X = 0x70686f74, PHOTON_PIXEL_Y = 0x6f6e7300 };
+
+/* ---- targets ---- */
+
+/* Whether light is bent at its surface; the media around are not known yet, so that the world's stands for them. */
+static bool bends(const World *world, uint32_t medium)
+{
+    const Lanes nm = lanes(430, 500, 580, 660);
+    Lanes difference = lanes_sub(medium_ior(world, medium, nm), medium_ior(world, 0, nm));
+    for (int i = 0; i < LANES; i++)
+        if (fabsf(lanes_get(difference, i)) > 1e-4f) return true;
+    return false;
+}
+
+static bool mirrors(const World *world, const SceneObject *object)
+{
+    const float smooth = 0.25f;
+    if (object->surface == SCENE_NONE || object->light != SCENE_NONE) return false;
+    const SceneSurface *surface = &world->scene->surfaces[object->surface];
+    const BsdfSpec *spec = &surface->spec;
+    return surface->finished && (spec->base_metalness > 0 || spec->transmission_weight > 0) &&
+           spec->specular_roughness <= smooth;
+}
+
+/* The box of an object that photons should be sent to; false: none. */
+static bool target_of(const World *world, uint32_t number, Box3 *box)
+{
+    const CompiledScene *compiled = world->compiled;
+    const SceneObject *object = &world->scene->objects[number];
+    if (object->part_of != SCENE_NONE) return false;
+    uint32_t hull = compiled->hull_of_object[number];
+    if (object->medium != SCENE_NONE) {
+        if (hull == SCENE_NONE || hull >= compiled->n_hulls || !bends(world, object->medium)) return false;
+        *box = compiled->hull_bounds[hull];
+    } else {
+        if (!mirrors(world, object)) return false;
+        *box = scene_object_bounds(world->scene, object, NULL);
+    }
+    return !box3_is_empty(*box) && !box3_is_unbounded(*box);
+}
+
+static double box_area(Box3 box)
+{
+    Vec3 size = vec3_sub(box.max, box.min);
+    return 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+}
+
+/* Two boxes become one where that is no larger than both. */
+static void join_boxes(PhotonTargets *targets)
+{
+    for (uint32_t a = 0; a < targets->n; a++)
+        for (uint32_t b = a + 1; b < targets->n; b++) {
+            Box3 both = box3_union(targets->boxes[a], targets->boxes[b]);
+            if (box_area(both) > box_area(targets->boxes[a]) + box_area(targets->boxes[b])) continue;
+            targets->boxes[a] = both;
+            targets->boxes[b] = targets->boxes[--targets->n];
+            b = a; /* the larger box may now join with others, looked at before too */
+        }
+}
+
+/* Of many objects, one box for those whose centres are in the same of 4 x 4 x 4 parts of what they take up. */
+static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
+{
+    enum { PARTS = 4 };
+    Box3 cells[PARTS * PARTS * PARTS], box;
+    Vec3 size = vec3_sub(all.max, all.min);
+    for (int i = 0; i < PARTS * PARTS * PARTS; i++) cells[i] = box3_empty();
+    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+        if (!target_of(world, i, &box)) continue;
+        Vec3 centre = vec3_sub(vec3_scale(vec3_add(box.min, box.max), 0.5), all.min);
+        double along[3] = {centre.x / size.x, centre.y / size.y, centre.z / size.z};
+        int cell = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double part = floor(along[axis] * PARTS);
+            cell = PARTS * cell + (part > 0 ? (part < PARTS ? (int)part : PARTS - 1) : 0);
+        }
+        cells[cell] = box3_union(cells[cell], box);
+    }
+    targets->n = 0;
+    for (int i = 0; i < PARTS * PARTS * PARTS; i++)
+        if (!box3_is_empty(cells[i])) targets->boxes[targets->n++] = cells[i];
+}
+
+void photon_targets(const World *world, PhotonTargets *targets)
+{
+    Box3 all = box3_empty(), box;
+    bool many = false;
+    targets->n = 0;
+    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+        if (!target_of(world, i, &box)) continue;
+        all = box3_union(all, box);
+        many |= targets->n == PHOTON_TARGETS;
+        if (!many) targets->boxes[targets->n++] = box;
+    }
+    if (many) join_by_place(world, all, targets);
+    join_boxes(targets);
+    double sum = 0;
+    for (uint32_t i = 0; i < targets->n; i++) {
+        /* a little more than the objects, so that no surface lies in a face */
+        Vec3 slack = vec3_scale(vec3_sub(targets->boxes[i].max, targets->boxes[i].min), 1e-3);
+        targets->boxes[i].min = vec3_sub(targets->boxes[i].min, slack);
+        targets->boxes[i].max = vec3_add(targets->boxes[i].max, slack);
+        sum += box_area(targets->boxes[i]);
+        targets->cumulative[i] = sum;
+    }
+}
+
+/* ---- where photons start ---- */
+
+/* A point of the targets' surfaces, uniform in area. u: uniform in [0, 1)^3. Returns the box. */
+static uint32_t target_point(const PhotonTargets *targets, const float u[3], Vec3 *point, Vec3 *normal)
+{
+    double place = (double)u[2] * targets->cumulative[targets->n - 1];
+    uint32_t chosen = 0;
+    while (chosen + 1 < targets->n && place >= targets->cumulative[chosen]) chosen++;
+    if (chosen) place -= targets->cumulative[chosen - 1];
+    Box3 box = targets->boxes[chosen];
+    Vec3 size = vec3_sub(box.max, box.min);
+    double pair[3] = {size.y * size.z, size.z * size.x, size.x * size.y};
+    int axis = 0;
+    while (axis < 2 && place >= 2 * pair[axis]) place -= 2 * pair[axis++];
+    double side = place >= pair[axis] ? 1 : 0, a = (double)u[0], b = (double)u[1];
+    double at[3][3] = {{side, a, b}, {b, side, a}, {a, b, side}};
+    *point = vec3(box.min.x + at[axis][0] * size.x, box.min.y + at[axis][1] * size.y, box.min.z + at[axis][2] * size.z);
+    double sign = 2 * side - 1;
+    *normal = vec3(axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0);
+    return chosen;
+}
+
+static bool box_holds(const Box3 *box, Vec3 p)
+{
+    return p.x > box->min.x && p.x < box->max.x && p.y > box->min.y && p.y < box->max.y && p.z > box->min.z &&
+           p.z < box->max.z;
+}
+
+/* Whether the line from a point on, up to a length, passes a box's surface. */
+static bool passes_box(const Box3 *box, Vec3 from, Vec3 direction, double length)
+{
+    double enter = -HUGE_VAL, leave = HUGE_VAL;
+    const double origin[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
+    const double low[3] = {box->min.x, box->min.y, box->min.z}, high[3] = {box->max.x, box->max.y, box->max.z};
+    for (int i = 0; i < 3; i++) {
+        double a = (low[i] - origin[i]) / d[i], b = (high[i] - origin[i]) / d[i];
+        if (d[i] == 0) a = origin[i] > low[i] && origin[i] < high[i] ? -HUGE_VAL : HUGE_VAL, b = -a;
+        enter = fmax(enter, fmin(a, b));
+        leave = fmin(leave, fmax(a, b));
+    }
+    return enter < leave && ((enter > 0 && enter < length) || (leave > 0 && leave < length));
+}
+
+/* The start of a photon: a target's point, and a light that is seen from there. */
+typedef struct Start {
+    Vec3 point, normal; /* of the target's face */
+    double size;        /* of the target */
+    LightSample light;
+    Vec3f turned;       /* zero, or where the light is seen, if the light's direction is another one, beside it */
+    float flux_times_n; /* what all photons together carry, if they all were like this one, by its radiance */
+} Start;
+
+/* Chooses a start; false: this one gives nothing. */
+static bool choose_start(const PhotonTargets *targets, const Path *path, Start *start)
+{
+    float u[3], more[2];
+    sampler_2d(&path->sampler, DIM_PIXEL, u);
+    sampler_2d(&path->sampler, DIM_LENS, more);
+    u[2] = more[0];
+    uint32_t chosen = target_point(targets, u, &start->point, &start->normal);
+    start->size = vec3_length(vec3_sub(targets->boxes[chosen].max, targets->boxes[chosen].min));
+    start->light = path_choose_light(path, start->point, vec3f(0, 0, 0));
+    const LightSample *light = &start->light;
+    if (!(light->pdf_w > 0) || light->delta || light->glow) return false;
+    Vec3 direction = vec3_from_f(light->direction);
+    double cosine = vec3_dot(direction, start->normal);
+    /* a light outside sends light in, one inside sends it out; each ray starts at one point only */
+    if (cosine < 0 && !(isfinite(light->distance) &&
+                        box_holds(&targets->boxes[chosen], vec3_along(start->point, light->distance, direction))))
+        return false;
+    for (uint32_t i = 0; i < targets->n; i++)
+        if (i != chosen && passes_box(&targets->boxes[i], start->point, direction, light->distance)) return false;
+    double area = targets->cumulative[targets->n - 1];
+    start->flux_times_n = (float)(area * fabs(cosine) / (double)light->pdf_w);
+    return start->flux_times_n > 0 && isfinite(start->flux_times_n);
+}
+
+/* Puts the path's ray at the light, on its way to the start's point, and the hulls around the light into its list. */
+static bool leave_light(Path *path, const Start *start)
+{
+    Tracer *tracer = path->tracer;
+    const CompiledScene *compiled = tracer->world->compiled;
+    Vec3f travel = vec3f_negate(start->light.direction);
+    nest_list_clear(&tracer->list);
+    if (!isfinite(start->light.distance)) {
+        Box3 bounds = rtc_scene_bounds(compiled->rtc);
+        double far = vec3_length(vec3_sub(bounds.max, bounds.min)) +
+                     vec3_length(vec3_sub(start->point, vec3_scale(vec3_add(bounds.min, bounds.max), 0.5)));
+        path->ray = ray_make(vec3_along(start->point, far, vec3_from_f(start->light.direction)), travel);
+    } else {
+        bool turned = vec3f_dot(start->turned, start->turned) > 0;
+        Ray look = ray_make(start->point, turned ? start->turned : start->light.direction);
+        look.time = path->ray.time;
+        look.t_max = start->light.distance * (1 + 1e-4);
+        if (!rtc_all(compiled->rtc, &look, false, &tracer->left)) return false;
+        size_t i = 0, one = 1;
+        while (i < tracer->left.n && tracer->left.items[i].object != start->light.object) i++;
+        if (i == tracer->left.n) return false;
+        double time = path->ray.time, distance = tracer->left.items[i].t;
+        path->ray = rtc_leave(compiled->rtc, &look, &tracer->left.items[i], &one, false, travel);
+        path->ray.time = time;
+        if (turned) { /* beside the light's point, so that it goes to the start's */
+            path->ray =
+                ray_make(vec3_along(start->point, 0.94 * distance, vec3_from_f(start->light.direction)), travel);
+            path->ray.time = time;
+        }
+    }
+    if (isfinite(start->light.distance) || compiled->n_planes)
+        return compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits,
+                                 &tracer->list, NULL) == STATUS_OK;
+    return true;
+}
+
+/* ---- on the way ---- */
+
+/* Where an event is, for a photon that ends there. */
+static void land(const Path *path, const Event *event, float flux, Photon *photon)
+{
+    float carried = flux * lanes_mean(path->beta) / lanes_mean(path->ratio);
+    double t = event->kind == EVENT_SCATTER ? event->t : event->hit.t;
+    *photon = (Photon){.position = vec3f_from(ray_point(&path->ray, t)), .from = vec3f_negate(path->ray.direction)};
+    if (event->kind != EVENT_SCATTER)
+        photon->normal = event->hit.cos_normal < 0 ? event->hit.normal : vec3f_negate(event->hit.normal);
+    if (isfinite(carried) && carried > 0) photon->flux = carried;
+}
+
+/* Whether the last scattering was one that guiding can find the way back through. */
+static bool went_straight(const Path *path)
+{
+    return path->scatter_pdf < 0 || path->scatter_pdf > NEARLY_SMOOTH;
+}
+
+/* Follows a photon to where it ends; false: to no place of use. *way: which surfaces it met. */
+static bool follow_photon(Path *path, float flux, Photon *photon, uint64_t *way)
+{
+    const Scene *scene = path->tracer->world->scene;
+    bool bent = false;
+    *way = 0;
+    for (int i = 0; i < MOST_EVENTS; i++, path->bounce++) {
+        Event event;
+        path_next_event(path, &event);
+        if (event.kind == EVENT_LOST || event.kind == EVENT_ESCAPE || event.kind == EVENT_GIVE_UP) return false;
+        land(path, &event, flux, photon);
+        if (!(photon->flux > 1e-6f * flux)) return false;
+        bool goes_on = false;
+        if (event.kind == EVENT_BOUNDARY) {
+            goes_on = path_cross_boundary(path, &event) && went_straight(path);
+        } else if (event.kind == EVENT_OPAQUE) {
+            const SceneObject *object = &scene->objects[event.hit.object];
+            if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
+            goes_on =
+                scene->surfaces[object->surface].finished && path_shade_opaque(path, &event) && went_straight(path);
+        }
+        uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;
+        *way =
+            hash_u64(*way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
+        if (!goes_on) return bent;
+        bent = true;
+    }
+    return false;
+}
+
+typedef struct Job {
+    const World *world;
+    const PhotonTargets *targets;
+    float threshold;
+    uint32_t seed, first, n;
+    Photon *photons;
+    Tracer *tracers;
+} Job;
+
+static Path begin_photon(Tracer *tracer, uint32_t seed, uint32_t number)
+{
+    Path path = {.tracer = tracer,
+                 .sampler = sampler_make(seed, PHOTON_PIXEL_X, PHOTON_PIXEL_Y, number),
+                 .beta = lanes_all(1),
+                 .ratio = lanes_all(1),
+                 .radiance = lanes_all(0),
+                 .scatter_pdf = -1,
+                 .steering = 1};
+    path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
+    path.ray.time = tracer->world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
+    return path;
+}
+
+/* ---- neighbours ---- */
+
+/* What a photon becomes when its start is changed a little: place and direction where it lands, per unit of change. */
+typedef struct Column {
+    double place[3], direction[2];
+} Column;
+
+/* In the plane that touches the sphere of directions at a photon's: P.-E. Lambert's projection, which keeps areas. */
+static void in_plane(Vec3f axis, Vec3f direction, double p[2])
+{
+    Vec3f x, y;
+    sampling_basis(axis, &x, &y);
+    float stretch = sqrtf(2 / float_max(1 + vec3f_dot(axis, direction), 1e-3f));
+    p[0] = (double)(stretch * vec3f_dot(x, direction));
+    p[1] = (double)(stretch * vec3f_dot(y, direction));
+}
+
+/* Follows a photon again, by the same random numbers, from another start; false: it goes another way. */
+static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Start *start, uint64_t way, Photon *photon)
+{
+    Path path = begin_photon(tracer, job->seed, number);
+    uint64_t other_way;
+    if (!leave_light(&path, start)) return false;
+    path.bounce = 1;
+    return follow_photon(&path, 1, photon, &other_way) && other_way == way;
+}
+
+static bool find_column(Job *job, Tracer *tracer, uint32_t number, const Start *start, uint64_t way, double step,
+                        const Photon *photon, Column *column)
+{
+    Photon other;
+    if (!follow_other(job, tracer, number, start, way, &other)) return false;
+    in_plane(photon->from, other.from, column->direction);
+    Vec3 moved = vec3_sub(vec3_from_f(other.position), vec3_from_f(photon->position));
+    column->place[0] = moved.x / step;
+    column->place[1] = moved.y / step;
+    column->place[2] = moved.z / step;
+    for (int i = 0; i < 2; i++) column->direction[i] /= step;
+    return true;
+}
+
+/* In which directions the light is seen from the start's point: mean and covariance, in the plane at its direction. Parts
+ * of one object count as one light. */
+static void look_at_light(const Path *path, const Start *start, double mean[2], double spread[3])
+{
+    enum { LOOKS = 24 };
+    const LightSample *light = &start->light;
+    double n = 0, p[2], sums[5] = {0};
+    for (uint32_t i = 0; i < LOOKS; i++) {
+        Path look = *path;
+        look.sampler = sampler_make_alone(path->sampler.pixel, PHOTON_PIXEL_X, path->sampler.index_reversed, i);
+        LightSample other = path_choose_light(&look, start->point, vec3f(0, 0, 0));
+        if (!(other.pdf_w > 0) || other.delta || other.object != light->object ||
+            vec3f_dot(other.direction, light->direction) < 0.9f ||
+            lanes_mean(other.radiance) < 0.25f * lanes_mean(light->radiance))
+            continue;
+        in_plane(light->direction, other.direction, p);
+        n++;
+        sums[0] += p[0], sums[1] += p[1];
+        sums[2] += p[0] * p[0], sums[3] += p[0] * p[1], sums[4] += p[1] * p[1];
+    }
+    if (n < 3) { /* too seldom chosen: a guess */
+        mean[0] = mean[1] = spread[1] = 0;
+        spread[0] = spread[2] = 1e-5;
+        return;
+    }
+    mean[0] = sums[0] / n, mean[1] = sums[1] / n;
+    spread[0] = sums[2] / n - mean[0] * mean[0] + 1e-10;
+    spread[1] = sums[3] / n - mean[0] * mean[1];
+    spread[2] = sums[4] / n - mean[1] * mean[1] + 1e-10;
+}
+
+/* inverse of a symmetric 3 x 3 matrix: xx xy xz yy yz zz */
+static bool invert_symmetric(const double m[6], double inverse[3][3])
+{
+    double a = m[0], b = m[1], c = m[2], d = m[3], e = m[4], f = m[5];
+    double determinant = a * (d * f - e * e) + b * (c * e - b * f) + c * (b * e - c * d);
+    if (!(determinant > 0)) return false;
+    double parts[6] = {d * f - e * e, c * e - b * f, b * e - c * d, a * f - c * c, b * c - a * e, a * d - b * b};
+    for (int i = 0, m_ = 0; i < 3; i++)
+        for (int k = i; k < 3; k++, m_++) inverse[i][k] = inverse[k][i] = parts[m_] / determinant;
+    return true;
+}
+
+/* Photons that start within some distance and from all of the light are, to first order, a normal distribution of places
+ * and directions: what it says of directions at a given place. */
+static void condition(const Column *columns, int n, const double shift[2], Photon *photon)
+{
+    double xx[6] = {0}, dx[2][3] = {{0}}, dd[3] = {0}, inverse[3][3];
+    for (int c = 0; c < n; c++) {
+        const double *x = columns[c].place, *d = columns[c].direction;
+        for (int i = 0, m = 0; i < 3; i++) {
+            for (int k = i; k < 3; k++) xx[m++] += x[i] * x[k];
+            for (int k = 0; k < 2; k++) dx[k][i] += d[k] * x[i];
+        }
+        dd[0] += d[0] * d[0], dd[1] += d[0] * d[1], dd[2] += d[1] * d[1];
+    }
+    double ridge = 1e-6 * (xx[0] + xx[3] + xx[5]);
+    xx[0] += ridge, xx[3] += ridge, xx[5] += ridge;
+    if (!invert_symmetric(xx, inverse)) return;
+    double slope[2][3] = {{0}};
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 3; i++)
+            for (int l = 0; l < 3; l++) slope[k][i] += dx[k][l] * inverse[l][i];
+    for (int i = 0; i < 3; i++) {
+        dd[0] -= slope[0][i] * dx[0][i];
+        dd[1] -= slope[0][i] * dx[1][i];
+        dd[2] -= slope[1][i] * dx[1][i];
+    }
+    for (int k = 0; k < 2; k++) { /* the middle of the light, seen from the photon's place */
+        double mean = 0;
+        for (int c = 2; c < 4; c++) {
+            mean += shift[c - 2] * columns[c].direction[k];
+            for (int i = 0; i < 3; i++) mean -= slope[k][i] * shift[c - 2] * columns[c].place[i];
+        }
+        photon->mean[k] = (float)mean;
+        photon->slope[k] = vec3f_from(vec3(slope[k][0], slope[k][1], slope[k][2]));
+    }
+    for (int i = 0; i < 3; i++) photon->spread[i] = (float)dd[i];
+    if (!(photon->spread[0] >= 0 && photon->spread[2] >= 0 && isfinite(photon->mean[0] + photon->mean[1]) &&
+          isfinite(photon->spread[0] + photon->spread[1] + photon->spread[2]) && isfinite(photon->slope[0].x)))
+        photon->spread[0] = photon->spread[2] = 0;
+    if (photon->spread[0] > 0) photon->spread[0] += 1e-12f, photon->spread[2] += 1e-12f;
+}
+
+/* Finds the photon's neighbours by following four more from starts near by: I.e., its differentials, after L. Schjoth, J.
+ * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is known. */
+static void find_neighbours(Job *job, Path *path, uint32_t number, const Start *start, uint64_t way, Photon *photon)
+{
+    const double near = 5e-4,
+                 range = 0.1; /* of the target's size: steps, and how far the first order is taken to hold */
+    Column columns[5];
+    double mean[2], spread[3], step = near * start->size;
+    Vec3f tangent[2];
+    int n = 0;
+    sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
+    for (int i = 0; i < 2; i++) { /* another place, the same light's point */
+        Start other = *start;
+        other.point = vec3_along(start->point, step, vec3_from_f(tangent[i]));
+        other.light = path_choose_light(path, other.point, vec3f(0, 0, 0));
+        if (other.light.object != start->light.object ||
+            vec3f_dot(other.light.direction, start->light.direction) < 0.98f ||
+            !find_column(job, path->tracer, number, &other, way, step / (range * start->size), photon, &columns[n++]))
+            return;
+    }
+    look_at_light(path, start, mean, spread);
+    sampling_basis(start->light.direction, &tangent[0], &tangent[1]);
+    double a = sqrt(spread[0]), b = spread[1] / a, c = sqrt(fmax(spread[2] - b * b, 1e-12));
+    double turn = fmin(fmax(0.3 * sqrt(spread[0] + spread[2]), 2e-4), 1e-2);
+    for (int i = 0; i < 2; i++) { /* the same place, another direction */
+        Start other = *start;
+        other.light.direction = vec3f_normalize(vec3f_along(start->light.direction, (float)turn, tangent[i]));
+        other.turned = start->light.direction;
+        if (!find_column(job, path->tracer, number, &other, way, turn, photon, &columns[n++])) return;
+    }
+    /* by the light's own axes: direction = mean + (a, b) s + (0, c) t */
+    Column first = columns[2], second = columns[3];
+    double shift[2] = {mean[0] / a, (mean[1] - b * mean[0] / a) / c};
+    for (int i = 0; i < 3; i++) {
+        columns[2].place[i] = a * first.place[i] + b * second.place[i];
+        columns[3].place[i] = c * second.place[i];
+    }
+    for (int i = 0; i < 2; i++) {
+        columns[2].direction[i] = a * first.direction[i] + b * second.direction[i];
+        columns[3].direction[i] = c * second.direction[i];
+    }
+    if (vec3f_dot(photon->normal, photon->normal) == 0) { /* anywhere along its way through the medium */
+        double reach = start->size;
+        columns[n++] = (Column){
+            {reach * (double)photon->from.x, reach * (double)photon->from.y, reach * (double)photon->from.z}, {0, 0}};
+    }
+    condition(columns, n, shift, photon);
+}
+
+static void trace_batch(void *context, uint32_t batch, unsigned worker)
+{
+    Job *job = context;
+    uint32_t end = job->n - batch * BATCH > BATCH ? (batch + 1) * BATCH : job->n;
+    for (uint32_t i = batch * BATCH; i < end; i++) {
+        uint32_t number = job->first + i;
+        Path path = begin_photon(&job->tracers[worker], job->seed, number), again = path;
+        Start start = {.turned = {0, 0, 0}};
+        Photon *photon = &job->photons[i];
+        uint64_t way;
+        *photon = (Photon){.flux = 0};
+        if (!choose_start(job->targets, &path, &start)) continue;
+        float radiance = lanes_mean(start.light.radiance);
+        if (!(radiance > job->threshold) || !leave_light(&path, &start)) continue;
+        path.bounce = 1;
+        path.beta = lanes_scale(start.light.radiance, 1 / radiance);
+        if (follow_photon(&path, radiance * start.flux_times_n, photon, &way))
+            photon->radiance = radiance, find_neighbours(job, &again, number, &start, way, photon);
+        else
+            photon->flux = 0;
+    }
+}
+
+Status photons_trace(const World *world, const PhotonTargets *targets, float threshold, uint32_t seed, uint32_t first,
+                     uint32_t n, Pool *pool, Photon *photons, Error *error)
+{
+    unsigned n_threads = pool_threads(pool);
+    Job job = {world, targets, threshold, seed, first, n, photons, calloc(n_threads, sizeof(Tracer))};
+    if (!job.tracers) return fail_memory(error, n_threads * sizeof(Tracer), "threads");
+    for (unsigned i = 0; i < n_threads; i++) tracer_init(&job.tracers[i], world);
+    pool_run(pool, (n + BATCH - 1) / BATCH, trace_batch, &job);
+    bool out_of_memory = false;
+    for (unsigned i = 0; i < n_threads; i++) {
+        out_of_memory |= job.tracers[i].out_of_memory;
+        tracer_clear(&job.tracers[i]);
+    }
+    free(job.tracers);
+    return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory while following photons") : STATUS_OK;
+}
+
+float photon_flux(const World *world, const PhotonTargets *targets)
+{
+    enum { PROBES = 4096 };
+    Tracer tracer;
+    tracer_init(&tracer, world);
+    double flux = 0;
+    for (uint32_t i = 0; i < PROBES; i++) {
+        Path path = begin_photon(&tracer, 0, i);
+        Start start = {.turned = {0, 0, 0}};
+        if (choose_start(targets, &path, &start))
+            flux += (double)(lanes_mean(start.light.radiance) * start.flux_times_n);
+    }
+    tracer_clear(&tracer);
+    return (float)(flux / PROBES);
+}
+
+float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float threshold, uint32_t number)
+{
+    Path path = begin_photon(tracer, 1, number);
+    Box3 bounds = rtc_scene_bounds(tracer->world->compiled->rtc);
+    Vec3 from = vec3_from_f(place);
+    LightSample light = path_choose_light(&path, from, normal);
+    float cosine = vec3f_dot(normal, normal) > 0 ? vec3f_dot(light.direction, normal) : 1;
+    if (!(light.pdf_w > 0) || light.delta || !(cosine > 0)) return 0;
+    /* started off the surface by what may be too much for a picture */
+    double off = 1e-5 * vec3_length(vec3_sub(bounds.max, bounds.min));
+    Ray ray = ray_make(vec3_along(from, off, vec3_from_f(normal)), light.direction);
+    ray.time = path.ray.time;
+    ray.t_max = light.distance;
+    ray.target = light.object;
+    ray.target_primitive = light.primitive;
+    Lanes transmittance;
+    uint32_t medium;
+    if (compiled_interior(tracer->world->compiled, vec3f_from(ray.origin), ray.time, &tracer->hits, &tracer->list,
+                          NULL) != STATUS_OK ||
+        !path_shadow(&path, &ray, &transmittance, &medium))
+        return 0;
+    float radiance = lanes_mean(lanes_mul(light.radiance, transmittance));
+    return radiance * cosine / light.pdf_w * (lanes_mean(light.radiance) > threshold ? PHOTON_BRIGHT_PART : 1);
+}

@@ -1,0 +1,53 @@
+/* photon.h - light followed from the small bright lights of a scene through its clear objects, to where it is scattered.
+ *
+ * Photons are for guiding paths only (trace/guide.h): none of them adds to a picture, so that nothing here can make one
+ * wrong. They start where the straight line between a light and a point of the bounds of a clear or mirroring object
+ * says, found by the same sampling of lights as paths use, so that every kind of light is there; and they go on through
+ * the nested volumes by the functions of paths.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PHOTON_H
+#define MEN_PHOTON_H
+
+#include "base/pool.h"
+#include "trace/path.h"
+
+/* Where light that has come through a smooth boundary, or off a mirror, is scattered; and what its neighbours would be
+ * like, in the plane that touches the sphere of directions at `from`, in the frame that sampling_basis makes of that. The
+ * light is seen from a place near by in directions about mean + slope * (place - position). */
+typedef struct Photon {
+    Vec3f position;
+    Vec3f from;     /* unit: where it came from, against its travel */
+    Vec3f normal;   /* of the surface there, on its side; zero in a medium */
+    float flux;     /* mean over the wavelengths; 0: it has ended elsewhere */
+    float radiance; /* of its light, likewise */
+    float mean[2];
+    Vec3f slope[2];
+    float spread[3]; /* covariance about the mean: xx, xy, yy; 0: nothing is known */
+} Photon;
+
+/* Boxes around all that bends or mirrors light. */
+enum { PHOTON_TARGETS = 64 };
+typedef struct PhotonTargets {
+    Box3 boxes[PHOTON_TARGETS];
+    double cumulative[PHOTON_TARGETS]; /* area of this and all before */
+    uint32_t n;
+} PhotonTargets;
+
+void photon_targets(const World *world, PhotonTargets *targets);
+
+/* What lights send through all targets' surfaces, as the mean of the wavelengths; nothing is in the way. */
+float photon_flux(const World *world, const PhotonTargets *targets);
+
+/* Follows the photons first .. first + n - 1 of lights whose radiance is above the threshold, as the mean of the
+ * wavelengths: number i into photons[i - first], a function of seed and i alone. Their flux is what all together carry if
+ * they all are alike. STATUS_NOMEM. */
+ATTR_NODISCARD Status photons_trace(const World *world, const PhotonTargets *targets, float threshold, uint32_t seed,
+                                    uint32_t first, uint32_t n, Pool *pool, Photon *photons, Error *error);
+
+/* The irradiance that a place on a surface (or the fluence that one in a medium) gets straight from lights, as a mean of
+ * the wavelengths; of brighter lights than the threshold only the part PHOTON_BRIGHT_PART counts, as paths find these
+ * without scattering towards them. normal: unit, or zero in a medium. number: of this estimate among many. */
+#define PHOTON_BRIGHT_PART 0.3f
+float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float threshold, uint32_t number);
+
+#endif

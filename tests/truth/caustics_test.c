@@ -1,0 +1,162 @@
+/* caustics_test.c - small lights behind glass: with the guide of photons and without the mean is the same, closed forms
+ * are met that chance alone never would, and noise is less.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+typedef struct Measured {
+    Estimate mean;
+    GuideStats guide;
+    double cpu_s;
+} Measured;
+
+/* The mean of a picture that shows the same everywhere. */
+static Measured measure(const char *text, uint32_t samples, SceneCaustics caustics)
+{
+    enum { PICTURE = 16 };
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, samples);
+    settings.caustics = caustics;
+    truth_render(&scene, &settings, 0, &picture);
+    assert_int_equal(picture.stats.nesting_faults, 0);
+    Measured measured = {truth_mean(&picture, -1), picture.stats.guide, picture.stats.cpu_seconds};
+    truth_clear(&picture);
+    fixture_clear(&scene);
+    return measured;
+}
+
+#define MEDIA                                                                                                          \
+    "meniscus 1.0 unit mm\n"                                                                                           \
+    "medium glass { ior = 1.5  state = solid } medium water { ior = 1.33  state = liquid  absorption = .002 }\n"       \
+    "medium lead { ior = cauchy(1.6, .02)  state = solid }\n"
+/* A camera that looks at one point of the floor, from the side. */
+#define LOOK "camera { from = <0, 77, 290>  to = <0, 0, 0>  fov = .001deg }\n"
+#define FLOOR "ground { surface = surface { albedo = .05 } }\n"
+
+/* ---- closed forms ---- */
+
+/* E: of the sun that the scenes below have. */
+static const double sun_irradiance = 10;
+#define SUN "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .53deg  power = 10 }\n"
+
+static void closed_forms(void **state)
+{
+    (void)state;
+    double glass = truth_fresnel(1, 1, 1.5), thin = truth_fresnel(1, 1, 1.1);
+    double albedo = .05 / TRUTH_PI;
+    /* a slab: all internal reflections add up to (1 - R) / (1 + R) */
+    Measured slab = measure(MEDIA LOOK FLOOR SUN "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n",
+                            1024, CAUSTICS_AUTOMATIC);
+    assert_true(slab.guide.landed > 0);
+    truth_expect("floor under a slab of glass, in the sun: E (1-R)/(1+R)",
+                 albedo * sun_irradiance * (1 - glass) / (1 + glass), slab.mean, 4, 0.004);
+    /* a ball of index n and radius r is a lens of focal length n r / (2 (n - 1)) about its centre; what it sends to the axis
+     * at a distance d is denser by (1 - d / f)^-2 */
+    Measured ball = measure(MEDIA LOOK FLOOR SUN "medium thin { ior = 1.1 state = solid }\n"
+                                                 "sphere { interior = thin  center = <0, 12, 0>  radius = 10 }\n",
+                            256, CAUSTICS_AUTOMATIC);
+    double focal = 1.1 * 10 / (2 * 0.1), denser = 1 / ((1 - 12 / focal) * (1 - 12 / focal));
+    truth_expect("floor on the axis of a ball of index 1.1, in the sun",
+                 albedo * sun_irradiance * (1 - thin) * (1 - thin) * denser, ball.mean, 4, 0.01);
+}
+
+/* ---- with and without ---- */
+
+static void same_mean(void **state)
+{
+    (void)state;
+    const struct {
+        const char *what, *text;
+        uint32_t with, without;
+    } cases[] = {
+        {"a matte table beside a ball of glass under a lamp",
+         MEDIA "ground { surface = surface { albedo = .7 } } environment { color = .02 }\n"
+               "sphere { interior = glass  center = <0, 14, 0>  radius = 10 }\n"
+               "light { shape = \"sphere\"  from = <10, 80, 20>  radius = 8  radiance = 50 }\n"
+               "camera { from = <60, 200, -300>  to = <-1, 0, -3>  fov = .001deg }\n",
+         200, 3000},
+        {"the floor of a pool under a tilted sun, with dispersion",
+         MEDIA "ground { surface = surface { albedo = .5 } } environment { color = .1 }\n"
+               "light { shape = \"distant\"  from = <.5, 1, .2>  to = <0, 0, 0>  angle = 12deg  power = 5 }\n"
+               "box { interior = lead  from = <-100, -1, -100>  to = <100, 40, 100> }\n"
+               "camera { from = <0, 200, 20>  to = <0, 0, 0>  fov = .001deg }\n",
+         200, 3000},
+        {"a lamp in a bulb of glass in fog",
+         MEDIA
+         "medium fog { ior = 1  scattering = .01  phase = hg(.3)  state = gas }\n"
+         "box { interior = fog  from = <-100, -1, -100>  to = <100, 100, 100> }\n"
+         "ground { surface = surface { albedo = .5 } }\n"
+         "sphere { interior = glass  center = <0, 40, 0>  radius = 12 }\n"
+         "sphere { interior = air  center = <0, 40, 0>  radius = 10 }\n"
+         "sphere { center = <0, 40, 0>  radius = 6  surface = surface { albedo = 0  emission = 1  radiance = 20 } }\n"
+         "camera { from = <60, 80, 50>  to = <30, 10, 20>  fov = .001deg }\n",
+         2500, 10000},
+        {"a table of rough metal behind a glass",
+         MEDIA "ground { surface = surface { metal = gold  roughness = .5 } } environment { color = .05 }\n"
+               "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 12 }\n"
+               "light { shape = \"sphere\"  from = <80, 50, 0>  radius = 9  radiance = 50 }\n"
+               "camera { from = <-150, 100, 50>  to = <-22, 0, 0>  fov = .001deg }\n",
+         400, 4000},
+        {"a table with a coat, seen through a glass with a drink in it",
+         MEDIA "ground { surface = surface { albedo = .6  ior = 1.5  roughness = .1 } } environment { color = .05 }\n"
+               "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 15 }\n"
+               "cylinder { interior = water  from = <0, 4, 0>  to = <0, 30, 0>  radius = 12.1 }\n"
+               "cylinder { interior = air  from = <0, 30, 0>  to = <0, 41, 0>  radius = 12 }\n"
+               "sphere { interior = air  center = <2, 20, 3>  radius = 3 }\n"
+               "light { shape = \"sphere\"  from = <60, 90, 0>  radius = 12  radiance = 50 }\n"
+               "camera { from = <150, 120, 40>  to = <-20, 0, 0>  fov = .001deg }\n",
+         600, 4000},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Measured with = measure(cases[i].text, cases[i].with, CAUSTICS_ON);
+        Measured without = measure(cases[i].text, cases[i].without, CAUSTICS_OFF);
+        assert_true(with.guide.landed > 0);
+        assert_int_equal(without.guide.followed, 0);
+        double ratio = without.mean.error / with.mean.error;
+        double error = hypot(with.mean.error, without.mean.error);
+        truth_expect(cases[i].what, without.mean.mean, (Estimate){with.mean.mean, error}, 4, 0.04);
+        printf("    %-66s %.1f times less variance a sample, %.1f at equal times\n", "",
+               ratio * ratio * cases[i].without / cases[i].with, ratio * ratio * without.cpu_s / with.cpu_s);
+    }
+}
+
+/* ---- bits ---- */
+
+static void any_threads_and_idle_scenes(void **state)
+{
+    (void)state;
+    const char *text = MEDIA FLOOR SUN "sphere { interior = glass  center = <0, 14, 0>  radius = 10 }\n"
+                                       "camera { from = <0, 100, 100>  to = <0, 0, 0>  fov = 20 }\n";
+    Fixture scene;
+    Picture one, three;
+    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(32, 4);
+    truth_render(&scene, &settings, 1, &one);
+    truth_render(&scene, &settings, 3, &three);
+    assert_true(one.stats.guide.landed > 1000);
+    assert_true(one.stats.guide.landed == three.stats.guide.landed && one.stats.guide.bytes == three.stats.guide.bytes);
+    assert_true(truth_largest_difference(&one, &three) == 0);
+    truth_clear(&one);
+    truth_clear(&three);
+    fixture_clear(&scene);
+    /* an even sky, and lamps as large as the sky, are found without: no photon is followed far */
+    const char *const idle[] = {
+        MEDIA LOOK FLOOR "environment { color = 1 } sphere { interior = glass  center = <0, 14, 0>  radius = 10 }\n",
+        MEDIA LOOK FLOOR "environment { color = .2 } sphere { interior = glass  center = <0, 14, 0>  radius = 10 }\n"
+                         "light { from = <0, 60, 0>  to = <0, 0, 0>  size = <90, 90>  radiance = 3 }\n",
+        MEDIA LOOK FLOOR "light { from = <0, 60, 0>  to = <0, 0, 0>  size = <2, 2>  radiance = 3 }\n",
+    };
+    for (size_t i = 0; i < COUNT_OF(idle); i++)
+        assert_int_equal(measure(idle[i], 4, CAUSTICS_AUTOMATIC).guide.landed, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(closed_forms),
+        cmocka_unit_test(same_mean),
+        cmocka_unit_test(any_threads_and_idle_scenes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

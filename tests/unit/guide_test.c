@@ -1,0 +1,219 @@
+/* guide_test.c - the lobes that lead paths to light behind glass: their densities are those of what is sampled, and
+ * integrate to one; photons of one light by one way are one lobe; photons lose no flux on the way.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "near.h"
+
+#include "base/hash.h"
+#include "optics/sampling.h"
+#include "scene_fixture.h"
+#include "trace/guide.h"
+#include "trace/guide_fit.h"
+#include "trace/sampler.h"
+
+static const double pi = 3.14159265358979323846;
+
+static uint64_t dice_state = 1;
+static float dice(void)
+{
+    return (float)hash_to_unit(hash_u64(dice_state++));
+}
+static float dice_between(float low, float high)
+{
+    return low + (high - low) * dice();
+}
+
+/* A photon that knows its neighbours, with anything from a needle to half of all directions. */
+static Photon random_photon(void)
+{
+    Photon photon = {.position = {dice(), dice(), dice()},
+                     .from = sampling_sphere(dice(), dice()),
+                     .flux = 1 + dice(),
+                     .mean = {dice_between(-.05f, .05f), dice_between(-.05f, .05f)}};
+    float a = powf(10, dice_between(-3.5f, 0)), b = a * dice_between(.15f, 1), turn = dice_between(0, 3.1f);
+    float c = cosf(turn), s = sinf(turn);
+    photon.spread[0] = a * a * c * c + b * b * s * s;
+    photon.spread[1] = (a * a - b * b) * c * s;
+    photon.spread[2] = a * a * s * s + b * b * c * c;
+    for (int i = 0; i < 2; i++)
+        photon.slope[i] = vec3f(dice_between(-.3f, .3f), dice_between(-.3f, .3f), dice_between(-.3f, .3f));
+    return photon;
+}
+
+/* The plane that touches the sphere of directions at an axis, in polar coordinates: equal areas are equal solid angles. */
+static Vec3f at_plane(Vec3f axis, double r, double angle)
+{
+    Vec3f x, y;
+    sampling_basis(axis, &x, &y);
+    double sine = r * sqrt(1 - r * r / 4);
+    Vec3 p = vec3_scale(vec3_from_f(axis), 1 - r * r / 2);
+    p = vec3_along(vec3_along(p, sine * cos(angle), vec3_from_f(x)), sine * sin(angle), vec3_from_f(y));
+    return vec3f_from(vec3_normalize(p));
+}
+
+/* Radius in that plane. */
+static double chord(Vec3f a, Vec3f b)
+{
+    return vec3_length(vec3_sub(vec3_from_f(a), vec3_from_f(b)));
+}
+
+/* The mean direction of many samples, and how far from it the farthest is, in that plane. */
+static double reach_of(const GuideLobe *lobe, Vec3f offset, Vec3f *mean)
+{
+    enum { SAMPLES = 400 };
+    Vec3 sum = vec3(0, 0, 0);
+    double farthest = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < SAMPLES; i++) {
+            const float v[2] = {((float)i + .5f) / SAMPLES, hash_to_unit_f(reverse_bits((uint32_t)i))};
+            Vec3f direction = guide_lobe_sample(lobe, offset, v);
+            if (pass == 0)
+                sum = vec3_add(sum, vec3_from_f(direction));
+            else
+                farthest = fmax(farthest, chord(*mean, direction));
+            if (i + 1 == SAMPLES && pass == 0) *mean = vec3f_from(vec3_normalize(sum));
+        }
+    return fmin(1.15 * farthest + 1e-6, 2);
+}
+
+static void densities(void **state)
+{
+    (void)state;
+    enum { RINGS = 12, SECTORS = 8, FINE = 24, SAMPLES = 40000, LOBES = 60 };
+    double worst_integral = 0, chi_square = 0;
+    int n_bins = 0;
+    for (int trial = 0; trial < LOBES; trial++) {
+        Photon photon = random_photon();
+        GuideLobe lobes[GUIDE_CELL_LOBES];
+        assert_int_equal(guide_fit(&photon, 1, vec3f(0, 0, 0), lobes), 2); /* its own, and one around all */
+        const GuideLobe *lobe = &lobes[trial % 2];
+        Vec3f mean = {0, 0, 0}, offset = vec3f(dice(), dice(), dice());
+        double reach = reach_of(lobe, offset, &mean), expected[RINGS][SECTORS] = {{0}}, sum = 0;
+        int counted[RINGS][SECTORS] = {{0}};
+        for (int i = 0; i < RINGS * FINE; i++)
+            for (int k = 0; k < SECTORS * FINE; k++) {
+                double part = 2 * pi / (SECTORS * FINE), step = reach / (RINGS * FINE), r = (i + .5) * step;
+                double p = (double)guide_lobe_pdf(lobe, offset, at_plane(mean, r, (k + .5) * part)) * r * step * part;
+                expected[i / FINE][k / FINE] += p;
+                sum += p;
+            }
+        worst_integral = fmax(worst_integral, fabs(sum - 1));
+        for (int i = 0; i < SAMPLES; i++) {
+            const float v[2] = {dice(), dice()};
+            Vec3f direction = guide_lobe_sample(lobe, offset, v), x, y;
+            sampling_basis(mean, &x, &y);
+            double r = chord(mean, direction);
+            double angle = atan2((double)vec3f_dot(y, direction), (double)vec3f_dot(x, direction));
+            int ring = (int)(r / reach * RINGS),
+                sector = (int)((angle < 0 ? angle + 2 * pi : angle) / (2 * pi) * SECTORS);
+            assert_true(guide_lobe_pdf(lobe, offset, direction) > 0);
+            counted[ring < RINGS ? ring : RINGS - 1][sector < SECTORS ? sector : SECTORS - 1]++;
+        }
+        for (int i = 0; i < RINGS; i++)
+            for (int k = 0; k < SECTORS; k++) {
+                double e = expected[i][k] * SAMPLES, d = counted[i][k] - e;
+                if (e < 25) continue;
+                chi_square += d * d / e;
+                n_bins++;
+            }
+    }
+    printf("    %d lobes: integrals within %.2g of 1; chi-square %.1f of %d bins\n", LOBES, worst_integral, chi_square,
+           n_bins);
+    assert_true(worst_integral < 0.01);
+    assert_true(fabs(chi_square - n_bins) < 5 * sqrt(2.0 * n_bins));
+}
+
+static void sheets(void **state)
+{
+    (void)state;
+    enum { N = 60 };
+    /* two lights, seen from all places by a linear law each, and one stray */
+    Photon photons[N];
+    for (int i = 0; i < N; i++) {
+        int light = i % 3 == 0;
+        photons[i] = (Photon){.position = {dice(), 0, dice()}, .flux = 1, .spread = {1e-4f, 0, 1e-4f}};
+        photons[i].slope[0] = vec3f(light ? .1f : -.2f, 0, .05f);
+        photons[i].slope[1] = vec3f(0, 0, light ? .2f : .1f);
+        Vec3f axis = light ? vec3f(0, 1, 0) : vec3f(.6f, .8f, 0), x, y;
+        sampling_basis(axis, &x, &y);
+        Vec3f p = photons[i].position;
+        photons[i].from = vec3f_normalize(
+            vec3f_along(vec3f_along(axis, vec3f_dot(photons[i].slope[0], p), x), vec3f_dot(photons[i].slope[1], p), y));
+    }
+    photons[7].from = vec3f(0, 0, 1);
+    GuideLobe lobes[GUIDE_CELL_LOBES];
+    uint32_t n = guide_fit(photons, N, vec3f(.5f, 0, .5f), lobes);
+    assert_true(n <= 12);
+    assert_near((double)lobes[n - 1].cumulative, 1, 1e-5);
+    float most = 0, sum = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        most = float_max(most, lobes[i].weight);
+        sum += lobes[i].weight;
+        assert_true(lobes[i].weight > 0);
+    }
+    assert_near((double)sum, 1, 1e-5);
+    assert_true(most > .3f);
+}
+
+/* What lands behind a slab in the sun is what comes to it, less what is reflected. */
+static void flux(void **state)
+{
+    (void)state;
+    enum { N = 40000 };
+    Fixture scene;
+    Pool *pool;
+    Error error;
+    World world;
+    fixture_compile(&scene,
+                    FIXTURE_MEDIA
+                    "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n"
+                    "ground { surface = surface { albedo = .5 } } camera { from = <0, 10, 300>  to = <0, 0, 0> }\n"
+                    "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n",
+                    1);
+    assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
+    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, &error), STATUS_OK);
+    PhotonTargets targets;
+    photon_targets(&world, &targets);
+    assert_int_equal(targets.n, 1);
+    Photon *photons = calloc(N, sizeof *photons), *again = calloc(N, sizeof *again);
+    assert_int_equal(photons_trace(&world, &targets, 0, 1, 0, N, pool, photons, &error), STATUS_OK);
+    double landed = 0, sent = (double)photon_flux(&world, &targets), square = 0;
+    int n_landed = 0, n_known = 0;
+    for (int i = 0; i < N; i++) {
+        double flux = (double)photons[i].flux;
+        landed += flux / N;
+        square += flux * flux / N;
+        if (!(flux > 0)) continue;
+        assert_near((double)photons[i].position.y, 0, 1e-4);
+        assert_true(photons[i].from.y > .9999f && photons[i].normal.y > .9999f);
+        n_landed++;
+        n_known += photons[i].spread[0] > 0 && photons[i].spread[0] < 1e-4f;
+    }
+    assert_true(n_known > n_landed * 99 / 100);
+    double r = .04, expected = sent * (1 - r) / (1 + r), deviation = sqrt((square - landed * landed) / N);
+    printf("    flux behind a slab: expected %.5g, landed %.5g, error %.2g\n", expected, landed, deviation);
+    assert_true(fabs(landed - expected) < 4 * deviation + .02 * expected); /* what is sent is an estimate, too */
+    /* the same in two parts, by another number of threads */
+    Pool *alone;
+    assert_int_equal(pool_new(1, &alone, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&world, &targets, 0, 1, 0, 1000, alone, again, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&world, &targets, 0, 1, 1000, N - 1000, alone, again + 1000, &error), STATUS_OK);
+    assert_memory_equal(photons, again, N * sizeof *photons);
+    free(photons);
+    free(again);
+    pool_free(alone);
+    pool_free(pool);
+    world_clear(&world);
+    fixture_clear(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(densities),
+        cmocka_unit_test(sheets),
+        cmocka_unit_test(flux),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
