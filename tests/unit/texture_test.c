@@ -40,6 +40,8 @@ static void build(Fixture *f, const char *text, float number)
     fixture_build(f, text, &options);
 }
 
+static Vec3f seen_normal;
+
 static void see(Fixture *f, float albedo[3])
 {
     Error error;
@@ -55,6 +57,7 @@ static void see(Fixture *f, float albedo[3])
     trace_sample(&tracer, 50, 50, 101, 101, 0, 0, rgb, &alpha);
     assert_true(sight.met);
     memcpy(albedo, sight.albedo, sizeof sight.albedo);
+    seen_normal = sight.normal;
     tracer_clear(&tracer);
     world_clear(&world);
 }
@@ -355,6 +358,50 @@ static void pictures_are_shared(void **state)
     fixture_clear(&g);
 }
 
+static void expect_normal(const char *thing, const char *from, const char *to, float number, double x, double y, double z)
+{
+    float albedo[3];
+    look(thing, from, to, number, albedo);
+    double length = sqrt(x * x + y * y + z * z);
+    assert_near((double)seen_normal.x, x / length, 2e-3);
+    assert_near((double)seen_normal.y, y / length, 2e-3);
+    assert_near((double)seen_normal.z, z / length, 2e-3);
+}
+
+/* Bumps and maps of normals lean the way that they say, on every side, wherever the object is and however large. */
+static void relief_leans(void **state)
+{
+    (void)state;
+#define RELIEF(shape, relief) shape " surface = surface { " relief " } }"
+#define RAMP "bump = gradient { wave = once } bump_height = .3"
+    /* rising to +x by .3 to 1 */
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1>", RAMP), "<.5, .5, 9>", "<.5, .5, 0>", 0, -.3, 0, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1>", RAMP), "<.5, .5, -9>", "<.5, .5, 0>", 0, -.3, 0, -1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> translate(<50, 0, 0>)", RAMP), "<50.5, .5, 9>",
+                  "<50.5, .5, 0>", 0, -.3, 0, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(4)", RAMP), "<2, 2, 9>", "<2, 2, 0>", 0, -.3, 0, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(<2, 1, 1>)", RAMP), "<1, .5, 9>", "<1, .5, 0>", 0,
+                  -.15, 0, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> rotate(z, 90)", RAMP), "<-.5, .5, 9>", "<-.5, .5, 0>", 0, 0,
+                  -.3, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(<-1, 1, 1>)", RAMP), "<-.5, .5, 9>", "<-.5, .5, 0>",
+                  0, .3, 0, 1);
+    expect_normal(RELIEF("sphere { radius = 2", "bump = gradient { wave = once translate(<-.5, 0, 0>) } bump_height = .3"),
+                  "<0, 0, 9>", "<0, 0, 0>", 0, -.3, 0, 1);
+    /* a picture of (1, 1, 1): as far to the right and up as it is outward */
+#define MAP "normal_map = image { " NUMBER " } normal_strength = .3"
+    expect_normal(RELIEF("box { size = <2, 2, 2>", MAP), "<.1, .2, 9>", "<.1, .2, 0>", 1, .3, .3, 1);
+    expect_normal(RELIEF("box { size = <2, 2, 2>", MAP), "<.1, .2, -9>", "<.1, .2, 0>", 1, -.3, .3, -1);
+    expect_normal(RELIEF("box { size = <2, 2, 2>", MAP " normal_y = down"), "<9, .2, .1>", "<0, .2, .1>", 1, 1, -.3, -.3);
+    expect_normal(RELIEF("cylinder { from = <0, -2, 0> to = <0, 2, 0> radius = 2", MAP), "<0, .5, 9>", "<0, .5, 0>", 1, .3,
+                  .3, 1);
+    expect_normal(RELIEF("sphere { radius = 2", MAP), "<9, 0, 0>", "<0, 0, 0>", 1, 1, .3, -.3);
+    /* clear objects, too */
+    expect_normal("medium glass { ior = 1.5 } box { from = <0, 0, 0> to = <1, 1, 1> interior = glass surface = surface { " RAMP
+                  " } }",
+                  "<.5, .5, 9>", "<.5, .5, 0>", 0, -.3, 0, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,6 +414,7 @@ int main(void)
         cmocka_unit_test(mistakes_are_refused),
         cmocka_unit_test(clipping_helps),
         cmocka_unit_test(pictures_are_shared),
+        cmocka_unit_test(relief_leans),
     };
     return cmocka_run_group_tests_name("texture", tests, NULL, NULL);
 }
