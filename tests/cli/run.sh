@@ -83,7 +83,7 @@ all_scenes() {
 }
 scene_hash() { "$program" check --json "$@" 2> err | grep '"hash": "'; }
 
-if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set hostile std frames meshes; fi
+if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set hostile std frames meshes textures; fi
 for part; do . "$folder/$part.sh"; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]

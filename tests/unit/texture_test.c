@@ -358,7 +358,8 @@ static void pictures_are_shared(void **state)
     fixture_clear(&g);
 }
 
-static void expect_normal(const char *thing, const char *from, const char *to, float number, double x, double y, double z)
+static void expect_normal(const char *thing, const char *from, const char *to, float number, double x, double y,
+                          double z)
 {
     float albedo[3];
     look(thing, from, to, number, albedo);
@@ -379,27 +380,31 @@ static void relief_leans(void **state)
     expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1>", RAMP), "<.5, .5, -9>", "<.5, .5, 0>", 0, -.3, 0, -1);
     expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> translate(<50, 0, 0>)", RAMP), "<50.5, .5, 9>",
                   "<50.5, .5, 0>", 0, -.3, 0, 1);
-    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(4)", RAMP), "<2, 2, 9>", "<2, 2, 0>", 0, -.3, 0, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(4)", RAMP), "<2, 2, 9>", "<2, 2, 0>", 0, -.3, 0,
+                  1);
     expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(<2, 1, 1>)", RAMP), "<1, .5, 9>", "<1, .5, 0>", 0,
                   -.15, 0, 1);
-    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> rotate(z, 90)", RAMP), "<-.5, .5, 9>", "<-.5, .5, 0>", 0, 0,
-                  -.3, 1);
-    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(<-1, 1, 1>)", RAMP), "<-.5, .5, 9>", "<-.5, .5, 0>",
-                  0, .3, 0, 1);
-    expect_normal(RELIEF("sphere { radius = 2", "bump = gradient { wave = once translate(<-.5, 0, 0>) } bump_height = .3"),
-                  "<0, 0, 9>", "<0, 0, 0>", 0, -.3, 0, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> rotate(z, 90)", RAMP), "<-.5, .5, 9>", "<-.5, .5, 0>",
+                  0, 0, -.3, 1);
+    expect_normal(RELIEF("box { from = <0, 0, 0> to = <1, 1, 1> scale(<-1, 1, 1>)", RAMP), "<-.5, .5, 9>",
+                  "<-.5, .5, 0>", 0, .3, 0, 1);
+    expect_normal(
+        RELIEF("sphere { radius = 2", "bump = gradient { wave = once translate(<-.5, 0, 0>) } bump_height = .3"),
+        "<0, 0, 9>", "<0, 0, 0>", 0, -.3, 0, 1);
     /* a picture of (1, 1, 1): as far to the right and up as it is outward */
 #define MAP "normal_map = image { " NUMBER " } normal_strength = .3"
     expect_normal(RELIEF("box { size = <2, 2, 2>", MAP), "<.1, .2, 9>", "<.1, .2, 0>", 1, .3, .3, 1);
     expect_normal(RELIEF("box { size = <2, 2, 2>", MAP), "<.1, .2, -9>", "<.1, .2, 0>", 1, -.3, .3, -1);
-    expect_normal(RELIEF("box { size = <2, 2, 2>", MAP " normal_y = down"), "<9, .2, .1>", "<0, .2, .1>", 1, 1, -.3, -.3);
-    expect_normal(RELIEF("cylinder { from = <0, -2, 0> to = <0, 2, 0> radius = 2", MAP), "<0, .5, 9>", "<0, .5, 0>", 1, .3,
-                  .3, 1);
+    expect_normal(RELIEF("box { size = <2, 2, 2>", MAP " normal_y = down"), "<9, .2, .1>", "<0, .2, .1>", 1, 1, -.3,
+                  -.3);
+    expect_normal(RELIEF("cylinder { from = <0, -2, 0> to = <0, 2, 0> radius = 2", MAP), "<0, .5, 9>", "<0, .5, 0>", 1,
+                  .3, .3, 1);
     expect_normal(RELIEF("sphere { radius = 2", MAP), "<9, 0, 0>", "<0, 0, 0>", 1, 1, .3, -.3);
     /* clear objects, too */
-    expect_normal("medium glass { ior = 1.5 } box { from = <0, 0, 0> to = <1, 1, 1> interior = glass surface = surface { " RAMP
-                  " } }",
-                  "<.5, .5, 9>", "<.5, .5, 0>", 0, -.3, 0, 1);
+    expect_normal(
+        "medium glass { ior = 1.5 } box { from = <0, 0, 0> to = <1, 1, 1> interior = glass surface = surface { " RAMP
+        " } }",
+        "<.5, .5, 9>", "<.5, .5, 0>", 0, -.3, 0, 1);
 }
 
 int main(void)
