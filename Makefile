@@ -213,6 +213,7 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench scale
 	$(BUILD)/bench rays
 	$(BUILD)/bench noise $(BENCH_SCENES)
+	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns)
 
 # MENISCUS_BENCH_OBJECTS=10000000 make bench-objects: that many objects instead of a million
 bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fast scene texts are read; minutes

@@ -7,9 +7,10 @@
 
 /* Luminances below this, a tenth of white, count as this where errors are set in relation to them. */
 #define DARK 0.1
-/* How far neighbours are asked: those close to the pixel, so that what is thin is seen, and more around it, so that what is
- * rare is. The worse of the two answers counts. */
-enum { NEXT = 1, NEAR = 2, WIDE = 4 };
+/* How far neighbours are asked, in pixels: for the luminance; those close by, so that what is thin is seen; more around, so
+ * that what is rare is, of which two answers the worse counts; and how the error of a mean compares with the deviation of
+ * its samples, which are spread evenly and may be anything but normal. */
+enum { NEXT = 1, NEAR = 2, WIDE = 4, FAR = 8 };
 
 static double relative(double error, double luminance)
 {
@@ -53,45 +54,52 @@ Status adapt_init(Adapt *adapt, const uint32_t crop[4], Error *error)
 {
     *adapt = (Adapt){.crop = {crop[0], crop[1], crop[2], crop[3]}};
     size_t n = (size_t)(crop[2] - crop[0]) * (crop[3] - crop[1]);
-    float **maps[] = {&adapt->spread, &adapt->luminance, &adapt->near_spread, &adapt->wide_spread,
-                      &adapt->near_luminance};
     adapt->wanted = calloc(n, sizeof *adapt->wanted);
     bool ready = adapt->wanted != NULL;
-    for (size_t i = 0; i < COUNT_OF(maps); i++) ready = (*maps[i] = calloc(n, sizeof(float))) != NULL && ready;
+    for (size_t i = 0; i < COUNT_OF(adapt->maps); i++)
+        ready = (adapt->maps[i] = calloc(n, sizeof(float))) != NULL && ready;
     if (ready) return STATUS_OK;
     adapt_clear(adapt);
-    return fail_memory(error, n * (sizeof *adapt->wanted + COUNT_OF(maps) * sizeof(float)), "the noise of the picture");
+    return fail_memory(error, n * (sizeof *adapt->wanted + COUNT_OF(adapt->maps) * sizeof(float)),
+                       "the noise of the picture");
 }
 
 void adapt_clear(Adapt *adapt)
 {
     free(adapt->wanted);
-    free(adapt->spread);
-    free(adapt->luminance);
-    free(adapt->near_spread);
-    free(adapt->wide_spread);
-    free(adapt->near_luminance);
+    for (size_t i = 0; i < COUNT_OF(adapt->maps); i++) free(adapt->maps[i]);
     *adapt = (Adapt){0};
 }
 
-/* The mean around each pixel, without itself, weighted by a tent of that radius; pixels beyond the border are none. */
-static void mean_around(const float *map, uint32_t width, uint32_t height, int radius, float *mean)
+/* Sums over the n values, `stride` apart, from `radius` before each to `radius` behind it; those beyond the ends are none. */
+static void sum_along(const float *from, uint32_t n, size_t stride, uint32_t radius, float *to)
 {
-    int w = (int)width, h = (int)height;
-    for (int y = 0; y < h; y++)
-        for (int x = 0; x < w; x++) {
-            float sum = 0, weights = 0;
-            for (int v = -radius; v <= radius; v++) {
-                if (y + v < 0 || y + v >= h) continue;
-                const float *row = map + (size_t)(y + v) * width;
-                for (int u = -radius; u <= radius; u++) {
-                    if (x + u < 0 || x + u >= w || (u == 0 && v == 0)) continue;
-                    float weight = (float)((radius + 1 - abs(u)) * (radius + 1 - abs(v)));
-                    sum += weight * row[x + u];
-                    weights += weight;
-                }
-            }
-            mean[(size_t)y * width + (size_t)x] = weights > 0 ? sum / weights : map[(size_t)y * width + (size_t)x];
+    double sum = 0;
+    for (uint32_t i = 0; i < radius && i < n; i++) sum += (double)from[i * stride];
+    for (uint32_t i = 0; i < n; i++) {
+        if (i + radius < n) sum += (double)from[(i + radius) * stride];
+        to[i * stride] = (float)sum;
+        if (i >= radius) sum -= (double)from[(i - radius) * stride];
+    }
+}
+
+static uint32_t count_along(uint32_t i, uint32_t n, uint32_t radius)
+{
+    uint32_t first = i > radius ? i - radius : 0, last = i + radius < n ? i + radius : n - 1;
+    return last - first + 1;
+}
+
+/* The mean of the square around each pixel, without the pixel itself; what is beyond the border is none. */
+static void mean_around(const float *map, uint32_t width, uint32_t height, uint32_t radius, float *scratch, float *mean)
+{
+    for (uint32_t y = 0; y < height; y++)
+        sum_along(map + (size_t)y * width, width, 1, radius, scratch + (size_t)y * width);
+    for (uint32_t x = 0; x < width; x++) sum_along(scratch + x, height, width, radius, mean + x);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            size_t i = (size_t)y * width + x;
+            uint32_t n = count_along(x, width, radius) * count_along(y, height, radius) - 1;
+            mean[i] = n ? fmaxf(mean[i] - map[i], 0) / (float)n : map[i];
         }
 }
 
@@ -102,25 +110,44 @@ static uint32_t next_step(uint32_t n, double least)
     return n;
 }
 
-AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most)
+/* What every pixel's neighbours say of it. */
+static void make_maps(Adapt *adapt, const Film *film)
 {
-    AdaptPlan plan = {0};
     uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
+    float **maps = adapt->maps, *scratch = maps[ADAPT_SCRATCH], *luminance = maps[ADAPT_FAR_ERROR];
     size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
-            adapt->spread[i] = (float)film_spread(film_pixel(film, x, y));
-            adapt->luminance[i] = (float)pixel_luminance(film, x, y);
+            const FilmPixel *pixel = film_pixel(film, x, y);
+            double mean, error;
+            film_luminance(pixel, &mean, &error);
+            luminance[i] = (float)mean;
+            maps[ADAPT_DEVIATION][i] = (float)(error * sqrt(pixel->n));
+            maps[ADAPT_ERROR][i] = (float)film_spread(pixel);
         }
-    mean_around(adapt->spread, width, height, NEAR, adapt->near_spread);
-    mean_around(adapt->spread, width, height, WIDE, adapt->wide_spread);
-    mean_around(adapt->luminance, width, height, NEXT, adapt->near_luminance);
-    i = 0;
+    mean_around(luminance, width, height, NEXT, scratch, maps[ADAPT_LUMINANCE]);
+    mean_around(maps[ADAPT_ERROR], width, height, FAR, scratch, maps[ADAPT_FAR_ERROR]);
+    mean_around(maps[ADAPT_DEVIATION], width, height, FAR, scratch, maps[ADAPT_ERROR]);
+    for (size_t j = 0; j < i; j++) {
+        float deviation = maps[ADAPT_ERROR][j];
+        maps[ADAPT_FAR_ERROR][j] = deviation > 0 ? maps[ADAPT_FAR_ERROR][j] / deviation : 0;
+    }
+    mean_around(maps[ADAPT_DEVIATION], width, height, NEAR, scratch, maps[ADAPT_NEAR]);
+    mean_around(maps[ADAPT_DEVIATION], width, height, WIDE, scratch, maps[ADAPT_ERROR]);
+    for (size_t j = 0; j < i; j++)
+        maps[ADAPT_ERROR][j] = fmaxf(maps[ADAPT_NEAR][j], maps[ADAPT_ERROR][j]) * maps[ADAPT_FAR_ERROR][j];
+}
+
+AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most)
+{
+    AdaptPlan plan = {0};
+    make_maps(adapt, film);
+    size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
             uint32_t n = film_pixel(film, x, y)->n;
-            double spread = fmax((double)adapt->near_spread[i], (double)adapt->wide_spread[i]);
-            double enough = pow(relative(spread, (double)adapt->near_luminance[i]) / noise, 2);
+            double error = (double)adapt->maps[ADAPT_ERROR][i], luminance = (double)adapt->maps[ADAPT_LUMINANCE][i];
+            double enough = pow(relative(error, luminance) / noise, 2);
             adapt->wanted[i] = n;
             plan.unmet += n >= most && enough > n;
             if (n >= most) continue;

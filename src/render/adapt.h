@@ -16,10 +16,14 @@
 /* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples. */
 double adapt_noise(const Film *film, const uint32_t crop[4]);
 
+/* Maps: the deviation of a pixel's samples; its error for one sample, as first its halves and at last its neighbours say it;
+ * its luminance, as they do; and what is needed on the way. */
+enum { ADAPT_DEVIATION, ADAPT_ERROR, ADAPT_LUMINANCE, ADAPT_NEAR, ADAPT_FAR_ERROR, ADAPT_SCRATCH, ADAPT_MAPS };
+
 typedef struct Adapt {
     uint32_t crop[4];
-    uint32_t *wanted; /* for each pixel of the crop, by rows: how many samples it is to have next */
-    float *spread, *luminance, *near_spread, *wide_spread, *near_luminance; /* maps of the same size */
+    uint32_t *wanted;        /* for each pixel of the crop, by rows: how many samples it is to have next */
+    float *maps[ADAPT_MAPS]; /* of the same size */
 } Adapt;
 
 /* What is left to do for a noise. */

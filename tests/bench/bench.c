@@ -18,6 +18,7 @@ static const Benchmark benchmarks[] = {
     {"paths", "paths for each second", bench_paths, NULL},
     {"limit", "renders in ratio to their own rays, cast again through bare Embree", bench_limit, NULL},
     {"noise", "the error of pictures against time", bench_noise, NULL},
+    {"techniques", "sharing out the work, stopping pixels: errors with against without", bench_techniques, NULL},
     {"threads", "two threads over one, and the time to the first picture", bench_threads, NULL},
     {"nesting", "what the interior list costs and saves", NULL, bench_nesting},
     {"rays", "exact rays over bare ones, and a crossing alone", NULL, bench_rays},

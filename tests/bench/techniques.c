@@ -1,0 +1,145 @@
+/* techniques.c - what sharing out the work among pixels, and stopping each by itself, are worth: with against without, in
+ * one run. Renders of several seeds tell each pixel's error, without a reference.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "measure.h"
+
+enum { WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT, SEEDS = 4, BORDER = 6 };
+
+/* Luminances of renders that differ in their seed alone. */
+typedef struct Renders {
+    float luminance[SEEDS][PIXELS];
+    double mean_samples, cpu_s; /* of one */
+} Renders;
+
+static void render_all(const CompiledScene *compiled, RenderSettings settings, Pool *pool, Renders *renders)
+{
+    renders->mean_samples = renders->cpu_s = 0;
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+        Error error = {0};
+        Image image;
+        RenderStats stats;
+        settings.seed = seed;
+        if (render_image(compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK)
+            bench_fail("render", &error);
+        for (uint32_t p = 0; p < PIXELS; p++)
+            renders->luminance[seed][p] = color_luminance(image.pixels + p * image.n_channels);
+        renders->mean_samples += stats.mean_samples / SEEDS;
+        renders->cpu_s += stats.cpu_seconds / SEEDS;
+        image_clear(&image);
+    }
+}
+
+static float mean_at(const Renders *renders, uint32_t p)
+{
+    float sum = 0;
+    for (int s = 0; s < SEEDS; s++) sum += renders->luminance[s][p];
+    return sum / SEEDS;
+}
+
+/* Mean square of the errors, relative to the root of luminance^2 + 0.1^2, after a Gaussian of a standard deviation of 1.5
+ * pixels: what is seen from a distance, or left by a filter. */
+static double blurred_error(const Renders *renders)
+{
+    static float error[PIXELS];
+    double kernel[2 * BORDER + 1], all = 0, sum = 0;
+    for (int i = -BORDER; i <= BORDER; i++) all += kernel[i + BORDER] = exp(-i * i / 4.5);
+    for (int s = 0; s < SEEDS; s++) {
+        for (uint32_t p = 0; p < PIXELS; p++) {
+            float mean = mean_at(renders, p);
+            error[p] = (renders->luminance[s][p] - mean) / hypotf(mean, 0.1f);
+        }
+        for (int y = BORDER; y < HEIGHT - BORDER; y++)
+            for (int x = BORDER; x < WIDTH - BORDER; x++) {
+                double blurred = 0;
+                for (int v = -BORDER; v <= BORDER; v++)
+                    for (int u = -BORDER; u <= BORDER; u++)
+                        blurred += kernel[u + BORDER] * kernel[v + BORDER] * (double)error[(y + v) * WIDTH + x + u];
+                sum += blurred * blurred / pow(all, 4);
+            }
+    }
+    return sum;
+}
+
+static int compare_float(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Relative errors, root mean squares: of all pixels, and what one square of 4 x 4 pixels in twenty is above. */
+static void pixel_errors(const Renders *renders, double *rms, double *twentieth)
+{
+    enum { SIDE = 4, SQUARES = PIXELS / SIDE / SIDE };
+    static float error[SQUARES];
+    memset(error, 0, sizeof error);
+    *rms = 0;
+    for (uint32_t p = 0; p < PIXELS; p++) {
+        float mean = mean_at(renders, p), squares = 0;
+        for (int s = 0; s < SEEDS; s++) squares += powf(renders->luminance[s][p] - mean, 2) / (SEEDS - 1);
+        squares /= mean * mean + 0.01f;
+        error[p / WIDTH / SIDE * (WIDTH / SIDE) + p % WIDTH / SIDE] += squares / (SIDE * SIDE);
+        *rms += (double)squares / PIXELS;
+    }
+    qsort(error, SQUARES, sizeof *error, compare_float);
+    *rms = sqrt(*rms);
+    *twentieth = sqrt((double)error[SQUARES - SQUARES / 20]);
+}
+
+/* The two are rendered with as many samples; neither costs more than the other. */
+static void compare_shared(const CompiledScene *compiled, RenderSettings settings, Pool *pool)
+{
+    static Renders with, without;
+    for (settings.samples = 1; settings.samples <= 16; settings.samples *= 4) {
+        settings.white_noise = false;
+        render_all(compiled, settings, pool, &with);
+        settings.white_noise = true;
+        render_all(compiled, settings, pool, &without);
+        printf(" %8.2f", blurred_error(&with) / blurred_error(&without));
+    }
+}
+
+/* The plain one has as many samples as took the adaptive one its time, or nearly, and its errors are set in relation by the
+ * root of the times. */
+static void compare_adaptive(const CompiledScene *compiled, RenderSettings settings, Pool *pool)
+{
+    static Renders with, without;
+    double with_rms, with_twentieth, rms, twentieth;
+    settings.noise = 0.12;
+    settings.samples = 1024;
+    render_all(compiled, settings, pool, &with);
+    settings.noise = 0;
+    settings.samples = (uint32_t)lround(with.mean_samples);
+    render_all(compiled, settings, pool, &without);
+    pixel_errors(&with, &with_rms, &with_twentieth);
+    pixel_errors(&without, &rms, &twentieth);
+    double time = sqrt(with.cpu_s / without.cpu_s);
+    printf(" %9.1f %8.2f %8.2f", with.mean_samples, time * with_rms / rms, time * with_twentieth / twentieth);
+}
+
+void bench_techniques(char **paths, int n)
+{
+    Pool *one = pool_of(1);
+    printf(
+        "errors with against without, below 1 is better. Neighbours share out the work: low frequencies of the squared "
+        "error at\n1, 4 and 16 samples. Pixels stop by themselves at 12 %%: samples, then after equal time the error "
+        "of all "
+        "pixels, and\nwhat one square of 4 x 4 pixels in twenty is above.\n");
+    printf("%-24s %8s %8s %8s %9s %8s %8s\n", "scene", "1", "4", "16", "samples", "all", "worst");
+    for (int i = 0; i < n; i++) {
+        Made made;
+        made_from_file(&made, paths[i]);
+        RenderSettings settings = {.width = WIDTH, .height = HEIGHT, .bounces = made.scene->render.bounces};
+        printf("%-24s", file_name(paths[i]));
+        compare_shared(made.compiled, settings, one);
+        compare_adaptive(made.compiled, settings, one);
+        printf("\n");
+        fflush(stdout);
+        made_clear(&made);
+    }
+    pool_free(one);
+}
