@@ -32,10 +32,10 @@ static void expect_both(const char *what, const char *light, double (*sky)(doubl
     char text[1500], name[160];
     double expected = 0.8 / TRUTH_PI * irradiance;
     snprintf(text, sizeof text, FLOOR "%s\n", light);
-    truth_expect(what, expected, measure(text, sky, 1024, false), 4, 0.002);
+    truth_expect(what, expected, measure(text, sky, 512, false), 4, 0.002);
     if (!chance) return;
     snprintf(name, sizeof name, "%s, by chance", what);
-    truth_expect(name, expected, measure(text, sky, chance, true), 4, 0.005);
+    truth_expect(name, expected, measure(text, sky, chance / 4, true), 4, 0.005);
 }
 
 /* ---- closed forms ---- */
@@ -236,7 +236,7 @@ static void agree_in_fog(void **state)
                  FLOOR "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
                        "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }\n%s\n",
                  cases[i].light);
-        Estimate sampled = measure(text, NULL, 1024, false), chance = measure(text, NULL, 4096, true);
+        Estimate sampled = measure(text, NULL, 512, false), chance = measure(text, NULL, 2048, true);
         double error = hypot(sampled.error, chance.error);
         truth_figure(cases[i].what, chance.mean, sampled.mean, error);
         assert_true(sampled.error < 0.005 * sampled.mean && chance.error < 0.005 * chance.mean);

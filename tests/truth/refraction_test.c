@@ -1,5 +1,5 @@
 /* refraction_test.c - where light goes at smooth boundaries, measured in pictures: Snell's window, apparent depth, the
- * critical angle of a prism, and a lens half under water.
+ * critical angle of a prism and its rainbow, the fire of a diamond, and a lens half under water.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
@@ -235,6 +235,148 @@ static void half_submerged_lens(void **state)
         }
 }
 
+/* ---- the rainbow of a prism ---- */
+
+/* N-SF10 in the middle of its day: Schott's data sheet. */
+static const double flint_b[3] = {1.62153902, 0.256287842, 1.64447552},
+                    flint_c[3] = {0.0122241457, 0.0595736775, 147.468793};
+
+static double flint(double nm)
+{
+    double w = nm * nm * 1e-6, square = 1;
+    for (int i = 0; i < 3; i++) square += flint_b[i] * w / (w - flint_c[i]);
+    return sqrt(square);
+}
+
+/* A ray that meets the first face of a prism of 60 degrees under `incidence` leaves the second one under this angle; *passed
+ * is what both let through. Each wavelength by its own index. */
+static double through_prism(double incidence, double n, double *passed)
+{
+    double inside = asin(sin(incidence) / n), second = 60 * degree - inside, out = asin(n * sin(second));
+    *passed = (1 - truth_fresnel(cos(incidence), 1, n)) * (1 - truth_fresnel(cos(second), n, 1));
+    return out;
+}
+
+/* The edge is up, the prism lies along x: both faces lean by 30 degrees from upright. The camera looks up at the first one, so
+ * that light of 550 nm goes through level, and sees the sky below the horizon. */
+static double rainbow_incidence(void)
+{
+    return asin(flint(550) / 2);
+}
+
+static double rainbow_elevation(double nm)
+{
+    double passed;
+    return -(through_prism(rainbow_incidence(), flint(nm), &passed) - 30 * degree);
+}
+
+/* What the second face throws back leaves by the base, under the angle that it came in by, as through a slab: white. */
+static double turned_back(double incidence, double n)
+{
+    double inside = asin(sin(incidence) / n), first = 1 - truth_fresnel(cos(incidence), 1, n);
+    return first * truth_fresnel(cos(60 * degree - inside), n, 1) * (1 - truth_fresnel(cos(inside), n, 1));
+}
+
+static double rainbow_bump; /* the elevation that the sky shines from, and nearly nowhere else */
+
+static double narrow_sky(double elevation)
+{
+    return exp(-0.5 * pow((elevation - rainbow_bump) / (0.35 * degree), 2));
+}
+
+static void rainbow(void **state)
+{
+    (void)state;
+    enum { PICTURE = 16, SAMPLES = 4096 };
+    static const double wavelengths[] = {450, 500, 550, 600, 650};
+    for (size_t i = 0; i < COUNT_OF(wavelengths); i++) {
+        rainbow_bump = rainbow_elevation(wavelengths[i]);
+        double up = rainbow_incidence() - 30 * degree, expected[3];
+        char text[1000];
+        /* a side of 40; the ray meets the first face in its middle, half way up */
+        double height = 40 * sin(60 * degree), y = height / 2, z = 10;
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm medium flint { ior = sellmeier(%.9g, %.9g, %.9g, %.10g, %.10g, %.9g) }\n"
+                 "mesh { interior = flint  positions = [<-50, 0, 20>, <-50, 0, -20>, <-50, %.17g, 0>,\n"
+                 "<50, 0, 20>, <50, 0, -20>, <50, %.17g, 0>]\n"
+                 "triangles = [<0, 2, 1>, <3, 4, 5>, <0, 3, 5>, <0, 5, 2>, <1, 2, 5>, <1, 5, 4>, <0, 1, 4>, <0, 4, 3>] }\n"
+                 "camera { from = <0, %.17g, %.17g>  to = <0, %.17g, %.17g>  fov = .005deg }\n" TRUTH_SKY,
+                 flint_b[0], flint_b[1], flint_b[2], flint_c[0], flint_c[1], flint_c[2], height, height,
+                 y - 100 * sin(up), z + 100 * cos(up), y, z);
+        Picture picture;
+        render_text(text, narrow_sky, PICTURE, SAMPLES, &picture);
+        float table[SPECTRUM_SAMPLES];
+        for (int k = 0; k < SPECTRUM_SAMPLES; k++) {
+            double nm = (double)SPECTRUM_MIN_NM + k * SPECTRUM_STEP_NM, passed;
+            through_prism(rainbow_incidence(), flint(nm), &passed);
+            double light = passed * narrow_sky(rainbow_elevation(nm)) +
+                           turned_back(rainbow_incidence(), flint(nm)) * narrow_sky(rainbow_incidence() - 90 * degree);
+            table[k] = (float)light * lanes_get(white_at(lanes_all((float)nm)), 0);
+        }
+        Spectrum seen = {.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
+        color_from_spectrum(&seen, expected);
+        double largest = fmax(fabs(expected[0]), fmax(fabs(expected[1]), fabs(expected[2])));
+        for (int c = 0; c < 3; c++) {
+            char what[80];
+            Estimate channel = truth_mean(&picture, c);
+            snprintf(what, sizeof what, "rainbow, %g nm, %s", wavelengths[i], c == 0 ? "red" : c == 1 ? "green" : "blue");
+            truth_figure(what, expected[c], channel.mean, channel.error);
+            /* of the panorama's rows of 0.09 degrees */
+            assert_near(channel.mean, expected[c], 4 * channel.error + 0.004 * largest);
+            assert_true(channel.error < 0.02 * largest);
+        }
+        truth_clear(&picture);
+    }
+}
+
+/* ---- the fire of a diamond ---- */
+
+/* How far from grey a picture's places are, as a share of their brightness: of two pictures with noise of their own, which
+ * does not count in the mean of products. */
+static double chroma(const char *text)
+{
+    enum { PICTURE = 64, SAMPLES = 128 };
+    Picture picture[2];
+    double coloured = 0, bright = 0;
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+    for (uint32_t i = 0; i < 2; i++) {
+        RenderSettings settings = truth_settings(PICTURE, SAMPLES);
+        settings.seed = i + 1;
+        truth_render(&scene, &settings, 0, &picture[i]);
+    }
+    for (uint32_t y = 0; y < PICTURE; y++)
+        for (uint32_t x = 0; x < PICTURE; x++) {
+            double grey[2] = {truth_luminance(&picture[0], x, y), truth_luminance(&picture[1], x, y)};
+            for (int c = 0; c < 3; c++)
+                coloured += (truth_channel(&picture[0], x, y, c) - grey[0]) * (truth_channel(&picture[1], x, y, c) - grey[1]) / 3;
+            bright += grey[0] * grey[1];
+        }
+    truth_clear(&picture[0]);
+    truth_clear(&picture[1]);
+    fixture_clear(&scene);
+    return sqrt(fmax(coloured, 0) / bright);
+}
+
+static void fire(void **state)
+{
+    (void)state;
+    double value[2];
+    for (int i = 0; i < 2; i++) {
+        char text[1000];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm use \"std/gems.mns\" as gems use \"std/media.mns\" as media\n"
+                 "medium plain { ior = 2.4175 }\n"
+                 "gems.round_brilliant { radius = 5  interior = %s }\n"
+                 "for (i in 0..4) { light { shape = sphere  from = <60 * cos(72 * i), 90, 60 * sin(72 * i)>  radius = 8  radiance = 40 } }\n"
+                 "camera { from = <0, 40, 12>  to = <0, 0, 0>  fov = 14deg }\n" TRUTH_WHITE_SKY,
+                 i ? "media.diamond" : "plain");
+        value[i] = chroma(text);
+    }
+    print_message("      chroma of a diamond %.3f, of a stone of its index that does not disperse %.3f\n", value[1], value[0]);
+    assert_true(value[1] > 0.05 && value[0] < 0.2 * value[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -242,6 +384,8 @@ int main(void)
         cmocka_unit_test(apparent_depth),
         cmocka_unit_test(prism),
         cmocka_unit_test(half_submerged_lens),
+        cmocka_unit_test(rainbow),
+        cmocka_unit_test(fire),
     };
     return cmocka_run_group_tests_name("refraction", tests, NULL, NULL);
 }

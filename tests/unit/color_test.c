@@ -192,6 +192,23 @@ static void luminance_weighs(void **unused)
     assert_float_equal(color_luminance((const float[3]){0, 1, 0}), 0.7152f, 1e-6f);
 }
 
+/* Chromaticities of single wavelengths as they are published: ISO/CIE 11664-1, table 1. */
+static void spectral_locus(void **unused)
+{
+    (void)unused;
+    static const double rows[][3] = {{400, 0.1733, 0.0048}, {440, 0.1644, 0.0109}, {460, 0.1440, 0.0297},
+                                     {480, 0.0913, 0.1327}, {500, 0.0082, 0.5384}, {520, 0.0743, 0.8338},
+                                     {540, 0.2296, 0.7543}, {560, 0.3731, 0.6245}, {580, 0.5125, 0.4866},
+                                     {600, 0.6270, 0.3725}, {620, 0.6915, 0.3083}, {700, 0.7347, 0.2653}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        float xyz[3];
+        color_matching((float)rows[i][0], xyz);
+        double sum = (double)xyz[0] + (double)xyz[1] + (double)xyz[2];
+        assert_float_equal((float)((double)xyz[0] / sum), (float)rows[i][1], 1.5e-4f);
+        assert_float_equal((float)((double)xyz[1] / sum), (float)rows[i][2], 1.5e-4f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -201,6 +218,7 @@ int main(void)
         cmocka_unit_test(white_is_white),
         cmocka_unit_test(sampling_is_unbiased),
         cmocka_unit_test(luminance_weighs),
+        cmocka_unit_test(spectral_locus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

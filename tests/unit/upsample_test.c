@@ -249,13 +249,64 @@ static void coefficients_absorb(void **unused)
     assert_true(spectrum_is_zero(&none) && spectrum_at_one(&none, 700) == 0);
 }
 
+/* CIELAB of linear Rec.709 under its own white. */
+static void lab_from_rgb(const double rgb[3], double lab[3])
+{
+    static const double rows[3][3] = {
+        {0.4123908, 0.3575843, 0.1804808}, {0.2126390, 0.7151687, 0.0721923}, {0.0193308, 0.1191948, 0.9505322}};
+    double f[3];
+    for (int k = 0; k < 3; k++) {
+        double white = rows[k][0] + rows[k][1] + rows[k][2];
+        double t = (rows[k][0] * rgb[0] + rows[k][1] * rgb[1] + rows[k][2] * rgb[2]) / white;
+        f[k] = t > 216.0 / 24389 ? cbrt(t) : (24389.0 / 27 * t + 16) / 116;
+    }
+    lab[0] = 116 * f[1] - 16;
+    lab[1] = 500 * (f[0] - f[1]);
+    lab[2] = 200 * (f[1] - f[2]);
+}
+
+/* A grid of sRGB colours to spectra and back under white: no shift that could be seen (1 is just so), for surfaces, whose
+ * spectra are solved, and for pixels, whose spectra come from the table. */
+static void no_colour_shifts(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 9 };
+    double worst[2] = {0, 0}, sum[2] = {0, 0};
+    for (int i = 0; i < STEPS * STEPS * STEPS; i++) {
+        const int at[3] = {i % STEPS, i / STEPS % STEPS, i / STEPS / STEPS};
+        double rgb[3], lab[3];
+        for (int c = 0; c < 3; c++) {
+            double code = (double)at[c] / (STEPS - 1);
+            rgb[c] = code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
+        }
+        lab_from_rgb(rgb, lab);
+        for (int way = 0; way < 2; way++) {
+            double back[3], back_lab[3];
+            Spectrum spectrum = spectrum_from_reflectance(rgb);
+            if (way == 1) {
+                spectrum = (Spectrum){.kind = SPECTRUM_SIGMOID, .scale = 1};
+                upsample_coefficients((const float[3]){(float)rgb[0], (float)rgb[1], (float)rgb[2]}, spectrum.value);
+            }
+            color_of_reflectance(&spectrum, back);
+            lab_from_rgb(back, back_lab);
+            double difference = hypot(hypot(lab[0] - back_lab[0], lab[1] - back_lab[1]), lab[2] - back_lab[2]);
+            worst[way] = fmax(worst[way], difference);
+            sum[way] += difference / (STEPS * STEPS * STEPS);
+        }
+    }
+    printf("sRGB and back: colour difference in CIELAB at most %.4f, mean %.5f; by the table %.3f, mean %.4f\n", worst[0],
+           sum[0], worst[1], sum[1]);
+    assert_true(worst[0] < 0.05);
+    assert_true(worst[1] < 1 && sum[1] < 0.1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reflectances_come_back), cmocka_unit_test(greys_are_constant),
         cmocka_unit_test(lights_come_back),       cmocka_unit_test(table_comes_back),
         cmocka_unit_test(table_has_no_seams),     cmocka_unit_test(tints_tint),
-        cmocka_unit_test(coefficients_absorb),
+        cmocka_unit_test(coefficients_absorb),    cmocka_unit_test(no_colour_shifts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
