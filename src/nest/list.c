@@ -1,4 +1,4 @@
-/* list.c - the interior list: growth, insertion, removal.
+/* list.c - the interior list: growth, and what lists do that have grown.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "nest/list.h"
 
@@ -27,7 +27,7 @@ Status nest_list_grow(NestList *list, uint32_t more)
     return STATUS_OK;
 }
 
-Status nest_list_copy(NestList *to, const NestList *from)
+Status nest_list_copy_grown(NestList *to, const NestList *from)
 {
     to->n = 0;
     TRY(nest_list_reserve(to, from->n));
@@ -44,19 +44,4 @@ bool nest_list_has(const NestList *list, uint32_t hull)
     for (uint32_t i = 0; i < list->n; i++)
         if (items[i] == hull) return true;
     return false;
-}
-
-void nest_list_insert(NestList *list, uint32_t place, uint32_t hull)
-{
-    uint32_t *items = nest_list_hulls(list);
-    for (uint32_t i = list->n; i > place; i--) items[i] = items[i - 1];
-    items[place] = hull;
-    list->n++;
-}
-
-void nest_list_remove(NestList *list, uint32_t place)
-{
-    uint32_t *items = nest_list_hulls(list);
-    for (uint32_t i = place; i + 1 < list->n; i++) items[i] = items[i + 1];
-    list->n--;
 }

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/status.h"
 
@@ -27,22 +28,43 @@ static inline void nest_list_init(NestList *list)
 }
 /* Frees what has grown; the list is empty and usable afterwards. */
 void nest_list_clear(NestList *list);
-static inline uint32_t *nest_list_hulls(NestList *list) { return list->grown ? list->grown : list->hulls_inline; }
+static inline uint32_t *nest_list_hulls(NestList *list)
+{
+    return list->grown ? list->grown : list->hulls_inline;
+}
 static inline const uint32_t *nest_list_items(const NestList *list)
 {
     return list->grown ? list->grown : list->hulls_inline;
 }
-/* Makes *to equal to *from (each branch of a path has its own list). STATUS_NOMEM leaves *to empty. */
-ATTR_NODISCARD Status nest_list_copy(NestList *to, const NestList *from);
 /* Makes room for `more` further hulls, so that inserting them cannot fail. */
 ATTR_NODISCARD Status nest_list_grow(NestList *list, uint32_t more);
 static inline Status nest_list_reserve(NestList *list, uint32_t more)
 {
     return LIKELY(more <= list->capacity - list->n) ? STATUS_OK : nest_list_grow(list, more);
 }
+Status nest_list_copy_grown(NestList *to, const NestList *from);
+/* Makes *to equal to *from (each branch of a path has its own list). STATUS_NOMEM leaves *to empty. */
+ATTR_NODISCARD static inline Status nest_list_copy(NestList *to, const NestList *from)
+{
+    if (UNLIKELY(from->grown || to->grown)) return nest_list_copy_grown(to, from);
+    to->n = from->n;
+    memcpy(to->hulls_inline, from->hulls_inline, sizeof to->hulls_inline); /* all at once is faster than those in use */
+    return STATUS_OK;
+}
 bool nest_list_has(const NestList *list, uint32_t hull);
 /* There must be room. place 0 .. n; what stands there moves up. */
-void nest_list_insert(NestList *list, uint32_t place, uint32_t hull);
-void nest_list_remove(NestList *list, uint32_t place);
+static inline void nest_list_insert(NestList *list, uint32_t place, uint32_t hull)
+{
+    uint32_t *items = nest_list_hulls(list);
+    for (uint32_t i = list->n; i > place; i--) items[i] = items[i - 1];
+    items[place] = hull;
+    list->n++;
+}
+static inline void nest_list_remove(NestList *list, uint32_t place)
+{
+    uint32_t *items = nest_list_hulls(list);
+    list->n--;
+    for (uint32_t i = place; i < list->n; i++) items[i] = items[i + 1];
+}
 
 #endif
