@@ -7,9 +7,13 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 enum { LANES = 4 };
@@ -19,22 +23,37 @@ typedef float LaneVector __attribute__((vector_size(16)));
 typedef struct Lanes {
     LaneVector v;
 } Lanes;
-#define LANES_BINARY(name, operator)                                                               \
-    static inline Lanes name(Lanes a, Lanes b) { return (Lanes){a.v operator b.v}; }
-static inline Lanes lanes_all(float x) { return (Lanes){(LaneVector){x, x, x, x}}; }
-static inline Lanes lanes(float a, float b, float c, float d) { return (Lanes){(LaneVector){a, b, c, d}}; }
+#define LANES_BINARY(name, operator)                                                                                   \
+    static inline Lanes name(Lanes a, Lanes b)                                                                         \
+    {                                                                                                                  \
+        return (Lanes){a.v operator b.v };                                                                             \
+    }
+static inline Lanes lanes_all(float x)
+{
+    return (Lanes){(LaneVector){x, x, x, x}};
+}
+static inline Lanes lanes(float a, float b, float c, float d)
+{
+    return (Lanes){(LaneVector){a, b, c, d}};
+}
 #else
 typedef struct Lanes {
     float v[LANES];
 } Lanes;
-#define LANES_BINARY(name, operator)                                                               \
-    static inline Lanes name(Lanes a, Lanes b)                                                     \
-    {                                                                                              \
-        for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] operator b.v[i];                           \
-        return a;                                                                                  \
+#define LANES_BINARY(name, operator)                                                                                   \
+    static inline Lanes name(Lanes a, Lanes b)                                                                         \
+    {                                                                                                                  \
+        for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] operator b.v[i];                                               \
+        return a;                                                                                                      \
     }
-static inline Lanes lanes_all(float x) { return (Lanes){{x, x, x, x}}; }
-static inline Lanes lanes(float a, float b, float c, float d) { return (Lanes){{a, b, c, d}}; }
+static inline Lanes lanes_all(float x)
+{
+    return (Lanes){{x, x, x, x}};
+}
+static inline Lanes lanes(float a, float b, float c, float d)
+{
+    return (Lanes){{a, b, c, d}};
+}
 #endif
 
 LANES_BINARY(lanes_add, +)
@@ -42,16 +61,43 @@ LANES_BINARY(lanes_sub, -)
 LANES_BINARY(lanes_mul, *)
 LANES_BINARY(lanes_div, /)
 
-static inline Lanes lanes_scale(Lanes a, float s) { return lanes_mul(a, lanes_all(s)); }
-static inline float lanes_get(Lanes a, int lane) { return a.v[lane]; }
-static inline void lanes_set(Lanes *a, int lane, float x) { a->v[lane] = x; }
-static inline float lanes_sum(Lanes a) { return (a.v[0] + a.v[1]) + (a.v[2] + a.v[3]); }
-static inline float lanes_mean(Lanes a) { return lanes_sum(a) * 0.25f; }
+static inline Lanes lanes_scale(Lanes a, float s)
+{
+    return lanes_mul(a, lanes_all(s));
+}
+static inline float lanes_get(Lanes a, int lane)
+{
+    return a.v[lane];
+}
+static inline void lanes_set(Lanes *a, int lane, float x)
+{
+    a->v[lane] = x;
+}
+static inline float lanes_sum(Lanes a)
+{
+    return (a.v[0] + a.v[1]) + (a.v[2] + a.v[3]);
+}
+static inline float lanes_mean(Lanes a)
+{
+    return lanes_sum(a) * 0.25f;
+}
 /* plain comparisons: fmaxf and fminf are calls of the mathematical library under our flags */
-static inline float float_max(float a, float b) { return a > b ? a : b; }
-static inline float float_min(float a, float b) { return a < b ? a : b; }
-static inline float lanes_max(Lanes a) { return float_max(float_max(a.v[0], a.v[1]), float_max(a.v[2], a.v[3])); }
-static inline float lanes_min(Lanes a) { return float_min(float_min(a.v[0], a.v[1]), float_min(a.v[2], a.v[3])); }
+static inline float float_max(float a, float b)
+{
+    return a > b ? a : b;
+}
+static inline float float_min(float a, float b)
+{
+    return a < b ? a : b;
+}
+static inline float lanes_max(Lanes a)
+{
+    return float_max(float_max(a.v[0], a.v[1]), float_max(a.v[2], a.v[3]));
+}
+static inline float lanes_min(Lanes a)
+{
+    return float_min(float_min(a.v[0], a.v[1]), float_min(a.v[2], a.v[3]));
+}
 static inline bool lanes_equal(Lanes a, Lanes b)
 {
 #if defined(__GNUC__) && defined(__SSE2__)
@@ -61,27 +107,80 @@ static inline bool lanes_equal(Lanes a, Lanes b)
 #endif
 }
 /* no lane differs from lane 0 */
-static inline bool lanes_uniform(Lanes a) { return lanes_equal(a, lanes_all(a.v[0])); }
-static inline bool lanes_zero(Lanes a) { return lanes_equal(a, lanes_all(0)); }
+static inline bool lanes_uniform(Lanes a)
+{
+    return lanes_equal(a, lanes_all(a.v[0]));
+}
+static inline bool lanes_zero(Lanes a)
+{
+    return lanes_equal(a, lanes_all(0));
+}
 static inline bool lanes_finite(Lanes a)
 {
     return isfinite(a.v[0]) && isfinite(a.v[1]) && isfinite(a.v[2]) && isfinite(a.v[3]);
 }
 static inline Lanes lanes_sqrt(Lanes a)
 {
+#if defined(__GNUC__) && defined(__SSE2__)
+    return (Lanes){(LaneVector)_mm_sqrt_ps((__m128)a.v)};
+#elif defined(__GNUC__) && defined(__aarch64__)
+    return (Lanes){(LaneVector)vsqrtq_f32((float32x4_t)a.v)};
+#else
     return lanes(sqrtf(a.v[0]), sqrtf(a.v[1]), sqrtf(a.v[2]), sqrtf(a.v[3]));
+#endif
 }
 /* each lane within low .. high; NaN becomes low */
 static inline Lanes lanes_clamp(Lanes a, float low, float high)
 {
+#if defined(__GNUC__) && defined(__SSE2__)
+    return (Lanes){(LaneVector)_mm_min_ps(_mm_max_ps((__m128)a.v, _mm_set1_ps(low)), _mm_set1_ps(high))};
+#else
     for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] > low ? (a.v[i] < high ? a.v[i] : high) : low;
     return a;
+#endif
 }
 /* 1 - a */
-static inline Lanes lanes_rest(Lanes a) { return lanes_sub(lanes_all(1), a); }
+static inline Lanes lanes_rest(Lanes a)
+{
+    return lanes_sub(lanes_all(1), a);
+}
+/* What lanes_exp needs: 2^n e^r by its two factors, where `shifted` is n + LANES_SHIFT, whose last bits are n's, moved to
+ * where exponents stand; and 0 where a is less than low. */
+#define LANES_SHIFT 12582912.0f /* 1.5 * 2^23 */
+static inline Lanes lanes_times_power(Lanes factor, Lanes shifted, Lanes a, float low)
+{
+#if defined(__GNUC__)
+    typedef uint32_t Bits __attribute__((vector_size(16)));
+    Bits bits;
+    memcpy(&bits, &shifted, sizeof bits);
+    bits = (bits << 23) + 0x3f800000U;
+    bits &= (Bits)(a.v >= lanes_all(low).v);
+    memcpy(&shifted, &bits, sizeof bits);
+#else
+    uint32_t bits[LANES];
+    memcpy(bits, &shifted, sizeof bits);
+    for (int i = 0; i < LANES; i++) bits[i] = a.v[i] >= low ? (bits[i] << 23) + 0x3f800000U : 0;
+    memcpy(&shifted, bits, sizeof bits);
+#endif
+    return lanes_mul(factor, shifted);
+}
+/* e^a for a up to 88, to 0.75 units in the last place; exactly 1 at 0, and 0 below -87, where it is 1e-38. As 2^n e^r with
+ * |r| <= ln(2) / 2; ln(2) in two parts, of which the first has so few digits that n of it are exact. The same bits on
+ * every machine, which the C library's function does not promise. */
 static inline Lanes lanes_exp(Lanes a)
 {
-    return lanes(expf(a.v[0]), expf(a.v[1]), expf(a.v[2]), expf(a.v[3]));
+    const float low = -87;
+    Lanes held = lanes_clamp(a, low, 88);
+    Lanes shifted = lanes_add(lanes_scale(held, 1.44269504f), lanes_all(LANES_SHIFT));
+    Lanes n = lanes_sub(shifted, lanes_all(LANES_SHIFT));
+    Lanes r = lanes_sub(lanes_sub(held, lanes_scale(n, 0.693359375f)), lanes_scale(n, -2.12194440e-4f));
+    Lanes square = lanes_mul(r, r); /* the series by pairs, so that a processor can take several steps at once */
+    Lanes pair1 = lanes_add(lanes_scale(r, 1.6666667e-1f), lanes_all(0.5f));
+    Lanes pair2 = lanes_add(lanes_scale(r, 8.3333333e-3f), lanes_all(4.1666667e-2f));
+    Lanes pair3 = lanes_add(lanes_scale(r, 1.9841270e-4f), lanes_all(1.3888889e-3f));
+    Lanes p = lanes_add(lanes_mul(lanes_add(lanes_mul(pair3, square), pair2), square), pair1);
+    p = lanes_add(lanes_add(lanes_mul(p, square), r), lanes_all(1));
+    return lanes_times_power(p, shifted, a, low);
 }
 
 #endif

@@ -34,11 +34,11 @@ static bool media_differ(const World *world, uint32_t a, uint32_t b, Lanes wavel
 
 /* The hit of several at one place that stands for the boundary: crossing them one after another, the one at which the
  * medium last becomes what it is behind them all, or where an opaque combination begins. */
-static const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
+static const Hit *boundary_hit_of_several(Tracer *tracer, size_t n, const NestCrossing *crossing)
 {
     const CompiledScene *compiled = tracer->world->compiled;
     const Hit *hits = tracer->hits.items, *best = &hits[0];
-    if (LIKELY(n == 1) || nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) return best;
+    if (nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) return best;
     for (size_t i = 0; i < n; i++) {
         NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
         NestCrossing step;
@@ -50,60 +50,92 @@ static const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *cro
     return best;
 }
 
-/* Which of the surfaces at one place is to be shaded, if any is opaque. */
-static EventKind event_kind(const World *world, const Hit *hits, size_t n, Event *event)
+static inline const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
 {
-    for (size_t i = 0; i < n; i++)
-        if (world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
+    return LIKELY(n == 1) ? tracer->hits.items : boundary_hit_of_several(tracer, n, crossing);
+}
+
+/* Crosses several surfaces at one place into tracer->next; if any is opaque, that one is to be shaded. */
+static bool cross_cluster(Tracer *tracer, Event *event)
+{
+    const Hit *hits = tracer->hits.items;
+    event->kind = EVENT_BOUNDARY;
+    event->clear = true;
+    for (size_t i = 0; i < event->n_cluster; i++) {
+        if (tracer->world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
+            event->kind = EVENT_OPAQUE;
             event->hit = hits[i];
-            return EVENT_OPAQUE;
-        }
-    return n ? EVENT_BOUNDARY : EVENT_ESCAPE;
-}
-
-static bool any_doubtful(const Hit *hits, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        if (hits[i].doubtful) return true;
-    return false;
-}
-
-/* Finds the next surfaces along the path's ray and crosses them into tracer->next; false when memory ends.
- * Where what was found contradicts the list, or is doubtful, Embree's float ray may have met at an edge what the exact
- * ray misses, or missed what it meets. Then the search is done again with the float ray moved by as much as rounding,
- * first onto the exact one, then to both sides of the surface; a reading that is clear and agrees with the list is
- * taken, and the float ray stays there. A contradiction in all of them is a fault. */
-static bool cross_nearest(Path *path, Event *event)
-{
-    enum { ATTEMPTS = 4 };
-    Tracer *tracer = path->tracer;
-    const World *world = tracer->world;
-    Vec3 nudges[ATTEMPTS] = {path->ray.nudge};
-    for (int attempt = 0;; attempt++) {
-        path->ray.nudge = nudges[attempt % ATTEMPTS];
-        size_t n = rtc_nearest(world->compiled->rtc, &path->ray, &tracer->hits);
-        tracer->counters.rays++;
-        const Hit *hits = tracer->hits.items;
-        event->n_cluster = n;
-        event->kind = event_kind(world, hits, n, event);
-        event->crossing = (NestCrossing){0};
-        if (tracer->hits.out_of_memory) return false;
-        if (event->kind != EVENT_BOUNDARY) return true;
-        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
-            !path_cross(tracer, &tracer->next, hits, n, &event->crossing))
-            return false;
-        /* after the last attempt the first reading is taken again, with its faults */
-        bool clear = !event->crossing.n_faults && !any_doubtful(hits, n);
-        if (LIKELY(clear) || attempt == ATTEMPTS) {
-            tracer->counters.crossings += n;
-            tracer->counters.nesting_faults += event->crossing.n_faults;
+            event->clear = true;
             return true;
         }
-        if (attempt == 0) {
-            nudges[2] = vec3_scale(vec3_from_f(hits[0].normal), hits[0].rounding);
-            nudges[3] = vec3_scale(nudges[2], -1);
-        }
+        event->clear = event->clear && !hits[i].doubtful;
     }
+    if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+        !path_cross(tracer, &tracer->next, hits, event->n_cluster, &event->crossing))
+        return false;
+    event->clear = event->clear && !event->crossing.n_faults;
+    return true;
+}
+
+/* Finds the next surfaces along the path's ray and crosses them into tracer->next; false when memory ends. */
+static bool read_nearest(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    const CompiledScene *compiled = tracer->world->compiled;
+    event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits);
+    event->crossing = (NestCrossing){0};
+    tracer->counters.rays++;
+    if (tracer->hits.out_of_memory) return false;
+    if (event->n_cluster == 0) {
+        event->kind = EVENT_ESCAPE;
+        event->clear = true;
+        return true;
+    }
+    const Hit *hit = tracer->hits.items;
+    if (UNLIKELY(event->n_cluster > 1 || hit->doubtful)) return cross_cluster(tracer, event);
+    uint32_t hull = compiled->hull_of_object[hit->object];
+    event->clear = true;
+    if (hull == SCENE_NONE) {
+        event->kind = EVENT_OPAQUE;
+        event->hit = *hit;
+        return true;
+    }
+    event->kind = EVENT_BOUNDARY;
+    NestPass pass = {hull, hit->entering};
+    if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+        nest_cross(&tracer->next, &compiled->order, &pass, 1, &event->crossing) != STATUS_OK)
+        return false;
+    event->clear = !event->crossing.n_faults;
+    return true;
+}
+
+/* Where what was found contradicts the list, or is doubtful, Embree's float ray may have met at an edge what the exact
+ * ray misses, or missed what it meets. Then the search is done again with the float ray moved by as much as rounding,
+ * first onto the exact one, then to both sides of the surface; a reading that is clear and agrees with the list is
+ * taken, and the float ray stays there. A contradiction in all of them is a fault, and the first reading is taken. */
+ATTR_COLD static bool read_again(Path *path, Event *event)
+{
+    enum { NUDGES = 3 };
+    const Hit *hit = path->tracer->hits.items;
+    Vec3 first = path->ray.nudge, across = vec3_scale(vec3_from_f(hit->normal), hit->rounding);
+    Vec3 nudges[NUDGES] = {vec3(0, 0, 0), across, vec3_scale(across, -1)};
+    for (int i = 0; i < NUDGES; i++) {
+        path->ray.nudge = nudges[i];
+        if (!read_nearest(path, event)) return false;
+        if (event->clear) return true;
+    }
+    path->ray.nudge = first;
+    return read_nearest(path, event);
+}
+
+static bool cross_nearest(Path *path, Event *event)
+{
+    PathCounters *counters = &path->tracer->counters;
+    if (!read_nearest(path, event) || (UNLIKELY(!event->clear) && !read_again(path, event))) return false;
+    if (event->kind != EVENT_BOUNDARY) return true;
+    counters->crossings += event->n_cluster;
+    counters->nesting_faults += event->crossing.n_faults;
+    return true;
 }
 
 void path_next_event(Path *path, Event *event)
@@ -123,7 +155,7 @@ void path_next_event(Path *path, Event *event)
         uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
         double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
         uneven = flight_is_uneven(world, &tracer->list, medium);
-        double flown = LIKELY(!uneven) ? flight_even(&flight, world, medium, length, path->wavelengths.nm)
+        double flown = LIKELY(!uneven) ? flight_even(path, &flight, medium, length)
                                        : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
@@ -222,13 +254,13 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
         tracer->counters.nesting_faults += crossing.n_faults;
         if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, nm)) return false;
         uneven = uneven || uneven_here;
-        if (LIKELY(!uneven_here)) depth = lanes_add(depth, flight_depth(world, medium, hits[begin].t - t_done, nm));
+        if (LIKELY(!uneven_here)) depth = lanes_add(depth, flight_depth(path, medium, hits[begin].t - t_done));
         t_done = hits[begin].t;
         medium = crossing.medium_to;
         begin = end;
     }
     if (LIKELY(!flight_is_uneven(world, &tracer->shadow_list, medium)))
-        depth = lanes_add(depth, flight_depth(world, medium, ray->t_max - t_done, nm));
+        depth = lanes_add(depth, flight_depth(path, medium, ray->t_max - t_done));
     else
         uneven = true;
     *transmittance = flight_attenuation(depth);

@@ -20,41 +20,24 @@
 #include "base/array.h"
 #include "optics/sampling.h"
 
-/* held finite, so that a wavelength at which nothing happens stays so out to infinity */
-static float finite_length(double length)
-{
-    return length < 1e30 ? (float)length : 1e30f;
-}
-
 /* ---- even media ---- */
 
-static Lanes absorption_of(const World *world, const SceneMedium *medium, Lanes wavelength_nm)
+void flight_draw(Path *path, FreeFlight *flight)
 {
-    return medium->absorbs && !world->no_absorption ? spectrum_at(&medium->absorption, wavelength_nm) : lanes_all(0);
-}
-
-void flight_draw(const Path *path, FreeFlight *flight)
-{
-    const World *world = path->tracer->world;
     flight->budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
-    if (world->media.vary) flight->key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce);
+    if (path->tracer->world->media.vary) flight->key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce);
 }
 
-double flight_through(FreeFlight *flight, const World *world, const SceneMedium *m, double length, Lanes wavelength_nm)
+double flight_scatter_even(FreeFlight *flight, const SceneMedium *medium, double length, Lanes wavelength_nm)
 {
-    if (m->scatters && flight->budget < INFINITY) {
-        Lanes coefficient = spectrum_at(&m->scattering, wavelength_nm);
-        double hero = (double)lanes_get(coefficient, 0), reach = (double)flight->budget;
-        bool scattered = hero * length > reach;
-        if (scattered) length = reach / hero;
-        flight->scattered = lanes_add(flight->scattered, lanes_scale(coefficient, finite_length(length)));
-        flight->coefficient = coefficient;
-        flight->budget -= (float)(hero * length);
-        if (scattered || flight->budget < 0) flight->budget = 0;
-    }
-    if (m->absorbs && !world->no_absorption)
-        flight->absorbed =
-            lanes_add(flight->absorbed, lanes_scale(spectrum_at(&m->absorption, wavelength_nm), finite_length(length)));
+    Lanes coefficient = spectrum_at(&medium->scattering, wavelength_nm);
+    double hero = (double)lanes_get(coefficient, 0), reach = (double)flight->budget;
+    bool scattered = hero * length > reach;
+    if (scattered) length = reach / hero;
+    flight->scattered = lanes_add(flight->scattered, lanes_scale(coefficient, flight_length(length)));
+    flight->coefficient = coefficient;
+    flight->budget -= (float)(hero * length);
+    if (scattered || flight->budget < 0) flight->budget = 0;
     return length;
 }
 
@@ -66,23 +49,24 @@ static Lanes lane_factor(const FreeFlight *flight)
 
 void flight_weigh(Path *path, const FreeFlight *flight, bool even)
 {
-    path->beta = lanes_mul(path->beta, flight_attenuation(flight->absorbed));
-    if (!path->tracer->world->scatters) return;
     Lanes factor = lane_factor(flight);
     if (even) factor = lanes_mul(factor, lanes_scale(flight->coefficient, 1 / lanes_get(flight->coefficient, 0)));
     path->beta = lanes_mul(path->beta, factor);
     path->ratio = lanes_mul(path->ratio, factor);
 }
 
-Lanes flight_extinction(const World *world, const SceneMedium *medium, Lanes wavelength_nm)
+Lanes flight_depth(Path *path, uint32_t medium, double length)
 {
-    Lanes absorption = absorption_of(world, medium, wavelength_nm);
-    return medium->scatters ? lanes_add(absorption, spectrum_at(&medium->scattering, wavelength_nm)) : absorption;
+    const SceneMedium *m = &path->tracer->world->scene->media[medium];
+    if (!(length > 0) || (!m->absorbs && !m->scatters)) return lanes_all(0);
+    Lanes extinction = flight_absorption(path, medium);
+    if (m->scatters) extinction = lanes_add(extinction, spectrum_at(&m->scattering, path->wavelengths.nm));
+    return lanes_scale(extinction, flight_length(length));
 }
 
 /* ---- what fills a place ---- */
 
-static void add_part(const Path *path, FlightParts *parts, const Ray *ray, double t, uint32_t hull, uint32_t number)
+static void add_part(Path *path, FlightParts *parts, const Ray *ray, double t, uint32_t hull, uint32_t number)
 {
     const World *world = path->tracer->world;
     const SceneMedium *medium = &world->scene->media[number];
@@ -92,7 +76,7 @@ static void add_part(const Path *path, FlightParts *parts, const Ray *ray, doubl
     *part = (FlightPart){.medium = medium,
                          .number = number,
                          .place = media_place(&world->media, world->compiled, hull),
-                         .absorption = absorption_of(world, medium, nm),
+                         .absorption = flight_absorption(path, number),
                          .scattering = medium->scatters ? spectrum_at(&medium->scattering, nm) : lanes_all(0),
                          .emission = medium->emits ? spectrum_at(&medium->emission, nm) : lanes_all(0),
                          .low = 1,
@@ -113,7 +97,7 @@ static void add_part(const Path *path, FlightParts *parts, const Ray *ray, doubl
 }
 
 /* The owner's medium, and those that mix with it; false when memory ends. */
-static bool find_parts(const Path *path, const NestList *list, const Ray *ray, double t)
+static bool find_parts(Path *path, const NestList *list, const Ray *ray, double t)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
@@ -230,7 +214,7 @@ static bool gather_even(Path *path, const FreeFlight *flight, const FlightPiece 
         if (part->high > part->low || part->medium->temperature || (part->glow && path->scatter_pdf >= 0)) return false;
         light = lanes_add(light, lanes_scale(part->emission, part->low));
     }
-    Lanes way = mean_way(lanes_add(piece->absorption, piece->scattering), finite_length(piece->end - piece->begin));
+    Lanes way = mean_way(lanes_add(piece->absorption, piece->scattering), flight_length(piece->end - piece->begin));
     add_light(path, flight, lanes_mul(light, way));
     return true;
 }
@@ -349,7 +333,7 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
         if (collides) step = (double)flight->budget / rate;
         if (piece.shines && !gathered && step > 0)
             gather_at_place(path, flight, &piece, step, draw(flight->key, &flight->n_drawn));
-        float way = finite_length(step);
+        float way = flight_length(step);
         flight->scattered = lanes_add(flight->scattered, lanes_scale(piece.scattering, way));
         flight->absorbed = lanes_add(flight->absorbed, lanes_scale(piece.absorption, way));
         t = collides ? t + step : piece.end;
@@ -368,7 +352,7 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
     return length;
 }
 
-Lanes flight_transmit(const Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn)
+Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn)
 {
     const float faint = 0.01f, survival = 0.25f; /* what has become faint mostly ends */
     FlightParts *parts = &path->tracer->parts;
@@ -392,7 +376,7 @@ Lanes flight_transmit(const Path *path, const Ray *ray, const NestList *list, do
             left = lanes_scale(left, 1 / survival);
         }
         Lanes even = lanes_add(piece.scattering, piece.absorption);
-        depth = lanes_add(depth, lanes_scale(even, finite_length(piece.end - t)));
+        depth = lanes_add(depth, lanes_scale(even, flight_length(piece.end - t)));
         t = piece.end;
     }
     return lanes_mul(left, flight_attenuation(depth));

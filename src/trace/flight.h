@@ -18,35 +18,44 @@ typedef struct FreeFlight {
     uint32_t key, n_drawn;     /* of the flight's own random numbers */
 } FreeFlight;
 
-/* The parts of those below that scenes without such media need not pay for. */
-void flight_draw(const Path *path, FreeFlight *flight);
-double flight_through(FreeFlight *flight, const World *world, const SceneMedium *medium, double length,
-                      Lanes wavelength_nm);
-void flight_weigh(Path *path, const FreeFlight *flight, bool even);
-
-static inline FreeFlight flight_begin(const Path *path)
+/* Draws how far, where anything scatters or varies. */
+void flight_draw(Path *path, FreeFlight *flight);
+static inline FreeFlight flight_begin(Path *path)
 {
     FreeFlight flight = {.budget = INFINITY, .scattered = lanes_all(0), .absorbed = lanes_all(0)};
     const World *world = path->tracer->world;
     if (UNLIKELY(world->scatters || world->media.vary) && !path->straight) flight_draw(path, &flight);
     return flight;
 }
-
-/* Up to `length` through an even medium; returns how far it came: less where it is scattered. */
-static inline double flight_even(FreeFlight *flight, const World *world, uint32_t medium, double length,
-                                 Lanes wavelength_nm)
+/* What a medium absorbs of the path's wavelengths; zero where it does not. */
+static inline Lanes flight_absorption(Path *path, uint32_t medium)
 {
+    const World *world = path->tracer->world;
     const SceneMedium *m = &world->scene->media[medium];
-    if ((!m->absorbs && !m->scatters) || !(length > 0)) return length;
-    return flight_through(flight, world, m, length, wavelength_nm);
+    if (!m->absorbs || world->no_absorption) return lanes_all(0);
+    PathMedium *kept = &path->media[medium % PATH_MEDIA];
+    if (kept->key != medium + 1)
+        *kept = (PathMedium){.absorption = spectrum_at(&m->absorption, path->wavelengths.nm), .key = medium + 1};
+    return kept->absorption;
 }
-
-/* What the flight has made of the path; `even`: it ended where an even medium scatters. */
-static inline void flight_end(Path *path, const FreeFlight *flight, bool even)
+/* Held finite, so that a wavelength at which nothing happens stays so out to infinity. */
+static inline float flight_length(double length)
 {
-    if (path->tracer->world->scatters || !lanes_zero(flight->absorbed)) flight_weigh(path, flight, even);
+    return length < 1e30 ? (float)length : 1e30f;
 }
-
+/* What flight_even does with scattering. */
+double flight_scatter_even(FreeFlight *flight, const SceneMedium *medium, double length, Lanes wavelength_nm);
+/* Up to `length` through an even medium; returns how far it came: less where it is scattered. */
+static inline double flight_even(Path *path, FreeFlight *flight, uint32_t medium, double length)
+{
+    const SceneMedium *m = &path->tracer->world->scene->media[medium];
+    if (!(length > 0)) return length;
+    if (m->scatters && flight->budget < INFINITY) length = flight_scatter_even(flight, m, length, path->wavelengths.nm);
+    if (m->absorbs)
+        flight->absorbed =
+            lanes_add(flight->absorbed, lanes_scale(flight_absorption(path, medium), flight_length(length)));
+    return length;
+}
 /* The same from t = from along the path's ray, through what fills the place where tracer->list holds; *medium becomes
  * what scatters it. What shines on the way is added to the path's radiance. */
 double flight_uneven(Path *path, FreeFlight *flight, double from, double length, uint32_t *medium);
@@ -62,22 +71,24 @@ static inline bool flight_is_uneven(const World *world, const NestList *list, ui
     return i < list->n && nest_mixes(order, items[i]);
 }
 
-Lanes flight_extinction(const World *world, const SceneMedium *medium, Lanes wavelength_nm);
 /* Optical depth, for what is lost of a straight ray, of a stretch of an even medium. */
-static inline Lanes flight_depth(const World *world, uint32_t medium, double length, Lanes wavelength_nm)
-{
-    const SceneMedium *m = &world->scene->media[medium];
-    if ((!m->absorbs && !m->scatters) || !(length > 0)) return lanes_all(0);
-    /* held finite, so that a wavelength that is not lost at all stays so out to infinity */
-    return lanes_scale(flight_extinction(world, m, wavelength_nm), length < 1e30 ? (float)length : 1e30f);
-}
+Lanes flight_depth(Path *path, uint32_t medium, double length);
 /* What is left of a straight ray from t to `to`, through what fills the place where the list holds: an estimate. *n_drawn
  * counts the ray's own random numbers. */
-Lanes flight_transmit(const Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn);
+Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn);
 
 static inline Lanes flight_attenuation(Lanes depth)
 {
     return lanes_zero(depth) ? lanes_all(1) : lanes_exp(lanes_sub(lanes_all(0), depth));
+}
+
+/* What flight_end does with scattering. */
+void flight_weigh(Path *path, const FreeFlight *flight, bool even);
+/* What the flight has made of the path; `even`: it ended where an even medium scatters. */
+static inline void flight_end(Path *path, const FreeFlight *flight, bool even)
+{
+    path->beta = lanes_mul(path->beta, flight_attenuation(flight->absorbed));
+    if (UNLIKELY(path->tracer->world->scatters)) flight_weigh(path, flight, even);
 }
 
 #endif

@@ -218,9 +218,9 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
                  .radiance = lanes_all(0),
                  .scatter_pdf = -1,
                  .steering = 1};
-    float u[2], lens[2];
+    float u[2], lens[2] = {0, 0};
     sampler_2d(&path.sampler, DIM_PIXEL, u);
-    sampler_2d(&path.sampler, DIM_LENS, lens);
+    if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);
     path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
     bool box = world->scene->film.box;
     FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};

@@ -10,6 +10,13 @@
 /* What the radiance of light from infinity is given in, whatever it comes through: a sea may reach there, too. */
 enum { WORLD_MEDIUM = 0 };
 
+/* What a path has looked up of a medium at its own wavelengths, for the next time. */
+typedef struct PathMedium {
+    Lanes absorption; /* of one that absorbs */
+    uint32_t key;     /* the medium's number + 1; 0: of none yet */
+} PathMedium;
+enum { PATH_MEDIA = 4 };
+
 typedef struct Path {
     Tracer *tracer;
     Sampler sampler;
@@ -25,6 +32,7 @@ typedef struct Path {
     GuideAt guide;      /* at the place where the path is scattered last */
     float steering;     /* how much denser its direction was chosen there than the surface alone would have */
     bool straight;      /* media do not scatter it: it only looks what is there */
+    PathMedium media[PATH_MEDIA]; /* by the medium's number, modulo their own */
     uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
 
@@ -42,6 +50,7 @@ typedef struct Event {
     Hit hit;          /* the surface to be shaded */
     size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
+    bool clear;      /* of the reading of the surfaces there: it does not contradict the list, and nothing is doubtful */
     double t;        /* EVENT_SCATTER: how far along the ray, */
     uint32_t medium; /* and what scatters there */
 } Event;

@@ -1,0 +1,40 @@
+/* lanes_test.c - four floats at once, against the same in double.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "base/lanes.h"
+#include "test.h"
+
+static void exponential_is_exact_to_a_float(void **unused)
+{
+    (void)unused;
+    double worst = 0;
+    for (float x = -87; x <= 88; x += 1.1e-4f) {
+        Lanes all = lanes_exp(lanes(0, x, -INFINITY, x));
+        double exact = exp((double)x);
+        worst = fmax(worst, fabs((double)lanes_get(all, 1) - exact) / exact * 0x1p23);
+        assert_true(lanes_get(all, 0) == 1 && lanes_get(all, 2) == 0 && lanes_get(all, 3) == lanes_get(all, 1));
+    }
+    printf("largest error of the exponential: %.2f units in the last place\n", worst);
+    assert_true(worst < 1);
+    assert_true(lanes_zero(lanes_exp(lanes_all(-87.5f))));
+    assert_true(lanes_get(lanes_exp(lanes_all(-86.9f)), 2) > 0);
+}
+
+static void roots_and_limits(void **unused)
+{
+    (void)unused;
+    Lanes values = lanes(0, 2, 1e-40f, 3e38f), roots = lanes_sqrt(values), held = lanes_clamp(lanes(-1, NAN, 7, 2), 0, 3);
+    for (int i = 0; i < LANES; i++) assert_true(lanes_get(roots, i) == sqrtf(lanes_get(values, i)));
+    assert_true(lanes_equal(held, lanes(0, 0, 3, 2)));
+    assert_false(lanes_equal(values, lanes(0, 2, 1e-40f, 2)));
+    assert_true(lanes_uniform(lanes_all(0.3f)) && !lanes_uniform(lanes(1, 1, 1, 2)));
+    assert_true(lanes_zero(lanes(0, -0.0f, 0, 0)) && !lanes_zero(lanes(0, 0, 0, 1e-45f)));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exponential_is_exact_to_a_float),
+        cmocka_unit_test(roots_and_limits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
