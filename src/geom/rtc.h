@@ -139,7 +139,8 @@ typedef struct RtcCoordinates {
     float uv[2];     /* the mesh's, or PieceRoot's */
     Vec3 du, dv;     /* their gradients along the surface, in the object's frame; zero where there are none */
 } RtcCoordinates;
-void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, RtcCoordinates *coordinates);
+/* with_uv: false leaves out all that is about u and v. */
+void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool with_uv, RtcCoordinates *coordinates);
 
 /* The corners of a mesh object's triangle in the world, as rays meet it: counter-clockwise seen from outside. */
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3]);

@@ -12,7 +12,7 @@ static Vec3 gradient(Vec3 edge_second, Vec3 edge_third, double second, double th
     return vec3_scale(sum, 1 / square);
 }
 
-static void mesh_coordinates(const RtcPlaced *object, const Hit *hit, RtcCoordinates *coordinates)
+static void mesh_coordinates(const RtcPlaced *object, const Hit *hit, bool with_uv, RtcCoordinates *coordinates)
 {
     const Mesh *mesh = object->mesh;
     const uint32_t *triangle = rtc_triangle_of(object, hit->primitive);
@@ -22,9 +22,7 @@ static void mesh_coordinates(const RtcPlaced *object, const Hit *hit, RtcCoordin
     double b = (double)hit->u, c = (double)hit->v;
     coordinates->local = vec3_along(vec3_along(corner[0], b, second), c, third);
     coordinates->has_uv = mesh->uvs != NULL;
-    coordinates->uv[0] = coordinates->uv[1] = 0;
-    coordinates->du = coordinates->dv = vec3(0, 0, 0);
-    if (!mesh->uvs) return;
+    if (!mesh->uvs || !with_uv) return;
     Vec3 gradients[2];
     for (int k = 0; k < 2; k++) {
         double at[3];
@@ -36,20 +34,23 @@ static void mesh_coordinates(const RtcPlaced *object, const Hit *hit, RtcCoordin
     coordinates->dv = gradients[1];
 }
 
-void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, RtcCoordinates *coordinates)
+void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool with_uv, RtcCoordinates *coordinates)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
     coordinates->to_local = rtc_to_local(scene, object, ray->time);
+    coordinates->uv[0] = coordinates->uv[1] = 0;
+    coordinates->du = coordinates->dv = vec3(0, 0, 0);
     if (object->mesh) {
-        mesh_coordinates(object, hit, coordinates);
+        mesh_coordinates(object, hit, with_uv, coordinates);
         return;
     }
+    coordinates->local = affine_point(&coordinates->to_local, ray_point(ray, hit->t));
+    coordinates->has_uv = true;
+    if (!with_uv) return;
     const Piece *piece = &object->solid->pieces[hit->primitive];
     PieceRoot root;
     piece_surface(piece, affine_point(&coordinates->to_local, ray->origin),
                   affine_vector(&coordinates->to_local, vec3_from_f(ray->direction)), hit->t, &root);
-    coordinates->local = affine_point(&coordinates->to_local, ray_point(ray, hit->t));
-    coordinates->has_uv = true;
     coordinates->uv[0] = (float)root.u;
     coordinates->uv[1] = (float)root.v;
     piece_gradients(piece, coordinates->local, &coordinates->du, &coordinates->dv);

@@ -50,6 +50,7 @@ typedef struct ShapeFacts {
 typedef struct TextureFacts {
     double least, most; /* of numbers; of light about the mean luminance, twice */
     unsigned cost, depth;
+    bool uses_uv; /* looks at the surface's own coordinates */
 } TextureFacts;
 
 typedef struct Builder {
@@ -141,6 +142,8 @@ bool build_textures_wanted(const Builder *b);
 uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double *least, double *most);
 /* Squares of two reflectances in turn, in the world, as a surface's pattern = checker has them. */
 uint32_t build_world_checker(Builder *b, const double rgb[3], const double other[3], double size);
+/* Whether a row, or one that it refers to, looks at the surface's own coordinates. */
+bool build_texture_uses_uv(const Builder *b, uint32_t row);
 /* The row of a texture's node. */
 uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use);
 /* Says where the textures on an object are, if it has any: in the frame of the node that its surface was given to. */

@@ -36,7 +36,7 @@ static uint32_t add_texture(Builder *b, const Texture *texture, TextureFacts fac
 static uint32_t add_constant(Builder *b, Spectrum value, double number)
 {
     Texture texture = {.kind = TEXTURE_CONSTANT, .value = value};
-    return add_texture(b, &texture, (TextureFacts){number, number, 1, 1});
+    return add_texture(b, &texture, (TextureFacts){.least = number, .most = number, .cost = 1, .depth = 1});
 }
 
 static uint32_t add_number(Builder *b, double number)
@@ -159,6 +159,7 @@ static void read_ramp(Builder *b, const EvalProp *ramp, TextureUse use, Texture 
 static void add_facts(TextureFacts *facts, const TextureFacts *of)
 {
     facts->cost += of->cost;
+    facts->uses_uv = facts->uses_uv || of->uses_uv;
     if (of->depth >= facts->depth) facts->depth = of->depth + 1;
 }
 
@@ -332,6 +333,7 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
     if (strcmp(type, "image") == 0) {
         texture.kind = TEXTURE_IMAGE;
         texture.projection = (TextureProjection)choice_of(node, "projection");
+        facts->uses_uv = texture.projection == PROJECTION_UV;
         texture.wrap = (TextureWrap)choice_of(node, "wrap");
         texture.turns = eval_number(node, "turns");
         if (texture.projection != PROJECTION_CYLINDRICAL && texture.projection != PROJECTION_SPHERICAL)
@@ -374,7 +376,7 @@ uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use)
     check_size(b, node, &facts);
     if (texture.kind == TEXTURE_IMAGE && !texture.image) { /* reported */
         texture = (Texture){.kind = TEXTURE_CONSTANT, .value = spectrum_constant(0)};
-        facts = (TextureFacts){0, 0, 1, 1};
+        facts = (TextureFacts){.cost = 1, .depth = 1};
     }
     uint32_t row = add_texture(b, &texture, facts);
     return *map_find(b->arena, &b->textures, arena_copy_text(b->arena, (const char *)&key, sizeof key), sizeof key,
@@ -392,6 +394,11 @@ uint32_t build_world_checker(Builder *b, const double rgb[3], const double other
     texture.low = add_constant(b, spectrum_from_reflectance(rgb), 0);
     texture.high = add_constant(b, spectrum_from_reflectance(other), 0);
     return add_texture(b, &texture, (TextureFacts){.cost = 3, .depth = 2});
+}
+
+bool build_texture_uses_uv(const Builder *b, uint32_t row)
+{
+    return b->texture_facts[row].uses_uv;
 }
 
 bool build_textures_wanted(const Builder *b)
@@ -434,7 +441,12 @@ void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_
     if (!any_textures(scene, &scene->surfaces[object->surface])) return;
     Affine to_node;
     if (!affine_invert(node_to_world, &to_node)) return; /* reported */
-    SceneTextureFrame frame = {affine_compose(&to_node, &object->to_world), b->facts[object->shape].bounds};
+    SceneTextureFrame frame;
+    memset(&frame, 0, sizeof frame); /* it is compared as bytes */
+    frame.from_shape = affine_compose(&to_node, &object->to_world);
+    frame.moved = !affine_is_identity(&frame.from_shape);
+    frame.inverse = 1 / affine_determinant(&frame.from_shape);
+    frame.box = b->facts[object->shape].bounds;
     /* instances of one prototype share theirs, but for rounding */
     SceneTextureFrame *last = scene->n_texture_frames ? &scene->texture_frames[scene->n_texture_frames - 1] : NULL;
     if (!last || memcmp(last, &frame, sizeof frame) != 0) {

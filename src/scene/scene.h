@@ -79,6 +79,7 @@ typedef struct SceneSurface {
     uint32_t mix[2];
     const SurfaceTexture *textures;
     uint32_t n_textures;
+    bool textures_use_uv; /* some texture of it asks for the surface's own coordinates */
     uint32_t bump;    /* SCENE_NONE, or a texture of heights, in units of: */
     double bump_height;
     uint32_t normal_map; /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
@@ -121,6 +122,8 @@ typedef struct SceneObject {
 /* Where the textures on an object are: they stay with the frame that it was described in. */
 typedef struct SceneTextureFrame {
     Affine from_shape; /* from the frame of the object's shape */
+    bool moved;        /* that is not the identity */
+    double inverse;    /* 1 / its determinant */
     Box3 box;          /* around the shape, in its own frame: the sides of it stand for the uv of a mesh without any */
 } SceneTextureFrame;
 

@@ -154,7 +154,7 @@ static Frame frame_of(const Path *path, const Event *event, const SceneSurface *
     if (spec->specular_roughness_anisotropy == 0) return frame;
     RtcCoordinates at;
     Affine to_world;
-    rtc_coordinates(path->tracer->world->compiled->rtc, &path->ray, &event->hit, &at);
+    rtc_coordinates(path->tracer->world->compiled->rtc, &path->ray, &event->hit, false, &at);
     if (!affine_invert(&at.to_local, &to_world)) return frame;
     Vec3 along = surface->grain == GRAIN_AROUND
                      ? vec3(at.local.z, 0, -at.local.x)

@@ -109,7 +109,7 @@ static void add_relief(const Path *path, const Event *event, const SceneSurface 
     bool front = event->hit.entering;
     Affine to_world;
     if (!affine_invert(&view->to_texture, &to_world)) return;
-    double sign = affine_determinant(&view->to_texture) < 0 ? -1 : 1;
+    double sign = view->mirrored ? -1 : 1;
     Vec3 outward = vec3_from_f(front ? place->normal : vec3f_negate(place->normal));
     Vec3 n = vec3_scale(vec3_normalize(affine_area(&view->to_texture, outward)), sign);
     if (surface->normal_map != SCENE_NONE) n = normal_of_map(world->scene, surface, view, n);
@@ -130,7 +130,7 @@ static void add_relief(const Path *path, const Event *event, const SceneSurface 
 void path_relief(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place)
 {
     TextureView view;
-    texture_view(path->tracer->world, &path->ray, &event->hit, (double)path->cone_width, &view);
+    texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
     add_relief(path, event, surface, &view, place);
 }
 
@@ -147,7 +147,7 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
 {
     const Scene *scene = path->tracer->world->scene;
     TextureView view;
-    texture_view(path->tracer->world, &path->ray, &event->hit, (double)path->cone_width, &view);
+    texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
     *spec = surface->spec;
     for (uint32_t i = 0; i < surface->n_textures; i++) {
         const SurfaceTexture *texture = &surface->textures[i];

@@ -28,27 +28,43 @@ static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, 
     if (turned) *du = vec3_scale(*du, -1);
 }
 
-void texture_view(const World *world, const Ray *ray, const Hit *hit, double footprint, TextureView *view)
+/* u and v, and their gradients in the textures' frame, to which they go as normals do. */
+static void view_uv(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 outward, TexturePlace *place)
+{
+    Vec3 du = at->du, dv = at->dv;
+    if (at->has_uv)
+        for (int i = 0; i < 2; i++) place->uv[i] = at->uv[i];
+    else
+        uv_of_box(frame, at, affine_area(&at->to_local, outward), place, &du, &dv);
+    place->du = frame->moved ? vec3_scale(affine_area(&frame->from_shape, du), frame->inverse) : du;
+    place->dv = frame->moved ? vec3_scale(affine_area(&frame->from_shape, dv), frame->inverse) : dv;
+}
+
+/* How many times longer lengths are behind a map: of its three directions a mean, exact where they are alike. */
+static double stretch_of(const Affine *map)
+{
+    return affine_max_stretch(map) * 0.57735026918962576; /* 1 / sqrt(3) */
+}
+
+void texture_view(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit, double footprint,
+                  TextureView *view)
 {
     const Scene *scene = world->scene;
-    const SceneObject *object = &scene->objects[hit->object];
-    const SceneTextureFrame *frame = &scene->texture_frames[object->texture_frame];
+    const SceneTextureFrame *frame = &scene->texture_frames[scene->objects[hit->object].texture_frame];
     RtcCoordinates at;
-    rtc_coordinates(world->compiled->rtc, ray, hit, &at);
+    rtc_coordinates(world->compiled->rtc, ray, hit, surface->textures_use_uv, &at);
     TexturePlace *place = &view->at;
-    view->to_texture = affine_compose(&frame->from_shape, &at.to_local);
-    double volume = affine_determinant(&view->to_texture), sign = volume < 0 ? -1 : 1;
+    view->to_texture = frame->moved ? affine_compose(&frame->from_shape, &at.to_local) : at.to_local;
     Vec3 outward = vec3_from_f(hit->normal), normal = affine_area(&view->to_texture, outward);
-    Vec3 du = at.du, dv = at.dv;
-    if (!at.has_uv) uv_of_box(frame, &at, affine_area(&at.to_local, outward), place, &du, &dv);
-    if (at.has_uv)
-        for (int i = 0; i < 2; i++) place->uv[i] = at.uv[i];
-    /* gradients go to the other frame as normals do */
-    double inverse = 1 / affine_determinant(&frame->from_shape);
-    place->du = vec3_scale(affine_area(&frame->from_shape, du), inverse);
-    place->dv = vec3_scale(affine_area(&frame->from_shape, dv), inverse);
-    place->object = affine_point(&frame->from_shape, at.local);
-    place->object_normal = vec3_scale(vec3_normalize(normal), sign);
+    view->mirrored = affine_determinant(&view->to_texture) < 0;
+    if (surface->textures_use_uv) {
+        view_uv(frame, &at, outward, place);
+    } else {
+        place->uv[0] = place->uv[1] = 0;
+        place->du = place->dv = vec3(0, 0, 0);
+    }
+    place->object = frame->moved ? affine_point(&frame->from_shape, at.local) : at.local;
+    place->object_normal = vec3_scale(normal, (view->mirrored ? -1 : 1) / vec3_length(normal));
     place->world = ray_point(ray, hit->t);
     place->world_normal = outward;
     /* Where a pattern has a face where the surface is, what shows is the inside. */
@@ -56,7 +72,7 @@ void texture_view(const World *world, const Ray *ray, const Hit *hit, double foo
     place->object = vec3_along(place->object, -deep * vec3_max_abs(place->object), place->object_normal);
     place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
     place->world_footprint = footprint;
-    place->footprint = place->world_footprint * cbrt(fabs(volume));
+    place->footprint = footprint * stretch_of(&view->to_texture);
     place->identity = scene->objects[scene_whole(scene, hit->object)].identity;
 }
 
@@ -64,7 +80,7 @@ Lanes texture_emission(const World *world, const SceneSurface *surface, const Ra
                        Lanes wavelength_nm)
 {
     TextureView view;
-    texture_view(world, ray, hit, 0, &view);
+    texture_view(world, surface, ray, hit, 0, &view);
     Lanes light = texture_at(world->scene->textures, surface->emission_texture, &view.at, wavelength_nm);
     return lanes_scale(lanes_clamp(light, 0, HUGE_VALF), surface->emission_factor);
 }
