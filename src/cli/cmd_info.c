@@ -1,4 +1,4 @@
-/* cmd_info.c - the command info: what a picture or a mesh file holds.
+/* cmd_info.c - the command info: what a picture, a mesh or a file of grids holds.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 #include <strings.h>
@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "geom/mesh_file.h"
 #include "image/image.h"
+#include "optics/nanovdb.h"
 
 /* Facts go out as "name  text" or as members of one JSON object. */
 typedef struct Facts {
@@ -128,10 +129,46 @@ static Status describe_picture(const char *path, Facts *facts, Error *error)
     return STATUS_OK;
 }
 
+static void describe_grid(void *context, const NanovdbGrid *grid)
+{
+    Facts *facts = context;
+    const Box3 *box = &grid->box;
+    Buf text = {0};
+    buf_format(&text, "%d x %d x %d", (int)grid->n[0], (int)grid->n[1], (int)grid->n[2]);
+    if (facts->as_json) json_begin_object(&facts->json);
+    add_fact(facts, facts->as_json ? "name" : "grid", grid->name);
+    add_fact(facts, "type", grid->type);
+    add_truth(facts, "can be a volume", grid->readable);
+    add_fact(facts, "spans voxels", buf_text(&text));
+    add_number(facts, "voxels that are set", (double)grid->n_voxels);
+    add_number(facts, "bytes in memory", (double)grid->n_bytes);
+    add_number(facts, "size of a voxel", grid->voxel[0]);
+    add_number(facts, "x from", box->min.x);
+    add_number(facts, "x to", box->max.x);
+    add_number(facts, "y from", box->min.y);
+    add_number(facts, "y to", box->max.y);
+    add_number(facts, "z from", box->min.z);
+    add_number(facts, "z to", box->max.z);
+    if (facts->as_json) json_end(&facts->json);
+    buf_clear(&text);
+}
+
+static Status describe_grids(const char *path, Facts *facts, Error *error)
+{
+    if (facts->as_json) {
+        json_key(&facts->json, "grids");
+        json_begin_array(&facts->json);
+    }
+    Status status = nanovdb_visit(path, describe_grid, facts, error);
+    if (facts->as_json) json_end(&facts->json);
+    return status;
+}
+
 static Status describe(const char *path, Facts *facts, Error *error)
 {
     const char *extension = file_extension(path);
     if (mesh_has_reader(extension)) return describe_mesh(path, facts, error);
+    if (strcasecmp(extension, "nvdb") == 0) return describe_grids(path, facts, error);
     if (strcasecmp(extension, "exr") == 0) return exr_visit_attributes(path, add_fact, facts, error);
     return describe_picture(path, facts, error);
 }

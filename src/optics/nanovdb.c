@@ -34,7 +34,7 @@ typedef struct GridEntry {
     size_t name_length;
     uint64_t grid_bytes, file_bytes; /* in memory, in the file */
     uint16_t codec;
-    const unsigned char *payload;
+    const unsigned char *meta, *payload;
 } GridEntry;
 
 typedef struct Reader {
@@ -59,14 +59,14 @@ static Status broken(const Reader *r, const char *how)
 
 /* ---- what is in the file ---- */
 
-/* Says the next grid's entry; visits those of all segments in turn. */
-typedef bool EntryVisitor(void *context, const GridEntry *entry);
+typedef void EntryVisitor(void *context, const GridEntry *entry);
 
 static Status read_entry(const Reader *r, size_t *at, uint16_t codec, GridEntry *entry)
 {
     if (r->length - *at < META_BYTES) return broken(r, "it ends within the list of its grids");
     const unsigned char *meta = r->bytes + *at;
-    *entry = (GridEntry){.grid_bytes = number_at(meta, 8), .file_bytes = number_at(meta + 8, 8), .codec = codec};
+    *entry = (GridEntry){
+        .grid_bytes = number_at(meta, 8), .file_bytes = number_at(meta + 8, 8), .codec = codec, .meta = meta};
     uint32_t name_bytes = (uint32_t)number_at(meta + 136, 4);
     *at += META_BYTES;
     if (name_bytes > r->length - *at) return broken(r, "it ends within the name of a grid");
@@ -92,7 +92,7 @@ static Status check_header(const Reader *r, size_t at)
     return STATUS_OK;
 }
 
-/* Visits all grids of the file, until the visitor says that it has had enough. */
+/* Visits the grids of all segments of the file. */
 static Status visit_entries(const Reader *r, EntryVisitor *visit, void *context)
 {
     for (size_t at = 0; at < r->length;) {
@@ -107,7 +107,7 @@ static Status visit_entries(const Reader *r, EntryVisitor *visit, void *context)
             if (entry.file_bytes > r->length - at) return broken(r, "it ends within a grid");
             entry.payload = r->bytes + at;
             at += (size_t)entry.file_bytes;
-            if (!visit(context, &entry)) return STATUS_OK;
+            visit(context, &entry);
         }
     }
     return STATUS_OK;
@@ -120,7 +120,7 @@ typedef struct Search {
     char names[600];
 } Search;
 
-static bool look(void *context, const GridEntry *entry)
+static void look(void *context, const GridEntry *entry)
 {
     Search *search = context;
     size_t used = strlen(search->names), room = sizeof search->names - used;
@@ -137,9 +137,8 @@ static bool look(void *context, const GridEntry *entry)
     }
     bool named = search->wanted && strlen(search->wanted) == entry->name_length &&
                  memcmp(search->wanted, entry->name, entry->name_length) == 0;
-    if (search->wanted && !named) return true;
+    if (search->wanted && !named) return;
     if (search->n_found++ == 0) search->found = *entry;
-    return true;
 }
 
 static Status find_grid(const Reader *r, const char *wanted, GridEntry *entry)
@@ -300,23 +299,25 @@ static Status fill_brick(void *context, const int32_t first[3], float values[VOL
     return g->bad_bits ? broken(g->reader, "a leaf has values of an unknown number of bits") : STATUS_OK;
 }
 
+/* Of those with single numbers. */
+static bool is_readable(uint32_t type)
+{
+    return type == PNANOVDB_GRID_TYPE_FLOAT || type == PNANOVDB_GRID_TYPE_DOUBLE ||
+           (type >= PNANOVDB_GRID_TYPE_FP4 && type <= PNANOVDB_GRID_TYPE_FPN);
+}
+
 static Status check_type(const Reader *r, const GridEntry *entry, const Grid *g)
 {
-    static const uint32_t readable[] = {PNANOVDB_GRID_TYPE_FLOAT, PNANOVDB_GRID_TYPE_DOUBLE, PNANOVDB_GRID_TYPE_FP4,
-                                        PNANOVDB_GRID_TYPE_FP8,   PNANOVDB_GRID_TYPE_FP16,   PNANOVDB_GRID_TYPE_FPN};
-    for (size_t i = 0; i < sizeof readable / sizeof *readable; i++) {
-        if (g->type != readable[i]) continue;
-        if (pnanovdb_grid_get_grid_class(g->buf, g->grid) == PNANOVDB_GRID_CLASS_LEVEL_SET)
-            return fail(
-                r->error, STATUS_INPUT,
-                "grid '%.*s' of '%s' is a level set: it holds distances from a surface, and no density; vdb_tool "
-                "-sdf2fog makes one of it",
-                (int)entry->name_length, entry->name, r->path);
-        return STATUS_OK;
-    }
-    return fail(r->error, STATUS_INPUT,
-                "grid '%.*s' of '%s' holds no single numbers (float, double, Fp4, Fp8, Fp16, FpN)",
-                (int)entry->name_length, entry->name, r->path);
+    if (!is_readable(g->type))
+        return fail(r->error, STATUS_INPUT,
+                    "grid '%.*s' of '%s' holds no single numbers (float, double, Fp4, Fp8, Fp16, FpN)",
+                    (int)entry->name_length, entry->name, r->path);
+    if (pnanovdb_grid_get_grid_class(g->buf, g->grid) == PNANOVDB_GRID_CLASS_LEVEL_SET)
+        return fail(r->error, STATUS_INPUT,
+                    "grid '%.*s' of '%s' is a level set: it holds distances from a surface, and no density; vdb_tool "
+                    "-sdf2fog makes one of it",
+                    (int)entry->name_length, entry->name, r->path);
+    return STATUS_OK;
 }
 
 /* The tree within the unpacked bytes. */
@@ -410,6 +411,63 @@ Status nanovdb_read(const char *path, const char *grid, size_t most_bytes, Volum
     if (status == STATUS_OK) status = unpack(&r, &entry, &unpacked);
     if (status == STATUS_OK) status = make_volume(&r, &entry, unpacked, out);
     free(unpacked);
+    free(bytes);
+    return status;
+}
+
+/* ---- what there is ---- */
+
+typedef struct Visit {
+    void (*visit)(void *context, const NanovdbGrid *grid);
+    void *context;
+} Visit;
+
+static double double_at(const unsigned char *bytes)
+{
+    uint64_t bits = number_at(bytes, 8);
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static void describe(void *context, const GridEntry *entry)
+{
+    /* in the order of PNANOVDB_GRID_TYPE_* */
+    static const char *const types[] = {"?",     "float", "double", "int16",  "int32", "int64", "Vec3f",
+                                        "Vec3d", "mask",  "half",   "uint32", "bool",  "RGBA8", "Fp4",
+                                        "Fp8",   "Fp16",  "FpN",    "Vec4f",  "Vec4d"};
+    const Visit *visit = context;
+    const unsigned char *meta = entry->meta;
+    uint32_t type = (uint32_t)number_at(meta + 32, 4), class = (uint32_t)number_at(meta + 36, 4);
+    char name[256];
+    size_t length = entry->name_length < sizeof name - 1 ? entry->name_length : sizeof name - 1;
+    for (size_t i = 0; i < length; i++) name[i] = (unsigned char)entry->name[i] < ' ' ? '?' : entry->name[i];
+    name[length] = 0;
+    NanovdbGrid grid = {.name = name,
+                        .type = type < sizeof types / sizeof *types ? types[type] : "?",
+                        .readable = is_readable(type) && class != PNANOVDB_GRID_CLASS_LEVEL_SET,
+                        .n_voxels = number_at(meta + 24, 8),
+                        .n_bytes = entry->grid_bytes,
+                        .box = {vec3(double_at(meta + 40), double_at(meta + 48), double_at(meta + 56)),
+                                vec3(double_at(meta + 64), double_at(meta + 72), double_at(meta + 80))}};
+    for (size_t axis = 0; axis < 3; axis++) {
+        uint32_t low = (uint32_t)number_at(meta + 88 + 4 * axis, 4),
+                 high = (uint32_t)number_at(meta + 100 + 4 * axis, 4);
+        grid.n[axis] = (int32_t)((high - low + 1) & 0x7fffffff);
+        grid.voxel[axis] = double_at(meta + 112 + 8 * axis);
+    }
+    visit->visit(visit->context, &grid);
+}
+
+Status nanovdb_visit(const char *path, void (*visit)(void *context, const NanovdbGrid *grid), void *context,
+                     Error *error)
+{
+    char *bytes = NULL;
+    Reader r = {.path = path, .error = error};
+    Visit what = {visit, context};
+    TRY(file_read(path, 0, &bytes, &r.length, error));
+    r.bytes = (const unsigned char *)bytes;
+    Status status = visit_entries(&r, describe, &what);
     free(bytes);
     return status;
 }

@@ -12,4 +12,19 @@
  * grids that there are; STATUS_NOMEM. */
 ATTR_NODISCARD Status nanovdb_read(const char *path, const char *grid, size_t most_bytes, Volume **out, Error *error);
 
+/* What a file says of one of its grids. */
+typedef struct NanovdbGrid {
+    const char *name;           /* as long as the visit */
+    const char *type;           /* "float", "Fp8", ...; "?" for what is not known */
+    bool readable;              /* by nanovdb_read, as far as its type goes */
+    uint64_t n_voxels, n_bytes; /* voxels that are set, bytes in memory */
+    int32_t n[3];               /* voxels that it spans */
+    Box3 box;                   /* in the file's own lengths */
+    double voxel[3];            /* size of one */
+} NanovdbGrid;
+
+/* Visits all grids of a file. STATUS_INPUT, STATUS_NOMEM. */
+ATTR_NODISCARD Status nanovdb_visit(const char *path, void (*visit)(void *context, const NanovdbGrid *grid),
+                                    void *context, Error *error);
+
 #endif

@@ -96,3 +96,20 @@ run check smoke.mns
 exits 3
 says err "'voxels.nvdb' is no NanoVDB file [volume-invalid]"
 end
+
+begin "info: the grids of a file"
+smoke_scene
+run info voxels.nvdb
+exits 0
+matches out '^grid +density$'
+matches out '^spans voxels +12 x 6 x 8$'
+matches out '^size of a voxel +0.5$'
+[ "$(grep -c '^can be a volume  *yes$' out)" -eq 6 ] || flunk "not six that can be volumes"
+run info --json voxels.nvdb
+is_json out
+says out '"name": "fp16"'
+head -c 300 voxels.nvdb > cut.nvdb
+run info cut.nvdb
+exits 4
+says err "'cut.nvdb' is broken: it ends within"
+end

@@ -105,6 +105,9 @@ def main():
     put(os.path.join(top, "obj"), "quad.obj", "\n".join(lines + ["f -1 -2 -3 -4", "g a b", "s off"]) + "\n")
     put(os.path.join(top, "stl"), "binary.stl", stl())
     put(os.path.join(top, "stl"), "text.stl", stl_text())
+    for path in glob.glob(os.path.join(ROOT, "tests", "unit", "*.nvdb")):
+        with open(path, "rb") as file:
+            put(os.path.join(top, "nvdb"), os.path.basename(path), file.read())
     text, packed = gltf()
     put(os.path.join(top, "gltf"), "seed.gltf", text)
     put(os.path.join(top, "gltf"), "seed.glb", packed)
