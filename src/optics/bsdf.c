@@ -72,9 +72,8 @@ static void add_facets(Bsdf *bsdf, float share, const BsdfConductor *like, float
     *conductor = *like;
     conductor->facets = facets_make(alpha_x, alpha_y);
     if (!conductor->facets.smooth) {
-        conductor->roughness =
-            microfacet_index(conductor->facets.alpha_x, conductor->facets.alpha_y, lanes_all(1)).roughness;
-        float average = microfacet_mirror_albedo(conductor->roughness);
+        conductor->mirrors = mirrors_make(&conductor->facets);
+        float average = microfacet_mirror_albedo(conductor->mirrors.roughness);
         /* second and later reflections: F a / (1 - F (1 - a)), as Kulla and Conty */
         Lanes series = lanes_rest(lanes_scale(conductor->mean, 1 - average));
         conductor->multiple = lanes_div(lanes_scale(conductor->mean, average), series);
@@ -114,7 +113,7 @@ void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alp
     sheet->phase = phase;
     sheet->film = !lanes_zero(phase);
     if (!sheet->facets.smooth) {
-        sheet->roughness = microfacet_index(sheet->facets.alpha_x, sheet->facets.alpha_y, lanes_all(1)).roughness;
+        sheet->mirrors = mirrors_make(&sheet->facets);
         bsdf->specular_only = false;
     }
     bsdf->transmits = true;

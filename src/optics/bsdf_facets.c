@@ -1,4 +1,4 @@
-/* bsdf_facets.c - conductors and thin sheets: lobes whose facets are mirrors.
+/* bsdf_facets.c - the facets of rough surfaces: how they reflect, and sampling that.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/bsdf_lobe.h"
 #include "optics/fresnel.h"
@@ -10,6 +10,7 @@ BsdfFacets facets_make(float alpha_x, float alpha_y)
     if (facets.smooth) return facets;
     facets.alpha_x = float_min(float_max(alpha_x, MICROFACET_SMOOTH_ALPHA), 1);
     facets.alpha_y = float_min(float_max(alpha_y, MICROFACET_SMOOTH_ALPHA), 1);
+    facets.stretched = facets.alpha_x != facets.alpha_y;
     return facets;
 }
 
@@ -28,114 +29,4 @@ bool facets_sample_reflection(const BsdfFacets *facets, Vec3f view, const float 
     Vec3f h = microfacet_visible(facets->alpha_x, facets->alpha_y, view, u);
     *light = vec3f_normalize(reflect_direction(vec3f_negate(view), h));
     return light->z > 0;
-}
-
-/* ---- conductor ---- */
-
-void conductor_evaluate(const BsdfConductor *conductor, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
-{
-    *f_cos = *pdf_w = lanes_all(0);
-    if (conductor->facets.smooth) return;
-    FacetReflection r = facets_reflect(&conductor->facets, view, light);
-    Lanes reflectance = conductor->white ? lanes_all(1) : fresnel_conductor(r.cosine, conductor->n, conductor->k);
-    /* the scaling puts back what white facets miss; coloured ones give back less of it, more saturated */
-    float scaling =
-        microfacet_mirror(conductor->roughness, r.angle_v) * microfacet_mirror(conductor->roughness, r.angle_l);
-    Lanes scale = lanes_add(lanes_all(1), lanes_scale(conductor->multiple, scaling - 1));
-    *f_cos = lanes_scale(lanes_mul(reflectance, scale), r.density * r.shadowing);
-    *pdf_w = lanes_all(r.density);
-}
-
-bool conductor_sample(const BsdfConductor *conductor, Vec3f view, const float u[2], LobeSample *sample)
-{
-    if (!conductor->facets.smooth) return facets_sample_reflection(&conductor->facets, view, u, &sample->direction);
-    sample->specular = true;
-    sample->direction = mirrored(view);
-    sample->value = conductor->white ? lanes_all(1) : fresnel_conductor(view.z, conductor->n, conductor->k);
-    sample->density = lanes_all(1);
-    return true;
-}
-
-/* ---- sheet ---- */
-
-/* What a film reflects whose two sides' waves interfere, the phase between them d: of each polarization
- * 4 R sin^2(d / 2) / ((1 - R)^2 + 4 R sin^2(d / 2)), with R of one side. */
-static float film_reflectance(float cosine, float eta, float phase)
-{
-    float square = 1 - (1 - cosine) * (1 + cosine) / (eta * eta);
-    if (!(square > 0)) return 1;
-    float inside = sqrtf(square), sine = sinf(0.5f * phase * inside);
-    float across = (cosine - eta * inside) / (cosine + eta * inside),
-          along = (eta * cosine - inside) / (eta * cosine + inside);
-    float sum = 0, parts[2] = {across * across, along * along};
-    for (int i = 0; i < 2; i++) {
-        float waves = 4 * parts[i] * sine * sine, rest = 1 - parts[i];
-        sum += 0.5f * waves / (rest * rest + waves + 1e-12f);
-    }
-    return sum;
-}
-
-/* What the whole sheet reflects and transmits of light at an angle to it: the sums of two geometric series. */
-static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, Lanes *transmitted)
-{
-    Lanes once = fresnel_dielectric_lanes(cosine, lanes_all(1), sheet->eta);
-    Lanes through = lanes_all(1);
-    if (sheet->tinted) {
-        Lanes sine_square = lanes_div(lanes_all((1 - cosine) * (1 + cosine)), lanes_mul(sheet->eta, sheet->eta));
-        Lanes inside = lanes_sqrt(lanes_clamp(lanes_rest(sine_square), 1e-6f, 1));
-        through = lanes_exp(lanes_sub(lanes_all(0), lanes_div(sheet->depth, inside)));
-    }
-    if (sheet->film) {
-        for (int i = 0; i < LANES; i++)
-            lanes_set(reflected, i, film_reflectance(cosine, lanes_get(sheet->eta, i), lanes_get(sheet->phase, i)));
-        *transmitted = lanes_mul(lanes_rest(*reflected), through);
-        return;
-    }
-    Lanes rest = lanes_rest(once), back = lanes_mul(once, through);
-    Lanes entered =
-        lanes_div(lanes_mul(lanes_mul(rest, rest), through), lanes_clamp(lanes_rest(lanes_mul(back, back)), 1e-12f, 1));
-    *transmitted = entered;
-    *reflected = lanes_add(once, lanes_mul(entered, back));
-    for (int i = 0; i < LANES; i++)
-        if (!(lanes_get(once, i) < 1)) { /* total, or grazing */
-            lanes_set(reflected, i, 1);
-            lanes_set(transmitted, i, 0);
-        }
-}
-
-void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
-{
-    *f_cos = *pdf_w = lanes_all(0);
-    if (sheet->facets.smooth || light.z == 0) return;
-    bool through = light.z < 0;
-    if (through) light.z = -light.z;
-    FacetReflection r = facets_reflect(&sheet->facets, view, light);
-    Lanes reflected, transmitted;
-    sheet_split(sheet, float_min(r.cosine, 1), &reflected, &transmitted);
-    Lanes taken = through ? transmitted : reflected, sum = lanes_add(reflected, transmitted);
-    float scaling = microfacet_mirror(sheet->roughness, r.angle_v) * microfacet_mirror(sheet->roughness, r.angle_l);
-    *f_cos = lanes_scale(taken, r.density * r.shadowing * scaling);
-    *pdf_w = lanes_scale(lanes_div(taken, lanes_add(sum, lanes_all(1e-30f))), r.density);
-}
-
-bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
-{
-    float cosine = view.z;
-    sample->direction = mirrored(view);
-    if (!sheet->facets.smooth) {
-        Vec3f h = microfacet_visible(sheet->facets.alpha_x, sheet->facets.alpha_y, view, u);
-        sample->direction = vec3f_normalize(reflect_direction(vec3f_negate(view), h));
-        cosine = vec3f_dot(view, h);
-        if (!(sample->direction.z > 0)) return false;
-    }
-    Lanes reflected, transmitted;
-    sheet_split(sheet, float_min(cosine, 1), &reflected, &transmitted);
-    Lanes sum = lanes_add(lanes_add(reflected, transmitted), lanes_all(1e-30f));
-    bool back = lobe_choose(&u_choice, lanes_get(reflected, 0) / lanes_get(sum, 0));
-    if (!back) sample->direction.z = -sample->direction.z;
-    if (!sheet->facets.smooth) return true;
-    sample->specular = true;
-    sample->value = back ? reflected : transmitted;
-    sample->density = lanes_div(sample->value, sum);
-    return true;
 }

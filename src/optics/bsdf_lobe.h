@@ -13,8 +13,14 @@
 /* A rough surface's facets; smooth: there are none. */
 typedef struct BsdfFacets {
     float alpha_x, alpha_y;
-    bool smooth;
+    bool smooth, stretched; /* stretched: the alphas differ */
 } BsdfFacets;
+
+/* Facets that are mirrors. */
+typedef struct BsdfMirrors {
+    MicrofacetPlace roughness;
+    StretchedPlace stretched;
+} BsdfMirrors;
 
 typedef struct BsdfDiffuse {
     Lanes albedo;
@@ -25,7 +31,7 @@ typedef struct BsdfDiffuse {
 
 typedef struct BsdfConductor {
     BsdfFacets facets;
-    MicrofacetPlace roughness;
+    BsdfMirrors mirrors;
     Lanes n, k;           /* relative to the medium in front */
     Lanes mean, multiple; /* mean reflectance; the tint of what is reflected more than once */
     bool white;           /* facets reflect all, whatever n and k */
@@ -61,7 +67,7 @@ typedef struct BsdfBoundary {
 
 typedef struct BsdfSheet {
     BsdfFacets facets;
-    MicrofacetPlace roughness;
+    BsdfMirrors mirrors;
     Lanes eta;   /* relative to the medium on both sides */
     Lanes depth; /* as in BsdfLayer */
     Lanes phase; /* of a film: between two waves reflected by its sides, head on; 0: too thick for that */
@@ -116,6 +122,10 @@ typedef struct FacetReflection {
     float angle_v, angle_l; /* microfacet_angle */
 } FacetReflection;
 FacetReflection facets_reflect(const BsdfFacets *facets, Vec3f view, Vec3f light);
+BsdfMirrors mirrors_make(const BsdfFacets *facets);
+/* What puts back what such facets miss: the product of k at both directions. */
+float mirrors_scaling(const BsdfMirrors *mirrors, const BsdfFacets *facets, Vec3f view, Vec3f light,
+                      const FacetReflection *r);
 /* false: the reflection goes down, where nothing comes of it */
 bool facets_sample_reflection(const BsdfFacets *facets, Vec3f view, const float u[2], Vec3f *light);
 

@@ -20,7 +20,7 @@ typedef struct BsdfSpec {
     Spectrum metal_n, metal_k;           /* relative to vacuum */
     float specular_weight;               /* scales what a dielectric reflects head on; 0: a bare diffuse base [1] */
     float specular_roughness;            /* [0.3] */
-    float specular_roughness_anisotropy; /* 0: alike in all directions; 1: along the tangent only [0] */
+    float specular_roughness_anisotropy; /* of metals and sheets; 1: along the tangent only [0] */
     Spectrum specular_ior;               /* relative to vacuum [1.5] */
     float transmission_weight;           /* the part of what is not metal that is clear [0] */
     Spectrum transmission_color;         /* thin walls: what one crossing of the wall leaves [1] */

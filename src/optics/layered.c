@@ -55,3 +55,19 @@ float layered_fuzz(MicrofacetPlace roughness, float cosine)
     float near = between(layered_fuzz_albedo[roughness.knot], angle);
     return near + (between(layered_fuzz_albedo[roughness.knot + 1], angle) - near) * roughness.fraction;
 }
+
+float stretched_lookup(const StretchedPlace *place, Vec3f w, float angle)
+{
+    MicrofacetPlace column = microfacet_place(angle, STRETCHED_ANGLES);
+    MicrofacetPlace azimuth = microfacet_place(stretched_azimuth(w, place->along_y), STRETCHED_AZIMUTHS);
+    float sum = 0;
+    for (int i = 0; i < 8; i++) {
+        float part = (i & 1 ? place->roughness.fraction : 1 - place->roughness.fraction) *
+                     (i & 2 ? place->ratio.fraction : 1 - place->ratio.fraction) *
+                     (i & 4 ? azimuth.fraction : 1 - azimuth.fraction);
+        const float *row = stretched_mirror[place->roughness.knot + (i & 1)][place->ratio.knot + (i >> 1 & 1)]
+                                           [azimuth.knot + (i >> 2)];
+        if (part > 0) sum += part * (row[column.knot] + (row[column.knot + 1] - row[column.knot]) * column.fraction);
+    }
+    return sum;
+}

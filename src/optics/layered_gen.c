@@ -166,6 +166,72 @@ static float sum_fuzz(float exponent, float cosine)
     return (float)(sum * 2 * (double)SAMPLING_PI / (STEPS * STEPS));
 }
 
+/* ---- stretched facets ---- */
+
+enum { STRETCHED_DIRECTIONS = STRETCHED_AZIMUTHS * STRETCHED_ANGLES };
+static float stretched[STRETCHED_ROUGHNESSES][STRETCHED_RATIOS][STRETCHED_AZIMUTHS][STRETCHED_ANGLES];
+
+/* The direction at two knots. */
+static Vec3f stretched_direction(int azimuth, int angle, float alpha_x, float alpha_y)
+{
+    float t = (float)azimuth / (STRETCHED_AZIMUTHS - 1), length = sqrtf(t * t + (1 - t) * (1 - t));
+    float low = 0, high = 1, wanted = (float)angle / (STRETCHED_ANGLES - 1);
+    Vec3f w = {0, 0, 1};
+    for (int i = 0; i < 40; i++) {
+        float z = 0.5f * (low + high), r = sqrtf(fmaxf(0, 1 - z * z)) / length;
+        w = vec3f((1 - t) * r, t * r, z);
+        *(microfacet_angle(z, microfacet_slope(alpha_x, alpha_y, w)) < wanted ? &low : &high) = z;
+    }
+    return w;
+}
+
+/* What round facets' k makes of light that goes from v to l, spread over the four knots around l. */
+static void add_reflection(const BsdfFacets *facets, MicrofacetPlace round, Vec3f v, const float u[2], double *row)
+{
+    Vec3f l;
+    if (!facets_sample_reflection(facets, v, u, &l)) return;
+    FacetReflection r = facets_reflect(facets, v, l);
+    double weight =
+        (double)(r.shadowing * microfacet_mirror(round, r.angle_v) * microfacet_mirror(round, r.angle_l)) / WAYS;
+    MicrofacetPlace azimuth = microfacet_place(stretched_azimuth(l, false), STRETCHED_AZIMUTHS);
+    MicrofacetPlace angle = microfacet_place(r.angle_l, STRETCHED_ANGLES);
+    for (int i = 0; i < 4; i++) {
+        double part =
+            (double)((i & 1 ? azimuth.fraction : 1 - azimuth.fraction) * (i & 2 ? angle.fraction : 1 - angle.fraction));
+        row[(azimuth.knot + (i & 1)) * STRETCHED_ANGLES + angle.knot + (i >> 1)] += part * weight;
+    }
+}
+
+static void solve_stretched(int roughness, int ratio)
+{
+    static double sums[STRETCHED_DIRECTIONS][STRETCHED_DIRECTIONS];
+    float root = (float)roughness / (STRETCHED_ROUGHNESSES - 1), rest = 1 - (float)ratio / (STRETCHED_RATIOS - 1);
+    float less = fmaxf(rest * rest, 1e-3f), rms = fmaxf(root * root, 1e-3f);
+    float alpha_x = rms * sqrtf(2 / (1 + less * less)), *k = &stretched[roughness][ratio][0][0];
+    const BsdfFacets facets = {.alpha_x = alpha_x, .alpha_y = less * alpha_x};
+    MicrofacetPlace round = microfacet_index(facets.alpha_x, facets.alpha_y, lanes_all(1)).roughness;
+    for (int i = 0; i < STRETCHED_DIRECTIONS; i++) {
+        Vec3f v = stretched_direction(i / STRETCHED_ANGLES, i % STRETCHED_ANGLES, facets.alpha_x, facets.alpha_y);
+        v.z = fmaxf(v.z, 1e-6f);
+        for (int n = 0; n < STRETCHED_DIRECTIONS; n++) sums[i][n] = 0;
+        for (int n = 0; n < WAYS; n++) {
+            float u[2];
+            numbers(n, u);
+            add_reflection(&facets, round, v, u, sums[i]);
+        }
+        k[i] = 1;
+    }
+    for (int turn = 0; turn < 60; turn++) {
+        static float next[STRETCHED_DIRECTIONS];
+        for (int i = 0; i < STRETCHED_DIRECTIONS; i++) {
+            double sum = 0;
+            for (int n = 0; n < STRETCHED_DIRECTIONS; n++) sum += sums[i][n] * (double)k[n];
+            next[i] = sum > 0 ? (float)sqrt((double)k[i] / sum) : k[i];
+        }
+        for (int i = 0; i < STRETCHED_DIRECTIONS; i++) k[i] = next[i];
+    }
+}
+
 static void write_floats(FILE *out, const char *declaration, const float *values, size_t n)
 {
     fprintf(out, "\nconst %s = {\n", declaration);
@@ -197,6 +263,8 @@ int main(int argc, char **argv)
         solve_layers(diffuses[i], 2);
         solve_fuzz(fuzz_diffuses[i], 2);
     }
+    for (int i = 0; i < STRETCHED_ROUGHNESSES; i++)
+        for (int k = 0; k < STRETCHED_RATIOS; k++) solve_stretched(i, k);
     FILE *out = fopen(argv[1], "w");
     if (!out) {
         perror(argv[1]);
@@ -215,6 +283,9 @@ int main(int argc, char **argv)
                  sizeof fuzz_diffuses / sizeof(float));
     write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
                  sizeof fuzz / sizeof(float));
+    write_floats(
+        out, "float stretched_mirror[STRETCHED_ROUGHNESSES][STRETCHED_RATIOS][STRETCHED_AZIMUTHS][STRETCHED_ANGLES]",
+        &stretched[0][0][0][0], sizeof stretched / sizeof(float));
     int failed = ferror(out);
     if (fclose(out) != 0 || failed) {
         fprintf(stderr, "layered_gen: cannot write %s\n", argv[1]);

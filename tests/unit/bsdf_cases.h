@@ -41,6 +41,7 @@ static const BsdfCase bsdf_cases[] = {
     {"plastic tinted", 0.3f, 1.5f, 0, 0},
     {"sheet", 0.4f, 1.5f, 0.02f, 0},
     {"sheet tinted", 0.8f, 1.5f, 0, 0},
+    {"sheet aniso", 0.6f, 1.5f, 0, 0},
     {"sheet film", 0.5f, 1.33f, 0.01f, 0},
     {"translucent", 0.5f, 0, 0, 0},
     {"translucent", 0.2f, 0.8f, 0, 0},
@@ -91,7 +92,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint,
                          case_lanes(0.6f, 0.3f, hero), 0.4f);
     else if (!strncmp(c->name, "sheet", 5))
-        bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint,
+        bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
                        strstr(c->name, "film") ? case_lanes(9, 0.2f, hero) : lanes_all(0));
     else if (!strncmp(c->name, "translucent", 11)) {
         bsdf_add_diffuse(bsdf, 0.4f, case_lanes(0.5f, 0.3f, hero), c->roughness);
