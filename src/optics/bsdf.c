@@ -91,13 +91,12 @@ void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y)
     add_facets(bsdf, share, &(BsdfConductor){.mean = lanes_all(1), .white = true}, alpha_x, alpha_y);
 }
 
-void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
-                      float roughness)
+void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha, Lanes tint, Lanes albedo, float roughness)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_PLASTIC, share);
     if (!lobe) return;
     lobe->as.plastic.base = diffuse_make(albedo, roughness);
-    lobe->as.plastic.layer = layer_make(eta, alpha_x, alpha_y, tint);
+    lobe->as.plastic.layer = layer_make(eta, alpha, tint);
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
 
@@ -133,12 +132,12 @@ static bool find_blurred(BsdfBoundary *boundary)
     return !lanes_zero(boundary->blurred);
 }
 
-void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y)
+void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_BOUNDARY, share);
     if (!lobe) return;
     BsdfBoundary *boundary = &lobe->as.boundary;
-    boundary->facets = facets_make(alpha_x, alpha_y);
+    boundary->facets = facets_make(alpha, alpha);
     boundary->eta_i = eta_i;
     boundary->eta_t = eta_t;
     bsdf->transmits = true;
@@ -148,7 +147,7 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     Lanes eta = lanes_div(boundary->eta_t, eta_i);
     MicrofacetIndex index = boundary->index = microfacet_index(boundary->facets.alpha_x, boundary->facets.alpha_y, eta);
     bool dense = lanes_mean(eta) < 1;
-    float alpha = sqrtf(boundary->facets.alpha_x * boundary->facets.alpha_y);
+    alpha = boundary->facets.alpha_x;
     for (int through = 0; through <= 1; through++) {
         float a = boundary->spread[through] =
             dense != through ? float_min(alpha, index.critical * index.critical) : alpha;
@@ -175,10 +174,10 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     }
 }
 
-void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
+void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha, Lanes tint)
 {
     bsdf->coating = true;
-    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint);
+    bsdf->coat = layer_make(eta, alpha, tint);
 }
 
 void bsdf_end_coat(Bsdf *bsdf)

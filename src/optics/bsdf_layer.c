@@ -13,13 +13,12 @@ Lanes layer_depth(Lanes transmittance)
     return depth;
 }
 
-BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint)
+BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint)
 {
-    BsdfLayer layer = {.facets = facets_make(alpha_x, alpha_y), .eta = eta};
-    float used_x = layer.facets.smooth ? 0 : layer.facets.alpha_x,
-          used_y = layer.facets.smooth ? 0 : layer.facets.alpha_y;
-    layer.index = microfacet_index(used_x, used_y, eta);
-    layer.among = microfacet_index_among(used_x, used_y, eta, LAYERED_ROUGHNESSES, LAYERED_INDICES);
+    BsdfLayer layer = {.facets = facets_make(alpha, alpha), .eta = eta};
+    float used = layer.facets.smooth ? 0 : layer.facets.alpha_x;
+    layer.index = microfacet_index(used, used, eta);
+    layer.among = microfacet_index_among(used, used, eta, LAYERED_ROUGHNESSES, LAYERED_INDICES);
     layer.depth = lanes_scale(layer_depth(tint), 0.5f);
     layer.tinted = !lanes_zero(layer.depth);
     Lanes passed = lanes_rest(microfacet_lookup_mean(microfacet_reflected_mean, &layer.index, false));
@@ -78,7 +77,7 @@ Lanes layer_chance(const BsdfLayer *layer, float share, Lanes reflectance, Lanes
 {
     Lanes reflected = lanes_scale(reflectance, share);
     Lanes base = lanes_mul(lanes_rest(reflected), lanes_clamp(base_albedo, 0.05f, 1));
-    /* the table does not know of anisotropy; what it takes for nothing is sampled, too */
+    /* tables have errors: what they take for nothing is sampled, too */
     if (!layer->facets.smooth) reflected = lanes_add(reflected, lanes_all(0.02f * share));
     return lanes_div(reflected, lanes_add(lanes_add(reflected, base), lanes_all(1e-30f)));
 }

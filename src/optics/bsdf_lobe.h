@@ -176,7 +176,7 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, float u_choice, cons
 /* ---- the layer ---- */
 /* -ln, held finite */
 Lanes layer_depth(Lanes transmittance);
-BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint);
+BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint);
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w);
 /* What goes down, from above, absorption included. reflectance: layer_reflectance(layer, w) */
 Lanes layer_transmittance(const BsdfLayer *layer, Vec3f w, Lanes reflectance);

@@ -73,8 +73,7 @@ static void add_dielectric(const Making *m, float share)
     const BsdfSpec *spec = m->spec;
     if (spec->specular_weight > 0) {
         Lanes eta = weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
-        bsdf_add_plastic(m->bsdf, share, eta, m->alpha, m->alpha, lanes_all(1), m->base_color,
-                         spec->base_diffuse_roughness);
+        bsdf_add_plastic(m->bsdf, share, eta, m->alpha, lanes_all(1), m->base_color, spec->base_diffuse_roughness);
     } else {
         bsdf_add_diffuse(m->bsdf, share, m->base_color, spec->base_diffuse_roughness);
     }
@@ -84,10 +83,9 @@ static void add_dielectric(const Making *m, float share)
 static void add_coated(const Making *m, float metal, float dielectric)
 {
     const BsdfSpec *spec = m->spec;
-    float alpha_x, alpha_y, skin = 0;
+    float skin = 0;
     Lanes coat_ior = at(m, &spec->coat_ior), eta = lanes_div(coat_ior, m->eta_i);
-    bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &alpha_x, &alpha_y);
-    bsdf_begin_coat(m->bsdf, eta, alpha_x, alpha_y, at(m, &spec->coat_color));
+    bsdf_begin_coat(m->bsdf, eta, spec->coat_roughness * spec->coat_roughness, at(m, &spec->coat_color));
     add_metal(m, metal, coat_ior);
     if (spec->specular_weight > 0 && dielectric > 0) {
         Lanes inner = weakened(lanes_div(at(m, &spec->specular_ior), coat_ior), spec->specular_weight);
@@ -102,7 +100,7 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
 {
     const BsdfSpec *spec = m->spec;
     if (!spec->thin_walled) {
-        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha, m->alpha);
+        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha);
         return;
     }
     Lanes ior = at(m, &spec->specular_ior), phase = lanes_all(0);

@@ -27,7 +27,6 @@ typedef struct BsdfSpec {
     float coat_weight;                   /* [0] */
     Spectrum coat_color;                 /* [1] */
     float coat_roughness;                /* [0] */
-    float coat_roughness_anisotropy;     /* [0] */
     Spectrum coat_ior;                   /* relative to vacuum [1.6] */
     float fuzz_weight;                   /* [0] */
     Spectrum fuzz_color;                 /* [1] */

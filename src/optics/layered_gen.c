@@ -141,7 +141,7 @@ static void solve_layers(LayeredTable table, int quarters)
         for (int side = 0; side < 2; side++)
             for (int i = 0; i < LAYERED_INDICES; i++) {
                 float r = (float)rough / (LAYERED_ROUGHNESSES - 1), eta = index_of(i);
-                BsdfLayer layer = layer_make(lanes_all(side ? 1 / eta : eta), r * r, r * r, lanes_all(1));
+                BsdfLayer layer = layer_make(lanes_all(side ? 1 / eta : eta), r * r, lanes_all(1));
                 solve(&(Cover){.layer = &layer}, quarters, table[rough][side][i]);
             }
 }

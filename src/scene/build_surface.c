@@ -220,9 +220,10 @@ static void check_needs(Builder *b, const EvalNode *node)
         build_needs(b, node, of_thin[i], "without thin = true");
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
-    if (is_on(node, "anisotropy") && !eval_prop(node, "metal") && !is_on(node, "metalness")) {
+    bool pane = eval_truth(node, "thin") && is_on(node, "transmission");
+    if (is_on(node, "anisotropy") && !eval_prop(node, "metal") && !is_on(node, "metalness") && !pane) {
         Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "anisotropy"),
-                                         "'anisotropy' is for metals");
+                                         "'anisotropy' is for metals and thin panes");
         diag_hint(b->diag, report, "name a metal, or give metalness = 1");
     }
     if (!eval_truth(node, "thin") || is_on(node, "transmission") || is_on(node, "translucency")) return;

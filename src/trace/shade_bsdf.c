@@ -190,10 +190,8 @@ bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, con
     if (surface->painted) {
         bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, &bsdf);
     } else {
-        float alpha_x, alpha_y;
-        bsdf_alphas(spec->specular_roughness, 0, &alpha_x, &alpha_y);
         bsdf_begin(&bsdf);
-        bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
+        bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, spec->specular_roughness * spec->specular_roughness);
     }
     Frame frame = frame_of(path, event, surface, spec, place);
     return scatter(path, event, &bsdf, place, &frame);

@@ -27,7 +27,6 @@ static const BsdfCase bsdf_cases[] = {
     {"boundary in", 0.7f, 1.33f, 0.01f, 0},
     {"boundary in", 1, 2.42f, 0.05f, 0},
     {"boundary in", 0.5f, 1.05f, 0, 0.4f},
-    {"boundary aniso", 0.6f, 1.5f, 0, 0},
     {"boundary crossing", 0.6f, 1, 0.02f, 0.1f},
     {"conductor", 0.25f, 0.2f, 1, -0.15f},
     {"conductor", 0.6f, 1.2f, 0.3f, 0},
@@ -77,7 +76,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     if (!strncmp(c->name, "boundary", 8)) {
         back = case_lanes(c->other, c->spread, hero);
         bool swap = behind != (strstr(c->name, " in") != NULL);
-        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha, alpha_y);
+        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha);
         Lanes square = lanes_mul(back, back);
         *square_behind = swap ? front : square;
         return swap ? square : front;
@@ -89,8 +88,8 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     else if (!strncmp(c->name, "diffuse", 7))
         bsdf_add_diffuse(bsdf, 1, case_lanes(c->other, c->spread, hero), c->roughness);
     else if (!strncmp(c->name, "plastic", 7))
-        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha, tint,
-                         case_lanes(0.6f, 0.3f, hero), 0.4f);
+        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, tint, case_lanes(0.6f, 0.3f, hero),
+                         0.4f);
     else if (!strncmp(c->name, "sheet", 5))
         bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
                        strstr(c->name, "film") ? case_lanes(9, 0.2f, hero) : lanes_all(0));
@@ -103,11 +102,11 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         if (strstr(c->name, "metal"))
             bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), alpha, alpha);
         else
-            bsdf_add_plastic(bsdf, 1, eta, alpha, alpha, tint, color, 0.3f);
+            bsdf_add_plastic(bsdf, 1, eta, alpha, tint, color, 0.3f);
         bsdf_set_fuzz(bsdf, 0.9f, case_lanes(0.6f, 0.3f, hero), c->other);
     } else if (!strncmp(c->name, "coated", 6)) {
         Lanes color = case_lanes(0.6f, 0.3f, hero);
-        bsdf_begin_coat(bsdf, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint);
+        bsdf_begin_coat(bsdf, case_lanes(c->other, c->spread, hero), alpha, tint);
         if (strstr(c->name, "metal"))
             bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), 0.2f, 0.2f);
         else {
@@ -119,10 +118,9 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bool smooth = strstr(c->name, "smooth");
         Lanes eta = case_lanes(1.5f, c->spread, hero);
         bsdf_add_conductor(bsdf, 0.1f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
-        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha, tint,
-                         case_lanes(0.5f, 0.3f, hero), c->roughness);
-        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f,
-                        case_lanes(0.8f, 0.1f, hero));
+        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, tint, case_lanes(0.5f, 0.3f, hero),
+                         c->roughness);
+        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, case_lanes(0.8f, 0.1f, hero));
         bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
         bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
         bsdf_end_coat(bsdf);
