@@ -25,6 +25,8 @@ typedef struct GuideNode {
  * targets, landed behind them, is left to chance too. */
 #define BRIGHTER 12.0f
 #define LEAST_PART 0.002f
+/* The expected ratio of variances without and with the guide that is worth its time. */
+#define LEAST_GAIN 2.0f
 enum { FIRST_ROUND = 1 << 14, ROUND = 1 << 17 };
 
 struct Guide {
@@ -39,10 +41,10 @@ struct Guide {
 typedef struct Builder {
     Guide *guide;
     Photon *photons;
-    uint32_t *begins; /* of each cell's photons; the last is the end of all */
-    GuideLobe *lobes; /* GUIDE_CELL_LOBES for each cell */
-    float threshold;
-    Tracer *tracers; /* one per thread */
+    uint32_t *begins;       /* of each cell's photons; the last is the end of all */
+    GuideLobe *lobes;       /* GUIDE_CELL_LOBES for each cell */
+    float threshold, scale; /* what the photons' flux is to be multiplied with */
+    Tracer *tracers;        /* one per thread */
 } Builder;
 
 static Vec3f cell_origin(const GuideCell *cell)
@@ -144,35 +146,38 @@ static float other_light(const Builder *b, Tracer *tracer, const Photon *photons
 /* How many of the directions should be the guide's: so many that the noise is least. A sample's square has the expectation
  * of the photons' radiance times the flux of all of them, by the density with which their directions are chosen, beside
  * that of other light, of which the surface's own directions are taken to find all alike. */
-static float cell_share(const Builder *b, Tracer *tracer, const GuideCell *cell, const GuideLobe *lobes,
-                        const Photon *photons, uint32_t n, uint32_t number)
+static void choose_share(const Builder *b, Tracer *tracer, GuideCell *cell, const GuideLobe *lobes,
+                         const Photon *photons, uint32_t n, uint32_t number)
 {
-    const float shares[] = {0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.65f, 0.75f};
+    const float shares[] = {0, 0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.65f, 0.75f};
     Vec3f low, high;
     bounds_of(photons, n, &low, &high);
     Vec3f size = vec3f_along(high, -1, low);
-    float area = float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x)), sums[COUNT_OF(shares)] = {0};
-    float other = other_light(b, tracer, photons, n, number), best = shares[0], flux = 0;
-    for (uint32_t i = 0; i < n; i++) flux += photons[i].flux;
-    other = (other + AROUND * flux / float_max(area, 1e-30f)) / SAMPLING_PI;
+    float area = float_max(float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x)), 1e-30f);
+    float sums[COUNT_OF(shares)] = {0}, flux = 0;
+    bool in_medium = false;
     for (uint32_t i = 0; i < n; i++) {
         const Photon *photon = &photons[i];
-        if (vec3f_dot(photon->normal, photon->normal) == 0)
-            return 0.5f; /* in a medium, where little is known of the rest */
         float surface = float_max(vec3f_dot(photon->normal, photon->from), 0.01f) / SAMPLING_PI, guide = 0;
+        if (vec3f_dot(photon->normal, photon->normal) == 0) in_medium = true, surface = 1 / (4 * SAMPLING_PI);
         Vec3f offset = vec3f_along(photon->position, -1, cell_origin(cell));
+        flux += photon->flux * b->scale;
         for (uint32_t k = 0; k < cell->n_lobes; k++)
             guide += lobes[k].weight * guide_lobe_pdf(&lobes[k], offset, photon->from);
         for (size_t k = 0; k < COUNT_OF(shares); k++)
-            sums[k] +=
-                photon->flux * photon->radiance * surface / (shares[k] * OTHERS * guide + (1 - shares[k]) * surface);
+            sums[k] += photon->flux * b->scale * photon->radiance * surface /
+                       (shares[k] * OTHERS * guide + (1 - shares[k]) * surface);
     }
-    float least = INFINITY;
+    float other = in_medium ? 0 : other_light(b, tracer, photons, n, number);
+    float mean = (flux / area + other) / SAMPLING_PI, spread = (other + AROUND * flux / area) / SAMPLING_PI;
+    cell->after = INFINITY;
     for (size_t k = 0; k < COUNT_OF(shares); k++) {
-        float noise = sums[k] / (float_max(area, 1e-30f) * SAMPLING_PI) + REST * other * other / (1 - shares[k]);
-        if (noise < least) least = noise, best = shares[k];
+        float noise = (sums[k] / (area * SAMPLING_PI) + REST * spread * spread / (1 - shares[k])) /
+                      float_max(mean * mean, 1e-30f);
+        if (k == 0) cell->before = noise;
+        if (k > 0 && noise < cell->after) cell->after = noise, cell->share = shares[k];
     }
-    return best;
+    if (in_medium) cell->share = 0.5f; /* where little is known of the rest */
 }
 
 static void fit_cell(void *context, uint32_t i, unsigned worker)
@@ -183,7 +188,7 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     uint32_t n = b->begins[i + 1] - b->begins[i];
     GuideLobe *lobes = b->lobes + (size_t)i * GUIDE_CELL_LOBES;
     cell->n_lobes = guide_fit(photons, n, cell_origin(cell), lobes);
-    cell->share = cell_share(b, &b->tracers[worker], cell, lobes, photons, n, i);
+    choose_share(b, &b->tracers[worker], cell, lobes, photons, n, i);
 }
 
 /* Moves the cells' lobes together. */
@@ -218,14 +223,14 @@ static Status alloc_cells(Builder *b, uint32_t n, Error *error)
     return STATUS_OK;
 }
 
-Status guide_from_photons(const World *world, float threshold, Photon *photons, uint32_t n, Pool *pool, Guide **out,
-                          Error *error)
+Status guide_from_photons(const World *world, float threshold, Photon *photons, uint32_t n, uint32_t followed,
+                          Pool *pool, Guide **out, Error *error)
 {
     *out = NULL;
     if (n == 0) return STATUS_OK;
     unsigned n_threads = pool_threads(pool);
     Guide *guide = calloc(1, sizeof *guide);
-    Builder b = {guide, photons, NULL, NULL, threshold, calloc(n_threads, sizeof(Tracer))};
+    Builder b = {guide, photons, NULL, NULL, threshold, 1 / (float)followed, calloc(n_threads, sizeof(Tracer))};
     Status status = guide && b.tracers ? alloc_cells(&b, n, error) : fail_memory(error, sizeof *guide, "caustics");
     if (status == STATUS_OK) {
         for (unsigned i = 0; i < n_threads; i++) tracer_init(&b.tracers[i], world);
@@ -274,6 +279,31 @@ static Status follow_round(Harvest *harvest, const World *world, const PhotonTar
     return STATUS_OK;
 }
 
+/* By how much less noise the guide is expected to make, as a ratio of variances. */
+static float gain_of(const Guide *guide)
+{
+    double before = 0, after = 0;
+    for (uint32_t i = 0; i < guide->n_cells; i++) {
+        before += (double)guide->cells[i].before;
+        after += (double)guide->cells[i].after;
+    }
+    return after > 0 ? (float)(before / after) : 0;
+}
+
+/* Whether the first photons promise anything. */
+static Status is_worth_while(const Harvest *harvest, const World *world, float flux, float threshold, Pool *pool,
+                             bool *worth, Error *error)
+{
+    *worth = harvest->flux > (double)(LEAST_PART * flux) * harvest->followed;
+    if (!*worth) return STATUS_OK;
+    Guide *guide;
+    TRY(guide_from_photons(world, threshold, harvest->landed, (uint32_t)harvest->n, harvest->followed, pool, &guide,
+                           error));
+    *worth = guide && gain_of(guide) > LEAST_GAIN;
+    guide_free(guide);
+    return STATUS_OK;
+}
+
 static Status follow_photons(Harvest *harvest, const World *world, const GuideSettings *settings, float *threshold,
                              Pool *pool, Error *error)
 {
@@ -283,17 +313,16 @@ static Status follow_photons(Harvest *harvest, const World *world, const GuideSe
     float flux = photon_flux(world, &targets), area = (float)targets.cumulative[targets.n - 1];
     if (!(flux > 0) || !(area > 0)) return STATUS_OK;
     *threshold = (settings->always ? 1 : BRIGHTER) * flux / (area * SAMPLING_PI);
-    while (harvest->n < settings->photons && harvest->followed < settings->most_photons) {
-        uint32_t n = harvest->followed ? ROUND : FIRST_ROUND;
+    bool worth = true;
+    while (worth && harvest->n < settings->photons && harvest->followed < settings->most_photons) {
+        bool first = !harvest->followed;
+        uint32_t n = first ? FIRST_ROUND : ROUND;
         if (n > settings->most_photons - harvest->followed) n = settings->most_photons - harvest->followed;
         TRY(follow_round(harvest, world, &targets, *threshold, settings->seed, n, pool, error));
-        bool little = harvest->flux < (double)(LEAST_PART * flux) * harvest->followed;
-        if ((settings->stop && *settings->stop) || (little && !settings->always)) {
-            harvest->n = 0;
-            break;
-        }
+        if (first && !settings->always) TRY(is_worth_while(harvest, world, flux, *threshold, pool, &worth, error));
+        if (settings->stop && *settings->stop) worth = false;
     }
-    for (size_t i = 0; i < harvest->n; i++) harvest->landed[i].flux /= (float)harvest->followed;
+    if (!worth) harvest->n = 0;
     return STATUS_OK;
 }
 
@@ -306,7 +335,8 @@ Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, 
     float threshold = 0;
     Status status = follow_photons(&harvest, world, settings, &threshold, pool, error);
     if (status == STATUS_OK)
-        status = guide_from_photons(world, threshold, harvest.landed, (uint32_t)harvest.n, pool, guide, error);
+        status = guide_from_photons(world, threshold, harvest.landed, (uint32_t)harvest.n, harvest.followed, pool,
+                                    guide, error);
     free(harvest.landed);
     stats->followed = harvest.followed;
     if (!*guide) return status;

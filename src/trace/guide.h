@@ -30,7 +30,8 @@
 typedef struct GuideCell {
     Vec3f low, high; /* around its photons, and a little more */
     uint32_t first_lobe, n_lobes;
-    float share; /* of the directions that should be chosen by the guide */
+    float share;         /* of the directions that should be chosen by the guide */
+    float before, after; /* relative variance of a sample that is expected without the guide, and with it */
 } GuideCell;
 
 typedef struct Guide Guide;
@@ -54,9 +55,10 @@ typedef struct GuideStats {
 ATTR_NODISCARD Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, Guide **guide,
                                 GuideStats *stats, Error *error);
 void guide_free(Guide *guide); /* NULL is fine */
-/* The same from photons that are there, which are put into another order. threshold: see photons_trace. */
-ATTR_NODISCARD Status guide_from_photons(const World *world, float threshold, Photon *photons, uint32_t n, Pool *pool,
-                                         Guide **guide, Error *error);
+/* The same from the n photons that landed of those that were followed; they are put into another order. threshold: see
+ * photons_trace. */
+ATTR_NODISCARD Status guide_from_photons(const World *world, float threshold, Photon *photons, uint32_t n,
+                                         uint32_t followed, Pool *pool, Guide **guide, Error *error);
 
 /* The guide at a place. share 0: there is none. */
 typedef struct GuideAt {
