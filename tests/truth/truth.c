@@ -43,6 +43,7 @@ static void take_away_opaque(Scene *scene)
     }
     for (uint32_t i = 0; i < scene->n_trees; i++) scene->trees[i].object = row[scene->trees[i].object];
     for (uint32_t i = 0; i < scene->n_operands; i++) scene->operands[i] = row[scene->operands[i]];
+    for (uint32_t i = 0; i < scene->n_frames; i++) scene->frames[i].object = row[scene->frames[i].object];
     scene->n_objects = n;
     free(row);
 }
@@ -51,6 +52,10 @@ static void make_furnace(Scene *scene)
 {
     take_away_opaque(scene);
     scene->n_lights = 0;
+    for (uint32_t i = 0; i < scene->n_media; i++) {
+        scene->media[i].emits = false;
+        scene->media[i].temperature = NULL;
+    }
     environment_free(scene->environment);
     scene->environment = NULL;
     const double white[3] = {1, 1, 1};
