@@ -112,8 +112,8 @@ static inline Box3 box3_empty(void)
 }
 static inline Box3 box3_add_point(Box3 b, Vec3 p)
 {
-    b.min = vec3(fmin(b.min.x, p.x), fmin(b.min.y, p.y), fmin(b.min.z, p.z));
-    b.max = vec3(fmax(b.max.x, p.x), fmax(b.max.y, p.y), fmax(b.max.z, p.z));
+    b.min = vec3(double_min(p.x, b.min.x), double_min(p.y, b.min.y), double_min(p.z, b.min.z));
+    b.max = vec3(double_max(p.x, b.max.x), double_max(p.y, b.max.y), double_max(p.z, b.max.z));
     return b;
 }
 static inline Box3 box3_union(Box3 a, Box3 b) { return box3_add_point(box3_add_point(a, b.min), b.max); }

@@ -198,18 +198,19 @@ static void cross_curved(const Piece *piece, const PieceLine *line, double t_min
 
 /* The discriminant from the distance between line and centre: E. Haines, J. Gunther, T. Akenine-Moeller,
  * "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7 (2019). */
-static void cross_sphere(double radius, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
+void piece_cross_ball(double radius, Vec3 org, Vec3 dir, double t_min, double t_max, PieceCrossings *out)
 {
-    double a = vec3_dot(line->dir, line->dir);
-    double b = -vec3_dot(line->org, line->dir);
-    double middle = b / a;
-    Vec3 nearest = vec3_along(line->org, middle, line->dir);
+    out->n = 0;
+    double a = vec3_dot(dir, dir), inverse = 1 / a;
+    double b = -vec3_dot(org, dir);
+    double middle = b * inverse;
+    Vec3 nearest = vec3_along(org, middle, dir);
     double discriminant = radius * radius - vec3_dot(nearest, nearest);
     if (!(discriminant > 0)) return;
     double root = sqrt(a * discriminant);
     double q = b + (b < 0 ? -root : root);
-    double c = vec3_dot(line->org, line->org) - radius * radius;
-    double t0 = c / q, t1 = q / a;
+    double c = vec3_dot(org, org) - radius * radius;
+    double t0 = c / q, t1 = q * inverse;
     double near = double_min(t0, t1), far = double_max(t0, t1);
     if (!(near < middle && middle < far)) return;
     add_crossing(out, near, false, t_min, t_max);
@@ -232,7 +233,7 @@ void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double
     if (LIKELY(piece->kind == PIECE_BAND)) {
         cross_band(piece, line, t_min, t_max, out);
     } else if (piece->kind == PIECE_SPHERE) {
-        cross_sphere(piece->r0, line, t_min, t_max, out);
+        piece_cross_ball(piece->r0, line->org, line->dir, t_min, t_max, out);
     } else if (piece->kind == PIECE_TORUS || is_arc(piece)) {
         TubeCrossings crossings;
         cross_curved(piece, line, t_min, t_max, &crossings);

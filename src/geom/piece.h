@@ -69,6 +69,8 @@ typedef struct PieceCrossings {
 /* All crossings with t_min < t <= t_max in increasing t: at most 4 on a torus and on inner arcs, 2 elsewhere. A tangent
  * line crosses twice or not at all. */
 void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out);
+/* The same for a sphere about the origin. */
+void piece_cross_ball(double radius, Vec3 org, Vec3 dir, double t_min, double t_max, PieceCrossings *out);
 /* The same for a line that is asked for once; only t is filled. Returns how many. */
 int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS]);
 /* The outward normal at one of these crossings, unit, as in PieceRoot, and nothing else (no trigonometry).

@@ -147,13 +147,26 @@ static bool take_crossing(Query *query, RtcPiece which, double t, bool leaving)
     return t <= query->reach && put_off(query, hit);
 }
 
+/* A ball is met where it is, without a frame. */
+static bool consider_ball(Query *query, RtcPiece which, const RtcPlaced *object)
+{
+    PieceCrossings crossings;
+    piece_cross_ball(object->scale * object->solid->pieces[which.piece].r0, vec3_sub(query->origin, object->place),
+                     query->direction, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);
+    bool shrink = false;
+    for (int i = 0; i < crossings.n; i++) shrink |= take_crossing(query, which, crossings.t[i], crossings.leaving[i]);
+    return shrink;
+}
+
 static bool consider_piece(Query *query, RtcPiece which)
 {
+    const RtcPlaced *object = &query->scene->objects[which.object];
+    if (object->is_ball) return consider_ball(query, which, object);
     if (query->local.object != which.object) rtc_enter_frame(query, which.object);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
-    piece_cross(&query->scene->objects[which.object].solid->pieces[which.piece], line, query->t_min,
-                double_min(query->ray->t_max, query->reach), &crossings);
+    piece_cross(&object->solid->pieces[which.piece], line, query->t_min, double_min(query->ray->t_max, query->reach),
+                &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++) {
         double t = crossings.t[i];

@@ -72,8 +72,12 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
                            Error *error)
 {
     Affine to_local;
-    *placed = (RtcPlaced){.mesh = object->mesh, .solid = object->solid, .detail = &rtc_no_detail, .opaque = object->opaque,
-                          .place = object->to_world.t, .scale = object->to_world.m[0][0]};
+    *placed = (RtcPlaced){.mesh = object->mesh,
+                          .solid = object->solid,
+                          .detail = &rtc_no_detail,
+                          .opaque = object->opaque,
+                          .place = object->to_world.t,
+                          .scale = object->to_world.m[0][0]};
     if (!affine_invert(&object->to_world, &to_local))
         return fail(error, STATUS_SCENE, "the transform of object %u is singular: it has no volume", i);
     if (!is_even(&object->to_world)) {
@@ -86,6 +90,7 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
         if (!detail) return STATUS_NOMEM;
         *detail = (RtcDetail){.keys = object->keys, .mesh_end = object->mesh_end};
     }
+    placed->is_ball = object->solid && !placed->maps && !object->keys && object->solid->pieces[0].kind == PIECE_SPHERE;
     for (uint32_t k = 0; object->keys && k < n_keys; k++) {
         double determinant = affine_determinant(&object->keys[k]);
         if (!(determinant != 0) || !isfinite(determinant) || (determinant < 0) != placed->mirrored)
@@ -119,8 +124,13 @@ static Status bake_mesh(RtcPlaced *placed, Error *error)
     RtcDetail *detail = detail_of(placed, error);
     if (!detail) return STATUS_NOMEM;
     Affine to_world = rtc_first_to_world(placed);
+    if (affine_is_identity(&to_world)) {
+        detail->baked = mesh->positions; /* they are padded, too */
+        return STATUS_OK;
+    }
     size_t bytes = (size_t)mesh->n_vertices * sizeof(Vec3f) + sizeof(float); /* Embree reads 4 bytes past the end */
     detail->baked = malloc(bytes);
+    detail->owns_baked = true;
     if (!detail->baked) return fail_memory(error, bytes, "a mesh");
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
         detail->baked[i] = vec3f_from(affine_point(&to_world, vec3_from_f(mesh->positions[i])));
@@ -143,10 +153,13 @@ static RTCGeometry triangle_geometry(RtcScene *scene, const Vec3f *positions, co
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (positions_end) {
         rtcSetGeometryTimeStepCount(geometry, 2);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, positions_end, 0, sizeof(Vec3f), n_vertices);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, positions_end, 0,
+                                   sizeof(Vec3f), n_vertices);
     }
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, sizeof(Vec3f), n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles, 0, sizeof *triangles, n_triangles);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, sizeof(Vec3f),
+                               n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles, 0, sizeof *triangles,
+                               n_triangles);
     rtcSetGeometryMask(geometry, 0xffffffffU);
     rtcSetGeometryIntersectFilterFunction(geometry, rtc_filter_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, rtc_filter_any);
@@ -174,8 +187,10 @@ static Status add_baked(RtcScene *scene, uint32_t object, Error *error)
     RtcPlaced *placed = &scene->objects[object];
     TRY(bake_mesh(placed, error));
     const Mesh *mesh = placed->mesh;
-    uint32_t (*triangles)[3] = placed->detail->triangles ? placed->detail->triangles : mesh->triangles;
-    attach(scene->world, triangle_geometry(scene, placed->detail->baked, NULL, mesh->n_vertices, triangles, mesh->n_triangles), object);
+    uint32_t(*triangles)[3] = placed->detail->triangles ? placed->detail->triangles : mesh->triangles;
+    attach(scene->world,
+           triangle_geometry(scene, placed->detail->baked, NULL, mesh->n_vertices, triangles, mesh->n_triangles),
+           object);
     return STATUS_OK;
 }
 
@@ -194,7 +209,10 @@ static void add_instances(RtcScene *scene, const MeshUse *uses, uint32_t n)
 {
     const Mesh *mesh = uses[0].mesh, *end = uses[0].mesh_end;
     RTCScene shared = new_scene(scene);
-    attach(shared, triangle_geometry(scene, mesh->positions, end ? end->positions : NULL, mesh->n_vertices, mesh->triangles, mesh->n_triangles), 0);
+    attach(shared,
+           triangle_geometry(scene, mesh->positions, end ? end->positions : NULL, mesh->n_vertices, mesh->triangles,
+                             mesh->n_triangles),
+           0);
     rtcCommitScene(shared);
     scene->shared[scene->n_shared++] = shared;
     for (uint32_t i = 0; i < n; i++) {
@@ -223,7 +241,8 @@ static Status add_meshes(RtcScene *scene, Error *error)
     }
     uint32_t n = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++)
-        if (scene->objects[i].mesh) uses[n++] = (MeshUse){scene->objects[i].mesh, scene->objects[i].detail->mesh_end, i};
+        if (scene->objects[i].mesh)
+            uses[n++] = (MeshUse){scene->objects[i].mesh, scene->objects[i].detail->mesh_end, i};
     qsort(uses, n, sizeof *uses, compare_use);
     Status status = STATUS_OK;
     for (uint32_t i = 0; i < n && status == STATUS_OK;) {
@@ -302,7 +321,8 @@ static Status add_pieces(RtcScene *scene, Error *error)
     count_pieces(scene, n, &n_planes);
     if (n[0] + n[1] > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n[0] + n[1]);
     scene->pieces = malloc((n[0] + n[1] + n_planes + 1) * sizeof *scene->pieces);
-    if (!scene->pieces) return fail_memory(error, (n[0] + n[1] + n_planes) * sizeof *scene->pieces, "the scene's solids");
+    if (!scene->pieces)
+        return fail_memory(error, (n[0] + n[1] + n_planes) * sizeof *scene->pieces, "the scene's solids");
     scene->still = (RtcPieceSet){scene, scene->pieces, 0, false};
     scene->moving = (RtcPieceSet){scene, scene->pieces + n[0], 0, true};
     scene->planes = scene->pieces + n[0] + n[1];
@@ -340,8 +360,10 @@ static double mesh_reach(const RtcPlaced *object, const Affine *to_world, MeshBo
 {
     const double rounding = 1 + 1e-12;
     const Mesh *mesh = object->mesh, *end = object->detail->mesh_end;
-    if (!mesh->n_vertices || reach_of_box(affine_box(to_world, box_of_mesh(known, mesh, end))) * rounding < reach)
-        return reach;
+    if (!mesh->n_vertices) return reach;
+    double most = reach_of_box(affine_box(to_world, box_of_mesh(known, mesh, end)));
+    if (most * rounding < reach) return reach;
+    if (is_even(to_world)) return double_max(reach, most);
     for (uint32_t k = 0; k < mesh->n_vertices; k++) {
         reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(mesh->positions[k]))));
         if (end) reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(end->positions[k]))));
@@ -444,7 +466,7 @@ void rtc_scene_free(RtcScene *scene)
     for (uint32_t i = 0; scene->objects && i < scene->n_objects; i++) {
         const RtcDetail *detail = scene->objects[i].detail;
         if (!detail || detail == &rtc_no_detail) continue;
-        free(detail->baked);
+        if (detail->owns_baked) free(detail->baked);
         free(detail->triangles);
         free((void *)(uintptr_t)detail);
     }

@@ -12,7 +12,9 @@
 typedef struct RtcDetail {
     const Affine *keys;         /* NULL for one that stands still; not owned */
     const Mesh *mesh_end;       /* NULL for one whose shape stays */
-    Vec3f *baked;               /* world-space vertices of a mesh placed once; NULL for instances and solids */
+    Vec3f *baked;               /* world-space vertices of a mesh placed once, the mesh's own where that is in the world's
+                                 * frame; NULL for instances and solids */
+    bool owns_baked;
     uint32_t (*triangles)[3];   /* of the baked mesh, turned round when the transform mirrors; NULL: the mesh's own */
 } RtcDetail;
 extern const RtcDetail rtc_no_detail; /* of all others */
@@ -31,6 +33,7 @@ typedef struct RtcPlaced {
     double scale;        /* > 0 */
     bool opaque;
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
+    bool is_ball;        /* of solids: a sphere, moved and made larger evenly, that stands still */
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
 } RtcPlaced;
 
