@@ -136,6 +136,9 @@ static void describe(const RenderRun *run, Attributes *attributes)
     add_text(attributes, "meniscus/nestingFaults", attributes->faults);
     attributes->items[attributes->n++] =
         (ImageAttribute){.name = "meniscus/samples", .type = ATTRIBUTE_INT, .whole = (int)run->stats.samples};
+    if (run->settings.noise > 0)
+        attributes->items[attributes->n++] = (ImageAttribute){
+            .name = "meniscus/meanSamples", .type = ATTRIBUTE_FLOAT, .number = run->stats.mean_samples};
     if (run->noise >= 0)
         attributes->items[attributes->n++] =
             (ImageAttribute){.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = run->noise};

@@ -61,16 +61,17 @@ static void judge_uniform(const Job *job, double done, RenderProgress *progress)
 }
 
 /* The same of one that ends with the noise: known once the first plan is there. The pixels that are left take longer than
- * those that are done, so that only samples since then count; how many are still missing is known within a half or so. */
+ * those that are done, so that only the time since then counts; how many samples are missing is known within two thirds. */
 static void judge_adaptive(const Job *job, double done, RenderProgress *progress)
 {
-    double all = job->planned_at_samples + (double)job->plan.left, since = done - job->adapted_from;
-    progress->fraction = job->wanted && all > 0 ? fmin(done / all, 1) : 0;
-    double seconds = progress->seconds - job->adapted_at;
+    if (!job->wanted) return;
+    double left = (double)job->plan.left, since_plan = done - job->planned_at_samples, since = done - job->adapted_from;
+    double all = job->planned_at_samples + left, seconds = progress->seconds - job->adapted_at;
+    progress->fraction = all > 0 ? fmin(done / all, 1) : 1;
     if (!(since > 0) || seconds <= 0.5) return;
-    double one = seconds / since, most = job->planned_at_samples + (double)job->plan.at_most;
-    progress->seconds_left_low = one * fmax(0.7 * all - done, 0);
-    progress->seconds_left_high = one * fmax(fmin(1.6 * all, most) - done, 0);
+    double one = seconds / since, most = fmin(1.67 * left, (double)job->plan.at_most);
+    progress->seconds_left_low = one * fmax(0.6 * left - since_plan, 0);
+    progress->seconds_left_high = one * fmax(most - since_plan, 0);
 }
 
 static void report_progress(Job *job, double fraction_of_pass)

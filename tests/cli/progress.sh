@@ -110,6 +110,15 @@ matches err 'noise [0-9.]+ %, [0-9.]+ % of the pixels above 0\.1 % at 64 samples
 run render noisy.mns -o c.exr -n 2% -j 1 -q
 run render noisy.mns -o d.exr -n 2% -j 3 -q
 cmp -s c.exr d.exr || flunk "not the same bits for 1 and 3 threads"
-run render noisy.mns -o e.exr -n 2% --progress json -q
+run render noisy.mns -o e.exr -n 0.4% --size 128x128 --progress json -q
+"$python" - <<'PYTHON' || flunk "the progress"
+import json
+lines = [json.loads(l) for l in open("err")]
+fractions = [l["fraction"] for l in lines]
+assert fractions == sorted(fractions) and 0 <= fractions[0] and fractions[-1] <= 1, fractions
+for l in lines:
+    low, high = l["secondsLeftLow"], l["secondsLeftHigh"]
+    assert (low is None) == (high is None) and (low is None or 0 <= low <= high), l
+PYTHON
 while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
 end
