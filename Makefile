@@ -212,6 +212,7 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench threads $(wordlist 1,4,$(BENCH_SCENES))
 	$(BUILD)/bench scale
 	$(BUILD)/bench rays
+	$(BUILD)/bench caustics
 	$(BUILD)/bench noise $(BENCH_SCENES)
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns)
 

@@ -291,7 +291,7 @@ static void job_clear(Job *job)
 /* Photons by the size of the picture, and no matter how many samples: so slices of one picture have the same guide. */
 static Status make_guide(const Job *job, Pool *pool, Guide **guide, GuideStats *stats, Error *error)
 {
-    const uint64_t fewest = 1 << 13, most = 1 << 20, followed = 8;
+    const uint64_t fewest = 1 << 14, most = 1 << 20, followed = 8;
     const RenderSettings *settings = job->settings;
     uint64_t n = (uint64_t)settings->width * settings->height;
     n = n < fewest ? fewest : n > most ? most : n;

@@ -51,6 +51,7 @@ void bench_techniques(char **paths, int n);
 void bench_threads(char **paths, int n);
 void bench_nesting(void);
 void bench_rays(void);
+void bench_caustics(void);
 void bench_scale(void);
 void bench_objects(void);
 

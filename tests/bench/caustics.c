@@ -1,0 +1,89 @@
+/* caustics.c - what leading paths to small lights behind glass is worth: the squared error at equal time, with against
+ * without.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdio.h>
+
+#include "measure.h"
+
+enum { WIDTH = 64, HEIGHT = 48, SAMPLES = 64, LONGER = 16 };
+
+static double render(const CompiledScene *compiled, uint32_t samples, uint32_t seed, SceneCaustics caustics, Pool *pool,
+                     Image *image)
+{
+    RenderSettings settings = {
+        .width = WIDTH, .height = HEIGHT, .samples = samples, .seed = seed, .bounces = 32, .caustics = caustics};
+    RenderStats stats;
+    Error error = {0};
+    if (render_image(compiled, &settings, pool, NULL, image, &stats, &error) != STATUS_OK) bench_fail("render", &error);
+    return stats.cpu_seconds;
+}
+
+/* Mean square of the errors, relative to the root of luminance^2 + 0.01^2. */
+static double relative_error(const Image *image, const Image *truth)
+{
+    double sum = 0;
+    for (uint32_t p = 0; p < WIDTH * HEIGHT; p++) {
+        double is = (double)color_luminance(image->pixels + p * image->n_channels);
+        double should = (double)color_luminance(truth->pixels + p * truth->n_channels);
+        sum += (is - should) * (is - should) / (should * should + 1e-4) / (WIDTH * HEIGHT);
+    }
+    return sum;
+}
+
+static void compare(const char *what, const char *text, Pool *pool)
+{
+    Made made;
+    Image truth, with, without;
+    made_from_text(&made, text);
+    render(made.compiled, LONGER * SAMPLES, 1, CAUSTICS_AUTOMATIC, pool, &truth);
+    double cpu_s = render(made.compiled, SAMPLES, 2, CAUSTICS_AUTOMATIC, pool, &with);
+    double trial_s = render(made.compiled, SAMPLES, 3, CAUSTICS_OFF, pool, &without);
+    image_clear(&without);
+    uint32_t samples = (uint32_t)fmax(SAMPLES * cpu_s / trial_s, 1);
+    render(made.compiled, samples, 2, CAUSTICS_OFF, pool, &without);
+    double error = relative_error(&with, &truth), plain = relative_error(&without, &truth);
+    printf("%-34s %6u %8u %12.4g %12.4g %10.3g\n", what, SAMPLES, samples, error, plain, plain / error);
+    fflush(stdout);
+    image_clear(&truth);
+    image_clear(&with);
+    image_clear(&without);
+    made_clear(&made);
+}
+
+#define START                                                                                                          \
+    "meniscus 1.0 unit mm medium glass { ior = 1.5 state = solid } medium water { ior = 1.33 state = liquid } "        \
+    "ground { surface = surface { albedo = .6 } } environment { color = .2 } "
+#define SUN "light { shape = \"distant\" from = <.5, 1, .2> to = <0, 0, 0> angle = .53deg power = 5 } "
+
+void bench_caustics(void)
+{
+    Pool *one = pool_of(1);
+    printf("caustics: samples with photons and, in the same time, without; mean squares of relative errors, and their "
+           "ratio\n%-34s %6s %8s %12s %12s %10s\n",
+           "", "with", "without", "with", "without", "ratio");
+    compare("a ball of glass in the sun",
+            START SUN "sphere { interior = glass center = <0, 14, 0> radius = 10 } "
+                      "camera { from = <0, 60, 120> to = <-6, 2, -2> fov = 20 }",
+            one);
+    compare("a pool in the sun, with a drop",
+            START SUN "box { interior = water from = <-200, -1, -200> to = <200, 40, 200> } "
+                      "sphere { interior = water center = <0, 42, 0> radius = 10 } "
+                      "camera { from = <0, 200, 100> to = <0, 0, 0> fov = 24 }",
+            one);
+    compare("a lamp in a bulb of glass",
+            START
+            "sphere { interior = glass center = <0, 40, 0> radius = 12 } "
+            "sphere { interior = air center = <0, 40, 0> radius = 11 } "
+            "sphere { center = <0, 40, 0> radius = 1 surface = surface { albedo = 0 emission = 1 radiance = 2000 } } "
+            "camera { from = <0, 90, 200> to = <0, 15, 0> fov = 30 }",
+            one);
+    compare("a drink in the sun",
+            START SUN "cylinder { interior = glass from = <0, .1, 0> to = <0, 40, 0> radius = 15 } "
+                      "cylinder { interior = water from = <0, 4, 0> to = <0, 30, 0> radius = 12.1 } "
+                      "cylinder { interior = air from = <0, 30, 0> to = <0, 41, 0> radius = 12 } "
+                      "sphere { interior = air center = <2, 20, 3> radius = 3 } "
+                      "camera { from = <0, 120, 150> to = <-10, 8, 0> fov = 28 }",
+            one);
+    pool_free(one);
+}
