@@ -110,7 +110,8 @@ RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint3
     Error error = {0};
     RenderStats stats;
     RenderSettings settings = {
-        .width = width, .height = height, .samples = samples, .seed = seed, .bounces = compiled->scene->render.bounces};
+        .width = width, .height = height, .samples = samples, .seed = seed, .bounces = compiled->scene->render.bounces,
+                               .caustics = CAUSTICS_OFF};
     if (render_image(compiled, &settings, pool, NULL, image, &stats, &error) != STATUS_OK) bench_fail("render", &error);
     return stats;
 }

@@ -33,7 +33,8 @@ void made_with_pool(Made *made, const char *text, Pool *pool); /* compiled by se
 void made_from_file(Made *made, const char *path);
 void made_clear(Made *made);
 
-/* Renders with the scene's bounces. *image is the caller's to clear. */
+/* Renders with the scene's bounces, and without photons first: those cost the same however many samples follow, and a
+ * small picture with few would show little else. *image is the caller's to clear. */
 RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples,
                             uint32_t seed, Pool *pool, Image *image);
 /* The same, and throws the picture away. */
