@@ -159,9 +159,11 @@ static Vec3 octave_point(Vec3 p, double frequency, unsigned octave)
 static double noise(const Pattern *pattern, const PatternPlace *place)
 {
     const double crest = 1 - 2 * noise_mean_size + noise_rms * noise_rms; /* the mean of (1 - |noise|)^2 */
+    /* beyond it there is no noise */
+    const double most = 0.5 * NOISE_LARGEST_COORDINATE / (1 + vec3_max_abs(place->p));
     double sum = 0, weight = 1, weights = 0, squares = 0, frequency = 1;
     for (unsigned i = 0; i < pattern->octaves; i++) {
-        double part = seen(frequency, place->footprint), value = 0;
+        double part = frequency < most ? seen(frequency, place->footprint) : 0, value = 0;
         if (part > 0) value = noise_gradient(octave_point(place->p, frequency, i), pattern->seed);
         if (pattern->style == NOISE_SMOOTH)
             sum += weight * part * value;
@@ -179,10 +181,19 @@ static double noise(const Pattern *pattern, const PatternPlace *place)
     return clamp_unit(pattern->style == NOISE_TURBULENCE ? sum / weights / (2.5 * noise_mean_size) : sum / weights);
 }
 
+/* Octaves multiply coordinates by less than this, those of noise() but for one whose lacunarity is large. */
+#define LARGEST_FACTOR 0x1p20
+
+static bool is_usable(Vec3 p)
+{
+    return vec3_max_abs(p) < NOISE_LARGEST_COORDINATE / LARGEST_FACTOR && vec3_is_finite(p);
+}
+
 Vec3 pattern_turbulence(Vec3 p, unsigned octaves, double footprint, uint64_t seed)
 {
     Vec3 sum = vec3(0, 0, 0);
     double weight = 1, frequency = 1;
+    if (!is_usable(p)) return sum;
     for (unsigned i = 0; i < octaves; i++, weight *= 0.5, frequency *= 2) {
         double part = seen(frequency, footprint);
         if (!(part > 0)) break;
@@ -244,10 +255,8 @@ static double gradient(const Pattern *pattern, Vec3 p)
 
 double pattern_at(const Pattern *pattern, const PatternPlace *given)
 {
-    /* octaves multiply coordinates by no more than this */
-    const double largest = NOISE_LARGEST_COORDINATE / 0x1p20;
     PatternPlace place = *given;
-    if (!(vec3_max_abs(place.p) < largest) || !vec3_is_finite(place.p)) place.p = vec3(0, 0, 0);
+    if (!is_usable(place.p)) place.p = vec3(0, 0, 0);
     switch (pattern->kind) {
     case PATTERN_CHECKER: return checker(place.p);
     case PATTERN_BRICK: return brick(pattern, &place);

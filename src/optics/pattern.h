@@ -80,7 +80,8 @@ typedef struct PatternPlace {
 double pattern_at(const Pattern *pattern, const PatternPlace *place);
 /* A wave of period 1; 0..1. */
 double pattern_wave(PatternWave wave, double x);
-/* Noise that moves a point about: three noises of that many octaves, each of half the size and weight of the one before. */
+/* Noise that moves a point about: three noises of that many octaves, each of half the size and weight of the one before;
+ * none where there is no noise. */
 Vec3 pattern_turbulence(Vec3 p, unsigned octaves, double footprint, uint64_t seed);
 
 /* The points that crackle and spots are made of. */

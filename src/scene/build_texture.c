@@ -74,6 +74,19 @@ static void wants_number(Builder *b, Span span, const char *name)
     diag_note(b->diag, report, b->texture_user->span, "'%s' takes the texture", b->texture_user->type->name);
 }
 
+/* Numbers of light are not below 0. */
+static bool is_light(Builder *b, const EvalProp *prop)
+{
+    int n = prop->as.spectrum.form == SPECTRUM_TERM ? 0 : prop->as.spectrum.form == SPECTRUM_NUMBER ? 1 : 3;
+    for (int c = 0; c < n; c++) {
+        if (prop->as.spectrum.rgb[c] >= 0) continue;
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "'%s' has a channel of %g: there is no light below 0",
+                    prop->type->name, prop->as.spectrum.rgb[c]);
+        return false;
+    }
+    return true;
+}
+
 static uint32_t value_of(Builder *b, const EvalNode *node, const char *name, double unset, TextureUse use)
 {
     const EvalProp *prop = eval_prop(node, name);
@@ -83,7 +96,7 @@ static uint32_t value_of(Builder *b, const EvalNode *node, const char *name, dou
     if (prop->type->kind == PROP_NUMBER) return add_number(b, prop->as.number);
     if (use == TEXTURE_OF_LIGHT) {
         Spectrum light;
-        bool fine = build_emission(b, node, name, 1, &light);
+        bool fine = is_light(b, prop) && build_emission(b, node, name, 1, &light);
         return add_constant(b, fine ? light : spectrum_constant(0), fine ? spectrum_luminance(&light) : 0);
     }
     const double *rgb = prop->as.spectrum.rgb;

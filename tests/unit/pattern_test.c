@@ -44,6 +44,7 @@ static const Pattern all[] = {
     {.kind = PATTERN_CRACKLE, .value = CRACKLE_CELL},
     {.kind = PATTERN_SPOTS, .radius = 0.3, .blur = 0.1},
     {.kind = PATTERN_AGATE},
+    {.kind = PATTERN_NOISE, .octaves = 16, .lacunarity = 16, .gain = 0.3},
 };
 
 static void patterns_are_within_0_and_1(void **state)

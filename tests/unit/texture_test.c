@@ -301,6 +301,9 @@ static void mistakes_are_refused(void **state)
     refused(SURFACE("ior = 1.5 roughness = noise { to = rgb(.1, .2, .3) }"), D_WRONG_TYPE, 0);
     refused(SURFACE("ior = 1.5 roughness = noise { from = checker { to = -.2 } }"), D_VALUE_OUT_OF_RANGE, 0);
     refused(SURFACE("ior = noise { }"), D_WRONG_TYPE, 0);
+    refused(SURFACE("emission = noise { from = -1 }"), D_VALUE_OUT_OF_RANGE, 0);
+    refused(SURFACE("emission = noise { ramp = [0, rgb(1, -1, 0)] }"), D_VALUE_OUT_OF_RANGE, 0);
+    refused(SURFACE("emission = noise { to = 1e31 }"), D_VALUE_OUT_OF_RANGE, 0);
     refused(SURFACE("albedo = surface { }"), D_WRONG_TYPE, 0);
     refused(SURFACE("albedo = noise { } pattern = checker"), D_CONFLICTING_PROPERTIES, 0);
     refused(SURFACE("bump = noise { }"), D_MISSING_PROPERTY, 0);
