@@ -12,7 +12,7 @@ void bsdf_begin(Bsdf *bsdf)
 {
     bsdf->n_lobes = 0;
     bsdf->total = bsdf->opaque_share = bsdf->coat_share = bsdf->fuzz.share = 0;
-    bsdf->transmits = bsdf->coating = false;
+    bsdf->transmits = bsdf->coating = bsdf->looked = false;
     bsdf->specular_only = true;
     bsdf->opaque_albedo = bsdf->coat_albedo = lanes_all(0);
 }
@@ -97,6 +97,7 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha, Lanes tin
     if (!lobe) return;
     lobe->as.plastic.base = diffuse_make(albedo, roughness);
     lobe->as.plastic.layer = layer_make(eta, alpha, tint);
+    if (lobe->as.plastic.base.roughness > 0) layer_find_among(&lobe->as.plastic.layer);
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
 
@@ -159,11 +160,10 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
      * dividing by the larger of the two means makes the split reciprocal and at most that. Row 0 is the smooth
      * boundary. */
     index.roughness = (MicrofacetPlace){0, 0};
+    for (int i = 0; i < LANES; i++) index.side[i] = 0;
+    Lanes smooth = microfacet_lookup_mean(microfacet_reflected_mean, &index, false);
     for (int i = 0; i < LANES; i++) {
-        MicrofacetIndex rare = index;
-        rare.side[i] = 0;
-        float n = lanes_get(eta, i),
-              passed = 1 - lanes_get(microfacet_lookup_mean(microfacet_reflected_mean, &rare, false), i);
+        float n = lanes_get(eta, i), passed = 1 - lanes_get(smooth, i);
         if (n < 1) passed *= n * n;
         float mean_here = float_max(lanes_get(here, i), 1e-9f), mean_there = float_max(lanes_get(there, i), 1e-9f);
         float transmitted = passed * mean_there / float_max(mean_here, mean_there);
@@ -178,6 +178,7 @@ void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha, Lanes tint)
 {
     bsdf->coating = true;
     bsdf->coat = layer_make(eta, alpha, tint);
+    layer_find_among(&bsdf->coat);
 }
 
 void bsdf_end_coat(Bsdf *bsdf)
@@ -324,6 +325,27 @@ static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f 
     return lanes_mul(f, layer_over_diffuse(&bsdf->coat, diffuse->albedo));
 }
 
+static Lanes lobe_see(const BsdfLobe *lobe, Vec3f view)
+{
+    if (lobe->kind == BSDF_PLASTIC) return layer_reflectance(&lobe->as.plastic.layer, view);
+    if (lobe->kind == BSDF_BOUNDARY && !lobe->as.boundary.facets.smooth)
+        return boundary_missing(&lobe->as.boundary, false, view);
+    return lanes_all(0);
+}
+
+void bsdf_look(Bsdf *bsdf, Vec3f view)
+{
+    for (uint32_t i = 0; i < bsdf->n_lobes; i++) bsdf->lobes[i].seen = lobe_see(&bsdf->lobes[i], view);
+    bsdf->view = view;
+    bsdf->looked = true;
+}
+
+static Lanes seen_by(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view)
+{
+    bool looked = bsdf->looked && view.x == bsdf->view.x && view.y == bsdf->view.y && view.z == bsdf->view.z;
+    return looked ? lobe->seen : lobe_see(lobe, view);
+}
+
 static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
                           const Covers *l, Lanes *f_cos, Lanes *pdf_w)
 {
@@ -349,10 +371,12 @@ static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
         break;
     case BSDF_PLASTIC:
         if (below) return;
-        plastic_evaluate(&lobe->as.plastic, view, light, fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz), f_cos,
-                         pdf_w);
+        plastic_evaluate(&lobe->as.plastic, view, light, seen_by(bsdf, lobe, view),
+                         fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz), f_cos, pdf_w);
         break;
-    case BSDF_BOUNDARY: boundary_evaluate(&lobe->as.boundary, view, light, f_cos, pdf_w); break;
+    case BSDF_BOUNDARY:
+        boundary_evaluate(&lobe->as.boundary, view, light, seen_by(bsdf, lobe, view), f_cos, pdf_w);
+        break;
     case BSDF_SHEET: sheet_evaluate(&lobe->as.sheet, view, light, f_cos, pdf_w); break;
     }
 }
@@ -395,7 +419,8 @@ void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lane
     }
 }
 
-static bool lobe_sample(const BsdfLobe *lobe, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+static bool lobe_sample(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, float u_choice, const float u[2],
+                        LobeSample *sample)
 {
     switch (lobe->kind) {
     case BSDF_DIFFUSE: sample->direction = diffuse_sample(&lobe->as.diffuse, u_choice, u); return true;
@@ -404,8 +429,9 @@ static bool lobe_sample(const BsdfLobe *lobe, Vec3f view, float u_choice, const 
         sample->direction.z = -sample->direction.z;
         return true;
     case BSDF_CONDUCTOR: return conductor_sample(&lobe->as.conductor, view, u, sample);
-    case BSDF_PLASTIC: return plastic_sample(&lobe->as.plastic, view, u_choice, u, sample);
-    case BSDF_BOUNDARY: return boundary_sample(&lobe->as.boundary, view, u_choice, u, sample);
+    case BSDF_PLASTIC: return plastic_sample(&lobe->as.plastic, view, seen_by(bsdf, lobe, view), u_choice, u, sample);
+    case BSDF_BOUNDARY:
+        return boundary_sample(&lobe->as.boundary, view, seen_by(bsdf, lobe, view), u_choice, u, sample);
     case BSDF_SHEET: return sheet_sample(&lobe->as.sheet, view, u_choice, u, sample);
     }
     return false;
@@ -441,7 +467,7 @@ static bool sample_part(const Bsdf *bsdf, Vec3f view, float u_choice, const floa
     const BsdfLobe *lobe = bsdf->lobes;
     for (uint32_t i = 0; i + 1 < bsdf->n_lobes; i++, lobe++)
         if (take(&u_choice, &left, lanes_get(lobe_probability(bsdf, lobe, &chances), 0))) break;
-    if (!lobe_sample(lobe, view, u_choice, u, sample)) return false;
+    if (!lobe_sample(bsdf, lobe, view, u_choice, u, sample)) return false;
     if (!sample->specular) return true;
     if (lobe->covered) sample->value = lanes_mul(sample->value, coat_over_mirrors(bsdf, lobe, view, view, &v, &v));
     sample->value = lanes_scale(sample->value, lobe->share * (is_clear(lobe) ? 1 : v.fuzz));

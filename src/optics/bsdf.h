@@ -25,6 +25,8 @@ typedef struct Bsdf {
     float total, opaque_share, coat_share; /* sums of shares: of all lobes, of those that fuzz covers, and a coat */
     bool transmits;                        /* light may come from below */
     bool specular_only;                    /* bsdf_evaluate gives 0 for all directions */
+    bool looked;                           /* at from: */
+    Vec3f view;
     bool coating;                          /* between bsdf_begin_coat and bsdf_end_coat */
     Lanes opaque_albedo, coat_albedo;      /* about, of these lobes: the sums over their shares */
     BsdfLayer coat;
@@ -69,6 +71,8 @@ void bsdf_end_coat(Bsdf *bsdf);
 /* Fibres on all that is opaque: the part of it that they stand on, 0..1; roughness 0..1, how far they are from upright. */
 void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness);
 
+/* Keeps what depends on a view alone, when all lobes are there, which makes evaluating and sampling for that view faster. */
+void bsdf_look(Bsdf *bsdf, Vec3f view);
 /* Sums over all lobes that are not specular. pdf_w: of bsdf_sample. */
 void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
 /* u_choice, u: uniform in [0,1). false: the light is absorbed. What is sampled without specular has exactly the f_cos

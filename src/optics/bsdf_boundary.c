@@ -9,7 +9,7 @@
 #include "optics/bsdf_lobe.h"
 #include "optics/fresnel.h"
 
-static Lanes missing(const BsdfBoundary *boundary, bool behind, Vec3f w)
+Lanes boundary_missing(const BsdfBoundary *boundary, bool behind, Vec3f w)
 {
     return lobe_lookup(microfacet_missing, &boundary->facets, &boundary->index, behind, w);
 }
@@ -65,7 +65,8 @@ static Lanes refraction_density(const BsdfBoundary *boundary, Vec3f view, Vec3f 
     return lanes_mul(lanes_rest(reflectance), lanes_scale(lanes_mul(eta_l, eta_v), scale));
 }
 
-void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
+void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, Lanes missing_v, Lanes *f_cos,
+                       Lanes *pdf_w)
 {
     *f_cos = *pdf_w = lanes_all(0);
     if (boundary->facets.smooth || light.z == 0) return;
@@ -82,7 +83,7 @@ void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, La
         density = lanes_scale(fresnel_dielectric_lanes(r.cosine, boundary->eta_i, boundary->eta_t), r.density);
         shadowing = r.shadowing;
     }
-    Lanes missing_v = missing(boundary, false, view), missing_l = missing(boundary, through, light);
+    Lanes missing_l = boundary_missing(boundary, through, light);
     missing_v = lanes_mul(missing_v, boundary->blurred);
     density = lanes_mul(density, boundary->blurred);
     Lanes norm = through ? boundary->transmitted_norm : boundary->reflected_norm;
@@ -116,11 +117,12 @@ static bool sample_smooth(const BsdfBoundary *boundary, Vec3f view, float u_choi
     return true;
 }
 
-bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, Lanes missing_v, float u_choice, const float u[2],
+                     LobeSample *sample)
 {
     if (boundary->facets.smooth || lanes_get(boundary->blurred, 0) == 0)
         return sample_smooth(boundary, view, u_choice, sample);
-    if (lobe_choose(&u_choice, lanes_get(missing_chance(missing(boundary, false, view)), 0))) {
+    if (lobe_choose(&u_choice, lanes_get(missing_chance(missing_v), 0))) {
         bool through = !lobe_choose(&u_choice, lanes_get(boundary->reflected, 0));
         sample->direction = sample_missing(boundary, through, u);
         return true;

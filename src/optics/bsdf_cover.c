@@ -66,10 +66,11 @@ Lanes layer_inner_reflectance(Lanes eta, Lanes eta_base)
 
 /* ---- plastic ---- */
 
-void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, LobeOver over, Lanes *f_cos, Lanes *pdf_w)
+void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, Lanes reflectance_v, LobeOver over,
+                      Lanes *f_cos, Lanes *pdf_w)
 {
     const BsdfLayer *layer = &plastic->layer;
-    Lanes reflectance_v = layer_reflectance(layer, view), reflectance_l = layer_reflectance(layer, light);
+    Lanes reflectance_l = layer_reflectance(layer, light);
     Lanes passed =
         lanes_mul(layer_transmittance(layer, view, reflectance_v), layer_transmittance(layer, light, reflectance_l));
     Lanes base =
@@ -83,11 +84,11 @@ void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, LobeO
                        lanes_scale(lanes_rest(chance), diffuse_density(&plastic->base, light)));
 }
 
-bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
+bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v, float u_choice, const float u[2],
+                    LobeSample *sample)
 {
     const BsdfLayer *layer = &plastic->layer;
-    Lanes reflectance = layer_reflectance(layer, view),
-          chance = layer_chance(layer, 1, reflectance, plastic->base.albedo);
+    Lanes chance = layer_chance(layer, 1, reflectance_v, plastic->base.albedo);
     if (!lobe_choose(&u_choice, lanes_get(chance, 0))) {
         sample->direction = diffuse_sample(&plastic->base, u_choice, u);
         return true;
@@ -95,7 +96,7 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, float u_choice, cons
     if (!layer->facets.smooth) return facets_sample_reflection(&layer->facets, view, u, &sample->direction);
     sample->specular = true;
     sample->direction = mirrored(view);
-    sample->value = reflectance;
+    sample->value = reflectance_v;
     sample->density = chance;
     return true;
 }

@@ -18,7 +18,6 @@ BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint)
     BsdfLayer layer = {.facets = facets_make(alpha, alpha), .eta = eta};
     float used = layer.facets.smooth ? 0 : layer.facets.alpha_x;
     layer.index = microfacet_index(used, used, eta);
-    layer.among = microfacet_index_among(used, used, eta, LAYERED_ROUGHNESSES, LAYERED_INDICES);
     layer.depth = lanes_scale(layer_depth(tint), 0.5f);
     layer.tinted = !lanes_zero(layer.depth);
     Lanes passed = lanes_rest(microfacet_lookup_mean(microfacet_reflected_mean, &layer.index, false));
@@ -30,6 +29,12 @@ BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint)
     layer.returned = lanes_rest(passed_back);
     if (layer.tinted) layer.returned = lanes_mul(layer.returned, lanes_exp(lanes_scale(layer.depth, -2)));
     return layer;
+}
+
+void layer_find_among(BsdfLayer *layer)
+{
+    float used = layer->facets.smooth ? 0 : layer->facets.alpha_x;
+    layer->among = microfacet_index_among(used, used, layer->eta, LAYERED_ROUGHNESSES, LAYERED_INDICES);
 }
 
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w)

@@ -95,6 +95,7 @@ typedef struct BsdfLobe {
     BsdfKind kind;
     float share;     /* of the surface */
     bool covered;    /* by the coat */
+    Lanes seen;      /* of Bsdf.view: what a plastic's skin reflects, or what facets of a boundary miss; see lobe_see */
     float fuzz_norm; /* of what is diffuse: one over the mean that layers let pass, with the fuzz over without it */
     union {
         BsdfDiffuse diffuse; /* translucent too */
@@ -166,17 +167,26 @@ float diffuse_density(const BsdfDiffuse *diffuse, Vec3f light);
 Vec3f diffuse_sample(const BsdfDiffuse *diffuse, float u_choice, const float u[2]);
 void conductor_evaluate(const BsdfConductor *conductor, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
 bool conductor_sample(const BsdfConductor *conductor, Vec3f view, const float u[2], LobeSample *sample);
-void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
-bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
+Lanes boundary_missing(const BsdfBoundary *boundary, bool behind, Vec3f w); /* what one facet misses */
+/* missing_v: of view */
+void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, Lanes missing_v, Lanes *f_cos,
+                       Lanes *pdf_w);
+bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, Lanes missing_v, float u_choice, const float u[2],
+                     LobeSample *sample);
 void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
 bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
-void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, LobeOver over, Lanes *f_cos, Lanes *pdf_w);
-bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
+/* reflectance_v: layer_reflectance of view */
+void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, Lanes reflectance_v, LobeOver over,
+                      Lanes *f_cos, Lanes *pdf_w);
+bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v, float u_choice, const float u[2],
+                    LobeSample *sample);
 
 /* ---- the layer ---- */
 /* -ln, held finite */
 Lanes layer_depth(Lanes transmittance);
 BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint);
+/* Fills in `among`, for all that is under the layer but Lambert's law. */
+void layer_find_among(BsdfLayer *layer);
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w);
 /* What goes down, from above, absorption included. reflectance: layer_reflectance(layer, w) */
 Lanes layer_transmittance(const BsdfLayer *layer, Vec3f w, Lanes reflectance);

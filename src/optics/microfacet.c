@@ -72,9 +72,10 @@ Lanes microfacet_lookup_mean(const MicrofacetMeans means, const MicrofacetIndex 
     for (int i = 0; i < LANES; i++) {
         int side = index->side[i] ^ (int)behind;
         const float *near = means[side][index->cell[i]], *far = means[side][index->cell[i] + 1];
-        lanes_set(&result, i,
-                  between(between(near[row], near[row + 1], index->roughness.fraction),
-                          between(far[row], far[row + 1], index->roughness.fraction), lanes_get(index->fraction, i)));
+        float first = between(near[row], near[row + 1], index->roughness.fraction);
+        float second = between(far[row], far[row + 1], index->roughness.fraction);
+        if (index->one_cell) return lanes_add(lanes_all(first), lanes_scale(index->fraction, second - first));
+        lanes_set(&result, i, between(first, second, lanes_get(index->fraction, i)));
     }
     return result;
 }

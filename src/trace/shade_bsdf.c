@@ -108,9 +108,10 @@ static bool cross_opaque(Path *path, const Event *event)
     return false;
 }
 
-static bool scatter(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame)
+static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame)
 {
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction));
+    bsdf_look(bsdf, view);
     if (!bsdf->specular_only) path_find_guide(path, place->position);
     add_light(path, event, bsdf, place, frame, view);
     float u[2];
