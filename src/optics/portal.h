@@ -12,7 +12,7 @@
 typedef struct PortalMap PortalMap;
 
 /* to_environment: turns directions of the opening's frame into the environment's; in the frame x and z are along the
- * opening's edges and y is towards the side that light comes to. Some 10 ms to 100 ms, and up to 3 MB. */
+ * opening's edges and y is towards the side that light comes to. Some 10 ms to 500 ms, and 0.8 MB. */
 ATTR_NODISCARD Status portal_map_new(const Environment *environment, const Affine *to_environment, PortalMap **map,
                                      Error *error);
 void portal_map_free(PortalMap *map); /* NULL is fine */

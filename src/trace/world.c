@@ -73,6 +73,8 @@ static Status choose_lights(World *world, Error *error)
     return STATUS_OK;
 }
 
+enum { MOST_PORTAL_MAPS = 256 };
+
 /* Whether a portal's frame is turned as one before it: then it has that one's map. */
 static const PortalMap *map_of_like(const World *world, const WorldPortal *portal)
 {
@@ -88,6 +90,9 @@ static Status add_portal(World *world, const SceneLight *light, Error *error)
     if (!affine_invert(&light->to_world, &portal.to_frame)) return STATUS_OK; /* it is rigid */
     portal.map = map_of_like(world, &portal);
     if (!portal.map) {
+        if (world->n_portal_maps == MOST_PORTAL_MAPS)
+            return fail(error, STATUS_RENDER, "portals face more than %d different ways; each way takes 0.8 MB",
+                        MOST_PORTAL_MAPS);
         Affine to_environment = affine_compose(&world->scene->world_to_environment, &light->to_world);
         PortalMap **map = &world->portal_maps[world->n_portal_maps];
         TRY(portal_map_new(world->scene->environment, &to_environment, map, error));
