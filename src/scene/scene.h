@@ -5,7 +5,10 @@
 #ifndef MEN_SCENE_H
 #define MEN_SCENE_H
 
+#include <string.h>
+
 #include "base/arena.h"
+#include "base/hash.h"
 #include "diag/source.h"
 #include "geom/mesh.h"
 #include "geom/piece.h"
@@ -294,6 +297,13 @@ static inline bool scene_is_thin(const Scene *scene, uint32_t object)
 {
     uint32_t surface = scene->objects[object].surface;
     return surface != SCENE_NONE && scene->objects[object].medium == SCENE_NONE && scene->surfaces[surface].thin;
+}
+/* What tells an object from others where textures vary: its name, which neither layout nor objects behind it change; an
+ * operand has that of the whole. */
+static inline uint64_t scene_texture_identity(const Scene *scene, uint32_t object)
+{
+    const char *name = scene->objects[scene_whole(scene, object)].name;
+    return hash_bytes(name, strlen(name), 0);
 }
 /* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
 static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)

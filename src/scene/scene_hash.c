@@ -292,7 +292,7 @@ static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *
         if (object->surface == SCENE_NONE) continue;
         add_integer(h, rows->surfaces[object->surface]);
         if (object->texture_frame != SCENE_NONE) add_map(h, &scene->texture_frames[object->texture_frame].from_shape);
-        if (surface_varies(scene, &scene->surfaces[object->surface], rows)) add_integer(h, object->identity);
+        if (surface_varies(scene, &scene->surfaces[object->surface], rows)) add_integer(h, scene_texture_identity(scene, i));
     }
 }
 
