@@ -84,10 +84,10 @@ static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
         if (!target_of(world, i, &box)) continue;
         Vec3 centre = vec3_sub(vec3_scale(vec3_add(box.min, box.max), 0.5), all.min);
-        double along[3] = {centre.x / size.x, centre.y / size.y, centre.z / size.z};
+        double along[3] = {centre.x, centre.y, centre.z}, sizes[3] = {size.x, size.y, size.z};
         int cell = 0;
         for (int axis = 0; axis < 3; axis++) {
-            double part = floor(along[axis] * PARTS);
+            double part = sizes[axis] > 0 ? floor(along[axis] / sizes[axis] * PARTS) : 0;
             cell = PARTS * cell + (part > 0 ? (part < PARTS ? (int)part : PARTS - 1) : 0);
         }
         cells[cell] = box3_union(cells[cell], box);
@@ -156,8 +156,9 @@ static bool passes_box(const Box3 *box, Vec3 from, Vec3 direction, double length
     const double origin[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
     const double low[3] = {box->min.x, box->min.y, box->min.z}, high[3] = {box->max.x, box->max.y, box->max.z};
     for (int i = 0; i < 3; i++) {
-        double a = (low[i] - origin[i]) / d[i], b = (high[i] - origin[i]) / d[i];
-        if (d[i] == 0) a = origin[i] > low[i] && origin[i] < high[i] ? -HUGE_VAL : HUGE_VAL, b = -a;
+        bool level = d[i] == 0, within = origin[i] > low[i] && origin[i] < high[i];
+        double a = level ? (within ? -HUGE_VAL : HUGE_VAL) : (low[i] - origin[i]) / d[i];
+        double b = level ? HUGE_VAL : (high[i] - origin[i]) / d[i];
         enter = fmax(enter, fmin(a, b));
         leave = fmin(leave, fmax(a, b));
     }

@@ -133,8 +133,8 @@ float path_mix_guide(Path *path, Vec3f direction)
 {
     float alone = path->scatter_pdf, mixture = guide_mixture(&path->guide, direction, alone);
     path->scatter_pdf = mixture;
-    path->steering = float_max(mixture / alone, 1);
-    return alone / mixture;
+    path->steering = alone > 0 ? float_max(mixture / alone, 1) : 1;
+    return mixture > 0 ? alone / mixture : 0;
 }
 
 void path_scatter_in_medium(Path *path, const Event *event)

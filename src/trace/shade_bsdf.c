@@ -92,7 +92,7 @@ ATTR_COLD static void mix_guide(Path *path, const Bsdf *bsdf, const SurfacePlace
     evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     float hero = lanes_get(pdf_w, 0), mixture = guide_mixture(&path->guide, direction, hero);
     sample->pdf_w = lanes_add(lanes_scale(pdf_w, 1 - share), lanes_all(mixture - (1 - share) * hero));
-    sample->weight = lanes_scale(f_cos, 1 / mixture);
+    sample->weight = mixture > 0 ? lanes_scale(f_cos, 1 / mixture) : lanes_all(0);
     path->steering = hero > 0 ? float_max(mixture / hero, 1) : 1;
 }
 
