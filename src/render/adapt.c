@@ -103,11 +103,12 @@ static void mean_around(const float *map, uint32_t width, uint32_t height, uint3
         }
 }
 
-/* The next of 2^k, 3 * 2^k from n on that is not below `least`. */
+/* The first of 2, 3, 4, 6, 8, 12, ... that is below neither. */
 static uint32_t next_step(uint32_t n, double least)
 {
-    while (n < least) n = n & (n - 1) ? n / 3 * 4 : n > 1 ? n / 2 * 3 : 2;
-    return n;
+    uint32_t step = 2;
+    while (step < n || step < least) step = step & (step - 1) ? step / 3 * 4 : step / 2 * 3;
+    return step;
 }
 
 /* What every pixel's neighbours say of it. */
@@ -155,7 +156,8 @@ AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most
             if (enough <= n) continue;
             uint32_t step = next_step(n, fmin(enough, 2.0 * n));
             adapt->wanted[i] = step < most ? step : most;
-            plan.left += (uint64_t)(fmin(enough, most) - n);
+            uint32_t last = next_step(n, fmin(enough, most));
+            plan.left += (last < most ? last : most) - n;
             if (adapt->wanted[i] - n > plan.next) plan.next = adapt->wanted[i] - n;
         }
     return plan;

@@ -61,7 +61,7 @@ static void judge_uniform(const Job *job, double done, RenderProgress *progress)
 }
 
 /* The same of one that ends with the noise: known once the first plan is there. The pixels that are left take longer than
- * those that are done, so that only the time since then counts; how many samples are missing is known within two thirds. */
+ * those that are done, so that only the time since then counts; how many samples are missing is known to a factor of two: neighbours will find more to do. */
 static void judge_adaptive(const Job *job, double done, RenderProgress *progress)
 {
     if (!job->wanted) return;
@@ -69,8 +69,8 @@ static void judge_adaptive(const Job *job, double done, RenderProgress *progress
     double all = job->planned_at_samples + left, seconds = progress->seconds - job->adapted_at;
     progress->fraction = all > 0 ? fmin(done / all, 1) : 1;
     if (!(since > 0) || seconds <= 0.5) return;
-    double one = seconds / since, most = fmin(1.67 * left, (double)job->plan.at_most);
-    progress->seconds_left_low = one * fmax(0.6 * left - since_plan, 0);
+    double one = seconds / since, most = fmin(2 * left, (double)job->plan.at_most);
+    progress->seconds_left_low = one * fmax(0.8 * left - since_plan, 0);
     progress->seconds_left_high = one * fmax(most - since_plan, 0);
 }
 

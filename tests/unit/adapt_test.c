@@ -1,0 +1,105 @@
+/* adapt_test.c - where more samples are asked for: by the neighbours, in steps, up to the most.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "base/hash.h"
+#include "near.h"
+#include "render/adapt.h"
+
+enum { SIDE = 40, MIDDLE = SIDE / 2 };
+static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
+
+/* To the right of the middle, luminances of 1 with a deviation of 0.5; to the left, 1 alone. */
+static void fill(Film *film, uint32_t samples)
+{
+    Error error;
+    assert_int_equal(film_init(film, SIDE, SIDE, &error), STATUS_OK);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++)
+            for (uint32_t i = 0; i < samples; i++) {
+                double u = hash_to_unit(hash_u64(((uint64_t)y * SIDE + x) * 1000 + i)) - 0.5;
+                float value = (float)(x < MIDDLE ? 1 : 1 + u * sqrt(3));
+                (void)film_add(film, x, y, (float[]){value, value, value}, 1);
+            }
+}
+
+static AdaptPlan plan_of(const Film *film, double noise, uint32_t most, uint32_t *wanted)
+{
+    Error error;
+    Adapt adapt;
+    assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
+    AdaptPlan plan = adapt_plan(&adapt, film, noise, most);
+    memcpy(wanted, adapt.wanted, SIDE * SIDE * sizeof *wanted);
+    adapt_clear(&adapt);
+    return plan;
+}
+
+/* The mean |error| of a mean of 16 samples is sqrt(2 / pi) * 0.5 / 4, of luminance 1, in half of the pixels. */
+static void noise_is_the_mean_error(void **state)
+{
+    (void)state;
+    Film film;
+    fill(&film, 16);
+    double expected = 0.5 * sqrt(2 / acos(-1)) * 0.125 / sqrt(1.01);
+    assert_near(adapt_noise(&film, whole), expected, 0.06 * expected);
+    film_clear(&film);
+    fill(&film, 1);
+    assert_true(adapt_noise(&film, whole) < 0);
+    film_clear(&film);
+}
+
+static void samples_go_where_the_noise_is(void **state)
+{
+    (void)state;
+    static uint32_t wanted[SIDE * SIDE];
+    Film film;
+    fill(&film, 16);
+    AdaptPlan plan = plan_of(&film, 0.02, 1000, wanted);
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        if (i % SIDE + 5 < MIDDLE) assert_int_equal(wanted[i], 16);
+        if (i % SIDE >= MIDDLE)
+            assert_int_equal(wanted[i], 32); /* about 400 are needed, twice as many are taken at once */
+    }
+    assert_int_equal(plan.next, 16);
+    assert_true(plan.left > SIDE * MIDDLE * 200 && plan.left < plan.at_most && plan.at_most == SIDE * SIDE * 984);
+    plan = plan_of(&film, 0.02, 20, wanted);
+    assert_int_equal(wanted[SIDE - 1], 20);
+    plan = plan_of(&film, 0.02, 16, wanted);
+    assert_int_equal(plan.next, 0);
+    assert_true(plan.unmet >= SIDE * MIDDLE && plan.unmet < SIDE * SIDE);
+    plan = plan_of(&film, 0.2, 1000, wanted);
+    assert_int_equal(plan.next, 0);
+    assert_int_equal(plan.left + plan.unmet, 0);
+    film_clear(&film);
+}
+
+/* A firefly calls for samples all around, not at its own place. */
+static void no_pixel_judges_itself(void **state)
+{
+    (void)state;
+    static uint32_t before[SIDE * SIDE], after[SIDE * SIDE];
+    Film film;
+    fill(&film, 16);
+    uint32_t place = 10 * SIDE + 8; /* where all is smooth */
+    (void)plan_of(&film, 0.02, 1000, before);
+    (void)film_add(&film, 8, 10, (float[]){100, 100, 100}, 1);
+    (void)plan_of(&film, 0.02, 1000, after);
+    assert_int_equal(before[place], 16);
+    assert_int_equal(after[place], 17); /* what it has */
+    for (uint32_t y = 8; y <= 12; y++)
+        for (uint32_t x = 6; x <= 10; x++)
+            if (y * SIDE + x != place) assert_true(after[y * SIDE + x] > before[y * SIDE + x]);
+    film_clear(&film);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(noise_is_the_mean_error),
+        cmocka_unit_test(samples_go_where_the_noise_is),
+        cmocka_unit_test(no_pixel_judges_itself),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
