@@ -482,7 +482,7 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
     for (;;) {
         search_nearest(&query);
         bool good = complete_nearest(&query);
-        size_t n = rtc_cluster(hits->items, hits->n);
+        size_t n = good ? rtc_cluster(hits->items, hits->n) : 0;
         if (UNLIKELY(!good || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach))) {
             search_exactly(&query);
             n = rtc_cluster(hits->items, hits->n);

@@ -168,6 +168,7 @@ static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
     hit->normal = vec3f_from(normal);
     hit->cos_normal = cosine;
     hit->rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + hit->t);
+    hit->u = hit->v = 0;
     hit->inside = hit->clear = hit->doubtful = false;
     return true;
 }
