@@ -384,21 +384,8 @@ static void print_prop_name(Flat *flat, const char *name, unsigned depth, size_t
     buf_format(flat->out, "%s = ", name);
 }
 
-/* Objects are told apart by their places in the text, which are others in a flat one. */
-static void check_place(Flat *flat, const EvalNode *node)
-{
-    if (node->type->flags & NODE_BY_PLACE)
-        diag_report(flat->diag, D_NOT_FLAT, node->span, "'%s' goes by where objects are placed, which a flat scene changes",
-                    node->type->name);
-    for (size_t i = 0; i < node->n_props; i++)
-        if (node->props[i].type->flags & PROP_BY_PLACE && node->props[i].as.number != 0)
-            diag_report(flat->diag, D_NOT_FLAT, node->props[i].span,
-                        "'%s' goes by where objects are placed, which a flat scene changes", node->props[i].type->name);
-}
-
 static void print_props(Flat *flat, const EvalNode *node, const EvalNode *origin, unsigned depth)
 {
-    check_place(flat, node);
     size_t line = line_start(flat->out);
     for (size_t i = 0; i < node->n_props; i++) {
         if (inherited(&node->props[i], origin)) continue;

@@ -39,8 +39,7 @@ enum PropFlags {
     PROP_SHAPE = 2,    /* changes the geometry: an instance that sets it shares nothing */
     PROP_OPEN_MIN = 4, /* min itself is not allowed */
     PROP_OPEN_MAX = 8,
-    PROP_TEXTURE = 16, /* a node of a type with NODE_TEXTURE may stand in place of the value */
-    PROP_BY_PLACE = 32 /* a number: unless it is 0, what it means depends on where in the text objects are placed */
+    PROP_TEXTURE = 16  /* a node of a type with NODE_TEXTURE may stand in place of the value */
 };
 
 typedef struct PropType {
@@ -60,8 +59,7 @@ enum NodeFlags {
     NODE_CHILDREN = 4,   /* takes child nodes (group, union) */
     NODE_SINGLE = 8,     /* settings: at most one per file; a later one adds to and overrides the earlier (render, film) */
     NODE_NAMED = 16,     /* must be declared with a name (medium) */
-    NODE_TEXTURE = 32,    /* a value that depends on the place */
-    NODE_BY_PLACE = 64 /* what it means depends on where in the text objects are placed */
+    NODE_TEXTURE = 32    /* a value that depends on the place */
 };
 
 typedef struct NodeType {

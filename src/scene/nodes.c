@@ -40,7 +40,7 @@
 #define TEXTURE_PLACE                                                                                                  \
     PROP(space, CHOICE, UNIT_NONE, 0, NO_MIN, NO_MAX, "object|world", "object",                                        \
          "object: it moves with what it is on; world: it stays where it is")                                           \
-    PROP(vary, NUMBER, UNIT_LENGTH, PROP_BY_PLACE, 0, NO_MAX, NULL, "0",                                               \
+    PROP(vary, NUMBER, UNIT_LENGTH, 0, 0, NO_MAX, NULL, "0",                                                           \
          "each object has it shifted by a vector of its own, up to this far along each axis")
 #define TEXTURE_WARP(amount)                                                                                           \
     PROP(turbulence, NUMBER, UNIT_NONE, 0, NO_MIN, NO_MAX, NULL, amount,                                               \

@@ -26,12 +26,6 @@ for scene in *.mns; do
             exits 3
             says err "'function' is a function, and a flat scene has none [not-flat]"
             ;;
-        pantry.mns) # no two of its beads and planks are alike
-            run dump --flat pantry.mns
-            exits 3
-            says err "'vary' goes by where objects are placed, which a flat scene changes [not-flat]"
-            says err "'variation' goes by where objects are placed, which a flat scene changes [not-flat]"
-            ;;
         soda.mns) same_flat "$scene" --set camera.shutter=0 ;; # a dump is of one moment
         *) same_flat "$scene" ;;
     esac
