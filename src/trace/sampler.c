@@ -4,7 +4,7 @@
 
 /* The columns of the two matrices, for the six digits of a pixel's place, the finest first; a column's lowest bit goes
  * to the coordinate's first digit. Found by annealing: the least sum of rank deficits over all elementary intervals of
- * 1, 2, ... 512 samples of 2, 4, ... 64 pixels. Most of these sets are (t, m, 2)-nets of t = 1, none is above t = 2. */
+ * 1, 2, ... 512 samples of 2, 4, ... 64 pixels. Most of these sets are (t, m, 2)-nets of t = 1, a few of t = 2 or 3. */
 #define DIGIT(place, n, column) ((place) >> (5 - (n)) & 1 ? (column) : 0)
 #define FIRST(p)                                                                                 \
     (DIGIT(p, 0, 0xb2dbU) ^ DIGIT(p, 1, 0x85b6U) ^ DIGIT(p, 2, 0xbb3cU) ^ DIGIT(p, 3, 0x9d14U) ^ \
