@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "lang/schema_find.h"
 #include "scene/build_parts.h"
 #include "scene/geometry.h"
 #include "scene/library.h"
@@ -288,17 +289,18 @@ static void build_media(Builder *b)
         if (strcmp(b->result.nodes[i]->type->name, "medium") == 0) build_medium(b, b->result.nodes[i]);
 }
 
+/* The film and how to render are there in any case: what no node says is as the table has it. */
 static void build_settings(Builder *b)
 {
     static const struct {
         const char *type;
         void (*build)(Builder *b, const EvalNode *node);
-    } settings[] = {{"environment", build_environment}, {"film", build_film}, {"render", build_render}};
-    b->scene->film = (SceneFilm){.width = 640, .height = 480};
-    b->scene->render = (SceneRender){.samples = 256, .bounces = 256};
+        bool always;
+    } settings[] = {{"environment", build_environment, false}, {"film", build_film, true}, {"render", build_render, true}};
     for (size_t i = 0; i < COUNT_OF(settings) && b->status == STATUS_OK; i++) {
         const EvalNode *node = find_single(b, settings[i].type);
-        if (node) settings[i].build(b, node);
+        EvalNode unsaid = {.type = schema_node(scene_schema(), settings[i].type)};
+        if (node || settings[i].always) settings[i].build(b, node ? node : &unsaid);
     }
 }
 

@@ -87,7 +87,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
         reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);
     if (object->surface != SCENE_NONE && surface_has_relief(&scene->surfaces[object->surface])) {
         SurfacePlace place = path_place(path, event);
-        path_relief(path, event, &scene->surfaces[object->surface], &place);
+        path_relief(path, event, &scene->surfaces[object->surface], (double)path->cone_width, &place);
         sight->normal = place.normal;
     }
 }

@@ -23,17 +23,18 @@ typedef struct Path {
     WavelengthSample wavelengths;
     Lanes beta, ratio, radiance;
     Ray ray;
-    Vec3 scatter_point; /* where the ray's direction was last sampled */
+    Vec3 scatter_point;   /* where the ray's direction was last sampled */
     Vec3f scatter_normal; /* the surface's there, if it scatters to its one side only; else zero */
-    float scatter_pdf;  /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
-    uint32_t bounce;    /* events so far: each has random numbers of its own */
-    float cone_width, cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
-    bool cone_bent;     /* it has gone through a boundary, or off a mirror */
-    GuideAt guide;      /* at the place where the path is scattered last */
-    float steering;     /* how much denser its direction was chosen there than the surface alone would have */
-    bool straight;      /* media do not scatter it: it only looks what is there */
+    float scatter_pdf;    /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
+    uint32_t bounce;      /* events so far: each has random numbers of its own */
+    float cone_width,
+        cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
+    bool cone_bent;  /* it has gone through a boundary, or off a mirror */
+    GuideAt guide;   /* at the place where the path is scattered last */
+    float steering;  /* how much denser its direction was chosen there than the surface alone would have */
+    bool straight;   /* media do not scatter it: it only looks what is there */
     PathMedium media[PATH_MEDIA]; /* by the medium's number, modulo their own */
-    uint32_t n_counted; /* of these, the ones that the scene's limit counts: not scattering within media */
+    uint32_t n_counted;           /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
 
 typedef enum EventKind {
@@ -50,8 +51,8 @@ typedef struct Event {
     Hit hit;          /* the surface to be shaded */
     size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
-    bool clear;      /* of the reading of the surfaces there: it does not contradict the list, and nothing is doubtful */
-    double t;        /* EVENT_SCATTER: how far along the ray, */
+    bool clear; /* of the reading of the surfaces there: it does not contradict the list, and nothing is doubtful */
+    double t;   /* EVENT_SCATTER: how far along the ray, */
     uint32_t medium; /* and what scatters there */
 } Event;
 
@@ -148,8 +149,11 @@ void path_reach(Path *path, const Event *event);
 void path_widen(Path *path);
 /* A shading normal such that nothing that comes from `view` is mirrored into the surface. */
 Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal);
-/* What bumps and normal maps make of the shading normal. */
-void path_relief(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place);
+/* What bumps and normal maps make of the shading normal; footprint: the size of what need not be told apart. At smooth
+ * boundaries it is 0: a normal that depends on how far a path has come would let light into total reflections that it
+ * never gets out of. */
+void path_relief(const Path *path, const Event *event, const SceneSurface *surface, double footprint,
+                 SurfacePlace *place);
 /* The parameters that a surface with textures has where it was hit, for the four wavelengths given and no others; and
  * what path_relief does. */
 void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
@@ -161,7 +165,7 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
 bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
                          const SurfacePlace *place);
 /* A boundary between two media that is rough, or not clear in all parts; false: the path ends. */
-bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec, const SurfacePlace *place,
-                      Lanes eta_i, Lanes eta_t);
+bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                      const SurfacePlace *place, Lanes eta_i, Lanes eta_t);
 
 #endif

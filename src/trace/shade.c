@@ -263,7 +263,7 @@ bool path_cross_boundary(Path *path, Event *event)
         }
         return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
     }
-    if (surface && surface_has_relief(surface)) path_relief(path, event, surface, &place);
+    if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &place);
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
     BoundaryChoice choice = choose_at_boundary(path->ray.direction, place.normal, eta_i, eta_t, u);
     /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection

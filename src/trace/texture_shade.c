@@ -127,10 +127,11 @@ static void add_relief(const Path *path, const Event *event, const SceneSurface 
 
 /* ---- parameters ---- */
 
-void path_relief(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place)
+void path_relief(const Path *path, const Event *event, const SceneSurface *surface, double footprint,
+                 SurfacePlace *place)
 {
     TextureView view;
-    texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
+    texture_view(path->tracer->world, surface, &path->ray, &event->hit, footprint, &view);
     add_relief(path, event, surface, &view, place);
 }
 

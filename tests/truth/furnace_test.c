@@ -75,8 +75,10 @@ static void expect_furnace(const char *what, const Fixture *scene, Worst *worst)
     if (!spread && !noisy) {
         truth_render_empty(&settings, &empty);
         double difference = truth_largest_difference(&picture, &empty);
-        /* one path of the pixel's is worth 1 / SAMPLES */
-        if (!(difference <= 1e-5)) fail_msg("%s: a pixel is %g from the empty scene", what, difference);
+        /* One path of the pixel's is worth 1 / SAMPLES. Without nesting a path may come into total reflections that it never
+         * gets out of: what it is taken to be in depends on the way it came. */
+        double most = scene->compiled->order.policy == NEST_NONE ? 2.0 / SAMPLES : 1e-5;
+        if (!(difference <= most)) fail_msg("%s: a pixel is %g from the empty scene", what, difference);
         worst->difference = fmax(worst->difference, difference);
         truth_clear(&empty);
     }
