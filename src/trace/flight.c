@@ -277,15 +277,11 @@ static const FlightPart *scatterer(const FlightParts *parts, double t, float u)
     return last;
 }
 
-/* Scales both where they would leave the range of float: only their quotient counts. */
 static void multiply(Path *path, Lanes beta, Lanes ratio)
 {
-    const float large = 0x1p40f;
     path->beta = lanes_mul(path->beta, beta);
     path->ratio = lanes_mul(path->ratio, ratio);
-    if (LIKELY(lanes_max(path->ratio) < large)) return;
-    path->beta = lanes_scale(path->beta, 1 / large);
-    path->ratio = lanes_scale(path->ratio, 1 / large);
+    path_keep_in_range(path);
 }
 
 /* At a collision: what scatters the path, or NULL where it goes on. */

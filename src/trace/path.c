@@ -92,16 +92,6 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     }
 }
 
-/* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
- * both counts. */
-static void keep_in_range(Path *path)
-{
-    const float large = 0x1p40f;
-    if (LIKELY(lanes_max(path->ratio) < large)) return;
-    path->beta = lanes_scale(path->beta, 1 / large);
-    path->ratio = lanes_scale(path->ratio, 1 / large);
-}
-
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. */
 static bool survives(Path *path)
 {
@@ -202,7 +192,7 @@ static bool follow(Path *path)
         path->n_counted += event.kind != EVENT_SCATTER;
         path->bounce++;
         if (textured) path_widen(path);
-        keep_in_range(path);
+        path_keep_in_range(path);
         if (!survives(path)) return true;
     }
 }

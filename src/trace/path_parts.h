@@ -37,6 +37,16 @@ typedef struct Path {
     uint32_t n_counted;           /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
 
+/* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
+ * both counts. */
+static inline void path_keep_in_range(Path *path)
+{
+    const float large = 0x1p40f;
+    if (LIKELY(lanes_max(path->ratio) < large)) return;
+    path->beta = lanes_scale(path->beta, 1 / large);
+    path->ratio = lanes_scale(path->ratio, 1 / large);
+}
+
 typedef enum EventKind {
     EVENT_LOST,
     EVENT_ESCAPE,

@@ -5,22 +5,6 @@
 
 static const double degree = TRUTH_PI / 180;
 
-static Estimate measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance)
-{
-    enum { PICTURE = 16 };
-    Fixture scene;
-    Picture picture;
-    truth_open(&scene, (TruthInput){.text = text, .sky = sky, .policy = NEST_AUTOMATIC});
-    RenderSettings settings = truth_settings(PICTURE, samples);
-    settings.by_chance = by_chance;
-    truth_render(&scene, &settings, 0, &picture);
-    assert_int_equal(picture.stats.nesting_faults, 0);
-    Estimate mean = truth_mean(&picture, -1);
-    truth_clear(&picture);
-    fixture_clear(&scene);
-    return mean;
-}
-
 #define FLOOR                                                                                                          \
     "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n"                                              \
     "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n"
@@ -32,10 +16,10 @@ static void expect_both(const char *what, const char *light, double (*sky)(doubl
     char text[1500], name[160];
     double expected = 0.8 / TRUTH_PI * irradiance;
     snprintf(text, sizeof text, FLOOR "%s\n", light);
-    truth_expect(what, expected, measure(text, sky, 512, false), 4, 0.002);
+    truth_expect(what, expected, truth_measure(text, sky, 512, false), 4, 0.002);
     if (!chance) return;
     snprintf(name, sizeof name, "%s, by chance", what);
-    truth_expect(name, expected, measure(text, sky, chance / 4, true), 4, 0.005);
+    truth_expect(name, expected, truth_measure(text, sky, chance / 4, true), 4, 0.005);
 }
 
 /* ---- closed forms ---- */
@@ -209,7 +193,7 @@ static void bulb_in_murk(void **state)
         "sphere { interior = glass  radius = 20  priority = 1 } sphere { interior = air  radius = 19  priority = 2 }\n"
         "light { shape = sphere  radius = 2  radiance = 5 }\n"
         "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
-    truth_expect("a light in a bulb in murk", 5 * (1 - r) / (1 + r) * exp(-0.02 * 40), measure(text, NULL, 4096, false),
+    truth_expect("a light in a bulb in murk", 5 * (1 - r) / (1 + r) * exp(-0.02 * 40), truth_measure(text, NULL, 4096, false),
                  4, 0.005);
 }
 
@@ -236,7 +220,7 @@ static void agree_in_fog(void **state)
                  FLOOR "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
                        "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }\n%s\n",
                  cases[i].light);
-        Estimate sampled = measure(text, NULL, 512, false), chance = measure(text, NULL, 2048, true);
+        Estimate sampled = truth_measure(text, NULL, 512, false), chance = truth_measure(text, NULL, 2048, true);
         double error = hypot(sampled.error, chance.error);
         truth_figure(cases[i].what, chance.mean, sampled.mean, error);
         assert_true(sampled.error < 0.005 * sampled.mean && chance.error < 0.005 * chance.mean);

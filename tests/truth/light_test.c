@@ -5,22 +5,6 @@
 
 static const double degree = TRUTH_PI / 180;
 
-static Estimate measure(const char *text, uint32_t samples, bool by_chance)
-{
-    enum { PICTURE = 16 };
-    Fixture scene;
-    Picture picture;
-    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
-    RenderSettings settings = truth_settings(PICTURE, samples);
-    settings.by_chance = by_chance;
-    truth_render(&scene, &settings, 0, &picture);
-    assert_int_equal(picture.stats.nesting_faults, 0);
-    Estimate mean = truth_mean(&picture, -1);
-    truth_clear(&picture);
-    fixture_clear(&scene);
-    return mean;
-}
-
 #define FLOOR                                                                                                          \
     "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n"                                              \
     "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n"
@@ -76,9 +60,9 @@ static void surfaces_on_a_floor(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000], what[120];
         snprintf(text, sizeof text, FLOOR "%s\n", cases[i].object);
-        truth_expect(cases[i].what, on_floor(cases[i].irradiance), measure(text, 1024, false), 4, 0.004);
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance), truth_measure(text, NULL, 1024, false), 4, 0.004);
         snprintf(what, sizeof what, "%s, found by chance", cases[i].what);
-        truth_expect(what, on_floor(cases[i].irradiance), measure(text, 4096, true), 4, 0.01);
+        truth_expect(what, on_floor(cases[i].irradiance), truth_measure(text, NULL, 4096, true), 4, 0.01);
     }
 }
 
@@ -111,7 +95,7 @@ static void looked_for_or_by_chance(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
         snprintf(text, sizeof text, FLOOR "%s\n", cases[i].object);
-        Estimate sampled = measure(text, 1024, false), chance = measure(text, 8192, true);
+        Estimate sampled = truth_measure(text, NULL, 1024, false), chance = truth_measure(text, NULL, 8192, true);
         truth_check(cases[i].what, sampled.mean, sampled, 4, 0.006);
         double error = hypot(sampled.error, chance.error);
         truth_figure(cases[i].what, chance.mean, sampled.mean, error);
@@ -153,7 +137,7 @@ static void point_and_spot(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
         snprintf(text, sizeof text, FLOOR "%s\n", cases[i].light);
-        Estimate measured = measure(text, 256, false);
+        Estimate measured = truth_measure(text, NULL, 256, false);
         if (cases[i].irradiance > 0)
             truth_expect(cases[i].what, on_floor(cases[i].irradiance), measured, 4, 0.005);
         else
@@ -182,7 +166,7 @@ static void profile(void **state)
         char text[1000];
         snprintf(text, sizeof text, FLOOR "light { shape = point  profile = \"tests/unit/lamp.ies\"  %s }\n",
                  cases[i].light);
-        Estimate measured = measure(text, 256, false);
+        Estimate measured = truth_measure(text, NULL, 256, false);
         if (cases[i].irradiance > 0)
             truth_expect(cases[i].what, on_floor(cases[i].irradiance), measured, 4, 0.005);
         else
@@ -214,12 +198,12 @@ static void point_in_fog(void **state)
 {
     (void)state;
     const double sigma = 1e-6, h = 20, half = 100;
-    Estimate measured = measure("meniscus 1.0 unit mm\n"
-                                "medium fog { ior = 1  scattering = 1e-6 / 1mm }\n"
-                                "box { interior = fog  from = <-300, -300, -100>  to = <300, 300, 100> }\n"
-                                "light { shape = point  from = <0, 20, 0>  intensity = 1 }\n"
-                                "camera { from = <0, 0, 400>  to = <0, 0, 0>  fov = .01deg }\n",
-                                65536, false);
+    Estimate measured = truth_measure("meniscus 1.0 unit mm\n"
+                                      "medium fog { ior = 1  scattering = 1e-6 / 1mm }\n"
+                                      "box { interior = fog  from = <-300, -300, -100>  to = <300, 300, 100> }\n"
+                                      "light { shape = point  from = <0, 20, 0>  intensity = 1 }\n"
+                                      "camera { from = <0, 0, 400>  to = <0, 0, 0>  fov = .01deg }\n",
+                                      NULL, 65536, false);
     double expected = sigma * 1e6 / (4 * TRUTH_PI * h) * 2 * atan(half / h);
     truth_figure("point in thin fog", expected, measured.mean, measured.error);
     assert_near(measured.mean, expected, 4 * measured.error + 1e-3 * expected);
@@ -237,14 +221,14 @@ static void floor_under_a_sky(void **state)
         "box { from = <500, 0, -900>  to = <501, 2000, 900>  rotate(y, -20deg)  surface = surface { albedo = 0 } }\n";
     char text[1000];
     snprintf(text, sizeof text, FLOOR "%s", sky);
-    Estimate sampled = measure(text, 1024, false), chance = measure(text, 4096, true);
+    Estimate sampled = truth_measure(text, NULL, 1024, false), chance = truth_measure(text, NULL, 4096, true);
     double error = hypot(sampled.error, chance.error);
     truth_figure("floor under a sky, looked for and by chance", chance.mean, sampled.mean, error);
     assert_near(sampled.mean, chance.mean, 4 * error + 1e-6);
     snprintf(text, sizeof text, FLOOR "%s", sun);
-    Estimate lit = measure(text, 1024, false);
+    Estimate lit = truth_measure(text, NULL, 1024, false);
     snprintf(text, sizeof text, FLOOR "%s%s", sun, shade);
-    Estimate shaded = measure(text, 1024, false);
+    Estimate shaded = truth_measure(text, NULL, 1024, false);
     print_message("      sky %.4f, with the sun %.4f, in the shade %.4f\n", sampled.mean, lit.mean, shaded.mean);
     assert_true(lit.mean > 3 * sampled.mean && shaded.mean < sampled.mean);
 }
@@ -283,7 +267,7 @@ static void portals(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[2000];
         snprintf(text, sizeof text, FLOOR CEILING TRUTH_WHITE_SKY "%s", cases[i].portals);
-        Estimate measured = measure(text, 512, false);
+        Estimate measured = truth_measure(text, NULL, 512, false);
         if (i == 0) first = measured;
         truth_expect(cases[i].what, on_floor(TRUTH_PI * rectangle_factor(30, 12, 20)), measured, 4, 0.002);
         double gain = pow(first.error / measured.error, 2);
@@ -308,9 +292,9 @@ static void portals_in_a_room(void **state)
     for (size_t i = 0; i < COUNT_OF(skies); i++) {
         char text[2000];
         snprintf(text, sizeof text, FLOOR "%s%s", room, skies[i]);
-        Estimate without = measure(text, 512, false), chance = measure(text, 2048, true);
+        Estimate without = truth_measure(text, NULL, 512, false), chance = truth_measure(text, NULL, 2048, true);
         snprintf(text, sizeof text, FLOOR "%s%s" PORTAL("<30, 14, 12>", "<0, 14, 12>", "<16, 12>"), room, skies[i]);
-        Estimate with = measure(text, 512, false);
+        Estimate with = truth_measure(text, NULL, 512, false);
         truth_figure("a room with a portal and without", without.mean, with.mean, hypot(without.error, with.error));
         assert_near(with.mean, without.mean, 4 * hypot(without.error, with.error));
         truth_figure("a room with a portal and by chance", chance.mean, with.mean, hypot(chance.error, with.error));
@@ -341,7 +325,7 @@ static void in_water(void **state)
                        "sphere { interior = water  center = <3e5, 0, 0>  radius = 1e6 }\n%s\n",
                  cases[i].light);
         /* what comes back from the water's far surface, which is not concentric, is too little to be seen */
-        truth_expect(cases[i].what, on_floor(cases[i].irradiance) / (1.33 * 1.33), measure(text, 1024, false), 4,
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance) / (1.33 * 1.33), truth_measure(text, NULL, 1024, false), 4,
                      0.005);
     }
 }
@@ -356,12 +340,12 @@ static void filament_in_a_bulb(void **state)
                        "sphere { interior = glass  radius = 20 } sphere { interior = air  radius = 19 }\n"
                        "sphere { radius = 2  surface = surface { albedo = 0  emission = 1  radiance = 5 } }\n"
                        "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
-    truth_expect("a glowing ball seen through a bulb", 5 * (1 - r) / (1 + r), measure(bulb, 4096, false), 4, 0.005);
+    truth_expect("a glowing ball seen through a bulb", 5 * (1 - r) / (1 + r), truth_measure(bulb, NULL, 4096, false), 4, 0.005);
     const char *embedded = "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid }\n"
                            "sphere { interior = glass  radius = 20 }\n"
                            "sphere { radius = 2  surface = surface { albedo = 0  emission = 1  radiance = 5 } }\n"
                            "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
-    truth_expect("a glowing ball within glass", 5 / 2.25 * (1 - r), measure(embedded, 4096, false), 4, 0.005);
+    truth_expect("a glowing ball within glass", 5 / 2.25 * (1 - r), truth_measure(embedded, NULL, 4096, false), 4, 0.005);
 }
 
 /* ---- moving lights ---- */
@@ -391,7 +375,7 @@ static void moving_ball(void **state)
         char text[1000];
         snprintf(text, sizeof text, "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n%s%s\n", frame,
                  cases[i].light);
-        truth_expect(cases[i].what, on_floor(cases[i].irradiance), measure(text, 4096, false), 4, 0.005);
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance), truth_measure(text, NULL, 4096, false), 4, 0.005);
     }
 }
 

@@ -9,24 +9,6 @@ enum { WIDTH = 24 };
 #define HEAD "meniscus 1.0 unit m medium glass { ior = 1.5  state = solid }\n"
 #define VIEW " camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 22deg } "
 
-static double two_skies(double elevation)
-{
-    return elevation > 0.4 ? 3 : 0.2;
-}
-
-static Picture render(const char *text, uint32_t samples)
-{
-    Fixture scene;
-    Picture picture;
-    truth_open(&scene, (TruthInput){.text = text, .sky = two_skies});
-    RenderSettings settings = truth_settings(WIDTH, samples);
-    settings.bounces = 1000000;
-    truth_render(&scene, &settings, 0, &picture);
-    if (picture.stats.nesting_faults) fail_msg("%s: nesting faults", text);
-    fixture_clear(&scene);
-    return picture;
-}
-
 /* Slopes of about 45 degrees, and of 85. */
 static const char *const reliefs[] = {
     "bump = noise { octaves = 2 scale(.2) } bump_height = .15",
@@ -55,7 +37,7 @@ static void white_furnaces(void **state)
             snprintf(thing, sizeof thing, "%.*s%s%s", (int)(hole - things[i]), things[i], reliefs[k], hole + 2);
             snprintf(text, sizeof text, HEAD "%s" VIEW TRUTH_WHITE_SKY, thing);
             snprintf(what, sizeof what, "%.55s..., relief %zu", things[i], k);
-            Picture picture = render(text, 128);
+            Picture picture = truth_render_text(text, WIDTH, 128);
             Estimate mean = truth_mean(&picture, -1);
             truth_figure(what, 1, mean.mean, mean.error);
             worst = fmax(worst, fabs(mean.mean - 1));
@@ -81,7 +63,7 @@ static void lights_are_found_alike(void **state)
                      HEAD "medium nearly { ior = 1.0000001 state = gas } sphere { surface = surface { %s "
                           "bump = noise { octaves = 2 scale(.2) } bump_height = .2 } } %s" VIEW TRUTH_SKY,
                      finishes[i], chance ? "sphere { radius = 3 interior = nearly }" : "");
-            Picture picture = render(text, 512);
+            Picture picture = truth_render_text(text, WIDTH, 512);
             seen[chance] = truth_mean(&picture, -1);
             truth_clear(&picture);
         }
@@ -107,7 +89,7 @@ static void constants_are_constants(void **state)
         for (int k = 0; k < 2; k++) {
             char text[1200];
             snprintf(text, sizeof text, HEAD "sphere { surface = surface { %s } } " VIEW TRUTH_SKY, pairs[i][k]);
-            pictures[k] = render(text, 64);
+            pictures[k] = truth_render_text(text, WIDTH, 64);
         }
         double difference = truth_largest_difference(&pictures[0], &pictures[1]);
         printf("    %.50s: at most %.2g apart\n", pairs[i][0], difference);
@@ -144,7 +126,7 @@ static void textures_shine(void **state)
                      "medium nearly { ior = 1.0000001 state = gas } %s ground { surface = surface { albedo = .8 } } %s "
                      "camera { from = <0, 6, 3> to = <.8, 0, .6> fov = 12deg }",
                      thing, k == 3 ? "sphere { radius = 1 center = <0, 1.01, 0> interior = nearly }" : "");
-            Picture picture = render(text, k == 3 ? 2048 : 64);
+            Picture picture = truth_render_text(text, WIDTH, k == 3 ? 2048 : 64);
             seen[k] = truth_total(&picture);
             truth_clear(&picture);
         }

@@ -13,24 +13,6 @@ enum { WIDTH = 32 };
     "medium flint { ior = cauchy(1.6, .01)  state = solid }\n"
 #define VIEW "camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 22deg }\n"
 
-static double two_skies(double elevation)
-{
-    return elevation > 0.4 ? 3 : 0.2;
-}
-
-static Picture render(const char *text, uint32_t samples)
-{
-    Fixture scene;
-    Picture picture;
-    truth_open(&scene, (TruthInput){.text = text, .sky = two_skies});
-    RenderSettings settings = truth_settings(WIDTH, samples);
-    settings.bounces = 1000000;
-    truth_render(&scene, &settings, 0, &picture);
-    if (picture.stats.nesting_faults) fail_msg("%s: nesting faults", text);
-    fixture_clear(&scene);
-    return picture;
-}
-
 /* Nothing is absorbed, and so everything is 1: what one facet throws at another is not lost. The bound is that of the
  * tables by which it is kept. */
 static void white_furnaces(void **state)
@@ -60,7 +42,7 @@ static void white_furnaces(void **state)
             const char *hole = strstr(things[i], "%g");
             snprintf(thing, sizeof thing, "%.*s%g%s", (int)(hole - things[i]), things[i], roughness[k], hole + 2);
             snprintf(text, sizeof text, HEAD "%s " VIEW TRUTH_WHITE_SKY, thing);
-            Picture picture = render(text, 256);
+            Picture picture = truth_render_text(text, WIDTH, 256);
             Estimate mean = truth_mean(&picture, -1);
             truth_figure(what, 1, mean.mean, mean.error);
             if (!(fabs(mean.mean - 1) <= 0.005 + 3 * mean.error)) fail_msg("%s: %.5f +- %.5f", what, mean.mean, mean.error);
@@ -92,7 +74,7 @@ static void lights_are_found_alike(void **state)
             char text[1200];
             snprintf(text, sizeof text, HEAD "%s %s " VIEW TRUTH_SKY, things[i],
                      chance ? "medium veil { ior = 1.00001 } sphere { interior = veil  radius = 20  priority = -1 }" : "");
-            Picture picture = render(text, 512);
+            Picture picture = truth_render_text(text, WIDTH, 512);
             seen[chance] = truth_total(&picture);
             truth_clear(&picture);
         }
@@ -113,7 +95,7 @@ static void surroundings_count(void **state)
     };
     double middle[2];
     for (int i = 0; i < 2; i++) {
-        Picture picture = render(text[i], 512);
+        Picture picture = truth_render_text(text[i], WIDTH, 512);
         middle[i] = 0;
         for (uint32_t y = 0; y < 8; y++)
             for (uint32_t x = 0; x < 8; x++)
@@ -155,7 +137,7 @@ static void smooth_meshes_lose_nothing(void **state)
         char text[1200];
         snprintf(text, sizeof text, HEAD "mesh { file = \"%s\"  surface = surface { %s } } " VIEW TRUTH_WHITE_SKY, path,
                  surfaces[i]);
-        Picture picture = render(text, 256);
+        Picture picture = truth_render_text(text, WIDTH, 256);
         Estimate mean = truth_mean(&picture, -1);
         truth_figure(surfaces[i], 1, mean.mean, mean.error);
         if (!(fabs(mean.mean - 1) <= 0.001 + 3 * mean.error)) fail_msg("%s: %.5f +- %.5f", surfaces[i], mean.mean, mean.error);
@@ -175,7 +157,7 @@ static void films_interfere(void **state)
                  HEAD "sphere { surface = surface { thin = true  ior = 1.4  transmission = 1  film = %gnm } }" VIEW
                       "sphere { center = <0, 0, -9>  radius = 2  surface = surface { albedo = 0 } }" TRUTH_WHITE_SKY,
                  thickness_nm[i]);
-        Picture picture = render(text, 4096);
+        Picture picture = truth_render_text(text, WIDTH, 4096);
         double middle = truth_luminance(&picture, WIDTH / 2, WIDTH / 2);
         /* two walls of the ball, one behind the other, over the eye's colours */
         double once = 0, weights = 0;

@@ -270,3 +270,37 @@ double truth_fresnel(double cosine, double ior_from, double ior_to)
     double p = (ior_to * cosine - ior_from * cosine_to) / (ior_to * cosine + ior_from * cosine_to);
     return (s * s + p * p) / 2;
 }
+
+double truth_two_skies(double elevation)
+{
+    return elevation > 0.4 ? 3 : 0.2;
+}
+
+Picture truth_render_text(const char *text, uint32_t width, uint32_t samples)
+{
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies});
+    RenderSettings settings = truth_settings(width, samples);
+    settings.bounces = 1000000;
+    truth_render(&scene, &settings, 0, &picture);
+    if (picture.stats.nesting_faults) fail_msg("%s: nesting faults", text);
+    fixture_clear(&scene);
+    return picture;
+}
+
+Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance)
+{
+    enum { PICTURE = 16 };
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .sky = sky, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, samples);
+    settings.by_chance = by_chance;
+    truth_render(&scene, &settings, 0, &picture);
+    assert_int_equal(picture.stats.nesting_faults, 0);
+    Estimate mean = truth_mean(&picture, -1);
+    truth_clear(&picture);
+    fixture_clear(&scene);
+    return mean;
+}

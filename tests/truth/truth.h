@@ -92,4 +92,11 @@ void truth_print_faults(const char *what, const FaultCount *count);
  * independent of the renderer's: Born and Wolf, Principles of Optics, section 1.5.2. */
 double truth_fresnel(double cosine, double ior_from, double ior_to);
 
+/* A bright sky above a dim one, by the elevation. */
+double truth_two_skies(double elevation);
+/* The text under two skies, with as many bounces as it takes; its nesting must be without faults. */
+Picture truth_render_text(const char *text, uint32_t width, uint32_t samples);
+/* The mean of a small picture of the text, which shows the same everywhere. sky: NULL, or of its image. */
+Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance);
+
 #endif
