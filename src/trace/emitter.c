@@ -88,6 +88,7 @@ static bool keeps_round(const Affine *map)
 
 typedef struct Finder {
     const CompiledScene *compiled;
+    const WorldMedia *media;
     EmitterSet *set;
     LightBounds *bounds;
 } Finder;
@@ -180,15 +181,34 @@ static void add_objects(Finder *f)
     }
 }
 
-Status emitters_find(const CompiledScene *compiled, EmitterSet *set, Error *error)
+/* ---- media ---- */
+
+static void add_glows(Finder *f)
+{
+    const Scene *scene = f->compiled->scene;
+    f->set->first_glow = f->set->n;
+    for (uint32_t i = 0; i < f->media->n_glows; i++) {
+        const Glow *glow = &f->media->glows[i];
+        LightBounds bounds = {.axis = {0, 1, 0}, .cos_o = -1, .power = (float)glow->power};
+        Box3 box = box3_empty();
+        uint32_t n_times = glow->place->keys ? scene->n_keys : 1;
+        for (uint32_t k = 0; k < n_times; k++)
+            box = box3_union(box, glow_box(scene, glow, n_times > 1 ? (double)k / (n_times - 1) : 0));
+        set_box(&bounds, box);
+        add(f, (Emitter){i, 0, EMITTER_GLOW}, &bounds);
+        f->set->n_sources++;
+    }
+}
+
+Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, EmitterSet *set, Error *error)
 {
     const Scene *scene = compiled->scene;
     *set = (EmitterSet){0};
-    uint64_t n = scene->n_lights;
+    uint64_t n = (uint64_t)scene->n_lights + media->n_glows;
     for (uint32_t i = 0; i < scene->n_objects; i++) n += count_parts(scene, &scene->objects[i]);
     if (n >= UINT32_MAX / 2)
         return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
-    Finder f = {compiled, set, malloc((n + 1) * sizeof *f.bounds)};
+    Finder f = {compiled, media, set, malloc((n + 1) * sizeof *f.bounds)};
     set->emitters = malloc((n + 1) * sizeof *set->emitters);
     set->first_of_object = malloc((scene->n_objects + 1U) * sizeof *set->first_of_object);
     Status status = STATUS_OK;
@@ -204,6 +224,7 @@ Status emitters_find(const CompiledScene *compiled, EmitterSet *set, Error *erro
             add(&f, (Emitter){i, 0, EMITTER_LIGHT}, &bounds);
         }
         add_objects(&f);
+        add_glows(&f);
         status = light_tree_new(f.bounds, set->n, &set->tree, error);
     }
     free(f.bounds);

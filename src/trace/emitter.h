@@ -1,13 +1,15 @@
 /* emitter.h - everything of a scene that shines from a finite place, as parts that can be sampled one by one: lights,
- * triangles and analytic pieces of objects whose surface shines. A tree chooses among them.
+ * triangles and analytic pieces of objects whose surface shines, hulls whose medium does. A tree chooses among them.
  * Not among them, and so found by chance only: planes without end, and objects that are a union, an intersection or a
- * difference of others, whose own surface is not known beforehand.
+ * difference of others, whose own surface is not known beforehand; media that shine without end, or out of hulls whose
+ * boundaries bend all light.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_EMITTER_H
 #define MEN_EMITTER_H
 
 #include "scene/compile.h"
 #include "trace/light_tree.h"
+#include "trace/media.h"
 
 #define EMITTER_NONE UINT32_MAX
 
@@ -15,7 +17,8 @@ typedef enum EmitterKind {
     EMITTER_LIGHT,    /* `of` is one of scene->lights */
     EMITTER_TRIANGLE, /* of the object `of`, its mesh's triangle `part` */
     EMITTER_PIECE,    /* of the object `of`, its solid's piece `part` */
-    EMITTER_BALL      /* the same, a sphere that is still round where it stands */
+    EMITTER_BALL,     /* the same, a sphere that is still round where it stands */
+    EMITTER_GLOW      /* `of` is one of the media's glows */
 } EmitterKind;
 
 typedef struct Emitter {
@@ -27,11 +30,13 @@ typedef struct EmitterSet {
     Emitter *emitters;
     uint32_t n;
     uint32_t *first_of_object; /* of objects that shine themselves or as lights; EMITTER_NONE for others */
+    uint32_t first_glow;       /* all glows stand in their order */
     LightTree *tree;
-    uint32_t n_sources; /* lights and objects that emitters belong to */
+    uint32_t n_sources; /* lights, objects and glows that emitters belong to */
 } EmitterSet;
 
-ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, EmitterSet *set, Error *error);
+ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, EmitterSet *set,
+                                    Error *error);
 void emitters_clear(EmitterSet *set);
 
 /* The emitter that a hit is on; EMITTER_NONE where there is none. */

@@ -85,6 +85,9 @@ static void add_part(Path *path, FlightParts *parts, const Ray *ray, double t, u
     part->bound = lanes_max(lanes_add(part->absorption, part->scattering));
     if (!part->place) return;
     part->maps = media_maps(world->scene, part->place, ray->time, &part->moved);
+    uint32_t glow = medium->emits ? world->media.glow_of_place[part->place - world->media.places] : SCENE_NONE;
+    if (glow != SCENE_NONE && path->scatter_pdf >= 0) part->glow = &world->media.glows[glow];
+    part->glow_choice = -1;
     if (!medium->density) return;
     volume_walk_start(&part->walk, medium->density, &part->maps->to_density, ray->origin, vec3_from_f(ray->direction),
                       t);
@@ -92,8 +95,6 @@ static void add_part(Path *path, FlightParts *parts, const Ray *ray, double t, u
     part->low = part->walk.low;
     part->high = part->walk.high;
     part->t_end = part->walk.t_end;
-    uint32_t glow = world->media.glow_of_place[part->place - world->media.places];
-    if (glow != SCENE_NONE) part->glow = &world->media.glows[glow];
 }
 
 /* The owner's medium, and those that mix with it; false when memory ends. */
@@ -167,15 +168,18 @@ static Lanes emission_at(const FlightPart *part, const Ray *ray, double t, Lanes
 }
 
 /* Against finding the place by light sampling. */
-static float weight_of(const Path *path, const FlightPart *part, double t)
+static float weight_of(const Path *path, FlightPart *part, double t)
 {
-    if (!part->glow || path->scatter_pdf < 0) return 1;
-    size_t brick = volume_walk_brick(&part->walk, t);
-    if (brick == SIZE_MAX) return 1;
-    Vec3 to = vec3_sub(ray_point(&path->ray, t), path->scatter_point);
-    double density = glow_density(part->glow, part->medium->density, brick, part->maps->stretch);
+    const World *world = path->tracer->world;
+    if (!part->glow) return 1;
+    if (part->glow_choice < 0) {
+        uint32_t emitter = world->emitters.first_glow + (uint32_t)(part->glow - world->media.glows);
+        part->glow_choice = light_choice(world, emitter, path->scatter_point, path->scatter_normal);
+    }
+    Vec3 place = ray_point(&path->ray, t), to = vec3_sub(place, path->scatter_point);
+    double density = glow_density(part->glow, part->maps, place);
     return sampling_balance(path->scatter_pdf,
-                            light_pdf_glow(path->tracer->world, part->glow, density, vec3_dot(to, to)));
+                            light_pdf_glow(part->glow, part->glow_choice, density, vec3_dot(to, to)));
 }
 
 /* With what beta and ratio have yet to be given of the flight. */
@@ -211,7 +215,7 @@ static bool gather_even(Path *path, const FreeFlight *flight, const FlightPiece 
     for (uint32_t i = 0; i < parts->n; i++) {
         const FlightPart *part = &parts->items[i];
         if (!part->medium->emits || !(part->high > 0)) continue;
-        if (part->high > part->low || part->medium->temperature || (part->glow && path->scatter_pdf >= 0)) return false;
+        if (part->high > part->low || part->medium->temperature || part->glow) return false;
         light = lanes_add(light, lanes_scale(part->emission, part->low));
     }
     Lanes way = mean_way(lanes_add(piece->absorption, piece->scattering), flight_length(piece->end - piece->begin));
@@ -222,12 +226,12 @@ static bool gather_even(Path *path, const FreeFlight *flight, const FlightPiece 
 /* At one place of what is flown through of the piece. */
 static void gather_at_place(Path *path, const FreeFlight *flight, const FlightPiece *piece, double length, float u)
 {
-    const FlightParts *parts = &path->tracer->parts;
+    FlightParts *parts = &path->tracer->parts;
     FreeFlight up_to = *flight;
     double way = (double)u * length, t = piece->begin + way;
     Lanes light = lanes_all(0);
     for (uint32_t i = 0; i < parts->n; i++) {
-        const FlightPart *part = &parts->items[i];
+        FlightPart *part = &parts->items[i];
         if (!part->medium->emits || !(part->high > 0)) continue;
         light = lanes_add(light, lanes_scale(emission_at(part, &path->ray, t, path->wavelengths.nm),
                                              weight_of(path, part, t) * (float)length));

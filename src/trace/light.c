@@ -227,40 +227,10 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
     return texture_emission(world, surface, &ray, &hit, wavelength_nm);
 }
 
-static LightSample sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
-                                  Lanes wavelength_nm)
-{
-    const Scene *scene = world->scene;
-    if (emitter->kind == EMITTER_LIGHT)
-        return sample_light(world, &scene->lights[emitter->of], from, time, u, wavelength_nm);
-    const SceneObject *object = &scene->objects[emitter->of];
-    LightSample sample;
-    if (emitter->kind == EMITTER_TRIANGLE)
-        sample = sample_triangle(world, emitter, from, time, u);
-    else if (emitter->kind == EMITTER_BALL)
-        sample = sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u);
-    else
-        sample = sample_piece(world, emitter, from, time, u);
-    sample.radiance =
-        sample_emission(world, &scene->surfaces[object->surface], emitter, from, time, &sample, wavelength_nm);
-    return sample;
-}
-
-float light_pdf_glow(const World *world, const Glow *glow, double density, double distance2)
-{
-    return world->media_choice * glow->probability * (float)(density * distance2 * glow->across);
-}
-
 /* Towards a place of a medium that shines. rest: uniform in [0, 1). */
-static LightSample sample_glow(const World *world, Vec3 from, double time, double rest, const float u[2],
-                               Lanes wavelength_nm)
+static LightSample sample_glow(const World *world, const Glow *glow, Vec3 from, double time, double rest,
+                               const float u[2], Lanes wavelength_nm)
 {
-    const WorldMedia *media = &world->media;
-    uint32_t i = 0;
-    while (i + 1 < media->n_glows && rest >= (double)media->glows[i].cumulative) i++;
-    const Glow *glow = &media->glows[i];
-    double before = i ? (double)media->glows[i - 1].cumulative : 0;
-    rest = fmin(fmax((rest - before) / ((double)glow->cumulative - before), 0), 1 - 0x1p-53);
     GlowPoint point = glow_sample(world->scene, glow, time, rest, u);
     const SceneMedium *medium = &world->scene->media[glow->place->medium];
     Vec3 to = vec3_sub(point.position, from);
@@ -272,9 +242,31 @@ static LightSample sample_glow(const World *world, Vec3 from, double time, doubl
                          .distance = distance,
                          .object = RTC_NO_OBJECT,
                          .primitive = RTC_NO_OBJECT,
-                         .pdf_w = light_pdf_glow(world, glow, point.density, distance * distance),
+                         .pdf_w = light_pdf_glow(glow, 1, point.density, distance * distance),
                          .glow = glow,
                          .radiance = radiance};
+}
+
+/* rest: uniform in [0, 1), for what takes more than two numbers. */
+static LightSample sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, double rest,
+                                  const float u[2], Lanes wavelength_nm)
+{
+    const Scene *scene = world->scene;
+    if (emitter->kind == EMITTER_LIGHT)
+        return sample_light(world, &scene->lights[emitter->of], from, time, u, wavelength_nm);
+    if (emitter->kind == EMITTER_GLOW)
+        return sample_glow(world, &world->media.glows[emitter->of], from, time, rest, u, wavelength_nm);
+    const SceneObject *object = &scene->objects[emitter->of];
+    LightSample sample;
+    if (emitter->kind == EMITTER_TRIANGLE)
+        sample = sample_triangle(world, emitter, from, time, u);
+    else if (emitter->kind == EMITTER_BALL)
+        sample = sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u);
+    else
+        sample = sample_piece(world, emitter, from, time, u);
+    sample.radiance =
+        sample_emission(world, &scene->surfaces[object->surface], emitter, from, time, &sample, wavelength_nm);
+    return sample;
 }
 
 LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
@@ -289,13 +281,11 @@ LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double tim
     LightSample sample;
     if (chosen->light == LIGHT_ENVIRONMENT) {
         sample = light_sample_environment(world, from, normal, rest, u, wavelength_nm);
-    } else if (chosen->light == LIGHT_MEDIA) {
-        return sample_glow(world, from, time, rest, u, wavelength_nm); /* its density has the choice in it */
     } else if (chosen->light == LIGHT_NEAR) {
         float probability;
-        uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, rest, &probability);
+        uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, &rest, &probability);
         if (emitter == LIGHT_TREE_NONE) return (LightSample){.pdf_w = 0};
-        sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, u, wavelength_nm);
+        sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, rest, u, wavelength_nm);
         sample.pdf_w *= probability;
     } else {
         sample = sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm);
@@ -366,7 +356,7 @@ float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray,
     const EmitterSet *set = &world->emitters;
     uint32_t number = emitter_of_hit(set, hit);
     if (number == EMITTER_NONE) return 0;
-    float choice = world->near_choice * light_tree_probability(set->tree, number, from, normal);
+    float choice = light_choice(world, number, from, normal);
     if (!(choice > 0)) return 0;
     const Emitter *emitter = &set->emitters[number];
     return choice * (emitter->kind == EMITTER_LIGHT

@@ -29,9 +29,18 @@ bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lane
  * the place that was hit; 0 for places that are found by chance only. */
 float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit);
 
-/* The same for a place of a medium that shines; density: of choosing the place in it (glow_density); and the square of
- * how far it is. Its sample's radiance is what a way as long as glow->across would gain. */
-float light_pdf_glow(const World *world, const Glow *glow, double density, double distance2);
+/* The same for a place of a medium that shines. choice: of the glow (light_choice); density: of choosing the place in it
+ * (glow_density); and the square of how far it is. Its sample's radiance is what a way as long as glow->across would
+ * gain. */
+static inline float light_pdf_glow(const Glow *glow, float choice, double density, double distance2)
+{
+    return choice * (float)(density * distance2 * glow->across);
+}
+/* The probability with which light_sample chooses an emitter of world->emitters. */
+static inline float light_choice(const World *world, uint32_t emitter, Vec3 from, Vec3f normal)
+{
+    return world->near_choice * light_tree_probability(world->emitters.tree, emitter, from, normal);
+}
 
 /* What comes from infinity along direction: environment and distant lights, each with its density. A call
  * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the

@@ -82,8 +82,9 @@ static bool is_set(Vec3f v)
     return v.x != 0 || v.y != 0 || v.z != 0;
 }
 
-uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double u, float *probability)
+uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double *digits, float *probability)
 {
+    double u = *digits;
     *probability = 0;
     if (!tree->n_nodes) return LIGHT_TREE_NONE;
     Vec3f at = vec3f_from(place);
@@ -109,6 +110,7 @@ uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, doub
         if (!(u < 1)) u = 1 - DBL_EPSILON;
     }
     *probability = (float)chosen;
+    *digits = u;
     return node->child;
 }
 

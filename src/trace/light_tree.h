@@ -30,11 +30,12 @@ double light_tree_power(const LightTree *tree);
 
 #define LIGHT_TREE_NONE UINT32_MAX
 
-/* Chooses a light for a place; u uniform in [0, 1), with more digits than a float has where there are many lights.
+/* Chooses a light for a place; *u uniform in [0, 1), with more digits than a float has where there are many lights, and
+ * afterwards what is left of its digits, uniform again.
  * normal: of a surface there that takes light from its one side only, unit; zero where light may come from anywhere.
  * Returns the light's number and the probability with which it is chosen; LIGHT_TREE_NONE when none of them can shine to
  * there. */
-uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double u, float *probability);
+uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double *u, float *probability);
 /* The probability with which light_tree_choose chooses a light; 0 for lights that were left out. */
 float light_tree_probability(const LightTree *tree, uint32_t light, Vec3 place, Vec3f normal);
 

@@ -31,14 +31,15 @@ typedef struct FirstSight {
 /* One of the media that fill a place which a path flies through; see flight.c. */
 typedef struct FlightPart {
     const SceneMedium *medium;
-    uint32_t number; /* of the medium */
+    uint32_t number;          /* of the medium */
     const MediumPlace *place; /* of its volumes; NULL: it has none */
-    const Glow *glow;         /* NULL: light sampling does not look there */
+    const Glow *glow;  /* NULL: light sampling does not look there, or not from where the path was scattered last; */
+    float glow_choice; /* else how likely it chooses this one there; < 0: not known yet */
     Lanes absorption, scattering, emission; /* where its density is 1 */
-    float bound;      /* the largest extinction of any lane there */
-    float low, high;  /* bounds of its density, up to t_end of the ray */
+    float bound;                            /* the largest extinction of any lane there */
+    float low, high;                        /* bounds of its density, up to t_end of the ray */
     double t_end;
-    bool walks;       /* it varies: through these bricks */
+    bool walks; /* it varies: through these bricks */
     VolumeWalk walk;
     const MediumMaps *maps; /* of the place, or these: */
     MediumMaps moved;

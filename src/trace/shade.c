@@ -88,7 +88,7 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
     Lanes transmittance;
     uint32_t medium;
     if (!path_shadow(path, &ray, &transmittance, &medium)) return;
-    if (UNLIKELY(light->glow) && !media_is_there(world, light->glow->place, &path->tracer->shadow_list)) return;
+    if (UNLIKELY(light->glow) && !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list)) return;
     float weight = light->delta ? 1 : sampling_balance(light->pdf_w, scatter_pdf);
     Lanes factor = lanes_mul(lanes_scale(scattered, weight / light->pdf_w), transmittance);
     if (isinf(light->distance)) medium = WORLD_MEDIUM;

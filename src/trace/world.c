@@ -32,8 +32,8 @@ static Status choose_lights(World *world, Error *error)
     const double pi = acos(-1);
     Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
     double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min)), total = 0;
-    TRY(emitters_find(world->compiled, &world->emitters, error));
-    world->choices = calloc(scene->n_lights + 3U, sizeof *world->choices);
+    TRY(emitters_find(world->compiled, &world->media, &world->emitters, error));
+    world->choices = calloc(scene->n_lights + 2U, sizeof *world->choices);
     world->choice_of_light = calloc(scene->n_lights + 1U, sizeof *world->choice_of_light);
     if (!world->choices || !world->choice_of_light)
         return fail_memory(error, scene->n_lights * sizeof *world->choices, "lights");
@@ -47,16 +47,12 @@ static Status choose_lights(World *world, Error *error)
     if (seeks_environment(scene))
         add_choice(world, LIGHT_ENVIRONMENT, (double)environment_power(scene->environment) * pi * radius * radius,
                    &total);
-    double of_media = 0;
-    for (uint32_t i = 0; i < world->media.n_glows; i++) of_media += world->media.glows[i].power;
-    add_choice(world, LIGHT_MEDIA, of_media, &total);
-    uint32_t n_near = world->emitters.n_sources, n_glows = world->media.n_glows, n_sources = world->n_choices;
+    uint32_t n_near = world->emitters.n_sources, n_sources = world->n_choices;
     if (n_near) n_sources += n_near - 1;
-    if (n_glows) n_sources += n_glows - 1;
     double cumulative = 0;
     for (uint32_t i = 0; i < world->n_choices; i++) {
         LightChoice *choice = &world->choices[i];
-        double sources = choice->light == LIGHT_NEAR ? n_near : choice->light == LIGHT_MEDIA ? n_glows : 1;
+        double sources = choice->light == LIGHT_NEAR ? n_near : 1;
         double probability = 0.5 * (double)choice->probability / total + 0.5 * sources / n_sources;
         choice->probability = (float)probability;
         cumulative += probability;
@@ -65,8 +61,6 @@ static Status choose_lights(World *world, Error *error)
             world->environment_choice = choice->probability;
         else if (choice->light == LIGHT_NEAR)
             world->near_choice = choice->probability;
-        else if (choice->light == LIGHT_MEDIA)
-            world->media_choice = choice->probability;
         else
             world->choice_of_light[choice->light] = choice->probability;
     }
@@ -183,7 +177,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
 void world_leave_to_chance(World *world)
 {
     world->n_choices = 0;
-    world->near_choice = world->environment_choice = world->media_choice = 0;
+    world->near_choice = world->environment_choice = 0;
     for (uint32_t i = 0; i < world->scene->n_lights; i++) world->choice_of_light[i] = 0;
 }
 

@@ -10,14 +10,13 @@
 #include "trace/emitter.h"
 #include "trace/media.h"
 
-/* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, all
- * surfaces that shine from a finite place together, among which the tree then chooses, or all media that do. */
+/* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, or all
+ * that shines from a finite place together, among which the tree then chooses. */
 #define LIGHT_ENVIRONMENT UINT32_MAX
 #define LIGHT_NEAR (UINT32_MAX - 1)
-#define LIGHT_MEDIA (UINT32_MAX - 2)
 
 typedef struct LightChoice {
-    uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT, LIGHT_NEAR or LIGHT_MEDIA */
+    uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT or LIGHT_NEAR */
     float probability; /* of being chosen */
     float cumulative;  /* of this and all before */
 } LightChoice;
@@ -38,7 +37,6 @@ typedef struct World {
     float *choice_of_light;   /* probability of each distant light of the scene */
     float environment_choice; /* probability of the environment */
     float near_choice;        /* probability of choosing with the tree */
-    float media_choice;       /* of media that shine */
     EmitterSet emitters;
     WorldPortal *portals; /* where the scene has an environment that shines */
     uint32_t n_portals;
@@ -46,15 +44,15 @@ typedef struct World {
     uint32_t n_portal_maps;
     WorldMedia media;
     const struct Guide *guide; /* to lights behind glass, see guide.h; NULL: none. Not owned */
-    NestList camera_list;   /* the hulls around the camera's centre */
-    bool moves;             /* something does while the shutter is open */
-    bool camera_list_moves; /* and so the camera's hulls may be others at other times */
-    bool lens_crosses;      /* some hull's bounds come near the lens: look for each ray's real origin */
-    bool scatters;          /* some medium does */
+    NestList camera_list;      /* the hulls around the camera's centre */
+    bool moves;                /* something does while the shutter is open */
+    bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
+    bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool scatters;             /* some medium does */
     bool no_absorption;
-    bool white_noise;       /* pixels do not share out the work: for comparisons */
+    bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
-    uint32_t long_way;      /* bounces after which even paths that carry much are left to chance: half of these, and many */
+    uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
 } World;
 
 ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,

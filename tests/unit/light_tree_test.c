@@ -98,7 +98,9 @@ static void probabilities(void **state)
                     any = true;
                 }
                 float p;
-                uint32_t chosen = light_tree_choose(tree, place, vec3f_from(normal), dice(), &p);
+                double u = dice();
+                uint32_t chosen = light_tree_choose(tree, place, vec3f_from(normal), &u, &p);
+                assert_true(u >= 0 && u < 1);
                 if (chosen == LIGHT_TREE_NONE) continue; /* went down where nothing shines; the rest of the sum */
                 assert_near((double)p, (double)light_tree_probability(tree, chosen, place, vec3f_from(normal)),
                             1e-5 * (double)p);
@@ -128,7 +130,8 @@ static void frequencies(void **state)
     Vec3f normal = vec3f(0, 1, 0);
     for (int i = 0; i < TRIALS; i++) {
         float p;
-        uint32_t chosen = light_tree_choose(tree, place, normal, (i + 0.5) / TRIALS, &p);
+        double u = (i + 0.5) / TRIALS;
+        uint32_t chosen = light_tree_choose(tree, place, normal, &u, &p);
         if (chosen != LIGHT_TREE_NONE) count[chosen]++;
     }
     for (uint32_t i = 0; i < N; i++)
@@ -196,7 +199,8 @@ static void many(void **state)
     for (int i = 0; i < CHOICES; i++) {
         float p;
         Vec3 normal = dice_direction();
-        if (light_tree_choose(tree, vec3_scale(dice_direction(), 12 + 5 * dice()), vec3f_from(normal), dice(), &p) !=
+        double u = dice();
+        if (light_tree_choose(tree, vec3_scale(dice_direction(), 12 + 5 * dice()), vec3f_from(normal), &u, &p) !=
             LIGHT_TREE_NONE)
             sum += (double)p;
     }
