@@ -13,6 +13,11 @@ static const double rayleigh_height = 8.4, aerosol_height = 1.2;
 static const double ozone_middle = 25, ozone_reach = 15;
 static const float aerosol_g = 0.76f;
 static const float aerosol_albedo = 0.93f; /* of what aerosol takes from a ray, so much is scattered */
+/* Of that, so much goes so nearly straight on that further scattering cannot tell it from light that was not scattered:
+ * g squared (J. H. Joseph, W. J. Wiscombe, J. A. Weinman, "The Delta-Eddington Approximation for Radiative Flux Transfer",
+ * Journal of the Atmospheric Sciences 33 (1976)). */
+static const float aerosol_ahead = 0.76f * 0.76f;
+static const float aerosol_whole = 0.93f / (1 - 0.93f * 0.76f * 0.76f); /* all that it scatters, over what is left */
 
 /* How much of a substance is along a line, as lengths at the ground's density (ozone: at its densest). */
 typedef struct Columns {
@@ -199,12 +204,13 @@ static void look(const Sky *sky, Vec3 from, Vec3 direction, bool even, int n_ste
         const float *second = even ? NULL : second_at(sky, here_radius - earth, sun_cosine, room);
         for (int k = 0; k < BANDS; k++) {
             float scattering_r = sky->rayleigh[k] * density.rayleigh;
-            float extinction_a = sky->aerosol[k] * density.aerosol, scattering_a = aerosol_albedo * extinction_a;
+            float extinction_a = sky->aerosol[k] * density.aerosol, whole_a = aerosol_whole * extinction_a;
+            float scattering_a = (1 - aerosol_ahead) * whole_a, once_a = even ? scattering_a : whole_a;
             float piece = (float)step * (scattering_r + extinction_a + sky->ozone[k] * density.ozone);
             float seen = expf(-depth[k] - 0.5f * piece) * (float)step;
             if (lit)
                 sight->radiance[k] +=
-                    seen * (scattering_r * molecules + scattering_a * haze) *
+                    seen * (scattering_r * molecules + once_a * haze) *
                     expf(-(sky->rayleigh[k] * up.rayleigh + sky->aerosol[k] * up.aerosol + sky->ozone[k] * up.ozone));
             if (second) sight->radiance[k] += seen * (scattering_r + scattering_a) * second[k];
             sight->spread[k] += seen * (scattering_r + scattering_a);
@@ -298,7 +304,7 @@ static void prepare(Sky *sky, const SkyModel *model)
         double rayleigh, aerosol, ozone;
         extinctions(model->turbidity, band_um(k), &rayleigh, &aerosol, &ozone);
         sky->rayleigh[k] = (float)rayleigh;
-        sky->aerosol[k] = (float)aerosol;
+        sky->aerosol[k] = (1 - aerosol_albedo * aerosol_ahead) * (float)aerosol;
         sky->ozone[k] = (float)ozone;
         sky->ground[k] = spectrum_at_one(model->ground, (float)(1e3 * band_um(k)));
     }
