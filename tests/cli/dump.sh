@@ -1,21 +1,6 @@
 # dump.sh - dump --flat: a scene with everything expanded is a scene of the same meaning.
 # SPDX-License-Identifier: Apache-2.0
 
-# same_flat SCENE OPTION...: SCENE and what dump makes of it have one hash; the text is laid out as fmt would, and is its own dump
-same_flat() {
-    run dump --flat "$1"
-    exits 0
-    cp out flat.mns
-    [ -n "$(scene_hash "$@")" ] || flunk "$1 has no hash"
-    scene=$1
-    shift
-    [ "$(scene_hash "$scene" "$@")" = "$(scene_hash flat.mns "$@")" ] || flunk "$scene has another hash when it is flat"
-    run fmt --check flat.mns
-    exits 0
-    run dump flat.mns
-    cmp -s out flat.mns || flunk "the flat text of $scene changes when it is dumped again"
-}
-
 begin "dump --flat: every example keeps its hash"
 all_scenes
 for scene in *.mns; do

@@ -83,7 +83,27 @@ all_scenes() {
 }
 scene_hash() { "$program" check --json "$@" 2> err | grep '"hash": "'; }
 
-if [ $# -eq 0 ]; then set -- usage scenes outputs signals progress tools manual fmt dump set hostile std frames meshes textures; fi
+# same_flat SCENE OPTION...: SCENE and what dump makes of it have one hash; the text is laid out as fmt would, and is its own dump
+same_flat() {
+    run dump --flat "$1"
+    exits 0
+    cp out flat.mns
+    [ -n "$(scene_hash "$@")" ] || flunk "$1 has no hash"
+    scene=$1
+    shift
+    [ "$(scene_hash "$scene" "$@")" = "$(scene_hash flat.mns "$@")" ] || flunk "$scene has another hash when it is flat"
+    run fmt --check flat.mns
+    exits 0
+    run dump flat.mns
+    cmp -s out flat.mns || flunk "the flat text of $scene changes when it is dumped again"
+}
+
+if [ $# -eq 0 ]; then
+    for part in "$folder"/*.sh; do
+        part=$(basename "$part" .sh)
+        [ "$part" = run ] || set -- "$@" "$part"
+    done
+fi
 for part; do . "$folder/$part.sh"; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]

@@ -60,7 +60,7 @@ static void expect_furnace(const char *what, const Fixture *scene, Worst *worst)
     RenderSettings settings = truth_settings(WIDTH, spread ? SAMPLES_DISPERSIVE : SAMPLES);
     settings.no_absorption = true;
     settings.bounces = BOUNCES;
-    Picture picture, empty;
+    Picture picture;
     truth_render(scene, &settings, 0, &picture);
     truth_count(&worst->faults, &picture.stats);
     Estimate mean = truth_mean(&picture, -1);
@@ -73,14 +73,12 @@ static void expect_furnace(const char *what, const Fixture *scene, Worst *worst)
     if (!(pixel <= 5)) fail_msg("%s: a pixel is %.2f of its standard errors from 1", what, pixel);
     worst->pixel = fmax(worst->pixel, pixel);
     if (!spread && !noisy) {
-        truth_render_empty(&settings, &empty);
-        double difference = truth_largest_difference(&picture, &empty);
+        double difference = truth_difference_from_empty(&settings, &picture);
         /* One path of the pixel's is worth 1 / SAMPLES. Without nesting a path may come into total reflections that it never
          * gets out of: what it is taken to be in depends on the way it came. */
         double most = scene->compiled->order.policy == NEST_NONE ? 2.0 / SAMPLES : 1e-5;
         if (!(difference <= most)) fail_msg("%s: a pixel is %g from the empty scene", what, difference);
         worst->difference = fmax(worst->difference, difference);
-        truth_clear(&empty);
     }
     truth_clear(&picture);
 }

@@ -93,7 +93,7 @@ static void moving_furnace(void **state)
     FaultCount faults = {0};
     for (size_t i = 0; i < COUNT_OF(policies); i++) {
         Fixture scene;
-        Picture picture, empty;
+        Picture picture;
         truth_open(
             &scene,
             (TruthInput){.text = HEAD
@@ -105,13 +105,11 @@ static void moving_furnace(void **state)
         settings.no_absorption = true;
         settings.bounces = 1000000;
         truth_render(&scene, &settings, 0, &picture);
-        truth_render_empty(&settings, &empty);
-        double difference = truth_largest_difference(&picture, &empty);
+        double difference = truth_difference_from_empty(&settings, &picture);
         printf("  %s: %.2g from the empty scene\n", nest_policy_text(policies[i]), difference);
         assert_true(difference <= 1e-5);
         truth_count(&faults, &picture.stats);
         truth_clear(&picture);
-        truth_clear(&empty);
         fixture_clear(&scene);
     }
     truth_print_faults("moving furnaces", &faults);
@@ -123,7 +121,7 @@ static void camera_dives(void **state)
 {
     (void)state;
     Fixture scene;
-    Picture picture, empty;
+    Picture picture;
     truth_open(&scene,
                (TruthInput){.text = HEAD
                             "plane { interior = water }\n"
@@ -135,14 +133,12 @@ static void camera_dives(void **state)
     settings.no_absorption = true;
     settings.bounces = 1000000;
     truth_render(&scene, &settings, 0, &picture);
-    truth_render_empty(&settings, &empty);
-    double difference = truth_largest_difference(&picture, &empty);
+    double difference = truth_difference_from_empty(&settings, &picture);
     printf("  a dive: %.2g from the empty scene, %llu faults in %.3f million crossings\n", difference,
            (unsigned long long)picture.stats.nesting_faults, (double)picture.stats.crossings * 1e-6);
     assert_true(difference <= 1e-5);
     assert_int_equal(picture.stats.nesting_faults, 0);
     truth_clear(&picture);
-    truth_clear(&empty);
     fixture_clear(&scene);
 }
 

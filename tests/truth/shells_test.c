@@ -8,29 +8,29 @@ static void render_shells(const char *view, bool seen_from_inside, NestPolicy po
 {
     enum { SHELLS = 1000, PICTURE = 4, SAMPLES = 3 };
     char text[1000], what[100];
-    snprintf(text, sizeof text, "meniscus 1.0 unit mm medium thick { ior = 1.4 } medium thin { ior = 1.35 }\n"
+    snprintf(text, sizeof text,
+             "meniscus 1.0 unit mm medium thick { ior = 1.4 } medium thin { ior = 1.35 }\n"
              "for (i in 0..<%d) {\n"
-             "  sphere { interior = i %% 2 == 0 ? thick : thin  radius = 10 - .0099 * i  priority = i } }\n%s", SHELLS, view);
+             "  sphere { interior = i %% 2 == 0 ? thick : thin  radius = 10 - .0099 * i  priority = i } }\n%s",
+             SHELLS, view);
     Fixture scene;
     truth_open(&scene, (TruthInput){.text = text, .policy = policy, .furnace = true});
     assert_int_equal(scene.compiled->n_hulls, SHELLS);
     RenderSettings settings = truth_settings(PICTURE, SAMPLES);
     settings.bounces = 10000000;
-    Picture picture, empty;
+    Picture picture;
     truth_render(&scene, &settings, 0, &picture);
     truth_count(faults, &picture.stats);
     fixture_clear(&scene);
-    truth_render_empty(&settings, &empty);
-    double difference = truth_largest_difference(&picture, &empty);
-    snprintf(what, sizeof what, "1,000 shells from %s, %s: difference from no shell", seen_from_inside ? "inside" : "outside",
-             nest_policy_text(policy));
+    double difference = truth_difference_from_empty(&settings, &picture);
+    snprintf(what, sizeof what, "1,000 shells from %s, %s: difference from no shell",
+             seen_from_inside ? "inside" : "outside", nest_policy_text(policy));
     truth_figure(what, 0, difference, 0);
     printf("    %.0f crossings per path\n", (double)picture.stats.crossings / (double)picture.stats.paths);
     /* no boundary changes what a path carries; one path of a pixel would be 1 / SAMPLES */
     assert_true(difference <= 1e-4);
     assert_true(picture.stats.crossings > 100 * picture.stats.paths);
     truth_clear(&picture);
-    truth_clear(&empty);
 }
 
 static void thousand_shells(void **state)

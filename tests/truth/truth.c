@@ -7,8 +7,8 @@
 enum { SKY_ROWS = 2048, SKY_COLUMNS = 4 };
 
 /* Stands for the reader of image files: the sky, by rows from the zenith down. */
-static Status load_sky(void *context, const char *path, const char *space, float **rgb, uint32_t *width, uint32_t *height,
-                       Error *error)
+static Status load_sky(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                       uint32_t *height, Error *error)
 {
     (void)path;
     (void)space;
@@ -79,13 +79,15 @@ static void build(Fixture *scene, TruthInput *input)
     diag_init(&scene->diag, &scene->arena, &scene->sources);
     size_t n_defines = 0;
     while (input->defines && input->defines[n_defines]) n_defines++;
-    SceneOptions options = {.eval = {.frames = 1, .frame = 1, .defines = input->defines, .n_defines = n_defines,
-                                     .library = &std_library},
-                            .load_image = load_sky, .load_image_context = input};
+    SceneOptions options = {
+        .eval = {.frames = 1, .frame = 1, .defines = input->defines, .n_defines = n_defines, .library = &std_library},
+        .load_image = load_sky,
+        .load_image_context = input};
     if (input->file)
         scene->status = scene_build(input->file, &options, &scene->diag, &scene->scene, NULL, &scene->error);
     else
-        scene->status = scene_build_text("truth.mns", input->text, &options, &scene->diag, &scene->scene, NULL, &scene->error);
+        scene->status =
+            scene_build_text("truth.mns", input->text, &options, &scene->diag, &scene->scene, NULL, &scene->error);
 }
 
 void truth_open(Fixture *scene, TruthInput input)
@@ -130,15 +132,6 @@ void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned
     assert_int_equal(picture->stats.silent_limit, 0);
 }
 
-void truth_render_empty(const RenderSettings *settings, Picture *picture)
-{
-    Fixture scene;
-    static const char *const text = "meniscus 1.0 unit mm camera { from = <0, 0, 9> }" TRUTH_WHITE_SKY;
-    truth_open(&scene, (TruthInput){.text = text, .furnace = true});
-    truth_render(&scene, settings, 0, picture);
-    fixture_clear(&scene);
-}
-
 void truth_clear(Picture *picture)
 {
     image_clear(&picture->image);
@@ -176,6 +169,19 @@ double truth_largest_difference(const Picture *a, const Picture *b)
         for (uint32_t x = 0; x < a->image.width; x++)
             largest = fmax(largest, fabs(truth_luminance(a, x, y) - truth_luminance(b, x, y)));
     return largest;
+}
+
+double truth_difference_from_empty(const RenderSettings *settings, const Picture *picture)
+{
+    static const char *const text = "meniscus 1.0 unit mm camera { from = <0, 0, 9> }" TRUTH_WHITE_SKY;
+    Fixture scene;
+    Picture empty;
+    truth_open(&scene, (TruthInput){.text = text, .furnace = true});
+    truth_render(&scene, settings, 0, &empty);
+    fixture_clear(&scene);
+    double difference = truth_largest_difference(picture, &empty);
+    truth_clear(&empty);
+    return difference;
 }
 
 Estimate truth_estimate(const double *values, size_t n)

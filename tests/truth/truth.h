@@ -35,7 +35,7 @@ typedef struct TruthInput {
     const char *const *defines;          /* "name=expression", ended by NULL; or NULL */
     double (*sky)(double elevation_rad); /* radiance of every image = that the scene asks for; NULL: 1 */
     NestPolicy policy;
-    bool furnace;                        /* take away all that is opaque or shines, put a sky of radiance 1 around the rest */
+    bool furnace; /* take away all that is opaque or shines, put a sky of radiance 1 around the rest */
 } TruthInput;
 
 /* An image that is surely there to be asked for; what it shows is the input's sky. */
@@ -52,8 +52,8 @@ bool truth_is_library(const char *file);
 RenderSettings truth_settings(uint32_t width, uint32_t samples);
 /* threads 0: one per processor. No sample may be lost: neither bad, nor saturated, nor given up. */
 void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned threads, Picture *picture);
-/* The white sky alone: what every furnace must look like. */
-void truth_render_empty(const RenderSettings *settings, Picture *picture);
+/* The largest difference of a furnace's pixels from those of the white sky alone, rendered the same way. */
+double truth_difference_from_empty(const RenderSettings *settings, const Picture *picture);
 void truth_clear(Picture *picture);
 
 /* Of one pixel: luminance, channel (0 red .. 2 blue), and the standard error by the film (an upper bound). */

@@ -278,8 +278,7 @@ static void lights(void **state)
          anywhere,
          {1, 0, 0},
          3.14159,
-         0.99},
-    };
+         0.99}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
 }
 
@@ -376,8 +375,7 @@ static void surfaces_that_shine(void **state)
          anywhere,
          {0, 1, 0},
          3.14159,
-         0.7},
-    };
+         0.7}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
 }
 
@@ -461,17 +459,13 @@ static void outside(void **state)
          anywhere,
          {30, 20, 0},
          4e-4,
-         0.99},
-    };
+         0.99}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lights),
-        cmocka_unit_test(surfaces_that_shine),
-        cmocka_unit_test(outside),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lights), cmocka_unit_test(surfaces_that_shine),
+                                       cmocka_unit_test(outside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

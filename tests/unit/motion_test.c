@@ -89,6 +89,29 @@ static void mistakes_of_later_are_told(void **state)
     fixture_clear(&scene);
 }
 
+/* Two files of a mesh, now and a frame later, and the scene that moves from one to the other. */
+typedef struct TwoFrames {
+    char folder[40], now[80], later[80], text[800];
+} TwoFrames;
+
+static void two_frames_open(TwoFrames *frames)
+{
+    strcpy(frames->folder, "/tmp/meniscus-motion-XXXXXX");
+    assert_non_null(mkdtemp(frames->folder));
+    snprintf(frames->now, sizeof frames->now, "%s/now.obj", frames->folder);
+    snprintf(frames->later, sizeof frames->later, "%s/later.obj", frames->folder);
+    snprintf(frames->text, sizeof frames->text,
+             FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, frames->now,
+             frames->later);
+}
+
+static void two_frames_close(TwoFrames *frames)
+{
+    remove(frames->now);
+    remove(frames->later);
+    remove(frames->folder);
+}
+
 static void write_mesh(const char *path, const char *top, const char *more)
 {
     FILE *file = fopen(path, "w");
@@ -101,40 +124,30 @@ static void what_is_dropped_of_a_mesh_is_dropped_a_frame_later(void **state)
 {
     (void)state;
     static const char more[] = "v 0 0 0\nf 1 2 3\nf 1 5 2\nf 4 2 1\n"; /* twice, without extent, twice */
-    char folder[] = "/tmp/meniscus-motion-XXXXXX", text[800], now[80], later[80];
-    assert_non_null(mkdtemp(folder));
-    snprintf(now, sizeof now, "%s/now.obj", folder);
-    snprintf(later, sizeof later, "%s/later.obj", folder);
-    write_mesh(now, "1", more);
-    write_mesh(later, "3", more);
+    TwoFrames frames;
+    two_frames_open(&frames);
+    write_mesh(frames.now, "1", more);
+    write_mesh(frames.later, "3", more);
     Fixture scene;
-    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
-             later);
-    fixture_compile(&scene, text, 1);
+    fixture_compile(&scene, frames.text, 1);
     assert_non_null(fixture_find(&scene, D_MESH_MENDED));
     const SceneShape *shape = &scene.scene->shapes[0];
     assert_int_equal(shape->mesh->n_triangles, 4);
     assert_non_null(shape->mesh_end);
     assert_true(mesh_same_triangles(shape->mesh, shape->mesh_end));
     fixture_clear(&scene);
-    remove(now);
-    remove(later);
-    remove(folder);
+    two_frames_close(&frames);
 }
 
 static void a_mesh_may_be_given_a_frame_later(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/meniscus-motion-XXXXXX", text[800], now[80], later[80];
-    assert_non_null(mkdtemp(folder));
-    snprintf(now, sizeof now, "%s/now.obj", folder);
-    snprintf(later, sizeof later, "%s/later.obj", folder);
-    write_mesh(now, "1", "");
-    write_mesh(later, "3", "");
+    TwoFrames frames;
+    two_frames_open(&frames);
+    write_mesh(frames.now, "1", "");
+    write_mesh(frames.later, "3", "");
     Fixture scene;
-    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
-             later);
-    fixture_compile(&scene, text, 1);
+    fixture_compile(&scene, frames.text, 1);
     const Mesh *end = scene.scene->shapes[0].mesh_end;
     assert_non_null(end);
     double top = 0;
@@ -142,14 +155,11 @@ static void a_mesh_may_be_given_a_frame_later(void **state)
     assert_near(top, 2, 1e-6); /* half a frame later */
     assert_near(scene.compiled->hull_bounds[0].max.y, 2, 1e-5);
     fixture_clear(&scene);
-    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
-             "examples/pictures/none.obj");
-    fixture_text(&scene, text);
+    remove(frames.later);
+    fixture_text(&scene, frames.text);
     assert_int_equal(scene.status, STATUS_SCENE);
     fixture_clear(&scene);
-    remove(now);
-    remove(later);
-    remove(folder);
+    two_frames_close(&frames);
 }
 
 #define TETRAHEDRA(x)                                                                                                  \
@@ -188,29 +198,23 @@ static void meshes_of_overlapping_parts_move_as_others_do(void **state)
 static void parts_may_come_to_overlap_a_frame_later(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/meniscus-motion-XXXXXX", text[800], now[80], later[80];
-    assert_non_null(mkdtemp(folder));
-    snprintf(now, sizeof now, "%s/now.obj", folder);
-    snprintf(later, sizeof later, "%s/later.obj", folder);
+    TwoFrames frames;
+    two_frames_open(&frames);
     static const char other[] =
         "v %d .1 -.1\nv %d .1 -.1\nv %d .1 -.9\nv %d .9 -.1\nf 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
     char far[200], near[200];
     snprintf(far, sizeof far, other, 5, 6, 5, 5);
     snprintf(near, sizeof near, other, 0, 1, 0, 0);
-    write_mesh(now, "1", far);
-    write_mesh(later, "1", near);
+    write_mesh(frames.now, "1", far);
+    write_mesh(frames.later, "1", near);
     Fixture scene;
-    snprintf(text, sizeof text, FIXTURE_MEDIA "mesh { interior = glass  file = \"%s\"  next_file = \"%s\" }" HALF, now,
-             later);
-    fixture_compile(&scene, text, 1);
+    fixture_compile(&scene, frames.text, 1);
     assert_int_equal(scene.scene->n_objects, 3);
     uint32_t n_deforming = 0;
     for (uint32_t i = 0; i < scene.scene->n_shapes; i++) n_deforming += scene.scene->shapes[i].mesh_end != NULL;
     assert_int_equal(n_deforming, 2);
     fixture_clear(&scene);
-    remove(now);
-    remove(later);
-    remove(folder);
+    two_frames_close(&frames);
 }
 
 int main(void)
