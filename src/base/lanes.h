@@ -139,6 +139,17 @@ static inline Lanes lanes_clamp(Lanes a, float low, float high)
     return a;
 #endif
 }
+/* in each lane `yes` where a < b, else `no` */
+static inline Lanes lanes_select_less(Lanes a, Lanes b, Lanes yes, Lanes no)
+{
+#if defined(__GNUC__) && defined(__SSE2__)
+    __m128 mask = _mm_cmplt_ps((__m128)a.v, (__m128)b.v);
+    return (Lanes){(LaneVector)_mm_or_ps(_mm_and_ps(mask, (__m128)yes.v), _mm_andnot_ps(mask, (__m128)no.v))};
+#else
+    for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] < b.v[i] ? yes.v[i] : no.v[i];
+    return a;
+#endif
+}
 /* 1 - a */
 static inline Lanes lanes_rest(Lanes a)
 {

@@ -309,7 +309,7 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     *stats = (RenderStats){0};
     *image = (Image){0};
     World world;
-    TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, error));
+    TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, pool, error));
     world.white_noise = settings->white_noise;
     double cpu = clock_cpu_s();
     if (settings->by_chance) world_leave_to_chance(&world);

@@ -200,13 +200,14 @@ static void add_glows(Finder *f)
     }
 }
 
-Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, EmitterSet *set, Error *error)
+Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set,
+                    Error *error)
 {
     const Scene *scene = compiled->scene;
     *set = (EmitterSet){0};
     uint64_t n = (uint64_t)scene->n_lights + media->n_glows;
     for (uint32_t i = 0; i < scene->n_objects; i++) n += count_parts(scene, &scene->objects[i]);
-    if (n >= UINT32_MAX / 2)
+    if (n > LIGHT_TREE_MOST)
         return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
     Finder f = {compiled, media, set, malloc((n + 1) * sizeof *f.bounds)};
     set->emitters = malloc((n + 1) * sizeof *set->emitters);
@@ -225,7 +226,7 @@ Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Emi
         }
         add_objects(&f);
         add_glows(&f);
-        status = light_tree_new(f.bounds, set->n, &set->tree, error);
+        status = light_tree_new(f.bounds, set->n, pool, &set->tree, error);
     }
     free(f.bounds);
     if (status != STATUS_OK) emitters_clear(set);

@@ -35,8 +35,9 @@ typedef struct EmitterSet {
     uint32_t n_sources; /* lights, objects and glows that emitters belong to */
 } EmitterSet;
 
-ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, EmitterSet *set,
-                                    Error *error);
+/* pool: whose threads help, or NULL */
+ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool,
+                                    EmitterSet *set, Error *error);
 void emitters_clear(EmitterSet *set);
 
 /* The emitter that a hit is on; EMITTER_NONE where there is none. */

@@ -6,75 +6,91 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lanes.h"
+
 static const float pi_f = 3.14159265358979f;
 
-/* Children stand side by side, so that a step down touches one stretch of memory. */
+/* What is below a node comes in up to four parts, side by side, so that one step down compares them all at once. */
 typedef struct TreeNode {
-    Vec3f centre;
-    float radius2; /* of the ball around the box, squared */
-    Vec3f axis;
-    float cos_o, sin_o, cos_e;
-    float power;
-    uint32_t parent;
-    uint32_t child; /* the first of the two; of a leaf the light's number */
-    bool leaf, two_sided;
+    Lanes x, y, z; /* of the middles */
+    Lanes radius2; /* of the balls around the boxes, squared */
+    Lanes axis_x, axis_y, axis_z;
+    Lanes cos_o, cos_e;
+    Lanes two_sided;       /* 1 or 0 */
+    Lanes power;           /* 0 where there is no part */
+    uint32_t child[LANES]; /* a node, or a light's number and IS_LIGHT */
 } TreeNode;
+enum { PARTS = LANES };
+#define IS_LIGHT 0x80000000U
 
 struct LightTree {
-    TreeNode *nodes; /* [0] is the root */
-    uint32_t n_nodes;
-    uint32_t *leaf_of; /* the node of each light; LIGHT_TREE_NONE for those left out */
+    TreeNode *nodes;   /* [0] is the root */
+    uint32_t *parent;  /* of each node: a place as below */
+    uint32_t *leaf_of; /* of each light its place, PARTS * node + part; LIGHT_TREE_NONE for those left out */
+    uint32_t n_lights; /* those that shine */
     double power;
 };
 
 /* ---- importance ---- */
 
 /* cos and sin of the angle a - b, or of 0 where b is larger; both angles in 0 .. pi. */
-static inline float cos_difference(float sin_a, float cos_a, float sin_b, float cos_b)
+static inline Lanes cos_difference(Lanes sin_a, Lanes cos_a, Lanes sin_b, Lanes cos_b)
 {
-    return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
+    Lanes cosine = lanes_add(lanes_mul(cos_a, cos_b), lanes_mul(sin_a, sin_b));
+    return lanes_select_less(cos_b, cos_a, lanes_all(1), cosine);
 }
-static inline float sin_difference(float sin_a, float cos_a, float sin_b, float cos_b)
+static inline Lanes sin_difference(Lanes sin_a, Lanes cos_a, Lanes sin_b, Lanes cos_b)
 {
-    return cos_a > cos_b ? 0 : sin_a * cos_b - cos_a * sin_b;
+    Lanes sine = lanes_sub(lanes_mul(sin_a, cos_b), lanes_mul(cos_a, sin_b));
+    return lanes_select_less(cos_b, cos_a, lanes_all(0), sine);
 }
-static inline float sine_of(float cosine)
+static inline Lanes at_least(Lanes a, float low)
 {
-    float square = 1 - cosine * cosine;
-    return square > 0 ? sqrtf(square) : 0;
+    return lanes_select_less(lanes_all(low), a, a, lanes_all(low));
+}
+static inline Lanes sine_of(Lanes cosine)
+{
+    return lanes_sqrt(at_least(lanes_rest(lanes_mul(cosine, cosine)), 0));
+}
+static inline Lanes dot(Lanes ax, Lanes ay, Lanes az, Lanes bx, Lanes by, Lanes bz)
+{
+    return lanes_add(lanes_add(lanes_mul(ax, bx), lanes_mul(ay, by)), lanes_mul(az, bz));
 }
 
-/* [CK18] eq. 3: what the lights of a node may give to a place at most, roughly: power over squared distance, times the
- * cosines at both ends as far as the bounds allow them. The distance is at least the radius of the ball around the
- * bounds, as within it the middle says little. */
-static inline float importance(const TreeNode *node, Vec3f place, Vec3f normal, bool has_normal)
+/* How much of their light a node's parts may send along directions whose lengths are 1 / inverse, as far as their normals
+ * tell; sin_b and cos_b: half of the angle under which the part's ball is seen. */
+static inline Lanes sent(const TreeNode *node, Lanes x, Lanes y, Lanes z, Lanes inverse, Lanes sin_b, Lanes cos_b)
 {
-    Vec3f to = vec3f_sub(node->centre, place);
-    float distance2 = vec3f_dot(to, to);
-    bool within = distance2 <= node->radius2;
-    float nearest2 = within ? node->radius2 : distance2;
-    float value = node->power / (nearest2 > FLT_MIN ? nearest2 : FLT_MIN);
-    if (within) return value; /* may be anywhere, and face anywhere */
-    float inverse = 1 / sqrtf(distance2);
-    float sin_b2 = node->radius2 / distance2; /* b: half of the angle under which the ball is seen */
-    float sin_b = sqrtf(sin_b2), cos_b = sqrtf(1 - sin_b2);
-    if (node->cos_o > -1) {
-        float cos_w = -vec3f_dot(node->axis, to) * inverse;
-        if (node->two_sided) cos_w = fabsf(cos_w);
-        float sin_w = sine_of(cos_w);
-        float cos_x = cos_difference(sin_w, cos_w, node->sin_o, node->cos_o);
-        float sin_x = sin_difference(sin_w, cos_w, node->sin_o, node->cos_o);
-        float cosine = cos_difference(sin_x, cos_x, sin_b, cos_b);
-        if (cosine <= node->cos_e) return 0;
-        value *= cosine > 0 ? cosine : FLT_MIN;
-    }
+    Lanes cos_w = lanes_mul(dot(node->axis_x, node->axis_y, node->axis_z, x, y, z), lanes_sub(lanes_all(0), inverse));
+    Lanes other = lanes_mul(cos_w, lanes_sub(lanes_all(1), lanes_add(node->two_sided, node->two_sided)));
+    cos_w = lanes_select_less(cos_w, other, other, cos_w);
+    Lanes sin_w = sine_of(cos_w), sin_o = sine_of(node->cos_o);
+    Lanes cos_x = cos_difference(sin_w, cos_w, sin_o, node->cos_o);
+    Lanes sin_x = sin_difference(sin_w, cos_w, sin_o, node->cos_o);
+    Lanes cosine = cos_difference(sin_x, cos_x, sin_b, cos_b);
+    Lanes part = lanes_select_less(node->cos_e, cosine, at_least(cosine, FLT_MIN), lanes_all(0));
+    return lanes_select_less(lanes_all(-1), node->cos_o, part, lanes_all(1));
+}
+
+/* [CK18] eq. 3: what the lights of each part may give to a place at most, roughly: power over squared distance, times the
+ * cosines at both ends as far as the bounds allow them. The distance is at least the radius of the ball around the
+ * bounds, as within it the middle says little: lights there may be anywhere, and face anywhere. */
+static inline Lanes importance(const TreeNode *node, Vec3f place, Vec3f normal, bool has_normal)
+{
+    Lanes x = lanes_sub(node->x, lanes_all(place.x)), y = lanes_sub(node->y, lanes_all(place.y)),
+          z = lanes_sub(node->z, lanes_all(place.z));
+    Lanes distance2 = dot(x, y, z, x, y, z);
+    Lanes nearest2 = lanes_select_less(distance2, node->radius2, node->radius2, distance2);
+    Lanes value = lanes_div(node->power, at_least(nearest2, FLT_MIN));
+    Lanes inverse2 = lanes_div(lanes_all(1), distance2), inverse = lanes_sqrt(inverse2);
+    Lanes sin_b2 = lanes_mul(node->radius2, inverse2);
+    Lanes sin_b = lanes_sqrt(sin_b2), cos_b = lanes_sqrt(at_least(lanes_rest(sin_b2), 0));
+    Lanes given = lanes_mul(value, sent(node, x, y, z, inverse, sin_b, cos_b));
     if (has_normal) {
-        float cos_i = vec3f_dot(normal, to) * inverse;
-        float cosine = cos_difference(sine_of(cos_i), cos_i, sin_b, cos_b);
-        if (cosine <= 0) return 0;
-        value *= cosine;
+        Lanes cos_i = lanes_mul(dot(lanes_all(normal.x), lanes_all(normal.y), lanes_all(normal.z), x, y, z), inverse);
+        given = lanes_mul(given, at_least(cos_difference(sine_of(cos_i), cos_i, sin_b, cos_b), 0));
     }
-    return value;
+    return lanes_select_less(node->radius2, distance2, given, value);
 }
 
 static bool is_set(Vec3f v)
@@ -82,36 +98,48 @@ static bool is_set(Vec3f v)
     return v.x != 0 || v.y != 0 || v.z != 0;
 }
 
+/* In double: a sum of floats that are far apart in size keeps the share of each. */
+static inline double sum_of(Lanes a)
+{
+    return ((double)lanes_get(a, 0) + (double)lanes_get(a, 1)) + ((double)lanes_get(a, 2) + (double)lanes_get(a, 3));
+}
+
 uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double *digits, float *probability)
 {
     double u = *digits;
     *probability = 0;
-    if (!tree->n_nodes) return LIGHT_TREE_NONE;
+    if (!tree->n_lights) return LIGHT_TREE_NONE;
     Vec3f at = vec3f_from(place);
     bool has_normal = is_set(normal);
     const TreeNode *node = &tree->nodes[0];
     double chosen = 1;
-    if (node->leaf && !(importance(node, at, normal, has_normal) > 0)) return LIGHT_TREE_NONE;
-    while (!node->leaf) {
-        const TreeNode *child = &tree->nodes[node->child];
-        double a = (double)importance(&child[0], at, normal, has_normal),
-               sum = a + (double)importance(&child[1], at, normal, has_normal);
+    for (;;) {
+        Lanes parts = importance(node, at, normal, has_normal);
+        double sum = sum_of(parts);
         if (!(sum > 0)) return LIGHT_TREE_NONE;
-        double first = a / sum;
-        if (u < first) {
-            u /= first;
-            chosen *= first;
-            node = &child[0];
-        } else {
-            u = (u - first) / (1 - first);
-            chosen *= 1 - first;
-            node = &child[1];
+        double left = u * sum, part = 0;
+        int which = 0;
+        for (int i = 0; i < PARTS; i++) {
+            double next = (double)lanes_get(parts, i);
+            if (!(next > 0)) continue;
+            if (part > 0) {
+                if (left < part) break;
+                left -= part;
+            }
+            which = i;
+            part = next;
         }
+        chosen *= part / sum;
+        u = left / part;
         if (!(u < 1)) u = 1 - DBL_EPSILON;
+        uint32_t child = node->child[which];
+        if (child & IS_LIGHT) {
+            *probability = (float)chosen;
+            *digits = u;
+            return child & ~IS_LIGHT;
+        }
+        node = &tree->nodes[child];
     }
-    *probability = (float)chosen;
-    *digits = u;
-    return node->child;
 }
 
 float light_tree_probability(const LightTree *tree, uint32_t light, Vec3 place, Vec3f normal)
@@ -121,17 +149,13 @@ float light_tree_probability(const LightTree *tree, uint32_t light, Vec3 place, 
     Vec3f from = vec3f_from(place);
     bool has_normal = is_set(normal);
     double chosen = 1;
-    if (at == 0) return importance(&tree->nodes[0], from, normal, has_normal) > 0 ? 1 : 0;
-    while (at != 0) {
-        uint32_t parent = tree->nodes[at].parent, first = tree->nodes[parent].child;
-        double a = (double)importance(&tree->nodes[first], from, normal, has_normal),
-               sum = a + (double)importance(&tree->nodes[first + 1], from, normal, has_normal);
-        double share = a / sum;
+    for (;; at = tree->parent[at / PARTS]) {
+        Lanes parts = importance(&tree->nodes[at / PARTS], from, normal, has_normal);
+        double sum = sum_of(parts);
         if (!(sum > 0)) return 0;
-        chosen *= at == first ? share : 1 - share;
-        at = parent;
+        chosen *= (double)lanes_get(parts, (int)(at % PARTS)) / sum;
+        if (at < PARTS) return (float)chosen;
     }
-    return (float)chosen;
 }
 
 /* ---- building ---- */
@@ -202,31 +226,55 @@ static LightBounds bounds_union(const LightBounds *a, const LightBounds *b)
                          .two_sided = a->two_sided || b->two_sided};
 }
 
-/* [CK18] eq. 1 and 2: power, times the measure of directions, times the area of the box. */
+/* [CK18] eq. 1 and 2: power, times the measure of directions, times the area of the box. The measure is
+ * 1 - cos(o) + (2 w sin(o) - cos(o - 2 w) - 2 o sin(o) + cos(o)) / 4 with w = o + e or pi. */
 static double cost_of(const LightBounds *b)
 {
-    if (!(b->power > 0)) return 0;
-    double o = acos((double)b->cos_o), e = acos((double)b->cos_e), w = fmin(o + e, 3.14159265358979323846);
-    if (b->two_sided) o = 3.14159265358979323846, w = o;
-    double omega = 1 - cos(o) + 0.25 * (2 * w * sin(o) - cos(o - 2 * w) - 2 * o * sin(o) + cos(o));
+    const double pi = 3.14159265358979323846;
+    double cos_o = b->two_sided ? -1 : (double)b->cos_o, cos_e = (double)b->cos_e,
+           sin_o = sqrt(fmax(1 - cos_o * cos_o, 0));
+    double omega = 1 - cos_o;
+    if (cos_o > -cos_e) {
+        double e = cos_e == 0 ? 0.5 * pi : acos(cos_e), cos_2e = 2 * cos_e * cos_e - 1,
+               sin_2e = 2 * cos_e * sqrt(fmax(1 - cos_e * cos_e, 0));
+        omega += 0.25 * (2 * e * sin_o - (cos_o * cos_2e - sin_o * sin_2e) + cos_o);
+    } else if (cos_o > -1) {
+        omega += 0.5 * (pi - acos(cos_o)) * sin_o;
+    }
     Vec3f d = vec3f_sub(b->high, b->low);
-    double x = (double)d.x, y = (double)d.y, z = (double)d.z, diagonal = sqrt(x * x + y * y + z * z);
+    double x = (double)d.x, y = (double)d.y, z = (double)d.z, diagonal2 = x * x + y * y + z * z;
     /* lights in a line or at a point have no area; the square of what extent there is stands in */
-    return (double)b->power * omega * (x * y + y * z + z * x + 1e-3 * diagonal * diagonal);
+    return (double)b->power * omega * (x * y + y * z + z * x + 1e-3 * diagonal2);
 }
 
 enum { N_BINS = 12 };
 
+/* A light on its way to its place; they are sorted into the tree's order as it grows. */
+typedef struct Item {
+    LightBounds bounds;
+    uint32_t light;
+} Item;
+
 typedef struct Builder {
     LightTree *tree;
-    const LightBounds *lights;
-    uint32_t *order; /* numbers of the lights, sorted into the tree's order as it grows */
+    Item *items;
 } Builder;
 
-/* A stretch of the order that becomes a node. */
+/* A stretch of the items that becomes a part of a node. */
 typedef struct Stretch {
-    uint32_t begin, end, node;
+    uint32_t begin, end;
 } Stretch;
+
+static uint32_t length_of(Stretch s)
+{
+    return s.end - s.begin;
+}
+
+/* How many nodes a stretch takes at most: each has PARTS parts, but for those that two or three lights are left for. */
+static uint32_t most_nodes(uint32_t n_lights)
+{
+    return n_lights < 2 ? 0 : (uint32_t)((2 * (uint64_t)n_lights - 1) / 3);
+}
 
 static int bin_of(const LightBounds *light, int axis, float low, float scale)
 {
@@ -235,25 +283,26 @@ static int bin_of(const LightBounds *light, int axis, float low, float scale)
 }
 
 /* Where to cut along one axis: the last bin of the first half. Returns the cost. */
-static double best_cut(const Builder *b, const Stretch *s, int axis, float low, float scale, int *cut)
+static double best_cut(const Builder *b, Stretch s, int axis, float low, float scale, int *cut)
 {
     LightBounds bins[N_BINS] = {0};
-    for (uint32_t i = s->begin; i < s->end; i++) {
-        const LightBounds *light = &b->lights[b->order[i]];
+    for (uint32_t i = s.begin; i < s.end; i++) {
+        const LightBounds *light = &b->items[i].bounds;
         LightBounds *bin = &bins[bin_of(light, axis, low, scale)];
         *bin = bounds_union(bin, light);
     }
     double behind[N_BINS];
     LightBounds sum = {0};
-    for (int i = N_BINS - 1; i > 0; i--) {
+    for (int i = N_BINS - 1; i > 0; i--) { /* an empty bin changes nothing */
+        bool empty = !(bins[i].power > 0);
         sum = bounds_union(&sum, &bins[i]);
-        behind[i] = sum.power > 0 ? cost_of(&sum) : -1;
+        behind[i] = !(sum.power > 0) ? -1 : empty ? behind[i + 1] : cost_of(&sum);
     }
     double best = HUGE_VAL;
     sum = (LightBounds){0};
     for (int i = 0; i + 1 < N_BINS; i++) {
+        if (!(bins[i].power > 0) || behind[i + 1] < 0) continue;
         sum = bounds_union(&sum, &bins[i]);
-        if (!(sum.power > 0) || behind[i + 1] < 0) continue;
         double cost = cost_of(&sum) + behind[i + 1];
         if (cost >= best) continue;
         best = cost;
@@ -264,17 +313,19 @@ static double best_cut(const Builder *b, const Stretch *s, int axis, float low, 
 
 /* Sorts the stretch into two and returns where the second begins. Where lights are many, only the longest axis is looked
  * at, which is nearly always the best; the regularizer of [CK18] for thin boxes is then not needed. */
-static uint32_t split(Builder *b, const Stretch *s)
+static uint32_t split(const Builder *b, Stretch s)
 {
     enum { ALL_AXES_BELOW = 4096 };
-    Vec3f low = middle(&b->lights[b->order[s->begin]]), high = low;
-    for (uint32_t i = s->begin + 1; i < s->end; i++) {
-        low = vec3f_least(low, middle(&b->lights[b->order[i]]));
-        high = vec3f_most(high, middle(&b->lights[b->order[i]]));
+    Item *items = b->items;
+    Vec3f low = middle(&items[s.begin].bounds), high = low;
+    for (uint32_t i = s.begin + 1; i < s.end; i++) {
+        Vec3f at = middle(&items[i].bounds);
+        low = vec3f_least(low, at);
+        high = vec3f_most(high, at);
     }
     Vec3f extent = vec3f_sub(high, low);
     int longest = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    uint32_t n = s->end - s->begin, half = s->begin + n / 2;
+    uint32_t n = length_of(s), half = s.begin + n / 2;
     double best = HUGE_VAL;
     int axis = longest, cut = 0;
     for (int i = 0; i < 3 && n > 2; i++) {
@@ -291,96 +342,181 @@ static uint32_t split(Builder *b, const Stretch *s)
     }
     if (!(best < HUGE_VAL)) return half;
     float start = component(low, axis), scale = N_BINS / component(extent, axis);
-    uint32_t first = s->begin;
-    for (uint32_t i = s->begin; i < s->end; i++) {
-        uint32_t light = b->order[i];
-        if (bin_of(&b->lights[light], axis, start, scale) > cut) continue;
-        b->order[i] = b->order[first];
-        b->order[first++] = light;
+    uint32_t first = s.begin;
+    for (uint32_t i = s.begin; i < s.end; i++) {
+        if (bin_of(&items[i].bounds, axis, start, scale) > cut) continue;
+        Item item = items[i];
+        items[i] = items[first];
+        items[first++] = item;
     }
-    return first > s->begin && first < s->end ? first : half;
+    return first > s.begin && first < s.end ? first : half;
 }
 
-static void fill_node(TreeNode *node, const LightBounds *b)
+/* Sorts the stretch into PARTS, or as many as it has lights, always cutting the one with the most lights. Deep down it is
+ * cut in the middle, so that no arrangement of lights makes the tree too deep. Returns the number. */
+static int split_in_parts(const Builder *b, Stretch s, int depth, Stretch parts[PARTS])
 {
-    Vec3f half = vec3f_scale(vec3f_sub(b->high, b->low), 0.5f);
-    node->centre = vec3f_scale(vec3f_add(b->low, b->high), 0.5f);
-    node->radius2 = vec3f_dot(half, half) * 1.00001f;
-    node->axis = b->axis;
-    node->cos_o = b->cos_o;
-    node->sin_o = sine_of(b->cos_o);
-    node->cos_e = b->cos_e;
-    node->power = b->power;
-    node->two_sided = b->two_sided;
+    enum { DEEP = 64 };
+    int n = 1;
+    parts[0] = s;
+    while (n < PARTS) {
+        int most = 0;
+        for (int i = 1; i < n; i++)
+            if (length_of(parts[i]) > length_of(parts[most])) most = i;
+        Stretch part = parts[most];
+        if (length_of(part) < 2) break;
+        uint32_t at = depth < DEEP ? split(b, part) : part.begin + length_of(part) / 2;
+        parts[most].end = at;
+        parts[n++] = (Stretch){at, part.end};
+    }
+    return n;
 }
 
-/* Nodes from the root down; each stretch lies in its parent's, so that a stack of one per level of the larger halves is
- * enough: the smaller half is done first. */
-static void build(Builder *b, uint32_t n)
+static void fill_part(TreeNode *node, int part, const LightBounds *b)
 {
-    LightTree *tree = b->tree;
-    Stretch stack[64];
-    int depth = 0;
-    stack[depth++] = (Stretch){0, n, 0};
-    tree->n_nodes = 1;
-    while (depth) {
-        Stretch s = stack[--depth];
-        TreeNode *node = &tree->nodes[s.node];
-        if (s.end - s.begin == 1) {
-            node->leaf = true;
-            node->child = b->order[s.begin];
-            tree->leaf_of[node->child] = s.node;
+    Vec3f half = vec3f_scale(vec3f_sub(b->high, b->low), 0.5f), centre = middle(b);
+    lanes_set(&node->x, part, centre.x);
+    lanes_set(&node->y, part, centre.y);
+    lanes_set(&node->z, part, centre.z);
+    lanes_set(&node->radius2, part, vec3f_dot(half, half) * 1.00001f);
+    lanes_set(&node->axis_x, part, b->axis.x);
+    lanes_set(&node->axis_y, part, b->axis.y);
+    lanes_set(&node->axis_z, part, b->axis.z);
+    lanes_set(&node->cos_o, part, b->cos_o);
+    lanes_set(&node->cos_e, part, b->cos_e);
+    lanes_set(&node->two_sided, part, b->two_sided ? 1 : 0);
+    lanes_set(&node->power, part, b->power);
+}
+
+/* Where the nodes of each part begin that has more than one light; known from their numbers alone, so that parts can be
+ * built by several threads. A part of one light is that light. */
+static void link_parts(const Builder *b, uint32_t node, const Stretch *parts, int n)
+{
+    uint32_t next = node + 1;
+    for (int i = 0; i < n; i++) {
+        uint32_t place = PARTS * node + (uint32_t)i, light = b->items[parts[i].begin].light;
+        if (length_of(parts[i]) == 1) {
+            b->tree->nodes[node].child[i] = light | IS_LIGHT;
+            b->tree->leaf_of[light] = place;
             continue;
         }
-        uint32_t middle_at = split(b, &s), child = tree->n_nodes;
-        tree->n_nodes += 2;
-        node->child = child;
-        tree->nodes[child].parent = tree->nodes[child + 1].parent = s.node;
-        Stretch first = {s.begin, middle_at, child}, second = {middle_at, s.end, child + 1};
-        bool first_is_larger = first.end - first.begin > second.end - second.begin;
-        stack[depth++] = first_is_larger ? first : second;
-        stack[depth++] = first_is_larger ? second : first;
+        b->tree->nodes[node].child[i] = next;
+        b->tree->parent[next] = place;
+        next += most_nodes(length_of(parts[i]));
     }
 }
 
-/* Bounds of all nodes, from the leaves up: a child always comes behind its parent. */
-static void bound(Builder *b, LightBounds *bounds)
+/* Builds a node and all below it. Returns the bounds of its lights. */
+static LightBounds build(const Builder *b, uint32_t node, Stretch s, int depth)
 {
-    LightTree *tree = b->tree;
-    for (uint32_t i = tree->n_nodes; i-- > 0;) {
-        TreeNode *node = &tree->nodes[i];
-        bounds[i] = node->leaf ? b->lights[node->child] : bounds_union(&bounds[node->child], &bounds[node->child + 1]);
-        fill_node(node, &bounds[i]);
+    Stretch parts[PARTS];
+    int n = split_in_parts(b, s, depth, parts);
+    link_parts(b, node, parts, n);
+    LightBounds all = {0};
+    for (int i = 0; i < n; i++) {
+        LightBounds bounds = length_of(parts[i]) == 1 ? b->items[parts[i].begin].bounds
+                                                      : build(b, b->tree->nodes[node].child[i], parts[i], depth + 1);
+        fill_part(&b->tree->nodes[node], i, &bounds);
+        all = bounds_union(&all, &bounds);
+    }
+    return all;
+}
+
+/* ---- by several threads ---- */
+
+/* The upper levels are split level by level, a task for each node; then each of the nodes at their ends is built whole. The
+ * branches that come from number i are PARTS * i + 1 and the next. */
+enum { UPPER_LEVELS = 3, N_UPPER = 1 + 4 + 16, N_BRANCHES = N_UPPER + 64, WHOLE_BELOW = 4096 };
+
+typedef struct Branch {
+    Stretch lights;
+    uint32_t node;
+    int n_parts; /* 0: built whole, or of one light */
+    LightBounds bounds;
+} Branch;
+
+typedef struct UpperTree {
+    const Builder *builder;
+    Branch branches[N_BRANCHES];
+    uint32_t first; /* of this level */
+} UpperTree;
+
+static void grow_branch(void *context, uint32_t index, unsigned worker)
+{
+    (void)worker;
+    UpperTree *upper = context;
+    const Builder *b = upper->builder;
+    uint32_t number = upper->first + index;
+    Branch *branch = &upper->branches[number];
+    int depth = number == 0 ? 0 : number < 1 + 4 ? 1 : number < N_UPPER ? 2 : 3;
+    uint32_t n = length_of(branch->lights);
+    if (!n) return;
+    if (n == 1 && number) {
+        branch->bounds = b->items[branch->lights.begin].bounds;
+        return;
+    }
+    if (number >= N_UPPER || n < WHOLE_BELOW) {
+        branch->bounds = build(b, branch->node, branch->lights, depth);
+        return;
+    }
+    Stretch parts[PARTS];
+    branch->n_parts = split_in_parts(b, branch->lights, depth, parts);
+    link_parts(b, branch->node, parts, branch->n_parts);
+    for (int i = 0; i < branch->n_parts; i++)
+        upper->branches[PARTS * number + 1 + (uint32_t)i] =
+            (Branch){.lights = parts[i], .node = b->tree->nodes[branch->node].child[i]};
+}
+
+static void run_level(UpperTree *upper, Pool *pool, uint32_t first, uint32_t n)
+{
+    upper->first = first;
+    if (pool && n > 1)
+        pool_run(pool, n, grow_branch, upper);
+    else
+        for (uint32_t i = 0; i < n; i++) grow_branch(upper, i, 0);
+}
+
+static void build_all(const Builder *b, uint32_t n, Pool *pool)
+{
+    UpperTree upper = {.builder = b, .branches = {{.lights = {0, n}}}};
+    uint32_t first = 0, width = 1;
+    for (int level = 0; level <= UPPER_LEVELS; level++, first += width, width *= PARTS)
+        run_level(&upper, pool, first, width);
+    for (uint32_t number = N_UPPER; number-- > 0;) {
+        Branch *branch = &upper.branches[number];
+        for (int i = 0; i < branch->n_parts; i++) {
+            const LightBounds *bounds = &upper.branches[PARTS * number + 1 + (uint32_t)i].bounds;
+            fill_part(&b->tree->nodes[branch->node], i, bounds);
+            branch->bounds = bounds_union(&branch->bounds, bounds);
+        }
     }
 }
 
-Status light_tree_new(const LightBounds *lights, uint32_t n, LightTree **tree, Error *error)
+Status light_tree_new(const LightBounds *lights, uint32_t n, Pool *pool, LightTree **tree, Error *error)
 {
     LightTree *made = calloc(1, sizeof *made);
-    uint32_t *order = malloc((n + 1UL) * sizeof *order), n_shining = 0;
-    if (made) made->leaf_of = malloc((n + 1UL) * sizeof *made->leaf_of);
-    for (uint32_t i = 0; made && made->leaf_of && order && i < n; i++) {
-        made->leaf_of[i] = LIGHT_TREE_NONE;
-        if (!(lights[i].power > 0)) continue;
-        order[n_shining++] = i;
-        made->power += (double)lights[i].power;
-    }
-    size_t n_nodes = n_shining ? 2UL * n_shining - 1 : 1;
-    LightBounds *bounds = malloc(n_nodes * sizeof *bounds);
-    if (made) made->nodes = calloc(n_nodes, sizeof *made->nodes);
-    if (!made || !order || !bounds || !made->leaf_of || !made->nodes) {
-        free(order);
-        free(bounds);
+    if (!made) return fail_memory(error, sizeof *made, "a tree of lights");
+    for (uint32_t i = 0; i < n; i++) made->n_lights += lights[i].power > 0;
+    size_t n_nodes = most_nodes(made->n_lights) + 1UL;
+    Item *items = malloc((made->n_lights + 1UL) * sizeof *items);
+    made->leaf_of = malloc((n + 1UL) * sizeof *made->leaf_of);
+    made->parent = malloc(n_nodes * sizeof *made->parent);
+    made->nodes = calloc(n_nodes, sizeof *made->nodes);
+    if (!items || !made->leaf_of || !made->parent || !made->nodes) {
+        free(items);
         light_tree_free(made);
         return fail_memory(error, n_nodes * sizeof *made->nodes, "a tree of lights");
     }
-    Builder b = {made, lights, order};
-    if (n_shining) {
-        build(&b, n_shining);
-        bound(&b, bounds);
+    uint32_t n_items = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        made->leaf_of[i] = LIGHT_TREE_NONE;
+        if (!(lights[i].power > 0)) continue;
+        items[n_items++] = (Item){lights[i], i};
+        made->power += (double)lights[i].power;
     }
-    free(order);
-    free(bounds);
+    Builder b = {made, items};
+    if (n_items) build_all(&b, n_items, pool);
+    free(items);
     *tree = made;
     return STATUS_OK;
 }
@@ -389,6 +525,7 @@ void light_tree_free(LightTree *tree)
 {
     if (!tree) return;
     free(tree->nodes);
+    free(tree->parent);
     free(tree->leaf_of);
     free(tree);
 }

@@ -1,12 +1,14 @@
 /* light_tree.h - choosing one of many lights by how much light each may give to a place.
- * A binary tree of bounds after A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree
+ * A tree of bounds after A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree
  * Splitting", PACMCGIT 1(2) (2018), [CK18]: each node bounds the places, the directions and the power of the lights
- * below it, and a choice goes down by the importance of the two children. We choose a single light, without splitting.
+ * below it, and a choice goes down by the importance of what is below. Theirs is binary; a node here has up to four parts,
+ * which are compared at once. We choose a single light, without splitting.
  * The tree knows nothing of what the lights are.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_LIGHT_TREE_H
 #define MEN_LIGHT_TREE_H
 
+#include "base/pool.h"
 #include "base/status.h"
 #include "base/vec3.h"
 
@@ -22,8 +24,11 @@ typedef struct LightBounds {
 
 typedef struct LightTree LightTree;
 
-/* Bounds of n lights, numbered from 0; not kept. A tree of n lights takes 132 bytes for each. */
-ATTR_NODISCARD Status light_tree_new(const LightBounds *lights, uint32_t n, LightTree **tree, Error *error);
+/* The most lights that there can be. */
+#define LIGHT_TREE_MOST (UINT32_MAX / 4)
+/* Bounds of n lights, numbered from 0, LIGHT_TREE_MOST at most; not kept. Built by the pool's threads, NULL: by this one;
+ * the tree is the same. A tree of n lights takes at most 136 bytes for each. */
+ATTR_NODISCARD Status light_tree_new(const LightBounds *lights, uint32_t n, Pool *pool, LightTree **tree, Error *error);
 void light_tree_free(LightTree *tree); /* NULL is fine */
 /* The sum of the lights' powers. */
 double light_tree_power(const LightTree *tree);

@@ -26,13 +26,13 @@ static bool seeks_environment(const Scene *scene)
 
 /* Half of the samples by flux onto the scene, half evenly by the number of lights, so that a small light near a surface
  * is not starved. */
-static Status choose_lights(World *world, Error *error)
+static Status choose_lights(World *world, Pool *pool, Error *error)
 {
     const Scene *scene = world->scene;
     const double pi = acos(-1);
     Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
     double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min)), total = 0;
-    TRY(emitters_find(world->compiled, &world->media, &world->emitters, error));
+    TRY(emitters_find(world->compiled, &world->media, pool, &world->emitters, error));
     world->choices = calloc(scene->n_lights + 2U, sizeof *world->choices);
     world->choice_of_light = calloc(scene->n_lights + 1U, sizeof *world->choice_of_light);
     if (!world->choices || !world->choice_of_light)
@@ -145,7 +145,7 @@ static bool lens_may_cross(const World *world)
 }
 
 Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
-                  bool no_absorption, Error *error)
+                  bool no_absorption, Pool *pool, Error *error)
 {
     *world = (World){
         .compiled = compiled, .scene = compiled->scene, .no_absorption = no_absorption, .max_bounces = max_bounces};
@@ -156,7 +156,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
     world->camera = &compiled->scene->cameras[camera];
     Status status = media_find(compiled, &world->media, error);
-    if (status == STATUS_OK) status = choose_lights(world, error);
+    if (status == STATUS_OK) status = choose_lights(world, pool, error);
     if (status == STATUS_OK) status = find_portals(world, error);
     if (status == STATUS_OK) {
         HitList hits = {0};

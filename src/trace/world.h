@@ -55,8 +55,9 @@ typedef struct World {
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
 } World;
 
+/* pool: whose threads help, or NULL */
 ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
-                                 bool no_absorption, Error *error);
+                                 bool no_absorption, Pool *pool, Error *error);
 /* No light is chosen any more, so that all of them are found by scattering alone; those without size are gone. */
 void world_leave_to_chance(World *world);
 void world_clear(World *world);

@@ -25,7 +25,7 @@ static void open_world(Fixture *f, World *world, const char *scene)
     assert_int_equal(f->status, STATUS_OK);
     assert_int_equal(compile_scene(f->scene, f->scene->render.nesting, NULL, &f->diag, &f->compiled, &f->error),
                      STATUS_OK);
-    assert_int_equal(world_init(world, f->compiled, 0, 8, false, &f->error), STATUS_OK);
+    assert_int_equal(world_init(world, f->compiled, 0, 8, false, NULL, &f->error), STATUS_OK);
 }
 
 static int block_of(Box3 box, Vec3 place)

@@ -172,7 +172,7 @@ static void flux(void **state)
                     "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n",
                     1);
     assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
-    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, &error), STATUS_OK);
+    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
     PhotonTargets targets;
     photon_targets(&world, &targets);
     assert_int_equal(targets.n, 1);

@@ -147,7 +147,7 @@ static void run_case(const Case *c)
     assert_int_equal(f.status, STATUS_OK);
     assert_int_equal(compile_scene(f.scene, f.scene->render.nesting, NULL, &f.diag, &f.compiled, &f.error), STATUS_OK);
     World world;
-    assert_int_equal(world_init(&world, f.compiled, 0, 8, false, &f.error), STATUS_OK);
+    assert_int_equal(world_init(&world, f.compiled, 0, 8, false, NULL, &f.error), STATUS_OK);
     Bins bins = bins_about(c->from, c->towards, c->half_angle);
     Dice dice = {11};
     HitList hits = {0};

@@ -51,7 +51,7 @@ static void see(Fixture *f, float albedo[3])
     float rgb[3], alpha;
     assert_int_equal(compile_scene(f->scene, f->scene->render.nesting, NULL, &f->diag, &f->compiled, &error),
                      STATUS_OK);
-    assert_int_equal(world_init(&world, f->compiled, 0, 4, false, &error), STATUS_OK);
+    assert_int_equal(world_init(&world, f->compiled, 0, 4, false, NULL, &error), STATUS_OK);
     tracer_init(&tracer, &world);
     tracer.first_sight = &sight;
     trace_sample(&tracer, 50, 50, 101, 101, 0, 0, rgb, &alpha);
