@@ -258,14 +258,6 @@ void eval_call_macro_values(Evaluator *evaluator, const Def *def, uint32_t hops,
 
 /* ---- functions that are called when the evaluation is over ---- */
 
-struct EvalFunctionValue {
-    Evaluator *evaluator; /* of its own: the names of the scene as they were */
-    const Def *def;
-    Frame *lexical;
-    Span span;
-    bool by_coordinates; /* takes x, y, z, not a point */
-};
-
 /* The frame and those around it in the text, with copies of their slots. */
 static Frame *capture_frame(Evaluator *evaluator, const Frame *frame)
 {

@@ -123,6 +123,15 @@ static inline uint64_t eval_within(uint64_t where, Span span, uint64_t i)
     return hash_u64(hash_u64(where + span.begin) + ((uint64_t)span.source << 48) + i);
 }
 
+/* A function that is called when the evaluation is over. */
+struct EvalFunctionValue {
+    Evaluator *evaluator; /* of its own: the names of the scene as they were */
+    const Def *def;
+    Frame *lexical;
+    Span span;
+    bool by_coordinates; /* takes x, y, z, not a point */
+};
+
 /* ---- reports (eval.c) ---- */
 
 Diagnostic *eval_report(Evaluator *evaluator, DiagCode code, Span span, const char *format, ...) ATTR_PRINTF(4, 5);

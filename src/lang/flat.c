@@ -3,7 +3,7 @@
  * Nodes that something refers to get a name: media, prototypes, a surface that two objects share. They are written
  * just before the first statement that needs them. A prototype is written without its place, and each placing of it as an
  * instance with the whole transform, which was composed when the scene ran: composing it anew could round it
- * differently. Nodes that nothing refers to are written where they stand.
+ * differently. Nodes that nothing refers to are written where they stand. Functions that are values become defs.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "lang/flat.h"
 
@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "lang/builtin.h"
+#include "lang/flat_function.h"
 #include "lang/resolve.h"
 #include "lang/schema_find.h"
 #include "lang/value.h"
@@ -35,6 +36,7 @@ typedef struct Flat {
     Buf *out;
     Shared *shared;     /* open addressing by the node's address; NULL node: free */
     size_t n_shared, capacity;
+    FlatFunctions functions;
     SymbolTable symbols; /* names that are taken have a binding in it */
     unsigned depth;     /* of blocks around */
     bool too_deep;
@@ -145,6 +147,8 @@ static const char *new_name(Flat *flat, const char *wanted)
     take_name(flat, name);
     return name;
 }
+
+static const char *new_def_name(void *context, const char *wanted) { return new_name(context, wanted); }
 
 /* In order of the text, so that the first of a name keeps it; what was declared comes before what only is used. */
 static void name_shared(Flat *flat, const EvalNode *node)
@@ -320,6 +324,7 @@ static void print_list(Flat *flat, const EvalProp *prop)
 static void print_prop_value(Flat *flat, const EvalProp *prop)
 {
     Buf *out = flat->out;
+    const char *name;
     if (prop->textured) {
         print_reference(flat, prop->as.node);
         return;
@@ -345,7 +350,8 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_VECTORS2: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR2); break;
     case PROP_VECTORS3: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR3); break;
     case PROP_FUNCTION:
-        diag_report(flat->diag, D_NOT_FLAT, prop->span, "'%s' is a function, and a flat scene has none", prop->type->name);
+        name = flat_function(&flat->functions, prop->as.function); /* written before, by declare_needs */
+        buf_add(out, name ? name : "none");
         break;
     case PROP_NUMBER_LISTS: print_number_lists(flat, prop, VALUE_NUMBER); break;
     case PROP_VECTOR2_LISTS: print_number_lists(flat, prop, VALUE_VECTOR2); break;
@@ -498,6 +504,7 @@ static void declare_needs(Flat *flat, const EvalNode *node)
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
         if (is_node(prop)) declare(flat, prop->as.node);
+        if (prop->type->kind == PROP_FUNCTION) (void)flat_function(&flat->functions, prop->as.function);
         for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++) declare(flat, prop->as.list.nodes[k]);
     }
     if (node->prototype) {
@@ -525,6 +532,7 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
 {
     Flat flat = {.options = options, .diag = diag, .arena = diag->arena, .out = out};
     uint32_t n_errors = diag->n_errors;
+    flat.functions = (FlatFunctions){.diag = diag, .out = out, .new_name = new_def_name, .context = &flat};
     symbol_table_init(&flat.symbols, flat.arena);
     const unsigned stands = NODE_PLACED | NODE_SINGLE;
     for (size_t i = 0; i < scene->n_nodes; i++)

@@ -1,4 +1,5 @@
-/* flat.h - an evaluated scene as text again: no names but those of nodes, no macros, loops or includes.
+/* flat.h - an evaluated scene as text again: no names but those of nodes and of
+ * functions that properties take, no macros, loops or includes.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_FLAT_H
 #define MEN_FLAT_H

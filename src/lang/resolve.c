@@ -192,22 +192,6 @@ static void report_free_property(Resolver *resolver, const Stmt *stmt)
         diag_hint(resolver->diag, report, "a name is declared by let %s = ...", name);
 }
 
-/* The name of a function, which is no value anywhere else. */
-static void resolve_function(Resolver *resolver, Expr *expr)
-{
-    Binding *binding = expr->kind == EXPR_NAME ? expr->as.name.symbol->binding : NULL;
-    if (!binding || binding->kind != BINDING_DEF || !binding->def->body) {
-        resolve_expr(resolver, expr);
-        return;
-    }
-    binding->used = true;
-    Def *def = binding->def;
-    expr->kind = EXPR_FUNCTION;
-    expr->as.call.name = def->name->text;
-    expr->as.call.to.def = def;
-    expr->as.call.hops = def->level ? resolver->level - def->level : 0;
-}
-
 static void resolve_prop(Resolver *resolver, Stmt *stmt)
 {
     Expr *value = stmt->as.prop.value;

@@ -78,6 +78,8 @@ double srgb_decode(double encoded);
 
 /* resolve_expr.c, for resolve.c */
 void resolve_expr(Resolver *resolver, Expr *expr);
+/* Where a property takes a function: the name of one, also of a file in use; all else as resolve_expr does. */
+void resolve_function(Resolver *resolver, Expr *expr);
 void resolve_args(Resolver *resolver, Args *args);
 void resolve_node(Resolver *resolver, NodeExpr *node, bool expression);
 void resolve_block(Resolver *resolver, Block *block);

@@ -296,6 +296,26 @@ static const Binding *callee_binding(Resolver *resolver, const Expr *callee, boo
     return found;
 }
 
+static void call_def(const Resolver *resolver, Expr *expr, ExprKind kind, Def *def)
+{
+    expr->kind = kind;
+    expr->as.call.name = def->name->text;
+    expr->as.call.to.def = def;
+    expr->as.call.hops = def->level ? resolver->level - def->level : 0;
+}
+
+void resolve_function(Resolver *resolver, Expr *expr)
+{
+    bool silent;
+    const Binding *binding = callee_binding(resolver, expr, &silent);
+    if (silent)
+        expr->kind = EXPR_POISON;
+    else if (binding && binding->kind == BINDING_DEF && binding->def->body)
+        call_def(resolver, expr, EXPR_FUNCTION, binding->def);
+    else
+        resolve_expr(resolver, expr);
+}
+
 static void resolve_call(Resolver *resolver, Expr *expr)
 {
     Expr *callee = expr->as.call.callee;
@@ -303,10 +323,7 @@ static void resolve_call(Resolver *resolver, Expr *expr)
     bool silent;
     const Binding *binding = callee_binding(resolver, callee, &silent);
     if (binding && binding->kind == BINDING_DEF) {
-        expr->kind = EXPR_CALL_DEF;
-        expr->as.call.name = binding->def->name->text;
-        expr->as.call.to.def = binding->def;
-        expr->as.call.hops = binding->def->level ? resolver->level - binding->def->level : 0;
+        call_def(resolver, expr, EXPR_CALL_DEF, binding->def);
         return;
     }
     const char *name = callee->kind == EXPR_NAME ? callee->as.name.symbol->text : NULL;
