@@ -61,12 +61,12 @@ CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
 LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(JPEG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) -lstdc++ -lpthread -lm
 
-GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c src/optics/layered_gen.c
+GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c src/optics/layered_gen.c src/optics/stretched_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
 CXX_SOURCES := $(sort $(wildcard src/*/*.cpp))
 CLI_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter src/cli/%,$(SOURCES)))
 STD_FILES := $(sort $(wildcard src/std/*.mns))
-GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/microfacet_table.c $(BUILD)/generated/layered_table.c $(BUILD)/generated/ocio_config.c $(BUILD)/generated/std_library.c
+GENERATED := $(BUILD)/generated/upsample_table.c $(BUILD)/generated/microfacet_table.c $(BUILD)/generated/layered_table.c $(BUILD)/generated/stretched_table.c $(BUILD)/generated/ocio_config.c $(BUILD)/generated/std_library.c
 LIB_OBJECTS := $(patsubst src/%.c,$(BUILD)/%.o,$(filter-out src/cli/%,$(SOURCES))) \
   $(patsubst src/%.cpp,$(BUILD)/%.o,$(CXX_SOURCES)) $(GENERATED:.c=.o)
 TRUTH_TESTS := $(patsubst tests/truth/%.c,$(BUILD)/truth/%,$(sort $(wildcard tests/truth/*_test.c)))
@@ -129,9 +129,19 @@ $(BUILD)/generated/microfacet_table.c: $(BUILD)/microfacet_gen
 	@mkdir -p $(@D)
 	$(BUILD)/microfacet_gen $@
 
-# And what layers do to what is under them, which asks those tables.
-LAYERED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_layer optics/bsdf_diffuse optics/bsdf_facets optics/microfacet optics/fresnel \
+# And what stretched facets do beyond round ones, which asks those tables (about fifteen seconds).
+STRETCHED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_facets optics/stretched optics/microfacet optics/fresnel \
   generated/microfacet_table)
+$(BUILD)/stretched_gen: src/optics/stretched_gen.c $(STRETCHED_OBJECTS) $(wildcard src/optics/*.h) $(BUILD)/flags
+	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c %.o,$^) -lm
+
+$(BUILD)/generated/stretched_table.c: $(BUILD)/stretched_gen
+	@mkdir -p $(@D)
+	$(BUILD)/stretched_gen $@
+
+# And what layers do to what is under them, which asks those.
+LAYERED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_layer optics/bsdf_diffuse optics/bsdf_facets optics/microfacet optics/fresnel \
+  optics/stretched generated/microfacet_table generated/stretched_table)
 $(BUILD)/layered_gen: src/optics/layered_gen.c $(LAYERED_OBJECTS) $(wildcard src/optics/*.h) $(BUILD)/flags
 	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c %.o,$^) -lm
 

@@ -91,12 +91,13 @@ void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y)
     add_facets(bsdf, share, &(BsdfConductor){.mean = lanes_all(1), .white = true}, alpha_x, alpha_y);
 }
 
-void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha, Lanes tint, Lanes albedo, float roughness)
+void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
+                      float roughness)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_PLASTIC, share);
     if (!lobe) return;
     lobe->as.plastic.base = diffuse_make(albedo, roughness);
-    lobe->as.plastic.layer = layer_make(eta, alpha, tint);
+    lobe->as.plastic.layer = layer_make(eta, alpha_x, alpha_y, tint);
     if (lobe->as.plastic.base.roughness > 0) layer_find_among(&lobe->as.plastic.layer);
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
@@ -133,12 +134,12 @@ static bool find_blurred(BsdfBoundary *boundary)
     return !lanes_zero(boundary->blurred);
 }
 
-void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha)
+void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_BOUNDARY, share);
     if (!lobe) return;
     BsdfBoundary *boundary = &lobe->as.boundary;
-    boundary->facets = facets_make(alpha, alpha);
+    boundary->facets = facets_make(alpha_x, alpha_y);
     boundary->eta_i = eta_i;
     boundary->eta_t = eta_t;
     bsdf->transmits = true;
@@ -146,22 +147,23 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     if (boundary->facets.smooth) return;
     bsdf->specular_only = false;
     Lanes eta = lanes_div(boundary->eta_t, eta_i);
-    MicrofacetIndex index = boundary->index = microfacet_index(boundary->facets.alpha_x, boundary->facets.alpha_y, eta);
+    const BsdfFacets *facets = &boundary->facets;
+    boundary->index = facets_index(facets, eta);
+    MicrofacetIndex round = *facets_round_index(facets, &boundary->index);
     bool dense = lanes_mean(eta) < 1;
-    alpha = boundary->facets.alpha_x;
     for (int through = 0; through <= 1; through++) {
         float a = boundary->spread[through] =
-            dense != through ? float_min(alpha, index.critical * index.critical) : alpha;
+            dense != through ? float_min(round.alpha, round.critical * round.critical) : round.alpha;
         boundary->spread_norm[through] = 1 / (SAMPLING_PI * logf(1 + 1 / (a * a)));
     }
-    Lanes here = microfacet_lookup_mean(microfacet_missing_mean, &index, false);
-    Lanes there = microfacet_lookup_mean(microfacet_missing_mean, &index, true);
+    Lanes here = facets_missing_mean(facets, &boundary->index, false);
+    Lanes there = facets_missing_mean(facets, &boundary->index, true);
     /* Of diffuse light that is missing the part 1 - F (mean) should pass. With n_i^2 (1 - F_i) = n_t^2 (1 - F_t),
      * dividing by the larger of the two means makes the split reciprocal and at most that. Row 0 is the smooth
      * boundary. */
-    index.roughness = (MicrofacetPlace){0, 0};
-    for (int i = 0; i < LANES; i++) index.side[i] = 0;
-    Lanes smooth = microfacet_lookup_mean(microfacet_reflected_mean, &index, false);
+    round.roughness = (MicrofacetPlace){0, 0};
+    for (int i = 0; i < LANES; i++) round.side[i] = 0;
+    Lanes smooth = microfacet_lookup_mean(microfacet_reflected_mean, &round, false);
     for (int i = 0; i < LANES; i++) {
         float n = lanes_get(eta, i), passed = 1 - lanes_get(smooth, i);
         if (n < 1) passed *= n * n;
@@ -174,10 +176,10 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     }
 }
 
-void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha, Lanes tint)
+void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
 {
     bsdf->coating = true;
-    bsdf->coat = layer_make(eta, alpha, tint);
+    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint);
     layer_find_among(&bsdf->coat);
 }
 
@@ -192,24 +194,25 @@ void bsdf_end_coat(Bsdf *bsdf)
 typedef struct Covers {
     Lanes reflectance, passed; /* of the coat */
     float fuzz;                /* what it lets pass */
+    float skin;                /* fuzz_to_base() of the coat */
 } Covers;
 
 static Covers covers_at(const Bsdf *bsdf, Vec3f w)
 {
-    Covers covers = {lanes_all(0), lanes_all(1), 1};
+    Covers covers = {lanes_all(0), lanes_all(1), 1, 1};
     if (bsdf->coat_share > 0 && w.z > 0) {
         covers.reflectance = layer_reflectance(&bsdf->coat, w);
         covers.passed = layer_transmittance(&bsdf->coat, w, covers.reflectance);
     }
-    if (bsdf->fuzz.share > 0) covers.fuzz = 1 - fuzz_albedo(&bsdf->fuzz, w);
+    if (!(bsdf->fuzz.share > 0)) return covers;
+    covers.fuzz = 1 - fuzz_albedo(&bsdf->fuzz, w);
+    if (bsdf->coat_share > 0 && w.z > 0) covers.skin = fuzz_to_base(&bsdf->fuzz, &bsdf->coat, w);
     return covers;
 }
 
-/* The part of light from a direction that a diffuse lobe gets, whatever its colour. */
-static float reaches_diffuse(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w)
+static const BsdfLayer *layer_over(const Bsdf *bsdf, const BsdfLobe *lobe)
 {
-    const BsdfLayer *layer = lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer : lobe->covered ? &bsdf->coat : NULL;
-    return layer ? lanes_get(lanes_rest(layer_reflectance(layer, w)), 0) : 1;
+    return lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer : lobe->covered ? &bsdf->coat : NULL;
 }
 
 /* Over what is diffuse f T(v) T(l) / mean T; the mean is that of all layers together. */
@@ -218,12 +221,15 @@ static float fuzz_norm(const Bsdf *bsdf, const BsdfLobe *lobe)
     /* Gauss's six points in the cosine */
     static const float cosines[] = {0.0337652f, 0.1693953f, 0.3806904f, 0.6193096f, 0.8306047f, 0.9662348f};
     static const float weights[] = {0.0856622f, 0.1803808f, 0.2339570f, 0.2339570f, 0.1803808f, 0.0856622f};
+    const BsdfLayer *layer = layer_over(bsdf, lobe);
     float without = 0, with = 0;
     for (int i = 0; i < 6; i++) {
-        Vec3f w = vec3f(sqrtf(1 - cosines[i] * cosines[i]), 0, cosines[i]);
-        float part = 2 * cosines[i] * weights[i] * reaches_diffuse(bsdf, lobe, w);
+        float aside = sqrtf(0.5f * (1 - cosines[i] * cosines[i]));
+        Vec3f w = vec3f(aside, aside, cosines[i]);
+        float part = 2 * cosines[i] * weights[i];
+        if (layer) part *= 1 - lanes_mean(layer_reflectance(layer, w));
         without += part;
-        with += part * (1 - fuzz_albedo(&bsdf->fuzz, w));
+        with += part * (1 - fuzz_albedo(&bsdf->fuzz, w)) * (layer ? fuzz_to_base(&bsdf->fuzz, layer, w) : 1);
     }
     return with > 0 ? without / with : 1;
 }
@@ -235,6 +241,7 @@ void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness)
     bsdf->specular_only = false;
     for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
         BsdfLobe *lobe = &bsdf->lobes[i];
+        if (lobe->kind == BSDF_PLASTIC) layer_find_among(&lobe->as.plastic.layer);
         if (lobe->kind == BSDF_DIFFUSE || lobe->kind == BSDF_TRANSLUCENT || lobe->kind == BSDF_PLASTIC)
             lobe->fuzz_norm = fuzz_norm(bsdf, lobe);
     }
@@ -289,20 +296,26 @@ static const BsdfFacets *facets_of(const BsdfLobe *lobe) /* NULL: none that refl
                                         : NULL;
 }
 
-/* passed_v, passed_l: what the fuzz lets pass */
-static LobeOver fuzz_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, float passed_v,
-                          float passed_l)
+static LobeOver fuzz_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
+                          const Covers *l)
 {
     const BsdfFuzz *fuzz = &bsdf->fuzz;
     if (!(fuzz->share > 0)) return (LobeOver){1, 1};
     LobeOver over = {1, lobe->fuzz_norm};
     const BsdfFacets *facets = facets_of(lobe);
     if (facets)
-        over.mirror = fuzz_to_mirrors(fuzz, facets, view, passed_v) * fuzz_to_mirrors(fuzz, facets, light, passed_l);
-    if (lobe->kind == BSDF_CONDUCTOR) return over;
+        over.mirror = fuzz_to_mirrors(fuzz, facets, view, v->fuzz) * fuzz_to_mirrors(fuzz, facets, light, l->fuzz);
+    if (lobe->kind == BSDF_CONDUCTOR) {
+        if (lobe->covered) over.mirror *= sqrtf(v->skin * l->skin);
+        return over;
+    }
     float roughness = lobe->kind == BSDF_PLASTIC ? lobe->as.plastic.base.roughness : lobe->as.diffuse.roughness;
-    over.diffuse *=
-        fuzz_to_diffuse(fuzz, roughness, view, passed_v) * fuzz_to_diffuse(fuzz, roughness, light, passed_l);
+    over.diffuse *= fuzz_to_diffuse(fuzz, roughness, view, v->fuzz) * fuzz_to_diffuse(fuzz, roughness, light, l->fuzz);
+    if (lobe->covered) over.diffuse *= v->skin * l->skin;
+    if (lobe->kind == BSDF_PLASTIC) {
+        const BsdfLayer *layer = &lobe->as.plastic.layer;
+        over.diffuse *= fuzz_to_base(fuzz, layer, view) * fuzz_to_base(fuzz, layer, light);
+    }
     return over;
 }
 
@@ -317,8 +330,7 @@ static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f 
                                   const Covers *l)
 {
     const BsdfDiffuse *diffuse = &lobe->as.diffuse;
-    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light),
-                          fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz).diffuse);
+    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), fuzz_over(bsdf, lobe, view, light, v, l).diffuse);
     if (!lobe->covered) return f;
     f = lanes_mul(f, lanes_mul(v->passed, l->passed));
     f = lanes_mul(f, layer_over_rough_diffuse(&bsdf->coat, diffuse->roughness, view, light));
@@ -360,19 +372,19 @@ static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
     case BSDF_TRANSLUCENT:
         if (!below) return;
         *pdf_w = lanes_all(-light.z / SAMPLING_PI);
-        *f_cos = lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w),
-                             fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz).diffuse);
+        *f_cos =
+            lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w), fuzz_over(bsdf, lobe, view, light, v, l).diffuse);
         break;
     case BSDF_CONDUCTOR:
         if (below) return;
         conductor_evaluate(&lobe->as.conductor, view, light, f_cos, pdf_w);
         if (lobe->covered) *f_cos = lanes_mul(*f_cos, coat_over_mirrors(bsdf, lobe, view, light, v, l));
-        *f_cos = lanes_scale(*f_cos, fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz).mirror);
+        *f_cos = lanes_scale(*f_cos, fuzz_over(bsdf, lobe, view, light, v, l).mirror);
         break;
     case BSDF_PLASTIC:
         if (below) return;
         plastic_evaluate(&lobe->as.plastic, view, light, seen_by(bsdf, lobe, view),
-                         fuzz_over(bsdf, lobe, view, light, v->fuzz, l->fuzz), f_cos, pdf_w);
+                         fuzz_over(bsdf, lobe, view, light, v, l), f_cos, pdf_w);
         break;
     case BSDF_BOUNDARY:
         boundary_evaluate(&lobe->as.boundary, view, light, seen_by(bsdf, lobe, view), f_cos, pdf_w);

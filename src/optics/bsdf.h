@@ -27,8 +27,8 @@ typedef struct Bsdf {
     bool specular_only;                    /* bsdf_evaluate gives 0 for all directions */
     bool looked;                           /* at from: */
     Vec3f view;
-    bool coating;                          /* between bsdf_begin_coat and bsdf_end_coat */
-    Lanes opaque_albedo, coat_albedo;      /* about, of these lobes: the sums over their shares */
+    bool coating;                     /* between bsdf_begin_coat and bsdf_end_coat */
+    Lanes opaque_albedo, coat_albedo; /* about, of these lobes: the sums over their shares */
     BsdfLayer coat;
     BsdfFuzz fuzz; /* share 0: none */
     BsdfLobe lobes[BSDF_LOBES];
@@ -57,16 +57,17 @@ void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x
 void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
 /* Not under a coat. A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along the normal leaves,
  * squared, which is about the colour that a white base gets; 1: clear. */
-void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha, Lanes tint, Lanes albedo, float roughness);
+void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
+                      float roughness);
 /* The boundary between the medium of view, eta_i, and the one behind. */
-void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha);
+void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y);
 /* A dielectric sheet without thickness, all its internal reflections summed; eta relative to the medium on both sides;
  * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. phase:
  * 0 where it is too thick for interference; else 4 pi n d / wavelength of a film of thickness d. */
 void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes phase);
 /* The one clear layer over the diffuse, conductor and mirror lobes that are added until bsdf_end_coat; as in
  * bsdf_add_plastic. */
-void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha, Lanes tint);
+void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint);
 void bsdf_end_coat(Bsdf *bsdf);
 /* Fibres on all that is opaque: the part of it that they stand on, 0..1; roughness 0..1, how far they are from upright. */
 void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness);

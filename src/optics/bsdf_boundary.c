@@ -11,7 +11,7 @@
 
 Lanes boundary_missing(const BsdfBoundary *boundary, bool behind, Vec3f w)
 {
-    return lobe_lookup(microfacet_missing, &boundary->facets, &boundary->index, behind, w);
+    return facets_missing(&boundary->facets, &boundary->index, behind, w);
 }
 
 /* What is missing falls off about as 1 / cos^2, from cos = alpha on, or from the square of the critical angle's if that

@@ -9,24 +9,44 @@ Lanes layer_over_rough_diffuse(const BsdfLayer *layer, float roughness, Vec3f vi
 {
     if (roughness == 0) return lanes_all(1);
     MicrofacetPlace base = microfacet_place(roughness, LAYERED_DIFFUSES);
-    return lanes_mul(layered_lookup(layered_under_diffuse, base, &layer->among, view.z),
-                     layered_lookup(layered_under_diffuse, base, &layer->among, light.z));
+    const float from[2] = {view.z, view.z}, to[2] = {light.z, light.z};
+    return lanes_mul(layered_lookup(layered_under_diffuse, base, &layer->among, from),
+                     layered_lookup(layered_under_diffuse, base, &layer->among, to));
+}
+
+/* T over the root of T' of layered.h, for facets of that alpha. */
+static Lanes softened_root(const BsdfLayer *layer, Vec3f w, Lanes passed, float alpha)
+{
+    const MicrofacetIndex *index = facets_round_index(&layer->facets, &layer->index);
+    Lanes root = lanes_sqrt(passed);
+    if (!index->any_dense) return root;
+    float z = float_min(microfacet_softened(w.z, index->critical, alpha), 1);
+    float across = sqrtf((1 - z) * (1 + z) / float_max((1 - w.z) * (1 + w.z), 1e-12f));
+    Vec3f soft = vec3f(across * w.x, across * w.y, z);
+    Lanes divisor = lanes_sqrt(lanes_rest(layer_reflectance(layer, soft)));
+    for (int i = 0; i < LANES; i++)
+        if (index->side[i]) lanes_set(&root, i, lanes_get(passed, i) / float_max(lanes_get(divisor, i), 1e-6f));
+    return root;
 }
 
 /* t of layered.h; passed: T, without tint. */
 static Lanes passed_to_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3f w, Lanes passed)
 {
     const BsdfFacets *facets = &base->facets;
-    Lanes smooth = lanes_sqrt(passed);
-    if (facets->smooth) return smooth;
-    float angle = microfacet_angle(w.z, microfacet_slope(facets->alpha_x, facets->alpha_y, w));
-    MicrofacetPlace row = facets_row(facets);
-    Lanes over = lanes_sqrt(lanes_div(passed, lanes_add(layer->mean_passed, lanes_all(1e-12f))));
+    if (facets->smooth) return lanes_sqrt(passed);
+    float alpha = facets_alpha(facets, w), s = stretched_slope(alpha, w.z);
+    const float angles[2] = {microfacet_angle(w.z, s),
+                             layer->among.any_dense ? microfacet_angle_within(w.z, s, layer->among.critical, alpha)
+                                                    : 0};
+    MicrofacetPlace row = facets_row(facets, w);
+    Lanes smooth = softened_root(layer, w, passed, alpha);
+    /* over / smooth = (T' / mean T)^(1/2), with T = T' where nothing is softened */
+    Lanes over = lanes_div(passed, lanes_add(lanes_mul(smooth, lanes_sqrt(layer->mean_passed)), lanes_all(1e-12f)));
     const Lanes factors[3] = {smooth, lanes_mul(smooth, lanes_sqrt(over)), lanes_mul(smooth, over)};
     int near = layered_quarters(row.knot), far = layered_quarters(row.knot + 1);
-    if (near == far) return lanes_mul(factors[near], layered_lookup(layered_under_mirror, row, &layer->among, angle));
-    Lanes first = layered_lookup(layered_under_mirror, (MicrofacetPlace){row.knot, 0}, &layer->among, angle);
-    Lanes second = layered_lookup(layered_under_mirror, (MicrofacetPlace){row.knot, 1}, &layer->among, angle);
+    if (near == far) return lanes_mul(factors[near], layered_lookup(layered_under_mirror, row, &layer->among, angles));
+    Lanes first = layered_lookup(layered_under_mirror, (MicrofacetPlace){row.knot, 0}, &layer->among, angles);
+    Lanes second = layered_lookup(layered_under_mirror, (MicrofacetPlace){row.knot, 1}, &layer->among, angles);
     return lanes_add(lanes_scale(lanes_mul(factors[near], first), 1 - row.fraction),
                      lanes_scale(lanes_mul(factors[far], second), row.fraction));
 }
@@ -105,7 +125,12 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v,
 
 BsdfFuzz fuzz_make(float share, Lanes color, float roughness)
 {
-    return (BsdfFuzz){microfacet_place(roughness, LAYERED_FUZZ), layered_fuzz_exponent(roughness), share, color};
+    return (BsdfFuzz){.roughness = microfacet_place(roughness, LAYERED_FUZZ),
+                      .skin = microfacet_place(roughness, LAYERED_SKIN_FUZZ),
+                      .skin_share = microfacet_place(share, LAYERED_SKIN_SHARES),
+                      .exponent = layered_fuzz_exponent(roughness),
+                      .share = share,
+                      .color = color};
 }
 
 float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w)
@@ -116,9 +141,9 @@ float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w)
 float fuzz_to_mirrors(const BsdfFuzz *fuzz, const BsdfFacets *facets, Vec3f w, float passed)
 {
     if (facets->smooth) return sqrtf(passed);
-    float angle = microfacet_angle(w.z, microfacet_slope(facets->alpha_x, facets->alpha_y, w));
+    float angle = microfacet_angle(w.z, stretched_slope(facets_alpha(facets, w), w.z));
     return sqrtf(passed) *
-           layered_lookup_fuzz(layered_fuzz_mirror, facets_row(facets), fuzz->roughness, fuzz->share, angle);
+           layered_lookup_fuzz(layered_fuzz_mirror, facets_row(facets, w), fuzz->roughness, fuzz->share, angle);
 }
 
 float fuzz_to_diffuse(const BsdfFuzz *fuzz, float roughness, Vec3f w, float passed)
@@ -126,6 +151,17 @@ float fuzz_to_diffuse(const BsdfFuzz *fuzz, float roughness, Vec3f w, float pass
     if (roughness == 0) return passed;
     MicrofacetPlace row = microfacet_place(roughness, LAYERED_DIFFUSES);
     return passed * layered_lookup_fuzz(layered_fuzz_diffuse, row, fuzz->roughness, fuzz->share, fabsf(w.z));
+}
+
+float fuzz_to_base(const BsdfFuzz *fuzz, const BsdfLayer *layer, Vec3f w)
+{
+    if (layer->facets.smooth) return 1;
+    float alpha = facets_alpha(&layer->facets, w), angle = microfacet_angle(w.z, stretched_slope(alpha, w.z));
+    Lanes reflectance = layer_reflectance(layer, w);
+    Lanes out = layered_lookup_skin(fuzz->skin, fuzz->skin_share,
+                                    microfacet_place(sqrtf(alpha), LAYERED_SKIN_ROUGHNESSES), &layer->among, angle);
+    float passed = 1 - lanes_mean(reflectance), rest = 1 - lanes_mean(lanes_mul(reflectance, out));
+    return rest > 0 ? rest / float_max(passed, 1e-3f) : 0;
 }
 
 void fuzz_evaluate(const BsdfFuzz *fuzz, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w)

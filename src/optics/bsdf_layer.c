@@ -13,14 +13,13 @@ Lanes layer_depth(Lanes transmittance)
     return depth;
 }
 
-BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint)
+BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint)
 {
-    BsdfLayer layer = {.facets = facets_make(alpha, alpha), .eta = eta};
-    float used = layer.facets.smooth ? 0 : layer.facets.alpha_x;
-    layer.index = microfacet_index(used, used, eta);
+    BsdfLayer layer = {.facets = facets_make(alpha_x, alpha_y), .eta = eta};
+    layer.index = facets_index(&layer.facets, eta);
     layer.depth = lanes_scale(layer_depth(tint), 0.5f);
     layer.tinted = !lanes_zero(layer.depth);
-    Lanes passed = lanes_rest(microfacet_lookup_mean(microfacet_reflected_mean, &layer.index, false));
+    Lanes passed = lanes_rest(facets_reflected_mean(&layer.facets, &layer.index));
     layer.mean_passed = passed;
     /* Reciprocity. Under a layer of the smaller index it can say more than all, as what one facet misses counts as
      * passed. */
@@ -33,21 +32,23 @@ BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint)
 
 void layer_find_among(BsdfLayer *layer)
 {
-    float used = layer->facets.smooth ? 0 : layer->facets.alpha_x;
-    layer->among = microfacet_index_among(used, used, layer->eta, LAYERED_ROUGHNESSES, LAYERED_INDICES);
+    layer->among = microfacet_index_among(layer->facets.alpha_x, layer->facets.alpha_y, layer->eta, LAYERED_ROUGHNESSES,
+                                          LAYERED_INDICES);
 }
 
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w)
 {
     Lanes reflectance = fresnel_dielectric_lanes(w.z, lanes_all(1), layer->eta);
     if (layer->facets.smooth) return reflectance;
-    if (layer->index.any_dense) {
-        float soft = float_min(microfacet_softened(w.z, layer->index.critical, layer->index.alpha), 1);
+    const MicrofacetIndex *index = facets_round_index(&layer->facets, &layer->index);
+    if (index->any_dense) {
+        float alpha = facets_alpha(&layer->facets, w);
+        float soft = float_min(microfacet_softened(w.z, index->critical, alpha), 1);
         Lanes softened = fresnel_dielectric_lanes(soft, lanes_all(1), layer->eta);
         for (int i = 0; i < LANES; i++)
-            if (layer->index.side[i]) lanes_set(&reflectance, i, lanes_get(softened, i));
+            if (index->side[i]) lanes_set(&reflectance, i, lanes_get(softened, i));
     }
-    Lanes excess = lobe_lookup(microfacet_excess, &layer->facets, &layer->index, false, w);
+    Lanes excess = facets_excess(&layer->facets, &layer->index, w);
     return lanes_clamp(lanes_add(reflectance, excess), 0, 1);
 }
 

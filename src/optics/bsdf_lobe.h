@@ -9,12 +9,19 @@
 #include "base/vec3.h"
 #include "optics/layered.h"
 #include "optics/microfacet.h"
+#include "optics/stretched.h"
 
 /* A rough surface's facets; smooth: there are none. */
 typedef struct BsdfFacets {
     float alpha_x, alpha_y;
     bool smooth, stretched; /* stretched: the alphas differ */
 } BsdfFacets;
+
+/* Facets of a boundary in the tables of round or stretched ones. */
+typedef union BsdfIndex {
+    MicrofacetIndex round;
+    StretchedIndex stretched;
+} BsdfIndex;
 
 /* Facets that are mirrors. */
 typedef struct BsdfMirrors {
@@ -40,7 +47,7 @@ typedef struct BsdfConductor {
 /* A clear layer that is so thin that light leaves it where it entered, over something opaque. */
 typedef struct BsdfLayer {
     BsdfFacets facets;
-    MicrofacetIndex index;
+    BsdfIndex index;
     MicrofacetIndex among; /* in the tables of layered.h */
     Lanes eta;             /* relative to the medium in front */
     Lanes depth;           /* optical depth of one crossing along the normal */
@@ -57,7 +64,7 @@ typedef struct BsdfPlastic {
 
 typedef struct BsdfBoundary {
     BsdfFacets facets;
-    MicrofacetIndex index;
+    BsdfIndex index;
     Lanes eta_i, eta_t;
     Lanes blurred; /* 0 for wavelengths that go straight on, as their indices are too nearly equal; else 1 */
     Lanes reflected, transmitted;           /* how the light is split that one facet misses; the sum is 1 */
@@ -77,6 +84,7 @@ typedef struct BsdfSheet {
 /* Fibres that stand on what is opaque. */
 typedef struct BsdfFuzz {
     MicrofacetPlace roughness;
+    MicrofacetPlace skin, skin_share; /* in layered_fuzz_skin */
     float exponent;
     float share; /* of what they stand on that is covered */
     Lanes color;
@@ -123,6 +131,22 @@ typedef struct FacetReflection {
     float angle_v, angle_l; /* microfacet_angle */
 } FacetReflection;
 FacetReflection facets_reflect(const BsdfFacets *facets, Vec3f view, Vec3f light);
+/* eta: of the boundary that they are of */
+BsdfIndex facets_index(const BsdfFacets *facets, Lanes eta);
+static inline const MicrofacetIndex *facets_round_index(const BsdfFacets *facets, const BsdfIndex *index)
+{
+    return facets->stretched ? &index->stretched.index : &index->round;
+}
+/* Of microfacet_missing and microfacet_excess, at a direction and in the mean. behind: it is on the far side. */
+Lanes facets_missing(const BsdfFacets *facets, const BsdfIndex *index, bool behind, Vec3f w);
+Lanes facets_excess(const BsdfFacets *facets, const BsdfIndex *index, Vec3f w);
+Lanes facets_missing_mean(const BsdfFacets *facets, const BsdfIndex *index, bool behind);
+Lanes facets_reflected_mean(const BsdfFacets *facets, const BsdfIndex *index);
+/* The alpha of round facets that are alike for a direction. */
+static inline float facets_alpha(const BsdfFacets *facets, Vec3f w)
+{
+    return facets->stretched ? stretched_alpha(facets->alpha_x, facets->alpha_y, w) : facets->alpha_x;
+}
 BsdfMirrors mirrors_make(const BsdfFacets *facets);
 /* What puts back what such facets miss: the product of k at both directions. */
 float mirrors_scaling(const BsdfMirrors *mirrors, const BsdfFacets *facets, Vec3f view, Vec3f light,
@@ -130,22 +154,14 @@ float mirrors_scaling(const BsdfMirrors *mirrors, const BsdfFacets *facets, Vec3
 /* false: the reflection goes down, where nothing comes of it */
 bool facets_sample_reflection(const BsdfFacets *facets, Vec3f view, const float u[2], Vec3f *light);
 
-/* Where facets are among the rows of a table of layered.h. */
-static inline MicrofacetPlace facets_row(const BsdfFacets *facets)
+/* Where facets are among the rows of a table of layered.h, for a direction. */
+static inline MicrofacetPlace facets_row(const BsdfFacets *facets, Vec3f w)
 {
-    float square = 0.5f * (facets->alpha_x * facets->alpha_x + facets->alpha_y * facets->alpha_y);
-    return microfacet_place(sqrtf(sqrtf(square)), LAYERED_MIRRORS);
+    return microfacet_place(sqrtf(facets_alpha(facets, w)), LAYERED_MIRRORS);
 }
 static inline Vec3f mirrored(Vec3f view)
 {
     return vec3f(-view.x, -view.y, view.z);
-}
-/* A table for a direction. Tables know of round facets only; others count as of the root mean square of their alphas.
- */
-static inline Lanes lobe_lookup(const MicrofacetTable table, const BsdfFacets *facets, const MicrofacetIndex *index,
-                                bool behind, Vec3f w)
-{
-    return microfacet_lookup(table, index, behind, fabsf(w.z), microfacet_slope(facets->alpha_x, facets->alpha_y, w));
 }
 /* Takes one of two ways with probability p, and makes u uniform again. */
 static inline bool lobe_choose(float *u, float p)
@@ -184,7 +200,7 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v,
 /* ---- the layer ---- */
 /* -ln, held finite */
 Lanes layer_depth(Lanes transmittance);
-BsdfLayer layer_make(Lanes eta, float alpha, Lanes tint);
+BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint);
 /* Fills in `among`, for all that is under the layer but Lambert's law. */
 void layer_find_among(BsdfLayer *layer);
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w);
@@ -201,6 +217,9 @@ float fuzz_albedo(const BsdfFuzz *fuzz, Vec3f w); /* of white fibres */
  * passed: 1 - fuzz_albedo(). */
 float fuzz_to_mirrors(const BsdfFuzz *fuzz, const BsdfFacets *facets, Vec3f w, float passed);
 float fuzz_to_diffuse(const BsdfFuzz *fuzz, float roughness, Vec3f w, float passed);
+/* What of light that passes fuzz and a layer reaches what is under both, over the product of what each lets pass: the
+ * layer's own reflection does not get all of its share out. About, as the same for all lanes. */
+float fuzz_to_base(const BsdfFuzz *fuzz, const BsdfLayer *layer, Vec3f w);
 void fuzz_evaluate(const BsdfFuzz *fuzz, Vec3f view, Vec3f light, Lanes *f_cos, float *pdf_w);
 Vec3f fuzz_sample(float u_choice, const float u[2]);
 

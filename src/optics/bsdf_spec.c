@@ -47,8 +47,7 @@ typedef struct Making {
     const BsdfSpec *spec;
     Bsdf *bsdf;
     Lanes nm, eta_i, base_color;
-    float alpha_x, alpha_y; /* of facets that are mirrors: stretched ones of others would lose light */
-    float alpha;            /* of others, and of boundaries */
+    float alpha_x, alpha_y;
 } Making;
 
 static Lanes at(const Making *m, const Spectrum *spectrum)
@@ -73,7 +72,8 @@ static void add_dielectric(const Making *m, float share)
     const BsdfSpec *spec = m->spec;
     if (spec->specular_weight > 0) {
         Lanes eta = weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
-        bsdf_add_plastic(m->bsdf, share, eta, m->alpha, lanes_all(1), m->base_color, spec->base_diffuse_roughness);
+        bsdf_add_plastic(m->bsdf, share, eta, m->alpha_x, m->alpha_y, lanes_all(1), m->base_color,
+                         spec->base_diffuse_roughness);
     } else {
         bsdf_add_diffuse(m->bsdf, share, m->base_color, spec->base_diffuse_roughness);
     }
@@ -85,7 +85,9 @@ static void add_coated(const Making *m, float metal, float dielectric)
     const BsdfSpec *spec = m->spec;
     float skin = 0;
     Lanes coat_ior = at(m, &spec->coat_ior), eta = lanes_div(coat_ior, m->eta_i);
-    bsdf_begin_coat(m->bsdf, eta, spec->coat_roughness * spec->coat_roughness, at(m, &spec->coat_color));
+    float coat_x, coat_y;
+    bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &coat_x, &coat_y);
+    bsdf_begin_coat(m->bsdf, eta, coat_x, coat_y, at(m, &spec->coat_color));
     add_metal(m, metal, coat_ior);
     if (spec->specular_weight > 0 && dielectric > 0) {
         Lanes inner = weakened(lanes_div(at(m, &spec->specular_ior), coat_ior), spec->specular_weight);
@@ -100,7 +102,7 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
 {
     const BsdfSpec *spec = m->spec;
     if (!spec->thin_walled) {
-        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha);
+        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha_x, m->alpha_y);
         return;
     }
     Lanes ior = at(m, &spec->specular_ior), phase = lanes_all(0);
@@ -116,7 +118,6 @@ void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lane
     float translucent = spec->thin_walled ? opaque * spec->translucency : 0, coat = spec->coat_weight;
     Making m = {.spec = spec, .bsdf = bsdf, .nm = wavelength_nm, .eta_i = eta_i};
     m.base_color = at(&m, &spec->base_color);
-    m.alpha = spec->specular_roughness * spec->specular_roughness;
     bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &m.alpha_x, &m.alpha_y);
     opaque -= translucent;
     bsdf_begin(bsdf);

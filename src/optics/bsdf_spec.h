@@ -20,13 +20,14 @@ typedef struct BsdfSpec {
     Spectrum metal_n, metal_k;           /* relative to vacuum */
     float specular_weight;               /* scales what a dielectric reflects head on; 0: a bare diffuse base [1] */
     float specular_roughness;            /* [0.3] */
-    float specular_roughness_anisotropy; /* of metals and sheets; 1: along the tangent only [0] */
+    float specular_roughness_anisotropy; /* 1: along the tangent only, about [0] */
     Spectrum specular_ior;               /* relative to vacuum [1.5] */
     float transmission_weight;           /* the part of what is not metal that is clear [0] */
     Spectrum transmission_color;         /* thin walls: what one crossing of the wall leaves [1] */
     float coat_weight;                   /* [0] */
     Spectrum coat_color;                 /* [1] */
     float coat_roughness;                /* [0] */
+    float coat_roughness_anisotropy;     /* [0] */
     Spectrum coat_ior;                   /* relative to vacuum [1.6] */
     float fuzz_weight;                   /* [0] */
     Spectrum fuzz_color;                 /* [1] */
@@ -39,7 +40,8 @@ typedef struct BsdfSpec {
 
 void bsdf_spec_init(BsdfSpec *spec);
 
-/* alpha along the tangent and across of a roughness and an anisotropy: OpenPBR 1.1, "Microfacet model". */
+/* alpha along the tangent and across of a roughness and an anisotropy: OpenPBR 1.1, "Microfacet model". Facets take the
+ * smaller of two alphas as at least STRETCHED_LEAST_RATIO of the larger. */
 void bsdf_alphas(float roughness, float anisotropy, float *alpha_x, float *alpha_y);
 /* The real index 1 and the imaginary part that reflect `reflectance` head on. */
 Lanes bsdf_metal_of_reflectance(Lanes reflectance);

@@ -20,12 +20,13 @@ static float at_index(const LayeredTable table[], MicrofacetPlace base, Microfac
     return sum;
 }
 
-Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index, float angle)
+Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index,
+                     const float angles[2])
 {
-    MicrofacetPlace place = microfacet_place(angle, LAYERED_ANGLES);
     Lanes result = lanes_all(0);
     for (int i = 0; i < LANES; i++) {
         int side = index->side[i], cell = index->cell[i];
+        MicrofacetPlace place = microfacet_place(angles[side], LAYERED_ANGLES);
         float near = at_index(table, base, index->roughness, side, cell, place);
         float far = at_index(table, base, index->roughness, side, cell + 1, place);
         if (index->one_cell) return lanes_add(lanes_all(near), lanes_scale(index->fraction, far - near));
@@ -56,18 +57,25 @@ float layered_fuzz(MicrofacetPlace roughness, float cosine)
     return near + (between(layered_fuzz_albedo[roughness.knot + 1], angle) - near) * roughness.fraction;
 }
 
-float stretched_lookup(const StretchedPlace *place, Vec3f w, float angle)
+Lanes layered_lookup_skin(MicrofacetPlace fuzz, MicrofacetPlace share, MicrofacetPlace roughness,
+                          const MicrofacetIndex *index, float angle)
 {
-    MicrofacetPlace column = microfacet_place(angle, STRETCHED_ANGLES);
-    MicrofacetPlace azimuth = microfacet_place(stretched_azimuth(w, place->along_y), STRETCHED_AZIMUTHS);
-    float sum = 0;
-    for (int i = 0; i < 8; i++) {
-        float part = (i & 1 ? place->roughness.fraction : 1 - place->roughness.fraction) *
-                     (i & 2 ? place->ratio.fraction : 1 - place->ratio.fraction) *
-                     (i & 4 ? azimuth.fraction : 1 - azimuth.fraction);
-        const float *row = stretched_mirror[place->roughness.knot + (i & 1)][place->ratio.knot + (i >> 1 & 1)]
-                                           [azimuth.knot + (i >> 2)];
-        if (part > 0) sum += part * (row[column.knot] + (row[column.knot + 1] - row[column.knot]) * column.fraction);
+    MicrofacetPlace place = microfacet_place(angle, LAYERED_SKIN_ANGLES);
+    Lanes result = lanes_all(0);
+    for (int i = 0; i < LANES; i++) {
+        float ends[2] = {0, 0};
+        for (int k = 0; k < 8; k++) {
+            float part = (k & 1 ? fuzz.fraction : 1 - fuzz.fraction) * (k & 2 ? share.fraction : 1 - share.fraction) *
+                         (k & 4 ? roughness.fraction : 1 - roughness.fraction);
+            const float(*rows)[LAYERED_SKIN_ANGLES] = layered_fuzz_skin[fuzz.knot + (k & 1)][share.knot + (k >> 1 & 1)]
+                                                                       [roughness.knot + (k >> 2)][index->side[i]];
+            for (int end = 0; end <= 1 && part > 0; end++) {
+                const float *row = rows[index->cell[i] + end];
+                ends[end] += part * (row[place.knot] + (row[place.knot + 1] - row[place.knot]) * place.fraction);
+            }
+        }
+        if (index->one_cell) return lanes_add(lanes_all(ends[0]), lanes_scale(index->fraction, ends[1] - ends[0]));
+        lanes_set(&result, i, ends[0] + (ends[1] - ends[0]) * lanes_get(index->fraction, i));
     }
-    return sum;
+    return result;
 }

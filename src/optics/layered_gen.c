@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "optics/bsdf_lobe.h"
+#include "optics/fresnel.h"
 #include "optics/layered.h"
 
 /* WAYS and STRIDE are neighbours in Fibonacci's sequence. */
@@ -23,6 +24,7 @@ static float cosines[LAYERED_ANGLES]; /* of the knots */
 static LayeredTable mirrors[LAYERED_MIRRORS], diffuses[LAYERED_DIFFUSES];
 static float fuzz[LAYERED_FUZZ][LAYERED_ANGLES];
 static LayeredFuzzTable fuzz_mirrors[LAYERED_MIRRORS], fuzz_diffuses[LAYERED_DIFFUSES];
+static LayeredSkinTable skins;
 
 static Vec3f direction_of(float z)
 {
@@ -41,8 +43,15 @@ static Way way_to(float angle, float weight, float cosine)
     return (Way){place.knot, place.fraction, weight, cosine};
 }
 
+/* Where a direction is in a row of mirrors; critical 0: on the side of the smaller index. */
+static float angle_of(float z, float alpha, float critical)
+{
+    float s = microfacet_slope(alpha, alpha, direction_of(z));
+    return critical > 0 ? microfacet_angle_within(z, s, critical, alpha) : microfacet_angle(z, s);
+}
+
 /* White facets, with what microfacet_mirror puts back. */
-static void look_at_mirrors(float alpha)
+static void look_at_mirrors(float alpha, float critical)
 {
     BsdfFacets facets = facets_make(alpha, alpha);
     MicrofacetPlace roughness = microfacet_index(alpha, alpha, lanes_all(1)).roughness;
@@ -50,8 +59,7 @@ static void look_at_mirrors(float alpha)
         float low = 0, high = 1, wanted = (float)i / (LAYERED_ANGLES - 1);
         for (int k = 0; k < 40; k++) {
             float middle = 0.5f * (low + high);
-            bool below = microfacet_angle(middle, microfacet_slope(alpha, alpha, direction_of(middle))) < wanted;
-            *(below ? &low : &high) = middle;
+            *(angle_of(middle, alpha, critical) < wanted ? &low : &high) = middle;
         }
         cosines[i] = fmaxf(i == LAYERED_ANGLES - 1 ? 1 : 0.5f * (low + high), 1e-6f);
         Vec3f view = direction_of(cosines[i]), light;
@@ -62,7 +70,7 @@ static void look_at_mirrors(float alpha)
             if (!facets_sample_reflection(&facets, view, u, &light)) continue;
             FacetReflection r = facets_reflect(&facets, view, light);
             float scaling = microfacet_mirror(roughness, r.angle_v) * microfacet_mirror(roughness, r.angle_l);
-            ways[i][k] = way_to(r.angle_l, r.shadowing * scaling / WAYS, light.z);
+            ways[i][k] = way_to(angle_of(light.z, alpha, critical), r.shadowing * scaling / WAYS, light.z);
         }
     }
 }
@@ -85,6 +93,7 @@ static void look_at_diffuse(float roughness)
 /* What lets light pass: a layer, or fuzz of a roughness that covers a share. */
 typedef struct Cover {
     const BsdfLayer *layer; /* NULL: fuzz */
+    float blur;             /* alpha of what is under the layer */
     int fuzz;
     float share;
 } Cover;
@@ -97,25 +106,35 @@ static float passed(const Cover *cover, float cosine)
     return 1 - cover->share * (row[place.knot] + (row[place.knot + 1] - row[place.knot]) * place.fraction);
 }
 
-/* u at the knots: u S K S u = T with S = sqrt(T) (T / mean T)^(quarters / 4). */
+/* What u is the factor of: T over about what the rest of the equation comes to (layered.h). */
+static double divisor(const Cover *cover, float cosine, int quarters, double mean)
+{
+    float soft = cosine;
+    const MicrofacetIndex *index =
+        cover->layer ? facets_round_index(&cover->layer->facets, &cover->layer->index) : NULL;
+    if (index && index->any_dense) soft = fminf(microfacet_softened(cosine, index->critical, cover->blur), 1);
+    return pow((double)passed(cover, soft), 0.5 - 0.25 * quarters) * pow(mean, 0.25 * quarters);
+}
+
+/* u at the knots: with g = T over the divisor, u g K g u = T. */
 static void solve(const Cover *cover, int quarters, float u[LAYERED_ANGLES])
 {
     static double sums[LAYERED_ANGLES][LAYERED_ANGLES];
     double wanted[LAYERED_ANGLES], mean = 0;
     for (int k = 0; k < WAYS; k++) mean += (double)passed(cover, sqrtf(((float)k + 0.5f) / WAYS)) / WAYS;
     for (int i = 0; i < LAYERED_ANGLES; i++) {
-        double white = 0, t = (double)passed(cover, cosines[i]);
+        double white = 0;
         for (int k = 0; k < LAYERED_ANGLES; k++) sums[i][k] = 0;
         for (int k = 0; k < WAYS; k++) {
             const Way *way = &ways[i][k];
             double out = (double)passed(cover, way->cosine);
-            double weight = (double)way->weight * sqrt(out) * pow(out / mean, 0.25 * quarters);
+            double weight = out > 0 ? (double)way->weight * out / divisor(cover, way->cosine, quarters, mean) : 0;
             white += (double)way->weight;
             sums[i][way->knot] += weight * (1 - (double)way->fraction);
             sums[i][way->knot + 1] += weight * (double)way->fraction;
         }
-        wanted[i] = t > 0 ? sqrt(t) * pow(t / mean, -0.25 * quarters) * white
-                          : 0; /* the sum over directions is not exact: of what it has of white */
+        /* the sum over directions is not exact: of what it has of white */
+        wanted[i] = divisor(cover, cosines[i], quarters, mean) * white;
         u[i] = 1;
     }
     for (int round = 0; round < ROUNDS; round++) {
@@ -135,15 +154,14 @@ static float index_of(int knot)
     return (1 + x) / (1 - x);
 }
 
-static void solve_layers(LayeredTable table, int quarters)
+static void solve_layer(LayeredTable table, int side, int index, float blur, int quarters)
 {
-    for (int rough = 0; rough < LAYERED_ROUGHNESSES; rough++)
-        for (int side = 0; side < 2; side++)
-            for (int i = 0; i < LAYERED_INDICES; i++) {
-                float r = (float)rough / (LAYERED_ROUGHNESSES - 1), eta = index_of(i);
-                BsdfLayer layer = layer_make(lanes_all(side ? 1 / eta : eta), r * r, lanes_all(1));
-                solve(&(Cover){.layer = &layer}, quarters, table[rough][side][i]);
-            }
+    float eta = side ? 1 / index_of(index) : index_of(index);
+    for (int rough = 0; rough < LAYERED_ROUGHNESSES; rough++) {
+        float r = (float)rough / (LAYERED_ROUGHNESSES - 1);
+        BsdfLayer layer = layer_make(lanes_all(eta), r * r, r * r, lanes_all(1));
+        solve(&(Cover){.layer = &layer, .blur = blur}, quarters, table[rough][side][index]);
+    }
 }
 
 static void solve_fuzz(LayeredFuzzTable table, int quarters)
@@ -151,6 +169,64 @@ static void solve_fuzz(LayeredFuzzTable table, int quarters)
     for (int i = 0; i < LAYERED_FUZZ; i++)
         for (int k = 0; k < LAYERED_SHARES; k++)
             solve(&(Cover){.fuzz = i, .share = (float)k / (LAYERED_SHARES - 1)}, quarters, table[i][k]);
+}
+
+/* ---- a layer's reflection under fuzz ---- */
+
+/* u of mirrors of a roughness under fuzz, at an angle. */
+static float fuzz_to_facets(MicrofacetPlace base, MicrofacetPlace roughness, int share, float angle)
+{
+    MicrofacetPlace place = microfacet_place(angle, LAYERED_ANGLES);
+    float sum = 0;
+    for (int i = 0; i < 4; i++) {
+        const float *row = fuzz_mirrors[base.knot + (i & 1)][roughness.knot + (i >> 1)][share];
+        sum += (i & 1 ? base.fraction : 1 - base.fraction) * (i & 2 ? roughness.fraction : 1 - roughness.fraction) *
+               (row[place.knot] + (row[place.knot + 1] - row[place.knot]) * place.fraction);
+    }
+    return sum;
+}
+
+static float fuzz_passed(MicrofacetPlace roughness, float share, float cosine)
+{
+    Cover near = {.fuzz = roughness.knot, .share = share}, far = {.fuzz = roughness.knot + 1, .share = share};
+    float first = passed(&near, cosine);
+    return first + (passed(&far, cosine) - first) * roughness.fraction;
+}
+
+/* One column of the table: all roughnesses of fuzz, and shares. */
+static void solve_skin(int row, int side, int index, int angle)
+{
+    float r = (float)row / (LAYERED_SKIN_ROUGHNESSES - 1), alpha = fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA);
+    float eta = side ? 1 / index_of(index) : index_of(index), low = 0, high = 1;
+    float wanted = (float)angle / (LAYERED_SKIN_ANGLES - 1);
+    BsdfFacets facets = facets_make(alpha, alpha);
+    MicrofacetPlace base = microfacet_place(sqrtf(alpha), LAYERED_MIRRORS);
+    for (int k = 0; k < 40; k++) {
+        float middle = 0.5f * (low + high);
+        *(angle_of(middle, alpha, 0) < wanted ? &low : &high) = middle;
+    }
+    Vec3f view = direction_of(fmaxf(angle == LAYERED_SKIN_ANGLES - 1 ? 1 : 0.5f * (low + high), 1e-4f));
+    for (int f = 0; f < LAYERED_SKIN_FUZZ; f++)
+        for (int k = 0; k < LAYERED_SKIN_SHARES; k++) {
+            MicrofacetPlace roughness = microfacet_place((float)f / (LAYERED_SKIN_FUZZ - 1), LAYERED_FUZZ);
+            float share = (float)k / (LAYERED_SKIN_SHARES - 1);
+            int column = k * (LAYERED_SHARES - 1) / (LAYERED_SKIN_SHARES - 1);
+            double all = 0, out = 0;
+            for (int n = 0; n < WAYS; n++) {
+                float u[2];
+                Vec3f light;
+                numbers(n, u);
+                if (!facets_sample_reflection(&facets, view, u, &light)) continue;
+                FacetReflection reflection = facets_reflect(&facets, view, light);
+                double weight = (double)(reflection.shadowing * fresnel_dielectric(reflection.cosine, 1, eta));
+                all += weight;
+                out += weight * (double)(fuzz_to_facets(base, roughness, column, reflection.angle_l) *
+                                         sqrtf(fuzz_passed(roughness, share, light.z)));
+            }
+            float at_view = fuzz_to_facets(base, roughness, column, wanted);
+            skins[f][k][row][side][index][angle] =
+                all > 0 ? at_view * (float)(out / all) / sqrtf(fuzz_passed(roughness, share, view.z)) : 1;
+        }
 }
 
 static float sum_fuzz(float exponent, float cosine)
@@ -164,72 +240,6 @@ static float sum_fuzz(float exponent, float cosine)
             sum += (double)(layered_fuzz_value(exponent, view, vec3f(r * cosf(angle), r * sinf(angle), z)) * z);
         }
     return (float)(sum * 2 * (double)SAMPLING_PI / (STEPS * STEPS));
-}
-
-/* ---- stretched facets ---- */
-
-enum { STRETCHED_DIRECTIONS = STRETCHED_AZIMUTHS * STRETCHED_ANGLES };
-static float stretched[STRETCHED_ROUGHNESSES][STRETCHED_RATIOS][STRETCHED_AZIMUTHS][STRETCHED_ANGLES];
-
-/* The direction at two knots. */
-static Vec3f stretched_direction(int azimuth, int angle, float alpha_x, float alpha_y)
-{
-    float t = (float)azimuth / (STRETCHED_AZIMUTHS - 1), length = sqrtf(t * t + (1 - t) * (1 - t));
-    float low = 0, high = 1, wanted = (float)angle / (STRETCHED_ANGLES - 1);
-    Vec3f w = {0, 0, 1};
-    for (int i = 0; i < 40; i++) {
-        float z = 0.5f * (low + high), r = sqrtf(fmaxf(0, 1 - z * z)) / length;
-        w = vec3f((1 - t) * r, t * r, z);
-        *(microfacet_angle(z, microfacet_slope(alpha_x, alpha_y, w)) < wanted ? &low : &high) = z;
-    }
-    return w;
-}
-
-/* What round facets' k makes of light that goes from v to l, spread over the four knots around l. */
-static void add_reflection(const BsdfFacets *facets, MicrofacetPlace round, Vec3f v, const float u[2], double *row)
-{
-    Vec3f l;
-    if (!facets_sample_reflection(facets, v, u, &l)) return;
-    FacetReflection r = facets_reflect(facets, v, l);
-    double weight =
-        (double)(r.shadowing * microfacet_mirror(round, r.angle_v) * microfacet_mirror(round, r.angle_l)) / WAYS;
-    MicrofacetPlace azimuth = microfacet_place(stretched_azimuth(l, false), STRETCHED_AZIMUTHS);
-    MicrofacetPlace angle = microfacet_place(r.angle_l, STRETCHED_ANGLES);
-    for (int i = 0; i < 4; i++) {
-        double part =
-            (double)((i & 1 ? azimuth.fraction : 1 - azimuth.fraction) * (i & 2 ? angle.fraction : 1 - angle.fraction));
-        row[(azimuth.knot + (i & 1)) * STRETCHED_ANGLES + angle.knot + (i >> 1)] += part * weight;
-    }
-}
-
-static void solve_stretched(int roughness, int ratio)
-{
-    static double sums[STRETCHED_DIRECTIONS][STRETCHED_DIRECTIONS];
-    float root = (float)roughness / (STRETCHED_ROUGHNESSES - 1), rest = 1 - (float)ratio / (STRETCHED_RATIOS - 1);
-    float less = fmaxf(rest * rest, 1e-3f), rms = fmaxf(root * root, 1e-3f);
-    float alpha_x = rms * sqrtf(2 / (1 + less * less)), *k = &stretched[roughness][ratio][0][0];
-    const BsdfFacets facets = {.alpha_x = alpha_x, .alpha_y = less * alpha_x};
-    MicrofacetPlace round = microfacet_index(facets.alpha_x, facets.alpha_y, lanes_all(1)).roughness;
-    for (int i = 0; i < STRETCHED_DIRECTIONS; i++) {
-        Vec3f v = stretched_direction(i / STRETCHED_ANGLES, i % STRETCHED_ANGLES, facets.alpha_x, facets.alpha_y);
-        v.z = fmaxf(v.z, 1e-6f);
-        for (int n = 0; n < STRETCHED_DIRECTIONS; n++) sums[i][n] = 0;
-        for (int n = 0; n < WAYS; n++) {
-            float u[2];
-            numbers(n, u);
-            add_reflection(&facets, round, v, u, sums[i]);
-        }
-        k[i] = 1;
-    }
-    for (int turn = 0; turn < 60; turn++) {
-        static float next[STRETCHED_DIRECTIONS];
-        for (int i = 0; i < STRETCHED_DIRECTIONS; i++) {
-            double sum = 0;
-            for (int n = 0; n < STRETCHED_DIRECTIONS; n++) sum += sums[i][n] * (double)k[n];
-            next[i] = sum > 0 ? (float)sqrt((double)k[i] / sum) : k[i];
-        }
-        for (int i = 0; i < STRETCHED_DIRECTIONS; i++) k[i] = next[i];
-    }
 }
 
 static void write_floats(FILE *out, const char *declaration, const float *values, size_t n)
@@ -254,17 +264,23 @@ int main(int argc, char **argv)
         }
     for (int i = 0; i < LAYERED_MIRRORS; i++) {
         float r = (float)i / (LAYERED_MIRRORS - 1);
-        look_at_mirrors(fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA));
-        solve_layers(mirrors[i], layered_quarters(i));
+        float alpha = fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA);
+        for (int k = 0; k < LAYERED_INDICES; k++) {
+            look_at_mirrors(alpha, microfacet_critical(1 / index_of(k)));
+            solve_layer(mirrors[i], 1, k, alpha, layered_quarters(i));
+        }
+        look_at_mirrors(alpha, 0);
+        for (int k = 0; k < LAYERED_INDICES; k++) solve_layer(mirrors[i], 0, k, alpha, layered_quarters(i));
         solve_fuzz(fuzz_mirrors[i], 0);
     }
     for (int i = 0; i < LAYERED_DIFFUSES; i++) {
         look_at_diffuse((float)i / (LAYERED_DIFFUSES - 1));
-        solve_layers(diffuses[i], 2);
+        for (int k = 0; k < 2 * LAYERED_INDICES; k++) solve_layer(diffuses[i], k % 2, k / 2, 1, 2);
         solve_fuzz(fuzz_diffuses[i], 2);
     }
-    for (int i = 0; i < STRETCHED_ROUGHNESSES; i++)
-        for (int k = 0; k < STRETCHED_RATIOS; k++) solve_stretched(i, k);
+    for (int i = 0; i < LAYERED_SKIN_ROUGHNESSES; i++)
+        for (int k = 0; k < 2 * LAYERED_INDICES; k++)
+            for (int n = 0; n < LAYERED_SKIN_ANGLES; n++) solve_skin(i, k % 2, k / 2, n);
     FILE *out = fopen(argv[1], "w");
     if (!out) {
         perror(argv[1]);
@@ -281,11 +297,9 @@ int main(int argc, char **argv)
                  sizeof fuzz_mirrors / sizeof(float));
     write_floats(out, "LayeredFuzzTable layered_fuzz_diffuse[LAYERED_DIFFUSES]", &fuzz_diffuses[0][0][0][0],
                  sizeof fuzz_diffuses / sizeof(float));
+    write_floats(out, "LayeredSkinTable layered_fuzz_skin", &skins[0][0][0][0][0][0], sizeof skins / sizeof(float));
     write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
                  sizeof fuzz / sizeof(float));
-    write_floats(
-        out, "float stretched_mirror[STRETCHED_ROUGHNESSES][STRETCHED_RATIOS][STRETCHED_AZIMUTHS][STRETCHED_ANGLES]",
-        &stretched[0][0][0][0], sizeof stretched / sizeof(float));
     int failed = ferror(out);
     if (fclose(out) != 0 || failed) {
         fprintf(stderr, "layered_gen: cannot write %s\n", argv[1]);

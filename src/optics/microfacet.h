@@ -74,7 +74,7 @@ static inline float microfacet_angle(float z, float s)
  * tilt: three fifths of the knots are for that. */
 static inline float microfacet_angle_within(float z, float s, float c, float alpha)
 {
-    float per_width = 1 / (alpha + 0.004f), near = (z - c) * per_width, least = -c * per_width,
+    float per_width = 1 / (alpha + 0.0005f), near = (z - c) * per_width, least = -c * per_width,
           most = (1 - c) * per_width;
     float at = near / (1 + fabsf(near)), from = least / (1 - least), to = most / (1 + most);
     return 0.4f * microfacet_angle(z, s) + 0.6f * (at - from) / (to - from);

@@ -35,6 +35,7 @@ static const Parameter parameters[] = {
     {"coat", PARAMETER_NUMBER, offsetof(BsdfSpec, coat_weight)},
     {"coat_ior", PARAMETER_INDEX, offsetof(BsdfSpec, coat_ior)},
     {"coat_roughness", PARAMETER_NUMBER, offsetof(BsdfSpec, coat_roughness)},
+    {"coat_anisotropy", PARAMETER_NUMBER, offsetof(BsdfSpec, coat_roughness_anisotropy)},
     {"coat_tint", PARAMETER_COLOR, offsetof(BsdfSpec, coat_color)},
     {"film", PARAMETER_NANOMETRES, offsetof(BsdfSpec, film_thickness_nm)},
     {"weight", PARAMETER_NUMBER, offsetof(BsdfSpec, mix_weight)},
@@ -194,10 +195,9 @@ static const Need needs[] = {
     {"specular", "ior", "without an 'ior'"},
     {"tint", "transmission", "without 'transmission'"},
     {"film", "transmission", "without 'transmission'"},
-    {"grain", "anisotropy", "without 'anisotropy'"},
-    {"grain_angle", "anisotropy", "without 'anisotropy'"},
     {"coat_ior", "coat", "without a coat"},
     {"coat_roughness", "coat", "without a coat"},
+    {"coat_anisotropy", "coat", "without a coat"},
     {"coat_tint", "coat", "without a coat"},
     {"fuzz_color", "fuzz", "without 'fuzz'"},
     {"fuzz_roughness", "fuzz", "without 'fuzz'"},
@@ -220,12 +220,10 @@ static void check_needs(Builder *b, const EvalNode *node)
         build_needs(b, node, of_thin[i], "without thin = true");
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
-    bool pane = eval_truth(node, "thin") && is_on(node, "transmission");
-    if (is_on(node, "anisotropy") && !eval_prop(node, "metal") && !is_on(node, "metalness") && !pane) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "anisotropy"),
-                                         "'anisotropy' is for metals and thin panes");
-        diag_hint(b->diag, report, "name a metal, or give metalness = 1");
-    }
+    static const char *const of_grain[] = {"grain", "grain_angle"};
+    bool grained = is_on(node, "anisotropy") || is_on(node, "coat_anisotropy");
+    for (size_t i = 0; !grained && i < COUNT_OF(of_grain); i++)
+        build_needs(b, node, of_grain[i], "without 'anisotropy'");
     if (!eval_truth(node, "thin") || is_on(node, "transmission") || is_on(node, "translucency")) return;
     Diagnostic *report =
         diag_report(b->diag, D_MISSING_PROPERTY, build_span(node, "thin"), "nothing goes through this thin surface");
@@ -276,8 +274,8 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
 /* Whether a clear object's surface can have that. */
 static bool clear_has(const char *property)
 {
-    static const char *const properties[] = {"roughness",       "bump",    "bump_height", "normal_map",
-                                             "normal_strength", "normal_y"};
+    static const char *const properties[] = {"roughness",   "anisotropy", "grain",           "grain_angle", "bump",
+                                             "bump_height", "normal_map", "normal_strength", "normal_y"};
     for (size_t i = 0; i < COUNT_OF(properties); i++)
         if (strcmp(property, properties[i]) == 0) return true;
     return false;
@@ -322,10 +320,14 @@ static void check_opaque(Builder *b, const EvalNode *node)
     } else if (is_on(node, "transmission") && !eval_prop(node, "ior")) {
         build_needs(b, node, "transmission", "without an 'ior'");
     }
-    if (facets || !eval_prop(node, "roughness")) return;
-    Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "roughness"),
-                                     "'roughness' has no effect on a matte surface");
-    diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
+    static const char *const of_facets[] = {"roughness", "anisotropy"};
+    for (size_t i = 0; !facets && i < COUNT_OF(of_facets); i++) {
+        if (!eval_prop(node, of_facets[i])) continue;
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, of_facets[i]),
+                                         "'%s' has no effect on a matte surface", of_facets[i]);
+        diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
+        break;
+    }
 }
 
 static void check_fits(Builder *b, const EvalNode *node, Span where, bool clear)
@@ -385,8 +387,11 @@ static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32
 
 static SceneSurface plain_surface(const char *name, float albedo)
 {
-    return (SceneSurface){
-        .name = name, .albedo = spectrum_constant(albedo), .bump = SCENE_NONE, .normal_map = SCENE_NONE, .emission_texture = SCENE_NONE};
+    return (SceneSurface){.name = name,
+                          .albedo = spectrum_constant(albedo),
+                          .bump = SCENE_NONE,
+                          .normal_map = SCENE_NONE,
+                          .emission_texture = SCENE_NONE};
 }
 
 static void shine_by_texture(Builder *b, const EvalNode *node, SceneSurface *surface)

@@ -132,8 +132,8 @@ static uint64_t medium_hash(const SceneMedium *medium)
 static void add_pattern(Hasher *h, const Pattern *p)
 {
     const unsigned words[] = {p->kind, p->shape, p->wave, p->style, p->octaves, p->value};
-    const double numbers[] = {p->mortar, p->bevel, p->bond, p->frequency, p->phase, p->lacunarity, p->gain, p->grain,
-                              p->radius, p->blur};
+    const double numbers[] = {p->mortar,     p->bevel, p->bond,  p->frequency, p->phase,
+                              p->lacunarity, p->gain,  p->grain, p->radius,    p->blur};
     for (size_t i = 0; i < COUNT_OF(words); i++) add_integer(h, words[i]);
     for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(h, numbers[i]);
     add_integer(h, p->seed);
@@ -216,8 +216,15 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
         add_number(&h, (double)surface->emission_factor);
     }
     add_number(&h, (double)surface->roughness);
-    if (!surface->finished) return h.state;
     const BsdfSpec *spec = &surface->spec;
+    if (!surface->finished) { /* matte, or clear */
+        if (spec->specular_roughness_anisotropy > 0) {
+            add_number(&h, (double)spec->specular_roughness_anisotropy);
+            add_integer(&h, (uint64_t)surface->grain);
+            add_number(&h, surface->grain_angle);
+        }
+        return h.state;
+    }
     const float numbers[] = {spec->base_diffuse_roughness,
                              spec->base_metalness,
                              spec->specular_weight,
@@ -227,6 +234,7 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
                              spec->film_thickness_nm,
                              spec->coat_weight,
                              spec->coat_roughness,
+                             spec->coat_roughness_anisotropy,
                              spec->fuzz_weight,
                              spec->fuzz_roughness};
     for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(&h, (double)numbers[i]);
@@ -292,7 +300,8 @@ static void add_objects(Hasher *h, const Scene *scene, const Rows *rows, Arena *
         if (object->surface == SCENE_NONE) continue;
         add_integer(h, rows->surfaces[object->surface]);
         if (object->texture_frame != SCENE_NONE) add_map(h, &scene->texture_frames[object->texture_frame].from_shape);
-        if (surface_varies(scene, &scene->surfaces[object->surface], rows)) add_integer(h, scene_texture_identity(scene, i));
+        if (surface_varies(scene, &scene->surfaces[object->surface], rows))
+            add_integer(h, scene_texture_identity(scene, i));
     }
 }
 
@@ -328,7 +337,8 @@ static void add_lights(Hasher *h, const Scene *scene)
             const LightProfile *profile = light->profile;
             if (profile) add_integer(h, profile->type);
             for (uint32_t k = 0; profile && k < profile->n_vertical; k++) add_number(h, (double)profile->vertical[k]);
-            for (uint32_t k = 0; profile && k < profile->n_horizontal; k++) add_number(h, (double)profile->horizontal[k]);
+            for (uint32_t k = 0; profile && k < profile->n_horizontal; k++)
+                add_number(h, (double)profile->horizontal[k]);
             for (uint32_t k = 0; profile && k < profile->n_vertical * profile->n_horizontal; k++)
                 add_number(h, (double)profile->intensity[k]);
         }
@@ -394,6 +404,7 @@ uint64_t scene_hash_with_motion(const Scene *scene)
     for (uint32_t i = 0; i < scene->n_shapes; i++)
         if (scene->shapes[i].mesh_end) add_mesh(&h, scene->shapes[i].mesh_end);
     for (uint32_t i = 0; i < scene->n_cameras; i++)
-        for (uint32_t k = 0; scene->cameras[i].keys && k < scene->n_keys; k++) add_camera(&h, &scene->cameras[i].keys[k]);
+        for (uint32_t k = 0; scene->cameras[i].keys && k < scene->n_keys; k++)
+            add_camera(&h, &scene->cameras[i].keys[k]);
     return h.state;
 }

@@ -152,7 +152,7 @@ static Frame frame_of(const Path *path, const Event *event, const SceneSurface *
                       const SurfacePlace *place)
 {
     Frame frame = frame_about(place->normal);
-    if (spec->specular_roughness_anisotropy == 0) return frame;
+    if (spec->specular_roughness_anisotropy == 0 && spec->coat_roughness_anisotropy == 0) return frame;
     RtcCoordinates at;
     Affine to_world;
     rtc_coordinates(path->tracer->world->compiled->rtc, &path->ray, &event->hit, false, &at);
@@ -166,7 +166,9 @@ static Frame frame_of(const Path *path, const Event *event, const SceneSurface *
     if (!(length > 1e-4f)) return frame; /* the axis of a lathe, or an end of a straight grain */
     across = vec3f_scale(across, 1 / length);
     Vec3f beside = vec3f_cross(frame.z, across);
-    float c = (float)cos(surface->grain_angle), s = (float)sin(surface->grain_angle);
+    /* turned as seen from outside: scratches stay where they are when they are looked at from within */
+    float c = (float)cos(surface->grain_angle),
+          s = (float)sin(surface->grain_angle) * (event->hit.entering ? 1.0f : -1.0f);
     frame.x = vec3f_along(vec3f_scale(across, c), s, beside);
     frame.y = vec3f_cross(frame.z, frame.x);
     return frame;
@@ -192,7 +194,9 @@ bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, con
         bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, &bsdf);
     } else {
         bsdf_begin(&bsdf);
-        bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, spec->specular_roughness * spec->specular_roughness);
+        float alpha_x, alpha_y;
+        bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
+        bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
     }
     Frame frame = frame_of(path, event, surface, spec, place);
     return scatter(path, event, &bsdf, place, &frame);

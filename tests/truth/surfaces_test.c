@@ -32,6 +32,9 @@ static void white_furnaces(void **state)
         "sphere { surface = surface { thin = true  ior = 1.33  transmission = .7  film = 400nm  albedo = 1  roughness = %g } }",
         "sphere { surface = surface { albedo = 1  metalness = .5  ior = 1.5  roughness = %g  coat = 1  fuzz = .6 } }",
         "sphere { interior = glass  surface = surface { transmission = .6  albedo = 1  ior = 1.5  roughness = %g } }",
+        "sphere { interior = glass  surface = surface { roughness = %g  anisotropy = .8  grain = x  grain_angle = 25 } } sphere { interior = water  center = <.3, .2, 0>  radius = .9 }",
+        "sphere { interior = water  radius = 1.3 } sphere { interior = gem  surface = surface { roughness = %g  anisotropy = .6 } } sphere { interior = air  radius = .6 }",
+        "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g  anisotropy = .8  coat = .5  coat_roughness = .4  coat_anisotropy = .7 } }",
         "sphere { interior = glass  surface = surface { mix = [surface { transmission = 0  albedo = 1 }, surface { roughness = %g }]  weight = .6 } }",
     };
     const double roughness[] = {0.1, 0.3, 0.6, 1};
@@ -66,6 +69,7 @@ static void lights_are_found_alike(void **state)
         "sphere { surface = surface { thin = true  ior = 1.5  transmission = 1  roughness = .6 } }",
         "sphere { surface = surface { albedo = rgb(.4, .1, .1)  fuzz = .9  fuzz_color = rgb(1, .5, .5) } }",
         "sphere { surface = surface { metal = iron  roughness = .5  anisotropy = .8 } }",
+        "sphere { interior = glass  surface = surface { roughness = .5  anisotropy = .8  grain_angle = 30 } }",
         "sphere { surface = surface { mix = [surface { albedo = .7 }, surface { metal = gold  roughness = .5 }]  weight = .3 } }",
     };
     for (size_t i = 0; i < COUNT_OF(things); i++) {
@@ -106,6 +110,22 @@ static void surroundings_count(void **state)
     truth_figure("a skin of water in the air, head on", expected, middle[1], 0);
     truth_figure("the same in water", 0, middle[0], 0);
     assert_true(middle[0] < 1e-5);
+    /* and so paint looks darker and more saturated when it is wet: plastic gives 4 % of white on top of its colour in the
+     * air, under water 0.36 % */
+    static const char *const skins[] = {
+        HEAD "sphere { interior = water  radius = 20 } sphere { surface = surface { albedo = 0  ior = 1.5  roughness = .1 } }" VIEW TRUTH_WHITE_SKY,
+        HEAD "sphere { surface = surface { albedo = 0  ior = 1.5  roughness = .1 } }" VIEW TRUTH_WHITE_SKY,
+    };
+    for (int i = 0; i < 2; i++) {
+        Picture picture = truth_render_text(skins[i], WIDTH, 1024);
+        double index = i ? 1.5 : 1.5 / 1.33, head_on = pow((index - 1) / (index + 1), 2), sum = 0;
+        for (uint32_t y = 0; y < 4; y++)
+            for (uint32_t x = 0; x < 4; x++)
+                sum += truth_luminance(&picture, WIDTH / 2 - 2 + x, WIDTH / 2 - 2 + y) / 16;
+        truth_figure(i ? "plastic in the air, head on" : "plastic under water, head on", head_on, sum, 0);
+        assert_true(fabs(sum - head_on) < 0.06 * head_on);
+        truth_clear(&picture);
+    }
     assert_true(fabs(middle[1] - expected) < 0.03 * expected);
 }
 

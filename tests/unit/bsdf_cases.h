@@ -28,6 +28,10 @@ static const BsdfCase bsdf_cases[] = {
     {"boundary in", 1, 2.42f, 0.05f, 0},
     {"boundary in", 0.5f, 1.05f, 0, 0.4f},
     {"boundary crossing", 0.6f, 1, 0.02f, 0.1f},
+    {"boundary aniso", 0.7f, 1.5f, 0, 0},
+    {"boundary aniso", 0.9f, 1.52f, 0.02f, 0},
+    {"boundary in aniso", 0.7f, 1.5f, 0, 0},
+    {"boundary in aniso", 0.9f, 2.42f, 0.05f, 0},
     {"conductor", 0.25f, 0.2f, 1, -0.15f},
     {"conductor", 0.6f, 1.2f, 0.3f, 0},
     {"conductor aniso", 1, 0.2f, 1, 0},
@@ -37,6 +41,8 @@ static const BsdfCase bsdf_cases[] = {
     {"plastic", 0.4f, 1.5f, 0.02f, -0.5f},
     {"plastic", 1, 1.128f, 0.02f, 0},
     {"plastic", 0.5f, 0.9f, 0.01f, 0},
+    {"plastic aniso", 0.7f, 1.5f, 0.02f, 0},
+    {"plastic aniso", 0.6f, 0.9f, 0.01f, 0},
     {"plastic tinted", 0.3f, 1.5f, 0, 0},
     {"sheet", 0.4f, 1.5f, 0.02f, 0},
     {"sheet tinted", 0.8f, 1.5f, 0, 0},
@@ -46,8 +52,12 @@ static const BsdfCase bsdf_cases[] = {
     {"translucent", 0.2f, 0.8f, 0, 0},
     {"fuzz", 0.5f, 0.2f, 0, 0},
     {"fuzz metal", 0.6f, 0.9f, 0, 0},
+    {"fuzz aniso", 0.7f, 0.4f, 0, 0},
     {"coated", 0.3f, 1.5f, 0.02f, -0.3f},
     {"coated", 0, 0.85f, 0.01f, 0},
+    {"coated aniso", 0.7f, 1.5f, 0.02f, 0},
+    {"coated metal aniso", 0.7f, 1.5f, 0.02f, 0},
+    {"coated metal", 0.4f, 0.8f, 0.01f, 0},
     {"coated metal", 0.5f, 1.6f, 0.02f, 0},
     {"coated metal tinted", 0, 1.5f, 0.02f, 0},
     {"principled", 0.4f, 0.5f, 0.02f, 0},
@@ -76,7 +86,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     if (!strncmp(c->name, "boundary", 8)) {
         back = case_lanes(c->other, c->spread, hero);
         bool swap = behind != (strstr(c->name, " in") != NULL);
-        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha);
+        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha, alpha_y);
         Lanes square = lanes_mul(back, back);
         *square_behind = swap ? front : square;
         return swap ? square : front;
@@ -88,7 +98,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     else if (!strncmp(c->name, "diffuse", 7))
         bsdf_add_diffuse(bsdf, 1, case_lanes(c->other, c->spread, hero), c->roughness);
     else if (!strncmp(c->name, "plastic", 7))
-        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, tint, case_lanes(0.6f, 0.3f, hero),
+        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint, case_lanes(0.6f, 0.3f, hero),
                          0.4f);
     else if (!strncmp(c->name, "sheet", 5))
         bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
@@ -102,11 +112,11 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         if (strstr(c->name, "metal"))
             bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), alpha, alpha);
         else
-            bsdf_add_plastic(bsdf, 1, eta, alpha, tint, color, 0.3f);
+            bsdf_add_plastic(bsdf, 1, eta, alpha, alpha_y, tint, color, 0.3f);
         bsdf_set_fuzz(bsdf, 0.9f, case_lanes(0.6f, 0.3f, hero), c->other);
     } else if (!strncmp(c->name, "coated", 6)) {
         Lanes color = case_lanes(0.6f, 0.3f, hero);
-        bsdf_begin_coat(bsdf, case_lanes(c->other, c->spread, hero), alpha, tint);
+        bsdf_begin_coat(bsdf, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint);
         if (strstr(c->name, "metal"))
             bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), 0.2f, 0.2f);
         else {
@@ -118,9 +128,9 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bool smooth = strstr(c->name, "smooth");
         Lanes eta = case_lanes(1.5f, c->spread, hero);
         bsdf_add_conductor(bsdf, 0.1f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
-        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, tint, case_lanes(0.5f, 0.3f, hero),
+        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha_y, tint, case_lanes(0.5f, 0.3f, hero),
                          c->roughness);
-        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, case_lanes(0.8f, 0.1f, hero));
+        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f, case_lanes(0.8f, 0.1f, hero));
         bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
         bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
         bsdf_end_coat(bsdf);

@@ -69,15 +69,15 @@ static void boundaries_keep_all_light(void **unused)
                 bsdf_begin(&bsdf);
                 Lanes air = lanes_all(1), glass = lanes_all(indices[i]);
                 float alpha = roughnesses[k] * roughnesses[k];
-                bsdf_add_boundary(&bsdf, 1, inside ? glass : air, inside ? air : glass, alpha);
+                bsdf_add_boundary(&bsdf, 1, inside ? glass : air, inside ? air : glass, alpha, alpha);
                 double off = departure(&bsdf, 32, &grazing);
                 printf(" %5.1f", off * 1000);
                 worst = fmax(worst, off);
             }
         }
     printf("\nlargest %.4f, at cosine 0.03: %.4f\n", worst, grazing);
-    assert_true(worst < 0.006);
-    assert_true(grazing < 0.012);
+    assert_true(worst < 0.004);
+    assert_true(grazing < 0.0065);
 }
 
 static void white_surfaces_stay_white(void **unused)
@@ -98,11 +98,11 @@ static void white_surfaces_stay_white(void **unused)
             float r = roughnesses[k], alpha = r * r;
             const float eta[] = {1.5f, 1.128f, 2.4f, 0.9f};
             bsdf_begin(&bsdf);
-            if (i == 7) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, white);
-            if (i == 8) bsdf_begin_coat(&bsdf, lanes_all(1.5f), 0.01f, white);
+            if (i == 7) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, alpha, white);
+            if (i == 8) bsdf_begin_coat(&bsdf, lanes_all(1.5f), 0.01f, 0.01f, white);
             if (i == 0 || i == 8) bsdf_add_conductor(&bsdf, 1, white, mirror, alpha, alpha);
             if (i == 1) bsdf_add_diffuse(&bsdf, 1, white, r);
-            if (i >= 2 && i < 6) bsdf_add_plastic(&bsdf, 1, lanes_all(eta[i - 2]), alpha, white, white, 0);
+            if (i >= 2 && i < 6) bsdf_add_plastic(&bsdf, 1, lanes_all(eta[i - 2]), alpha, alpha, white, white, 0);
             if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, lanes_all(0));
             if (i == 7) bsdf_add_diffuse(&bsdf, 1, white, 0);
             bsdf_end_coat(&bsdf);
@@ -129,13 +129,13 @@ static void low_skins_stay_white(void **unused)
                 Bsdf bsdf;
                 float alpha = roughnesses[k] * roughnesses[k], critical = sqrtf(1 - indices[i] * indices[i]);
                 bsdf_begin(&bsdf);
-                bsdf_add_plastic(&bsdf, 1, lanes_all(indices[i]), alpha, lanes_all(1), lanes_all(1), 0);
+                bsdf_add_plastic(&bsdf, 1, lanes_all(indices[i]), alpha, alpha, lanes_all(1), lanes_all(1), 0);
                 Furnace found = furnace(&bsdf, critical + 0.015f * (float)at, 0.3f, 48);
                 double off = fmax(0, fabs(found.albedo - 1) - 2 * found.error);
                 worst = fmax(worst, off);
             }
     printf("skins of a smaller index: off by at most %.4f about the critical angle\n", worst);
-    assert_true(worst < 0.0065);
+    assert_true(worst < 0.006);
 }
 
 static const float some_roughnesses[] = {0.1f, 0.25f, 0.5f, 1};
@@ -153,7 +153,7 @@ static void coats_keep_all_light(void **unused)
                     float r = some_roughnesses[k], alpha = r * r, coat = coats[c] * coats[c];
                     Bsdf bsdf;
                     bsdf_begin(&bsdf);
-                    bsdf_begin_coat(&bsdf, lanes_all(indices[i]), coat, lanes_all(1));
+                    bsdf_begin_coat(&bsdf, lanes_all(indices[i]), coat, coat, lanes_all(1));
                     if (base == 0)
                         bsdf_add_mirrors(&bsdf, 1, alpha, alpha);
                     else
@@ -163,9 +163,9 @@ static void coats_keep_all_light(void **unused)
                 }
     printf("under coats: facets off by at most %.4f, matte surfaces %.4f, at cosine 0.03 %.4f\n", worst[0], worst[1],
            grazing);
-    assert_true(worst[0] < 0.009);
-    assert_true(worst[1] < 0.009);
-    assert_true(grazing < 0.012);
+    assert_true(worst[0] < 0.004);
+    assert_true(worst[1] < 0.004);
+    assert_true(grazing < 0.005);
 }
 
 /* White fuzz on what is white. */
@@ -184,8 +184,8 @@ static void fuzz_keeps_all_light(void **unused)
                 bsdf_begin(&bsdf);
                 if (base == 0) bsdf_add_diffuse(&bsdf, 1, white, r);
                 if (base == 1) bsdf_add_mirrors(&bsdf, 1, alpha, alpha);
-                if (base == 2) bsdf_add_plastic(&bsdf, 1, lanes_all(1.5f), alpha, white, white, 0.3f);
-                if (base == 3) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, white);
+                if (base == 2) bsdf_add_plastic(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, white, 0.3f);
+                if (base == 3) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, alpha, white);
                 if (base == 3) bsdf_add_diffuse(&bsdf, 1, white, 0);
                 bsdf_end_coat(&bsdf);
                 if (base == 4) bsdf_add_translucent(&bsdf, 1, white);
@@ -193,8 +193,8 @@ static void fuzz_keeps_all_light(void **unused)
                 worst = fmax(worst, departure(&bsdf, 40, &grazing));
             }
         printf("fuzz on what is %s: off by at most %.4f, at cosine 0.03 %.4f\n", names[base], worst, grazing);
-        assert_true(worst < 0.01);
-        assert_true(grazing < 0.02);
+        assert_true(worst < 0.003);
+        assert_true(grazing < 0.003);
     }
 }
 
@@ -234,37 +234,84 @@ static void white_mixtures_stay_white(void **unused)
     }
     printf("%d white surfaces of all kinds: off by at most %.4f, in the mean by %+.5f\n", (int)SURFACES, worst,
            sum / SURFACES);
-    assert_true(worst < 0.02);
-    assert_true(fabs(sum / SURFACES) < 0.002);
+    assert_true(worst < 0.005);
+    assert_true(fabs(sum / SURFACES) < 0.001);
 }
 
-/* Stretched facets, of metals and sheets. */
+/* Surfaces of stretched facets, of all kinds and seen from all around. */
+enum { STRETCHED_KINDS = 7 };
+static const char *const stretched_names[STRETCHED_KINDS] = {
+    "metal", "sheet", "boundary", "boundary from inside", "skin", "coat over what is matte", "skin in a denser medium"};
+
+static void add_stretched(Bsdf *bsdf, int kind, float alpha_x, float alpha_y)
+{
+    Lanes white = lanes_all(1), index = lanes_all(1.5f);
+    bsdf_begin(bsdf);
+    switch (kind) {
+    case 0: bsdf_add_mirrors(bsdf, 1, alpha_x, alpha_y); break;
+    case 1: bsdf_add_sheet(bsdf, 1, index, alpha_x, alpha_y, white, lanes_all(0)); break;
+    case 2: bsdf_add_boundary(bsdf, 1, white, index, alpha_x, alpha_y); break;
+    case 3: bsdf_add_boundary(bsdf, 1, index, white, alpha_x, alpha_y); break;
+    case 4: bsdf_add_plastic(bsdf, 1, index, alpha_x, alpha_y, white, white, 0); break;
+    case 5:
+        bsdf_begin_coat(bsdf, index, alpha_x, alpha_y, white);
+        bsdf_add_diffuse(bsdf, 1, white, 0.5f);
+        bsdf_end_coat(bsdf);
+        break;
+    default: bsdf_add_plastic(bsdf, 1, lanes_all(0.85f), alpha_x, alpha_y, white, white, 0);
+    }
+}
+
 static void stretched_facets(void **unused)
 {
     (void)unused;
-    const float anisotropies[] = {0.3f, 0.7f, 0.95f};
-    double worst[2] = {0}, sum = 0;
-    int n = 0;
-    for (int kind = 0; kind < 2; kind++)
+    const float anisotropies[] = {0.3f, 0.7f, 0.9f};
+    for (int kind = 0; kind < STRETCHED_KINDS; kind++) {
+        double worst = 0, sum = 0;
+        int n = 0, n_off = 0;
         for (int a = 0; a < 3; a++)
             for (int i = 1; i <= 4; i++)
                 for (int at = 0; at < COSINES - 1; at++)
-                    for (int turn = 0; turn <= 4; turn++) {
+                    for (int turn = 0; turn <= 4; turn++, n++) {
                         float alpha_x, alpha_y;
                         bsdf_alphas(0.25f * (float)i, anisotropies[a], &alpha_x, &alpha_y);
                         Bsdf bsdf;
-                        bsdf_begin(&bsdf);
-                        if (kind == 0) bsdf_add_mirrors(&bsdf, 1, alpha_x, alpha_y);
-                        if (kind == 1)
-                            bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha_x, alpha_y, lanes_all(1), lanes_all(0));
+                        add_stretched(&bsdf, kind, alpha_x, alpha_y);
                         Furnace found = furnace(&bsdf, cosines[at], 0.3927f * (float)turn, 24);
-                        worst[kind] = fmax(worst[kind], fmax(0, fabs(found.albedo - 1) - 2 * found.error));
-                        if (kind == 0) sum += fabs(found.albedo - 1);
-                        n += kind == 0;
+                        double off = fmax(0, fabs(found.albedo - 1) - 2 * found.error);
+                        worst = fmax(worst, off);
+                        sum += off;
+                        n_off += off > 0.005;
                     }
-    printf("stretched facets: metal off by at most %.4f, in the mean %.4f, sheets %.4f\n", worst[0], sum / n, worst[1]);
-    assert_true(worst[0] < 0.01 && worst[1] < 0.01);
-    assert_true(sum / n < 0.003);
+        printf("stretched facets: %-25s off by at most %.4f, in the mean %.5f, by more than 0.5 %% in %d of %d\n",
+               stretched_names[kind], worst, sum / n, n_off, n);
+        /* about the critical angle, where all depends on which way facets tilt, the tables are coarse for them */
+        bool dense = kind == 3 || kind == 6;
+        assert_true(worst < (dense ? 0.06 : 0.006));
+        assert_true(sum / n < 0.0012);
+        assert_true(n_off <= (dense ? n / 12 : 1));
+    }
+}
+
+/* Near equal indices a stretched boundary is not there, and its two sides agree on how much passes. */
+static void stretched_boundaries_agree(void **unused)
+{
+    (void)unused;
+    Bsdf round, stretched;
+    for (int i = 0; i < 40; i++) {
+        float z = 0.05f + 0.95f * (float)i / 39, eta = 1 + 0.04f * (float)(i % 10 + 1);
+        bsdf_begin(&round);
+        bsdf_add_boundary(&round, 1, lanes_all(1), lanes_all(eta), 0.25f, 0.25f);
+        bsdf_begin(&stretched);
+        bsdf_add_boundary(&stretched, 1, lanes_all(1), lanes_all(eta), 0.25f, 0.2499f);
+        Vec3f view = direction_at(z, 1), light = direction_at(0.7f, 2);
+        for (int side = 0; side < 2; side++, light.z = -light.z) {
+            Lanes f, g, pdf;
+            bsdf_evaluate(&round, view, light, &f, &pdf);
+            bsdf_evaluate(&stretched, view, light, &g, &pdf);
+            assert_true(fabsf(lanes_get(f, 0) - lanes_get(g, 0)) <= 0.02f * lanes_get(f, 0) + 1e-4f);
+        }
+    }
 }
 
 /* Layers on dark bases, and tinted ones, give back less; nothing gives back more. */
@@ -301,7 +348,8 @@ int main(void)
         cmocka_unit_test(boundaries_keep_all_light), cmocka_unit_test(white_surfaces_stay_white),
         cmocka_unit_test(low_skins_stay_white),      cmocka_unit_test(coats_keep_all_light),
         cmocka_unit_test(fuzz_keeps_all_light),      cmocka_unit_test(white_mixtures_stay_white),
-        cmocka_unit_test(stretched_facets),          cmocka_unit_test(nothing_is_gained),
+        cmocka_unit_test(stretched_facets),          cmocka_unit_test(stretched_boundaries_agree),
+        cmocka_unit_test(nothing_is_gained),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

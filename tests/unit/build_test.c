@@ -600,7 +600,8 @@ static void surfaces_are_checked(void **state)
         ON("film = 1"),
         ON("metal = gold albedo = .5"),
         ON("metal = gold ior = 1.5"),
-        ON("ior = 1.5 anisotropy = .5"),
+        ON("anisotropy = .5"),
+        ON("coat_anisotropy = .5"),
         ON("metal = gold grain = x"),
         ON("metal = gold grain_angle = 20"),
         ON("coat_tint = .5"),
@@ -644,8 +645,16 @@ static void surfaces_become_parameters(void **state)
              "surface lid { metal = iron metalness = .5 anisotropy = .7 grain = z grain_angle = 90 albedo = .2 }"
              "surface both { mix = [pane, lid] weight = .3 }"
              "sphere { surface = both } sphere { surface = pane } sphere { surface = lid }"
-             "sphere { interior = glass surface = surface { transmission = .25 albedo = 1 } }");
+             "sphere { interior = glass surface = surface { transmission = .25 albedo = 1 } }"
+             "sphere { interior = glass surface = surface { roughness = .4 anisotropy = .8 grain = x grain_angle = 5 } }"
+             "sphere { surface = surface { ior = 1.5 roughness = .4 anisotropy = .5 coat = 1 coat_anisotropy = .3 } }");
     const Scene *scene = f.scene;
+    const SceneSurface *brushed = &scene->surfaces[scene->objects[4].surface],
+                       *lacquer = &scene->surfaces[scene->objects[5].surface];
+    assert_true(brushed->grain == GRAIN_X && !brushed->painted);
+    assert_near((double)brushed->spec.specular_roughness_anisotropy, 0.8, 1e-6);
+    assert_near((double)lacquer->spec.specular_roughness_anisotropy, 0.5, 1e-6);
+    assert_near((double)lacquer->spec.coat_roughness_anisotropy, 0.3, 1e-6);
     const SceneSurface *both = &scene->surfaces[scene->objects[0].surface], *pane = &scene->surfaces[scene->objects[1].surface],
                        *lid = &scene->surfaces[scene->objects[2].surface], *paint = &scene->surfaces[scene->objects[3].surface];
     assert_true(both->mixed && both->thin && !pane->mixed && pane->thin && !lid->thin);
