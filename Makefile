@@ -226,6 +226,9 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench noise $(BENCH_SCENES)
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns)
 
+bench-noise: $(BUILD)/bench assets ## the noise that is stated over the error that is there; minutes
+	$(BUILD)/bench stated $(addprefix examples/,surfaces.mns snells-window.mns whisky.mns tea.mns diamond.mns candles.mns)
+
 # MENISCUS_BENCH_OBJECTS=10000000 make bench-objects: that many objects instead of a million
 bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fast scene texts are read; minutes
 	$(BUILD)/bench objects
@@ -234,7 +237,7 @@ bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fa
 bench-instructions: assets ## which part of all instructions the interior list takes; needs valgrind, minutes
 	$(MAKE) VARIANT=profile build/profile/meniscus build/profile/peers/glass.mns
 	sh tests/bench/instructions.sh build/profile/meniscus build/profile/peers/glass.mns examples/whisky.mns
-.PHONY: bench-objects bench-instructions
+.PHONY: bench-objects bench-noise bench-instructions
 
 # --wrap: limit.c notes the rays that a render casts
 BENCH_SOURCES := $(wildcard tests/bench/*.c)

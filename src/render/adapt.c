@@ -5,6 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "render/around.h"
+#include "render/evenness.h"
+
 /* Luminances below this, a tenth of white, count as this where errors are set in relation to them. */
 #define DARK 0.1
 /* How far neighbours are asked, in pixels: for the luminance; those close by, so that what is thin is seen; more around, so
@@ -36,18 +39,28 @@ static double luminance_around(const Film *film, const uint32_t crop[4], uint32_
     return weights > 0 ? sum / weights : pixel_luminance(film, x, y);
 }
 
+/* The error of a pixel's mean, as if it had one sample: of two or more. */
+static double pixel_error(const Film *film, const Evenness *evenness, uint32_t x, uint32_t y)
+{
+    const FilmPixel *pixel = film_pixel(film, x, y);
+    return film_spread(pixel) * evenness_of_error(evenness, x, y, pixel->n);
+}
+
 double adapt_noise(const Film *film, const uint32_t crop[4])
 {
     double sum = 0;
     uint64_t n = 0;
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++, n++) {
-            const FilmPixel *pixel = film_pixel(film, x, y);
-            double spread = film_spread(pixel);
-            if (spread < 0) return -1;
-            sum += relative(spread / sqrt(pixel->n), luminance_around(film, crop, x, y));
+    Evenness evenness;
+    Error unused;
+    if (evenness_init(&evenness, film, crop, &unused) != STATUS_OK) return -1; /* the picture is not to suffer */
+    for (uint32_t y = crop[1]; y < crop[3] && sum >= 0; y++)
+        for (uint32_t x = crop[0]; x < crop[2] && sum >= 0; x++, n++) {
+            uint32_t samples = film_pixel(film, x, y)->n;
+            double error = samples < 2 ? -1 : pixel_error(film, &evenness, x, y) / sqrt(samples);
+            sum = error < 0 ? -1 : sum + relative(error, luminance_around(film, crop, x, y));
         }
-    return n ? sum / (double)n : -1;
+    evenness_clear(&evenness);
+    return n && sum >= 0 ? sum / (double)n : -1;
 }
 
 Status adapt_init(Adapt *adapt, const uint32_t crop[4], Error *error)
@@ -71,38 +84,6 @@ void adapt_clear(Adapt *adapt)
     *adapt = (Adapt){0};
 }
 
-/* Sums over the n values, `stride` apart, from `radius` before each to `radius` behind it; those beyond the ends are none. */
-static void sum_along(const float *from, uint32_t n, size_t stride, uint32_t radius, float *to)
-{
-    double sum = 0;
-    for (uint32_t i = 0; i < radius && i < n; i++) sum += (double)from[i * stride];
-    for (uint32_t i = 0; i < n; i++) {
-        if (i + radius < n) sum += (double)from[(i + radius) * stride];
-        to[i * stride] = (float)sum;
-        if (i >= radius) sum -= (double)from[(i - radius) * stride];
-    }
-}
-
-static uint32_t count_along(uint32_t i, uint32_t n, uint32_t radius)
-{
-    uint32_t first = i > radius ? i - radius : 0, last = i + radius < n ? i + radius : n - 1;
-    return last - first + 1;
-}
-
-/* The mean of the square around each pixel, without the pixel itself; what is beyond the border is none. */
-static void mean_around(const float *map, uint32_t width, uint32_t height, uint32_t radius, float *scratch, float *mean)
-{
-    for (uint32_t y = 0; y < height; y++)
-        sum_along(map + (size_t)y * width, width, 1, radius, scratch + (size_t)y * width);
-    for (uint32_t x = 0; x < width; x++) sum_along(scratch + x, height, width, radius, mean + x);
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++) {
-            size_t i = (size_t)y * width + x;
-            uint32_t n = count_along(x, width, radius) * count_along(y, height, radius) - 1;
-            mean[i] = n ? fmaxf(mean[i] - map[i], 0) / (float)n : map[i];
-        }
-}
-
 /* The first of 2, 3, 4, 6, 8, 12, ... that is below neither. */
 static uint32_t next_step(uint32_t n, double least)
 {
@@ -112,20 +93,23 @@ static uint32_t next_step(uint32_t n, double least)
 }
 
 /* What every pixel's neighbours say of it. */
-static void make_maps(Adapt *adapt, const Film *film)
+static Status make_maps(Adapt *adapt, const Film *film, Error *error)
 {
+    Evenness evenness;
+    TRY(evenness_init(&evenness, film, adapt->crop, error));
     uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
     float **maps = adapt->maps, *scratch = maps[ADAPT_SCRATCH], *luminance = maps[ADAPT_FAR_ERROR];
     size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
             const FilmPixel *pixel = film_pixel(film, x, y);
-            double mean, error;
-            film_luminance(pixel, &mean, &error);
+            double mean, of_samples;
+            film_luminance(pixel, &mean, &of_samples);
             luminance[i] = (float)mean;
-            maps[ADAPT_DEVIATION][i] = (float)(error * sqrt(pixel->n));
-            maps[ADAPT_ERROR][i] = (float)film_spread(pixel);
+            maps[ADAPT_DEVIATION][i] = (float)(of_samples * sqrt(pixel->n));
+            maps[ADAPT_ERROR][i] = (float)pixel_error(film, &evenness, x, y);
         }
+    evenness_clear(&evenness);
     mean_around(luminance, width, height, NEXT, scratch, maps[ADAPT_LUMINANCE]);
     mean_around(maps[ADAPT_ERROR], width, height, FAR, scratch, maps[ADAPT_FAR_ERROR]);
     mean_around(maps[ADAPT_DEVIATION], width, height, FAR, scratch, maps[ADAPT_ERROR]);
@@ -136,19 +120,21 @@ static void make_maps(Adapt *adapt, const Film *film)
     mean_around(maps[ADAPT_DEVIATION], width, height, NEAR, scratch, maps[ADAPT_NEAR]);
     mean_around(maps[ADAPT_DEVIATION], width, height, WIDE, scratch, maps[ADAPT_ERROR]);
     for (size_t j = 0; j < i; j++)
-        maps[ADAPT_ERROR][j] = fmaxf(maps[ADAPT_NEAR][j], maps[ADAPT_ERROR][j]) * maps[ADAPT_FAR_ERROR][j];
+        maps[ADAPT_ERROR][j] =
+            fmaxf(maps[ADAPT_NEAR][j], maps[ADAPT_ERROR][j]) * fmaxf(maps[ADAPT_FAR_ERROR][j], 0); /* of rounded sums */
+    return STATUS_OK;
 }
 
-AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most)
+Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, AdaptPlan *result, Error *error)
 {
     AdaptPlan plan = {0};
-    make_maps(adapt, film);
+    TRY(make_maps(adapt, film, error));
     size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
             uint32_t n = film_pixel(film, x, y)->n;
-            double error = (double)adapt->maps[ADAPT_ERROR][i], luminance = (double)adapt->maps[ADAPT_LUMINANCE][i];
-            double enough = pow(relative(error, luminance) / noise, 2);
+            double one = (double)adapt->maps[ADAPT_ERROR][i], luminance = (double)adapt->maps[ADAPT_LUMINANCE][i];
+            double enough = pow(relative(one, luminance) / noise, 2);
             adapt->wanted[i] = n;
             plan.unmet += n >= most && enough > n;
             if (n >= most) continue;
@@ -160,5 +146,6 @@ AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most
             plan.left += (last < most ? last : most) - n;
             if (adapt->wanted[i] - n > plan.next) plan.next = adapt->wanted[i] - n;
         }
-    return plan;
+    *result = plan;
+    return STATUS_OK;
 }

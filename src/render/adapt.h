@@ -13,7 +13,8 @@
 
 #include "render/film.h"
 
-/* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples. */
+/* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples,
+ * or memory ends. */
 double adapt_noise(const Film *film, const uint32_t crop[4]);
 
 /* Maps: the deviation of a pixel's samples; its error for one sample, as first its halves and at last its neighbours say it;
@@ -37,7 +38,9 @@ typedef struct AdaptPlan {
 ATTR_NODISCARD Status adapt_init(Adapt *adapt, const uint32_t crop[4], Error *error);
 void adapt_clear(Adapt *adapt);
 /* Judges all pixels, which have 2 samples or more, and sets what each wants next: at most twice what it has, at most
- * `most`, and in steps such that the samples of a pixel fill its strata, 2^k or 3 * 2^k of them. A function of the film alone. */
-AdaptPlan adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most);
+ * `most`, and in steps such that the samples of a pixel fill its strata, 2^k or 3 * 2^k of them. A function of the film alone.
+ * STATUS_NOMEM. */
+ATTR_NODISCARD Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, AdaptPlan *plan,
+                                 Error *error);
 
 #endif

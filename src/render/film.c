@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "render/evenness.h"
+
 #define SQUARE_UNIT 0x1p-20
 #define LARGEST_SQUARE 0x1p28
 
@@ -33,6 +35,14 @@ static double luminance(const double rgb[3])
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
+/* Before sample 2^(k+1): the halves of the samples so far are complete. */
+static void climb_ladder(FilmPixel *pixel)
+{
+    for (int i = FILM_LADDER - 1; i > 0; i--) pixel->ladder[i] = pixel->ladder[i - 1];
+    float difference = fabsf((float)(2 * pixel->first - pixel->luminance));
+    pixel->ladder[0] = sqrtf((float)FILM_UNIT * 2 * difference / (float)pixel->n);
+}
+
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha)
 {
     FilmPixel *pixel = &film->pixels[(size_t)y * film->width + x];
@@ -43,7 +53,10 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
         pixel->rgb[i] += llrint(value[i] / FILM_UNIT);
     }
     double y_value = luminance(value);
-    if ((pixel->n & (pixel->n - 1)) == 0) pixel->first = pixel->luminance;
+    if ((pixel->n & (pixel->n - 1)) == 0) {
+        if (pixel->n > 1) climb_ladder(pixel);
+        pixel->first = pixel->luminance;
+    }
     pixel->luminance += llrint(y_value / FILM_UNIT);
     bool square_held = false; /* only the estimate of the noise suffers */
     pixel->squares += llrint(held(y_value * y_value, LARGEST_SQUARE, &square_held) / SQUARE_UNIT);
@@ -64,14 +77,27 @@ void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error
     *standard_error = sqrt(fmax(variance, 0) / n);
 }
 
+uint32_t film_first_part(uint32_t n)
+{
+    uint32_t first = 1;
+    while (first < n - first) first *= 2;
+    return first;
+}
+
 double film_spread(const FilmPixel *pixel)
 {
     if (pixel->n < 2) return -1;
-    uint32_t n_first = 1;
-    while (n_first < pixel->n - n_first) n_first *= 2;
+    uint32_t n_first = film_first_part(pixel->n);
     double n = pixel->n, n_rest = n - n_first, first = (double)pixel->first,
            rest = (double)(pixel->luminance - pixel->first);
     return fabs(first / n_first - rest / n_rest) * FILM_UNIT / sqrt(1 / (double)n_first + 1 / n_rest);
+}
+
+void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
+{
+    FilmPixel now = *pixel;
+    if (now.n > 1 && (now.n & (now.n - 1)) == 0) climb_ladder(&now);
+    for (int i = 0; i < FILM_LADDER; i++) ladder[i] = now.ladder[i];
 }
 
 /* Squares of what the pixels' samples say of their error, and of what their halves say, each for one sample. */
@@ -79,21 +105,28 @@ typedef struct Spread {
     float samples, halves;
 } Spread;
 
-static Spread *spreads_of(const Film *film)
+static Spread *spreads_of(const Film *film, Error *error)
 {
     size_t n = (size_t)film->width * film->height;
+    Evenness evenness;
+    if (evenness_init(&evenness, film, (uint32_t[4]){0, 0, film->width, film->height}, error) != STATUS_OK) return NULL;
     Spread *spreads = calloc(n, sizeof *spreads);
+    if (!spreads) (void)fail_memory(error, n * sizeof *spreads, "the errors of pixels");
     for (size_t i = 0; spreads && i < n; i++) {
-        double mean, error, halves = film_spread(&film->pixels[i]);
-        film_luminance(&film->pixels[i], &mean, &error);
-        if (error > 0) spreads[i] = (Spread){(float)(error * error * film->pixels[i].n), (float)(halves * halves)};
+        double mean, of_samples, halves = film_spread(&film->pixels[i]);
+        film_luminance(&film->pixels[i], &mean, &of_samples);
+        if (!(of_samples > 0)) continue;
+        uint32_t samples = film->pixels[i].n;
+        halves *= evenness_of_square(&evenness, (uint32_t)(i % film->width), (uint32_t)(i / film->width), samples);
+        spreads[i] = (Spread){(float)(of_samples * of_samples * samples), (float)(halves * halves)};
     }
+    evenness_clear(&evenness);
     return spreads;
 }
 
-/* The samples of a pixel are spread evenly, so that their mean is better than their variance says; how much, the halves of
- * the pixels around know, whose own errors are as even. Returns the factor of the standard error. */
-static double evenness(const Spread *spreads, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+/* The samples of a pixel are spread evenly, so that their mean is better than their variance says; how much, the pixels
+ * around know. Returns the factor of the standard error. */
+static double evenness_around(const Spread *spreads, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
 {
     enum { RADIUS = 3 };
     double samples = 0, halves = 0;
@@ -108,9 +141,8 @@ static double evenness(const Spread *spreads, uint32_t width, uint32_t height, u
 Status film_resolve(const Film *film, Image *image, Error *error)
 {
     static const char *const names[] = {"R", "G", "B", "A", "noise.Y"};
-    Spread *spreads = spreads_of(film);
-    if (!spreads)
-        return fail_memory(error, (size_t)film->width * film->height * sizeof *spreads, "the errors of pixels");
+    Spread *spreads = spreads_of(film, error);
+    if (!spreads) return STATUS_NOMEM;
     Status status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
     for (uint32_t y = 0; status == STATUS_OK && y < film->height; y++)
         for (uint32_t x = 0; x < film->width; x++) {
@@ -120,7 +152,7 @@ Status film_resolve(const Film *film, Image *image, Error *error)
             for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
             out[3] = (float)(pixel->alpha * scale);
             film_luminance(pixel, &mean, &standard_error);
-            if (standard_error > 0) standard_error *= evenness(spreads, film->width, film->height, x, y);
+            if (standard_error > 0) standard_error *= evenness_around(spreads, film->width, film->height, x, y);
             out[4] = (float)fmax(standard_error, 0);
         }
     free(spreads);

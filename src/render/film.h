@@ -11,6 +11,8 @@
 /* A channel of one sample is held at this: 2^17 samples of it still fit. */
 #define FILM_LARGEST 0x1p16
 
+enum { FILM_LADDER = 4 };
+
 typedef struct FilmPixel {
     int64_t rgb[3];
     int64_t squares; /* of the luminance, in units of 2^-20, each held at FILM_LARGEST^2 / 2^4 */
@@ -18,6 +20,9 @@ typedef struct FilmPixel {
     int64_t first;  /* luminance of the first 2^k samples, the largest power of two below n */
     uint32_t alpha; /* samples that met something */
     uint32_t n;
+    /* Roots of |differences| of the sums of the first 2^k samples and of the next 2^k, over 2^k: for the largest 2^k of which
+     * both are in `first`, and for smaller ones. */
+    float ladder[FILM_LADDER];
 } FilmPixel;
 
 typedef struct Film {
@@ -38,9 +43,14 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
  * than 2. */
 void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error);
 /* What the means of a pixel's first samples and of its others, two pictures of one thing, say of the error: |difference|,
- * scaled so that over the square root of the number of samples it stands for the absolute error of a mean over them. It is
- * right in the mean over pixels, not for one; < 0 with fewer than 2 samples. */
+ * scaled so that over the square root of the number of samples it stands for the absolute error of a mean over them, if they
+ * were independent; see evenness.h. It is right in the mean over pixels, not for one; < 0 with fewer than 2 samples. */
 double film_spread(const FilmPixel *pixel);
+/* How many of n samples, n > 1, are its first part: the largest power of two below n. */
+uint32_t film_first_part(uint32_t n);
+/* Roots of |differences| of the means of the first 2^k samples and of the next 2^k, for the largest 2^k of which there are
+ * both, and for smaller ones; 0 with too few samples. */
+void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER]);
 /* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are. */
 ATTR_NODISCARD Status film_resolve(const Film *film, Image *image, Error *error);
 

@@ -186,7 +186,7 @@ static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Er
     job->adapted_from = (double)job->samples;
     job->wanted = adapt->wanted;
     while (!*stopped) {
-        job->plan = adapt_plan(adapt, &job->film, job->settings->noise, job->settings->samples);
+        TRY(adapt_plan(adapt, &job->film, job->settings->noise, job->settings->samples, &job->plan, error));
         job->planned_at_samples = (double)job->samples;
         job->noise = adapt_noise(&job->film, job->crop);
         uint32_t left = job->plan.next;

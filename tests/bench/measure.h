@@ -49,6 +49,7 @@ void bench_limit(char **paths, int n);
 void bench_paths(char **paths, int n);
 void bench_noise(char **paths, int n);
 void bench_techniques(char **paths, int n);
+void bench_stated(char **paths, int n);
 void bench_threads(char **paths, int n);
 void bench_nesting(void);
 void bench_rays(void);

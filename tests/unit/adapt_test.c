@@ -30,7 +30,8 @@ static AdaptPlan plan_of(const Film *film, double noise, uint32_t most, uint32_t
     Error error;
     Adapt adapt;
     assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
-    AdaptPlan plan = adapt_plan(&adapt, film, noise, most);
+    AdaptPlan plan;
+    assert_int_equal(adapt_plan(&adapt, film, noise, most, &plan, &error), STATUS_OK);
     memcpy(wanted, adapt.wanted, SIDE * SIDE * sizeof *wanted);
     adapt_clear(&adapt);
     return plan;

@@ -1,0 +1,39 @@
+/* evenness.h - how the error of a pixel follows from the differences among its samples, which are spread evenly.
+ *
+ * The mean of evenly spread samples is better than that of independent ones. How much, no two halves of them say: what the
+ * halves of a net differ by is just what their mean is rid of. But the pieces of 1, 2, 4, ... samples of a sequence form a
+ * ladder: with V_k the variance of the mean of 2^k samples, and D_k the mean square of the difference of two such means that
+ * follow each other,
+ *     V_(k+1) = V_k - D_k / 4,   so that   V_k = (D_k + D_(k+1) + D_(k+2) + ...) / 4,
+ * exactly. The first D are seen; the others are foretold: they fall on as they fell. D_k ~ r^k has r = 1/2 for independent
+ * samples, and down to 1/8 for smooth functions of few dimensions. Where fast parts have died away and slow ones are left, the
+ * true sum is larger than that of one power law, and it is at most that of a mixture of the two extremes; what is taken lies
+ * between.
+ *
+ * Of one pixel all this is mere noise; it is asked of its neighbours, by the roots of |differences|, which a firefly sways
+ * less, and not of itself (see adapt.h). Where differences fall slower than by chance, few samples bring most of the light.
+ * Then the error of those that lack them counts, too: a mean error is up to twice what the halves say.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_EVENNESS_H
+#define MEN_EVENNESS_H
+
+#include "render/film.h"
+
+typedef struct Evenness {
+    uint32_t area[4];
+    /* For each pixel of the area, by rows: base-2 logarithm of the factor by which |differences| around it change with twice
+     * as many samples; of independent ones -1/2. */
+    float *slope;
+} Evenness;
+
+/* For the pixels from x0, y0 up to but without x1, y1. STATUS_NOMEM. */
+ATTR_NODISCARD Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Error *error);
+void evenness_clear(Evenness *evenness);
+/* What film_spread is to be multiplied by, of n samples, n > 1: for mean errors, and for mean squares, whose root it is, and
+ * which few bright samples do not make too small. x, y: within the area. */
+double evenness_of_error(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n);
+double evenness_of_square(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n);
+/* The same of a slope alone, up to -1/2. */
+double evenness_factor(double slope, uint32_t n);
+
+#endif
