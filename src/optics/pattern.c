@@ -1,26 +1,12 @@
 /* pattern.c - numbers from 0 to 1 that depend on the place.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "optics/pattern.h"
+#include "optics/pattern_areas.h"
 
 #include <stdlib.h>
 
 #include "base/hash.h"
 
 static const double pi = 3.14159265358979323846;
-
-static double clamp_unit(double x)
-{
-    return x < 0 ? 0 : x > 1 ? 1 : x;
-}
-static double fraction(double x)
-{
-    return x - floor(x);
-}
-static double smooth_step(double t)
-{
-    t = clamp_unit(t);
-    return t * t * (3 - 2 * t);
-}
 
 double pattern_wave(PatternWave wave, double x)
 {
@@ -35,51 +21,14 @@ double pattern_wave(PatternWave wave, double x)
     return t;
 }
 
-/* ---- cells ---- */
-
-static double checker(Vec3 p)
-{
-    return fmod(floor(p.x) + floor(p.y) + floor(p.z), 2) != 0 ? 1 : 0;
-}
-
-/* How far into a brick along one axis, from 0 at the mortar's edge; the mortar lies half on either side of whole numbers
- * of `size`. */
-static double depth_in_brick(double x, double size, double mortar)
-{
-    double in_cell = size * fraction(x / size);
-    return fmin(in_cell, size - in_cell) - 0.5 * mortar;
-}
-
-static double brick(const Pattern *pattern, const PatternPlace *place)
-{
-    /* A joint that runs along the surface is not seen as one: the surface is the bricks' face. */
-    const double along = 0.9;
-    Vec3 p = place->p, size = pattern->size;
-    double course = floor(p.y / size.y), shift = pattern->bond * course * size.x;
-    double depth = HUGE_VAL;
-    if (fabs(place->normal.y) < along) depth = fmin(depth, depth_in_brick(p.y, size.y, pattern->mortar));
-    if (fabs(place->normal.x) < along) depth = fmin(depth, depth_in_brick(p.x - shift, size.x, pattern->mortar));
-    if (fabs(place->normal.z) < along) depth = fmin(depth, depth_in_brick(p.z, size.z, pattern->mortar));
-    if (!(depth > 0)) return 0;
-    return depth < pattern->bevel ? smooth_step(depth / pattern->bevel) : 1;
-}
-
-/* Hexagons in axial coordinates (q, r), rounded to the nearest; neighbours differ in (q - r) modulo 3. */
-static double hexagon(Vec3 p)
-{
-    double q = 2.0 / 3 * p.x, r = p.z / sqrt(3.0) - p.x / 3, s = -q - r;
-    double whole_q = floor(q + 0.5), whole_r = floor(r + 0.5), whole_s = floor(s + 0.5);
-    double off_q = fabs(whole_q - q), off_r = fabs(whole_r - r), off_s = fabs(whole_s - s);
-    if (off_q > off_r && off_q > off_s)
-        whole_q = -whole_r - whole_s;
-    else if (off_r > off_s)
-        whole_r = -whole_q - whole_s;
-    double colour = fmod(whole_q - whole_r, 3);
-    return (colour < 0 ? colour + 3 : colour) / 2;
-}
+typedef struct FoundCells {
+    double nearest, second; /* squares of distances */
+    Vec3 nearest_point, second_point;
+    uint64_t cell, second_cell;
+} FoundCells;
 
 /* Looks at the point of one cell. */
-static void consider_cell(Vec3 p, const double cell[3], uint64_t seed, double *nearest, double *second, uint64_t *hash)
+static void consider_cell(Vec3 p, const double cell[3], uint64_t seed, FoundCells *found)
 {
     uint64_t h = hash_u64(seed);
     for (int i = 0; i < 3; i++) h = hash_u64(h ^ (uint64_t)(int64_t)cell[i]);
@@ -88,12 +37,17 @@ static void consider_cell(Vec3 p, const double cell[3], uint64_t seed, double *n
                       cell[2] + unit * (double)(h >> 42 & 0x1fffff));
     Vec3 apart = vec3_sub(point, p);
     double square = vec3_dot(apart, apart);
-    if (square < *nearest) {
-        *second = *nearest;
-        *nearest = square;
-        *hash = h;
-    } else if (square < *second) {
-        *second = square;
+    if (square < found->nearest) {
+        found->second = found->nearest;
+        found->second_point = found->nearest_point;
+        found->second_cell = found->cell;
+        found->nearest = square;
+        found->nearest_point = point;
+        found->cell = h;
+    } else if (square < found->second) {
+        found->second = square;
+        found->second_point = point;
+        found->second_cell = h;
     }
 }
 
@@ -101,8 +55,7 @@ PatternCells pattern_cells(Vec3 p, uint64_t seed)
 {
     const double at[3] = {floor(p.x), floor(p.y), floor(p.z)};
     const double in[3] = {p.x - at[0], p.y - at[1], p.z - at[2]};
-    double nearest = HUGE_VAL, second = HUGE_VAL;
-    uint64_t hash = 0;
+    FoundCells found = {.nearest = HUGE_VAL, .second = HUGE_VAL};
     /* The cells around the point's own; then, if what was found is not surely nearer, those around these. */
     for (int reach = 1; reach <= 2; reach++) {
         for (int x = -reach; x <= reach; x++)
@@ -115,27 +68,62 @@ PatternCells pattern_cells(Vec3 p, uint64_t seed)
                         double away = step[i] > 0 ? step[i] - in[i] : step[i] < 0 ? in[i] - (step[i] + 1) : 0;
                         square += away * away;
                     }
-                    if (square < second) consider_cell(p, cell, seed, &nearest, &second, &hash);
+                    if (square < found.second) consider_cell(p, cell, seed, &found);
                 }
         double rim = 1;
         for (int i = 0; i < 3; i++) rim = fmin(rim, 1 + fmin(in[i], 1 - in[i]));
-        if (second <= rim * rim) break;
+        if (found.second <= rim * rim) break;
     }
-    return (PatternCells){sqrt(nearest), sqrt(second), hash_u64(hash)};
+    double apart = vec3_length(vec3_sub(found.nearest_point, found.second_point));
+    double border = apart > 0 ? 0.5 * (found.second - found.nearest) / apart : 0;
+    return (PatternCells){sqrt(found.nearest), sqrt(found.second), border, hash_u64(found.cell),
+                          hash_u64(found.second_cell)};
 }
 
-static double crackle(const Pattern *pattern, Vec3 p)
+static double seen(double frequency, double footprint);
+
+/* The part of a box of that width that is on this side of an edge. */
+static double beside(double distance, double width)
 {
-    PatternCells cells = pattern_cells(p, pattern->seed);
-    if (pattern->value == CRACKLE_CELL) return hash_to_unit(cells.cell);
-    return clamp_unit(pattern->value == CRACKLE_BORDER ? cells.second - cells.nearest : cells.nearest);
+    return width > 1e-9 ? clamp_unit(0.5 + distance / width) : distance > 0 ? 1 : 0;
 }
 
-static double spots(const Pattern *pattern, Vec3 p)
+static void crackle(const Pattern *pattern, const PatternPlace *place, PatternParts *parts)
 {
-    double inside = pattern->radius - pattern_cells(p, pattern->seed).nearest;
-    if (!(pattern->blur > 0)) return inside > 0 ? 1 : 0;
-    return smooth_step(0.5 + inside / pattern->blur);
+    /* the means of both distances, measured */
+    const double mean_border = 0.1968, mean_distance = 0.5204;
+    PatternCells cells = pattern_cells(place->p, pattern->seed);
+    double near = seen(1, place->footprint);
+    if (pattern->value == CRACKLE_CELL) {
+        double here = beside(cells.border, place->footprint);
+        add_part(parts, hash_to_unit(cells.cell), near * here);
+        add_part(parts, hash_to_unit(cells.second_cell), near * (1 - here));
+        for (int i = 0; i < 4; i++) add_part(parts, (i + 0.5) / 4, (1 - near) / 4);
+    } else if (pattern->value == CRACKLE_BORDER) {
+        one_part(parts, near * clamp_unit(cells.second - cells.nearest) + (1 - near) * mean_border);
+    } else {
+        one_part(parts, near * clamp_unit(cells.nearest) + (1 - near) * mean_distance);
+    }
+}
+
+/* The part of space within a distance of a point, measured at each eighth. */
+static double spots_cover(double radius)
+{
+    static const double covers[] = {0, 0.0082, 0.0641, 0.2091, 0.4477, 0.7158, 0.9078, 0.9852, 0.9992, 1, 1};
+    double at = fmin(8 * radius, 9);
+    int i = (int)at;
+    return covers[i] + (covers[i + 1] - covers[i]) * (at - i);
+}
+
+static void spots(const Pattern *pattern, const PatternPlace *place, PatternParts *parts)
+{
+    double inside = pattern->radius - pattern_cells(place->p, pattern->seed).nearest, width = place->footprint;
+    double near = clamp_unit(2 - width / fmax(fmin(pattern->radius, 0.5), 1e-9));
+    double all = (1 - near) * spots_cover(pattern->radius);
+    if (!(pattern->blur > 0))
+        two_parts(parts, near * beside(inside, width) + all);
+    else
+        one_part(parts, near * smooth_step(0.5 + inside / hypot(pattern->blur, width)) + all);
 }
 
 /* ---- noise ---- */
@@ -202,22 +190,102 @@ Vec3 pattern_turbulence(Vec3 p, unsigned octaves, double footprint, uint64_t see
     return sum;
 }
 
+/* ---- waves over a width ---- */
+
+static double wave_integral(PatternWave wave, double x)
+{
+    double t = fraction(x), whole = floor(x);
+    switch (wave) {
+    case WAVE_RAMP: break;
+    case WAVE_TRIANGLE: return 0.5 * whole + (t < 0.5 ? t * t : 0.5 - (1 - t) * (1 - t));
+    case WAVE_SINE: return 0.5 * whole + 0.5 * t - sin(2 * pi * t) / (4 * pi);
+    case WAVE_SCALLOP: return (2 * whole + 1 - cos(pi * t)) / pi;
+    case WAVE_ONCE: return x < 0 ? 0 : x < 1 ? 0.5 * x * x : x - 0.5;
+    }
+    return 0.5 * (whole + t * t);
+}
+
 /* One year's ring: it darkens slowly in summer, and ends at once. */
+static const double summer = 0.85;
+
 static double ring(double distance)
 {
-    const double summer = 0.85;
     double t = fraction(distance);
     return t < summer ? smooth_step(t / summer) : 1 - smooth_step((t - summer) / (1 - summer));
 }
 
-static double wood(const Pattern *pattern, const PatternPlace *place)
+static double ring_integral(double distance)
+{
+    double t = fraction(distance), rest = 1 - summer;
+    double up = summer * rise_integral(fmin(t / summer, 1), 1), past = fmax(t - summer, 0);
+    return 0.5 * floor(distance) + up + past - rest * rise_integral(past / rest, 1);
+}
+
+/* What has a value at x and an integral. */
+typedef struct Wave {
+    const Pattern *pattern; /* GRADIENT; NULL: rings */
+    double more;            /* is added to each value */
+} Wave;
+
+static double wave_mean(const Wave *wave, double x, double width)
+{
+    double value;
+    if (!is_extended(width, x)) {
+        value = wave->pattern ? pattern_wave(wave->pattern->wave, x) : ring(x);
+    } else {
+        double low = x - 0.5 * width, high = x + 0.5 * width;
+        value = wave->pattern ? wave_integral(wave->pattern->wave, high) - wave_integral(wave->pattern->wave, low)
+                              : ring_integral(high) - ring_integral(low);
+        value /= width;
+    }
+    return clamp_unit(value + wave->more);
+}
+
+/* In several parts, where colours that values stand for may change within the width. */
+static void wave_parts(const Wave *wave, double x, double width, PatternParts *parts)
+{
+    const double least = 0.02;
+    int n = width > least ? PATTERN_MOST_PARTS : 1;
+    for (int i = 0; i < n; i++) add_part(parts, wave_mean(wave, x + width * ((i + 0.5) / n - 0.5), width / n), 1.0 / n);
+}
+
+/* How fast a distance from the origin, or from an axis, changes along the footprint. */
+static double width_outward(const PatternPlace *place, Vec3 from_origin, double length)
+{
+    return length > 0 ? width_along(place, vec3_scale(from_origin, 1 / length)) : place->footprint;
+}
+
+static void wood(const Pattern *pattern, const PatternPlace *place, PatternParts *parts)
 {
     Vec3 p = place->p;
-    double rings = ring(sqrt(p.x * p.x + p.y * p.y));
-    double part = pattern->grain * seen(24, place->footprint);
-    if (!(part > 0)) return rings;
-    double fibre = noise_gradient(vec3(p.x * 24, p.y * 24, p.z * 0.7), pattern->seed);
-    return clamp_unit(rings + part * fibre / noise_rms * 0.5);
+    double distance = sqrt(p.x * p.x + p.y * p.y), part = pattern->grain * seen(24, place->footprint);
+    Wave wave = {.more = 0};
+    if (part > 0)
+        wave.more = part * noise_gradient(vec3(p.x * 24, p.y * 24, p.z * 0.7), pattern->seed) / noise_rms * 0.5;
+    wave_parts(&wave, distance, width_outward(place, vec3(p.x, p.y, 0), distance), parts);
+}
+
+static void gradient(const Pattern *pattern, const PatternPlace *place, PatternParts *parts)
+{
+    Vec3 p = place->p, aside = vec3(p.x, 0, p.z);
+    double along = p.x, width = width_along(place, vec3(1, 0, 0)), radius = vec3_length(aside);
+    switch (pattern->shape) {
+    case GRADIENT_LINEAR: break;
+    case GRADIENT_RADIAL:
+        along = radius > 0 ? fraction(atan2(-p.z, p.x) / (2 * pi)) : 0;
+        width = radius > 0 ? fmin(width_along(place, vec3(-p.z / radius, 0, p.x / radius)) / (2 * pi * radius), 1) : 0;
+        break;
+    case GRADIENT_SPHERICAL:
+        along = vec3_length(p);
+        width = width_outward(place, p, along);
+        break;
+    case GRADIENT_CYLINDRICAL:
+        along = radius;
+        width = width_outward(place, aside, radius);
+        break;
+    }
+    wave_parts(&(Wave){.pattern = pattern}, along * pattern->frequency + pattern->phase,
+               width * fabs(pattern->frequency), parts);
 }
 
 static double granite(const Pattern *pattern, const PatternPlace *place)
@@ -238,36 +306,35 @@ static double agate(const Pattern *pattern, const PatternPlace *place)
     for (unsigned i = 0; i < 5; i++, weight *= 0.5, frequency *= 2)
         twist +=
             weight * seen(frequency, place->footprint) * noise_gradient(octave_point(p, frequency, i), pattern->seed);
-    return pow(pattern_wave(WAVE_SINE, 1.1 * p.z + 1.3 * twist), 0.77);
+    const double mean = 0.5512; /* of such a wave */
+    double part = seen(1.1, width_along(place, vec3(0, 0, 1)));
+    return part * pow(pattern_wave(WAVE_SINE, 1.1 * p.z + 1.3 * twist), 0.77) + (1 - part) * mean;
 }
 
-static double gradient(const Pattern *pattern, Vec3 p)
-{
-    double along = p.x;
-    switch (pattern->shape) {
-    case GRADIENT_LINEAR: break;
-    case GRADIENT_RADIAL: along = p.x == 0 && p.z == 0 ? 0 : fraction(atan2(-p.z, p.x) / (2 * pi)); break;
-    case GRADIENT_SPHERICAL: along = vec3_length(p); break;
-    case GRADIENT_CYLINDRICAL: along = sqrt(p.x * p.x + p.z * p.z); break;
-    }
-    return pattern_wave(pattern->wave, along * pattern->frequency + pattern->phase);
-}
-
-double pattern_at(const Pattern *pattern, const PatternPlace *given)
+void pattern_parts(const Pattern *pattern, const PatternPlace *given, PatternParts *parts)
 {
     PatternPlace place = *given;
     if (!is_usable(place.p)) place.p = vec3(0, 0, 0);
+    parts->n = 0;
     switch (pattern->kind) {
-    case PATTERN_CHECKER: return checker(place.p);
-    case PATTERN_BRICK: return brick(pattern, &place);
-    case PATTERN_HEXAGON: return hexagon(place.p);
-    case PATTERN_GRADIENT: return gradient(pattern, place.p);
-    case PATTERN_NOISE: return noise(pattern, &place);
-    case PATTERN_WOOD: return wood(pattern, &place);
-    case PATTERN_GRANITE: return granite(pattern, &place);
-    case PATTERN_CRACKLE: return crackle(pattern, place.p);
-    case PATTERN_SPOTS: return spots(pattern, place.p);
-    case PATTERN_AGATE: return agate(pattern, &place);
+    case PATTERN_CHECKER: pattern_checker(&place, parts); break;
+    case PATTERN_BRICK: pattern_brick(pattern, &place, parts); break;
+    case PATTERN_HEXAGON: pattern_hexagon(&place, parts); break;
+    case PATTERN_GRADIENT: gradient(pattern, &place, parts); break;
+    case PATTERN_NOISE: one_part(parts, noise(pattern, &place)); break;
+    case PATTERN_WOOD: wood(pattern, &place, parts); break;
+    case PATTERN_GRANITE: one_part(parts, granite(pattern, &place)); break;
+    case PATTERN_CRACKLE: crackle(pattern, &place, parts); break;
+    case PATTERN_SPOTS: spots(pattern, &place, parts); break;
+    case PATTERN_AGATE: one_part(parts, agate(pattern, &place)); break;
     }
-    return 0;
+}
+
+double pattern_at(const Pattern *pattern, const PatternPlace *place)
+{
+    PatternParts parts;
+    pattern_parts(pattern, place, &parts);
+    double sum = 0;
+    for (int i = 0; i < parts.n; i++) sum += parts.part[i] * parts.value[i];
+    return clamp_unit(sum);
 }

@@ -72,11 +72,20 @@ typedef struct Pattern {
 /* A place, in the pattern's own coordinates. */
 typedef struct PatternPlace {
     Vec3 p;
-    Vec3 normal;      /* of the surface, unit; zero: none. The mortar of a brick wall runs across the surface only */
-    double footprint; /* what is smaller than this need not be resolved: octaves of noise are left out */
+    Vec3 normal; /* of the surface, unit; zero: none. The mortar of a brick wall runs across the surface only */
+    double
+        footprint; /* what is smaller than this need not be resolved: a box of this width on the surface is averaged over */
 } PatternPlace;
 
-/* 0..1. A point beyond NOISE_LARGEST_COORDINATE, or that is not finite, is taken as the origin. */
+/* Of a footprint, which part of it has which value, 0..1; the parts add up to 1. What is continuous within a small
+ * footprint is one part. A point beyond NOISE_LARGEST_COORDINATE, or that is not finite, is taken as the origin. */
+enum { PATTERN_MOST_PARTS = 8 };
+typedef struct PatternParts {
+    int n;
+    double value[PATTERN_MOST_PARTS], part[PATTERN_MOST_PARTS];
+} PatternParts;
+void pattern_parts(const Pattern *pattern, const PatternPlace *place, PatternParts *parts);
+/* Their mean. */
 double pattern_at(const Pattern *pattern, const PatternPlace *place);
 /* A wave of period 1; 0..1. */
 double pattern_wave(PatternWave wave, double x);
@@ -86,8 +95,9 @@ Vec3 pattern_turbulence(Vec3 p, unsigned octaves, double footprint, uint64_t see
 
 /* The points that crackle and spots are made of. */
 typedef struct PatternCells {
-    double nearest, second; /* distances */
-    uint64_t cell;          /* a hash of the nearest one's own */
+    double nearest, second;     /* distances */
+    double border;              /* distance to the plane between the two */
+    uint64_t cell, second_cell; /* hashes of their own */
 } PatternCells;
 PatternCells pattern_cells(Vec3 p, uint64_t seed);
 

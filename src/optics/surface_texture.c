@@ -43,14 +43,23 @@ static LocalPlace local_place(const Texture *texture, const TexturePlace *place)
     return local;
 }
 
-static double pattern_part(const Texture *texture, const TexturePlace *place)
+static void parts_of_pattern(const Texture *texture, const TexturePlace *place, PatternParts *parts)
 {
     LocalPlace local = local_place(texture, place);
     if (texture->turbulence != 0)
         local.p = vec3_along(local.p, texture->turbulence,
                              pattern_turbulence(local.p, texture->turbulence_octaves, local.footprint, ~texture->seed));
     PatternPlace at = {local.p, local.normal, local.footprint};
-    return pattern_at(&texture->pattern, &at);
+    pattern_parts(&texture->pattern, &at, parts);
+}
+
+static double pattern_part(const Texture *texture, const TexturePlace *place)
+{
+    PatternParts parts;
+    parts_of_pattern(texture, place, &parts);
+    double sum = 0;
+    for (int i = 0; i < parts.n; i++) sum += parts.part[i] * parts.value[i];
+    return sum;
 }
 
 /* ---- pictures ---- */
@@ -210,6 +219,16 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
     if (texture->image_is_value)
         return texture_image_channels(texture->image) == 3 ? picture_color(texture, place, wavelength_nm)
                                                            : lanes_all(texture_vector_at(texture, place).x);
+    if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
+        /* what the parts stand for is averaged, not they: between red and blue there is no green */
+        PatternParts parts;
+        parts_of_pattern(texture, place, &parts);
+        Lanes sum = lanes_all(0);
+        for (int i = 0; i < parts.n; i++)
+            sum = lanes_add(sum,
+                            lanes_scale(at_stops(texture, (float)parts.value[i], wavelength_nm), (float)parts.part[i]));
+        return sum;
+    }
     float part = part_of(textures, texture, place);
     if (texture->n_stops) return at_stops(texture, part, wavelength_nm);
     if (part <= 0) return texture_at(textures, texture->low, place, wavelength_nm);

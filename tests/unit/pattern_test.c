@@ -24,6 +24,11 @@ static double at(const Pattern *pattern, Vec3 p)
     return pattern_at(pattern, &place);
 }
 
+static Vec3 axis_of(int k)
+{
+    return vec3(k % 4 == 1, k % 4 == 2, k % 4 == 3); /* and none */
+}
+
 static const Pattern all[] = {
     {.kind = PATTERN_CHECKER},
     {.kind = PATTERN_BRICK, .size = {8, 3, 4.5}, .mortar = 0.5, .bond = 0.5},
@@ -244,6 +249,89 @@ static void footprints_smooth(void **state)
     }
 }
 
+/* The mean of a pattern at points all over a box of a width, along two directions. */
+static double sampled(const Pattern *pattern, const PatternPlace *place, Vec3 across, Vec3 up)
+{
+    enum { SIDE = 40 };
+    double sum = 0;
+    for (int i = 0; i < SIDE; i++)
+        for (int k = 0; k < SIDE; k++) {
+            PatternPlace point = {.p = place->p, .normal = place->normal};
+            point.p = vec3_along(point.p, ((i + 0.5) / SIDE - 0.5) * place->footprint, across);
+            point.p = vec3_along(point.p, ((k + 0.5) / SIDE - 0.5) * place->footprint, up);
+            sum += pattern_at(pattern, &point);
+        }
+    return sum / (SIDE * SIDE);
+}
+
+/* On a surface across an axis the integral over a footprint is the mean of points in it, for every width. */
+static void footprints_are_averaged(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        Pattern pattern;
+        int axis;     /* of the surface's normal */
+        double bound; /* of the root mean square difference */
+    } cases[] = {
+        {"checker", {.kind = PATTERN_CHECKER}, 1, 0.012},
+        {"brick", {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.1, .bond = 0.5}, 2, 0.012},
+        {"brick from above", {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.1, .bond = 0.5}, 1, 0.012},
+        {"bevelled brick", {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.05, .bevel = 0.1, .bond = 0.3}, 2, 0.02},
+        {"hexagon", {.kind = PATTERN_HEXAGON}, 1, 0.05},
+        {"ramp", {.kind = PATTERN_GRADIENT, .frequency = 1.3}, 1, 0.012},
+        {"triangle", {.kind = PATTERN_GRADIENT, .wave = WAVE_TRIANGLE, .frequency = 2}, 1, 0.01},
+        {"sine", {.kind = PATTERN_GRADIENT, .wave = WAVE_SINE, .frequency = 2, .phase = 0.3}, 2, 0.01},
+        {"scallop", {.kind = PATTERN_GRADIENT, .wave = WAVE_SCALLOP, .frequency = 1}, 1, 0.01},
+        {"once", {.kind = PATTERN_GRADIENT, .wave = WAVE_ONCE, .frequency = 0.2}, 1, 0.01},
+        {"rings", {.kind = PATTERN_GRADIENT, .shape = GRADIENT_CYLINDRICAL, .frequency = 1}, 1, 0.1},
+        {"wood", {.kind = PATTERN_WOOD}, 2, 0.1},
+        {"cells", {.kind = PATTERN_CRACKLE, .value = CRACKLE_CELL}, 1, 0.09},
+        {"spots", {.kind = PATTERN_SPOTS, .radius = 0.4}, 1, 0.11},
+    };
+    const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    enum { PLACES = 250 };
+    for (size_t c = 0; c < COUNT_OF(cases); c++) {
+        uint64_t dice = 50 + c;
+        double squares = 0, bias = 0;
+        for (int i = 0; i < PLACES; i++) {
+            double width = 0.02 * pow(200, unit(&dice)); /* 0.02 to 4 */
+            PatternPlace place = {.p = somewhere(&dice, 20), .normal = axes[cases[c].axis], .footprint = width};
+            double found = pattern_at(&cases[c].pattern, &place);
+            double wanted =
+                sampled(&cases[c].pattern, &place, axes[(cases[c].axis + 1) % 3], axes[(cases[c].axis + 2) % 3]);
+            squares += (found - wanted) * (found - wanted) / PLACES;
+            bias += (found - wanted) / PLACES;
+        }
+        printf("%-18s footprints of .02 to 4: off by %.4f, in the mean by %+.4f\n", cases[c].name, sqrt(squares), bias);
+        assert_true(sqrt(squares) < cases[c].bound);
+        assert_true(fabs(bias) < 0.02);
+    }
+}
+
+/* Of a footprint over an edge both values are told, not what is between them. */
+static void parts_of_a_footprint(void **state)
+{
+    (void)state;
+    uint64_t dice = 9;
+    for (size_t i = 0; i < COUNT_OF(all); i++)
+        for (int k = 0; k < 3000; k++) {
+            PatternParts parts;
+            PatternPlace place = {.p = somewhere(&dice, k % 3 ? 9 : 1e6), .normal = axis_of(k), .footprint = pow(10, 4 * unit(&dice) - 3)};
+            pattern_parts(&all[i], &place, &parts);
+            double sum = 0;
+            assert_true(parts.n >= 1 && parts.n <= PATTERN_MOST_PARTS);
+            for (int n = 0; n < parts.n; n++) {
+                assert_true(parts.value[n] >= 0 && parts.value[n] <= 1 && parts.part[n] > 0);
+                sum += parts.part[n];
+                bool hard = all[i].kind == PATTERN_CHECKER || (all[i].kind == PATTERN_BRICK && !(all[i].bevel > 0));
+                if (hard) assert_true(parts.value[n] == 0 || parts.value[n] == 1);
+                if (all[i].kind == PATTERN_HEXAGON) assert_near(2 * parts.value[n], round(2 * parts.value[n]), 0);
+            }
+            assert_near(sum, 1, 1e-9);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -253,7 +341,8 @@ int main(void)
         cmocka_unit_test(patterns_repeat),
         cmocka_unit_test(parts_are_as_they_should),
         cmocka_unit_test(cells_are_the_nearest),
-        cmocka_unit_test(footprints_smooth),
+        cmocka_unit_test(footprints_smooth), cmocka_unit_test(footprints_are_averaged),
+        cmocka_unit_test(parts_of_a_footprint),
     };
     return cmocka_run_group_tests_name("pattern", tests, NULL, NULL);
 }
