@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* A bijection of 32 bits with low bias (C. Wellons' hash prospector, constants of "lowbias32"). */
 static inline uint32_t hash_u32(uint32_t x)
@@ -39,6 +40,27 @@ static inline uint64_t hash_bytes(const void *bytes, size_t length, uint64_t see
     uint64_t h = seed ^ 0xcbf29ce484222325U;
     for (size_t i = 0; i < length; i++) h = (h ^ p[i]) * 0x100000001b3U;
     return h;
+}
+
+/* The same purpose for large arrays, at many times the speed: four strands of eight bytes each. The number depends on the
+ * machine's byte order. */
+static inline uint64_t hash_bulk(const void *bytes, size_t length, uint64_t seed)
+{
+    enum { STRANDS = 4 };
+    const unsigned char *p = bytes;
+    uint64_t h[STRANDS] = {seed, ~seed, seed + 0x9e3779b97f4a7c15U, length};
+    for (size_t left = length; left > 0;) {
+        uint64_t words[STRANDS] = {0};
+        size_t n = left < sizeof words ? left : sizeof words;
+        memcpy(words, p, n);
+        for (int i = 0; i < STRANDS; i++) {
+            uint64_t mixed = (h[i] ^ words[i]) * 0xd1342543de82ef95U;
+            h[i] = mixed << 29 | mixed >> 35; /* so that the highest bits reach the others, too */
+        }
+        p += n;
+        left -= n;
+    }
+    return hash_u64(hash_u64(hash_u64(hash_u64(h[0]) ^ h[1]) ^ h[2]) ^ h[3]);
 }
 
 #endif

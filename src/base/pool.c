@@ -110,11 +110,15 @@ void pool_free(Pool *pool)
 
 unsigned pool_threads(const Pool *pool)
 {
-    return pool->n_threads;
+    return pool ? pool->n_threads : 1;
 }
 
 void pool_run(Pool *pool, uint32_t n, void (*task)(void *context, uint32_t index, unsigned worker), void *context)
 {
+    if (!pool || n < 2) {
+        for (uint32_t i = 0; i < n; i++) task(context, i, 0);
+        return;
+    }
     pthread_mutex_lock(&pool->mutex);
     pool->task = task;
     pool->context = context;

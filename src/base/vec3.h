@@ -118,6 +118,11 @@ static inline Box3 box3_add_point(Box3 b, Vec3 p)
 }
 static inline Box3 box3_union(Box3 a, Box3 b) { return box3_add_point(box3_add_point(a, b.min), b.max); }
 static inline bool box3_is_empty(Box3 b) { return !(b.min.x <= b.max.x); }
+/* the origin for an empty one */
+static inline Vec3 box3_centre(Box3 b)
+{
+    return box3_is_empty(b) ? vec3(0, 0, 0) : vec3_scale(vec3_add(b.min, b.max), 0.5);
+}
 static inline bool box3_is_unbounded(Box3 b)
 {
     return !box3_is_empty(b) && !(vec3_is_finite(b.min) && vec3_is_finite(b.max));

@@ -453,7 +453,7 @@ static Status find_mesh_kinds(Drawing *d, Error *error)
         if (shape == SCENE_NONE || d->compiled->hull_of_object[i] != SCENE_NONE || !scene->shapes[shape].mesh) continue;
         if (!of_shape[shape]) {
             MeshReport report;
-            status = mesh_inspect(scene->shapes[shape].mesh, &report, error);
+            status = mesh_inspect(scene->shapes[shape].mesh, NULL, &report, error);
             if (status == STATUS_OK) of_shape[shape] = 1 + (report.closed ? KIND_SOLID : KIND_SHEET);
         }
         if (status == STATUS_OK) d->kinds[i] = (uint8_t)(of_shape[shape] - 1);
@@ -534,17 +534,14 @@ static Status prepare(Drawing *d, uint32_t width, uint32_t height, unsigned n_wo
 Status slice_draw(const CompiledScene *compiled, Pool *pool, const SlicePlane *plane, uint32_t width, uint32_t height,
                   SliceImage *image, Error *error)
 {
-    unsigned n_workers = pool ? pool_threads(pool) : 1;
+    unsigned n_workers = pool_threads(pool);
     Drawing d = {.compiled = compiled, .plane = plane, .image = image};
     Status status = prepare(&d, width, height, n_workers, error);
-    if (status == STATUS_OK && pool) {
+    if (status == STATUS_OK) {
         pool_run(pool, height, task_of_row, &d);
         pool_run(pool, width, task_of_column, &d);
-    } else if (status == STATUS_OK) {
-        for (uint32_t y = 0; y < height; y++) task_of_row(&d, y, 0);
-        for (uint32_t x = 0; x < width; x++) task_of_column(&d, x, 0);
+        lay_over(&d);
     }
-    if (status == STATUS_OK) lay_over(&d);
     for (unsigned i = 0; d.workers && i < n_workers; i++) {
         Worker *worker = &d.workers[i];
         if (status == STATUS_OK && (worker->out_of_memory || worker->probe.out_of_memory))

@@ -139,6 +139,7 @@ static Status keep_findings(Check *check, Status status, Error *error)
 static Status examine(Check *check, const Options *options, Error *error)
 {
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &check->pool, error));
+    check->input.scene_options.pool = check->pool;
     Status status = examine_frame(check, error);
     if ((status != STATUS_OK && status != STATUS_SCENE) || check->input.instant.animation.n_frames == 0) return status;
     TRY(frames_choose(options, &check->input.instant.animation, false, &check->frames, error));

@@ -78,7 +78,7 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
     Status status = mesh_load(path, &source, &mesh, error);
     MeshCrossings crossings = {0};
     MeshParts parts = {0};
-    if (status == STATUS_OK) status = mesh_inspect(mesh, &report, error);
+    if (status == STATUS_OK) status = mesh_inspect(mesh, NULL, &report, error);
     if (status == STATUS_OK) status = mesh_find_crossings(mesh, NULL, &crossings, error);
     if (status == STATUS_OK && report.closed) status = mesh_find_parts(mesh, NULL, &parts, error);
     if (status == STATUS_OK) {

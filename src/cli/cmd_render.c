@@ -40,12 +40,14 @@ static Status probe_view(RenderRun *run, Error *error)
 static Status prepare(RenderRun *run, Error *error)
 {
     const Options *options = run->options;
+    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
+    run->input.scene_options.pool = run->pool;
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
     TRY(render_plan_frames(run, error));
     if (run->plan.has_png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
-    return pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error);
+    return STATUS_OK;
 }
 
 /* Prints what was found in the scene; status: of what was done so far. */

@@ -210,7 +210,7 @@ Status mesh_make_box(Vec3 from, Vec3 to, double bevel, unsigned segments, Mesh *
         if (bevel > 0) make_bevelled_box(&maker);
         else make_plain_box(&maker);
         drop_shrunk_triangles(maker.mesh);
-        status = mesh_weld(maker.mesh, error);
+        status = mesh_weld(maker.mesh, NULL, error);
     }
     free(maker.ideal);
     if (status == STATUS_OK) *mesh = maker.mesh;

@@ -1,156 +1,11 @@
-/* closed.c - whether a mesh encloses anything: edges, components, volume; and the mending of orientation.
- * Everything rests on the edges of topology.h. There is no tolerance anywhere, so the size of the mesh does not matter.
+/* closed.c - the mending of orientation: which triangles to turn so that neighbours agree, and the whole looks outward.
+ * It rests on the edges of topology.h. There is no tolerance anywhere, so the size of the mesh does not matter.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
-#include <string.h>
 
-#include "base/hash.h"
 #include "geom/topology.h"
 
-static Box3 used_bounds(const Mesh *mesh, bool *finite)
-{
-    Box3 bounds = box3_empty();
-    *finite = true;
-    for (uint32_t i = 0; i < mesh->n_triangles; i++)
-        for (int k = 0; k < 3; k++) {
-            Vec3 p = vec3_from_f(mesh->positions[mesh->triangles[i][k]]);
-            if (!vec3_is_finite(p)) *finite = false;
-            bounds = box3_add_point(bounds, p);
-        }
-    return bounds;
-}
-
-static Vec3 box_centre(Box3 box)
-{
-    if (box3_is_empty(box)) return vec3(0, 0, 0);
-    return vec3_scale(vec3_add(box.min, box.max), 0.5);
-}
-
-/* Six times the signed volume of the tetrahedron over a triangle with its tip in `centre`. */
-static double triangle_volume6(const Mesh *mesh, uint32_t i, Vec3 centre)
-{
-    const uint32_t *t = mesh->triangles[i];
-    Vec3 a = vec3_sub(vec3_from_f(mesh->positions[t[0]]), centre);
-    Vec3 b = vec3_sub(vec3_from_f(mesh->positions[t[1]]), centre);
-    Vec3 c = vec3_sub(vec3_from_f(mesh->positions[t[2]]), centre);
-    return vec3_dot(a, vec3_cross(b, c));
-}
-
-double mesh_volume(const Mesh *mesh)
-{
-    bool finite;
-    Vec3 centre = box_centre(used_bounds(mesh, &finite));
-    double sum = 0;
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) sum += triangle_volume6(mesh, i, centre);
-    return sum / 6;
-}
-
-static void count_edges(const Topology *topology, uint32_t *parent, MeshReport *report, bool *repeated)
-{
-    uint32_t low = 0;
-    size_t at = 0;
-    Edge edge;
-    report->consistent = true;
-    *repeated = false;
-    while (topology_next_edge(topology, &low, &at, &edge)) {
-        size_t n_downward = edge.n - edge.n_upward;
-        size_t more = edge.n_upward > n_downward ? edge.n_upward - n_downward : n_downward - edge.n_upward;
-        if (edge.n_upward > 1 || n_downward > 1) *repeated = true;
-        if (more > 1) report->consistent = false;
-        if (edge.n > 2) {
-            if (report->n_non_manifold_edges < COUNT_OF(report->non_manifold)) {
-                report->non_manifold[report->n_non_manifold_edges].a = topology->mesh->positions[edge.low];
-                report->non_manifold[report->n_non_manifold_edges].b = topology->mesh->positions[edge.high];
-            }
-            report->n_non_manifold_edges++;
-        }
-        if (more > 0) {
-            if (report->n_open_edges < COUNT_OF(report->open)) {
-                report->open[report->n_open_edges].a = topology->mesh->positions[edge.low];
-                report->open[report->n_open_edges].b = topology->mesh->positions[edge.high];
-            }
-            report->n_open_edges++;
-        }
-        for (size_t k = 1; k < edge.n; k++) set_unite(parent, edge.uses[0].triangle, edge.uses[k].triangle);
-    }
-}
-
-/* Triangles with the same corners in the same turning sense, beyond the first. */
-static Status count_duplicates(const Topology *topology, uint32_t *count, Error *error)
-{
-    const Mesh *mesh = topology->mesh;
-    size_t room = 16;
-    while (room < 2 * (size_t)mesh->n_triangles) room *= 2;
-    uint32_t(*table)[3] = calloc(room, sizeof *table); /* corners + 1, lowest first */
-    if (!table) return fail_memory(error, room * sizeof *table, "the search for double triangles");
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        uint32_t ids[3];
-        if (!topology_corners(topology, i, ids)) continue;
-        int first = ids[0] < ids[1] ? (ids[0] < ids[2] ? 0 : 2) : (ids[1] < ids[2] ? 1 : 2);
-        uint32_t key[3] = {ids[first] + 1, ids[(first + 1) % 3] + 1, ids[(first + 2) % 3] + 1};
-        size_t slot = (size_t)hash_u64(hash_u64(key[0] | (uint64_t)key[1] << 32) ^ key[2]) & (room - 1);
-        while (table[slot][0] && memcmp(table[slot], key, sizeof key) != 0) slot = (slot + 1) & (room - 1);
-        if (table[slot][0])
-            ++*count;
-        else
-            memcpy(table[slot], key, sizeof key);
-    }
-    free(table);
-    return STATUS_OK;
-}
-
-static Status measure(const Topology *topology, uint32_t *parent, MeshReport *report, Error *error)
-{
-    const Mesh *mesh = topology->mesh;
-    double *volumes = calloc((size_t)mesh->n_triangles + 1, sizeof *volumes); /* six times, at the leading triangle */
-    if (!volumes) return fail_memory(error, mesh->n_triangles * sizeof *volumes, "the volumes of a mesh");
-    Vec3 centre = box_centre(report->bounds);
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        const uint32_t *t = mesh->triangles[i];
-        Vec3 a = vec3_from_f(mesh->positions[t[0]]);
-        Vec3 cross = vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
-                                vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
-        double twice_area = vec3_length(cross);
-        report->area += 0.5 * twice_area;
-        report->volume += triangle_volume6(mesh, i, centre) / 6;
-        uint32_t ids[3];
-        bool proper = topology_corners(topology, i, ids);
-        if (!proper || twice_area == 0) report->n_degenerate++;
-        if (!proper) continue;
-        uint32_t root = set_find(parent, i);
-        if (root == i) report->n_components++;
-        /* A closed part's volume does not depend on the reference; its own first corner keeps it exact
-         * when the part is small and far from the centre. */
-        volumes[root] += triangle_volume6(mesh, i, vec3_from_f(mesh->positions[mesh->triangles[root][0]]));
-    }
-    for (uint32_t i = 0; i < mesh->n_triangles; i++)
-        if (volumes[i] < 0) report->n_inverted++;
-    free(volumes);
-    return STATUS_OK;
-}
-
-Status mesh_inspect(const Mesh *mesh, MeshReport *report, Error *error)
-{
-    memset(report, 0, sizeof *report);
-    report->bounds = used_bounds(mesh, &report->finite);
-    Topology topology;
-    uint32_t *parent = NULL; /* triangles that share edges are one set */
-    bool repeated = false;
-    Status status = topology_make(mesh, &topology, error);
-    if (status == STATUS_OK) status = sets_new(mesh->n_triangles, &parent, error);
-    if (status == STATUS_OK) {
-        count_edges(&topology, parent, report, &repeated);
-        if (repeated) status = count_duplicates(&topology, &report->n_duplicate, error);
-    }
-    if (status == STATUS_OK) status = measure(&topology, parent, report, error);
-    free(parent);
-    topology_clear(&topology);
-    report->closed = report->n_components > 0 && report->n_open_edges == 0 && report->consistent && report->finite;
-    report->inside_out = report->volume < 0;
-    return status;
-}
-
-/* Orientation. A sheet is a set of triangles joined by edges of exactly two. */
+/* A sheet is a set of triangles joined by edges of exactly two. */
 typedef struct Sheets {
     uint32_t *sheet;   /* per triangle; NO_SHEET for those with two equal corners */
     bool *turned;      /* per triangle */
@@ -282,7 +137,8 @@ static double sheet_volume(const Mesh *mesh, const Sheets *sheets, uint32_t whic
     double sum = 0;
     for (uint32_t at = sheets->first[which]; at < sheets->first[which + 1]; at++) {
         uint32_t i = sheets->members[at];
-        sum += sheets->turned[i] ? -triangle_volume6(mesh, i, reference) : triangle_volume6(mesh, i, reference);
+        sum +=
+            sheets->turned[i] ? -mesh_triangle_volume6(mesh, i, reference) : mesh_triangle_volume6(mesh, i, reference);
     }
     return sum / 6;
 }
@@ -336,7 +192,7 @@ static Status measure_sheets(const Mesh *mesh, Sheets *sheets, double **volumes,
             for (int corner = 0; corner < 3; corner++)
                 sheets->bounds[k] = box3_add_point(
                     sheets->bounds[k], vec3_from_f(mesh->positions[mesh->triangles[sheets->members[at]][corner]]));
-        (*volumes)[k] = sheet_volume(mesh, sheets, k, box_centre(sheets->bounds[k]));
+        (*volumes)[k] = sheet_volume(mesh, sheets, k, box3_centre(sheets->bounds[k]));
     }
     return STATUS_OK;
 }
@@ -383,13 +239,13 @@ static Status apply_turns(Mesh *mesh, const Sheets *sheets, Error *error)
     return STATUS_OK;
 }
 
-Status mesh_orient(Mesh *mesh, bool *mended, Error *error)
+Status mesh_orient(Mesh *mesh, Pool *pool, bool *mended, Error *error)
 {
     Topology topology;
     Sheets sheets = {.n = 0};
     *mended = false;
     bool orientable = false;
-    Status status = topology_make(mesh, &topology, error);
+    Status status = topology_make(mesh, pool, &topology, error);
     if (status == STATUS_OK) status = make_sheets(&topology, &sheets, &orientable, error);
     if (status == STATUS_OK && orientable) {
         /* Whether it is closed is a matter of even counts, which turning does not change. */

@@ -21,7 +21,7 @@ static const uint64_t most_pairs = 2000000000; /* a few seconds */
 
 typedef struct Search {
     const Mesh *mesh;
-    const uint32_t *ids; /* vertices by position */
+    const uint32_t *ids; /* vertices by position; see Topology */
     BoxTree tree;
     uint64_t pairs_per_task;
     MeshCrossings *found; /* one for each task */
@@ -109,7 +109,7 @@ static void take_pair(const Mesh *mesh, const uint32_t *ids, uint32_t i, uint32_
     pair->n_shared = 0;
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++)
-            if (ids[t[k]] == ids[u[l]]) {
+            if (topology_number(ids, t[k]) == topology_number(ids, u[l])) {
                 pair->n_shared++;
                 first_a = k;
                 first_b = l;
@@ -340,10 +340,7 @@ static Status run_search(Search *search, const uint32_t *labels, Pool *pool, Mes
     if (!search->found)
         return fail_memory(error, n_chunks * sizeof *search->found, "the search for crossings in a mesh");
     search->pairs_per_task = most_pairs / (n_chunks + 1U);
-    if (pool)
-        pool_run(pool, n_chunks, search_chunk, search);
-    else
-        for (uint32_t chunk = 0; chunk < n_chunks; chunk++) search_chunk(search, chunk, 0);
+    pool_run(pool, n_chunks, search_chunk, search);
     if (n_chunks) gather(search, n_chunks, found);
     return STATUS_OK;
 }
@@ -354,7 +351,7 @@ Status mesh_find_crossings(const Mesh *mesh, Pool *pool, MeshCrossings *found, E
     Topology topology;
     uint32_t *labels = NULL;
     Search search = {.mesh = mesh};
-    Status status = topology_make(mesh, &topology, error);
+    Status status = topology_make(mesh, pool, &topology, error);
     if (status == STATUS_OK) status = mesh_label_graphs(&topology, &labels, error);
     search.ids = topology.position_id;
     if (status == STATUS_OK) status = run_search(&search, labels, pool, found, error);

@@ -304,7 +304,7 @@ static Status join(const Walk *walk, Mesh **out)
             for (int k = 0; k < 3; k++) mesh->triangles[triangle][k] = from->triangles[t][k] + vertex;
         vertex += from->n_vertices;
     }
-    Status status = mesh_weld(mesh, gltf->error);
+    Status status = mesh_weld(mesh, NULL, gltf->error);
     if (status == STATUS_OK)
         *out = mesh;
     else

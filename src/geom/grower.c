@@ -83,7 +83,7 @@ Status grower_finish(Grower *grower, const char *what, Mesh **mesh, Error *error
                    .n_vertices = (uint32_t)grower->n_vertices,
                    .n_triangles = (uint32_t)grower->n_triangles};
     *grower = (Grower){0};
-    status = mesh_weld(made, error);
+    status = mesh_weld(made, NULL, error);
     if (status == STATUS_OK) status = mesh_normalize_normals(made, error);
     if (status == STATUS_OK)
         *mesh = made;

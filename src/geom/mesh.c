@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "geom/equal.h"
 
 enum { EMBREE_PADDING = 16 }; /* Embree reads 16 bytes at the last position's 12 */
 
@@ -84,12 +85,43 @@ static VertexKey vertex_key(const Mesh *mesh, size_t i)
     return key;
 }
 
-static size_t key_hash(const VertexKey *key)
+static uint32_t key_hash(const void *context, uint32_t i)
 {
+    VertexKey key = vertex_key(context, i);
     uint64_t h = 0;
     for (size_t k = 0; k < MAX_VERTEX_WORDS; k += 2)
-        h = hash_u64(h ^ (key->words[k] | (uint64_t)key->words[k + 1] << 32));
-    return (size_t)h;
+        h = hash_u64(h ^ (key.words[k] | (uint64_t)key.words[k + 1] << 32));
+    return (uint32_t)h;
+}
+
+static bool same_key(const void *context, uint32_t i, uint32_t k)
+{
+    VertexKey a = vertex_key(context, i), b = vertex_key(context, k);
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+static uint32_t position_hash(const void *context, uint32_t i)
+{
+    const Vec3f *p = &((const Mesh *)context)->positions[i];
+    return (uint32_t)hash_u64(hash_u64(float_bits(p->x) | (uint64_t)float_bits(p->y) << 32) ^ float_bits(p->z));
+}
+
+static bool same_position(const void *context, uint32_t i, uint32_t k)
+{
+    const Mesh *mesh = context;
+    Vec3f a = mesh->positions[i], b = mesh->positions[k];
+    return float_bits(a.x) == float_bits(b.x) && float_bits(a.y) == float_bits(b.y) &&
+           float_bits(a.z) == float_bits(b.z);
+}
+
+Status mesh_number_positions(const Mesh *mesh, Pool *pool, uint32_t **ids, Error *error)
+{
+    EqualItems items = {mesh, position_hash, same_position};
+    if (!mesh->distinct) return equal_find(&items, mesh->n_vertices, "the inspection of a mesh", pool, ids, error);
+    *ids = malloc((mesh->n_vertices + 1UL) * sizeof **ids);
+    if (!*ids) return fail_memory(error, mesh->n_vertices * sizeof **ids, "the inspection of a mesh");
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) (*ids)[i] = i;
+    return STATUS_OK;
 }
 
 /* Gives back what the arrays have more than the mesh needs; a failure leaves them as they are. */
@@ -108,47 +140,52 @@ static void shrink_vertices(Mesh *mesh)
     shrink(&mesh->uvs, (2 * (size_t)mesh->n_vertices + 1) * sizeof(float));
 }
 
-Status mesh_weld(Mesh *mesh, Error *error)
+static void keep_vertex(Mesh *mesh, uint32_t to, uint32_t from)
 {
-    size_t room = 16;
-    while (room < 2 * (size_t)mesh->n_vertices) room *= 2;
-    uint32_t *table = calloc(room, sizeof *table); /* kept vertex + 1, 0: free */
-    uint32_t *moved_to = malloc(((size_t)mesh->n_vertices + 1) * sizeof *moved_to);
-    if (!table || !moved_to) {
-        free(table);
-        free(moved_to);
-        return fail_memory(error, room * sizeof *table, "the welding of a mesh");
-    }
+    mesh->positions[to] = mesh->positions[from];
+    if (mesh->normals) mesh->normals[to] = mesh->normals[from];
+    if (mesh->uvs) memmove(&mesh->uvs[2 * (size_t)to], &mesh->uvs[2 * (size_t)from], 2 * sizeof(float));
+}
+
+/* first: of each vertex the first that is equal to it; becomes its new number. */
+static void drop_vertices(Mesh *mesh, const bool *used, uint32_t *first)
+{
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) moved_to[i] = UINT32_MAX;
-    for (uint32_t i = 0; i < mesh->n_triangles; i++)
-        for (int k = 0; k < 3; k++) moved_to[mesh->triangles[i][k]] = 0;
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
-        if (moved_to[i] == UINT32_MAX) continue; /* used by nothing */
-        VertexKey key = vertex_key(mesh, i);
-        size_t slot = key_hash(&key) & (room - 1);
-        for (; table[slot]; slot = (slot + 1) & (room - 1)) {
-            VertexKey other = vertex_key(mesh, table[slot] - 1);
-            if (memcmp(&key, &other, sizeof key) == 0) break;
+        bool is_first = first[i] == i;
+        if (!is_first) {
+            first[i] = first[first[i]];
+        } else if (used[i]) {
+            keep_vertex(mesh, kept, i);
+            first[i] = kept++;
         }
-        if (table[slot]) {
-            moved_to[i] = table[slot] - 1;
-            continue;
-        }
-        mesh->positions[kept] = mesh->positions[i];
-        if (mesh->normals) mesh->normals[kept] = mesh->normals[i];
-        if (mesh->uvs) memmove(&mesh->uvs[2 * (size_t)kept], &mesh->uvs[2 * (size_t)i], 2 * sizeof(float));
-        moved_to[i] = kept;
-        table[slot] = ++kept;
     }
     for (uint32_t i = 0; i < mesh->n_triangles; i++)
-        for (int k = 0; k < 3; k++) mesh->triangles[i][k] = moved_to[mesh->triangles[i][k]];
-    if (kept < mesh->n_vertices) {
-        mesh->n_vertices = kept;
-        shrink_vertices(mesh);
+        for (int k = 0; k < 3; k++) mesh->triangles[i][k] = first[mesh->triangles[i][k]];
+    mesh->n_vertices = kept;
+    shrink_vertices(mesh);
+}
+
+Status mesh_weld(Mesh *mesh, Pool *pool, Error *error)
+{
+    bool plain = !mesh->normals && !mesh->uvs, spare = false;
+    EqualItems items =
+        plain ? (EqualItems){mesh, position_hash, same_position} : (EqualItems){mesh, key_hash, same_key};
+    uint32_t *first;
+    TRY(equal_find(&items, mesh->n_vertices, "the welding of a mesh", pool, &first, error));
+    bool *used = calloc(mesh->n_vertices + 1UL, sizeof *used);
+    if (!used) {
+        free(first);
+        return fail_memory(error, mesh->n_vertices * sizeof *used, "the welding of a mesh");
     }
-    free(table);
-    free(moved_to);
+    for (uint32_t i = 0; i < mesh->n_triangles; i++)
+        for (int k = 0; k < 3; k++)
+            used[first[mesh->triangles[i][k]]] = true; /* also where only an equal one is used */
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) spare = spare || !used[i];
+    if (spare) drop_vertices(mesh, used, first);
+    mesh->distinct = plain;
+    free(used);
+    free(first);
     return STATUS_OK;
 }
 
@@ -164,6 +201,7 @@ void mesh_transform(Mesh *mesh, const Affine *transform)
             cofactor[row][column] = m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
         }
     bool mirrors = affine_determinant(transform) < 0;
+    mesh->distinct = false; /* rounding may bring some together */
     double sign = mirrors ? -1 : 1;
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
         mesh->positions[i] = vec3f_from(affine_point(transform, vec3_from_f(mesh->positions[i])));
@@ -190,8 +228,10 @@ Status mesh_normalize_normals(Mesh *mesh, Error *error)
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
         Vec3 n = vec3_from_f(mesh->normals[i]);
         double length = vec3_length(n);
-        if (length > 0) mesh->normals[i] = vec3f_from(vec3_scale(n, 1 / length));
-        else missing = true;
+        if (length > 0)
+            mesh->normals[i] = vec3f_from(vec3_scale(n, 1 / length));
+        else
+            missing = true;
     }
     if (!missing) return STATUS_OK;
     Vec3 *sums = calloc((size_t)mesh->n_vertices + 1, sizeof *sums);

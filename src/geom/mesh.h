@@ -18,6 +18,7 @@ typedef struct Mesh {
     uint32_t n_vertices;
     uint32_t (*triangles)[3];
     uint32_t n_triangles;
+    bool distinct; /* it is known that no two vertices stand at one place */
 } Mesh;
 
 void mesh_free(Mesh *mesh); /* the arrays and the mesh itself; NULL is fine */
@@ -29,8 +30,8 @@ ATTR_NODISCARD Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error);
 /* Whether two meshes differ in nothing but places and normals. */
 bool mesh_same_triangles(const Mesh *a, const Mesh *b);
 /* Merges vertices whose positions (and normals and uvs, where present) are equal bit by bit (-0 = 0), and
- * drops those that no triangle uses. */
-ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Error *error);
+ * drops those that no triangle uses. The pool, here and below, may be NULL, and makes no difference to the result. */
+ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Pool *pool, Error *error);
 /* Moves every vertex; a map that mirrors also turns the triangles round, so that outside stays outside. */
 void mesh_transform(Mesh *mesh, const Affine *transform);
 
@@ -63,10 +64,10 @@ typedef struct MeshReport {
 
 /* Positions are compared bit by bit (-0 = 0), so a mesh that splits its vertices for normals or uvs is
  * closed all the same. Triangles with two equal vertices have no part in edges and components. */
-ATTR_NODISCARD Status mesh_inspect(const Mesh *mesh, MeshReport *report, Error *error);
+ATTR_NODISCARD Status mesh_inspect(const Mesh *mesh, Pool *pool, MeshReport *report, Error *error);
 /* Numbers the vertices by position: each has the number of the first vertex at its place, bit by bit (-0 = 0). *ids is
  * malloc'd, n_vertices long. */
-ATTR_NODISCARD Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Error *error);
+ATTR_NODISCARD Status mesh_number_positions(const Mesh *mesh, Pool *pool, uint32_t **ids, Error *error);
 
 /* Where a mesh passes through itself. */
 typedef struct MeshCrossings {
@@ -113,7 +114,7 @@ ATTR_NODISCARD Status mesh_take_layers(const Mesh *mesh, const MeshParts *parts,
  * stays so if it is inside the rest of the mesh (by winding number), and is turned outward if it is not. A
  * sheet that encloses positive volume stays. Vertex normals that point against the triangles around them
  * in the end are turned, if any triangle was. */
-ATTR_NODISCARD Status mesh_orient(Mesh *mesh, bool *mended, Error *error);
+ATTR_NODISCARD Status mesh_orient(Mesh *mesh, Pool *pool, bool *mended, Error *error);
 /* Divergence theorem over the triangles, double precision, relative to the mesh's centre. */
 double mesh_volume(const Mesh *mesh);
 

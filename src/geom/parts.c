@@ -475,7 +475,7 @@ static Status sort_layers(const Finder *f, MeshParts *parts, Error *error)
 static Status find_later_overlaps(Finder *f, const Mesh *end, Error *error)
 {
     uint32_t *ids = NULL;
-    TRY(mesh_number_positions(end, &ids, error));
+    TRY(mesh_number_positions(end, NULL, &ids, error));
     const Mesh *mesh = f->mesh;
     const uint32_t *first_ids = f->ids;
     f->mesh = end;
@@ -508,7 +508,7 @@ Status mesh_find_parts(const Mesh *mesh, const Mesh *end, MeshParts *parts, Erro
     *parts = (MeshParts){.n_layers = 1};
     Topology topology;
     Finder f = {.mesh = mesh};
-    Status status = topology_make(mesh, &topology, error);
+    Status status = topology_make(mesh, NULL, &topology, error);
     if (status == STATUS_OK) status = find_parts(&f, &topology, end, parts, error);
     topology_clear(&topology);
     box_tree_clear(&f.tree);

@@ -52,7 +52,7 @@ static Status finish(Mesh *made, Mesh **mesh, Error *error)
 {
     for (uint32_t i = 0; i < made->n_triangles; i++)
         for (uint32_t k = 0; k < 3; k++) made->triangles[i][k] = 3 * i + k;
-    Status status = mesh_weld(made, error);
+    Status status = mesh_weld(made, NULL, error);
     if (status == STATUS_OK)
         *mesh = made;
     else

@@ -5,50 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/hash.h"
-
-static uint32_t float_word(float x)
-{
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits == 0x80000000U ? 0 : bits;
-}
-
-static bool same_position(Vec3f a, Vec3f b)
-{
-    return float_word(a.x) == float_word(b.x) && float_word(a.y) == float_word(b.y) &&
-           float_word(a.z) == float_word(b.z);
-}
-
-Status mesh_number_positions(const Mesh *mesh, uint32_t **ids, Error *error)
-{
-    size_t room = 16;
-    while (room < 2 * (size_t)mesh->n_vertices) room *= 2;
-    uint32_t *table = calloc(room, sizeof *table); /* vertex + 1, 0: free */
-    *ids = malloc(((size_t)mesh->n_vertices + 1) * sizeof **ids);
-    if (!table || !*ids) {
-        free(table);
-        free(*ids);
-        *ids = NULL;
-        return fail_memory(error, room * sizeof *table, "the inspection of a mesh");
-    }
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
-        Vec3f p = mesh->positions[i];
-        uint64_t h = hash_u64(float_word(p.x) | (uint64_t)float_word(p.y) << 32);
-        h = hash_u64(h ^ float_word(p.z));
-        size_t slot = (size_t)h & (room - 1);
-        while (table[slot] && !same_position(mesh->positions[table[slot] - 1], p)) slot = (slot + 1) & (room - 1);
-        if (!table[slot]) table[slot] = i + 1;
-        (*ids)[i] = table[slot] - 1;
-    }
-    free(table);
-    return STATUS_OK;
-}
+#include "base/array.h"
 
 bool topology_corners(const Topology *topology, uint32_t triangle, uint32_t ids[3])
 {
     const uint32_t *t = topology->mesh->triangles[triangle];
-    for (int k = 0; k < 3; k++) ids[k] = topology->position_id[t[k]];
+    for (int k = 0; k < 3; k++) ids[k] = topology_number(topology->position_id, t[k]);
     return ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0];
 }
 
@@ -76,37 +38,147 @@ static void sort_uses(EdgeUse *uses, size_t n)
     }
 }
 
-static Status list_edges(Topology *topology, Error *error)
+/* ---- listing the edges ---- */
+
+/* Blocks of triangles first sort their edges into ranges of lower vertices; then each range, which a processor's caches
+ * hold, is sorted by itself. Both the sorted and the half-sorted edges are in the same memory. */
+enum { LEAST_BLOCK = 1 << 13, MOST_BLOCKS = 256, EDGES_OF_A_RANGE = 1 << 14, MOST_RANGES = 1024 };
+
+/* A triangle's edge before its range is sorted: as large as what it becomes. */
+typedef struct Directed {
+    uint32_t from, to, triangle;
+} Directed;
+_Static_assert(sizeof(Directed) == sizeof(EdgeUse), "edges are sorted in place");
+
+typedef struct RangeSorter {
+    Directed *edges;
+    size_t *next; /* per vertex of the range */
+    size_t edges_capacity, next_capacity;
+    bool failed; /* memory ended */
+} RangeSorter;
+
+typedef struct Lister {
+    Topology *topology;
+    uint32_t block, n_blocks; /* of triangles */
+    uint32_t range, n_ranges; /* of vertices */
+    size_t *places;           /* of each range and block: how many, then where the next goes */
+    RangeSorter *sorters;     /* one per worker */
+} Lister;
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Counts the edges of a block's triangles for each range, and puts them in their places if there is room for them. */
+static inline void walk_block(const Lister *lister, uint32_t block, size_t *places, void *edges)
+{
+    const Topology *topology = lister->topology;
+    uint32_t begin = block * lister->block, n = topology->mesh->n_triangles;
+    uint32_t end = begin + least(lister->block, n - begin), ids[3];
+    for (uint32_t i = begin; i < end; i++) {
+        if (!topology_corners(topology, i, ids)) continue;
+        for (int k = 0; k < 3; k++) {
+            Directed edge = {ids[k], ids[(k + 1) % 3], i};
+            size_t *place = &places[(size_t)(least(edge.from, edge.to) / lister->range) * lister->n_blocks + block];
+            if (edges) memcpy((Directed *)edges + *place, &edge, sizeof edge);
+            ++*place;
+        }
+    }
+}
+
+static void count_block(void *context, uint32_t block, unsigned worker)
+{
+    (void)worker;
+    Lister *lister = context;
+    walk_block(lister, block, lister->places, NULL);
+}
+
+static void part_block(void *context, uint32_t block, unsigned worker)
+{
+    (void)worker;
+    Lister *lister = context;
+    walk_block(lister, block, lister->places, lister->topology->uses);
+}
+
+/* A counting sort by the lower vertex, out of the sorter's memory. */
+static void sort_range(void *context, uint32_t range, unsigned worker)
+{
+    Lister *lister = context;
+    Topology *topology = lister->topology;
+    RangeSorter *sorter = &lister->sorters[worker];
+    /* after parting, a range ends where the next place of its last block is */
+    size_t begin = range ? lister->places[(size_t)range * lister->n_blocks - 1] : 0,
+           end = lister->places[(size_t)(range + 1) * lister->n_blocks - 1], n = end - begin;
+    uint32_t first = range * lister->range, n_vertices = least(lister->range, topology->mesh->n_vertices - first);
+    if (!array_reserve(&sorter->edges, &sorter->edges_capacity, n + 1, sizeof *sorter->edges) ||
+        !array_reserve(&sorter->next, &sorter->next_capacity, n_vertices + 1UL, sizeof *sorter->next)) {
+        sorter->failed = true;
+        return;
+    }
+    size_t *next = sorter->next, sum = begin;
+    memcpy(sorter->edges, topology->uses + begin, n * sizeof *sorter->edges);
+    memset(next, 0, n_vertices * sizeof *next);
+    for (size_t i = 0; i < n; i++) next[least(sorter->edges[i].from, sorter->edges[i].to) - first]++;
+    for (uint32_t v = 0; v < n_vertices; v++) {
+        size_t count = next[v];
+        topology->first_use[first + v] = next[v] = sum;
+        sum += count;
+    }
+    for (size_t i = 0; i < n; i++) {
+        Directed edge = sorter->edges[i];
+        bool upward = edge.from < edge.to;
+        topology->uses[next[(upward ? edge.from : edge.to) - first]++] =
+            (EdgeUse){upward ? edge.to : edge.from, edge.triangle, upward};
+    }
+    for (uint32_t v = 0; v < n_vertices; v++) {
+        size_t from = topology->first_use[first + v];
+        sort_uses(topology->uses + from, next[v] - from);
+    }
+}
+
+static bool lister_init(Lister *lister, Topology *topology, unsigned n_workers)
 {
     const Mesh *mesh = topology->mesh;
-    size_t n_vertices = mesh->n_vertices;
-    topology->first_use = calloc(n_vertices + 2, sizeof *topology->first_use);
+    uint32_t n_ranges = least(mesh->n_triangles / (EDGES_OF_A_RANGE / 3) + 1, MOST_RANGES);
+    lister->topology = topology;
+    lister->block = mesh->n_triangles / MOST_BLOCKS + 1;
+    if (lister->block < LEAST_BLOCK) lister->block = LEAST_BLOCK;
+    lister->n_blocks = mesh->n_triangles / lister->block + 1;
+    lister->range = mesh->n_vertices / n_ranges + 1;
+    lister->n_ranges = mesh->n_vertices / lister->range + 1;
+    lister->places = calloc((size_t)lister->n_ranges * lister->n_blocks, sizeof *lister->places);
+    lister->sorters = calloc(n_workers, sizeof *lister->sorters);
+    topology->first_use = malloc((mesh->n_vertices + 1UL) * sizeof *topology->first_use);
     topology->uses = malloc((3 * (size_t)mesh->n_triangles + 1) * sizeof *topology->uses);
-    if (!topology->first_use || !topology->uses)
-        return fail_memory(error, 3 * (size_t)mesh->n_triangles * sizeof *topology->uses, "the edges of a mesh");
-    /* A counting sort: first_use[v + 2] counts, then after summing first_use[v + 1] is the place to write
-     * next for v, and in the end the place where v + 1 starts. */
-    size_t *next = topology->first_use + 1;
-    uint32_t ids[3];
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        if (!topology_corners(topology, i, ids)) continue;
-        for (int k = 0; k < 3; k++) {
-            uint32_t from = ids[k], to = ids[(k + 1) % 3];
-            next[(from < to ? from : to) + 1]++;
+    return lister->places && lister->sorters && topology->first_use && topology->uses;
+}
+
+static bool list_edges(Topology *topology, Pool *pool)
+{
+    unsigned n_workers = pool_threads(pool);
+    Lister lister = {0};
+    bool done = lister_init(&lister, topology, n_workers);
+    if (done) {
+        pool_run(pool, lister.n_blocks, count_block, &lister);
+        size_t sum = 0;
+        for (size_t i = 0; i < (size_t)lister.n_ranges * lister.n_blocks; i++) {
+            size_t count = lister.places[i];
+            lister.places[i] = sum;
+            sum += count;
         }
+        pool_run(pool, lister.n_blocks, part_block, &lister);
+        pool_run(pool, lister.n_ranges, sort_range, &lister);
+        topology->first_use[topology->mesh->n_vertices] = sum;
     }
-    for (size_t v = 1; v <= n_vertices; v++) next[v] += next[v - 1];
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        if (!topology_corners(topology, i, ids)) continue;
-        for (int k = 0; k < 3; k++) {
-            uint32_t from = ids[k], to = ids[(k + 1) % 3];
-            bool upward = from < to;
-            topology->uses[next[upward ? from : to]++] = (EdgeUse){upward ? to : from, i, upward};
-        }
+    for (unsigned i = 0; lister.sorters && i < n_workers; i++) {
+        if (lister.sorters[i].failed) done = false;
+        free(lister.sorters[i].edges);
+        free(lister.sorters[i].next);
     }
-    for (size_t v = 0; v < n_vertices; v++)
-        sort_uses(topology->uses + topology->first_use[v], topology->first_use[v + 1] - topology->first_use[v]);
-    return STATUS_OK;
+    free(lister.places);
+    free(lister.sorters);
+    return done;
 }
 
 bool topology_next_edge(const Topology *topology, uint32_t *low, size_t *at, Edge *edge)
@@ -128,11 +200,12 @@ void topology_clear(Topology *topology)
     free(topology->uses);
 }
 
-Status topology_make(const Mesh *mesh, Topology *topology, Error *error)
+Status topology_make(const Mesh *mesh, Pool *pool, Topology *topology, Error *error)
 {
     *topology = (Topology){.mesh = mesh};
-    TRY(mesh_number_positions(mesh, &topology->position_id, error));
-    return list_edges(topology, error);
+    if (!mesh->distinct) TRY(mesh_number_positions(mesh, pool, &topology->position_id, error));
+    if (list_edges(topology, pool)) return STATUS_OK;
+    return fail_memory(error, 3 * (size_t)mesh->n_triangles * sizeof *topology->uses, "the edges of a mesh");
 }
 
 Status sets_new(uint32_t n, uint32_t **parent, Error *error)

@@ -131,7 +131,7 @@ static Status new_image(const float *values, uint32_t channels, uint32_t width, 
         if (w == 1 && h == 1) break;
     }
     uint64_t key[3] = {width, height, channels};
-    made->hash = hash_bytes(values, (size_t)width * height * channels * sizeof(float), hash_bytes(key, sizeof key, 0));
+    made->hash = hash_bulk(values, (size_t)width * height * channels * sizeof(float), hash_bytes(key, sizeof key, 0));
     *image = made;
     return STATUS_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef MEN_BUILD_H
 #define MEN_BUILD_H
 
+#include "base/pool.h"
 #include "scene/animation.h"
 
 /* What images are read with: the layer below has no image files. rgb is malloc'd, linear Rec.709 (working
@@ -18,6 +19,7 @@ typedef struct SceneOptions {
     SceneMoment moment;
     SceneImageLoader load_image;
     void *load_image_context;
+    Pool *pool; /* whose threads help with large meshes, or NULL */
 } SceneOptions;
 
 /* Reads, evaluates, checks and builds. Reports go to diag; STATUS_SCENE when there were errors,

@@ -290,7 +290,7 @@ static void environment_from_image(Builder *b, const EvalNode *node, const EvalP
         status = environment_new_image(rgb, width, height, strength, &b->scene->environment, &error);
         uint32_t size[2] = {width, height};
         b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
-        b->environment_hash = hash_bytes(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
+        b->environment_hash = hash_bulk(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
         b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
     }
     free(rgb);

@@ -115,7 +115,7 @@ static void report_dropped(Builder *b, const EvalNode *node, uint32_t n, const c
 /* Drops what is of no use; the report is of what is left. */
 static Status clean(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *report, Error *error)
 {
-    TRY(mesh_inspect(mesh, report, error));
+    TRY(mesh_inspect(mesh, b->options->pool, report, error));
     Vec3f first_collapsed = {0, 0, 0}, first_duplicate = {0, 0, 0};
     uint32_t collapsed = report->n_degenerate ? drop_collapsed(mesh, &first_collapsed) : 0, duplicates = 0;
     if (report->n_duplicate) TRY(drop_duplicates(mesh, &duplicates, &first_duplicate, error));
@@ -123,7 +123,7 @@ static Status clean(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *re
                    first_collapsed);
     report_dropped(b, node, duplicates, "occurs twice; one is dropped", "occur twice; one of each is dropped",
                    first_duplicate);
-    return collapsed || duplicates ? mesh_inspect(mesh, report, error) : STATUS_OK;
+    return collapsed || duplicates ? mesh_inspect(mesh, b->options->pool, report, error) : STATUS_OK;
 }
 
 /* Turns triangles that face the wrong way. */
@@ -132,14 +132,14 @@ static Status turn(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *rep
     bool inside_out = report->closed && report->inside_out;
     if (report->consistent && !inside_out) return STATUS_OK;
     bool mended;
-    TRY(mesh_orient(mesh, &mended, error));
+    TRY(mesh_orient(mesh, b->options->pool, &mended, error));
     if (!mended) return STATUS_OK; /* open_mesh or the like will follow where it matters */
     if (inside_out)
         diag_report(b->diag, D_MESH_MENDED, node->span, "the mesh was inside out; all of its triangles are turned");
     else
         diag_report(b->diag, D_MESH_MENDED, node->span,
                     "neighbouring triangles of the mesh disagreed about which side is out; some are turned");
-    return mesh_inspect(mesh, report, error);
+    return mesh_inspect(mesh, b->options->pool, report, error);
 }
 
 bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape)
@@ -215,7 +215,7 @@ static bool load_file(Builder *b, const EvalProp *file, const char *path, const 
         free((*mesh)->normals);
         (*mesh)->normals = NULL;
     }
-    if (status == STATUS_OK) status = mesh_weld(*mesh, &error);
+    if (status == STATUS_OK) status = mesh_weld(*mesh, b->options->pool, &error);
     if (status == STATUS_INPUT || status == STATUS_SCENE) {
         diag_report(b->diag, file_exists(path) ? D_MESH_INVALID : D_FILE_UNREADABLE, file->span, "%s", error.text);
         return false;

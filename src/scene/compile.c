@@ -92,7 +92,7 @@ static RtcObject describe_object(const void *context, uint32_t i)
 static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)
 {
     const Scene *scene = compiled->scene;
-    return rtc_scene_new_from(describe_object, compiled, scene->n_objects, scene->n_keys, pool ? pool_threads(pool) : 1,
+    return rtc_scene_new_from(describe_object, compiled, scene->n_objects, scene->n_keys, pool_threads(pool),
                               &compiled->rtc, error);
 }
 

@@ -909,27 +909,19 @@ static void finder_clear(Finder *f, unsigned n_workers)
     free(f->ball_pairs);
 }
 
-static void run(Pool *pool, uint32_t n, void (*task)(void *context, uint32_t index, unsigned worker), void *context)
-{
-    if (pool)
-        pool_run(pool, n, task, context);
-    else
-        for (uint32_t i = 0; i < n; i++) task(context, i, 0);
-}
-
 Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs, Error *error)
 {
-    unsigned n_workers = pool ? pool_threads(pool) : 1;
+    unsigned n_workers = pool_threads(pool);
     Finder f = {.compiled = compiled};
     Status status = prepare(&f, n_workers, error);
     if (status == STATUS_OK && f.n_candidates) {
-        run(pool, f.n_judges, task_of_judge, &f);
-        run(pool, (uint32_t)f.n_candidates, task_of_pair, &f);
+        pool_run(pool, f.n_judges, task_of_judge, &f);
+        pool_run(pool, (uint32_t)f.n_candidates, task_of_pair, &f);
         double n_searches = 1;
         for (size_t i = 0; i < f.n_candidates; i++) n_searches += needs_search(&f, &f.candidates[i]);
         f.search_steps = (int)fmin(SEARCH_LINES_IN_ALL / (SEARCH_LINES * n_searches), SEARCH_STEPS_MAX);
-        if (f.search_steps >= SEARCH_STEPS_MIN) run(pool, (uint32_t)f.n_candidates, task_of_search, &f);
-        run(pool, (uint32_t)f.n_candidates, task_of_depth, &f);
+        if (f.search_steps >= SEARCH_STEPS_MIN) pool_run(pool, (uint32_t)f.n_candidates, task_of_search, &f);
+        pool_run(pool, (uint32_t)f.n_candidates, task_of_depth, &f);
     }
     for (unsigned i = 0; status == STATUS_OK && i < n_workers; i++)
         if (f.workers[i].probe.out_of_memory)

@@ -15,7 +15,7 @@ typedef struct Hasher {
 
 static void add_bytes(Hasher *h, const void *bytes, size_t length)
 {
-    h->state = hash_u64(hash_bytes(bytes, length, h->state) + length);
+    h->state = hash_bulk(bytes, length, h->state);
 }
 
 static void add_integer(Hasher *h, uint64_t x)

@@ -470,10 +470,7 @@ static void grow_branch(void *context, uint32_t index, unsigned worker)
 static void run_level(UpperTree *upper, Pool *pool, uint32_t first, uint32_t n)
 {
     upper->first = first;
-    if (pool && n > 1)
-        pool_run(pool, n, grow_branch, upper);
-    else
-        for (uint32_t i = 0; i < n; i++) grow_branch(upper, i, 0);
+    pool_run(pool, n, grow_branch, upper);
 }
 
 static void build_all(const Builder *b, uint32_t n, Pool *pool)

@@ -60,7 +60,7 @@ static void make(Made *made, const char *path, const char *text, Pool *pool)
     arena_init(&made->arena);
     made->sources.arena = &made->arena;
     diag_init(&made->diag, &made->arena, &made->sources);
-    SceneOptions options = {.load_image = load_image};
+    SceneOptions options = {.load_image = load_image, .pool = pool};
     double start = clock_cpu_s();
     Status status = text ? scene_build_text(path, text, &options, &made->diag, &made->scene, NULL, &error)
                          : scene_build(path, &options, &made->diag, &made->scene, NULL, &error);

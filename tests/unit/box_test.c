@@ -11,7 +11,7 @@ static const double pi = 3.14159265358979323846;
 static MeshReport inspected(const Mesh *mesh)
 {
     MeshReport report;
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     return report;
 }
 

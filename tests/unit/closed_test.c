@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 static MeshReport inspected(const Mesh *mesh)
 {
     MeshReport report;
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     return report;
 }
 
@@ -173,7 +173,7 @@ static void test_orient_mixed_sphere(void **state)
     MeshReport report = inspected(mesh);
     assert_false(report.consistent || report.closed);
     bool mended = false;
-    assert_int_equal(mesh_orient(mesh, &mended, NULL), STATUS_OK);
+    assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_true(mended);
     report = inspected(mesh);
     assert_true(report.closed);
@@ -181,13 +181,13 @@ static void test_orient_mixed_sphere(void **state)
     /* inside out altogether, normals too */
     turned(mesh);
     for (uint32_t i = 0; i < mesh->n_vertices; i++) mesh->normals[i] = vec3f_negate(mesh->normals[i]);
-    assert_int_equal(mesh_orient(mesh, &mended, NULL), STATUS_OK);
+    assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_near(mesh_volume(mesh), volume, 1e-12);
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
         assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
     /* triangles inside out, normals right: those stay */
     turned(mesh);
-    assert_int_equal(mesh_orient(mesh, &mended, NULL), STATUS_OK);
+    assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_true(mended);
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
         assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
@@ -197,7 +197,7 @@ static void test_orient_mixed_sphere(void **state)
 static void check_oriented(Mesh *mesh, double volume)
 {
     bool mended = false;
-    assert_int_equal(mesh_orient(mesh, &mended, NULL), STATUS_OK);
+    assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_true(mended);
     MeshReport report = inspected(mesh);
     assert_true(report.closed && !report.inside_out);
@@ -243,7 +243,7 @@ static void test_orient_refuses(void **state)
     }
     Mesh *mesh = from_arrays(p, 10, (const uint32_t(*)[3])t, 10);
     bool mended = true;
-    assert_int_equal(mesh_orient(mesh, &mended, NULL), STATUS_OK);
+    assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_false(mended);
     assert_memory_equal(mesh->triangles, t, sizeof t);
     mesh_free(mesh);
@@ -251,7 +251,7 @@ static void test_orient_refuses(void **state)
     const Vec3f fins[] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
     const uint32_t same_way[][3] = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
     mesh = from_arrays(fins, 5, same_way, 3);
-    assert_int_equal(mesh_orient(mesh, &mended, NULL), STATUS_OK);
+    assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_false(mended);
     mesh_free(mesh);
 }
@@ -277,6 +277,48 @@ static void test_fan_of_many(void **state)
     mesh_free(mesh);
 }
 
+/* What is found, and the welding before it, do not depend on the threads, nor on how the mesh is cut into blocks. */
+static void test_threads(void **state)
+{
+    (void)state;
+    Mesh *mesh = NULL, *copy = NULL;
+    Pool *pool;
+    assert_int_equal(pool_new(3, &pool, NULL), STATUS_OK);
+    for (int kind = 0; kind < 4; kind++) {
+        assert_int_equal(mesh_make_sphere(2, 6, &mesh, NULL), STATUS_OK);
+        if (kind == 1) mesh = joined(mesh, box(-1, 1));
+        /* every triangle with corners of its own, in another order; and without normals */
+        uint32_t n = mesh->n_triangles;
+        Mesh *split = NULL;
+        assert_int_equal(mesh_new(3 * n, n, kind == 2, false, &split, NULL), STATUS_OK);
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t k = 0; k < 3; k++) {
+                uint32_t from = mesh->triangles[(uint64_t)i * 7919 % n][k];
+                split->positions[3 * i + k] = mesh->positions[from];
+                if (kind == 2) split->normals[3 * i + k] = vec3f(0, 0, i % 2 ? 1 : -1);
+                split->triangles[i][k] = 3 * i + k;
+            }
+        if (kind == 3) split->n_triangles -= 100;
+        assert_int_equal(mesh_copy(split, &copy, NULL), STATUS_OK);
+        assert_int_equal(mesh_weld(split, NULL, NULL), STATUS_OK);
+        assert_int_equal(mesh_weld(copy, pool, NULL), STATUS_OK);
+        if (kind == 0) assert_int_equal(split->n_vertices, n / 2 + 2);
+        assert_int_equal(split->n_vertices, copy->n_vertices);
+        assert_memory_equal(split->triangles, copy->triangles, split->n_triangles * sizeof *split->triangles);
+        MeshReport alone = inspected(split), together;
+        assert_int_equal(mesh_inspect(copy, pool, &together, NULL), STATUS_OK);
+        assert_memory_equal(&alone, &together, sizeof alone);
+        assert_true(alone.closed == (kind != 3));
+        assert_true((alone.n_open_edges > 0) == (kind == 3));
+        assert_int_equal(alone.n_components, kind == 1 ? 2 : kind == 3 ? alone.n_components : 1);
+        if (kind != 3) assert_near(alone.volume, 4 * pi / 3 * 8 + (kind == 1 ? 8 : 0), 0.02);
+        mesh_free(mesh);
+        mesh_free(split);
+        mesh_free(copy);
+    }
+    pool_free(pool);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -290,6 +332,7 @@ int main(void)
         cmocka_unit_test(test_orient_cavities),
         cmocka_unit_test(test_orient_refuses),
         cmocka_unit_test(test_fan_of_many),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

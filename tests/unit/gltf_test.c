@@ -92,7 +92,7 @@ static void refuse_nodes(const char *nodes, const char *primitives, const char *
 static MeshReport measured(Mesh *mesh)
 {
     MeshReport report;
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     mesh_free(mesh);
     return report;
 }

@@ -67,7 +67,7 @@ static inline void assert_usable(const Mesh *mesh)
     assert_true(mesh->n_triangles > 0);
     for (uint32_t i = 0; i < mesh->n_triangles; i++)
         for (int k = 0; k < 3; k++) assert_true(mesh->triangles[i][k] < mesh->n_vertices);
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     assert_true(report.finite);
 }
 

@@ -51,21 +51,21 @@ static void test_weld(void **state)
         mesh->normals[i] = vec3f(0, 0, 1);
         mesh->triangles[i / 3][i % 3] = i;
     }
-    assert_int_equal(mesh_weld(mesh, NULL), STATUS_OK);
+    assert_int_equal(mesh_weld(mesh, NULL, NULL), STATUS_OK);
     assert_int_equal(mesh->n_vertices, 4);
     const uint32_t expected[2][3] = {{0, 1, 2}, {1, 2, 3}};
     assert_memory_equal(mesh->triangles, expected, sizeof expected);
     assert_near((double)mesh->positions[3].x, 5, 0);
     mesh->positions[3] = mesh->positions[2];
     mesh->normals[3] = vec3f(0, 1, 0);
-    assert_int_equal(mesh_weld(mesh, NULL), STATUS_OK);
+    assert_int_equal(mesh_weld(mesh, NULL, NULL), STATUS_OK);
     assert_int_equal(mesh->n_vertices, 4);
     mesh->normals[3] = mesh->normals[2];
     mesh->uvs[6] = 0.25F;
-    assert_int_equal(mesh_weld(mesh, NULL), STATUS_OK);
+    assert_int_equal(mesh_weld(mesh, NULL, NULL), STATUS_OK);
     assert_int_equal(mesh->n_vertices, 4);
     mesh->uvs[6] = 0;
-    assert_int_equal(mesh_weld(mesh, NULL), STATUS_OK);
+    assert_int_equal(mesh_weld(mesh, NULL, NULL), STATUS_OK);
     assert_int_equal(mesh->n_vertices, 3);
     mesh_free(mesh);
 }
@@ -80,7 +80,7 @@ static void test_transform(void **state)
     mesh_transform(mesh, &map);
     assert_near(mesh_volume(mesh), volume * 1.5, 1e-5);
     MeshReport report;
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     assert_true(report.closed);
     assert_near(report.bounds.min.y, 17, 1e-5);
     /* normals stay unit and outward */

@@ -46,7 +46,7 @@ static void check_volume(const char *text, double volume, double tolerance, doub
     assert_null(f.diag.first); /* nothing had to be mended */
     const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
     MeshReport report;
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     if (!report.closed || fabs(report.volume / volume - 1) > tolerance)
         fail_msg("%s: closed %d, volume %.9g, not %.9g", text, report.closed, report.volume, volume);
     if (worst_normal(mesh) > degrees) fail_msg("%s: a normal is off by %g degrees", text, worst_normal(mesh));
@@ -184,7 +184,7 @@ static bool closed_or_refused(const char *text)
     if (made) {
         MeshReport report;
         const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
-        assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+        assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
         if (!report.closed || report.volume <= 0 || fixture_find(&f, D_MESH_MENDED)) fail_msg("%s", text);
     } else if (!fixture_find(&f, D_DEGENERATE_SHAPE)) {
         fixture_print(&f);
@@ -280,7 +280,7 @@ static void texts(void **state)
         volume[i] = f.scene->objects[0].volume;
         const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
         MeshReport report;
-        assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+        assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
         assert_true(report.closed && report.n_degenerate == 0);
         if (worst_normal(mesh) > 8) fail_msg("normals are off by %g degrees", worst_normal(mesh));
         assert_near(report.bounds.max.z, 0, 0);

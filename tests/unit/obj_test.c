@@ -17,7 +17,7 @@ static void test_cube(void **state)
     assert_int_equal(mesh->n_vertices, 8);
     assert_int_equal(mesh->n_triangles, 12);
     MeshReport report;
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     assert_true(report.closed);
     assert_near(report.volume, 1, 1e-12);
     mesh_free(mesh);

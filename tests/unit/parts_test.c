@@ -50,7 +50,7 @@ static void check_layer(const Mesh *layer, double *volume)
     assert_int_equal(mesh_find_parts(layer, NULL, &again, NULL), STATUS_OK);
     assert_int_equal(again.n_layers, 1);
     assert_int_equal(again.n_overlapping, 0);
-    assert_int_equal(mesh_inspect(layer, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(layer, NULL, &report, NULL), STATUS_OK);
     assert_true(report.closed);
     *volume += report.volume;
 }

@@ -42,7 +42,7 @@ static double checked_area(const Outline2 *outline, double tolerance)
     PrismShape shape = {.from = -1, .to = 1, .scale_from = 1, .scale_to = 1};
     if (prism_add(&grower, outline, &shape, &error) != STATUS_OK) fail_msg("%s", error.text);
     assert_int_equal(grower_finish(&grower, "it", &mesh, &error), STATUS_OK);
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     double area = polygon_area(outline);
     if (!report.closed || fabs(report.volume - 2 * area) > tolerance)
         fail_msg("closed %d, %u open edges, volume %g of %g", report.closed, report.n_open_edges, report.volume,
@@ -229,7 +229,7 @@ static void bevels_round_the_ends(void **state)
         PrismShape shape = {.from = 3, .to = 1, .scale_from = 1, .scale_to = 1, .bevel = b, .bevel_segments = segments};
         if (prism_add(&grower, &outline, &shape, &error) != STATUS_OK) fail_msg("%s", error.text);
         assert_int_equal(grower_finish(&grower, "it", &mesh, NULL), STATUS_OK);
-        assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+        assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
         assert_true(report.closed);
         /* flat: a double frustum; round: the integral of (4 - 2 b (1 - cos a))^2 b cos a, twice */
         double flat = 2 * (16 + 4 + 8) / 3.0;
@@ -261,7 +261,7 @@ static void cones_taper(void **state)
         PrismShape shape = {.from = 0, .to = 3, .scale_from = scales[i][0], .scale_to = scales[i][1]};
         assert_int_equal(prism_add(&grower, &outline, &shape, NULL), STATUS_OK);
         assert_int_equal(grower_finish(&grower, "it", &mesh, NULL), STATUS_OK);
-        assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+        assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
         assert_true(report.closed && report.n_degenerate == 0);
         assert_near(report.volume, scales[i][2], 1e-5);
         mesh_free(mesh);

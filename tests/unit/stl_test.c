@@ -60,7 +60,7 @@ static void assert_tetrahedron(Mesh *mesh)
     MeshReport report;
     assert_int_equal(mesh->n_triangles, 4);
     assert_int_equal(mesh->n_vertices, 4);
-    assert_int_equal(mesh_inspect(mesh, &report, NULL), STATUS_OK);
+    assert_int_equal(mesh_inspect(mesh, NULL, &report, NULL), STATUS_OK);
     assert_true(report.closed && !report.inside_out);
     assert_near(report.volume, 1.0 / 6, 1e-15);
     mesh_free(mesh);
