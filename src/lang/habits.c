@@ -14,6 +14,7 @@
 #define HABIT_FUNCTION(word)
 #define HABIT_WORD(word, text)
 #define HABIT_PROPERTY(node, word, property)
+#define HABIT_ADVICE(node, word, text)
 #define HABIT_UNIT(word, unit)
 
 typedef struct WordRow {
@@ -90,6 +91,16 @@ static const struct {
 #define HABIT_PROPERTY(node, word, property)
 };
 
+static const struct {
+    const char *node, *word, *text;
+} advice_rows[] = {
+#undef HABIT_ADVICE
+#define HABIT_ADVICE(node, word, text) {node, word, text},
+#include "lang/habits.def"
+#undef HABIT_ADVICE
+#define HABIT_ADVICE(node, word, text)
+};
+
 static const WordRow unit_rows[] = {
 #undef HABIT_UNIT
 #define HABIT_UNIT(word, unit) {#word, #unit},
@@ -154,6 +165,15 @@ const char *habit_property(const char *node, const char *word, unsigned number)
         if (*property_rows[i].node && strcmp(property_rows[i].node, node) != 0) continue;
         if (number-- == 0) return property_rows[i].property;
     }
+    return NULL;
+}
+
+const char *habit_advice(const char *node, const char *word)
+{
+    for (size_t i = 0; i < COUNT_OF(advice_rows); i++)
+        if (strcmp(advice_rows[i].word, word) == 0 &&
+            (!*advice_rows[i].node || (node && strcmp(advice_rows[i].node, node) == 0)))
+            return advice_rows[i].text;
     return NULL;
 }
 

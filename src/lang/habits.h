@@ -28,6 +28,8 @@ const char *habit_setting(const char *word);
 const char *habit_word(const char *word);
 const char *habit_unit(const char *word);
 const char *habit_property(const char *node, const char *word, unsigned number); /* the candidates, from number 0 */
+/* Of a word in a node of that type: a hint. */
+const char *habit_advice(const char *node, const char *word);
 bool habit_is_type(const char *word);
 bool habit_is_function(const char *word);
 /* The pattern with text for its '@'. */

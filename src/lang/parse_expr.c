@@ -381,6 +381,7 @@ static Expr *parse_name(Parser *parser)
     Expr *expr = expr_new(parser, EXPR_NAME, begin);
     expr->as.name.symbol = parser->token.as.symbol;
     advance(parser);
+    if (parse_color_habit(parser, path.names[0]->text)) return poison_expr(parser);
     while (parser->token.kind == TOKEN_DOT && path.n < LIMIT_PATH_NAMES) {
         advance(parser);
         Expr *member = expr_new(parser, EXPR_MEMBER, begin);
@@ -415,7 +416,7 @@ static Expr *parse_braced_list(Parser *parser)
 
 /* prim = number | string | hexcol | "true" | "false" | "none" | "(" expr ")" | path block | name | "<" add "," add [
  * "," add [ "," add ] ] ">" | "[" [ elem { "," elem } [ "," ] ] "]" ; */
-static Expr *parse_prim(Parser *parser)
+Expr *parse_prim(Parser *parser)
 {
     switch (parser->token.kind) {
     case TOKEN_NUMBER: return parse_number(parser);

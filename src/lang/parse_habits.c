@@ -42,6 +42,12 @@ static void hint_write(Parser *parser, Diagnostic *report, const char *text)
     diag_hint(parser->diag, report, "write: %s", text);
 }
 
+static void advise(Parser *parser, Diagnostic *report, const char *word)
+{
+    const char *advice = parser->node ? habit_advice(parser->node, word) : NULL;
+    if (report && advice) diag_hint(parser->diag, report, "%s", advice);
+}
+
 bool starts_value(const Parser *parser)
 {
     switch (parser->token.kind) {
@@ -117,7 +123,8 @@ static bool block_is_foreign(Parser *parser)
         if (brackets == 0) {
             foreign |= value && (before == TOKEN_NAME || before == TOKEN_BRACE_OPEN);
             foreign |= before == TOKEN_NAME && (kind == TOKEN_COMMA || kind == TOKEN_BRACE_CLOSE);
-            foreign |= named && kind != TOKEN_BRACE_OPEN; /* two names, and no block behind them */
+            foreign |= kind >= TOKEN_PLUS && kind <= TOKEN_CARET; /* x ^ 2 + y ^ 2 */
+            foreign |= named && kind != TOKEN_BRACE_OPEN;         /* two names, and no block behind them */
         }
         named = brackets == 0 && before == TOKEN_NAME && kind == TOKEN_NAME;
         braces += (kind == TOKEN_BRACE_OPEN) - (kind == TOKEN_BRACE_CLOSE);
@@ -324,7 +331,7 @@ bool parse_name_habit(Parser *parser, Path path)
         return true;
     }
     if (parser->node && (fresh || parser->token.kind == TOKEN_BRACE_CLOSE)) { /* hollow */
-        expected_error(parser, arena_format(parser->arena, "'=' and a value behind '%s'", word));
+        advise(parser, expected_error(parser, arena_format(parser->arena, "'=' and a value behind '%s'", word)), word);
         parser->panic = false;
         return true;
     }
@@ -406,7 +413,8 @@ void parse_two_names(Parser *parser, Path path)
         parser->panic = false;
         block_without_opening(parser, first);
     } else if (fresh || next == TOKEN_ASSIGN || next == TOKEN_BRACE_OPEN || !parser->node) {
-        expected_error(parser, arena_format(parser->arena, "'=', ':=', '(' or '{' behind '%s'", first));
+        advise(parser, expected_error(parser, arena_format(parser->arena, "'=', ':=', '(' or '{' behind '%s'", first)),
+               first);
         parser->panic = false; /* the second name begins a statement of its own */
     } else {
         value_behind_name(parser, path);
@@ -467,9 +475,31 @@ void parse_bare_block(Parser *parser, Block *block)
 
 /* ---- loops ---- */
 
+/* for (i, 0, 10), behind the '(' */
+static bool parse_listed_loop(Parser *parser)
+{
+    if (parser->token.kind != TOKEN_NAME || peek(parser).kind != TOKEN_COMMA) return false;
+    const char *variable = parser->token.as.symbol->text, *parts[3] = {NULL, NULL, NULL};
+    Diagnostic *report = report_at(parser, token_span(parser), "a loop runs over a list or a range");
+    advance(parser);
+    for (unsigned n = 0; parser->token.kind == TOKEN_COMMA && n < COUNT_OF(parts); n++) {
+        advance(parser);
+        uint32_t begin = parser->token.begin;
+        parse_expr(parser);
+        if (parser->panic) return true;
+        parts[n] = quote(parser, begin, consumed_end(parser));
+    }
+    hint_write(parser, report,
+               arena_format(parser->arena, "for (%s in %s..%s%s%s) { ... }", variable, parts[0] ? parts[0] : "1",
+                            parts[1] ? parts[1] : "10", parts[2] ? " by " : "", parts[2] ? parts[2] : ""));
+    accept(parser, TOKEN_PAREN_CLOSE);
+    return true;
+}
+
 /* for (int i = 0; i < 10; i++), behind the '(' */
 bool parse_counting_loop(Parser *parser)
 {
+    if (parse_listed_loop(parser)) return true;
     Look look;
     look_from(parser, &look);
     Token name = parser->token, next = lexer_next(&look.lexer);
@@ -501,6 +531,60 @@ bool parse_counting_loop(Parser *parser)
         depth += (parser->token.kind == TOKEN_PAREN_OPEN) - (parser->token.kind == TOKEN_PAREN_CLOSE);
         advance(parser);
     }
+    return true;
+}
+
+/* ---- colours ---- */
+
+/* Does a vector begin here, and not a comparison: is there a comma before the '>'? In brackets nobody knows: there commas
+ * end what a comparison may be the last part of. */
+static bool vector_ahead(const Parser *parser)
+{
+    if (parser->brackets > 0) return false;
+    Look look;
+    look_from(parser, &look);
+    int brackets = 0;
+    for (Token token = lexer_next(&look.lexer); token.begin < parser->token.begin + NEAR_LOOK;
+         token = lexer_next(&look.lexer)) {
+        if (brackets == 0 && token.kind == TOKEN_COMMA) return true;
+        brackets += token.kind == TOKEN_PAREN_OPEN || token.kind == TOKEN_BRACKET_OPEN;
+        brackets -= token.kind == TOKEN_PAREN_CLOSE || token.kind == TOKEN_BRACKET_CLOSE;
+        if (brackets < 0 || token.kind == TOKEN_GREATER || token.kind == TOKEN_ASSIGN ||
+            token.kind == TOKEN_BRACE_OPEN || token.kind == TOKEN_BRACE_CLOSE || token.kind == TOKEN_END)
+            return false;
+    }
+    return false;
+}
+
+static bool is_color_word(const char *word)
+{
+    static const char *const words[] = {"rgb", "rgbf", "rgbt", "rgbft", "srgb", "color", "colour"};
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (strcmp(words[i], word) == 0) return true;
+    return false;
+}
+
+/* "rgb 1", "rgb <1, .5, 0>" and "color rgb ...", behind the first word */
+bool parse_color_habit(Parser *parser, const char *word)
+{
+    if (!is_color_word(word) || first_on_line(parser)) return false;
+    if (parser->token.kind == TOKEN_NAME) {
+        TokenKind next = peek(parser).kind;
+        if (!is_color_word(parser->token.as.symbol->text) || (next != TOKEN_NUMBER && next != TOKEN_LESS)) return false;
+    } else if (parser->token.kind != TOKEN_NUMBER && !(parser->token.kind == TOKEN_LESS && vector_ahead(parser))) {
+        return false;
+    }
+    Diagnostic *report =
+        report_at(parser, behind_last(parser),
+                  arena_format(parser->arena, "expected '(' behind '%s', found %s", word, found_text(parser)));
+    if (parser->token.kind == TOKEN_NAME) advance(parser);
+    bool vector = parser->token.kind == TOKEN_LESS;
+    uint32_t begin = parser->token.begin;
+    parse_prim(parser);
+    if (parser->panic) return true;
+    const char *value = quote(parser, begin + vector, consumed_end(parser) - vector);
+    hint_write(parser, report, vector ? arena_format(parser->arena, "rgb(%s)", value) : value);
+    calm_down(parser);
     return true;
 }
 

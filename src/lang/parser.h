@@ -78,6 +78,7 @@ Block *parse_node_block(Parser *parser, const char *node); /* of a node of that 
 Stmt *parse_def(Parser *parser, Span begin);               /* behind the word 'def' */
 Expr *parse_expr(Parser *parser);
 Expr *parse_tern(Parser *parser);
+Expr *parse_prim(Parser *parser);
 Args parse_args(Parser *parser, Span opening); /* behind the '(' */
 Path parse_path(Parser *parser);
 Expr *expr_new(Parser *parser, ExprKind kind, Span span);
@@ -91,6 +92,7 @@ void parse_bodiless_def(Parser *parser);
 bool parse_name_habit(Parser *parser, Path path);
 bool parse_block_habit(Parser *parser, Path path);
 bool parse_counting_loop(Parser *parser);
+bool parse_color_habit(Parser *parser, const char *word);
 void parse_two_names(Parser *parser, Path path);
 void parse_bare_block(Parser *parser, Block *block);
 void parse_directive(Parser *parser);

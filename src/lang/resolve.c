@@ -143,6 +143,7 @@ static void resolve_bind(Resolver *resolver, Stmt *stmt)
     stmt->as.bind.slot = scope_declare_slot(resolver, stmt->as.bind.name, stmt->as.bind.name_span);
     Binding *binding = stmt->as.bind.name->binding;
     binding->variable = stmt->as.bind.variable;
+    binding->constant = stmt->kind == STMT_BIND && !stmt->as.bind.variable;
     binding->warns = stmt->kind == STMT_BIND && (resolver->scope->outer->outer || resolver->warns_unused);
 }
 
@@ -158,8 +159,10 @@ static void resolve_assign(Resolver *resolver, Stmt *stmt)
         stmt->kind = STMT_EMPTY;
     } else if (binding->kind != BINDING_SLOT || !binding->variable) {
         Diagnostic *report = diag_report(diag, D_NOT_ASSIGNABLE, stmt->span, "'%s' is no var", symbol->text);
+        if (binding->constant) diag_hint(diag, report, "declare it by: var %s = ...", symbol->text);
         if (binding->has_span) diag_note(diag, report, binding->span, "declared here");
         stmt->kind = STMT_EMPTY;
+        resolver->n_unchanged++;
     } else {
         stmt->as.bind.slot = slot_of(resolver, binding);
     }
@@ -188,6 +191,9 @@ static void report_free_property(Resolver *resolver, const Stmt *stmt)
     Diagnostic *report = diag_report(resolver->diag, D_MISPLACED, stmt->span, "property '%s' outside of a node", name);
     if (binding && binding->kind == BINDING_SLOT && binding->variable)
         diag_hint(resolver->diag, report, "a var is changed by %s := ...", name);
+    else if (binding && binding->constant)
+        diag_hint(resolver->diag, report, "'%s' does not change; declare it by var %s = ..., and change it by %s := ...", name,
+                  name, name);
     else
         diag_hint(resolver->diag, report, "a name is declared by let %s = ...", name);
 }
@@ -199,6 +205,7 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     const PropType *prop = NULL;
     if (resolver->context == CONTEXT_FREE) {
         report_free_property(resolver, stmt);
+        resolver->n_unchanged++;
     } else if (resolver->context == CONTEXT_NODE && type) {
         prop = schema_prop(type, stmt->as.prop.name->text);
         if (!prop) {
@@ -292,6 +299,15 @@ static void resolve_branch(Resolver *resolver, Stmt *stmt)
         }
         stmt = otherwise->first;
     }
+}
+
+/* A loop in which something was to change and does not would run for ever: it is not run. */
+static void resolve_while(Resolver *resolver, Stmt *stmt)
+{
+    unsigned n_unchanged = resolver->n_unchanged;
+    resolve_expr(resolver, stmt->as.branch.condition);
+    resolve_block(resolver, stmt->as.branch.then);
+    if (resolver->n_unchanged > n_unchanged) stmt->kind = STMT_EMPTY;
 }
 
 static Symbol *defaults_symbol(Resolver *resolver, const NodeType *type)
@@ -414,10 +430,7 @@ static void resolve_stmt(Resolver *resolver, Stmt *stmt)
     case STMT_DEFAULTS: resolve_defaults(resolver, stmt); break;
     case STMT_IF: resolve_branch(resolver, stmt); break;
     case STMT_FOR: resolve_for(resolver, stmt); break;
-    case STMT_WHILE:
-        resolve_expr(resolver, stmt->as.branch.condition);
-        resolve_block(resolver, stmt->as.branch.then);
-        break;
+    case STMT_WHILE: resolve_while(resolver, stmt); break;
     case STMT_IMPORT: resolve_import(resolver, stmt); break;
     case STMT_PRESET: resolve_preset(resolver, stmt); break;
     }

@@ -18,6 +18,7 @@ struct Binding {
     Symbol *symbol;
     BindingKind kind;
     bool has_span, variable, used, warns;
+    bool constant; /* declared by let */
     Span span;
     uint32_t level, index;  /* BINDING_SLOT */
     Def *def;
@@ -60,6 +61,7 @@ typedef struct Resolver {
     bool warns_unused;      /* of names at the top of the present file */
     Expr **late;            /* expressions that see all that the scene declares at its top (--set) */
     size_t n_late;
+    unsigned n_unchanged;   /* statements that were to change something, and were refused */
 } Resolver;
 
 void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,

@@ -84,6 +84,11 @@ void report_unknown_property(Diag *diag, Span span, const NodeType *type, const 
             diag_hint(diag, report, "write: %s = ...", other);
             return;
         }
+    const char *advice = habit_advice(type->name, name);
+    if (advice) {
+        diag_hint(diag, report, "%s", advice);
+        return;
+    }
     diag_suggest(diag, report, name, words, type->n_props);
     if (!report->hint && type->n_props)
         diag_note_nowhere(diag, report, "%s has %s", with_article(diag->arena, type->name),
