@@ -6,7 +6,8 @@
  * off (put_off) until the search is over and few are left, and only what decides about the search is asked at once: is it
  * in front of the start for certain? where it is not, it is computed exactly on the spot (take_exactly). What is then
  * found in double shows whether the search went far enough; where it did not, at grazing rays above all, it is done
- * again with every candidate computed as it comes (search_exactly).
+ * again with every candidate computed as it comes (search_exactly). Surfaces that the ray passes by are noted on the way
+ * in a list of their own (rtc_passed.c), and end nothing.
  *
  * The ray that Embree sees starts a little behind the true one, so that a triangle right at the start is
  * proposed in spite of float rounding; whether it is in front of the start is then decided in double.
@@ -16,8 +17,6 @@
 
 #include "geom/rtc_query.h"
 
-/* Below this cosine the window for surfaces at one place grows no further. */
-#define LEAST_COSINE 1e-4
 /* The window for candidates whose cosine is not known yet: most have a larger one. */
 #define USUAL_COSINE 0x1p-6
 
@@ -50,14 +49,14 @@ static inline double noise_at(const Query *query, double t)
  * Embree for a ray that must not lose it. */
 static double window_behind(const Query *query, const Hit *hit)
 {
-    double cosine = double_max(fabs(hit->cos_normal), LEAST_COSINE);
+    double cosine = double_max(fabs(hit->cos_normal), RTC_LEAST_COSINE);
     return double_max(query->least_window, (4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t)) / cosine);
 }
 
 /* Whether the search went that far. */
 static inline bool reaches_behind(const Query *query, const Hit *hit)
 {
-    double cosine = double_max(fabs(hit->cos_normal), LEAST_COSINE);
+    double cosine = double_max(fabs(hit->cos_normal), RTC_LEAST_COSINE);
     return 4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t) <= (query->reach - hit->t) * cosine;
 }
 
@@ -74,13 +73,18 @@ static bool is_target(const Ray *ray, uint32_t object, uint32_t primitive)
     return object == ray->target && (ray->target_primitive == RTC_NO_OBJECT || primitive == ray->target_primitive);
 }
 
+Hit *rtc_hit_place(HitList *list)
+{
+    if (UNLIKELY(list->n == list->capacity) && !hit_list_grow(list)) return NULL;
+    return &list->items[list->n];
+}
+
 /* The place of the next hit of the list; NULL when memory ends. Of a hit that is put off no more than these fields is
  * set: a cosine of 0 says so. */
-static inline Hit *next_hit(Query *query, double t, uint32_t object, uint32_t primitive)
+static inline Hit *next_hit(HitList *list, double t, uint32_t object, uint32_t primitive)
 {
-    HitList *hits = query->hits;
-    if (UNLIKELY(hits->n == hits->capacity) && !hit_list_grow(hits)) return NULL;
-    Hit *hit = &hits->items[hits->n];
+    Hit *hit = rtc_hit_place(list);
+    if (UNLIKELY(!hit)) return NULL;
     hit->t = t;
     hit->object = object;
     hit->primitive = primitive;
@@ -130,6 +134,13 @@ static inline bool put_off(Query *query, const Hit *hit)
     return true;
 }
 
+/* A candidate that the ray passes by, if it is there: it never ends the search. */
+static bool note_passed(Query *query, Hit *hit, bool certain)
+{
+    if (certain || rtc_complete_hit(query, hit)) query->passed->n++;
+    return false;
+}
+
 /* Whether a crossing of a piece that the ray starts on is that start. */
 static bool is_start(const Query *query, const Hit *left, double t, bool leaving)
 {
@@ -140,9 +151,11 @@ static bool take_crossing(Query *query, RtcPiece which, double t, bool leaving)
 {
     const Hit *left = rtc_find_left(query->ray, which.object, which.piece);
     if (left && is_start(query, left, t, leaving)) return false;
-    Hit *hit = next_hit(query, t, which.object, which.piece);
+    bool passing = rtc_passes(query, which.object);
+    Hit *hit = next_hit(passing ? query->passed : query->hits, t, which.object, which.piece);
     if (UNLIKELY(!hit)) return false;
     if (query->all) return take_any(query, hit);
+    if (passing) return note_passed(query, hit, !query->exact && !left);
     if (query->exact || left) return take_exactly(query, hit);
     return t <= query->reach && put_off(query, hit);
 }
@@ -193,7 +206,7 @@ static inline uint32_t object_of(const struct RTCHit *hit)
 static bool is_behind(const Ray *ray, const Hit *left)
 {
     double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
-    return left->inside == (slope < 0) && fabs(slope) > LEAST_COSINE;
+    return left->inside == (slope < 0) && fabs(slope) > RTC_LEAST_COSINE;
 }
 
 /* A triangle that Embree has found; its t and the object that it is of. */
@@ -204,13 +217,15 @@ static bool consider_triangle(Query *query, const struct RTCHit *found, float em
     const Hit *left = rtc_find_left(ray, object, found->primID);
     if (left && is_behind(ray, left)) return false;
     double t = (double)embree_tfar - query->back;
-    Hit *hit = next_hit(query, t, object, found->primID);
+    bool passing = rtc_passes(query, object);
+    Hit *hit = next_hit(passing ? query->passed : query->hits, t, object, found->primID);
     if (UNLIKELY(!hit)) return false;
     hit->u = found->u;
     hit->v = found->v;
     if (query->all) return take_any(query, hit);
     double doubt = noise_at(query, t) / USUAL_COSINE;
     bool certain = !query->exact && !left && t > query->t_min + doubt && t < ray->t_max - doubt;
+    if (passing) return note_passed(query, hit, certain);
     return LIKELY(certain) ? put_off(query, hit) : take_exactly(query, hit);
 }
 
@@ -307,7 +322,7 @@ static inline bool usable(const Ray *ray)
            is_tame((double)ray->direction.z) && ray->t_min >= 0 && is_tame(ray->t_min);
 }
 
-static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits)
+static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
 {
     embree_init_context(&query->context);
     query->scene = scene;
@@ -321,8 +336,11 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->least_window = 0;
     query->all = query->stop_at_opaque = query->blocked = query->exact = false;
     query->hits = hits;
+    query->passed = passed;
+    query->passes = passed && (ray->pass_level || ray->pass_alike != RTC_NO_PASS);
     query->local.object = RTC_NO_OBJECT;
     hits->n = 0;
+    if (passed) passed->n = 0;
 }
 
 static void embree_ray(Query *query, struct RTCRay *ray)
@@ -352,8 +370,7 @@ static int compare_hits(const void *left, const void *right)
     return a->primitive < b->primitive ? -1 : a->primitive > b->primitive;
 }
 
-/* By distance, then by number, so that the order does not depend on Embree's. */
-static void sort_hits(HitList *hits)
+void rtc_sort_hits(HitList *hits)
 {
     enum { FEW = 48 };
     if (hits->n > FEW) {
@@ -371,20 +388,10 @@ static void sort_hits(HitList *hits)
     }
 }
 
-/* Each is nearer to the one before, along the normal, than coordinates can tell. Along the steeper normal, so that different
- * surfaces are kept apart; along the flatter one for the two sides of one object's edge, which the ray clips or misses
- * within rounding. */
 size_t rtc_cluster(const Hit *hits, size_t n_hits)
 {
     size_t n = n_hits ? 1 : 0;
-    for (; n < n_hits; n++) {
-        const Hit *a = &hits[n - 1], *b = &hits[n];
-        double flat = double_min(fabs(a->cos_normal), fabs(b->cos_normal)),
-               steep = double_max(fabs(a->cos_normal), fabs(b->cos_normal));
-        bool edge = a->object == b->object && a->entering != b->entering;
-        if ((b->t - a->t) * (edge ? double_max(flat, LEAST_COSINE) : steep) > double_max(a->rounding, b->rounding))
-            break;
-    }
+    while (n < n_hits && rtc_together(&hits[n - 1], &hits[n])) n++;
     return n;
 }
 
@@ -403,8 +410,7 @@ static bool repeats_start(const Ray *ray, const Hit *hit)
     return false;
 }
 
-/* Takes such repetitions out of hits in increasing t; returns how many hits are left. */
-static size_t drop_repeats(const Ray *ray, Hit *hits, size_t n)
+size_t rtc_drop_repeats(const Ray *ray, Hit *hits, size_t n)
 {
     if (ray->t_min > 0) return n;
     for (size_t k = 0; k < ray->n_left; k++) {
@@ -420,13 +426,14 @@ static size_t drop_repeats(const Ray *ray, Hit *hits, size_t n)
 /* How far a surface that stands at one place with this one may be. */
 static double chain_end(const Hit *last)
 {
-    return last->t + 2 * last->rounding / double_max(fabs(last->cos_normal), LEAST_COSINE);
+    return last->t + 2 * last->rounding / double_max(fabs(last->cos_normal), RTC_LEAST_COSINE);
 }
 
 static void search_nearest(Query *query)
 {
     query->reach = HUGE_VAL;
     query->hits->n = 0;
+    if (query->passes) query->passed->n = 0;
     for (uint32_t i = 0; i < query->scene->n_planes; i++) consider_piece(query, query->scene->planes[i]);
     struct RTCRayHit embree;
     embree_ray(query, &embree.ray);
@@ -452,47 +459,60 @@ static bool complete_nearest(Query *query)
         n++;
     }
     hits->n = n;
-    if (n > 1) sort_hits(hits);
+    if (n > 1) rtc_sort_hits(hits);
+    if (query->passes) rtc_complete_passed(query, end);
     return n == 0 || reaches_behind(query, &hits->items[0]);
 }
 
+/* How many hits stand at the nearest place; what is passed by there is among them. */
+static size_t nearest_place(Query *query)
+{
+    size_t n = rtc_cluster(query->hits->items, query->hits->n);
+    return query->passes && query->passed->n ? rtc_part_passed(query, n) : n;
+}
+
 /* The same with every candidate computed exactly as it comes; a chain of surfaces at one place may come near the end of
- * the window, and is then followed further. */
-ATTR_COLD static void search_exactly(Query *query)
+ * the window, and is then followed further. Returns how many there are. */
+ATTR_COLD static size_t search_exactly(Query *query)
 {
     HitList *hits = query->hits;
     query->exact = true;
     query->least_window = 0;
     for (;;) {
         search_nearest(query);
-        sort_hits(hits);
-        size_t n = rtc_cluster(hits->items, hits->n);
-        if (n <= 1) return;
+        rtc_sort_hits(hits);
+        if (query->passes) rtc_complete_passed(query, query->reach);
+        size_t n = nearest_place(query);
+        if (n <= 1) return n;
         double end = chain_end(&hits->items[n - 1]);
-        if (end <= query->reach) return;
+        if (end <= query->reach) return n;
         query->least_window = end - hits->items[0].t;
     }
 }
 
-size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
+size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
 {
     Query query;
-    query_init(&query, scene, ray, hits);
+    query_init(&query, scene, ray, hits, passed);
     if (!usable(ray)) return 0;
     for (;;) {
         search_nearest(&query);
         bool good = complete_nearest(&query);
-        size_t n = good ? rtc_cluster(hits->items, hits->n) : 0;
-        if (UNLIKELY(!good || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach))) {
-            search_exactly(&query);
-            n = rtc_cluster(hits->items, hits->n);
-        }
+        size_t n = good ? nearest_place(&query) : 0;
+        if (UNLIKELY(!good || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach))) n = search_exactly(&query);
+        if (query.passes) passed->n = rtc_drop_repeats(ray, passed->items, passed->n);
         if (n == 0) return 0;
         double behind = hits->items[n - 1].t;
-        hits->n = drop_repeats(ray, hits->items, n);
+        hits->n = rtc_drop_repeats(ray, hits->items, n);
         if (LIKELY(hits->n)) return hits->n;
-        query.t_min = behind; /* nothing but repetitions: look behind them */
+        /* nothing but repetitions: look behind them; what was passed by before them is found again, one by one */
         query.exact = false;
+        if (UNLIKELY(query.passes && passed->n)) {
+            query.passes = false;
+            passed->n = 0;
+        } else {
+            query.t_min = behind;
+        }
     }
 }
 
@@ -512,7 +532,7 @@ static void complete_all(Query *query)
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits)
 {
     Query query;
-    query_init(&query, scene, ray, hits);
+    query_init(&query, scene, ray, hits, NULL);
     query.all = true;
     query.stop_at_opaque = stop_at_opaque;
     if (!usable(ray)) return true;
@@ -523,7 +543,7 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
     complete_all(&query);
-    sort_hits(hits);
-    hits->n = drop_repeats(ray, hits->items, hits->n);
+    rtc_sort_hits(hits);
+    hits->n = rtc_drop_repeats(ray, hits->items, hits->n);
     return true;
 }

@@ -45,6 +45,9 @@ void rtc_scene_free(RtcScene *scene);
 /* The classes of straight rays that an object which is not opaque stops as well, whatever is on their way; see Ray.stops.
  * None unless set; not while rays are traced. */
 void rtc_set_stops(RtcScene *scene, uint32_t object, uint32_t classes);
+/* Which rays pass by an object; see Ray.pass_level and Ray.pass_alike. RTC_NO_PASS and RTC_NO_PASS unless set: none does. Not
+ * while rays are traced. */
+void rtc_set_passing(RtcScene *scene, uint32_t object, uint32_t level, uint32_t alike);
 /* Around everything but unbounded planes; empty for an empty scene. */
 Box3 rtc_scene_bounds(const RtcScene *scene);
 /* Whether the object is a plane without end, which divides space: rays that stay on one side never tell which it is. */
@@ -66,6 +69,8 @@ typedef struct Ray {
     double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
     uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
     uint32_t target_primitive; /* of it only this primitive does not; RTC_NO_OBJECT: none of them */
+    uint32_t pass_level;     /* rtc_nearest: objects of a lower level than this do not end the search, */
+    uint32_t pass_alike;     /* nor do those of a higher one that are alike in this; RTC_NO_PASS: none are */
     uint32_t stops;          /* rtc_all with stop_at_opaque: ends at objects of these classes, too, but at ones it starts on */
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
@@ -76,11 +81,17 @@ typedef struct Ray {
 /* A ray that starts in free space. */
 static inline Ray ray_make(Vec3 origin, Vec3f direction)
 {
-    return (Ray){.origin = origin, .direction = direction, .t_max = HUGE_VAL, .target = UINT32_MAX, .target_primitive = UINT32_MAX};
+    return (Ray){.origin = origin,
+                 .direction = direction,
+                 .t_max = HUGE_VAL,
+                 .target = UINT32_MAX,
+                 .target_primitive = UINT32_MAX,
+                 .pass_alike = UINT32_MAX};
 }
 static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->origin, t, vec3_from_f(ray->direction)); }
 
 #define RTC_NO_OBJECT UINT32_MAX
+#define RTC_NO_PASS UINT32_MAX
 
 /* One surface met by a ray. */
 struct Hit {
@@ -107,8 +118,11 @@ void hit_list_clear(HitList *list); /* frees */
 
 /* All surfaces that stand at the nearest distance, in increasing t: the first, and every further one that
  * is nearer to the one before it than the rounding of coordinates can tell (along the normal; see
- * rtc_rounding). Returns the number, 0 when the ray leaves the scene. */
-size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
+ * rtc_rounding). Returns the number, 0 when the ray leaves the scene.
+ * Surfaces that the ray passes by (pass_level, pass_alike) do not count. Those in front of the place go to `passed`, in
+ * increasing t: what searches that stop at each of them, one after another, would have found. One that stands at the place
+ * itself is among the hits. passed may be NULL for a ray that passes by nothing. */
+size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed);
 
 /* How many of n >= 1 hits in increasing t stand at one place with the first. */
 size_t rtc_cluster(const Hit *hits, size_t n);

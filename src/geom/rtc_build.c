@@ -76,6 +76,8 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
                           .solid = object->solid,
                           .detail = &rtc_no_detail,
                           .opaque = object->opaque,
+                          .pass_level = RTC_NO_PASS,
+                          .pass_alike = RTC_NO_PASS,
                           .place = object->to_world.t,
                           .scale = object->to_world.m[0][0]};
     if (!affine_invert(&object->to_world, &to_local))
@@ -480,6 +482,12 @@ void rtc_scene_free(RtcScene *scene)
 void rtc_set_stops(RtcScene *scene, uint32_t object, uint32_t classes)
 {
     scene->objects[object].stops = classes;
+}
+
+void rtc_set_passing(RtcScene *scene, uint32_t object, uint32_t level, uint32_t alike)
+{
+    scene->objects[object].pass_level = level;
+    scene->objects[object].pass_alike = alike;
 }
 
 Box3 rtc_scene_bounds(const RtcScene *scene)

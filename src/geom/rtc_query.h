@@ -14,6 +14,9 @@
 /* What double precision makes of a point on a surface. */
 #define DOUBLE_NOISE 0x1p-42
 
+/* Below this cosine the window for surfaces at one place grows no further. */
+#define RTC_LEAST_COSINE 1e-4
+
 /* The ray in the frame of an object with pieces; those of one solid come in a row. */
 typedef struct LocalRay {
     uint32_t object;
@@ -35,9 +38,40 @@ typedef struct Query {
     double least_window; /* nearest query, exact: chains are followed at least that far */
     bool all, stop_at_opaque, blocked;
     bool exact; /* nearest query: every candidate is computed exactly as soon as it is found */
-    HitList *hits;
+    HitList *hits, *passed;
+    bool passes; /* nearest query: the ray passes by some objects */
     LocalRay local;
 } Query;
+
+/* Whether the ray passes by an object. */
+static inline bool rtc_passes(const Query *query, uint32_t object)
+{
+    if (LIKELY(!query->passes)) return false;
+    const RtcPlaced *placed = &query->scene->objects[object];
+    if (placed->pass_level <= query->ray->pass_level) return placed->pass_level < query->ray->pass_level;
+    return placed->pass_alike == query->ray->pass_alike && placed->pass_alike != RTC_NO_PASS;
+}
+/* Whether two surfaces, b not in front of a, stand at one place: nearer to each other along the normal than coordinates can
+ * tell. Along the steeper normal, so that different surfaces are kept apart; along the flatter one for the two sides of one
+ * object's edge, which the ray clips or misses within rounding. */
+static inline bool rtc_together(const Hit *a, const Hit *b)
+{
+    double flat = double_min(fabs(a->cos_normal), fabs(b->cos_normal)),
+           steep = double_max(fabs(a->cos_normal), fabs(b->cos_normal));
+    bool edge = a->object == b->object && a->entering != b->entering;
+    return (b->t - a->t) * (edge ? double_max(flat, RTC_LEAST_COSINE) : steep) <= double_max(a->rounding, b->rounding);
+}
+/* By distance, then by number, so that the order does not depend on Embree's. */
+void rtc_sort_hits(HitList *hits);
+/* A place behind the last hit of a list; NULL when memory ends. The caller counts it. */
+Hit *rtc_hit_place(HitList *list);
+/* Completes what was passed by up to there, and sorts it. */
+void rtc_complete_passed(Query *query, double end);
+/* Parts the n hits at the nearest place from what was passed by before it, when those may stand at that place, too; returns
+ * how many hits are there then. */
+size_t rtc_part_passed(Query *query, size_t n);
+/* Takes repetitions of the ray's start (see rtc.c) out of hits in increasing t; returns how many are left. */
+size_t rtc_drop_repeats(const Ray *ray, Hit *hits, size_t n);
 
 /* The ray in an object's frame. */
 void rtc_enter_frame(Query *query, uint32_t object);

@@ -33,6 +33,7 @@ typedef struct RtcPlaced {
     double scale;        /* > 0 */
     bool opaque;
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
+    uint32_t pass_level, pass_alike; /* see Ray.pass_level */
     bool is_ball;        /* of solids: a sphere, moved and made larger evenly, that stands still */
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
 } RtcPlaced;

@@ -11,8 +11,8 @@
  * file, SCENE_SPACE_ALPHA for three times the alpha, which is 1 where there is none. */
 #define SCENE_SPACE_DATA ""
 #define SCENE_SPACE_ALPHA "/alpha"
-typedef Status (*SceneImageLoader)(void *context, const char *path, const char *space, float **rgb,
-                                   uint32_t *width, uint32_t *height, Error *error);
+typedef Status (*SceneImageLoader)(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
+                                   uint32_t *height, Error *error);
 
 typedef struct SceneOptions {
     EvalOptions eval; /* schema and geometry are filled in here, and so are clock, frame, frames and time */

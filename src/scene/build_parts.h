@@ -36,7 +36,7 @@ typedef struct ShapeFacts {
     double volume; /* in the shape's own frame */
     Box3 bounds;
     bool closed, consistent;
-    bool many_parts;    /* a mesh of several parts, which may overlap */
+    bool many_parts;      /* a mesh of several parts, which may overlap */
     uint32_t first_layer; /* see build_layers.c; 0: not looked for so far */
     bool reported_open;
     double file_unit_m; /* 0: not known */
@@ -64,24 +64,24 @@ typedef struct Builder {
     ShapeFacts *facts;
     uint64_t where;                  /* identity of the node being built, with those of the groups around it */
     struct Combination *combination; /* that the nodes being built are operands of; NULL outside of any */
-    uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, lights_capacity,
-        cameras_capacity, files_capacity, volumes_capacity, frames_capacity, operands_capacity, parts_capacity, trees_capacity;
+    uint32_t media_capacity, surfaces_capacity, shapes_capacity, facts_capacity, lights_capacity, cameras_capacity,
+        files_capacity, volumes_capacity, frames_capacity, operands_capacity, parts_capacity, trees_capacity;
     size_t objects_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     Map textures, pictures;
-    TextureFacts *texture_facts;     /* of scene->textures */
+    TextureFacts *texture_facts; /* of scene->textures */
     uint32_t texture_facts_capacity, textures_capacity, pictures_capacity, texture_frames_capacity;
     double picture_bytes;
-    const EvalProp *texture_user;    /* the property that textures are being built for */
-    Affine node_to_world;            /* of the node being built: the frame that it is described in */
-    Map volumes;    /* by the address of their node */
-    Map mesh_files;                            /* shapes by the address of the first mesh node that has them */
-    uint32_t black;                            /* the surface of lights; SCENE_NONE until there is one */
-    uint32_t grey;                             /* the surface of a ground that names none */
+    const EvalProp *texture_user; /* the property that textures are being built for */
+    Affine node_to_world;         /* of the node being built: the frame that it is described in */
+    Map volumes;                  /* by the address of their node */
+    Map mesh_files;               /* shapes by the address of the first mesh node that has them */
+    uint32_t black;               /* the surface of lights; SCENE_NONE until there is one */
+    uint32_t grey;                /* the surface of a ground that names none */
     uint64_t environment_hash;
-    bool only_shapes;                          /* for geometry.c: what objects are made of does not matter */
-    Status status; /* a failure that is no mistake in the scene */
+    bool only_shapes; /* for geometry.c: what objects are made of does not matter */
+    Status status;    /* a failure that is no mistake in the scene */
     Error *error;
 } Builder;
 

@@ -301,6 +301,7 @@ void compiled_scene_free(CompiledScene *compiled)
     rtc_scene_free(compiled->rtc);
     nest_order_clear(&compiled->order);
     free(compiled->hull_of_object);
+    free(compiled->passing);
     free(compiled->object_of_hull);
     free(compiled->hulls);
     free(compiled->hull_bounds);

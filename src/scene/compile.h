@@ -29,7 +29,8 @@ typedef struct HullPair {
 typedef struct CompiledScene {
     const Scene *scene;
     RtcScene *rtc;
-    uint32_t *hull_of_object; /* what crossing the object passes: a hull, or an operand of a combination, from n_hulls on;
+    uint32_t
+        *hull_of_object; /* what crossing the object passes: a hull, or an operand of a combination, from n_hulls on;
                                * SCENE_NONE for opaque objects */
     uint32_t *object_of_hull;
     NestHull *hulls;
@@ -38,10 +39,13 @@ typedef struct CompiledScene {
     bool *unbounded;   /* of hulls and operands: reach to infinity */
     uint32_t *planes;  /* objects that are half of space */
     uint32_t n_planes;
-    HullPair *pairs;   /* every pair that meets: overlaps, touches or leaves a small gap */
+    HullPair *pairs; /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
     NestOrder order;
-    NestCsg csg; /* the combinations, numbered with hulls and operands */
+    uint32_t *passing; /* of each hull: 0, or its rank + 1 where a ray inside may pass by others; see compiled_let_pass.
+                            * NULL: no ray passes by anything */
+    uint32_t passes_world; /* the world's medium where a hull is of it, too, else RTC_NO_PASS */
+    NestCsg csg;           /* the combinations, numbered with hulls and operands */
 } CompiledScene;
 
 /* The hull that an object is, or is an operand of; SCENE_NONE for what is opaque. */
@@ -69,8 +73,23 @@ static inline uint32_t compiled_stop_class(uint32_t medium)
 {
     return medium < COMPILED_STOP_CLASSES ? 1U << medium : 0;
 }
-/* Tells rtc which objects do; part of compile_scene. */
+/* Tells rtc which objects do, and which rays pass by them (compiled_let_pass); part of compile_scene. */
 ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error);
+/* Tells a ray that starts where the list holds which surfaces it passes by: those of hulls that rank below the owner there,
+ * or are of its medium, as long as it does not leave the owner. To cross them is silent, whatever the list says of them. */
+static inline void compiled_let_pass(const CompiledScene *compiled, const NestList *list, Ray *ray)
+{
+    uint32_t owner = nest_owner(&compiled->order, list);
+    ray->pass_level = 0;
+    ray->pass_alike = RTC_NO_PASS;
+    if (!compiled->passing) return;
+    if (owner == NEST_WORLD) {
+        ray->pass_alike = compiled->passes_world;
+    } else if (compiled->passing[owner]) {
+        ray->pass_level = compiled->passing[owner];
+        ray->pass_alike = compiled->order.medium[owner];
+    }
+}
 
 /* The hulls that hold a point at a time 0..1 of the shutter, found by tracing from outside of the scene to it along one direction, again along
  * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the

@@ -560,7 +560,7 @@ static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray,
         return STATUS_OK;
     }
     TRY(need_rtc(geometry, model, error));
-    if (rtc_nearest(model->rtc, &ray->ray, hits)) hits->n = 1;
+    if (rtc_nearest(model->rtc, &ray->ray, hits, NULL)) hits->n = 1;
     ++*geometry->steps;
     return hits->out_of_memory ? fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray") : STATUS_OK;
 }

@@ -31,15 +31,15 @@ typedef struct SceneMedium {
     Spectrum absorption; /* per scene unit */
     Spectrum scattering; /* per scene unit */
     Phase phase;
-    bool absorbs;        /* absorption is not zero */
-    bool scatters;       /* scattering is not zero */
-    bool disperses;      /* the index depends on the wavelength */
-    const Volume *density; /* a factor of all that; NULL: 1 everywhere */
-    bool emits;            /* emission is not zero */
-    Spectrum emission;     /* radiance gained per scene unit, as SceneLight's */
+    bool absorbs;              /* absorption is not zero */
+    bool scatters;             /* scattering is not zero */
+    bool disperses;            /* the index depends on the wavelength */
+    const Volume *density;     /* a factor of all that; NULL: 1 everywhere */
+    bool emits;                /* emission is not zero */
+    Spectrum emission;         /* radiance gained per scene unit, as SceneLight's */
     const Volume *temperature; /* NULL, or in kelvin where emission is that of a black body of reference_k */
     double reference_k;
-    bool mixes;            /* adds to the medium that owns a place, see scene_mixing_state */
+    bool mixes; /* adds to the medium that owns a place, see scene_mixing_state */
     NestState state;
     bool has_priority;
     int32_t priority;
@@ -51,7 +51,7 @@ typedef struct SurfaceTexture {
     bool color;       /* the parameter is a Spectrum of reflectances; else a float in least .. most */
     size_t offset;    /* in BsdfSpec */
     float least, most;
-    float factor;     /* of the texture's number */
+    float factor; /* of the texture's number */
 } SurfaceTexture;
 
 /* The state of matter by which media mix: one that does is where the owner of the place is of its own state. What states
@@ -70,25 +70,25 @@ typedef enum SceneGrain { GRAIN_AROUND, GRAIN_X, GRAIN_Y, GRAIN_Z } SceneGrain;
 /* What an opaque object is covered with, or the boundary of a clear one. */
 typedef struct SceneSurface {
     const char *name;
-    Spectrum albedo;  /* diffuse reflectance, 0..1 */
-    float roughness;  /* of the boundary of a clear object; its alpha is the square */
-    bool finished;    /* more than matte: */
-    BsdfSpec spec;    /* of a number that a texture says: the largest that it can be */
-    bool thin;        /* light goes through it, or through a part of the mix */
-    bool painted;     /* says what part of a clear object's boundary is clear */
+    Spectrum albedo; /* diffuse reflectance, 0..1 */
+    float roughness; /* of the boundary of a clear object; its alpha is the square */
+    bool finished;   /* more than matte: */
+    BsdfSpec spec;   /* of a number that a texture says: the largest that it can be */
+    bool thin;       /* light goes through it, or through a part of the mix */
+    bool painted;    /* says what part of a clear object's boundary is clear */
     SceneGrain grain;
     double grain_angle; /* radians */
-    bool mixed;         /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
+    bool mixed; /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
     uint32_t mix[2];
     const SurfaceTexture *textures;
     uint32_t n_textures;
     bool textures_use_uv; /* some texture of it asks for the surface's own coordinates */
-    uint32_t bump;    /* SCENE_NONE, or a texture of heights, in units of: */
+    uint32_t bump;        /* SCENE_NONE, or a texture of heights, in units of: */
     double bump_height;
-    uint32_t normal_map; /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
-    float normal_x, normal_y; /* factors of its slopes */
-    bool emits;          /* shines by itself, from both sides */
-    Spectrum emission;   /* radiance, as SceneLight's; of one that a texture says, about its mean */
+    uint32_t normal_map;       /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
+    float normal_x, normal_y;  /* factors of its slopes */
+    bool emits;                /* shines by itself, from both sides */
+    Spectrum emission;         /* radiance, as SceneLight's; of one that a texture says, about its mean */
     uint32_t emission_texture; /* SCENE_NONE, or radiance from place to place, in units of: */
     float emission_factor;
 } SceneSurface;
@@ -96,9 +96,9 @@ typedef struct SceneSurface {
 typedef struct SceneShape { /* geometry that objects share; one of the two */
     Mesh *mesh;
     Solid *solid;
-    bool closed;       /* nothing but a camera within sees its inside */
-    Mesh *mesh_end;    /* NULL, or what the mesh becomes while the shutter is open: the same triangles */
-    MeshParts parts;   /* of a mesh whose bodies overlap; n_layers 0: of none, or not known. Where it holds a medium, its
+    bool closed;     /* nothing but a camera within sees its inside */
+    Mesh *mesh_end;  /* NULL, or what the mesh becomes while the shutter is open: the same triangles */
+    MeshParts parts; /* of a mesh whose bodies overlap; n_layers 0: of none, or not known. Where it holds a medium, its
                         * layers are used in its place: shapes that follow each other, see build_layers.c */
     uint32_t layer_of; /* SCENE_NONE, or the mesh that this is a layer of */
 } SceneShape;
@@ -112,14 +112,15 @@ typedef struct SceneObject {
     uint32_t tree;    /* of a combination: which of the scene's; SCENE_NONE for others */
     uint32_t part_of; /* of an operand: the combination's row; SCENE_NONE for others */
     Affine to_world;
-    uint32_t medium;  /* of the interior: a hull; SCENE_NONE for an opaque object and for operands */
-    uint32_t surface; /* of an opaque object, or of an operand of one; of a hull one that makes it rough, or SCENE_NONE */
-    uint32_t light;   /* SCENE_NONE when it does not shine */
-    uint32_t motion;  /* which of the scene's motions; SCENE_NONE when it stands still */
+    uint32_t medium; /* of the interior: a hull; SCENE_NONE for an opaque object and for operands */
+    uint32_t
+        surface;    /* of an opaque object, or of an operand of one; of a hull one that makes it rough, or SCENE_NONE */
+    uint32_t light; /* SCENE_NONE when it does not shine */
+    uint32_t motion;        /* which of the scene's motions; SCENE_NONE when it stands still */
     uint32_t texture_frame; /* which of the scene's; SCENE_NONE where no texture needs it */
-    uint64_t identity; /* which object this is at another clock; see EvalNode.identity */
-    int32_t priority; /* the object's own, or its medium's, or 0 */
-    double volume;    /* enclosed, in cubic scene units; 0 for a combination, see CompiledScene.hulls */
+    uint64_t identity;      /* which object this is at another clock; see EvalNode.identity */
+    int32_t priority;       /* the object's own, or its medium's, or 0 */
+    double volume;          /* enclosed, in cubic scene units; 0 for a combination, see CompiledScene.hulls */
 } SceneObject;
 
 /* Where the textures on an object are: they stay with the frame that it was described in. */
@@ -141,7 +142,7 @@ typedef struct SceneTree {
 typedef enum ProfileType {
     PROFILE_C, /* vertical: from the axis; horizontal: about it, from +x over +z. What is not given by symmetry is dark. */
     PROFILE_B, /* horizontal: to the right of the plane that the axis and up span; vertical: about the right, upwards */
-    PROFILE_A  /* vertical: above the plane that the axis and the right span; horizontal: about up, to the right. Of both,
+    PROFILE_A /* vertical: above the plane that the axis and the right span; horizontal: about up, to the right. Of both,
                 * angles from 0 on stand for those below 0, too, and behind the lamp it is dark. */
 } ProfileType;
 
@@ -158,7 +159,7 @@ typedef enum LightKind {
     LIGHT_SPHERE, /* radius half_width */
     LIGHT_DISTANT, /* from a cone of directions at infinity, as the sun */
     LIGHT_POINT,   /* without size: to all sides, into a cone about +y, or by a profile */
-    LIGHT_PORTAL   /* no light, but where the environment's comes in: a LIGHT_RECT in place and form, without an object */
+    LIGHT_PORTAL /* no light, but where the environment's comes in: a LIGHT_RECT in place and form, without an object */
 } LightKind;
 
 typedef struct SceneLight {
@@ -169,14 +170,15 @@ typedef struct SceneLight {
      * along its axis, or where the profile is 1: radiance times square scene units */
     Spectrum radiance;
     double half_width, half_height;
-    uint32_t object;    /* SCENE_NONE for LIGHT_DISTANT, LIGHT_POINT and LIGHT_PORTAL */
-    uint32_t motion;    /* of LIGHT_POINT, as SceneObject's; others move with their object */
+    uint32_t object; /* SCENE_NONE for LIGHT_DISTANT, LIGHT_POINT and LIGHT_PORTAL */
+    uint32_t motion; /* of LIGHT_POINT, as SceneObject's; others move with their object */
     uint64_t identity;
-    Affine to_world;    /* rigid: rotation and translation */
-    Vec3 towards;       /* LIGHT_DISTANT: unit, from the scene to the light */
-    double cos_angle;   /* LIGHT_DISTANT: of the cone's half angle */
+    Affine to_world;             /* rigid: rotation and translation */
+    Vec3 towards;                /* LIGHT_DISTANT: unit, from the scene to the light */
+    double cos_angle;            /* LIGHT_DISTANT: of the cone's half angle */
     const LightProfile *profile; /* LIGHT_POINT: NULL, or instead of what cos_full says; cos_none bounds it */
-    double cos_full, cos_none; /* LIGHT_POINT: as bright as ever within the first angle from +y, dark beyond the other */
+    double cos_full,
+        cos_none; /* LIGHT_POINT: as bright as ever within the first angle from +y, dark beyond the other */
 } SceneLight;
 
 /* How bright a LIGHT_POINT is towards a direction (unit, in its own frame), its axis being 1. */
@@ -230,7 +232,8 @@ typedef struct SceneAnimation {
 } SceneAnimation;
 
 typedef struct Scene {
-    Arena arena; /* holds everything but objects, meshes, solids, images and the environment, which scene_free frees too */
+    Arena
+        arena; /* holds everything but objects, meshes, solids, images and the environment, which scene_free frees too */
     SceneMedium *media; /* [0] is the world's */
     uint32_t n_media;
     SceneSurface *surfaces;
@@ -249,9 +252,9 @@ typedef struct Scene {
     uint32_t n_shapes;
     SceneObject *objects;
     uint32_t n_objects;
-    double shutter;      /* how long it is open, in frames; 0: not to speak of */
-    uint32_t n_keys;     /* of each motion, at evenly spread times while the shutter is open; 0: nothing moves */
-    Affine *motions;     /* to the world: n_keys for each motion */
+    double shutter;           /* how long it is open, in frames; 0: not to speak of */
+    uint32_t n_keys;          /* of each motion, at evenly spread times while the shutter is open; 0: nothing moves */
+    Affine *motions;          /* to the world: n_keys for each motion */
     SceneCamera *camera_keys; /* n_keys for each camera, also for those that stand still; NULL without a shutter */
     uint32_t n_motions;
     SceneTree *trees;
@@ -264,7 +267,7 @@ typedef struct Scene {
     uint32_t n_lights;
     SceneCamera *cameras;
     uint32_t n_cameras;
-    Environment *environment; /* NULL: black */
+    Environment *environment;    /* NULL: black */
     Affine world_to_environment; /* rotation */
     SceneFilm film;
     SceneRender render;
@@ -273,7 +276,7 @@ typedef struct Scene {
     double unit_m;
     const char *const *files; /* everything that was read: scene files, meshes, images */
     uint32_t n_files;
-    uint64_t hash;            /* of the meaning: equal for scenes that render the same */
+    uint64_t hash; /* of the meaning: equal for scenes that render the same */
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */
@@ -282,7 +285,8 @@ static inline bool surface_has_relief(const SceneSurface *surface)
 {
     return surface->bump != SCENE_NONE || surface->normal_map != SCENE_NONE;
 }
-static inline bool surface_has_textures(const SceneSurface *surface) /* for its Bsdf; itself, not those that it is a mix of */
+static inline bool
+surface_has_textures(const SceneSurface *surface) /* for its Bsdf; itself, not those that it is a mix of */
 {
     return surface->n_textures > 0 || surface_has_relief(surface);
 }

@@ -1,4 +1,5 @@
-/* stops.c - which hulls end a straight ray of light for certain, so that it need not be followed any further.
+/* stops.c - which hulls' surfaces a ray need not look at closely: those that end a straight ray of light for certain, and
+ * those that a path crosses in silence for certain.
  *
  * A shadow ray is blocked where the medium along it changes to one of another index. Say it starts in a medium M and
  * crosses the surface of a hull H. Just inside of that surface the place belongs to H, or to a hull that is above H and
@@ -50,11 +51,42 @@ static void find_alike(const CompiledScene *compiled, const uint32_t *of_medium,
     }
 }
 
+/* Where a path is in hull O, and O is on top, crossing hulls of lower rank changes nothing but the list, in whatever order
+ * they come; and so does crossing hulls of O's own medium, which may get on top of it. Where no such hull is known to meet
+ * O, rays are not asked to look for them: that is not needed to be right, only to be quick. */
+static Status mark_passing(CompiledScene *compiled, Error *error)
+{
+    const Scene *scene = compiled->scene;
+    const NestOrder *order = &compiled->order;
+    compiled->passing = calloc(compiled->n_hulls, sizeof *compiled->passing);
+    if (!compiled->passing) return fail_memory(error, compiled->n_hulls * sizeof *compiled->passing, "the hulls");
+    compiled->passes_world = RTC_NO_PASS;
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) {
+        uint32_t object = compiled->object_of_hull[h], medium = order->medium[h];
+        if (nest_mixes(order, h) || scene->objects[object].shape == SCENE_NONE) continue;
+        /* the volumes of a medium that varies are each hull's own */
+        bool own = scene->media[medium].density || scene->media[medium].emits;
+        rtc_set_passing(compiled->rtc, object, order->rank[h] + 1, own ? RTC_NO_PASS : medium);
+        if (!own && medium == order->world_medium) compiled->passes_world = medium;
+    }
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        uint32_t a = compiled_hull(compiled, compiled->pairs[i].a), b = compiled_hull(compiled, compiled->pairs[i].b);
+        if (a >= compiled->n_hulls || b >= compiled->n_hulls) continue;
+        bool alike = order->medium[a] == order->medium[b], a_on_top = order->rank[a] > order->rank[b];
+        NestRelation relation = compiled->pairs[i].relation; /* from within, a hull all around is not met */
+        if ((alike || a_on_top) && relation != NEST_A_IN_B) compiled->passing[a] = order->rank[a] + 1;
+        if ((alike || !a_on_top) && relation != NEST_B_IN_A) compiled->passing[b] = order->rank[b] + 1;
+    }
+    return STATUS_OK;
+}
+
 Status compiled_mark_stops(CompiledScene *compiled, Error *error)
 {
     const Scene *scene = compiled->scene;
     NestPolicy policy = compiled->order.policy;
-    if ((policy != NEST_AUTOMATIC && policy != NEST_PRIORITY) || scene->n_keys || !compiled->n_hulls) return STATUS_OK;
+    if ((policy != NEST_AUTOMATIC && policy != NEST_PRIORITY) || !compiled->n_hulls) return STATUS_OK;
+    TRY(mark_passing(compiled, error));
+    if (scene->n_keys) return STATUS_OK;
     uint32_t n_classes = scene->n_media < COMPILED_STOP_CLASSES ? scene->n_media : COMPILED_STOP_CLASSES;
     uint32_t *of_medium = malloc(((size_t)scene->n_media + compiled->n_hulls) * sizeof *of_medium);
     if (!of_medium) return fail_memory(error, compiled->n_hulls * sizeof *of_medium, "the hulls");

@@ -55,8 +55,9 @@ static inline const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossi
     return LIKELY(n == 1) ? tracer->hits.items : boundary_hit_of_several(tracer, n, crossing);
 }
 
-/* Crosses several surfaces at one place into tracer->next; if any is opaque, that one is to be shaded. */
-static bool cross_cluster(Tracer *tracer, Event *event)
+/* Crosses several surfaces at one place into tracer->next; if any is opaque, that one is to be shaded. before: the list in
+ * front of them. */
+static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
 {
     const Hit *hits = tracer->hits.items;
     event->kind = EVENT_BOUNDARY;
@@ -70,31 +71,53 @@ static bool cross_cluster(Tracer *tracer, Event *event)
         }
         event->clear = event->clear && !hits[i].doubtful;
     }
-    if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+    if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
         !path_cross(tracer, &tracer->next, hits, event->n_cluster, &event->crossing))
         return false;
     event->clear = event->clear && !event->crossing.n_faults;
     return true;
 }
 
-/* Finds the next surfaces along the path's ray and crosses them into tracer->next; false when memory ends. */
+/* Crosses what the ray has passed up to there, place by place. *clear: all of it was silent, and agrees with the list. */
+static bool cross_passed(Tracer *tracer, NestList *list, double end, bool *clear)
+{
+    const Hit *hits = tracer->passed.items;
+    size_t n = tracer->passed.n, cluster;
+    for (size_t i = 0; i < n && hits[i].t < end; i += cluster) {
+        NestCrossing crossing;
+        cluster = rtc_cluster(hits + i, n - i);
+        if (!path_cross(tracer, list, hits + i, cluster, &crossing)) return false;
+        *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to && !hits[i].doubtful;
+    }
+    return true;
+}
+
+/* Finds the next surfaces along the path's ray and crosses them into tracer->next; tracer->before is the list in front of
+ * them where anything was passed on the way. False when memory ends. */
 static bool read_nearest(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
-    event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits);
+    const NestList *before = &tracer->list;
+    event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
     event->crossing = (NestCrossing){0};
+    event->clear = true;
     tracer->counters.rays++;
-    if (tracer->hits.out_of_memory) return false;
+    if (tracer->hits.out_of_memory || tracer->passed.out_of_memory) return false;
+    if (tracer->passed.n) {
+        before = &tracer->before;
+        if (nest_list_copy(&tracer->before, &tracer->list) != STATUS_OK ||
+            !cross_passed(tracer, &tracer->before, HUGE_VAL, &event->clear))
+            return false;
+        if (!event->clear) return true; /* to be read again, one by one */
+    }
     if (event->n_cluster == 0) {
         event->kind = EVENT_ESCAPE;
-        event->clear = true;
         return true;
     }
     const Hit *hit = tracer->hits.items;
-    if (UNLIKELY(event->n_cluster > 1 || hit->doubtful)) return cross_cluster(tracer, event);
+    if (UNLIKELY(event->n_cluster > 1 || hit->doubtful)) return cross_cluster(tracer, before, event);
     uint32_t hull = compiled->hull_of_object[hit->object];
-    event->clear = true;
     if (hull == SCENE_NONE) {
         event->kind = EVENT_OPAQUE;
         event->hit = *hit;
@@ -102,7 +125,7 @@ static bool read_nearest(Path *path, Event *event)
     }
     event->kind = EVENT_BOUNDARY;
     NestPass pass = {hull, hit->entering};
-    if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
+    if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
         nest_cross(&tracer->next, &compiled->order, &pass, 1, &event->crossing) != STATUS_OK)
         return false;
     event->clear = !event->crossing.n_faults;
@@ -131,7 +154,16 @@ ATTR_COLD static bool read_again(Path *path, Event *event)
 static bool cross_nearest(Path *path, Event *event)
 {
     PathCounters *counters = &path->tracer->counters;
-    if (!read_nearest(path, event) || (UNLIKELY(!event->clear) && !read_again(path, event))) return false;
+    compiled_let_pass(path->tracer->world->compiled, &path->tracer->list, &path->ray);
+    if (!read_nearest(path, event)) return false;
+    if (UNLIKELY(!event->clear)) { /* place by place, then */
+        path->ray.pass_level = 0;
+        path->ray.pass_alike = RTC_NO_PASS;
+        if (path->tracer->passed.n && !read_nearest(path, event)) return false;
+    }
+    if (UNLIKELY(!event->clear) && !read_again(path, event)) return false;
+    counters->crossings += path->tracer->passed.n;
+    counters->silent_crossings += path->tracer->passed.n;
     if (event->kind != EVENT_BOUNDARY) return true;
     counters->crossings += event->n_cluster;
     counters->nesting_faults += event->crossing.n_faults;
@@ -159,8 +191,11 @@ void path_next_event(Path *path, Event *event)
                                        : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
+            bool clear = true;
+            if (!cross_passed(tracer, &tracer->list, event->t, &clear)) event->kind = EVENT_LOST;
             break;
         }
+        if (tracer->passed.n) swap_before(tracer);
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {

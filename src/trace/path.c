@@ -25,6 +25,7 @@ void tracer_init(Tracer *tracer, const World *world)
     *tracer = (Tracer){.world = world};
     nest_list_init(&tracer->list);
     nest_list_init(&tracer->next);
+    nest_list_init(&tracer->before);
     nest_list_init(&tracer->shadow_list);
 }
 
@@ -33,8 +34,10 @@ void tracer_clear(Tracer *tracer)
     hit_list_clear(&tracer->hits);
     hit_list_clear(&tracer->shadow_hits);
     hit_list_clear(&tracer->left);
+    hit_list_clear(&tracer->passed);
     nest_list_clear(&tracer->list);
     nest_list_clear(&tracer->next);
+    nest_list_clear(&tracer->before);
     nest_list_clear(&tracer->shadow_list);
     free(tracer->parts.items);
     tracer->parts = (FlightParts){0};

@@ -56,7 +56,9 @@ typedef struct Tracer {
     const World *world;
     HitList hits, shadow_hits;
     HitList left; /* the surfaces that the path's ray starts on */
+    HitList passed; /* silent crossings in front of those hits, found in the same search */
     NestList list, next, shadow_list;
+    NestList before; /* behind what was passed */
     FlightParts parts;
     NestPass *passes;
     size_t passes_capacity;

@@ -78,6 +78,14 @@ static inline void swap_lists(Tracer *tracer)
     tracer->next = swap;
 }
 
+/* On behind what was passed on the way. */
+static inline void swap_before(Tracer *tracer)
+{
+    NestList swap = tracer->list;
+    tracer->list = tracer->before;
+    tracer->before = swap;
+}
+
 /* ---- event.c ---- */
 
 /* Crosses the hulls among hits[0 .. n), all at one place. */

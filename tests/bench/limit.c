@@ -34,9 +34,9 @@ typedef struct Notes {
 
 static Notes *notes; /* while a render is noted, by one thread */
 
-size_t __real_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
+size_t __real_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed);
 bool __real_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
-size_t __wrap_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits);
+size_t __wrap_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed);
 bool __wrap_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
 
 static void note(const Ray *ray, bool any, double met)
@@ -55,10 +55,17 @@ static void note(const Ray *ray, bool any, double met)
                                        any};
 }
 
-size_t __wrap_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits)
+size_t __wrap_rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
 {
-    size_t n = __real_rtc_nearest(scene, ray, hits);
-    if (notes) note(ray, false, n ? hits->items[0].t : HUGE_VAL);
+    size_t n = __real_rtc_nearest(scene, ray, hits, passed);
+    if (!notes) return n;
+    /* what a ray passes by in one search is a ray from surface to surface to bare Embree */
+    Ray part = *ray;
+    for (size_t i = 0; passed && i < passed->n; i++) {
+        note(&part, false, passed->items[i].t);
+        part.t_min = passed->items[i].t;
+    }
+    note(&part, false, n ? hits->items[0].t : HUGE_VAL);
     return n;
 }
 

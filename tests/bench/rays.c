@@ -60,7 +60,7 @@ static double time_exact(const RtcScene *scene, const RaySet *rays)
     double start = clock_cpu_s();
     for (int i = 0; i < RAYS; i++) {
         Ray ray = ray_make(rays->origin[i], rays->direction[i]);
-        rtc_nearest(scene, &ray, &hits);
+        rtc_nearest(scene, &ray, &hits, NULL);
     }
     double seconds = clock_cpu_s() - start;
     hit_list_clear(&hits);

@@ -45,7 +45,7 @@ static void walk_line(const CompiledScene *compiled, Vec3 origin, Vec3f directio
         assert_int_equal(compiled_interior(compiled, vec3f_from(origin), 0, &hits, &list, NULL), STATUS_OK);
     ray.t_max = length;
     walk->n = 0;
-    for (size_t n; (n = rtc_nearest(compiled->rtc, &ray, &hits)) > 0; ray.t_min = hits.items[n - 1].t) {
+    for (size_t n; (n = rtc_nearest(compiled->rtc, &ray, &hits, NULL)) > 0; ray.t_min = hits.items[n - 1].t) {
         if (!cross(compiled, &list, n, walk, &crossing)) {
             walk->silent++;
             continue;

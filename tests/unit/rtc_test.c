@@ -118,7 +118,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         Vec3 from = vec3_scale(random_direction(&random), 4 * size);
         Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
         for (int bounce = 0; bounce < 40; bounce++) {
-            size_t n = rtc_nearest(s->rtc, &ray, &hits);
+            size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
             if (!n) {
                 result.escapes_inside += list.n != 0;
                 break;
@@ -278,10 +278,10 @@ static void test_gap_is_kept(void **state)
     Ray ray = ray_make(vec3(0, 1, 2), vec3f(1, 0, 0));
     static const size_t expected[] = {1, 1, 1, 2, 1};
     for (int i = 0; i < 5; i++) {
-        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), expected[i]);
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), expected[i]);
         ray.t_min = hits.items[hits.n - 1].t;
     }
-    assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), 0);
+    assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 0);
     hit_list_clear(&hits);
     destroy(&s);
 }
@@ -301,7 +301,7 @@ static void test_many_at_one_place(void **state)
     assert_int_equal(rtc_scene_new(objects, N, 0, 1, &rtc, NULL), STATUS_OK);
     HitList hits = {0};
     Ray ray = ray_make(vec3(-50, 1, 2), vec3f(1, 0, 0));
-    assert_int_equal(rtc_nearest(rtc, &ray, &hits), N);
+    assert_int_equal(rtc_nearest(rtc, &ray, &hits, NULL), N);
     Ray back = ray_make(vec3(50, 1, 2), vec3f(-1, 0, 0));
     assert_true(rtc_all(rtc, &back, false, &hits));
     assert_int_equal(hits.n, 2 * N);
@@ -320,9 +320,9 @@ static void test_hostile_rays(void **state)
     const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f};
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
         Ray ray = ray_make(vec3((double)bad[i], 0, 0), vec3f(1, 0, 0));
-        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), 0);
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 0);
         ray = ray_make(vec3(0, 0, 0), vec3f(0, bad[i], 0));
-        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits), 0);
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 0);
     }
     hit_list_clear(&hits);
     destroy(&s);
