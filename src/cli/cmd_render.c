@@ -14,12 +14,12 @@
 
 enum { MOST_ATTRIBUTES = 32, NUMBER_SIZE = 32 };
 
-static const char *display_of(const RenderRun *run)
+const char *render_display(const RenderRun *run)
 {
     return option_text(run->options, OPTION_DISPLAY, NULL);
 }
 
-static const char *view_of(const RenderRun *run)
+const char *render_view(const RenderRun *run)
 {
     return option_text(run->options, OPTION_VIEW, NULL);
 }
@@ -31,7 +31,7 @@ static Status probe_view(RenderRun *run, Error *error)
     Image pixel;
     TRY(color_source_open(&run->input.color, error));
     TRY(image_new(1, 1, names, 3, &pixel, error));
-    Status status = color_view(run->input.color.config, display_of(run), view_of(run), &pixel, error);
+    Status status = color_view(run->input.color.config, render_display(run), render_view(run), &pixel, error);
     image_clear(&pixel);
     return status;
 }
@@ -45,7 +45,8 @@ static Status prepare(RenderRun *run, Error *error)
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
     TRY(render_plan_frames(run, error));
-    if (run->plan.has_png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
+    TRY(render_plan_preview(run, error));
+    if (run->plan.has_png || run->preview.png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
     return STATUS_OK;
 }
@@ -72,10 +73,22 @@ static void note_scene(const RenderRun *run)
               run->settings.samples, nest_policy_text(run->input.compiled->order.policy), pool_threads(run->pool));
 }
 
+static void show_progress(void *context, const RenderProgress *state)
+{
+    RenderRun *run = context;
+    progress_show(&run->progress, state);
+}
+
+static void show_picture(void *context, const Image *image)
+{
+    render_write_preview(context, image);
+}
+
 static Status render(RenderRun *run, Error *error)
 {
     const RenderSettings *settings = &run->settings;
-    RenderEvents events = {.context = &run->progress, .progress = progress_show, .stop = signals_flag()};
+    RenderEvents events = {.context = run, .progress = show_progress, .stop = signals_flag()};
+    if (run->preview.path) events.picture = show_picture;
     Status status =
         render_image(run->input.compiled, settings, run->pool, &events, &run->image, &run->stats, error);
     progress_end(&run->progress, status == STATUS_OK && !run->stats.stopped);
@@ -157,8 +170,8 @@ static Status write_outputs(const RenderRun *run, Error *error)
     Status first = STATUS_OK;
     for (size_t i = 0; i < run->outputs.n; i++) {
         Error own = {0};
-        Status status = output_write(&run->outputs.items[i], &run->image, &exr, run->input.color.config, display_of(run),
-                                     view_of(run), &own);
+        Status status = output_write(&run->outputs.items[i], &run->image, &exr, run->input.color.config, render_display(run),
+                                     render_view(run), &own);
         if (status == STATUS_OK) continue;
         if (first == STATUS_OK)
             *error = own;
@@ -173,10 +186,11 @@ static Status write_outputs(const RenderRun *run, Error *error)
 static Status render_and_write(RenderRun *run, Error *error)
 {
     size_t n = run->outputs.n;
-    const char **paths = malloc((n + 1) * sizeof *paths);
-    if (!paths) return fail_memory(error, (n + 1) * sizeof *paths, "the names of outputs");
+    const char **paths = malloc((n + 2) * sizeof *paths);
+    if (!paths) return fail_memory(error, (n + 2) * sizeof *paths, "the names of outputs");
     for (size_t i = 0; i < n; i++) paths[i] = run->outputs.items[i].path;
     if (run->stats_path) paths[n++] = run->stats_path;
+    if (run->preview.path) paths[n++] = run->preview.path;
     bool keeps = !render_has_frames(run);
     Status status = signals_begin(paths, n, run->talk->json, keeps, error);
     free(paths);
@@ -229,6 +243,7 @@ Status cmd_render(const Options *options, const Talk *talk, Error *error)
     if (run.begun && render_has_frames(&run)) render_summarize_frames(&run);
     image_clear(&run.image);
     render_frames_clear(&run);
+    free(run.preview.path);
     scene_input_close(&run.input);
     pool_free(run.pool);
     return status;

@@ -55,7 +55,7 @@ static bool is_device(const char *path)
     return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
 }
 
-static Status choose_format(const char *path, bool *png, Error *error)
+Status output_choose_format(const char *path, bool *png, Error *error)
 {
     const char *extension = file_extension(path);
     *png = strcasecmp(extension, "png") == 0;
@@ -68,7 +68,7 @@ static Status add_name(OutputPlan *plan, const char *name, bool numbered, uint32
 {
     bool png;
     if (!*name) return fail(error, STATUS_USAGE, "the name of an output is empty");
-    TRY(choose_format(name, &png, error));
+    TRY(output_choose_format(name, &png, error));
     plan->has_png = plan->has_png || png;
     bool stream = strcmp(name, "-") == 0 || is_device(name);
     if (strcmp(name, "-") == 0 && isatty(STDOUT_FILENO))
@@ -123,7 +123,7 @@ Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame
         output->path = output_of_frame(plan->names[i], frame);
         if (!output->path) return fail_memory(error, strlen(plan->names[i]) + 1, "the name of an output");
         list->n++;
-        TRY(choose_format(output->path, &output->png, error));
+        TRY(output_choose_format(output->path, &output->png, error));
         for (size_t k = 0; k < i; k++)
             if (strcmp(list->items[k].path, output->path) == 0)
                 return fail(error, STATUS_USAGE, "output '%s' is named twice", output->path);

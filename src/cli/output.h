@@ -41,7 +41,9 @@ void outputs_clear(OutputList *list);
 ATTR_NODISCARD Status outputs_probe(const OutputList *list, Error *error);
 /* Are all of them there, as files? */
 bool outputs_exist(const OutputList *list);
-/* The same for one path, also of other files than pictures. */
+/* What a file's extension says of it; devices take EXR. STATUS_USAGE. */
+ATTR_NODISCARD Status output_choose_format(const char *path, bool *png, Error *error);
+/* As outputs_probe, for one path, also of other files than pictures. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
 /* color is NULL when no output is a PNG file. display, view: NULL for the defaults. */
 ATTR_NODISCARD Status output_write(const Output *output, const Image *image, const ExrOptions *exr,

@@ -17,6 +17,8 @@ typedef struct RenderRun {
     char *stats_name; /* of --stats, with '#' for the frame's number; NULL */
     char *stats_path; /* of the present frame */
     OutputList outputs;
+    Output preview;      /* path NULL: none */
+    bool preview_failed; /* once, which was said */
     Progress progress;
     bool begun;                     /* the frames */
     uint32_t n_rendered, n_skipped; /* so far */
@@ -40,6 +42,15 @@ void render_frames_clear(RenderRun *run);
 /* The scene's film and render nodes, overridden by options (render_settings.c). STATUS_SCENE, after a report, when
  * there is no such camera. */
 ATTR_NODISCARD Status render_settings_merge(RenderRun *run, Error *error);
+
+/* The file of --preview: its name, tried (render_preview.c). */
+ATTR_NODISCARD Status render_plan_preview(RenderRun *run, Error *error);
+/* Writes the picture so far there. */
+void render_write_preview(RenderRun *run, const Image *image);
+
+/* The display and the view of PNG files; NULL: the first. */
+const char *render_display(const RenderRun *run);
+const char *render_view(const RenderRun *run);
 
 /* What is said of a finished render (render_report.c). */
 void render_warn(const RenderRun *run);

@@ -471,7 +471,7 @@ typedef struct ExrDecoder {
     Image *image;
     exr_decode_pipeline_t pipeline;
     bool started;
-    float *staging; /* one chunk, interleaved as the image is */
+    float *staging; /* one chunk, a plane for each channel */
     size_t staging_size;
 } ExrDecoder;
 
@@ -484,14 +484,17 @@ static void place_chunk(const ExrDecoder *decoder, int64_t x, int64_t y, int32_t
     int64_t first = x < 0 ? -x : 0;
     int64_t last = x + width > image->width ? (int64_t)image->width - x : width;
     if (first >= last) return;
+    size_t plane = (size_t)width * (size_t)height, n = (size_t)(last - first), stride = image->n_channels;
     for (int64_t line = 0; line < height; line++) {
         if (y + line < 0 || y + line >= image->height) continue;
-        size_t to = ((size_t)(y + line) * image->width + (size_t)(x + first)) * image->n_channels;
-        size_t from = ((size_t)line * (size_t)width + (size_t)first) * image->n_channels;
-        memcpy(image->pixels + to, decoder->staging + from, (size_t)(last - first) * image->n_channels * sizeof(float));
+        float *to = image->pixels + ((size_t)(y + line) * image->width + (size_t)(x + first)) * stride;
+        const float *from = decoder->staging + (size_t)line * (size_t)width + (size_t)first;
+        for (size_t c = 0; c < stride; c++)
+            for (size_t i = 0; i < n; i++) to[i * stride + c] = from[c * plane + i];
     }
 }
 
+/* OpenEXR 3.1's own way to interleave four channels of halfs turns their order round; so it is done in place_chunk. */
 static exr_result_t decode_chunk(ExrDecoder *decoder, const exr_chunk_info_t *chunk, int64_t x, int64_t y)
 {
     exr_context_t context = decoder->file->context;
@@ -511,9 +514,10 @@ static exr_result_t decode_chunk(ExrDecoder *decoder, const exr_chunk_info_t *ch
         exr_coding_channel_info_t *channel = &pipeline->channels[c];
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_bytes_per_element = sizeof(float);
-        channel->user_pixel_stride = (int32_t)(n_channels * sizeof(float));
-        channel->user_line_stride = (int32_t)((uint32_t)chunk->width * n_channels * sizeof(float));
-        channel->decode_to_ptr = (uint8_t *)(decoder->staging + c); /* both lists are in the file's order */
+        channel->user_pixel_stride = sizeof(float);
+        channel->user_line_stride = (int32_t)((uint32_t)chunk->width * sizeof(float));
+        size_t plane = (size_t)chunk->width * (size_t)chunk->height; /* both lists are in the file's order */
+        channel->decode_to_ptr = (uint8_t *)(decoder->staging + (size_t)c * plane);
     }
     if (!decoder->started) result = exr_decoding_choose_default_routines(context, 0, pipeline);
     decoder->started = true;

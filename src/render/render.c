@@ -6,10 +6,12 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "render/adapt.h"
 #include "render/aov_film.h"
+#include "render/early.h"
 #include "render/film.h"
 #include "trace/guide.h"
 #include "trace/path.h"
@@ -17,6 +19,9 @@
 enum { TILE = 16, LARGEST_PASS = 16 };
 /* Noise is not judged before this many samples per pixel: fewer say too little about themselves. */
 enum { NOISE_FLOOR = 16 };
+/* A picture that is shown begins with every fourth pixel each way. Later ones take this part of the time at most. */
+enum { COARSEST = 4 };
+static const double picture_interval_s = 1, picture_share = 0.05;
 
 typedef struct Job {
     const RenderSettings *settings;
@@ -34,10 +39,12 @@ typedef struct Job {
     uint32_t done;          /* samples that every pixel has by now, */
     uint64_t n_pixels, samples, pass_samples; /* of the crop; what they have together, and what the pass adds */
     const uint32_t *wanted; /* what each pixel of the crop is to have; NULL: n more, all of them */
+    uint32_t step;          /* not 0: the first sample of every step-th pixel each way, where it has none */
     AdaptPlan plan;
     double planned_at_samples;        /* all pixels' together */
     double adapted_at, adapted_from;  /* seconds and samples when the first plan was made */
     double start, last_progress, noise, fraction;
+    double picture_at, picture_cost; /* when the last one was shown, and how long that took */
     bool *tile_done;   /* of this pass */
 } Job;
 
@@ -101,6 +108,26 @@ static void report_progress(Job *job, double fraction_of_pass)
     job->events->progress(job->events->context, &progress);
 }
 
+static bool shows_picture(const Job *job)
+{
+    return job->events && job->events->picture;
+}
+
+/* Shows the picture so far, when it is time for it. It is not missed when memory ends. */
+static void report_picture(Job *job, uint32_t step, bool due)
+{
+    Image image;
+    Error unused;
+    if (!shows_picture(job)) return;
+    double now = clock_now_s(), interval = fmax(picture_interval_s, job->picture_cost / picture_share);
+    if (!due && now - job->picture_at < interval) return;
+    if (early_resolve(&job->film, job->crop, step, &image, &unused) != STATUS_OK) return;
+    job->events->picture(job->events->context, &image);
+    image_clear(&image);
+    job->picture_at = clock_now_s();
+    job->picture_cost = job->picture_at - now;
+}
+
 static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uint32_t index)
 {
     Tracer *tracer = &job->tracers[worker];
@@ -116,6 +143,9 @@ static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
 /* The samples that a pixel gets in this pass. */
 static uint32_t pass_of_pixel(const Job *job, uint32_t x, uint32_t y)
 {
+    if (job->step)
+        return (x - job->crop[0]) % job->step == 0 && (y - job->crop[1]) % job->step == 0 &&
+               film_pixel(&job->film, x, y)->n == 0;
     if (!job->wanted) return job->n;
     uint32_t wanted = job->wanted[(size_t)(y - job->crop[1]) * (job->crop[2] - job->crop[0]) + (x - job->crop[0])];
     uint32_t left = wanted - film_pixel(&job->film, x, y)->n;
@@ -149,8 +179,9 @@ static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *e
 {
     uint32_t n_tiles = job->tiles_x * job->tiles_y;
     job->n = n;
-    job->pass_samples = job->wanted ? 0 : job->n_pixels * n;
-    for (uint32_t y = job->crop[1]; job->wanted && y < job->crop[3]; y++)
+    bool same = !job->wanted && !job->step;
+    job->pass_samples = same ? job->n_pixels * n : 0;
+    for (uint32_t y = job->crop[1]; !same && y < job->crop[3]; y++)
         for (uint32_t x = job->crop[0]; x < job->crop[2]; x++) job->pass_samples += pass_of_pixel(job, x, y);
     for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
     pool_run(pool, n_tiles, render_tile, job);
@@ -162,15 +193,29 @@ static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *e
     return STATUS_OK;
 }
 
+/* First samples of every step-th pixel each way, and the picture of them. */
+static Status run_coarse(Job *job, Pool *pool, uint32_t step, bool *stopped, Error *error)
+{
+    job->step = step;
+    Status status = run_pass(job, pool, 1, stopped, error);
+    job->step = 0;
+    if (status == STATUS_OK && !*stopped && job->pass_samples) report_picture(job, step, true);
+    return status;
+}
+
 /* Passes that are the same for all pixels. */
 static Status run_uniform(Job *job, Pool *pool, uint32_t samples, bool *stopped, Error *error)
 {
+    for (uint32_t step = COARSEST; shows_picture(job) && step > 0 && !*stopped; step /= 2)
+        TRY(run_coarse(job, pool, step, stopped, error));
+    job->done = shows_picture(job) && !*stopped; /* one sample */
     while (job->done < samples && !*stopped) {
         uint32_t n = pass_size(job->done);
         if (n > samples - job->done) n = samples - job->done;
         TRY(run_pass(job, pool, n, stopped, error));
         if (*stopped) break;
         job->done += n;
+        report_picture(job, 1, false);
         if (job->done >= NOISE_FLOOR) job->noise = adapt_noise(&job->film, job->crop);
         report_progress(job, 0);
         if (job->done < job->settings->samples && asked_to_stop(job)) *stopped = true;
@@ -195,6 +240,7 @@ static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Er
             uint32_t n = left < LARGEST_PASS ? left : LARGEST_PASS;
             TRY(run_pass(job, pool, n, stopped, error));
             report_progress(job, 0);
+            report_picture(job, 1, false);
             if (asked_to_stop(job)) *stopped = true;
             left -= n;
         }
@@ -207,7 +253,6 @@ static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
 {
     const RenderSettings *settings = job->settings;
     bool adapts = settings->noise > 0 && settings->samples > NOISE_FLOOR;
-    *stopped = false;
     TRY(run_uniform(job, pool, adapts ? NOISE_FLOOR : settings->samples, stopped, error));
     if (!adapts || *stopped) return STATUS_OK;
     Adapt adapt;
@@ -277,6 +322,21 @@ static Status job_init(Job *job, Error *error)
     return STATUS_OK;
 }
 
+/* Samples that were taken without the guide are not those of the picture: they were only shown while photons were followed. */
+static Status forget_samples(Job *job, Error *error)
+{
+    const RenderSettings *settings = job->settings;
+    memset(job->film.pixels, 0, (size_t)settings->width * settings->height * sizeof *job->film.pixels);
+    aov_film_clear(&job->aovs);
+    TRY(aov_film_init(&job->aovs, settings->aovs, job->world, settings->width, settings->height, error));
+    for (unsigned i = 0; i < job->n_threads; i++) {
+        job->tracers[i].counters = (PathCounters){0};
+        job->saturated[i] = 0;
+    }
+    job->samples = 0;
+    return STATUS_OK;
+}
+
 static void job_clear(Job *job)
 {
     for (unsigned i = 0; job->tracers && i < job->n_threads; i++) tracer_clear(&job->tracers[i]);
@@ -315,11 +375,16 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     if (settings->by_chance) world_leave_to_chance(&world);
     Job job = {.settings = settings, .events = events, .world = &world, .n_threads = pool_threads(pool), .start = clock_now_s()};
     Guide *guide = NULL;
-    Status status = settings->caustics == CAUSTICS_OFF ? STATUS_OK : make_guide(&job, pool, &guide, &stats->guide, error);
-    world.guide = guide;
-    if (status == STATUS_OK) status = job_init(&job, error);
+    Status status = job_init(&job, error);
+    if (status == STATUS_OK && settings->caustics != CAUSTICS_OFF) {
+        if (shows_picture(&job)) status = run_coarse(&job, pool, COARSEST, &stats->stopped, error);
+        if (status == STATUS_OK) status = make_guide(&job, pool, &guide, &stats->guide, error);
+        world.guide = guide;
+        if (status == STATUS_OK && guide && shows_picture(&job)) status = forget_samples(&job, error);
+    }
     if (status == STATUS_OK) status = run_passes(&job, pool, &stats->stopped, error);
     if (status == STATUS_OK) {
+        report_picture(&job, COARSEST, true);
         sum_counters(&job, stats);
         count_samples(&job, stats);
         stats->noisy_pixels = job.plan.unmet;

@@ -61,6 +61,10 @@ typedef struct RenderEvents {
     void *context;
     void (*progress)(void *context, const RenderProgress *progress); /* some times a second; may be NULL */
     const volatile sig_atomic_t *stop; /* not NULL and not 0: finish the tile, then return; may be NULL */
+    /* The picture so far, with channels R G B A: at first of every fourth, then of every second pixel each way, with what is
+     * between filled in, then between passes, about once a second, and at the end. On the calling thread, while the others
+     * wait. May be NULL; what is rendered does not depend on it. */
+    void (*picture)(void *context, const Image *image);
 } RenderEvents;
 
 /* Renders. *image gets channels R G B A, "noise.Y" (standard error of the luminance), and those of the AOVs, by

@@ -1,0 +1,45 @@
+/* early.c - pixels without samples between those that have some.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "render/early.h"
+
+enum { CHANNELS = 4 };
+
+static void put_mean(const FilmPixel *pixel, float out[CHANNELS])
+{
+    double scale = 1.0 / pixel->n;
+    for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
+    out[3] = (float)(pixel->alpha * scale);
+}
+
+/* Weights fall linearly with the distance from the lattice's pixels. */
+static void put_between(const Film *film, const uint32_t area[4], uint32_t step, uint32_t x, uint32_t y,
+                        float out[CHANNELS])
+{
+    uint32_t left = x - (x - area[0]) % step, top = y - (y - area[1]) % step;
+    float sum = 0;
+    for (uint32_t corner = 0; corner < 4; corner++) {
+        uint32_t u = left + (corner & 1) * step, v = top + (corner >> 1) * step;
+        if (u >= area[2] || v >= area[3] || !film_pixel(film, u, v)->n) continue;
+        uint32_t across = corner & 1 ? x - left : step - (x - left), down = corner >> 1 ? y - top : step - (y - top);
+        float weight = (float)(across * down), mean[CHANNELS];
+        put_mean(film_pixel(film, u, v), mean);
+        for (int c = 0; c < CHANNELS; c++) out[c] += weight * mean[c];
+        sum += weight;
+    }
+    for (int c = 0; c < CHANNELS && sum > 0; c++) out[c] /= sum;
+}
+
+Status early_resolve(const Film *film, const uint32_t area[4], uint32_t step, Image *image, Error *error)
+{
+    static const char *const names[CHANNELS] = {"R", "G", "B", "A"};
+    TRY(image_new(film->width, film->height, names, CHANNELS, image, error));
+    for (uint32_t y = area[1]; y < area[3]; y++)
+        for (uint32_t x = area[0]; x < area[2]; x++) {
+            float *out = image->pixels + ((size_t)y * film->width + x) * CHANNELS;
+            if (film_pixel(film, x, y)->n)
+                put_mean(film_pixel(film, x, y), out);
+            else
+                put_between(film, area, step, x, y, out);
+        }
+    return STATUS_OK;
+}

@@ -1,0 +1,110 @@
+/* early_test.c - pictures that are shown before all pixels have samples: filled, in their order, and without a trace.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "near.h"
+#include "render/early.h"
+#include "render/render.h"
+#include "scene_fixture.h"
+
+/* Between pixels that lie on a plane all others do, up to the last lattice's row and column. */
+static void a_plane_is_filled(void **state)
+{
+    (void)state;
+    enum { WIDTH = 23, HEIGHT = 14, X0 = 2, Y0 = 1, STEP = 4 };
+    const uint32_t area[4] = {X0, Y0, WIDTH, HEIGHT};
+    Film film;
+    Error error;
+    Image image;
+    assert_int_equal(film_init(&film, WIDTH, HEIGHT, &error), STATUS_OK);
+    for (uint32_t y = Y0; y < HEIGHT; y += STEP)
+        for (uint32_t x = X0; x < WIDTH; x += STEP)
+            for (int i = 0; i < 3; i++)
+                (void)film_add(&film, x, y, (float[]){(float)x, (float)y, (float)i * 2}, x > 9 ? 1 : 0);
+    assert_int_equal(early_resolve(&film, area, STEP, &image, &error), STATUS_OK);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            const float *pixel = image.pixels + (y * WIDTH + x) * image.n_channels;
+            bool inside = x >= X0 && y >= Y0;
+            uint32_t last_x = WIDTH - 1 - (WIDTH - 1 - X0) % STEP, last_y = HEIGHT - 1 - (HEIGHT - 1 - Y0) % STEP;
+            assert_near(pixel[0], inside ? (x < last_x ? x : last_x) : 0, 1e-5);
+            assert_near(pixel[1], inside ? (y < last_y ? y : last_y) : 0, 1e-5);
+            assert_near(pixel[2], inside ? 2 : 0, 1e-5);
+            assert_near(pixel[3], inside && x > 9 ? 1 : pixel[3], 1e-5);
+        }
+    image_clear(&image);
+    film_clear(&film);
+}
+
+typedef struct Shown {
+    int n, black;
+    double sums[8]; /* of the first pictures */
+} Shown;
+
+static void note_picture(void *context, const Image *image)
+{
+    Shown *shown = context;
+    assert_int_equal(image->n_channels, 4);
+    size_t n = (size_t)image->width * image->height;
+    if (shown->n < 8) shown->sums[shown->n] = 0;
+    for (size_t i = 0; i < n; i++) {
+        shown->black += !(image->pixels[4 * i + 1] > 0);
+        if (shown->n < 8) shown->sums[shown->n] += (double)image->pixels[4 * i + 1] / (double)n;
+    }
+    shown->n++;
+}
+
+/* Where there is a guide, and where there is none: pictures are shown, none of them has holes, and the last one is the
+ * same as if nobody had looked. */
+static void who_looks_changes_nothing(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "meniscus 1.0 unit mm environment { color = 1 } ground { surface = surface { albedo = .5 } }"
+        "sphere { center = <0, 1, 0> radius = 1 interior = medium { ior = 1.5 } }"
+        "camera { from = <0, 3, 8> to = <0, 1, 0> fov = 30 }",
+        "meniscus 1.0 unit mm environment { strength = .1 } ground { surface = surface { albedo = .5 } }"
+        "sphere { center = <0, 3, 0> radius = 1 interior = medium { ior = 1.5 } }"
+        "light { shape = sphere from = <0, 9, 0> radius = .05 radiance = 9000 }"
+        "camera { from = <0, 8, 9> to = <0, 1, 0> fov = 30 }"};
+    for (size_t k = 0; k < COUNT_OF(texts); k++) {
+        Fixture scene;
+        fixture_compile(&scene, texts[k], 1);
+        for (int adaptive = 0; adaptive < 2; adaptive++) {
+            Error error;
+            Pool *pool;
+            Image images[2];
+            RenderStats stats[2];
+            Shown shown = {0};
+            RenderSettings settings = {.width = 38, .height = 27, .crop = {1, 2, 38, 27}, .bounces = 32};
+            settings.samples = adaptive ? 64 : 5;
+            settings.noise = adaptive ? 0.05 : 0;
+            settings.aovs = (AovSet)1 << AOV_DEPTH;
+            RenderEvents events = {.context = &shown, .picture = note_picture};
+            assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
+            for (int looks = 0; looks < 2; looks++)
+                assert_int_equal(render_image(scene.compiled, &settings, pool, looks ? &events : NULL, &images[looks],
+                                              &stats[looks], &error),
+                                 STATUS_OK);
+            assert_true(shown.n >= 4);
+            assert_int_equal(shown.black, shown.n * (38 * 2 + 25)); /* what is outside of the crop */
+            for (int i = 1; i < 4; i++) assert_near(shown.sums[i] / shown.sums[0], 1, 0.5);
+            assert_int_equal((stats[0].guide.followed > 0) + (stats[1].guide.followed > 0), k ? 2 : 0);
+            assert_true(stats[0].rays == stats[1].rays && stats[0].paths == stats[1].paths);
+            assert_memory_equal(images[0].pixels, images[1].pixels,
+                                38 * 27 * images[0].n_channels * sizeof *images[0].pixels);
+            for (int i = 0; i < 2; i++) image_clear(&images[i]);
+            pool_free(pool);
+        }
+        fixture_clear(&scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_plane_is_filled),
+        cmocka_unit_test(who_looks_changes_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
