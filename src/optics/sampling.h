@@ -78,6 +78,34 @@ static inline Vec3f sampling_cone(float u, float v, Vec3f axis, float one_minus_
 }
 static inline float sampling_cone_pdf(float one_minus_cos) { return 1 / (2 * SAMPLING_PI * one_minus_cos); }
 
+/* Places t on a line, begin <= t <= end, in proportion to 1 / (distance^2 + t^2), so that they are spread evenly over the
+ * angle under which a place beside the line's t = 0, at that distance > 0, sees them: C. Kulla, M. Fajardo, "Importance
+ * Sampling Techniques for Path Tracing in Participating Media", EGSR 2012, section 3. angle: sampling_angle, > 0. */
+static inline double sampling_angle(double distance, double begin, double end)
+{
+    return atan2(distance * (end - begin), distance * distance + end * begin);
+}
+static inline double sampling_equiangular(double u, double distance, double begin, double end, double angle)
+{
+    double first = begin / distance, further = tan(u * angle), t;
+    t = distance * (first + further) / (1 - first * further);
+    return fmin(fmax(t, begin), end);
+}
+static inline double sampling_equiangular_pdf(double t, double distance, double begin, double end, double angle)
+{
+    return t < begin || t > end ? 0 : distance / (angle * (distance * distance + t * t));
+}
+
+/* 0 <= t <= end in proportion to e^(-rate t); rate > 0. */
+static inline double sampling_exponential(double u, double rate, double end)
+{
+    return fmin(-log1p(u * expm1(-rate * end)) / rate, end);
+}
+static inline double sampling_exponential_pdf(double t, double rate, double end)
+{
+    return -rate * exp(-rate * t) / expm1(-rate * end);
+}
+
 /* Weights of a sample of density pdf_a where another technique has pdf_b there: E. Veach, "Robust Monte
  * Carlo Methods for Light Transport Simulation" (1997), 9.2.2. Formed from the ratio, so that densities
  * up to FLT_MAX do not overflow. pdf_a > 0. */

@@ -373,6 +373,7 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     world.white_noise = settings->white_noise;
     double cpu = clock_cpu_s();
     if (settings->by_chance) world_leave_to_chance(&world);
+    if (settings->no_airlight) world.seeks_airlight = false;
     Job job = {.settings = settings, .events = events, .world = &world, .n_threads = pool_threads(pool), .start = clock_now_s()};
     Guide *guide = NULL;
     Status status = job_init(&job, error);

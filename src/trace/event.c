@@ -2,7 +2,7 @@
  * straight rays to lights.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/array.h"
-#include "trace/flight.h"
+#include "trace/airlight.h"
 
 /* A straight line that crosses more surfaces than this without any event is given up, and counted. */
 enum { SILENT_LIMIT = 100000 };
@@ -90,6 +90,24 @@ static bool cross_passed(Tracer *tracer, NestList *list, double end, bool *clear
         *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to && !hits[i].doubtful;
     }
     return true;
+}
+
+bool path_turn_aside(Tracer *tracer, double t)
+{
+    bool clear = true;
+    if (!tracer->passed.n) return true;
+    if (nest_list_copy(&tracer->aside, &tracer->list) != STATUS_OK || !cross_passed(tracer, &tracer->aside, t, &clear))
+        return false;
+    path_turn_back(tracer);
+    return true;
+}
+
+void path_turn_back(Tracer *tracer)
+{
+    if (!tracer->passed.n) return;
+    NestList swap = tracer->list;
+    tracer->list = tracer->aside;
+    tracer->aside = swap;
 }
 
 /* Finds the next surfaces along the path's ray and crosses them into tracer->next; tracer->before is the list in front of
@@ -187,10 +205,12 @@ void path_next_event(Path *path, Event *event)
         uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
         double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
         uneven = flight_is_uneven(world, &tracer->list, medium);
+        if (UNLIKELY(path->looks)) airlight_look(path, &flight, medium, uneven, t_done, length, silent);
         double flown = LIKELY(!uneven) ? flight_even(path, &flight, medium, length)
                                        : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
+            airlight_note(path, &flight, event->t);
             bool clear = true;
             if (!cross_passed(tracer, &tracer->list, event->t, &clear)) event->kind = EVENT_LOST;
             break;
@@ -250,7 +270,7 @@ static Lanes transmit_uneven(Path *path, const Ray *ray)
     for (size_t begin = 0; !lanes_zero(left) && !tracer->out_of_memory; begin = end) {
         double t = begin < n ? hits[begin].t : ray->t_max;
         if (flight_is_uneven(world, list, nest_medium(&world->compiled->order, list)))
-            left = lanes_mul(left, flight_transmit(path, ray, list, t_done, t, &n_drawn));
+            left = lanes_mul(left, flight_transmit(path, ray, list, t_done, t, &n_drawn, NULL));
         if (begin == n) break;
         NestCrossing crossing;
         end = begin + rtc_cluster(hits + begin, n - begin);

@@ -19,6 +19,7 @@
 
 #include "base/array.h"
 #include "optics/sampling.h"
+#include "trace/airlight.h"
 
 /* ---- even media ---- */
 
@@ -41,15 +42,9 @@ double flight_scatter_even(FreeFlight *flight, const SceneMedium *medium, double
     return length;
 }
 
-/* Lanes that are scattered more, or less, than the hero. */
-static Lanes lane_factor(const FreeFlight *flight)
-{
-    return flight_attenuation(lanes_sub(flight->scattered, lanes_all(lanes_get(flight->scattered, 0))));
-}
-
 void flight_weigh(Path *path, const FreeFlight *flight, bool even)
 {
-    Lanes factor = lane_factor(flight);
+    Lanes factor = flight_lane_factor(flight);
     if (even) factor = lanes_mul(factor, lanes_scale(flight->coefficient, 1 / lanes_get(flight->coefficient, 0)));
     path->beta = lanes_mul(path->beta, factor);
     path->ratio = lanes_mul(path->ratio, factor);
@@ -97,25 +92,32 @@ static void add_part(Path *path, FlightParts *parts, const Ray *ray, double t, u
     part->t_end = part->walk.t_end;
 }
 
-/* The owner's medium, and those that mix with it; false when memory ends. */
-static bool find_parts(Path *path, const NestList *list, const Ray *ray, double t)
+bool flight_next_mixing(const World *world, const NestList *list, uint32_t medium, uint32_t *i, uint32_t *hull)
+{
+    const CompiledScene *compiled = world->compiled;
+    const NestState *state = world->media.mixing_state;
+    const uint32_t *items = nest_list_items(list);
+    while (*i < list->n && items[*i] >= compiled->order.n_hulls) ++*i;
+    while (*i < list->n && nest_mixes(&compiled->order, items[*i])) {
+        *hull = items[(*i)++];
+        if (state[compiled->hulls[*hull].medium] == state[medium]) return true;
+    }
+    return false;
+}
+
+/* The owner's medium, and those that mix with it. */
+bool flight_find_parts(Path *path, const NestList *list, const Ray *ray, double t)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
-    const CompiledScene *compiled = world->compiled;
-    const NestOrder *order = &compiled->order;
-    const uint32_t *items = nest_list_items(list);
+    const NestOrder *order = &world->compiled->order;
     uint32_t owner = nest_owner(order, list), medium = nest_medium(order, list), i = 0;
     tracer->parts.n = 0;
     if (!array_reserve(&tracer->parts.items, &tracer->parts.capacity, list->n + 1U, sizeof *tracer->parts.items))
         return false;
     add_part(path, &tracer->parts, ray, t, owner, medium);
-    while (i < list->n && items[i] >= order->n_hulls) i++;
-    for (; i < list->n && nest_mixes(order, items[i]); i++) {
-        uint32_t mixing = compiled->hulls[items[i]].medium;
-        if (world->media.mixing_state[mixing] == world->media.mixing_state[medium])
-            add_part(path, &tracer->parts, ray, t, items[i], mixing);
-    }
+    for (uint32_t hull; flight_next_mixing(world, list, medium, &i, &hull);)
+        add_part(path, &tracer->parts, ray, t, hull, world->compiled->hulls[hull].medium);
     return true;
 }
 
@@ -149,11 +151,6 @@ static FlightPiece piece_at(FlightParts *parts, double t, double to)
     return piece;
 }
 
-static float density_at(const FlightPart *part, double t)
-{
-    return part->walks ? volume_walk_value(&part->walk, t) : 1;
-}
-
 /* ---- light on the way ---- */
 
 static Lanes emission_at(const FlightPart *part, const Ray *ray, double t, Lanes wavelength_nm)
@@ -164,7 +161,7 @@ static Lanes emission_at(const FlightPart *part, const Ray *ray, double t, Lanes
         float kelvin = volume_at(temperature, affine_point(&part->maps->to_temperature, ray_point(ray, t)));
         emission = lanes_mul(emission, media_planck_ratio(part->medium, kelvin, wavelength_nm));
     }
-    return lanes_scale(emission, density_at(part, t));
+    return lanes_scale(emission, flight_part_density(part, t));
 }
 
 /* Against finding the place by light sampling. */
@@ -172,27 +169,30 @@ static float weight_of(const Path *path, FlightPart *part, double t)
 {
     const World *world = path->tracer->world;
     if (!part->glow) return 1;
-    if (part->glow_choice < 0) {
-        uint32_t emitter = world->emitters.first_glow + (uint32_t)(part->glow - world->media.glows);
+    uint32_t emitter = world->emitters.first_glow + (uint32_t)(part->glow - world->media.glows);
+    if (part->glow_choice < 0)
         part->glow_choice = light_choice(world, emitter, path->scatter_point, path->scatter_normal);
-    }
     Vec3 place = ray_point(&path->ray, t), to = vec3_sub(place, path->scatter_point);
     double density = glow_density(part->glow, part->maps, place);
-    return sampling_balance(path->scatter_pdf,
-                            light_pdf_glow(part->glow, part->glow_choice, density, vec3_dot(to, to)));
+    float pdf = light_pdf_glow(part->glow, 1, density, vec3_dot(to, to)), choices = part->glow_choice;
+    if (path->from.rarity > 0 && pdf > 0) choices += airlight_rival_near(path, emitter, place);
+    return sampling_balance(path->scatter_pdf, choices * pdf);
 }
 
-/* With what beta and ratio have yet to be given of the flight. */
+void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic)
+{
+    Lanes factor = flight_lane_factor(flight),
+          beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
+    float mean_ratio = lanes_mean(lanes_mul(path->ratio, factor));
+    if (!(mean_ratio > 0)) return;
+    path->radiance = lanes_add(path->radiance, lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio));
+}
+
 static void add_light(Path *path, const FreeFlight *flight, Lanes light)
 {
     const World *world = path->tracer->world;
     uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
-    Lanes factor = lane_factor(flight),
-          beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
-    float mean_ratio = lanes_mean(lanes_mul(path->ratio, factor));
-    if (!(mean_ratio > 0)) return;
-    Lanes basic = path_basic_radiance(world, light, medium, path->wavelengths.nm);
-    path->radiance = lanes_add(path->radiance, lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio));
+    flight_add_light(path, flight, path_basic_radiance(world, light, medium, path->wavelengths.nm));
 }
 
 /* (1 - e^(-x length)) / x of each lane. */
@@ -256,7 +256,7 @@ static void excess_at(const FlightParts *parts, double t, Lanes *scattering, Lan
     for (uint32_t i = 0; i < parts->n; i++) {
         const FlightPart *part = &parts->items[i];
         if (!(part->high > part->low)) continue;
-        float more = density_at(part, t) - part->low;
+        float more = flight_part_density(part, t) - part->low;
         *scattering = lanes_add(*scattering, lanes_scale(part->scattering, more));
         *extinction = lanes_add(*extinction, lanes_scale(lanes_add(part->scattering, part->absorption), more));
     }
@@ -268,11 +268,11 @@ static const FlightPart *scatterer(const FlightParts *parts, double t, float u)
     float sum = 0, before = 0;
     if (parts->n == 1) return &parts->items[0];
     for (uint32_t i = 0; i < parts->n; i++)
-        sum += density_at(&parts->items[i], t) * lanes_get(parts->items[i].scattering, 0);
+        sum += flight_part_density(&parts->items[i], t) * lanes_get(parts->items[i].scattering, 0);
     const FlightPart *last = NULL;
     for (uint32_t i = 0; i < parts->n; i++) {
         const FlightPart *part = &parts->items[i];
-        float share = density_at(part, t) * lanes_get(part->scattering, 0);
+        float share = flight_part_density(part, t) * lanes_get(part->scattering, 0);
         if (!(share > 0)) continue;
         last = part;
         before += share;
@@ -317,7 +317,7 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
     Tracer *tracer = path->tracer;
     double t = from, to = from + length;
     if (path->straight) return length;
-    if (!find_parts(path, &tracer->list, &path->ray, t)) {
+    if (!flight_find_parts(path, &tracer->list, &path->ray, t)) {
         tracer->out_of_memory = true;
         return length;
     }
@@ -345,6 +345,7 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
         if (by) {
             *medium = by->number;
             flight->budget = 0;
+            flight->coefficient = lanes_scale(by->scattering, flight_part_density(by, t));
             return t - from < length ? t - from : nextafter(length, 0);
         }
         flight->budget = -logf(1 - draw(flight->key, &flight->n_drawn));
@@ -352,13 +353,14 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
     return length;
 }
 
-Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn)
+Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn,
+                      Lanes *scattered)
 {
     const float faint = 0.01f, survival = 0.25f; /* what has become faint mostly ends */
     FlightParts *parts = &path->tracer->parts;
-    Lanes depth = lanes_all(0), left = lanes_all(1);
+    Lanes depth = lanes_all(0), of_scattering = depth, left = lanes_all(1);
     uint32_t key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce + 1);
-    if (!find_parts(path, list, ray, t)) {
+    if (!flight_find_parts(path, list, ray, t)) {
         path->tracer->out_of_memory = true;
         return left;
     }
@@ -377,7 +379,9 @@ Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t
         }
         Lanes even = lanes_add(piece.scattering, piece.absorption);
         depth = lanes_add(depth, lanes_scale(even, flight_length(piece.end - t)));
+        of_scattering = lanes_add(of_scattering, lanes_scale(piece.scattering, flight_length(piece.end - t)));
         t = piece.end;
     }
+    if (scattered) *scattered = of_scattering;
     return lanes_mul(left, flight_attenuation(depth));
 }

@@ -14,7 +14,7 @@
 typedef struct FreeFlight {
     float budget; /* of the rate of collisions, over the way, that is left; INFINITY where nothing scatters */
     Lanes scattered, absorbed; /* optical depths used up so far, of every lane, that beta and ratio do not have yet */
-    Lanes coefficient;         /* of every lane, of an even medium where the path was scattered */
+    Lanes coefficient;         /* of every lane, of the medium where the path was scattered, at that place */
     uint32_t key, n_drawn;     /* of the flight's own random numbers */
 } FreeFlight;
 
@@ -74,12 +74,31 @@ static inline bool flight_is_uneven(const World *world, const NestList *list, ui
 /* Optical depth, for what is lost of a straight ray, of a stretch of an even medium. */
 Lanes flight_depth(Path *path, uint32_t medium, double length);
 /* What is left of a straight ray from t to `to`, through what fills the place where the list holds: an estimate. *n_drawn
- * counts the ray's own random numbers. */
-Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn);
+ * counts the ray's own random numbers. *scattered (may be NULL): the optical depth of scattering that the least densities
+ * come to. Afterwards tracer->parts are at `to`, if anything is left. */
+Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t, double to, uint32_t *n_drawn,
+                      Lanes *scattered);
+/* Goes through the hulls whose media add to one that owns a place; *i: 0 before the first. */
+bool flight_next_mixing(const World *world, const NestList *list, uint32_t medium, uint32_t *i, uint32_t *hull);
+/* Sets tracer->parts to all that fills a place; false when memory ends. */
+bool flight_find_parts(Path *path, const NestList *list, const Ray *ray, double t);
+/* The density of one of them at a t of its present piece. */
+static inline float flight_part_density(const FlightPart *part, double t)
+{
+    return part->walks ? volume_walk_value(&part->walk, t) : 1;
+}
+/* Adds light, as basic radiance, with what beta and ratio have yet to be given of the flight. */
+void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic);
 
 static inline Lanes flight_attenuation(Lanes depth)
 {
     return lanes_zero(depth) ? lanes_all(1) : lanes_exp(lanes_sub(lanes_all(0), depth));
+}
+
+/* By how much the lanes are scattered more, or less, than the hero. */
+static inline Lanes flight_lane_factor(const FreeFlight *flight)
+{
+    return flight_attenuation(lanes_sub(flight->scattered, lanes_all(lanes_get(flight->scattered, 0))));
 }
 
 /* What flight_end does with scattering. */

@@ -118,14 +118,21 @@ static LightSample sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sid
         .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
-/* Uniform in area. */
-static LightSample sample_triangle(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2])
+/* Uniform in area; across: the normal there, twice as long as the area. */
+static Vec3 triangle_point(const World *world, const Emitter *emitter, double time, const float u[2], Vec3 *across)
 {
     Vec3 corner[3];
     rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, time, corner);
-    Vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]), across = vec3_cross(a, b);
-    double root = sqrt((double)u[0]), length = vec3_length(across);
-    Vec3 place = vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
+    Vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]);
+    double root = sqrt((double)u[0]);
+    *across = vec3_cross(a, b);
+    return vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
+}
+
+static LightSample sample_triangle(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2])
+{
+    Vec3 across, place = triangle_point(world, emitter, time, u, &across);
+    double length = vec3_length(across);
     bool two_sided = !world->scene->shapes[world->scene->objects[emitter->of].shape].closed;
     LightSample sample = sample_place(from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length);
     sample.object = emitter->of;
@@ -269,29 +276,152 @@ static LightSample sample_emitter(const World *world, const Emitter *emitter, Ve
     return sample;
 }
 
+LightSample light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest,
+                                 const float u[2], Lanes wavelength_nm)
+{
+    LightSample sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, rest, u, wavelength_nm);
+    sample.emitter = emitter;
+    sample.choice = 1;
+    return sample;
+}
+
+const LightChoice *light_choose(const World *world, double *choice)
+{
+    uint32_t i = 0;
+    while (i + 1 < world->n_choices && *choice >= (double)world->choices[i].cumulative) i++;
+    const LightChoice *chosen = &world->choices[i];
+    double before = i ? (double)world->choices[i - 1].cumulative : 0;
+    *choice = fmin(fmax((*choice - before) / ((double)chosen->cumulative - before), 0), 1 - 0x1p-53);
+    return chosen;
+}
+
+LightSample light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
+                                double choice, const float u[2], Lanes wavelength_nm)
+{
+    LightSample sample;
+    float probability = chosen->probability;
+    if (chosen->light == LIGHT_NEAR) {
+        float of_tree;
+        uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, &choice, &of_tree);
+        if (emitter == LIGHT_TREE_NONE) return (LightSample){.pdf_w = 0};
+        sample = light_sample_emitter(world, emitter, from, time, choice, u, wavelength_nm);
+        probability *= of_tree;
+    } else {
+        sample = chosen->light == LIGHT_ENVIRONMENT
+                     ? light_sample_environment(world, from, normal, choice, u, wavelength_nm)
+                     : sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm);
+        sample.emitter = EMITTER_NONE;
+    }
+    sample.choice = probability;
+    sample.pdf_w *= probability;
+    return sample;
+}
+
 LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
                          Lanes wavelength_nm)
 {
     if (!world->n_choices) return (LightSample){.pdf_w = 0};
-    uint32_t i = 0;
-    while (i + 1 < world->n_choices && choice >= (double)world->choices[i].cumulative) i++;
-    const LightChoice *chosen = &world->choices[i];
-    double before = i ? (double)world->choices[i - 1].cumulative : 0;
-    double rest = fmin(fmax((choice - before) / ((double)chosen->cumulative - before), 0), 1 - 0x1p-53);
-    LightSample sample;
-    if (chosen->light == LIGHT_ENVIRONMENT) {
-        sample = light_sample_environment(world, from, normal, rest, u, wavelength_nm);
-    } else if (chosen->light == LIGHT_NEAR) {
-        float probability;
-        uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, &rest, &probability);
-        if (emitter == LIGHT_TREE_NONE) return (LightSample){.pdf_w = 0};
-        sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, rest, u, wavelength_nm);
-        sample.pdf_w *= probability;
-    } else {
-        sample = sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm);
+    const LightChoice *chosen = light_choose(world, &choice);
+    return light_sample_choice(world, chosen, from, normal, time, choice, u, wavelength_nm);
+}
+
+/* ---- what lights a line ---- */
+
+static LightPivot pivot_of_ball(Vec3 middle, double radius)
+{
+    return (LightPivot){middle, 0.25 * radius * radius};
+}
+
+LightPivot light_pivot_at(const World *world, uint32_t number, double time, Vec3 place)
+{
+    const Emitter *emitter = &world->emitters.emitters[number];
+    const Scene *scene = world->scene;
+    if (emitter->kind == EMITTER_BALL) {
+        const SceneObject *object = &scene->objects[emitter->of];
+        return pivot_of_ball(object->to_world.t, ball_radius(world, object, emitter->part));
     }
-    sample.pdf_w *= chosen->probability;
-    return sample;
+    if (emitter->kind == EMITTER_LIGHT && scene->lights[emitter->of].kind == LIGHT_SPHERE) {
+        Affine room;
+        const SceneLight *light = &scene->lights[emitter->of];
+        return pivot_of_ball(light_place(world, light, time, &room)->t, light->half_width);
+    }
+    return (LightPivot){place, 0};
+}
+
+LightPivot light_pivot(const World *world, uint32_t number, double time, double rest, const float u[2])
+{
+    const Emitter *emitter = &world->emitters.emitters[number];
+    const Scene *scene = world->scene;
+    Vec3 place = vec3(0, 0, 0), unused;
+    double area;
+    Affine room;
+    switch (emitter->kind) {
+    case EMITTER_LIGHT: {
+        const SceneLight *light = &scene->lights[emitter->of];
+        const Affine *to_world = light_place(world, light, time, &room);
+        place = light->kind == LIGHT_RECT || light->kind == LIGHT_DISC ? area_point(light, to_world, u, &unused, &area)
+                                                                       : to_world->t;
+        break;
+    }
+    case EMITTER_TRIANGLE: place = triangle_point(world, emitter, time, u, &unused); break;
+    case EMITTER_PIECE: {
+        const SceneObject *object = &scene->objects[emitter->of];
+        Vec3 local = piece_sample(piece_of(world, object, emitter->part), (double)u[0], (double)u[1], &unused);
+        place = affine_point(object_place(world, object, time, &room), local);
+        break;
+    }
+    case EMITTER_BALL: break;
+    case EMITTER_GLOW: place = glow_sample(scene, &world->media.glows[emitter->of], time, rest, u).position; break;
+    }
+    return light_pivot_at(world, number, time, place);
+}
+
+/* Cuts a stretch of a line, origin + t direction, to where it is within the cone about the axis (unit) whose tip is at 0; of
+ * the half angle of that cosine, which is >= 0. */
+static bool cut_to_cone(Vec3 origin, Vec3 direction, Vec3 axis, double cosine, double *begin, double *end)
+{
+    double height = vec3_dot(origin, axis), rise = vec3_dot(direction, axis), square = cosine * cosine;
+    double a = rise * rise - square, b = height * rise - square * vec3_dot(origin, direction);
+    double c = height * height - square * vec3_dot(origin, origin);
+    if (square == 0 ||
+        fabs(a) < 1e-12) { /* half of space; or along the cone's side, where half of space is not too little */
+        if (rise == 0) return height > 0;
+        if (rise > 0)
+            *begin = fmax(*begin, -height / rise);
+        else
+            *end = fmin(*end, -height / rise);
+        return *begin < *end;
+    }
+    double root = b * b - a * c;
+    if (!(root > 0)) return false;
+    root = sqrt(root);
+    double first = (-b - copysign(root, a)) / a, last = (-b + copysign(root, a)) / a;
+    if (a < 0) { /* both ends of a chord, of this cone or of the one opposite */
+        if (height + 0.5 * (first + last) * rise < 0) return false;
+        *begin = fmax(*begin, first);
+        *end = fmin(*end, last);
+    } else if (rise > 0) { /* it leaves the cone opposite first */
+        *begin = fmax(*begin, last);
+    } else {
+        *end = fmin(*end, first);
+    }
+    return *begin < *end;
+}
+
+bool light_reach(const World *world, uint32_t number, double time, Vec3 origin, Vec3f direction, double *begin,
+                 double *end)
+{
+    const Emitter *emitter = &world->emitters.emitters[number];
+    if (emitter->kind != EMITTER_LIGHT) return true;
+    const SceneLight *light = &world->scene->lights[emitter->of];
+    bool flat = light->kind == LIGHT_RECT || light->kind == LIGHT_DISC;
+    if (!flat && (light->kind != LIGHT_POINT || !(light->cos_none > 0))) return true;
+    Affine room;
+    const Affine *to_world = light_place(world, light, time, &room);
+    Vec3 axis = vec3_normalize(affine_vector(to_world, vec3(0, 1, 0)));
+    if (flat) light_area(light, to_world, &axis);
+    return cut_to_cone(vec3_sub(origin, to_world->t), vec3_from_f(direction), axis, flat ? 0 : light->cos_none, begin,
+                       end);
 }
 
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)

@@ -13,6 +13,8 @@ typedef struct LightSample {
     uint32_t primitive; /* of it; RTC_NO_OBJECT: all */
     float pdf_w;        /* per steradian, the choice of the light included; 0: nothing to gain */
     const Glow *glow;   /* NULL, or the medium whose place this is, if that has not gone to another one there */
+    uint32_t emitter;   /* of world->emitters; EMITTER_NONE: from infinitely far */
+    float choice;       /* of pdf_w, what is the choice of the light */
     bool delta;         /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
     Lanes radiance;     /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
@@ -22,6 +24,29 @@ typedef struct LightSample {
  * digits than a float has. time: of the shutter. */
 LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
                          Lanes wavelength_nm);
+
+/* The same with an entry of world->choices that was chosen already; choice: what is left of the digits. */
+LightSample light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
+                                double choice, const float u[2], Lanes wavelength_nm);
+/* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. */
+LightSample light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest,
+                                 const float u[2], Lanes wavelength_nm);
+/* An entry of world->choices, of which there are some; *choice: uniform in [0, 1), and what is left of its digits. */
+const LightChoice *light_choose(const World *world, double *choice);
+
+/* About what the light of an emitter falls off with the squared distance. */
+typedef struct LightPivot {
+    Vec3 place;
+    double softening2; /* square of a distance within which it does not fall off any more */
+} LightPivot;
+/* Of the place that light_sample_emitter, given the same numbers, looks at from anywhere; or for what is round, its middle. */
+LightPivot light_pivot(const World *world, uint32_t emitter, double time, double rest, const float u[2]);
+/* The same for a place on it that is known. */
+LightPivot light_pivot_at(const World *world, uint32_t emitter, double time, Vec3 place);
+/* Cuts the stretch of a line, from *begin to *end along its direction, to where an emitter may shine; false: nowhere. Of a
+ * spot that is its cone, of what is flat and shines to one side the space before it. */
+bool light_reach(const World *world, uint32_t emitter, double time, Vec3 origin, Vec3f direction, double *begin,
+                 double *end);
 
 /* Whether the surface that the ray has hit shines, and its radiance towards there. */
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);

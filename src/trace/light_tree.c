@@ -93,6 +93,45 @@ static inline Lanes importance(const TreeNode *node, Vec3f place, Vec3f normal, 
     return lanes_select_less(node->radius2, distance2, given, value);
 }
 
+/* A node's parts as seen from the place of a line that is nearest to each. */
+typedef struct Beside {
+    Lanes x, y, z; /* from there to their middles */
+    Lanes along;   /* how far along the line the middles are, the line being without end */
+} Beside;
+
+static inline Beside beside(const TreeNode *node, const LightLine *line)
+{
+    Lanes dx = lanes_all(line->direction.x), dy = lanes_all(line->direction.y), dz = lanes_all(line->direction.z);
+    Lanes begin = lanes_all(line->begin), end = lanes_all(line->end);
+    Lanes x = lanes_sub(node->x, lanes_all(line->origin.x)), y = lanes_sub(node->y, lanes_all(line->origin.y)),
+          z = lanes_sub(node->z, lanes_all(line->origin.z));
+    Lanes along = dot(x, y, z, dx, dy, dz);
+    Lanes nearest = lanes_select_less(along, begin, begin, lanes_select_less(end, along, end, along));
+    return (Beside){lanes_sub(x, lanes_mul(nearest, dx)), lanes_sub(y, lanes_mul(nearest, dy)),
+                    lanes_sub(z, lanes_mul(nearest, dz)), along};
+}
+
+/* The integral of power over squared distance along a line, as from the middle of the bounds and no nearer than their
+ * radius: C. Kulla, M. Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media" (2012),
+ * section 3. Which way the lights face counts as seen from the line's nearest place, but never excludes them. */
+static inline Lanes importance_along(const TreeNode *node, const LightLine *line)
+{
+    const float least = 0.1f;
+    Beside at = beside(node, line);
+    Lanes begin = lanes_sub(lanes_all(line->begin), at.along), end = lanes_sub(lanes_all(line->end), at.along);
+    Lanes beyond = at_least(begin, 0);
+    beyond = lanes_add(beyond, at_least(lanes_sub(lanes_all(0), end), 0)); /* of the line's ends, seen along it */
+    Lanes to2 = dot(at.x, at.y, at.z, at.x, at.y, at.z);
+    Lanes distance2 =
+        lanes_add(at_least(lanes_sub(to2, lanes_mul(beyond, beyond)), 0), at_least(node->radius2, FLT_MIN));
+    Lanes distance = lanes_sqrt(distance2), across = lanes_mul(distance, lanes_sub(end, begin));
+    Lanes angle = lanes_add(distance2, lanes_mul(end, begin));
+    for (int i = 0; i < LANES; i++) lanes_set(&angle, i, atan2f(lanes_get(across, i), lanes_get(angle, i)));
+    Lanes inverse = lanes_sqrt(lanes_div(lanes_all(1), at_least(to2, FLT_MIN)));
+    Lanes part = at_least(sent(node, at.x, at.y, at.z, inverse, lanes_all(0), lanes_all(1)), least);
+    return lanes_mul(lanes_div(lanes_mul(node->power, angle), distance), part);
+}
+
 static bool is_set(Vec3f v)
 {
     return v.x != 0 || v.y != 0 || v.z != 0;
@@ -104,17 +143,33 @@ static inline double sum_of(Lanes a)
     return ((double)lanes_get(a, 0) + (double)lanes_get(a, 1)) + ((double)lanes_get(a, 2) + (double)lanes_get(a, 3));
 }
 
-uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double *digits, float *probability)
+/* Who chooses: a place, or all places of a line. */
+typedef struct Seeker {
+    Vec3f place, normal;
+    bool has_normal;
+    const LightLine *line; /* NULL: the place */
+} Seeker;
+
+static inline Seeker seeker_at(Vec3 place, Vec3f normal)
+{
+    return (Seeker){.place = vec3f_from(place), .normal = normal, .has_normal = is_set(normal)};
+}
+
+static inline Lanes importance_for(const TreeNode *node, const Seeker *seeker)
+{
+    return seeker->line ? importance_along(node, seeker->line)
+                        : importance(node, seeker->place, seeker->normal, seeker->has_normal);
+}
+
+static inline uint32_t choose_for(const LightTree *tree, const Seeker *seeker, double *digits, float *probability)
 {
     double u = *digits;
     *probability = 0;
     if (!tree->n_lights) return LIGHT_TREE_NONE;
-    Vec3f at = vec3f_from(place);
-    bool has_normal = is_set(normal);
     const TreeNode *node = &tree->nodes[0];
     double chosen = 1;
     for (;;) {
-        Lanes parts = importance(node, at, normal, has_normal);
+        Lanes parts = importance_for(node, seeker);
         double sum = sum_of(parts);
         if (!(sum > 0)) return LIGHT_TREE_NONE;
         double left = u * sum, part = 0;
@@ -142,20 +197,65 @@ uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, doub
     }
 }
 
-float light_tree_probability(const LightTree *tree, uint32_t light, Vec3 place, Vec3f normal)
+static inline float probability_for(const LightTree *tree, uint32_t light, const Seeker *seeker)
 {
     uint32_t at = tree->leaf_of[light];
     if (at == LIGHT_TREE_NONE) return 0;
-    Vec3f from = vec3f_from(place);
-    bool has_normal = is_set(normal);
     double chosen = 1;
     for (;; at = tree->parent[at / PARTS]) {
-        Lanes parts = importance(&tree->nodes[at / PARTS], from, normal, has_normal);
+        Lanes parts = importance_for(&tree->nodes[at / PARTS], seeker);
         double sum = sum_of(parts);
         if (!(sum > 0)) return 0;
         chosen *= (double)lanes_get(parts, (int)(at % PARTS)) / sum;
         if (at < PARTS) return (float)chosen;
     }
+}
+
+uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, double *u, float *probability)
+{
+    Seeker seeker = seeker_at(place, normal);
+    return choose_for(tree, &seeker, u, probability);
+}
+
+float light_tree_probability(const LightTree *tree, uint32_t light, Vec3 place, Vec3f normal)
+{
+    Seeker seeker = seeker_at(place, normal);
+    return probability_for(tree, light, &seeker);
+}
+
+uint32_t light_tree_choose_along(const LightTree *tree, const LightLine *line, double *u, float *probability)
+{
+    Seeker seeker = {.line = line};
+    if (tree->n_lights != 1) return choose_for(tree, &seeker, u, probability);
+    *probability = 1;
+    return tree->nodes[0].child[0] & ~IS_LIGHT;
+}
+
+float light_tree_probability_along(const LightTree *tree, uint32_t light, const LightLine *line)
+{
+    Seeker seeker = {.line = line};
+    if (tree->n_lights != 1) return probability_for(tree, light, &seeker);
+    return tree->leaf_of[light] == LIGHT_TREE_NONE ? 0 : 1;
+}
+
+float light_tree_nearest(const LightTree *tree, const LightLine *line)
+{
+    if (!tree->n_lights) return INFINITY;
+    const TreeNode *node = &tree->nodes[0];
+    Beside at = beside(node, line);
+    Lanes distance = lanes_sub(lanes_sqrt(dot(at.x, at.y, at.z, at.x, at.y, at.z)), lanes_sqrt(node->radius2));
+    float nearest = INFINITY;
+    for (int i = 0; i < LANES; i++)
+        if (lanes_get(node->power, i) > 0) nearest = float_min(nearest, lanes_get(distance, i));
+    return nearest > 0 ? nearest : 0;
+}
+
+Vec3f light_tree_middle(const LightTree *tree, uint32_t light)
+{
+    uint32_t at = tree->leaf_of[light];
+    const TreeNode *node = &tree->nodes[at / PARTS];
+    int part = (int)(at % PARTS);
+    return vec3f(lanes_get(node->x, part), lanes_get(node->y, part), lanes_get(node->z, part));
 }
 
 /* ---- building ---- */

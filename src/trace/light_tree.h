@@ -44,4 +44,17 @@ uint32_t light_tree_choose(const LightTree *tree, Vec3 place, Vec3f normal, doub
 /* The probability with which light_tree_choose chooses a light; 0 for lights that were left out. */
 float light_tree_probability(const LightTree *tree, uint32_t light, Vec3 place, Vec3f normal);
 
+/* A stretch of a line, from begin to end along its direction. */
+typedef struct LightLine {
+    Vec3f origin, direction;
+    float begin, end;
+} LightLine;
+/* The same for all places of a line together, a medium that scatters a little being there. */
+uint32_t light_tree_choose_along(const LightTree *tree, const LightLine *line, double *u, float *probability);
+float light_tree_probability_along(const LightTree *tree, uint32_t light, const LightLine *line);
+/* How far the nearest light is from a line, at least; INFINITY where there is none. */
+float light_tree_nearest(const LightTree *tree, const LightLine *line);
+/* The middle of a light's bounds; of one that was not left out. */
+Vec3f light_tree_middle(const LightTree *tree, uint32_t light);
+
 #endif

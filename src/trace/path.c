@@ -10,7 +10,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
-#include "trace/path_parts.h"
+#include "trace/airlight.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
  * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the
@@ -26,6 +26,7 @@ void tracer_init(Tracer *tracer, const World *world)
     nest_list_init(&tracer->list);
     nest_list_init(&tracer->next);
     nest_list_init(&tracer->before);
+    nest_list_init(&tracer->aside);
     nest_list_init(&tracer->shadow_list);
 }
 
@@ -38,6 +39,7 @@ void tracer_clear(Tracer *tracer)
     nest_list_clear(&tracer->list);
     nest_list_clear(&tracer->next);
     nest_list_clear(&tracer->before);
+    nest_list_clear(&tracer->aside);
     nest_list_clear(&tracer->shadow_list);
     free(tracer->parts.items);
     tracer->parts = (FlightParts){0};
@@ -152,6 +154,7 @@ ATTR_COLD static void look_ahead(const Path *path)
     NestList kept;
     nest_list_init(&kept);
     look.straight = true;
+    look.looks = false;
     if (nest_list_copy(&kept, &tracer->list) == STATUS_OK) {
         path_next_event(&look, &event);
         note_first_sight(&look, &event);
@@ -175,8 +178,9 @@ static bool follow(Path *path)
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {
-            Lanes radiance = light_from_infinity(world, path->scatter_point, path->scatter_normal, path->ray.direction,
-                                                 path->scatter_pdf, path->wavelengths.nm);
+            Lanes radiance =
+                light_from_infinity(world, path->scatter_point, path->scatter_normal, path->ray.direction,
+                                    path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
             path_add_radiance(path, lanes_all(1),
                               path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
             /* out here the ray is in nothing that is bounded, or a surface was lost */
@@ -210,7 +214,8 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
                  .ratio = lanes_all(1),
                  .radiance = lanes_all(0),
                  .scatter_pdf = -1,
-                 .steering = 1};
+                 .steering = 1,
+                 .looks = world->seeks_airlight};
     float u[2], lens[2] = {0, 0};
     sampler_2d(&path.sampler, DIM_PIXEL, u);
     if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);

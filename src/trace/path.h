@@ -59,6 +59,7 @@ typedef struct Tracer {
     HitList passed; /* silent crossings in front of those hits, found in the same search */
     NestList list, next, shadow_list;
     NestList before; /* behind what was passed */
+    NestList aside;  /* of the two lists of path_turn_aside the one that is not in use */
     FlightParts parts;
     NestPass *passes;
     size_t passes_capacity;

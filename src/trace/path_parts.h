@@ -17,6 +17,19 @@ typedef struct PathMedium {
 } PathMedium;
 enum { PATH_MEDIA = 4 };
 
+/* A stretch of a path's way on which light that media scatter was looked for, see airlight.h. */
+typedef struct Airway {
+    Vec3 origin;
+    Vec3f direction;
+    double begin, end;  /* along the ray */
+    float share, alone; /* how often it is looked at; and how likely a flight goes through it without being scattered */
+    float extinction;   /* a mean */
+    double free_path;
+    Lanes ratio, scattered; /* at its beginning: the path's ratio, the optical depths that the flight had behind it */
+    double t;               /* a place on it where a flight was scattered, */
+    float rarity;           /* and 1 / the density of that; 0: there is none */
+} Airway;
+
 typedef struct Path {
     Tracer *tracer;
     Sampler sampler;
@@ -28,11 +41,13 @@ typedef struct Path {
     float scatter_pdf;    /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
     uint32_t bounce;      /* events so far: each has random numbers of its own */
     float cone_width,
-        cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
-    bool cone_bent;  /* it has gone through a boundary, or off a mirror */
-    GuideAt guide;   /* at the place where the path is scattered last */
-    float steering;  /* how much denser its direction was chosen there than the surface alone would have */
-    bool straight;   /* media do not scatter it: it only looks what is there */
+        cone_spread;  /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
+    bool cone_bent;   /* it has gone through a boundary, or off a mirror */
+    GuideAt guide;    /* at the place where the path is scattered last */
+    float steering;   /* how much denser its direction was chosen there than the surface alone would have */
+    bool straight;    /* media do not scatter it: it only looks what is there */
+    bool looks;       /* for light that media scatter towards it */
+    Airway way, from; /* the present stretch; and the one that the path was scattered on last, if it was in a medium */
     PathMedium media[PATH_MEDIA]; /* by the medium's number, modulo their own */
     uint32_t n_counted;           /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
@@ -88,6 +103,10 @@ static inline void swap_before(Tracer *tracer)
 
 /* ---- event.c ---- */
 
+/* tracer->list is the one at a t of the path's ray, up to its next event, until path_turn_back is called; false when memory
+ * ends, and then it is as before. */
+bool path_turn_aside(Tracer *tracer, double t);
+void path_turn_back(Tracer *tracer);
 /* Crosses the hulls among hits[0 .. n), all at one place. */
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
@@ -111,8 +130,9 @@ typedef struct SurfacePlace {
 SurfacePlace path_place(const Path *path, const Event *event);
 /* A light to look at from a place; normal: as light_sample takes it. */
 LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal);
-/* Adds what comes straight along the ray from a light, scattered by the factor, weighted against finding the light
- * by a direction of density scatter_pdf. */
+/* What comes straight along the ray from a light, as basic radiance; false: nothing. */
+bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic);
+/* Adds that, scattered by the factor, weighted against finding the light by a direction of density scatter_pdf. */
 void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf);
 /* Sends the path on from the surfaces that it has come to: through them, or back. */
 void path_leave(Path *path, Event *event, bool through, Vec3f direction);

@@ -26,6 +26,7 @@ enum {
     DIM_PATH,              /* the first bounce's group begins here */
     DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
     DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
+    DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
     DIM_SCATTER,      /* 2: direction */

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
-#include "trace/path_parts.h"
+#include "trace/airlight.h"
 
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
 {
@@ -79,7 +79,7 @@ LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal)
     return light_sample(path->tracer->world, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
 }
 
-void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
+bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic)
 {
     const World *world = path->tracer->world;
     ray.t_max = light->distance;
@@ -87,12 +87,22 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
     ray.target_primitive = light->primitive;
     Lanes transmittance;
     uint32_t medium;
-    if (!path_shadow(path, &ray, &transmittance, &medium)) return;
-    if (UNLIKELY(light->glow) && !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list)) return;
-    float weight = light->delta ? 1 : sampling_balance(light->pdf_w, scatter_pdf);
-    Lanes factor = lanes_mul(lanes_scale(scattered, weight / light->pdf_w), transmittance);
+    if (!path_shadow(path, &ray, &transmittance, &medium)) return false;
+    if (UNLIKELY(light->glow) &&
+        !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list))
+        return false;
     if (isinf(light->distance)) medium = WORLD_MEDIUM;
-    path_add_radiance(path, factor, path_basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
+    *basic = lanes_mul(transmittance, path_basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
+    return true;
+}
+
+void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
+{
+    Lanes basic;
+    if (!path_light_arrives(path, light, ray, &basic)) return;
+    float others = (light->delta ? 0 : scatter_pdf) + airlight_rival_sample(path, light);
+    float weight = sampling_balance(light->pdf_w, others);
+    path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
 }
 
 /* The density of a matte surface's directions. A lobe about the shading normal reaches below the surface; that part of it is
@@ -142,6 +152,9 @@ void path_scatter_in_medium(Path *path, const Event *event)
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
     Vec3 position = ray_point(&path->ray, event->t);
     Vec3f along = path->ray.direction;
+    path->scatter_point = position;
+    path->scatter_normal = vec3f(0, 0, 0);
+    path->from = path->way;
     path_find_guide(path, position);
     LightSample light = path_choose_light(path, position, vec3f(0, 0, 0));
     if (light.pdf_w > 0) {
@@ -153,8 +166,6 @@ void path_scatter_in_medium(Path *path, const Event *event)
     float u[2];
     double time = path->ray.time;
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    path->scatter_point = position;
-    path->scatter_normal = vec3f(0, 0, 0);
     Vec3f direction;
     if (path_ask_guide(path, &direction))
         path->scatter_pdf = phase_evaluate(phase, vec3f_dot(along, direction));
@@ -184,9 +195,10 @@ void path_add_emission(Path *path, const Hit *hit)
     Lanes radiance;
     if (!light_radiance_hit(world, &path->ray, hit, path->wavelengths.nm, &radiance)) return;
     float weight = 1; /* against finding it by light sampling */
-    if (path->scatter_pdf >= 0)
-        weight = sampling_balance(path->scatter_pdf,
-                                  light_pdf_hit(world, path->scatter_point, path->scatter_normal, &path->ray, hit));
+    if (path->scatter_pdf >= 0) {
+        float pdf = light_pdf_hit(world, path->scatter_point, path->scatter_normal, &path->ray, hit);
+        weight = sampling_balance(path->scatter_pdf, pdf + airlight_rival_hit(path, hit, pdf));
+    }
     uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
     path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
 }
@@ -197,6 +209,7 @@ bool path_shade_opaque(Path *path, Event *event)
     const World *world = tracer->world;
     const SceneObject *object = &world->scene->objects[event->hit.object];
     path_add_emission(path, &event->hit);
+    path->from.rarity = 0;
     if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
     const SceneSurface *surface = path_surface(path, event, object->surface);
@@ -249,6 +262,7 @@ static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes et
 bool path_cross_boundary(Path *path, Event *event)
 {
     const World *world = path->tracer->world;
+    path->from.rarity = 0;
     Lanes eta_i = medium_ior(world, event->crossing.medium_from, path->wavelengths.nm);
     Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
     SurfacePlace place = path_place(path, event);

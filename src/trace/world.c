@@ -167,6 +167,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         hit_list_clear(&hits);
         world->moves = world->scene->n_keys > 0;
         for (uint32_t i = 0; i < world->scene->n_media; i++) world->scatters |= world->scene->media[i].scatters;
+        world->seeks_airlight = world->scatters && world->n_choices;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
     }
@@ -177,6 +178,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
 void world_leave_to_chance(World *world)
 {
     world->n_choices = 0;
+    world->seeks_airlight = false;
     world->near_choice = world->environment_choice = 0;
     for (uint32_t i = 0; i < world->scene->n_lights; i++) world->choice_of_light[i] = 0;
 }

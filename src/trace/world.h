@@ -49,6 +49,7 @@ typedef struct World {
     bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
     bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin */
     bool scatters;             /* some medium does */
+    bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;

@@ -1,0 +1,321 @@
+/* airlight.c - see airlight.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/airlight.h"
+
+#include "optics/sampling.h"
+
+/* A stretch that scatters less than this part of the light is looked at with a probability in proportion: what it adds to
+ * the picture is little, and so is its noise. */
+#define THIN 0.1f
+/* Optical depths beyond which a stretch is not looked at: what e^-8 leaves is for flights. */
+#define DEEP 8.0
+/* In thick media a light is near up to this many mean free paths: closer to it than that, flights are too rare. */
+#define NEAR 0.25
+/* Less than this part of the looks is none: weighing what flights find against them would take longer. */
+#define FEW 0.05f
+/* Of a grid's largest density, what it is taken to have in the mean: for how often to look only. */
+#define TYPICAL 0.25f
+
+/* ---- how often, and where ---- */
+
+static LightLine line_of(const Airway *way)
+{
+    return (LightLine){vec3f_from(way->origin), way->direction, (float)way->begin, (float)way->end};
+}
+
+/* Lights that are near in terms of the mean free path are worth a look in thick media, too: there the flights are many, but
+ * few of them are close to the light. */
+static float share_near(const Path *path, const Airway *way, uint32_t emitter)
+{
+    Vec3 to = vec3_sub(vec3_from_f(light_tree_middle(path->tracer->world->emitters.tree, emitter)), way->origin);
+    Vec3 along = vec3_from_f(way->direction);
+    double nearest = fmin(fmax(vec3_dot(to, along), way->begin), way->end);
+    to = vec3_along(to, -nearest, along);
+    double distance2 = vec3_dot(to, to), near2 = NEAR * NEAR * way->free_path * way->free_path;
+    float near = distance2 > near2 ? (float)(near2 / distance2) : 1;
+    return way->share * (way->alone + (1 - way->alone) * (near < FEW ? 0 : near));
+}
+
+/* Whether there can be such lights. */
+static bool any_near(const World *world, const Airway *way)
+{
+    LightLine line = line_of(way);
+    return (double)light_tree_nearest(world->emitters.tree, &line) < NEAR * way->free_path / sqrt((double)FEW);
+}
+
+static float share_far(const Airway *way)
+{
+    return way->share * way->alone;
+}
+
+/* Places by the angle under which an emitter sees them. */
+typedef struct Fall {
+    double foot;       /* along the ray, what is nearest to the emitter */
+    double begin, end; /* from there */
+    double distance, angle;
+} Fall;
+
+/* False: the emitter does not shine on the stretch. */
+static bool fall_about(const Path *path, const Airway *way, uint32_t emitter, const LightPivot *pivot, Fall *fall)
+{
+    double begin = way->begin, end = way->end;
+    if (!light_reach(path->tracer->world, emitter, path->ray.time, way->origin, way->direction, &begin, &end))
+        return false;
+    Vec3 to = vec3_sub(pivot->place, way->origin), along = vec3_from_f(way->direction);
+    double foot = vec3_dot(to, along), least = 1e-6 * (end - begin);
+    Vec3 beside = vec3_along(to, -foot, along);
+    *fall = (Fall){.foot = foot, .begin = begin - foot, .end = end - foot};
+    fall->distance = sqrt(fmax(vec3_dot(beside, beside) + pivot->softening2, least * least));
+    fall->angle = sampling_angle(fall->distance, fall->begin, fall->end);
+    return fall->angle > 0;
+}
+
+static double fall_sample(const Fall *fall, double u)
+{
+    return fall->foot + sampling_equiangular(u, fall->distance, fall->begin, fall->end, fall->angle);
+}
+
+static float fall_density(const Fall *fall, double t)
+{
+    return (float)sampling_equiangular_pdf(t - fall->foot, fall->distance, fall->begin, fall->end, fall->angle);
+}
+
+/* Places by what is left of light that came so far. */
+static float pass_density(const Airway *way, double t)
+{
+    return (float)sampling_exponential_pdf(t - way->begin, (double)way->extinction, way->end - way->begin);
+}
+
+/* pf: the density with which flights are scattered at a place by what has this coefficient there; depth: since the beginning
+ * of the stretch. The mean over the wavelengths, each by how the path came there with it. */
+static float flight_density(const Airway *way, Lanes coefficient, Lanes depth)
+{
+    Lanes passing = lanes_mul(way->ratio, flight_attenuation(depth));
+    return lanes_mean(lanes_mul(passing, coefficient)) / lanes_mean(way->ratio);
+}
+
+/* ---- the stretch ---- */
+
+/* What a medium that fills the stretch adds; its absorption only where it is as dense everywhere. */
+static void add_typical(Path *path, uint32_t medium, Lanes *scattering, Lanes *even)
+{
+    const SceneMedium *m = &path->tracer->world->scene->media[medium];
+    if (!m->scatters && (m->density || !m->absorbs)) return;
+    Lanes of_medium = m->scatters ? spectrum_at(&m->scattering, path->wavelengths.nm) : lanes_all(0);
+    *scattering =
+        lanes_add(*scattering, m->density ? lanes_scale(of_medium, TYPICAL * m->density->largest) : of_medium);
+    if (!m->density) *even = lanes_add(*even, lanes_add(of_medium, flight_absorption(path, medium)));
+}
+
+/* What is there of every lane in the mean; false: nothing scatters. */
+static bool typical(Path *path, uint32_t medium, bool uneven, Lanes *scattering, Lanes *even)
+{
+    *scattering = *even = lanes_all(0);
+    if (!uneven && !path->tracer->world->scene->media[medium].scatters) return false;
+    add_typical(path, medium, scattering, even);
+    if (!uneven) return true;
+    const World *world = path->tracer->world;
+    for (uint32_t i = 0, hull; flight_next_mixing(world, &path->tracer->list, medium, &i, &hull);)
+        add_typical(path, world->compiled->hulls[hull].medium, scattering, even);
+    return !lanes_zero(*scattering);
+}
+
+/* Sets path->way; false: the stretch is not looked at. */
+static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length)
+{
+    Airway *way = &path->way;
+    Lanes scattering, even;
+    way->share = way->rarity = 0;
+    if (!(length > 0) || !typical(path, medium, uneven, &scattering, &even)) return false;
+    Lanes factor = flight_lane_factor(flight);
+    float mean = lanes_mean(scattering), all = float_max(lanes_mean(even), mean);
+    double reach = fmin(length, 1e18);
+    if (lanes_mean(even) > 0) reach = fmin(reach, DEEP / (double)lanes_mean(even));
+    way->origin = path->ray.origin;
+    way->direction = path->ray.direction;
+    way->begin = begin;
+    way->end = begin + reach;
+    way->extinction = all;
+    way->free_path = 1 / (double)all;
+    way->ratio = lanes_mul(path->ratio, factor);
+    way->scattered = flight->scattered;
+    float carried = lanes_mean(lanes_mul(path->beta, factor)) / lanes_mean(way->ratio);
+    float scattered = -expm1f(-all * flight_length(reach)) * (mean / all);
+    way->alone = expf(-mean * flight_length(length));
+    if (way->alone < FEW) {
+        way->alone = 0;
+        if (!any_near(path->tracer->world, way)) return false;
+    }
+    way->share = float_min(carried, 1) * float_min(scattered / THIN, 1);
+    return way->share > 0 && way->end > way->begin;
+}
+
+/* ---- a look ---- */
+
+/* A place of the stretch, a light as seen from it, and the densities of ways to find both. */
+typedef struct Look {
+    double t;
+    LightSample light; /* pdf_w: p */
+    float here, there; /* q a(t); c */
+} Look;
+
+static uint32_t dimension(const Path *path, uint32_t number, uint32_t which)
+{
+    enum { STRETCHES = 8, NUMBERS = 4 };
+    return DIM_AIRLIGHT + (path->bounce * STRETCHES + (number < STRETCHES ? number : STRETCHES - 1)) * NUMBERS + which;
+}
+
+static bool look_near(const Path *path, double rest, const float place[2], const float u[2], Look *look)
+{
+    const World *world = path->tracer->world;
+    const Airway *way = &path->way;
+    const double time = path->ray.time;
+    LightLine line = line_of(way);
+    float of_tree;
+    uint32_t emitter = light_tree_choose_along(world->emitters.tree, &line, &rest, &of_tree);
+    if (emitter == LIGHT_TREE_NONE) return false;
+    float share = share_near(path, way, emitter);
+    if (u[0] >= share) return false;
+    LightPivot pivot = light_pivot(world, emitter, time, rest, place);
+    Fall fall;
+    if (!fall_about(path, way, emitter, &pivot, &fall)) return false;
+    look->t = fall_sample(&fall, (double)u[1]);
+    Vec3 from = ray_point(&path->ray, look->t);
+    look->light = light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm);
+    look->here = world->near_choice * of_tree * share * fall_density(&fall, look->t);
+    look->there = light_choice(world, emitter, from, vec3f(0, 0, 0));
+    return look->there > 0;
+}
+
+static bool look_far(const Path *path, const LightChoice *chosen, double rest, const float place[2], const float u[2],
+                     Look *look)
+{
+    const Airway *way = &path->way;
+    float share = share_far(way);
+    if (u[0] >= share) return false;
+    look->t = way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin);
+    look->light = light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0),
+                                      path->ray.time, rest, place, path->wavelengths.nm);
+    look->here = share * pass_density(way, look->t);
+    look->there = 1;
+    return true;
+}
+
+/* What one medium at the place makes of the light, over the densities of all ways to find it there. */
+static Lanes scattered_by(const Path *path, const Look *look, const GuideAt *guide, const Phase *phase,
+                          Lanes coefficient, Lanes depth)
+{
+    const LightSample *light = &look->light;
+    float pdf = phase_evaluate(phase, vec3f_dot(path->ray.direction, light->direction));
+    float by_direction = light->delta ? 0 : guide_mixture(guide, light->direction, pdf);
+    float density = look->here * light->pdf_w +
+                    flight_density(&path->way, coefficient, depth) * (look->there * light->pdf_w + by_direction);
+    return density > 0 ? lanes_scale(coefficient, pdf / density) : lanes_all(0);
+}
+
+/* The same of all that is there, and what is left of the light on its way to the beginning of the stretch. */
+static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool uneven)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const Airway *way = &path->way;
+    GuideAt guide = guide_at(world->guide, ray_point(&path->ray, look->t));
+    if (!uneven) {
+        const SceneMedium *m = &world->scene->media[medium];
+        Lanes coefficient = spectrum_at(&m->scattering, path->wavelengths.nm);
+        Lanes depth = lanes_scale(coefficient, flight_length(look->t - way->begin));
+        Lanes all = flight_depth(path, medium, look->t - way->begin);
+        return lanes_mul(scattered_by(path, look, &guide, &m->phase, coefficient, depth), flight_attenuation(all));
+    }
+    uint32_t n_drawn = 1U << 30; /* numbers of its own, as the straight ray to the light draws, too */
+    Lanes depth, left = flight_transmit(path, &path->ray, &tracer->list, way->begin, look->t, &n_drawn, &depth);
+    Lanes sum = lanes_all(0);
+    if (lanes_zero(left)) return left;
+    for (uint32_t i = 0; i < tracer->parts.n; i++) {
+        const FlightPart *part = &tracer->parts.items[i];
+        Lanes coefficient = lanes_scale(part->scattering, flight_part_density(part, look->t));
+        if (!lanes_zero(coefficient))
+            sum = lanes_add(sum, scattered_by(path, look, &guide, &part->medium->phase, coefficient, depth));
+    }
+    return lanes_mul(sum, left);
+}
+
+void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
+                   uint32_t number)
+{
+    const World *world = path->tracer->world;
+    float choice[2], place[2], u[2];
+    if (!enter(path, flight, medium, uneven, begin, length)) return;
+    sampler_2d(&path->sampler, dimension(path, number, 2), u);
+    if (u[0] >= path->way.share) return;
+    sampler_2d(&path->sampler, dimension(path, number, 0), choice);
+    sampler_2d(&path->sampler, dimension(path, number, 1), place);
+    double rest = (double)choice[0] + (double)choice[1] * 0x1p-24;
+    const LightChoice *chosen = light_choose(world, &rest);
+    Look look;
+    if (!(chosen->light == LIGHT_NEAR ? look_near(path, rest, place, u, &look)
+                                      : look_far(path, chosen, rest, place, u, &look)))
+        return;
+    if (!(look.light.pdf_w > 0)) return;
+    Lanes factor = scattered_at(path, &look, medium, uneven), light;
+    if (lanes_zero(factor)) return;
+    Ray ray = ray_make(ray_point(&path->ray, look.t), look.light.direction);
+    ray.time = path->ray.time;
+    if (!path_turn_aside(path->tracer, look.t)) {
+        path->tracer->out_of_memory = true;
+        return;
+    }
+    bool arrives = path_light_arrives(path, &look.light, ray, &light);
+    path_turn_back(path->tracer);
+    if (arrives) flight_add_light(path, flight, lanes_mul(factor, light));
+}
+
+/* ---- weights ---- */
+
+void airlight_note(Path *path, const FreeFlight *flight, double t)
+{
+    Airway *way = &path->way;
+    if (!(way->share > 0) || t > way->end) return;
+    float density = flight_density(way, flight->coefficient, lanes_sub(flight->scattered, way->scattered));
+    way->t = t;
+    way->rarity = density > 0 ? 1 / density : 0;
+}
+
+float airlight_rival_far(const Path *path)
+{
+    const Airway *way = &path->from;
+    return way->rarity > 0 && way->alone > 0 ? way->rarity * share_far(way) * pass_density(way, way->t) : 0;
+}
+
+float airlight_rival_near(const Path *path, uint32_t emitter, Vec3 place)
+{
+    const World *world = path->tracer->world;
+    const Airway *way = &path->from;
+    if (!(way->rarity > 0)) return 0;
+    float share = share_near(path, way, emitter);
+    if (!(share > 0)) return 0;
+    LightLine line = line_of(way);
+    float of_tree = light_tree_probability_along(world->emitters.tree, emitter, &line);
+    if (!(of_tree > 0)) return 0;
+    LightPivot pivot = light_pivot_at(world, emitter, path->ray.time, place);
+    Fall fall;
+    if (!fall_about(path, way, emitter, &pivot, &fall)) return 0;
+    return way->rarity * world->near_choice * of_tree * share * fall_density(&fall, way->t);
+}
+
+float airlight_rival_sample(const Path *path, const LightSample *light)
+{
+    if (!(path->from.rarity > 0) || !(light->pdf_w > 0)) return 0;
+    if (light->emitter == EMITTER_NONE) return airlight_rival_far(path) * light->pdf_w;
+    Vec3 place = vec3_along(path->scatter_point, light->distance, vec3_from_f(light->direction));
+    return airlight_rival_near(path, light->emitter, place) * (light->pdf_w / light->choice);
+}
+
+float airlight_rival_hit(const Path *path, const Hit *hit, float pdf_hit)
+{
+    const World *world = path->tracer->world;
+    if (!(path->from.rarity > 0) || !(pdf_hit > 0)) return 0;
+    uint32_t emitter = emitter_of_hit(&world->emitters, hit);
+    float choice = light_choice(world, emitter, path->scatter_point, path->scatter_normal);
+    return airlight_rival_near(path, emitter, ray_point(&path->ray, hit->t)) * (pdf_hit / choice);
+}

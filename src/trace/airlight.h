@@ -1,0 +1,39 @@
+/* airlight.h - light that a thin medium scatters towards a path, looked for by choosing the light first and then the place
+ * along the way; private to src/trace.
+ *
+ * Flights (flight.h) find it by being scattered and then looking at a light. In thin haze that is rare, and near a small
+ * lamp, where most of the light is, it is rarer still. So on each stretch of a path's way another place is chosen: a
+ * light, and a place by the angle under which the light sees the stretch (C. Kulla, M. Fajardo, "Importance Sampling
+ * Techniques for Path Tracing in Participating Media", EGSR 2012, section 3), so that the squared distance cancels. Of
+ * light from infinity the place is chosen by what the medium lets pass.
+ *
+ * What flights find is weighted against that by the balance heuristic, over the wavelengths as well (path.c): at a place t
+ * of the stretch, scattered by one medium, and for one place on one light there are
+ *     flight, then light sampling   pf(t) c p        c, p: choosing the light from there, and the place on it
+ *     flight, then the phase        pf(t) s          s: the direction's density
+ *     this                          q a(t) p         q a(t): choosing the light for the stretch, looking at all, and t
+ * with pf(t) the mean over the wavelengths. Where media vary, pf is what the least densities make of the scattering that is
+ * there: any function of the place would do, as all three are weighted with the same, and what passes is estimated without
+ * bias. So nothing here depends on how media vary.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_AIRLIGHT_H
+#define MEN_AIRLIGHT_H
+
+#include "trace/flight.h"
+
+/* Looks for light on the stretch that the path is about to fly through, from t = begin on; number: of the stretches of this
+ * flight. Keeps in path->way what weights need. */
+void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
+                   uint32_t number);
+/* The flight was scattered at t, of the last stretch. */
+void airlight_note(Path *path, const FreeFlight *flight, double t);
+
+/* q a(t) / pf(t) at the place where the path was scattered last, for light from infinity and for a place on an emitter; 0
+ * where it was not on such a stretch. Times p, it competes with c p and s. */
+float airlight_rival_far(const Path *path);
+float airlight_rival_near(const Path *path, uint32_t emitter, Vec3 place);
+/* The same times p, for a light sample from there, and for a hit by chance with the density of light_pdf_hit. */
+float airlight_rival_sample(const Path *path, const LightSample *light);
+float airlight_rival_hit(const Path *path, const Hit *hit, float pdf_hit);
+
+#endif
