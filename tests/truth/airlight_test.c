@@ -139,6 +139,13 @@ static void lamps_in_haze(void **state)
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
          {1e-4, .02, 0, 1, 9, .5, 4, INFINITY},
          0.01},
+        {"crossed by hulls that the haze outranks",
+         "medium water { ior = 1.33 } medium outer { ior = 1.1 } box { interior = outer  from = <-5, -5, -7>  to = <5, "
+         "5, -1.5>"
+         "  priority = -2 } sphere { interior = water  center = <0, 0, -4>  radius = .8  priority = -1 }"
+         "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
+         {1e-4, .02, 0, 1, 9, .5, 4, INFINITY},
+         0.01},
         {"close to the line of sight, forward",
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
          {1e-4, .02, .8, 1, 9, .01, 6, INFINITY},
@@ -211,7 +218,7 @@ static void looks_agree(void **state)
          "light { shape = quad  from = <0, .6, -1>  to = <0, 0, -1>  size = <.5, .3>  radiance = 2 }"
          "mesh { positions = [<-.6, -.2, -1>, <-.6, .2, -1>, <-.6, 0, -.8>]  triangles = [<0, 1, 2>]"
          "  surface = surface { emission = 1  radiance = 5 } }",
-         256},
+         128},
         {"the sun and a bright part of the sky over haze of two layers",
          "medium low { ior = 1  scattering = .3 } medium high { ior = 1  scattering = <.02, .05, .2>  phase = "
          "rayleigh() }"
