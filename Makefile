@@ -242,7 +242,7 @@ bench-instructions: assets ## which part of all instructions the interior list t
 # --wrap: limit.c notes the rays that a render casts
 BENCH_SOURCES := $(wildcard tests/bench/*.c)
 $(BUILD)/bench: $(BENCH_SOURCES) $(wildcard tests/bench/*.h) $(BUILD)/libmeniscus.a
-	$(SAY) $(CC) $(CPPFLAGS_ALL) -Itests/bench $(CFLAGS_ALL) $(LDFLAGS) -Wl,--wrap=rtc_nearest,--wrap=rtc_all -o $@ \
+	$(SAY) $(CC) $(CPPFLAGS_ALL) -Itests/bench $(CFLAGS_ALL) $(LDFLAGS) -Wl,--wrap=rtc_nearest,--wrap=rtc_all,--wrap=pool_run -o $@ \
 	  $(BENCH_SOURCES) $(BUILD)/libmeniscus.a $(LIBS)
 
 $(BUILD)/peers/glass.mns: tests/peers/glass.py

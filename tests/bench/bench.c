@@ -21,7 +21,7 @@ static const Benchmark benchmarks[] = {
     {"techniques", "sharing out the work, stopping pixels: errors with against without", bench_techniques, NULL},
     {"stated", "the noise that is stated over the error that is there", bench_stated, NULL},
     {"caustics", "small lights behind glass: errors with photons against without", NULL, bench_caustics},
-    {"threads", "two threads over one, and the time to the first picture", bench_threads, NULL},
+    {"threads", "two threads over one, and the time from the file to the first picture", bench_threads, NULL},
     {"nesting", "what the interior list costs and saves", NULL, bench_nesting},
     {"rays", "exact rays over bare ones, and a crossing alone", NULL, bench_rays},
     {"scale", "many bubbles, many triangles", NULL, bench_scale},

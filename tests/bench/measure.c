@@ -53,7 +53,16 @@ static Status load_image(void *context, const char *path, const char *space, flo
     return colored ? STATUS_OK : fail(error, STATUS_INPUT, "'%s' has no colour", path);
 }
 
-static void make(Made *made, const char *path, const char *text, Pool *pool)
+static void check_made(Made *made, const char *path, Status status, const Error *error)
+{
+    if (status == STATUS_OK) return;
+    Buf out = {0};
+    diag_print(&made->diag, &out, false);
+    if (out.text) fputs(out.text, stderr);
+    bench_fail(path, error);
+}
+
+void made_begin(Made *made, const char *path, const char *text, Pool *pool)
 {
     Error error = {0};
     *made = (Made){0};
@@ -65,15 +74,22 @@ static void make(Made *made, const char *path, const char *text, Pool *pool)
     Status status = text ? scene_build_text(path, text, &options, &made->diag, &made->scene, NULL, &error)
                          : scene_build(path, &options, &made->diag, &made->scene, NULL, &error);
     made->build_s = clock_cpu_s() - start;
-    start = clock_cpu_s();
-    if (status == STATUS_OK)
-        status = compile_scene(made->scene, made->scene->render.nesting, pool, NULL, &made->compiled, &error);
+    check_made(made, path, status, &error);
+}
+
+void made_compile(Made *made, const char *path, Pool *pool)
+{
+    Error error = {0};
+    double start = clock_cpu_s();
+    Status status = compile_scene(made->scene, made->scene->render.nesting, pool, NULL, &made->compiled, &error);
     made->compile_s = clock_cpu_s() - start;
-    if (status == STATUS_OK) return;
-    Buf out = {0};
-    diag_print(&made->diag, &out, false);
-    if (out.text) fputs(out.text, stderr);
-    bench_fail(path, &error);
+    check_made(made, path, status, &error);
+}
+
+static void make(Made *made, const char *path, const char *text, Pool *pool)
+{
+    made_begin(made, path, text, pool);
+    made_compile(made, path, pool);
 }
 
 void made_from_text(Made *made, const char *text)
@@ -109,8 +125,11 @@ RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint3
 {
     Error error = {0};
     RenderStats stats;
-    RenderSettings settings = {
-        .width = width, .height = height, .samples = samples, .seed = seed, .bounces = compiled->scene->render.bounces,
+    RenderSettings settings = {.width = width,
+                               .height = height,
+                               .samples = samples,
+                               .seed = seed,
+                               .bounces = compiled->scene->render.bounces,
                                .caustics = CAUSTICS_OFF};
     if (render_image(compiled, &settings, pool, NULL, image, &stats, &error) != STATUS_OK) bench_fail("render", &error);
     return stats;

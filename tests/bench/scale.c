@@ -1,4 +1,4 @@
-/* scale.c - how time and memory grow with threads, bubbles and triangles, and how soon there is a picture.
+/* scale.c - how time and memory grow with bubbles and triangles.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,77 +8,6 @@
 #include "bare.h"
 #include "base/clock.h"
 #include "measure.h"
-
-/* ---- threads, and the first picture ---- */
-
-/* When the first picture was shown; nothing is rendered after it. */
-typedef struct FirstPicture {
-    double wall_s, cpu_s; /* since the start */
-    sig_atomic_t stop;
-} FirstPicture;
-
-static void note_first_picture(void *context, const Image *image)
-{
-    FirstPicture *first = context;
-    (void)image;
-    if (first->stop) return;
-    first->wall_s += clock_now_s();
-    first->cpu_s += clock_cpu_s();
-    first->stop = 1;
-}
-
-/* Of 640 x 480, from the compiled scene, with photons where the scene has use for them. Lights and the camera's surroundings
- * are a part of it. */
-static FirstPicture first_picture(const CompiledScene *compiled, Pool *pool)
-{
-    FirstPicture first = {-clock_now_s(), -clock_cpu_s(), 0};
-    RenderSettings settings = {.width = 640, .height = 480, .samples = 1, .bounces = compiled->scene->render.bounces};
-    RenderEvents events = {.context = &first, .stop = &first.stop, .picture = note_first_picture};
-    Error error = {0};
-    Image image;
-    RenderStats stats;
-    if (render_image(compiled, &settings, pool, &events, &image, &stats, &error) != STATUS_OK)
-        bench_fail("render", &error);
-    image_clear(&image);
-    return first;
-}
-
-/* Of the clock on the wall: on a machine that does other work, too, this says little. */
-void bench_threads(char **paths, int n)
-{
-    Pool *one = pool_of(1), *two = pool_of(2);
-    printf("two threads over one, by the clock on the wall (goal: 1.95) and by the processors' time for a path;\n"
-           "seconds from the compiled scene to the first picture of 640 x 480 that is shown by two threads (goal: "
-           "0.3), and\n"
-           "half of the processors' time for it, which other work does not change; the same for one sample in every "
-           "pixel\n");
-    printf("%-24s %-22s %-22s %-22s %-8s %s\n", "scene", "wall", "time for a path", "first picture, s", "half",
-           "sample");
-    for (int i = 0; i < n; i++) {
-        Made made;
-        double wall[RUNS], path[RUNS], first[RUNS], half[RUNS], whole[RUNS];
-        made_from_file(&made, paths[i]);
-        for (int run = 0; run < RUNS; run++) {
-            RenderStats a = render_at(made.compiled, 96, 72, 16, one), b = render_at(made.compiled, 96, 72, 16, two);
-            wall[run] = a.seconds / b.seconds;
-            path[run] = b.cpu_seconds / a.cpu_seconds;
-            double cpu = clock_cpu_s();
-            render_at(made.compiled, 640, 480, 1, two);
-            whole[run] = (clock_cpu_s() - cpu) / 2;
-            FirstPicture picture = first_picture(made.compiled, two);
-            first[run] = picture.wall_s;
-            half[run] = picture.cpu_s / 2;
-        }
-        Spread w = spread_of(wall, RUNS), p = spread_of(path, RUNS), f = spread_of(first, RUNS);
-        printf("%-24s %5.2f (%.2f .. %.2f)    %5.2f (%.2f .. %.2f)    %5.2f (%.2f .. %.2f)    %5.2f    %5.2f\n",
-               file_name(paths[i]), w.median, w.low, w.high, p.median, p.low, p.high, f.median, f.low, f.high,
-               spread_of(half, RUNS).median, spread_of(whole, RUNS).median);
-        fflush(stdout);
-        made_clear(&made);
-    }
-    pool_free(one);
-    pool_free(two);
-}
 
 /* ---- bubbles ---- */
 
