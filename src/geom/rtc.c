@@ -284,13 +284,39 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
     arguments->bounds_o->upper_z = (float)(box.max.z + margin);
 }
 
+/* Narrows [*near, *far] to where a ray is between two planes across one axis; a ray along them is taken to be. */
+static inline void narrow(float lower, float upper, float origin, float direction, float *near, float *far)
+{
+    if (direction == 0) return;
+    float inverse = 1 / direction, a = (lower - origin) * inverse, b = (upper - origin) * inverse;
+    float first = a < b ? a : b, last = (a < b ? b : a) * (1 + 0x1p-21f);
+    *near = first > *near ? first : *near;
+    *far = last < *far ? last : *far;
+}
+
+/* Whether Embree's float ray meets the bounds of a set's only piece. */
+static bool meets_bounds(const struct RTCBounds *box, const struct RTCRay *ray)
+{
+    float near = ray->tnear, far = ray->tfar;
+    narrow(box->lower_x, box->upper_x, ray->org_x, ray->dir_x, &near, &far);
+    narrow(box->lower_y, box->upper_y, ray->org_y, ray->dir_y, &near, &far);
+    narrow(box->lower_z, box->upper_z, ray->org_z, ray->dir_z, &near, &far);
+    return !(near > far);
+}
+
+/* Whether a piece that Embree asks for shortens the search, or ends it. */
+static inline bool ask_piece(const RtcPieceSet *set, uint32_t primitive, const struct RTCRay *ray, Query *query)
+{
+    if (set->alone && !meets_bounds(&set->bounds, ray)) return false;
+    return consider_piece(query, set->pieces[primitive]);
+}
+
 void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    const RtcPieceSet *set = arguments->geometryUserPtr;
     if (!arguments->valid[0]) return;
-    if (consider_piece(query, set->pieces[arguments->primID])) {
-        struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
+    struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
+    if (ask_piece(arguments->geometryUserPtr, arguments->primID, ray, query)) {
         float tfar = embree_t(query, query->reach);
         ray->tfar = tfar < ray->tfar ? tfar : ray->tfar;
     } else {
@@ -301,10 +327,10 @@ void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    const RtcPieceSet *set = arguments->geometryUserPtr;
     if (!arguments->valid[0]) return;
-    if (consider_piece(query, set->pieces[arguments->primID]))
-        ray_of(arguments->ray)->tfar = -INFINITY;
+    struct RTCRay *ray = ray_of(arguments->ray);
+    if (ask_piece(arguments->geometryUserPtr, arguments->primID, ray, query))
+        ray->tfar = -INFINITY;
     else
         arguments->valid[0] = 0;
 }

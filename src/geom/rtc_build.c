@@ -305,6 +305,9 @@ static void list_pieces(RtcScene *scene)
 static void add_piece_set(RtcScene *scene, RtcPieceSet *set, uint32_t id)
 {
     if (!set->n) return;
+    set->alone = set->n == 1 && !set->moving;
+    struct RTCBoundsFunctionArguments of_first = {.geometryUserPtr = set, .bounds_o = &set->bounds};
+    if (set->alone) rtc_piece_bounds(&of_first);
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, set->n);
     if (set->moving) rtcSetGeometryTimeStepCount(geometry, scene->n_keys);
@@ -325,8 +328,8 @@ static Status add_pieces(RtcScene *scene, Error *error)
     scene->pieces = malloc((n[0] + n[1] + n_planes + 1) * sizeof *scene->pieces);
     if (!scene->pieces)
         return fail_memory(error, (n[0] + n[1] + n_planes) * sizeof *scene->pieces, "the scene's solids");
-    scene->still = (RtcPieceSet){scene, scene->pieces, 0, false};
-    scene->moving = (RtcPieceSet){scene, scene->pieces + n[0], 0, true};
+    scene->still = (RtcPieceSet){.scene = scene, .pieces = scene->pieces};
+    scene->moving = (RtcPieceSet){.scene = scene, .pieces = scene->pieces + n[0], .moving = true};
     scene->planes = scene->pieces + n[0] + n[1];
     list_pieces(scene);
     add_piece_set(scene, &scene->still, scene->n_objects);

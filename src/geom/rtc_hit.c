@@ -274,33 +274,48 @@ static size_t one_per_object(Hit *hits, size_t n)
     return kept;
 }
 
+/* Moves the origin of a ray that leaves n surfaces to the inside of their triangles, and tells on which side of each it is. */
+static void settle_origin(const RtcScene *scene, const Ray *ray, Hit *hits, size_t n, double margin, Ray *next)
+{
+    for (size_t i = 0; i < n; i++)
+        if (scene->objects[hits[i].object].mesh && !(n == 1 && hits[i].clear))
+            next->origin = triangle_inset(scene, &hits[i], ray->time, next->origin, margin);
+    for (size_t i = 0; i < n; i++) {
+        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next->origin, ray_point(ray, hits[i].t));
+        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(next->direction));
+        bool on_surface = fabs(height) <= DOUBLE_NOISE * next->start_scale + UNIT_ROUNDING * vec3_length(from_surface);
+        hits[i].inside = on_surface ? slope < 0 : height < 0;
+    }
+}
+
 Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
 {
     if (*n > 1) *n = one_per_object(hits, *n);
-    const Hit *hit = through ? &hits[*n - 1] : &hits[0];
-    Ray next = ray_make(ray_point(ray, hit->t), direction);
-    next.time = ray->time;
-    next.left = hits;
-    next.n_left = *n;
-    next.start_scale = vec3_max_abs(ray->origin) + hit->t;
+    Hit *hit = through ? &hits[*n - 1] : &hits[0];
+    const bool solid = scene->objects[hit->object].solid;
+    Ray next = {.origin = ray_point(ray, hit->t),
+                .direction = direction,
+                .time = ray->time,
+                .t_max = HUGE_VAL,
+                .target = RTC_NO_OBJECT,
+                .target_primitive = RTC_NO_OBJECT,
+                .pass_alike = RTC_NO_PASS,
+                .left = hits,
+                .n_left = *n,
+                .start_scale = vec3_max_abs(ray->origin) + hit->t};
     /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
      * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;
-    for (size_t i = 0; i < *n; i++) {
-        if (scene->objects[hits[i].object].mesh && !(*n == 1 && hits[i].clear))
-            next.origin = triangle_inset(scene, &hits[i], ray->time, next.origin, margin);
-    }
-    for (size_t i = 0; i < *n; i++) {
-        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next.origin, ray_point(ray, hits[i].t));
-        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(direction));
-        bool on_surface = fabs(height) <= DOUBLE_NOISE * next.start_scale + UNIT_ROUNDING * vec3_length(from_surface);
-        hits[i].inside = on_surface ? slope < 0 : height < 0;
-    }
     Vec3 normal = vec3_from_f(hit->normal);
+    double slope = vec3_dot(normal, vec3_from_f(direction));
+    if (LIKELY(*n == 1 && (solid || hit->clear)))
+        hit->inside = slope < 0; /* it starts on the surface itself */
+    else
+        settle_origin(scene, ray, hits, *n, margin, &next);
     next.nudge = vec3_scale(normal, hit->inside ? -margin : margin);
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
-    if (scene->objects[hit->object].solid && fabs(vec3_dot(normal, vec3_from_f(direction))) < CREEPING_COSINE)
+    if (solid && fabs(slope) < CREEPING_COSINE)
         next.origin = vec3_along(next.origin, (hit->inside ? -0.25 : 0.25) * DOUBLE_NOISE * next.start_scale, normal);
     return next;
 }

@@ -60,6 +60,8 @@ typedef struct RtcPieceSet {
     RtcPiece *pieces; /* primitive numbers of the geometry */
     uint32_t n;
     bool moving;
+    bool alone;             /* one that stands still. Embree asks every ray of it, whether its bounds are met or not: */
+    struct RTCBounds bounds;
 } RtcPieceSet;
 
 struct RtcScene {
