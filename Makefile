@@ -212,7 +212,7 @@ check-quick: check-program ## the tests without the renders that hold it to phys
 check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUILD)/fuzz/%) assets
 .PHONY: check-quick check-program
 
-# About three minutes on two idle cores. Each part by itself: build/release/bench NAME [SCENE...]; without words it lists them.
+# About four minutes on two idle cores. Each part by itself: build/release/bench NAME [SCENE...]; without words it lists them.
 BENCH_SCENES ?= $(BUILD)/peers/glass.mns $(addprefix examples/,$(addsuffix .mns,whisky aquarium glass-of-water half-submerged \
   snells-window soda cold-glass cut-glass diamond still-life tea light-bulb))
 bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory and noise, as ratios within one run
@@ -223,6 +223,7 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench scale
 	$(BUILD)/bench rays
 	$(BUILD)/bench caustics
+	$(BUILD)/bench fireflies $(addprefix examples/,whisky-sun.mns diamond.mns light-bulb.mns glass-of-water.mns)
 	$(BUILD)/bench noise $(BENCH_SCENES)
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns)
 

@@ -360,7 +360,10 @@ static Status make_guide(const Job *job, Pool *pool, Guide **guide, GuideStats *
                           .seed = settings->seed,
                           .always = settings->caustics == CAUSTICS_ON,
                           .stop = job->events ? job->events->stop : NULL};
-    return guide_new(job->world, &wish, pool, guide, stats, error);
+    double start = clock_cpu_s();
+    Status status = guide_new(job->world, &wish, pool, guide, stats, error);
+    stats->cpu_seconds = clock_cpu_s() - start;
+    return status;
 }
 
 Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,

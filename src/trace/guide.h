@@ -48,6 +48,7 @@ typedef struct GuideSettings {
 typedef struct GuideStats {
     uint64_t followed, landed, lobes;
     size_t bytes;
+    double cpu_seconds; /* that it took to make */
 } GuideStats;
 
 /* Makes a guide for the world; NULL where it would be of no use: without small bright lights, without clear or mirroring

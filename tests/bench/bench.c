@@ -18,6 +18,7 @@ static const Benchmark benchmarks[] = {
     {"paths", "paths for each second", bench_paths, NULL},
     {"limit", "renders in ratio to their own rays, cast again through bare Embree", bench_limit, NULL},
     {"noise", "the error of pictures against time", bench_noise, NULL},
+    {"fireflies", "single pixels that are far too bright, and the light in them", bench_fireflies, NULL},
     {"techniques", "sharing out the work, stopping pixels: errors with against without", bench_techniques, NULL},
     {"stated", "the noise that is stated over the error that is there", bench_stated, NULL},
     {"caustics", "small lights behind glass: errors with photons against without", NULL, bench_caustics},
@@ -41,7 +42,7 @@ int main(int argc, char **argv)
     }
     fprintf(stderr, "usage: bench NAME [SCENE...]\n");
     for (size_t i = 0; i < COUNT_OF(benchmarks); i++)
-        fprintf(stderr, "  %-8s %-9s %s\n", benchmarks[i].name, benchmarks[i].of_scenes ? "SCENE..." : "",
+        fprintf(stderr, "  %-10s %-9s %s\n", benchmarks[i].name, benchmarks[i].of_scenes ? "SCENE..." : "",
                 benchmarks[i].about);
     return 2;
 }

@@ -51,6 +51,7 @@ const char *file_name(const char *path);
 void bench_limit(char **paths, int n);
 void bench_paths(char **paths, int n);
 void bench_noise(char **paths, int n);
+void bench_fireflies(char **paths, int n);
 void bench_techniques(char **paths, int n);
 void bench_stated(char **paths, int n);
 void bench_threads(char **paths, int n);
