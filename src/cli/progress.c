@@ -73,6 +73,7 @@ static void show_bar(Progress *progress, const RenderProgress *state)
     char facts[LINE_SIZE] = "", text[64];
     snprintf(text, sizeof text, " %3d%%  %u/%u samples", (int)(100 * state->fraction), state->samples_done,
              state->samples_total);
+    if (state->photons >= 0) snprintf(text, sizeof text, " following photons, %d%%", (int)(100 * state->photons));
     add(facts, text);
     add_rays(facts, state);
     if (state->noise >= 0) {
@@ -120,6 +121,12 @@ static void show_plain(Progress *progress, const RenderProgress *state)
     bool minute = state->seconds - progress->last_line_s >= plain_interval_s;
     if (tenths <= progress->tenths_printed && !minute) return;
     int percent = (int)floor(fraction * 100);
+    if (state->photons >= 0) {
+        progress->last_line_s = state->seconds;
+        fprintf(stderr, "Progress: following photons, %d%%\n", (int)(100 * state->photons));
+        fflush(stderr);
+        return;
+    }
     if (tenths > progress->tenths_printed) progress->tenths_printed = tenths;
     if (percent >= 100) return; /* progress_end says so */
     progress->last_line_s = state->seconds;
@@ -137,6 +144,7 @@ static void show_json(const Progress *progress, const RenderProgress *state)
         json_add_number(&json, "fractionOfAll", whole_fraction(progress, state->fraction));
     }
     json_add_number(&json, "fraction", state->fraction);
+    json_add_number(&json, "photons", state->photons < 0 ? (double)NAN : state->photons);
     json_add_whole(&json, "samples", state->samples_done);
     json_add_whole(&json, "samplesTotal", state->samples_total);
     json_add_number(&json, "seconds", state->seconds);

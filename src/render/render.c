@@ -91,7 +91,7 @@ static void report_progress(Job *job, double fraction_of_pass)
     job->last_progress = now;
     double done = (double)job->samples + (last ? 0 : fraction_of_pass * (double)job->pass_samples);
     RenderProgress progress = {.samples_done = (uint32_t)(done / (double)job->n_pixels), .samples_total = settings->samples,
-                               .seconds = now - job->start, .noise = job->noise, .noise_wanted = settings->noise,
+                               .seconds = now - job->start, .photons = -1, .noise = job->noise, .noise_wanted = settings->noise,
                                .seconds_left_low = -1, .seconds_left_high = -1};
     (settings->noise > 0 && !last ? judge_adaptive : judge_uniform)(job, done, &progress);
     if (limit > 0) {
@@ -348,18 +348,40 @@ static void job_clear(Job *job)
     free(job->sights);
 }
 
-/* Photons by the size of the picture, and no matter how many samples: so slices of one picture have the same guide. */
-static Status make_guide(const Job *job, Pool *pool, Guide **guide, GuideStats *stats, Error *error)
+/* While photons are followed, before there are any samples. */
+static void report_photons(void *context, double fraction)
 {
-    const uint64_t fewest = 1 << 14, most = 1 << 20, followed = 8;
+    Job *job = context;
     const RenderSettings *settings = job->settings;
-    uint64_t n = (uint64_t)settings->width * settings->height;
-    n = n < fewest ? fewest : n > most ? most : n;
-    GuideSettings wish = {.photons = (uint32_t)n,
-                          .most_photons = (uint32_t)(followed * n),
+    double now = clock_now_s();
+    if (!job->events || !job->events->progress || now - job->last_progress < 0.1) return;
+    job->last_progress = now;
+    RenderProgress progress = {.samples_total = settings->samples,
+                               .seconds = now - job->start,
+                               .photons = fraction,
+                               .noise = -1,
+                               .noise_wanted = settings->noise,
+                               .seconds_left_low = -1,
+                               .seconds_left_high = -1};
+    job->events->progress(job->events->context, &progress);
+}
+
+static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats, Error *error)
+{
+    const RenderSettings *settings = job->settings;
+    /* where pixels stop by themselves, or by the clock, it is not known how many there will be */
+    const uint32_t uncertain = 256;
+    bool certain = !(settings->noise > 0) && !(settings->time_limit_s > 0);
+    uint32_t samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
+    GuideSettings wish = {.width = settings->width,
+                          .height = settings->height,
+                          .paths = (uint64_t)settings->width * settings->height * samples,
                           .seed = settings->seed,
+                          .time_limit_s = settings->time_limit_s,
                           .always = settings->caustics == CAUSTICS_ON,
-                          .stop = job->events ? job->events->stop : NULL};
+                          .stop = job->events ? job->events->stop : NULL,
+                          .progress = report_photons,
+                          .context = job};
     double start = clock_cpu_s();
     Status status = guide_new(job->world, &wish, pool, guide, stats, error);
     stats->cpu_seconds = clock_cpu_s() - start;

@@ -35,6 +35,7 @@ typedef struct RenderProgress {
     double fraction;                      /* 0..1 of the work */
     double seconds;                       /* since the start */
     double seconds_left_low, seconds_left_high; /* negative: not known yet */
+    double photons;                       /* 0..1 of those that are followed first; < 0: these are done, or none */
     double noise;                         /* of the picture so far, as adapt.h has it; < 0: not known */
     double noise_wanted;                  /* of each pixel; 0: none */
     uint64_t paths, rays;

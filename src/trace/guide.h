@@ -30,19 +30,23 @@
 typedef struct GuideCell {
     Vec3f low, high; /* around its photons, and a little more */
     uint32_t first_lobe, n_lobes;
-    float share;         /* of the directions that should be chosen by the guide */
-    float before, after; /* relative variance of a sample that is expected without the guide, and with it */
+    float share;    /* of the directions that should be chosen by the guide */
+    float radiance; /* of a white surface in the light that the photons bring */
 } GuideCell;
 
 typedef struct Guide Guide;
 
-/* What makes a guide. A photon takes 88 bytes until the guide is made of them, and some 90 bytes of it then. */
+/* What makes a guide. A photon takes 96 bytes until the guide is made, and each that becomes a lobe some 130 bytes of it
+ * then. */
 typedef struct GuideSettings {
-    uint32_t photons;      /* that should find their way through glass: no more are followed after these */
-    uint32_t most_photons; /* that are followed at most */
+    uint32_t width, height; /* of the picture */
+    uint64_t paths;         /* that it will take: what the guide takes is to be a small part of that */
     uint32_t seed;
-    bool always;                       /* also where little is to be gained */
-    const volatile sig_atomic_t *stop; /* NULL, or not 0 to give up: there is no guide then */
+    double time_limit_s;                              /* of the picture; 0: none. The guide gets a part of it */
+    bool always;                                      /* also where little is to be gained */
+    const volatile sig_atomic_t *stop;                /* NULL, or not 0 to give up: there is no guide then */
+    void (*progress)(void *context, double fraction); /* of the work for the guide; NULL: none wanted */
+    void *context;
 } GuideSettings;
 
 typedef struct GuideStats {
@@ -56,11 +60,6 @@ typedef struct GuideStats {
 ATTR_NODISCARD Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, Guide **guide,
                                 GuideStats *stats, Error *error);
 void guide_free(Guide *guide); /* NULL is fine */
-/* The same from the n photons that landed of those that were followed; they are put into another order. threshold: see
- * photons_trace. */
-ATTR_NODISCARD Status guide_from_photons(const World *world, float threshold, Photon *photons, uint32_t n,
-                                         uint32_t followed, Pool *pool, Guide **guide, Error *error);
-
 /* The guide at a place. share 0: there is none. */
 typedef struct GuideAt {
     const Guide *guide;

@@ -1,32 +1,42 @@
 /* guide_fit.c - lobes that describe from where the photons of a small region come.
- * Every photon says from where its light comes at the places around it (trace/photon.h). Photons that say the same are one
- * lobe: most of those that have come from one light by one way through the glass. What few or strange photons say is
- * described broadly.
+ * A photon that was looked around at says from where its light comes at the places around it (trace/photon.h). All photons
+ * together say how much comes by which way through the glass; and where several lobes know of one way, the nearest ones
+ * are asked. What few or strange photons say is described broadly.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/guide_fit.h"
 
 #include "optics/sampling.h"
 
-/* The lobes' shape in units of their spread: (1 + r^2 / 4)^-3 up to this r. It falls off slowly: what the photons say holds
- * near by only. */
+/* The lobes' shape in units of their spread. An even disc of this radius, as wide as one that has the spread, and a little
+ * wider; */
+#define DISC 2.2f
+#define DISC_PART 0.7f
+/* and about it what falls off slowly, as what the photons say holds near by only: (1 + r^2 / 4)^-3 up to this r, of a spread
+ * that is so many times as large. */
 #define REACH 5.0f
 #define TAIL (1 + REACH * REACH / 4)
+#define TAIL_WIDER 2.0f
 /* The narrowest spread, in radians, beside the first order's: a tenth of the sun's. */
 #define NARROWEST 3e-4f
-/* What is known to first order is taken for this much wider. */
-#define WIDER 1.1f
 #define WIDEST 0.39f /* so that all of a lobe is on the sphere: 1.99 / REACH */
 /* Of what is not known. */
 #define UNKNOWN 0.05f
-/* Photons whose direction a lobe foretells to this many spreads are part of it. */
-#define ALIKE 1.0f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
 
 /* ---- lobes ---- */
 
-/* Mean direction at a place, and the frame there. */
-static Vec3f lobe_frame(const GuideLobe *lobe, Vec3f offset, Vec3f *x, Vec3f *y)
+/* A lobe at a place. */
+typedef struct LobeAt {
+    Vec3f mean, x, y;              /* a right-handed frame */
+    float scale_x, shear, scale_y; /* Cholesky factor of the spread */
+    float widest;                  /* the square of its largest spread */
+    float tail_wider;              /* how much wider the tail is */
+    float nearness;                /* how much it counts among those of its way */
+} LobeAt;
+
+/* Mean direction, and the frame there. */
+static void lobe_frame(const GuideLobe *lobe, Vec3f offset, LobeAt *at)
 {
     float px = lobe->mean_x + vec3f_dot(lobe->slope_x, offset), py = lobe->mean_y + vec3f_dot(lobe->slope_y, offset);
     float square = px * px + py * py;
@@ -36,61 +46,81 @@ static Vec3f lobe_frame(const GuideLobe *lobe, Vec3f offset, Vec3f *x, Vec3f *y)
     }
     float sine = sqrtf(1 - 0.25f * square);
     Vec3f mean = vec3f_along(vec3f_scale(lobe->axis, 1 - 0.5f * square), px * sine, lobe->x);
-    mean = vec3f_along(mean, py * sine, lobe->y);
-    *x = vec3f_normalize(vec3f_along(lobe->x, -vec3f_dot(lobe->x, mean), mean));
-    *y = vec3f_cross(mean, *x);
-    return mean;
+    at->mean = vec3f_along(mean, py * sine, lobe->y);
+    at->x = vec3f_normalize(vec3f_along(lobe->x, -vec3f_dot(lobe->x, at->mean), at->mean));
+    at->y = vec3f_cross(at->mean, at->x);
 }
 
-Vec3f guide_lobe_sample(const GuideLobe *lobe, Vec3f offset, const float v[2])
+/* The square of how wrong a lobe is at a place. */
+static float lobe_error(const GuideLobe *lobe, Vec3f offset)
 {
-    Vec3f x, y, mean = lobe_frame(lobe, offset, &x, &y);
-    float p, q;
-    sampling_disc(v[0], v[1], &p, &q);
-    float u = p * p + q * q; /* uniform: the part of the lobe within r */
-    /* of the lobe within r is (1 - (1 + r^2/4)^-2) / (1 - TAIL^-2) */
-    float rest = 1 - u * (1 - 1 / (TAIL * TAIL)), r = sqrtf(4 * float_max(1 / sqrtf(rest) - 1, 0));
-    float stretch = u > 0 ? r / sqrtf(u) : 0;
+    Vec3f away = vec3f_along(offset, -1, lobe->place);
+    float error = lobe->bend * vec3f_dot(away, away);
+    return error * error;
+}
+
+static void lobe_spread(const GuideLobe *lobe, float error, LobeAt *at)
+{
+    float xx = lobe->xx + error, xy = lobe->xy, yy = lobe->yy + error;
+    float widest = 0.5f * (xx + yy) + sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
+    if (widest > WIDEST * WIDEST) {
+        float shrink = WIDEST * WIDEST / widest;
+        xx *= shrink, xy *= shrink, yy *= shrink, widest *= shrink;
+    }
+    at->scale_x = sqrtf(xx);
+    at->shear = xy / at->scale_x;
+    at->scale_y = sqrtf(float_max(yy - at->shear * at->shear, 1e-4f * yy));
+    at->widest = widest;
+    at->tail_wider = float_min(TAIL_WIDER, 1.99f / (REACH * sqrtf(widest)));
+}
+
+static float lobe_nearness(const GuideLobe *lobe, float error)
+{
+    float spread = 0.5f * (lobe->xx + lobe->yy) + error;
+    return 1 / spread;
+}
+
+static Vec3f sample_lobe(const GuideLobe *lobe, Vec3f offset, const float v[2])
+{
+    LobeAt at;
+    lobe_frame(lobe, offset, &at);
+    lobe_spread(lobe, lobe_error(lobe, offset), &at);
+    bool tail = v[0] >= DISC_PART;
+    float p, q, stretch = DISC;
+    sampling_disc(tail ? (v[0] - DISC_PART) / (1 - DISC_PART) : v[0] / DISC_PART, v[1], &p, &q);
+    if (tail) {
+        float u = p * p + q * q; /* uniform: the part of the tail within r */
+        /* of the tail within r is (1 - (1 + r^2/4)^-2) / (1 - TAIL^-2) */
+        float rest = 1 - u * (1 - 1 / (TAIL * TAIL)), r = sqrtf(4 * float_max(1 / sqrtf(rest) - 1, 0));
+        stretch = u > 0 ? at.tail_wider * r / sqrtf(u) : 0;
+    }
     p *= stretch, q *= stretch;
-    float a = lobe->scale_x * p, b = lobe->shear * p + lobe->scale_y * q, square = float_min(a * a + b * b, 4);
+    float a = at.scale_x * p, b = at.shear * p + at.scale_y * q, square = float_min(a * a + b * b, 4);
     float sine = sqrtf(1 - 0.25f * square);
-    return vec3f_normalize(vec3f_along(vec3f_along(vec3f_scale(mean, 1 - 0.5f * square), a * sine, x), b * sine, y));
+    Vec3f direction = vec3f_along(vec3f_scale(at.mean, 1 - 0.5f * square), a * sine, at.x);
+    return vec3f_normalize(vec3f_along(direction, b * sine, at.y));
 }
 
-/* How far a direction is from a lobe's mean, in its spreads, squared; more than REACH squared beyond it. */
-static float lobe_distance(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
+static float lobe_pdf(const GuideLobe *lobe, float error, Vec3f offset, Vec3f direction)
 {
-    Vec3f x, y, mean = lobe_frame(lobe, offset, &x, &y);
-    float cosine = vec3f_dot(mean, direction);
-    if (cosine < lobe->cos_reach) return 2 * REACH * REACH;
+    LobeAt at;
+    lobe_frame(lobe, offset, &at);
+    float cosine = vec3f_dot(at.mean, direction);
+    lobe_spread(lobe, error, &at);
+    float reach = REACH * at.tail_wider;
+    if (1 - cosine > 0.5f * reach * reach * at.widest + 1e-6f) return 0;
     float stretch = sqrtf(2 / (1 + cosine));
-    float a = stretch * vec3f_dot(x, direction) / lobe->scale_x;
-    float b = (stretch * vec3f_dot(y, direction) - lobe->shear * a) / lobe->scale_y;
-    return a * a + b * b;
-}
-
-float guide_lobe_pdf(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
-{
-    float square = lobe_distance(lobe, offset, direction);
-    if (square > REACH * REACH) return 0;
-    float fall = 1 + 0.25f * square;
-    return lobe->density / (fall * fall * fall);
+    float a = stretch * vec3f_dot(at.x, direction) / at.scale_x;
+    float b = (stretch * vec3f_dot(at.y, direction) - at.shear * a) / at.scale_y;
+    /* from the mean, in spreads */
+    float square = a * a + b * b, far = square / (at.tail_wider * at.tail_wider), fall = 1 + 0.25f * far;
+    float area = SAMPLING_PI * at.scale_x * at.scale_y, pdf = square < DISC * DISC ? DISC_PART / (DISC * DISC) : 0;
+    if (far < REACH * REACH)
+        pdf += (1 - DISC_PART) / (2 * (1 - 1 / (TAIL * TAIL)) * at.tail_wider * at.tail_wider * fall * fall * fall);
+    return pdf / area;
 }
 
 /* ---- fitting ---- */
-
-/* spread: xx, xy, yy */
-static void set_spread(GuideLobe *lobe, float xx, float xy, float yy)
-{
-    float widest = 0.5f * (xx + yy) + sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
-    float shrink = widest > WIDEST * WIDEST ? WIDEST * WIDEST / widest : 1;
-    xx *= shrink, xy *= shrink, yy *= shrink, widest *= shrink;
-    lobe->scale_x = sqrtf(xx);
-    lobe->shear = xy / lobe->scale_x;
-    lobe->scale_y = sqrtf(float_max(yy - lobe->shear * lobe->shear, 1e-4f * yy));
-    lobe->cos_reach = 1 - 0.5f * REACH * REACH * widest - 1e-6f;
-    lobe->density = 1 / (2 * SAMPLING_PI * (1 - 1 / (TAIL * TAIL)) * lobe->scale_x * lobe->scale_y);
-}
 
 static GuideLobe lobe_of_photon(const Photon *photon, Vec3f origin)
 {
@@ -98,15 +128,15 @@ static GuideLobe lobe_of_photon(const Photon *photon, Vec3f origin)
     Vec3f offset = vec3f_along(photon->position, -1, origin);
     sampling_basis(lobe.axis, &lobe.x, &lobe.y);
     if (photon->spread[0] > 0) {
-        const float floor = NARROWEST * NARROWEST, wider = WIDER * WIDER;
+        const float floor = NARROWEST * NARROWEST;
         lobe.slope_x = photon->slope[0], lobe.slope_y = photon->slope[1];
         lobe.mean_x = photon->mean[0] - vec3f_dot(lobe.slope_x, offset);
         lobe.mean_y = photon->mean[1] - vec3f_dot(lobe.slope_y, offset);
-        set_spread(&lobe, wider * photon->spread[0] + floor, wider * photon->spread[1],
-                   wider * photon->spread[2] + floor);
+        lobe.xx = photon->spread[0] + floor, lobe.xy = photon->spread[1], lobe.yy = photon->spread[2] + floor;
     } else {
-        set_spread(&lobe, UNKNOWN * UNKNOWN, 0, UNKNOWN * UNKNOWN);
+        lobe.xx = lobe.yy = UNKNOWN * UNKNOWN;
     }
+    lobe.place = offset;
     return lobe;
 }
 
@@ -128,37 +158,115 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
         xx += w * a * a, xy += w * a * b, yy += w * b * b;
     }
     const float more = 0.02f * 0.02f;
-    set_spread(&lobe, 2 * xx + more, 2 * xy, 2 * yy + more);
+    lobe.xx = 2 * xx + more, lobe.xy = 2 * xy, lobe.yy = 2 * yy + more;
     return lobe;
 }
 
-uint32_t guide_fit(const Photon *photons, uint32_t n, Vec3f origin, GuideLobe *lobes)
+/* How wrong a lobe is by what others of its way say, which stand near by: the middle one of three. Where there are none, as
+ * wrong at the cell's end as what is not known. */
+static float bend_of(const GuideLobe *way, uint32_t n, uint32_t self, float size)
 {
-    uint32_t n_lobes = 0;
-    float total = 0, lost = 0, sum = 0;
+    enum { NEAREST = 3 };
+    float distances[NEAREST], bends[NEAREST];
+    uint32_t n_near = 0;
+    LobeAt mine, other;
     for (uint32_t i = 0; i < n; i++) {
-        const Photon *photon = &photons[i];
-        Vec3f offset = vec3f_along(photon->position, -1, origin);
-        uint32_t nearest = 0;
-        float least = ALIKE * ALIKE;
-        total += photon->flux;
-        for (uint32_t k = 0; k < n_lobes; k++) {
-            float distance = lobe_distance(&lobes[k], offset, photon->from);
-            if (distance < least) least = distance, nearest = k + 1;
-        }
-        if (!nearest && n_lobes < GUIDE_CELL_LOBES - 1) {
-            lobes[n_lobes++] = lobe_of_photon(photon, origin);
-            nearest = n_lobes;
-        }
-        if (nearest)
-            lobes[nearest - 1].weight += photon->flux;
+        if (i == self) continue;
+        Vec3f away = vec3f_along(way[i].place, -1, way[self].place);
+        float distance = float_max(vec3f_dot(away, away), 1e-12f * size);
+        if (n_near == NEAREST && distance >= distances[NEAREST - 1]) continue;
+        lobe_frame(&way[self], way[i].place, &mine);
+        lobe_frame(&way[i], way[i].place, &other);
+        uint32_t k = n_near < NEAREST ? n_near++ : NEAREST - 1;
+        for (; k > 0 && distances[k - 1] > distance; k--) distances[k] = distances[k - 1], bends[k] = bends[k - 1];
+        distances[k] = distance;
+        bends[k] = vec3f_length(vec3f_along(mine.mean, -1, other.mean)) / distance;
+    }
+    if (n_near == 0) return UNKNOWN / size;
+    if (n_near < NEAREST) return bends[0];
+    float low = float_min(bends[0], bends[1]), high = float_max(bends[0], bends[1]);
+    return float_max(low, float_min(high, bends[2]));
+}
+
+static void sort_by_way(Photon *photons, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        Photon moved = photons[i];
+        uint32_t k = i;
+        for (; k > 0 && photons[k - 1].way > moved.way; k--) photons[k] = photons[k - 1];
+        photons[k] = moved;
+    }
+}
+
+uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint32_t n, Vec3f origin, GuideLobe *lobes)
+{
+    uint32_t ways[GUIDE_CELL_KNOWN], first[GUIDE_CELL_KNOWN + 1], n_ways = 0;
+    float flux[GUIDE_CELL_KNOWN], total = 0, lost = 0, sum = 0, size = 0;
+    sort_by_way(known, n_known);
+    for (uint32_t i = 0; i < n_known; i++) {
+        lobes[i] = lobe_of_photon(&known[i], origin);
+        size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
+        if (i > 0 && known[i].way == known[i - 1].way) continue;
+        ways[n_ways] = known[i].way, flux[n_ways] = 0;
+        first[n_ways++] = i;
+    }
+    first[n_ways] = n_known;
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t k = 0;
+        while (k < n_ways && ways[k] != photons[i].way) k++;
+        total += photons[i].flux;
+        if (k < n_ways)
+            flux[k] += photons[i].flux;
         else
-            lost += photon->flux;
+            lost += photons[i].flux;
     }
     float broad = BROAD + (1 - BROAD) * lost / total;
-    for (uint32_t k = 0; k < n_lobes; k++) lobes[k].weight *= (1 - broad) / (total - lost);
-    lobes[n_lobes] = lobe_of_all(photons, n);
-    lobes[n_lobes++].weight = broad;
-    for (uint32_t k = 0; k < n_lobes; k++) lobes[k].cumulative = sum += lobes[k].weight;
-    return n_lobes;
+    for (uint32_t k = 0; k < n_ways; k++) {
+        float weight = total > lost ? flux[k] * (1 - broad) / (total - lost) : 0;
+        sum += weight;
+        for (uint32_t i = first[k]; i < first[k + 1]; i++) {
+            lobes[i].weight = weight;
+            lobes[i].cumulative = sum;
+            lobes[i].n_way = first[k + 1] - first[k];
+            lobes[i].bend = bend_of(lobes + first[k], lobes[i].n_way, i - first[k], float_max(size, 1e-30f));
+        }
+    }
+    lobes[n_known] = lobe_of_all(photons, n);
+    lobes[n_known].weight = broad;
+    lobes[n_known].cumulative = sum + broad;
+    lobes[n_known].n_way = 1;
+    return n_known + 1;
+}
+
+/* ---- all lobes of a cell ---- */
+
+Vec3f guide_sample_lobes(const GuideLobe *lobes, uint32_t n, Vec3f offset, float u, const float v[2])
+{
+    uint32_t i = 0, k = 0;
+    float before = 0;
+    while (i + lobes[i].n_way < n && u >= lobes[i].cumulative) before = lobes[i].cumulative, i += lobes[i].n_way;
+    const GuideLobe *way = lobes + i;
+    if (way->n_way > 1) {
+        float nearness[GUIDE_CELL_LOBES], sum = 0;
+        for (; k < way->n_way; k++) sum += nearness[k] = lobe_nearness(&way[k], lobe_error(&way[k], offset));
+        float part = (u - before) / way->weight * sum;
+        for (k = 0; k + 1 < way->n_way && part >= nearness[k]; k++) part -= nearness[k];
+    }
+    return sample_lobe(&way[k], offset, v);
+}
+
+float guide_lobes_pdf(const GuideLobe *lobes, uint32_t n, Vec3f offset, Vec3f direction)
+{
+    float all = 0;
+    for (uint32_t i = 0; i < n; i += lobes[i].n_way) {
+        const GuideLobe *way = lobes + i;
+        float sum = 0, near = 0;
+        for (uint32_t k = 0; k < way->n_way; k++) {
+            float error = lobe_error(&way[k], offset), nearness = lobe_nearness(&way[k], error);
+            near += nearness;
+            sum += nearness * lobe_pdf(&way[k], error, offset, direction);
+        }
+        all += way->weight * sum / near;
+    }
+    return all;
 }

@@ -12,114 +12,11 @@
 #define NEARLY_SMOOTH 20.0f
 /* Boundaries and mirrors that a photon is followed through. */
 enum { MOST_EVENTS = 64 };
-enum { BATCH = 1024 };
+enum { BATCH = 256 };
+/* At a light, to find out in which directions it is seen. */
+enum { LOOKS = 24 };
 /* The photons' own random numbers: no pixel of a picture has these coordinates. */
 enum { PHOTON_PIXEL_X = 0x70686f74, PHOTON_PIXEL_Y = 0x6f6e7300 };
-
-/* ---- targets ---- */
-
-/* Whether light is bent at its surface; the media around are not known yet, so that the world's stands for them. */
-static bool bends(const World *world, uint32_t medium)
-{
-    const Lanes nm = lanes(430, 500, 580, 660);
-    Lanes difference = lanes_sub(medium_ior(world, medium, nm), medium_ior(world, 0, nm));
-    for (int i = 0; i < LANES; i++)
-        if (fabsf(lanes_get(difference, i)) > 1e-4f) return true;
-    return false;
-}
-
-static bool mirrors(const World *world, const SceneObject *object)
-{
-    const float smooth = 0.25f;
-    if (object->surface == SCENE_NONE || object->light != SCENE_NONE) return false;
-    const SceneSurface *surface = &world->scene->surfaces[object->surface];
-    const BsdfSpec *spec = &surface->spec;
-    return surface->finished && (spec->base_metalness > 0 || spec->transmission_weight > 0) &&
-           spec->specular_roughness <= smooth;
-}
-
-/* The box of an object that photons should be sent to; false: none. */
-static bool target_of(const World *world, uint32_t number, Box3 *box)
-{
-    const CompiledScene *compiled = world->compiled;
-    const SceneObject *object = &world->scene->objects[number];
-    if (object->part_of != SCENE_NONE) return false;
-    uint32_t hull = compiled->hull_of_object[number];
-    if (object->medium != SCENE_NONE) {
-        if (hull == SCENE_NONE || hull >= compiled->n_hulls || !bends(world, object->medium)) return false;
-        *box = compiled->hull_bounds[hull];
-    } else {
-        if (!mirrors(world, object)) return false;
-        *box = scene_object_bounds(world->scene, object, NULL);
-    }
-    return !box3_is_empty(*box) && !box3_is_unbounded(*box);
-}
-
-static double box_area(Box3 box)
-{
-    Vec3 size = vec3_sub(box.max, box.min);
-    return 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
-}
-
-/* Two boxes become one where that is no larger than both. */
-static void join_boxes(PhotonTargets *targets)
-{
-    for (uint32_t a = 0; a < targets->n; a++)
-        for (uint32_t b = a + 1; b < targets->n; b++) {
-            Box3 both = box3_union(targets->boxes[a], targets->boxes[b]);
-            if (box_area(both) > box_area(targets->boxes[a]) + box_area(targets->boxes[b])) continue;
-            targets->boxes[a] = both;
-            targets->boxes[b] = targets->boxes[--targets->n];
-            b = a; /* the larger box may now join with others, looked at before too */
-        }
-}
-
-/* Of many objects, one box for those whose centres are in the same of 4 x 4 x 4 parts of what they take up. */
-static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
-{
-    enum { PARTS = 4 };
-    Box3 cells[PARTS * PARTS * PARTS], box;
-    Vec3 size = vec3_sub(all.max, all.min);
-    for (int i = 0; i < PARTS * PARTS * PARTS; i++) cells[i] = box3_empty();
-    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-        if (!target_of(world, i, &box)) continue;
-        Vec3 centre = vec3_sub(vec3_scale(vec3_add(box.min, box.max), 0.5), all.min);
-        double along[3] = {centre.x, centre.y, centre.z}, sizes[3] = {size.x, size.y, size.z};
-        int cell = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double part = sizes[axis] > 0 ? floor(along[axis] / sizes[axis] * PARTS) : 0;
-            cell = PARTS * cell + (part > 0 ? (part < PARTS ? (int)part : PARTS - 1) : 0);
-        }
-        cells[cell] = box3_union(cells[cell], box);
-    }
-    targets->n = 0;
-    for (int i = 0; i < PARTS * PARTS * PARTS; i++)
-        if (!box3_is_empty(cells[i])) targets->boxes[targets->n++] = cells[i];
-}
-
-void photon_targets(const World *world, PhotonTargets *targets)
-{
-    Box3 all = box3_empty(), box;
-    bool many = false;
-    targets->n = 0;
-    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-        if (!target_of(world, i, &box)) continue;
-        all = box3_union(all, box);
-        many |= targets->n == PHOTON_TARGETS;
-        if (!many) targets->boxes[targets->n++] = box;
-    }
-    if (many) join_by_place(world, all, targets);
-    join_boxes(targets);
-    double sum = 0;
-    for (uint32_t i = 0; i < targets->n; i++) {
-        /* a little more than the objects, so that no surface lies in a face */
-        Vec3 slack = vec3_scale(vec3_sub(targets->boxes[i].max, targets->boxes[i].min), 1e-3);
-        targets->boxes[i].min = vec3_sub(targets->boxes[i].min, slack);
-        targets->boxes[i].max = vec3_add(targets->boxes[i].max, slack);
-        sum += box_area(targets->boxes[i]);
-        targets->cumulative[i] = sum;
-    }
-}
 
 /* ---- where photons start ---- */
 
@@ -185,7 +82,7 @@ static bool choose_start(const PhotonTargets *targets, const Path *path, Start *
     start->size = vec3_length(vec3_sub(targets->boxes[chosen].max, targets->boxes[chosen].min));
     start->light = path_choose_light(path, start->point, vec3f(0, 0, 0));
     const LightSample *light = &start->light;
-    if (!(light->pdf_w > 0) || light->delta || light->glow) return false;
+    if (!(light->pdf_w > 0) || light->delta) return false;
     Vec3 direction = vec3_from_f(light->direction);
     double cosine = vec3_dot(direction, start->normal);
     /* a light outside sends light in, one inside sends it out; each ray starts at one point only */
@@ -211,6 +108,11 @@ static bool leave_light(Path *path, const Start *start)
         double far = vec3_length(vec3_sub(bounds.max, bounds.min)) +
                      vec3_length(vec3_sub(start->point, vec3_scale(vec3_add(bounds.min, bounds.max), 0.5)));
         path->ray = ray_make(vec3_along(start->point, far, vec3_from_f(start->light.direction)), travel);
+    } else if (start->light.glow) {
+        double time = path->ray.time;
+        path->ray =
+            ray_make(vec3_along(start->point, start->light.distance, vec3_from_f(start->light.direction)), travel);
+        path->ray.time = time;
     } else {
         bool turned = vec3f_dot(start->turned, start->turned) > 0;
         Ray look = ray_make(start->point, turned ? start->turned : start->light.direction);
@@ -229,10 +131,11 @@ static bool leave_light(Path *path, const Start *start)
             path->ray.time = time;
         }
     }
-    if (isfinite(start->light.distance) || compiled->n_planes)
-        return compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits,
-                                 &tracer->list, NULL) == STATUS_OK;
-    return true;
+    if ((isfinite(start->light.distance) || compiled->n_planes) &&
+        compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits, &tracer->list,
+                          NULL) != STATUS_OK)
+        return false;
+    return !start->light.glow || media_is_there(tracer->world, start->light.glow->place, &tracer->list);
 }
 
 /* ---- on the way ---- */
@@ -290,6 +193,7 @@ typedef struct Job {
     float threshold;
     uint32_t seed, first, n;
     Photon *photons;
+    const uint32_t *which;
     Tracer *tracers;
 } Job;
 
@@ -352,14 +256,13 @@ static bool find_column(Job *job, Tracer *tracer, uint32_t number, const Start *
  * of one object count as one light. */
 static void look_at_light(const Path *path, const Start *start, double mean[2], double spread[3])
 {
-    enum { LOOKS = 24 };
     const LightSample *light = &start->light;
     double n = 0, p[2], sums[5] = {0};
     for (uint32_t i = 0; i < LOOKS; i++) {
         Path look = *path;
         look.sampler = sampler_make_alone(path->sampler.pixel, PHOTON_PIXEL_X, path->sampler.index_reversed, i);
         LightSample other = path_choose_light(&look, start->point, vec3f(0, 0, 0));
-        if (!(other.pdf_w > 0) || other.delta || other.object != light->object ||
+        if (!(other.pdf_w > 0) || other.delta || other.object != light->object || other.glow != light->glow ||
             vec3f_dot(other.direction, light->direction) < 0.9f ||
             lanes_mean(other.radiance) < 0.25f * lanes_mean(light->radiance))
             continue;
@@ -432,36 +335,48 @@ static void condition(const Column *columns, int n, const double shift[2], Photo
     if (photon->spread[0] > 0) photon->spread[0] += 1e-12f, photon->spread[2] += 1e-12f;
 }
 
+/* One of a photon's neighbours; tried to both sides, and then nearer. turn: which axis, of places and then of directions.
+ * false: all of them go another way. */
+static bool find_neighbour(Job *job, Path *path, uint32_t number, const Start *start, uint64_t way, int axis,
+                           double step, const Photon *photon, Column *column)
+{
+    const double range = 0.1; /* of the target's size: how far the first order is taken to hold */
+    const double steps[] = {1, -1, 1.0 / 16, -1.0 / 16};
+    Vec3f tangent[2];
+    for (size_t i = 0; i < COUNT_OF(steps); i++) {
+        Start other = *start;
+        double by = steps[i] * step, unit = 1;
+        if (axis < 2) { /* another place, the same light's point */
+            sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
+            other.point = vec3_along(start->point, by * start->size, vec3_from_f(tangent[axis]));
+            other.light = path_choose_light(path, other.point, vec3f(0, 0, 0));
+            if (other.light.object != start->light.object || other.light.glow != start->light.glow ||
+                vec3f_dot(other.light.direction, start->light.direction) < 0.98f)
+                continue;
+            unit = range;
+        } else { /* the same place, another direction */
+            sampling_basis(start->light.direction, &tangent[0], &tangent[1]);
+            other.light.direction = vec3f_normalize(vec3f_along(start->light.direction, (float)by, tangent[axis - 2]));
+            other.turned = start->light.direction;
+        }
+        if (find_column(job, path->tracer, number, &other, way, by / unit, photon, column)) return true;
+    }
+    return false;
+}
+
 /* Finds the photon's neighbours by following four more from starts near by: I.e., its differentials, after L. Schjoth, J.
  * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is known. */
 static void find_neighbours(Job *job, Path *path, uint32_t number, const Start *start, uint64_t way, Photon *photon)
 {
-    const double near = 5e-4,
-                 range = 0.1; /* of the target's size: steps, and how far the first order is taken to hold */
+    const double near = 5e-4; /* of the target's size */
     Column columns[5];
-    double mean[2], spread[3], step = near * start->size;
-    Vec3f tangent[2];
-    int n = 0;
-    sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
-    for (int i = 0; i < 2; i++) { /* another place, the same light's point */
-        Start other = *start;
-        other.point = vec3_along(start->point, step, vec3_from_f(tangent[i]));
-        other.light = path_choose_light(path, other.point, vec3f(0, 0, 0));
-        if (other.light.object != start->light.object ||
-            vec3f_dot(other.light.direction, start->light.direction) < 0.98f ||
-            !find_column(job, path->tracer, number, &other, way, step / (range * start->size), photon, &columns[n++]))
-            return;
-    }
+    double mean[2], spread[3];
+    int n = 4;
     look_at_light(path, start, mean, spread);
-    sampling_basis(start->light.direction, &tangent[0], &tangent[1]);
     double a = sqrt(spread[0]), b = spread[1] / a, c = sqrt(fmax(spread[2] - b * b, 1e-12));
     double turn = fmin(fmax(0.3 * sqrt(spread[0] + spread[2]), 2e-4), 1e-2);
-    for (int i = 0; i < 2; i++) { /* the same place, another direction */
-        Start other = *start;
-        other.light.direction = vec3f_normalize(vec3f_along(start->light.direction, (float)turn, tangent[i]));
-        other.turned = start->light.direction;
-        if (!find_column(job, path->tracer, number, &other, way, turn, photon, &columns[n++])) return;
-    }
+    for (int i = 0; i < n; i++)
+        if (!find_neighbour(job, path, number, start, way, i, i < 2 ? near : turn, photon, &columns[i])) return;
     /* by the light's own axes: direction = mean + (a, b) s + (0, c) t */
     Column first = columns[2], second = columns[3];
     double shift[2] = {mean[0] / a, (mean[1] - b * mean[0] / a) / c};
@@ -481,44 +396,99 @@ static void find_neighbours(Job *job, Path *path, uint32_t number, const Start *
     condition(columns, n, shift, photon);
 }
 
+/* Where photon `number` starts, and its path there; false: it gives nothing. */
+static bool start_photon(Job *job, Tracer *tracer, uint32_t number, Path *path, Start *start)
+{
+    *path = begin_photon(tracer, job->seed, number);
+    *start = (Start){.turned = {0, 0, 0}};
+    if (!choose_start(job->targets, path, start)) return false;
+    float radiance = lanes_mean(start->light.radiance);
+    if (!(radiance > job->threshold) || !leave_light(path, start)) return false;
+    path->bounce = 1;
+    path->beta = lanes_scale(start->light.radiance, 1 / radiance);
+    return true;
+}
+
 static void trace_batch(void *context, uint32_t batch, unsigned worker)
 {
     Job *job = context;
     uint32_t end = job->n - batch * BATCH > BATCH ? (batch + 1) * BATCH : job->n;
     for (uint32_t i = batch * BATCH; i < end; i++) {
         uint32_t number = job->first + i;
-        Path path = begin_photon(&job->tracers[worker], job->seed, number), again = path;
-        Start start = {.turned = {0, 0, 0}};
+        Path path;
+        Start start;
         Photon *photon = &job->photons[i];
         uint64_t way;
         *photon = (Photon){.flux = 0};
-        if (!choose_start(job->targets, &path, &start)) continue;
+        if (!start_photon(job, &job->tracers[worker], number, &path, &start)) continue;
         float radiance = lanes_mean(start.light.radiance);
-        if (!(radiance > job->threshold) || !leave_light(&path, &start)) continue;
-        path.bounce = 1;
-        path.beta = lanes_scale(start.light.radiance, 1 / radiance);
-        if (follow_photon(&path, radiance * start.flux_times_n, photon, &way))
-            photon->radiance = radiance, find_neighbours(job, &again, number, &start, way, photon);
-        else
+        if (follow_photon(&path, radiance * start.flux_times_n, photon, &way)) {
+            photon->radiance = radiance;
+            photon->number = number;
+            photon->way = (uint32_t)(way >> 32);
+        } else {
             photon->flux = 0;
+        }
     }
 }
 
-Status photons_trace(const World *world, const PhotonTargets *targets, float threshold, uint32_t seed, uint32_t first,
-                     uint32_t n, Pool *pool, Photon *photons, Error *error)
+static void look_around_one(void *context, uint32_t i, unsigned worker)
+{
+    Job *job = context;
+    Photon *photon = &job->photons[job->which[i]], same;
+    Tracer *tracer = &job->tracers[worker];
+    Path path;
+    Start start;
+    uint64_t way;
+    photon->lobe = 1;
+    tracer->counters.rays += LOOKS / 2; /* about what they take */
+    if (!start_photon(job, tracer, photon->number, &path, &start) || !follow_photon(&path, 1, &same, &way)) return;
+    Path again = begin_photon(tracer, job->seed, photon->number);
+    find_neighbours(job, &again, photon->number, &start, way, photon);
+}
+
+/* Runs a task of the job's; *rays: how many it took. */
+static Status run_job(Job *job, Pool *pool, uint32_t n, void (*task)(void *, uint32_t, unsigned), uint64_t *rays,
+                      Error *error)
 {
     unsigned n_threads = pool_threads(pool);
-    Job job = {world, targets, threshold, seed, first, n, photons, calloc(n_threads, sizeof(Tracer))};
-    if (!job.tracers) return fail_memory(error, n_threads * sizeof(Tracer), "threads");
-    for (unsigned i = 0; i < n_threads; i++) tracer_init(&job.tracers[i], world);
-    pool_run(pool, (n + BATCH - 1) / BATCH, trace_batch, &job);
+    job->tracers = calloc(n_threads, sizeof *job->tracers);
+    if (!job->tracers) return fail_memory(error, n_threads * sizeof(Tracer), "threads");
+    for (unsigned i = 0; i < n_threads; i++) tracer_init(&job->tracers[i], job->world);
+    pool_run(pool, n, task, job);
     bool out_of_memory = false;
     for (unsigned i = 0; i < n_threads; i++) {
-        out_of_memory |= job.tracers[i].out_of_memory;
-        tracer_clear(&job.tracers[i]);
+        out_of_memory |= job->tracers[i].out_of_memory;
+        *rays += job->tracers[i].counters.rays;
+        tracer_clear(&job->tracers[i]);
     }
-    free(job.tracers);
+    free(job->tracers);
     return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory while following photons") : STATUS_OK;
+}
+
+Status photons_trace(const PhotonSource *source, uint32_t first, uint32_t n, Pool *pool, Photon *photons,
+                     uint64_t *rays, Error *error)
+{
+    Job job = {.world = source->world,
+               .targets = source->targets,
+               .threshold = source->threshold,
+               .seed = source->seed,
+               .first = first,
+               .n = n,
+               .photons = photons};
+    return run_job(&job, pool, (n + BATCH - 1) / BATCH, trace_batch, rays, error);
+}
+
+Status photons_look_around(const PhotonSource *source, Photon *photons, const uint32_t *which, uint32_t n, Pool *pool,
+                           uint64_t *rays, Error *error)
+{
+    Job job = {.world = source->world,
+               .targets = source->targets,
+               .threshold = source->threshold,
+               .seed = source->seed,
+               .photons = photons,
+               .which = which};
+    return run_job(&job, pool, n, look_around_one, rays, error);
 }
 
 float photon_flux(const World *world, const PhotonTargets *targets)

@@ -23,6 +23,9 @@ typedef struct Photon {
     float mean[2];
     Vec3f slope[2];
     float spread[3]; /* covariance about the mean: xx, xy, yy; 0: nothing is known */
+    uint32_t number; /* of all that were followed */
+    uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
+    uint32_t lobe;   /* 1: photons_look_around was here */
 } Photon;
 
 /* Boxes around all that bends or mirrors light. */
@@ -38,11 +41,22 @@ void photon_targets(const World *world, PhotonTargets *targets);
 /* What lights send through all targets' surfaces, as the mean of the wavelengths; nothing is in the way. */
 float photon_flux(const World *world, const PhotonTargets *targets);
 
-/* Follows the photons first .. first + n - 1 of lights whose radiance is above the threshold, as the mean of the
- * wavelengths: number i into photons[i - first], a function of seed and i alone. Their flux is what all together carry if
- * they all are alike. STATUS_NOMEM. */
-ATTR_NODISCARD Status photons_trace(const World *world, const PhotonTargets *targets, float threshold, uint32_t seed,
-                                    uint32_t first, uint32_t n, Pool *pool, Photon *photons, Error *error);
+/* Where photons come from: lights whose radiance is above the threshold, as the mean of the wavelengths. */
+typedef struct PhotonSource {
+    const World *world;
+    const PhotonTargets *targets;
+    float threshold;
+    uint32_t seed;
+} PhotonSource;
+
+/* Follows the photons first .. first + n - 1: number i into photons[i - first], a function of seed and i alone. Their flux is
+ * what all together carry if they all are alike; of their neighbours nothing is known yet. *rays grows by the rays that it
+ * took. STATUS_NOMEM. */
+ATTR_NODISCARD Status photons_trace(const PhotonSource *source, uint32_t first, uint32_t n, Pool *pool, Photon *photons,
+                                    uint64_t *rays, Error *error);
+/* Finds the neighbours of the n photons which[...], some six times as much work as following them was. STATUS_NOMEM. */
+ATTR_NODISCARD Status photons_look_around(const PhotonSource *source, Photon *photons, const uint32_t *which,
+                                          uint32_t n, Pool *pool, uint64_t *rays, Error *error);
 
 /* The irradiance that a place on a surface (or the fluence that one in a medium) gets straight from lights, as a mean of
  * the wavelengths; of brighter lights than the threshold only the part PHOTON_BRIGHT_PART counts, as paths find these

@@ -1,5 +1,5 @@
 /* guide_test.c - the lobes that lead paths to light behind glass: their densities are those of what is sampled, and
- * integrate to one; photons of one light by one way are one lobe; photons lose no flux on the way.
+ * integrate to one; ways are weighted by the flux that comes by them; photons lose no flux on the way.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
@@ -58,6 +58,21 @@ static double chord(Vec3f a, Vec3f b)
     return vec3_length(vec3_sub(vec3_from_f(a), vec3_from_f(b)));
 }
 
+/* One lobe by itself. */
+static Vec3f lobe_sample(const GuideLobe *lobe, Vec3f offset, const float v[2])
+{
+    GuideLobe alone = *lobe;
+    alone.n_way = 1;
+    return guide_sample_lobes(&alone, 1, offset, 0, v);
+}
+static float lobe_pdf(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
+{
+    GuideLobe alone = *lobe;
+    alone.n_way = 1;
+    alone.weight = 1;
+    return guide_lobes_pdf(&alone, 1, offset, direction);
+}
+
 /* The mean direction of many samples, and how far from it the farthest is, in that plane. */
 static double reach_of(const GuideLobe *lobe, Vec3f offset, Vec3f *mean)
 {
@@ -67,7 +82,7 @@ static double reach_of(const GuideLobe *lobe, Vec3f offset, Vec3f *mean)
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < SAMPLES; i++) {
             const float v[2] = {((float)i + .5f) / SAMPLES, hash_to_unit_f(reverse_bits((uint32_t)i))};
-            Vec3f direction = guide_lobe_sample(lobe, offset, v);
+            Vec3f direction = lobe_sample(lobe, offset, v);
             if (pass == 0)
                 sum = vec3_add(sum, vec3_from_f(direction));
             else
@@ -86,7 +101,7 @@ static void densities(void **state)
     for (int trial = 0; trial < LOBES; trial++) {
         Photon photon = random_photon();
         GuideLobe lobes[GUIDE_CELL_LOBES];
-        assert_int_equal(guide_fit(&photon, 1, vec3f(0, 0, 0), lobes), 2); /* its own, and one around all */
+        assert_int_equal(guide_fit(&photon, 1, &photon, 1, vec3f(0, 0, 0), lobes), 2); /* its own, and one around all */
         const GuideLobe *lobe = &lobes[trial % 2];
         Vec3f mean = {0, 0, 0}, offset = vec3f(dice(), dice(), dice());
         double reach = reach_of(lobe, offset, &mean), expected[RINGS][SECTORS] = {{0}}, sum = 0;
@@ -94,20 +109,20 @@ static void densities(void **state)
         for (int i = 0; i < RINGS * FINE; i++)
             for (int k = 0; k < SECTORS * FINE; k++) {
                 double part = 2 * pi / (SECTORS * FINE), step = reach / (RINGS * FINE), r = (i + .5) * step;
-                double p = (double)guide_lobe_pdf(lobe, offset, at_plane(mean, r, (k + .5) * part)) * r * step * part;
+                double p = (double)lobe_pdf(lobe, offset, at_plane(mean, r, (k + .5) * part)) * r * step * part;
                 expected[i / FINE][k / FINE] += p;
                 sum += p;
             }
         worst_integral = fmax(worst_integral, fabs(sum - 1));
         for (int i = 0; i < SAMPLES; i++) {
             const float v[2] = {dice(), dice()};
-            Vec3f direction = guide_lobe_sample(lobe, offset, v), x, y;
+            Vec3f direction = lobe_sample(lobe, offset, v), x, y;
             sampling_basis(mean, &x, &y);
             double r = chord(mean, direction);
             double angle = atan2((double)vec3f_dot(y, direction), (double)vec3f_dot(x, direction));
             int ring = (int)(r / reach * RINGS),
                 sector = (int)((angle < 0 ? angle + 2 * pi : angle) / (2 * pi) * SECTORS);
-            assert_true(guide_lobe_pdf(lobe, offset, direction) > 0);
+            assert_true(lobe_pdf(lobe, offset, direction) > 0);
             counted[ring < RINGS ? ring : RINGS - 1][sector < SECTORS ? sector : SECTORS - 1]++;
         }
         for (int i = 0; i < RINGS; i++)
@@ -124,15 +139,18 @@ static void densities(void **state)
     assert_true(fabs(chi_square - n_bins) < 5 * sqrt(2.0 * n_bins));
 }
 
+/* Photons of two lights, seen from all places by a linear law each, of which the first dozen are looked around at; and one
+ * that came another way. */
 static void sheets(void **state)
 {
     (void)state;
-    enum { N = 60 };
-    /* two lights, seen from all places by a linear law each, and one stray */
-    Photon photons[N];
+    enum { N = 60, KNOWN = 12, SAMPLES = 40000 };
+    Photon photons[N], known[KNOWN];
+    float flux[2] = {0, 0};
     for (int i = 0; i < N; i++) {
         int light = i % 3 == 0;
-        photons[i] = (Photon){.position = {dice(), 0, dice()}, .flux = 1, .spread = {1e-4f, 0, 1e-4f}};
+        photons[i] =
+            (Photon){.position = {dice(), 0, dice()}, .flux = 1, .way = (uint32_t)light, .spread = {1e-4f, 0, 1e-4f}};
         photons[i].slope[0] = vec3f(light ? .1f : -.2f, 0, .05f);
         photons[i].slope[1] = vec3f(0, 0, light ? .2f : .1f);
         Vec3f axis = light ? vec3f(0, 1, 0) : vec3f(.6f, .8f, 0), x, y;
@@ -140,27 +158,41 @@ static void sheets(void **state)
         Vec3f p = photons[i].position;
         photons[i].from = vec3f_normalize(
             vec3f_along(vec3f_along(axis, vec3f_dot(photons[i].slope[0], p), x), vec3f_dot(photons[i].slope[1], p), y));
+        if (i < N - 1) flux[light]++;
     }
-    photons[7].from = vec3f(0, 0, 1);
+    photons[N - 1].way = 7;
+    memcpy(known, photons, sizeof known);
     GuideLobe lobes[GUIDE_CELL_LOBES];
-    uint32_t n = guide_fit(photons, N, vec3f(.5f, 0, .5f), lobes);
-    assert_true(n <= 12);
+    uint32_t n = guide_fit(known, KNOWN, photons, N, vec3f(.5f, 0, .5f), lobes);
+    assert_int_equal(n, KNOWN + 1);
     assert_near((double)lobes[n - 1].cumulative, 1, 1e-5);
-    float most = 0, sum = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        most = float_max(most, lobes[i].weight);
-        sum += lobes[i].weight;
-        assert_true(lobes[i].weight > 0);
+    assert_int_equal(lobes[0].n_way + lobes[lobes[0].n_way].n_way + 1, n);
+    assert_near((double)(lobes[0].weight / lobes[n - 2].weight), (double)(flux[0] / flux[1]), 1e-4);
+    assert_true(lobes[n - 1].weight > 1.f / N && lobes[n - 1].weight < .3f);
+    for (uint32_t i = 0; i + 1 < n; i++) assert_true(lobes[i].bend >= 0 && isfinite(lobes[i].bend));
+    /* of the mixture's samples, each lobe's density over the mixture's is one on the mean */
+    Vec3f offset = vec3f(.2f, 0, -.3f);
+    double sums[KNOWN + 1] = {0}, squares[KNOWN + 1] = {0};
+    for (int i = 0; i < SAMPLES; i++) {
+        const float v[2] = {dice(), dice()};
+        Vec3f direction = guide_sample_lobes(lobes, n, offset, dice(), v);
+        float mixture = guide_lobes_pdf(lobes, n, offset, direction);
+        assert_true(mixture > 0);
+        for (uint32_t k = 0; k < n; k++) {
+            double ratio = (double)(lobe_pdf(&lobes[k], offset, direction) / mixture);
+            sums[k] += ratio / SAMPLES, squares[k] += ratio * ratio / SAMPLES;
+        }
     }
-    assert_near((double)sum, 1, 1e-5);
-    assert_true(most > .3f);
+    for (uint32_t k = 0; k < n; k++)
+        assert_true(fabs(sums[k] - 1) < 5 * sqrt((squares[k] - sums[k] * sums[k]) / SAMPLES) + 1e-3);
 }
 
 /* What lands behind a slab in the sun is what comes to it, less what is reflected. */
 static void flux(void **state)
 {
     (void)state;
-    enum { N = 40000 };
+    enum { N = 40000, LOOKED = 1000 };
+    static uint32_t landed_ones[N];
     Fixture scene;
     Pool *pool;
     Error error;
@@ -177,7 +209,9 @@ static void flux(void **state)
     photon_targets(&world, &targets);
     assert_int_equal(targets.n, 1);
     Photon *photons = calloc(N, sizeof *photons), *again = calloc(N, sizeof *again);
-    assert_int_equal(photons_trace(&world, &targets, 0, 1, 0, N, pool, photons, &error), STATUS_OK);
+    PhotonSource source = {&world, &targets, 0, 1};
+    uint64_t rays = 0;
+    assert_int_equal(photons_trace(&source, 0, N, pool, photons, &rays, &error), STATUS_OK);
     double landed = 0, sent = (double)photon_flux(&world, &targets), square = 0;
     int n_landed = 0, n_known = 0;
     for (int i = 0; i < N; i++) {
@@ -188,17 +222,24 @@ static void flux(void **state)
         assert_near((double)photons[i].position.y, 0, 1e-4);
         assert_true(photons[i].from.y > .9999f && photons[i].normal.y > .9999f);
         n_landed++;
-        n_known += photons[i].spread[0] > 0 && photons[i].spread[0] < 1e-4f;
+        landed_ones[n_landed - 1] = (uint32_t)i;
     }
-    assert_true(n_known > n_landed * 99 / 100);
+    assert_true(rays >= N);
+    assert_int_equal(photons_look_around(&source, photons, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
+    for (int i = 0; i < LOOKED; i++) {
+        const Photon *photon = &photons[landed_ones[i]];
+        n_known += photon->lobe && photon->spread[0] > 0 && photon->spread[0] < 1e-4f;
+    }
+    assert_true(n_known > LOOKED * 99 / 100);
     double r = .04, expected = sent * (1 - r) / (1 + r), deviation = sqrt((square - landed * landed) / N);
     printf("    flux behind a slab: expected %.5g, landed %.5g, error %.2g\n", expected, landed, deviation);
     assert_true(fabs(landed - expected) < 4 * deviation + .02 * expected); /* what is sent is an estimate, too */
     /* the same in two parts, by another number of threads */
     Pool *alone;
     assert_int_equal(pool_new(1, &alone, &error), STATUS_OK);
-    assert_int_equal(photons_trace(&world, &targets, 0, 1, 0, 1000, alone, again, &error), STATUS_OK);
-    assert_int_equal(photons_trace(&world, &targets, 0, 1, 1000, N - 1000, alone, again + 1000, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&source, 0, 1000, alone, again, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&source, 1000, N - 1000, alone, again + 1000, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_look_around(&source, again, landed_ones, LOOKED, alone, &rays, &error), STATUS_OK);
     assert_memory_equal(photons, again, N * sizeof *photons);
     free(photons);
     free(again);

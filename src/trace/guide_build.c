@@ -1,0 +1,291 @@
+/* guide_build.c - cells of photons that lie near each other, and which lobes are used where.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "optics/sampling.h"
+#include "trace/guide_parts.h"
+
+typedef struct Builder {
+    Guide *guide;
+    Photon *photons;  /* sorted by cell */
+    Photon *known;    /* those that lobes are made of, sorted by cell */
+    uint32_t *knowns; /* of each cell's */
+    GuideLobe *lobes; /* GUIDE_CELL_LOBES for each cell */
+    float scale;      /* what the photons' flux is to be multiplied with */
+} Builder;
+
+/* ---- the tree ---- */
+
+/* Reorders photons so that number `middle` along an axis stands at its place (C. A. R. Hoare's selection). */
+static void select_middle(Photon *photons, uint32_t n, uint32_t middle, uint32_t axis)
+{
+    uint32_t low = 0, high = n - 1;
+    while (low < high) {
+        float pivot = guide_coordinate(photons[low + (high - low) / 2].position, axis);
+        uint32_t i = low, j = high;
+        for (;;) {
+            while (guide_coordinate(photons[i].position, axis) < pivot) i++;
+            while (guide_coordinate(photons[j].position, axis) > pivot) j--;
+            if (i >= j) break;
+            Photon swap = photons[i];
+            photons[i++] = photons[j];
+            photons[j--] = swap;
+        }
+        if (middle <= j)
+            high = j;
+        else
+            low = j + 1;
+    }
+}
+
+static void bounds_of(const Photon *photons, uint32_t n, Vec3f *low, Vec3f *high)
+{
+    *low = *high = photons[0].position;
+    for (uint32_t i = 1; i < n; i++) {
+        Vec3f p = photons[i].position;
+        *low = vec3f(float_min(low->x, p.x), float_min(low->y, p.y), float_min(low->z, p.z));
+        *high = vec3f(float_max(high->x, p.x), float_max(high->y, p.y), float_max(high->z, p.z));
+    }
+}
+
+static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end)
+{
+    Guide *guide = b->guide;
+    uint32_t n = end - begin;
+    Vec3f low, high;
+    bounds_of(b->known + begin, n, &low, &high);
+    Vec3f size = vec3f_along(high, -1, low);
+    uint32_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    if (n <= GUIDE_CELL_KNOWN) {
+        b->knowns[guide->n_cells] = begin;
+        guide->nodes[node] = (GuideNode){.axis = GUIDE_LEAF, .first = guide->n_cells++};
+        return;
+    }
+    uint32_t half = n / 2, child = guide->n_nodes;
+    select_middle(b->known + begin, n, half, axis);
+    guide->n_nodes += 2;
+    guide->nodes[node] = (GuideNode){guide_coordinate(b->known[begin + half].position, axis), axis, child};
+    make_node(b, child, begin, begin + half);
+    make_node(b, child + 1, begin + half, end);
+}
+
+/* Sorts all photons by the cell that they are in. */
+static Status sort_by_cell(Builder *b, uint32_t n, Error *error)
+{
+    uint32_t n_cells = b->guide->n_cells, *cell_of = malloc(n * sizeof *cell_of);
+    Photon *sorted = malloc(n * sizeof *sorted);
+    b->guide->begins = calloc((size_t)n_cells + 2, sizeof *b->guide->begins);
+    Status status = STATUS_OK;
+    if (cell_of && sorted && b->guide->begins) {
+        for (uint32_t i = 0; i < n; i++)
+            b->guide->begins[(cell_of[i] = guide_leaf(b->guide, b->photons[i].position)) + 2]++;
+        for (uint32_t i = 1; i <= n_cells; i++) b->guide->begins[i + 1] += b->guide->begins[i];
+        for (uint32_t i = 0; i < n; i++) sorted[b->guide->begins[cell_of[i] + 1]++] = b->photons[i];
+        memcpy(b->photons, sorted, n * sizeof *sorted);
+    } else {
+        status = fail_memory(error, n * sizeof *sorted, "photons");
+    }
+    free(cell_of);
+    free(sorted);
+    return status;
+}
+
+static Status make_tree(Builder *b, uint32_t n, Error *error)
+{
+    Guide *guide = b->guide;
+    size_t n_known = 0;
+    for (uint32_t i = 0; i < n; i++) n_known += b->photons[i].lobe;
+    /* what is halved had more than GUIDE_CELL_KNOWN, so that each cell has at least half as many */
+    size_t most = 2 * (n_known / GUIDE_CELL_KNOWN) + 2;
+    guide->nodes = malloc(2 * most * sizeof *guide->nodes);
+    b->known = malloc(n_known * sizeof *b->known);
+    b->knowns = malloc((most + 1) * sizeof *b->knowns);
+    if (!guide->nodes || !b->known || !b->knowns) return fail_memory(error, n_known * sizeof *b->known, "caustics");
+    n_known = 0;
+    for (uint32_t i = 0; i < n; i++)
+        if (b->photons[i].lobe) b->known[n_known++] = b->photons[i];
+    guide->n_nodes = 1;
+    make_node(b, 0, 0, (uint32_t)n_known);
+    b->knowns[guide->n_cells] = (uint32_t)n_known;
+    TRY(sort_by_cell(b, n, error));
+    guide->cells = calloc(guide->n_cells, sizeof *guide->cells);
+    b->lobes = malloc((size_t)guide->n_cells * GUIDE_CELL_LOBES * sizeof *b->lobes);
+    if (!guide->cells || !b->lobes)
+        return fail_memory(error, (size_t)guide->n_cells * GUIDE_CELL_LOBES * sizeof *b->lobes, "caustics");
+    return STATUS_OK;
+}
+
+/* ---- cells ---- */
+
+/* The area that a cell's photons are spread over. */
+static float cell_area(const Photon *photons, uint32_t n)
+{
+    Vec3f low, high;
+    bounds_of(photons, n, &low, &high);
+    Vec3f size = vec3f_along(high, -1, low);
+    return float_max(float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x)), 1e-30f);
+}
+
+static void fit_cell(void *context, uint32_t i, unsigned worker)
+{
+    (void)worker;
+    Builder *b = context;
+    GuideCell *cell = &b->guide->cells[i];
+    const Photon *photons = b->photons + b->guide->begins[i];
+    uint32_t n = b->guide->begins[i + 1] - b->guide->begins[i];
+    if (n == 0) { /* all that it was made for stand on its border */
+        cell->low = vec3f(INFINITY, INFINITY, INFINITY);
+        return;
+    }
+    bounds_of(photons, n, &cell->low, &cell->high);
+    Vec3f size = vec3f_along(cell->high, -1, cell->low);
+    /* beyond its photons a cell is known as far as these are from each other */
+    float margin = 0.15f * float_max(size.x, float_max(size.y, size.z)), flux = 0;
+    Vec3f more = vec3f(margin, margin, margin);
+    cell->low = vec3f_along(cell->low, -1, more);
+    cell->high = vec3f_add(cell->high, more);
+    cell->share = 0.5f;
+    for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
+    cell->radiance = flux / cell_area(photons, n) / SAMPLING_PI;
+    cell->n_lobes = guide_fit(b->known + b->knowns[i], b->knowns[i + 1] - b->knowns[i], photons, n,
+                              guide_cell_origin(cell), b->lobes + (size_t)i * GUIDE_CELL_LOBES);
+}
+
+/* Moves the cells' lobes together. */
+static void gather_lobes(Builder *b)
+{
+    Guide *guide = b->guide;
+    for (uint32_t i = 0; i < guide->n_cells; i++) {
+        GuideCell *cell = &guide->cells[i];
+        cell->first_lobe = guide->n_lobes;
+        memmove(b->lobes + guide->n_lobes, b->lobes + (size_t)i * GUIDE_CELL_LOBES, cell->n_lobes * sizeof *b->lobes);
+        guide->n_lobes += cell->n_lobes;
+    }
+    GuideLobe *fewer = realloc(b->lobes, guide->n_lobes * sizeof *fewer);
+    guide->lobes = fewer ? fewer : b->lobes;
+}
+
+Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, Guide **out, Error *error)
+{
+    *out = NULL;
+    Guide *guide = calloc(1, sizeof *guide);
+    if (!guide) return fail_memory(error, sizeof *guide, "caustics");
+    Builder b = {.guide = guide, .photons = photons, .scale = 1 / (float)followed};
+    Status status = make_tree(&b, n, error);
+    if (status == STATUS_OK) {
+        pool_run(pool, guide->n_cells, fit_cell, &b);
+        gather_lobes(&b);
+        *out = guide;
+    } else {
+        free(b.lobes);
+        guide_free(guide);
+    }
+    free(b.known);
+    free(b.knowns);
+    return status;
+}
+
+/* ---- how much a guide is to be heard ---- */
+
+static float surface_pdf(const Photon *photon)
+{
+    if (vec3f_dot(photon->normal, photon->normal) == 0) return 1 / (4 * SAMPLING_PI);
+    return float_max(vec3f_dot(photon->normal, photon->from), 0.01f) / SAMPLING_PI;
+}
+
+static float cell_pdf(const Guide *guide, const GuideCell *cell, const Photon *photon)
+{
+    Vec3f offset = vec3f_along(photon->position, -1, guide_cell_origin(cell));
+    return guide_lobes_pdf(guide->lobes + cell->first_lobe, cell->n_lobes, offset, photon->from);
+}
+
+float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon)
+{
+    float surface = surface_pdf(photon), pdf = cell_pdf(guide, &guide->cells[cell], photon);
+    return photon->radiance * surface / (share * pdf + (1 - share) * surface);
+}
+
+typedef struct Sharing {
+    Guide *guide;
+    const Photon *photons;
+    float *noise; /* relative variance of a cell's sample that is expected without the guide, and with it */
+    float threshold, scale;
+    Tracer *tracers; /* one per thread */
+} Sharing;
+
+/* What the cell's place gets from other lights than those that the guide is for, as irradiance. */
+static float other_light(const Sharing *b, Tracer *tracer, const Photon *photons, uint32_t n, uint32_t number)
+{
+    enum { LOOKS = 8 };
+    float sum = 0;
+    for (uint32_t i = 0; i < LOOKS; i++) {
+        const Photon *photon = &photons[(size_t)n * i / LOOKS];
+        sum += photon_other_light(tracer, photon->position, photon->normal, b->threshold, LOOKS * number + i);
+    }
+    return sum / LOOKS;
+}
+
+/* Photons that lobes are made of are described better than others. */
+#define ITSELF 0.3f
+/* Of other light part is found by looking for it, whatever the directions are. */
+#define REST 0.3f
+/* Of the guide's light, what comes from things near by that it lights. */
+#define AROUND 0.25f
+
+/* How many of the directions should be the guide's: so many that the noise is least. A sample's square has the expectation
+ * of the photons' radiance times the flux of all of them, by the density with which their directions are chosen, beside
+ * that of other light, of which the surface's own directions are taken to find all alike. */
+static void choose_share(void *context, uint32_t number, unsigned worker)
+{
+    const float shares[] = {0, 0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.65f, 0.75f};
+    const Sharing *b = context;
+    GuideCell *cell = &b->guide->cells[number];
+    const Photon *photons = b->photons + b->guide->begins[number];
+    uint32_t n = b->guide->begins[number + 1] - b->guide->begins[number];
+    if (n == 0) return;
+    float sums[COUNT_OF(shares)] = {0}, area = cell_area(photons, n);
+    bool in_medium = false;
+    for (uint32_t i = 0; i < n; i++) {
+        const Photon *photon = &photons[i];
+        float surface = surface_pdf(photon), guide = cell_pdf(b->guide, cell, photon) * (photon->lobe ? ITSELF : 1);
+        in_medium |= vec3f_dot(photon->normal, photon->normal) == 0;
+        for (size_t k = 0; k < COUNT_OF(shares); k++)
+            sums[k] +=
+                photon->flux * b->scale * photon->radiance * surface / (shares[k] * guide + (1 - shares[k]) * surface);
+    }
+    float other = in_medium ? 0 : other_light(b, &b->tracers[worker], photons, n, number) / SAMPLING_PI;
+    float mean = cell->radiance + other, spread = other + AROUND * cell->radiance, best = INFINITY;
+    for (size_t k = 0; k < COUNT_OF(shares); k++) {
+        float noise = (sums[k] / (area * SAMPLING_PI) + REST * spread * spread / (1 - shares[k])) /
+                      float_max(mean * mean, 1e-30f);
+        if (k == 0) b->noise[2 * number] = noise;
+        if (k > 0 && noise < best) b->noise[2 * number + 1] = best = noise, cell->share = shares[k];
+    }
+    if (in_medium) cell->share = 0.5f; /* where little is known of the rest */
+}
+
+Status guide_choose_shares(Guide *guide, const World *world, float threshold, const Photon *photons, uint32_t followed,
+                           Pool *pool, Error *error)
+{
+    unsigned n_threads = pool_threads(pool);
+    Sharing job = {.guide = guide, .photons = photons, .threshold = threshold, .scale = 1 / (float)followed};
+    job.noise = calloc(guide->n_cells, 2 * sizeof *job.noise);
+    job.tracers = calloc(n_threads, sizeof *job.tracers);
+    Status status = STATUS_OK;
+    if (job.noise && job.tracers) {
+        double before = 0, after = 0;
+        for (unsigned i = 0; i < n_threads; i++) tracer_init(&job.tracers[i], world);
+        pool_run(pool, guide->n_cells, choose_share, &job);
+        for (unsigned i = 0; i < n_threads; i++) tracer_clear(&job.tracers[i]);
+        for (uint32_t i = 0; i < guide->n_cells; i++)
+            before += (double)job.noise[2 * i], after += (double)job.noise[2 * i + 1];
+        guide->gain = after > 0 ? (float)(before / after) : 0;
+    } else {
+        status = fail_memory(error, guide->n_cells * 2 * sizeof *job.noise, "caustics");
+    }
+    free(job.noise);
+    free(job.tracers);
+    return status;
+}

@@ -1,0 +1,62 @@
+/* guide_parts.h - what a guide is made of; private to src/trace/guide*.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_GUIDE_PARTS_H
+#define MEN_GUIDE_PARTS_H
+
+#include <stdatomic.h>
+
+#include "trace/guide.h"
+#include "trace/guide_fit.h"
+
+/* Of a binary tree: children stand side by side. */
+typedef struct GuideNode {
+    float split;
+    uint32_t axis;  /* GUIDE_LEAF: of none */
+    uint32_t first; /* child, or the cell of a leaf */
+} GuideNode;
+enum { GUIDE_LEAF = 3 };
+
+struct Guide {
+    GuideNode *nodes;
+    GuideCell *cells;
+    GuideLobe *lobes;
+    uint32_t n_nodes, n_cells, n_lobes;
+    uint32_t *begins;    /* of each cell's photons, as guide_build has sorted them; the last is the end of all */
+    atomic_uint *visits; /* how often places were looked up, for each cell; NULL: not counted */
+    float gain;          /* the expected ratio of variances without and with it; see guide_choose_shares */
+};
+
+static inline Vec3f guide_cell_origin(const GuideCell *cell)
+{
+    return vec3f_scale(vec3f_add(cell->low, cell->high), 0.5f);
+}
+
+static inline float guide_coordinate(Vec3f p, uint32_t axis)
+{
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
+/* The cell of the tree that a place is in, or beside. */
+static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
+{
+    const GuideNode *node = guide->nodes;
+    while (node->axis != GUIDE_LEAF)
+        node = guide->nodes + node->first + (guide_coordinate(p, node->axis) >= node->split);
+    return node->first;
+}
+
+/* ---- guide_build.c ---- */
+
+/* A guide from the n photons that landed of those that were followed, of which at least one was looked around at; they are
+ * put into another order. Directions are shared half and half until shares are chosen. STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, Guide **out,
+                                  Error *error);
+/* How many of the directions should be the guide's in each cell, by what other light there is; photons: as guide_build left
+ * them. Sets the gain. STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_choose_shares(Guide *guide, const World *world, float threshold, const Photon *photons,
+                                          uint32_t followed, Pool *pool, Error *error);
+/* The radiance that a white surface would send on for a path that has found the photon's light, by the directions that are
+ * chosen there: what a firefly is as bright as. */
+float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon);
+
+#endif

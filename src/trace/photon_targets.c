@@ -1,0 +1,107 @@
+/* photon_targets.c - boxes around all that bends or mirrors light, for photons to be sent to.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/path_parts.h"
+#include "trace/photon.h"
+
+/* Whether light is bent at its surface; the media around are not known yet, so that the world's stands for them. */
+static bool bends(const World *world, uint32_t medium)
+{
+    const Lanes nm = lanes(430, 500, 580, 660);
+    Lanes difference = lanes_sub(medium_ior(world, medium, nm), medium_ior(world, 0, nm));
+    for (int i = 0; i < LANES; i++)
+        if (fabsf(lanes_get(difference, i)) > 1e-4f) return true;
+    return false;
+}
+
+static bool mirrors(const World *world, const SceneObject *object)
+{
+    const float smooth = 0.25f;
+    if (object->surface == SCENE_NONE || object->light != SCENE_NONE) return false;
+    const SceneSurface *surface = &world->scene->surfaces[object->surface];
+    const BsdfSpec *spec = &surface->spec;
+    return surface->finished && (spec->base_metalness > 0 || spec->transmission_weight > 0) &&
+           spec->specular_roughness <= smooth;
+}
+
+/* The box of an object that photons should be sent to; false: none. */
+static bool target_of(const World *world, uint32_t number, Box3 *box)
+{
+    const CompiledScene *compiled = world->compiled;
+    const SceneObject *object = &world->scene->objects[number];
+    if (object->part_of != SCENE_NONE) return false;
+    uint32_t hull = compiled->hull_of_object[number];
+    if (object->medium != SCENE_NONE) {
+        if (hull == SCENE_NONE || hull >= compiled->n_hulls || !bends(world, object->medium)) return false;
+        *box = compiled->hull_bounds[hull];
+    } else {
+        if (!mirrors(world, object)) return false;
+        *box = scene_object_bounds(world->scene, object, NULL);
+    }
+    return !box3_is_empty(*box) && !box3_is_unbounded(*box);
+}
+
+static double box_area(Box3 box)
+{
+    Vec3 size = vec3_sub(box.max, box.min);
+    return 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+}
+
+/* Two boxes become one where that is no larger than both. */
+static void join_boxes(PhotonTargets *targets)
+{
+    for (uint32_t a = 0; a < targets->n; a++)
+        for (uint32_t b = a + 1; b < targets->n; b++) {
+            Box3 both = box3_union(targets->boxes[a], targets->boxes[b]);
+            if (box_area(both) > box_area(targets->boxes[a]) + box_area(targets->boxes[b])) continue;
+            targets->boxes[a] = both;
+            targets->boxes[b] = targets->boxes[--targets->n];
+            b = a; /* the larger box may now join with others, looked at before too */
+        }
+}
+
+/* Of many objects, one box for those whose centres are in the same of 4 x 4 x 4 parts of what they take up. */
+static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
+{
+    enum { PARTS = 4 };
+    Box3 cells[PARTS * PARTS * PARTS], box;
+    Vec3 size = vec3_sub(all.max, all.min);
+    for (int i = 0; i < PARTS * PARTS * PARTS; i++) cells[i] = box3_empty();
+    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+        if (!target_of(world, i, &box)) continue;
+        Vec3 centre = vec3_sub(vec3_scale(vec3_add(box.min, box.max), 0.5), all.min);
+        double along[3] = {centre.x, centre.y, centre.z}, sizes[3] = {size.x, size.y, size.z};
+        int cell = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double part = sizes[axis] > 0 ? floor(along[axis] / sizes[axis] * PARTS) : 0;
+            cell = PARTS * cell + (part > 0 ? (part < PARTS ? (int)part : PARTS - 1) : 0);
+        }
+        cells[cell] = box3_union(cells[cell], box);
+    }
+    targets->n = 0;
+    for (int i = 0; i < PARTS * PARTS * PARTS; i++)
+        if (!box3_is_empty(cells[i])) targets->boxes[targets->n++] = cells[i];
+}
+
+void photon_targets(const World *world, PhotonTargets *targets)
+{
+    Box3 all = box3_empty(), box;
+    bool many = false;
+    targets->n = 0;
+    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+        if (!target_of(world, i, &box)) continue;
+        all = box3_union(all, box);
+        many |= targets->n == PHOTON_TARGETS;
+        if (!many) targets->boxes[targets->n++] = box;
+    }
+    if (many) join_by_place(world, all, targets);
+    join_boxes(targets);
+    double sum = 0;
+    for (uint32_t i = 0; i < targets->n; i++) {
+        /* a little more than the objects, so that no surface lies in a face */
+        Vec3 slack = vec3_scale(vec3_sub(targets->boxes[i].max, targets->boxes[i].min), 1e-3);
+        targets->boxes[i].min = vec3_sub(targets->boxes[i].min, slack);
+        targets->boxes[i].max = vec3_add(targets->boxes[i].max, slack);
+        sum += box_area(targets->boxes[i]);
+        targets->cumulative[i] = sum;
+    }
+}
