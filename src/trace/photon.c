@@ -135,7 +135,7 @@ static bool leave_light(Path *path, const Start *start)
         compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits, &tracer->list,
                           NULL) != STATUS_OK)
         return false;
-    return !start->light.glow || media_is_there(tracer->world, start->light.glow->place, &tracer->list);
+    return !start->light.glow || media_is_there(compiled, &tracer->world->media, start->light.glow->place, &tracer->list);
 }
 
 /* ---- on the way ---- */
