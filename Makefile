@@ -275,7 +275,7 @@ asan hostile: ## the quick tests under sanitizers (hostile: every interior list 
 	$(MAKE) VARIANT=$@ check-quick
 tsan: assets ## a few scenes rendered by four threads, watched for races
 	$(MAKE) VARIANT=tsan build/tsan/meniscus
-	sh tests/tsan.sh build/tsan/meniscus examples/whisky.mns examples/tea.mns examples/surfaces.mns
+	sh tests/tsan.sh build/tsan/meniscus $(addprefix examples/,$(addsuffix .mns,whisky tea surfaces light-bulb candles window))
 
 # ---- looking after the source ----
 
