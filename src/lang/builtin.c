@@ -305,7 +305,7 @@ static void run_srgb(const BuiltinCall *call, Value *result)
 /* ---- random numbers ---- */
 
 /* "meniscus" in ASCII: not the start of noise(), so that they share no values */
-static const uint64_t rnd_start = 0x6d656e6973637573U;
+const uint64_t builtin_rnd_start = 0x6d656e6973637573U;
 
 static uint64_t bits_of(double x)
 {
@@ -330,7 +330,7 @@ bool builtin_hash(const BuiltinCall *call, uint32_t first, uint64_t *h, Value *r
 
 static void run_rnd(const BuiltinCall *call, Value *result)
 {
-    uint64_t h = rnd_start;
+    uint64_t h = builtin_rnd_start;
     if (builtin_hash(call, 0, &h, result)) *result = value_number(hash_to_unit(h));
 }
 

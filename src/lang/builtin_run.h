@@ -14,6 +14,9 @@ bool builtin_finite(const BuiltinCall *call, Value *result);
  * elements. false after a report. rnd() starts with the ASCII of "meniscus" and gives hash_to_unit(h). */
 bool builtin_hash(const BuiltinCall *call, uint32_t first, uint64_t *h, Value *result);
 
+/* What rnd() starts its hash with. */
+extern const uint64_t builtin_rnd_start;
+
 /* builtin_transform.c */
 void run_rotate(const BuiltinCall *call, Value *result);
 void run_translate(const BuiltinCall *call, Value *result);

@@ -270,18 +270,29 @@ static Frame *capture_frame(Evaluator *evaluator, const Frame *frame)
     return copy;
 }
 
-const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr)
+/* Whether a function takes what its property gives it. */
+static bool takes_arguments(Evaluator *evaluator, Expr *expr, const EvalFunctionValue *function, bool on_surface)
+{
+    const Def *def = function->def;
+    const char *forms = on_surface ? "of a place on a surface, f(p), f(x, y, z) or f(u, v), with normal, uv or footprint beside"
+                                   : "of a point, f(p), or of f(x, y, z)";
+    uint32_t n_needed = 0;
+    for (uint32_t i = 0; i < def->n_formals; i++) n_needed += !def->formals[i].fallback;
+    bool fits = def->n_formals >= 1 && def->n_formals <= LIMIT_ARGUMENTS;
+    if (fits && (on_surface ? eval_takes_place(function) : function->by_coordinates || n_needed <= 1)) return true;
+    Diagnostic *report = eval_error(evaluator, expr, D_WRONG_TYPE, "'%s' is no function %s", def->name->text, forms);
+    diag_note(evaluator->diag, report, def->span, "declared here");
+    return false;
+}
+
+const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_surface)
 {
     const Def *def = expr->as.call.to.def;
     uint32_t n_needed = 0;
     for (uint32_t i = 0; i < def->n_formals; i++) n_needed += !def->formals[i].fallback;
-    bool by_point = def->n_formals >= 1 && n_needed <= 1, by_coordinates = def->n_formals >= 3 && n_needed == 3;
-    if (!by_point && !by_coordinates) {
-        Diagnostic *report = eval_error(evaluator, expr, D_WRONG_TYPE, "'%s' is no function of a point, f(p), or of f(x, y, z)",
-                                        def->name->text);
-        diag_note(evaluator->diag, report, def->span, "declared here");
+    bool by_coordinates = def->n_formals >= 3 && n_needed == 3;
+    if (!takes_arguments(evaluator, expr, &(EvalFunctionValue){.def = def, .by_coordinates = by_coordinates}, on_surface))
         return NULL;
-    }
     double bytes = (double)evaluator->n_globals * sizeof(Value) + sizeof(Evaluator);
     if (!eval_reserve(evaluator, bytes, expr->span)) return NULL;
     Evaluator *own = ARENA_NEW(evaluator->arena, Evaluator);
@@ -311,32 +322,41 @@ static bool not_a_number(const EvalFunctionValue *function, Vec3 p, const Value 
     return false;
 }
 
-bool eval_function_at(const EvalFunctionValue *function, Vec3 p, double *value)
+bool eval_call_function(const EvalFunctionValue *function, const Value *args, Value *result)
 {
     char here;
     Evaluator *evaluator = function->evaluator;
     const Def *def = function->def;
     Frame top = {.has_chain = true};
+    *result = value_poison();
     evaluator->stack_base = (uintptr_t)&here;
     evaluator->frame = &top;
     if (evaluator->stop || !call_begin(evaluator, def, function->span)) return false;
     Frame frame = {.def = def, .caller = &top, .call_span = function->span, .lexical = function->lexical};
     frame.slots = take_slots(evaluator, def->n_slots);
-    const double coordinates[3] = {p.x, p.y, p.z};
-    if (function->by_coordinates)
-        for (int i = 0; i < 3; i++) frame.slots[def->formals[i].slot.index] = value_number(coordinates[i]);
-    else
-        frame.slots[def->formals[0].slot.index] = value_vector3(p.x, p.y, p.z);
-    Value result = value_poison();
+    for (uint32_t i = 0; i < def->n_formals; i++) frame.slots[def->formals[i].slot.index] = args[i];
     bool reported = false;
     evaluator->frame = &frame;
-    if (bind_fallbacks(evaluator, def, function->span, &reported)) eval_value(evaluator, def->body, &result);
+    if (bind_fallbacks(evaluator, def, function->span, &reported)) eval_value(evaluator, def->body, result);
     evaluator->frame = &top;
     call_end(evaluator, &frame);
+    evaluator->frame = NULL;
+    return result->kind != VALUE_POISON && !evaluator->stop;
+}
+
+bool eval_function_at(const EvalFunctionValue *function, Vec3 p, double *value)
+{
+    Value args[LIMIT_ARGUMENTS], result;
+    const double coordinates[3] = {p.x, p.y, p.z};
+    for (uint32_t i = 0; i < function->def->n_formals; i++) {
+        args[i] = (Value){.kind = VALUE_UNSET};
+        if (function->by_coordinates && i < 3) args[i] = value_number(coordinates[i]);
+    }
+    if (!function->by_coordinates) args[0] = value_vector3(p.x, p.y, p.z);
+    (void)eval_call_function(function, args, &result);
     *value = result.as.number;
     bool is_number = result.kind == VALUE_NUMBER || not_a_number(function, p, &result);
-    evaluator->frame = NULL;
-    return is_number && !evaluator->stop;
+    return is_number && !function->evaluator->stop;
 }
 
 /* ---- builtins and terms ---- */

@@ -190,8 +190,14 @@ bool eval_sequence(Evaluator *evaluator, Expr *expr, Value *value);
 /* ---- calls (eval_call.c) ---- */
 
 EvalFunction eval_call_def, eval_call_builtin, eval_call_term;
-/* The function that an EXPR_FUNCTION names, with all that is visible in it as it is now; NULL after a report. */
-const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr);
+/* The function that an EXPR_FUNCTION names, with all that is visible in it as it is now; NULL after a report.
+ * on_surface: it is asked for places on a surface, not for points. */
+const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_surface);
+/* Whether it is a function of a place on a surface (formula.c). */
+bool eval_takes_place(const EvalFunctionValue *function);
+/* Calls it when the evaluation is over, with an argument for each parameter, VALUE_UNSET for its default; false after a
+ * report. */
+bool eval_call_function(const EvalFunctionValue *function, const Value *args, Value *result);
 /* Calls a macro with the arguments of expr; block: its children. */
 void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block);
 /* Calls a macro with ready arguments (VALUE_UNSET: not given). */

@@ -215,7 +215,7 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     }
     bool misplaced = resolver->context == CONTEXT_FREE || (type && !prop);
     bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);
-    if (resolver->context == CONTEXT_NODE && prop && prop->kind == PROP_FUNCTION) {
+    if (resolver->context == CONTEXT_NODE && prop && (prop->kind == PROP_FUNCTION || prop->flags & PROP_TEXTURE)) {
         resolve_function(resolver, value);
     } else if (words && value->kind == EXPR_NAME) {
         resolve_word(resolver, value);

@@ -520,6 +520,24 @@ static bool words_to_strings(const Check *check, Expr *expr)
     return true;
 }
 
+/* The name of a function stands for a texture of its values. */
+static bool texture_of_function(const Check *check, EvalProp *prop)
+{
+    Evaluator *evaluator = check->evaluator;
+    const NodeType *type = NULL;
+    for (size_t i = 0; i < evaluator->schema->n_nodes; i++)
+        if (evaluator->schema->nodes[i].flags & NODE_FORMULA) type = &evaluator->schema->nodes[i];
+    const EvalFunctionValue *function = type ? eval_capture(evaluator, check->expr, true) : NULL;
+    if (!function) return false;
+    EvalNode *node = ARENA_NEW(evaluator->arena, EvalNode);
+    *node = (EvalNode){.type = type, .span = check->expr->span, .transform = affine_identity(), .n_props = 1, .depth = 1};
+    node->props = ARENA_NEW(evaluator->arena, EvalProp);
+    *node->props = (EvalProp){.type = &type->props[0], .span = check->expr->span, .as.function = function};
+    prop->textured = true;
+    prop->as.node = node;
+    return true;
+}
+
 bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp *prop)
 {
     Check check = {.evaluator = evaluator, .type = type, .expr = expr};
@@ -538,9 +556,10 @@ bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp
         if (!words_to_strings(&check, expr)) return false;
     }
     if (type->kind == PROP_FUNCTION && expr->kind == EXPR_FUNCTION) {
-        prop->as.function = eval_capture(evaluator, expr);
+        prop->as.function = eval_capture(evaluator, expr, type->flags & PROP_PLACE);
         return prop->as.function != NULL;
     }
+    if (type->flags & PROP_TEXTURE && expr->kind == EXPR_FUNCTION) return texture_of_function(&check, prop);
     if (!check_unit(&check, expr)) return false;
     Value room;
     const Value *value = eval_operand(evaluator, expr, &room);

@@ -39,7 +39,8 @@ enum PropFlags {
     PROP_SHAPE = 2,    /* changes the geometry: an instance that sets it shares nothing */
     PROP_OPEN_MIN = 4, /* min itself is not allowed */
     PROP_OPEN_MAX = 8,
-    PROP_TEXTURE = 16  /* a node of a type with NODE_TEXTURE may stand in place of the value */
+    PROP_TEXTURE = 16, /* a node of a type with NODE_TEXTURE may stand in place of the value, or the name of a function */
+    PROP_PLACE = 32    /* of a function: takes a place on a surface */
 };
 
 typedef struct PropType {
@@ -59,7 +60,8 @@ enum NodeFlags {
     NODE_CHILDREN = 4,   /* takes child nodes (group, union) */
     NODE_SINGLE = 8,     /* settings: at most one per file; a later one adds to and overrides the earlier (render, film) */
     NODE_NAMED = 16,     /* must be declared with a name (medium) */
-    NODE_TEXTURE = 32    /* a value that depends on the place */
+    NODE_TEXTURE = 32,   /* a value that depends on the place */
+    NODE_FORMULA = 64    /* the texture whose first property is a function: what the name of one stands for */
 };
 
 typedef struct NodeType {

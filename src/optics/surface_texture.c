@@ -3,6 +3,7 @@
 #include "optics/surface_texture.h"
 
 #include "base/hash.h"
+#include "optics/color.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -43,12 +44,18 @@ static LocalPlace local_place(const Texture *texture, const TexturePlace *place)
     return local;
 }
 
-static void parts_of_pattern(const Texture *texture, const TexturePlace *place, PatternParts *parts)
+static LocalPlace warped_place(const Texture *texture, const TexturePlace *place)
 {
     LocalPlace local = local_place(texture, place);
     if (texture->turbulence != 0)
         local.p = vec3_along(local.p, texture->turbulence,
                              pattern_turbulence(local.p, texture->turbulence_octaves, local.footprint, ~texture->seed));
+    return local;
+}
+
+static void parts_of_pattern(const Texture *texture, const TexturePlace *place, PatternParts *parts)
+{
+    LocalPlace local = warped_place(texture, place);
     PatternPlace at = {local.p, local.normal, local.footprint};
     pattern_parts(&texture->pattern, &at, parts);
 }
@@ -60,6 +67,51 @@ static double pattern_part(const Texture *texture, const TexturePlace *place)
     double sum = 0;
     for (int i = 0; i < parts.n; i++) sum += parts.part[i] * parts.value[i];
     return sum;
+}
+
+/* ---- formulas ---- */
+
+void texture_formula_inputs(const Texture *texture, const TexturePlace *place, double inputs[PROGRAM_INPUTS])
+{
+    LocalPlace local = warped_place(texture, place);
+    Vec3 uv = vec3((double)place->uv[0], (double)place->uv[1], 0);
+    if (texture->placed) uv = affine_point(&texture->to_pattern, uv);
+    const double values[PROGRAM_INPUTS] = {local.p.x,      local.p.y, local.p.z, local.normal.x, local.normal.y,
+                                           local.normal.z, uv.x,      uv.y,      local.footprint};
+    for (int i = 0; i < PROGRAM_INPUTS; i++) inputs[i] = values[i];
+}
+
+/* What is no number counts as 0. Returns how many there are. */
+static uint32_t run_formula(const Texture *texture, const TexturePlace *place, double outputs[PROGRAM_MOST_OUTPUTS])
+{
+    double inputs[PROGRAM_INPUTS];
+    texture_formula_inputs(texture, place, inputs);
+    program_run(texture->program, inputs, outputs);
+    for (uint32_t i = 0; i < texture->program->n_outputs; i++)
+        if (!isfinite(outputs[i])) outputs[i] = 0;
+    return texture->program->n_outputs;
+}
+
+static Lanes formula_value(const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+{
+    double rgb[PROGRAM_MOST_OUTPUTS];
+    bool number = run_formula(texture, place, rgb) == 1;
+    if (number && !texture->shines) return lanes_all((float)rgb[0]);
+    if (number) rgb[1] = rgb[2] = rgb[0];
+    float held[3], largest = 0, coefficients[3];
+    for (int i = 0; i < 3; i++) {
+        held[i] = (float)fmax(texture->shines ? rgb[i] : fmin(rgb[i], 1), 0);
+        largest = float_max(largest, held[i]);
+    }
+    if (!texture->shines) {
+        upsample_coefficients(held, coefficients);
+        return upsample_at(coefficients, wavelength_nm);
+    }
+    /* as pictures of light: spectra are smooth below 1/2 */
+    if (!(largest > 0)) return lanes_all(0);
+    for (int i = 0; i < 3; i++) held[i] /= 2 * largest;
+    upsample_coefficients(held, coefficients);
+    return lanes_scale(lanes_mul(upsample_at(coefficients, wavelength_nm), white_at(wavelength_nm)), 2 * largest);
 }
 
 /* ---- pictures ---- */
@@ -207,6 +259,12 @@ static float part_of(const Texture *textures, const Texture *texture, const Text
     case TEXTURE_PATTERN: part = pattern_part(texture, place); break;
     case TEXTURE_IMAGE: part = (double)texture_vector_at(texture, place).x; break;
     case TEXTURE_MIX: part = (double)texture_number_at(textures, texture->blend, place); break;
+    case TEXTURE_FORMULA: {
+        double outputs[PROGRAM_MOST_OUTPUTS];
+        (void)run_formula(texture, place, outputs);
+        part = outputs[0];
+        break;
+    }
     case TEXTURE_VARIATION: part = hash_to_unit(hash_u64(hash_u64(place->identity) ^ texture->seed)); break;
     }
     return part > 0 ? part < 1 ? (float)part : 1 : 0;
@@ -216,7 +274,8 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
 {
     const Texture *texture = &textures[number];
     if (texture->kind == TEXTURE_CONSTANT) return spectrum_at(&texture->value, wavelength_nm);
-    if (texture->image_is_value)
+    if (texture->is_value && texture->kind == TEXTURE_FORMULA) return formula_value(texture, place, wavelength_nm);
+    if (texture->is_value)
         return texture_image_channels(texture->image) == 3 ? picture_color(texture, place, wavelength_nm)
                                                            : lanes_all(texture_vector_at(texture, place).x);
     if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {

@@ -4,6 +4,7 @@
 #ifndef MEN_SURFACE_TEXTURE_H
 #define MEN_SURFACE_TEXTURE_H
 
+#include "base/program.h"
 #include "optics/pattern.h"
 #include "optics/texture_image.h"
 
@@ -13,8 +14,9 @@ typedef enum TextureKind {
     TEXTURE_CONSTANT, /* value */
     TEXTURE_PATTERN,
     TEXTURE_IMAGE,
-    TEXTURE_MIX,      /* by another texture */
-    TEXTURE_VARIATION /* by the object */
+    TEXTURE_MIX,       /* by another texture */
+    TEXTURE_VARIATION, /* by the object */
+    TEXTURE_FORMULA    /* a function of the scene */
 } TextureKind;
 
 typedef enum TextureProjection {
@@ -35,7 +37,8 @@ typedef struct Texture {
     TextureKind kind;
     bool in_world;       /* placed in the world, not on the object */
     bool placed;         /* to_pattern is not the identity */
-    bool image_is_value; /* IMAGE: its colours or numbers themselves are the value */
+    bool is_value;       /* IMAGE, FORMULA: its colours or numbers themselves are the value */
+    bool shines;         /* FORMULA: colours are of light, not of reflectances */
     TextureProjection projection;
     TextureWrap wrap;
     double turns;      /* IMAGE, around an axis: the part of a turn that the picture takes */
@@ -47,6 +50,7 @@ typedef struct Texture {
     uint64_t seed;
     Pattern pattern;
     const TextureImage *image; /* not owned */
+    const Program *program;    /* FORMULA; not owned */
     uint32_t low, high;        /* textures at 0 and 1 of the pattern; or else: */
     const TextureStop *stops;
     uint32_t n_stops;
@@ -71,6 +75,8 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
 float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place);
 /* The three numbers of an image's pixel. */
 Vec3f texture_vector_at(const Texture *texture, const TexturePlace *place);
+/* What a formula is asked for at a place. */
+void texture_formula_inputs(const Texture *texture, const TexturePlace *place, double inputs[PROGRAM_INPUTS]);
 /* The same place, moved by a small offset along the surface: object_offset in the object's frame, world_offset the same in
  * the world. */
 TexturePlace texture_place_moved(const TexturePlace *place, Vec3 object_offset, Vec3 world_offset);

@@ -51,7 +51,16 @@ typedef struct TextureFacts {
     double least, most; /* of numbers; of light about the mean luminance, twice */
     unsigned cost, depth;
     bool uses_uv; /* looks at the surface's own coordinates */
+    bool open;    /* least and most are not known: a function's own values are among it */
+    bool formula; /* a function is among it */
+    const EvalProp *function;
 } TextureFacts;
+
+/* A texture with functions, as a property has it: to be looked at where the surface turns out to be. */
+typedef struct OpenTexture {
+    uint32_t row;
+    const EvalProp *user;
+} OpenTexture;
 
 typedef struct Builder {
     Scene *scene;
@@ -71,6 +80,9 @@ typedef struct Builder {
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     Map textures, pictures;
     TextureFacts *texture_facts; /* of scene->textures */
+    TextureFacts *texture_facts;     /* of scene->textures */
+    OpenTexture *open_textures;
+    uint32_t n_open_textures, open_textures_capacity;
     uint32_t texture_facts_capacity, textures_capacity, pictures_capacity, texture_frames_capacity;
     double picture_bytes;
     const EvalProp *texture_user; /* the property that textures are being built for */
@@ -142,12 +154,20 @@ bool build_textures_wanted(const Builder *b);
 uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double *least, double *most);
 /* Squares of two reflectances in turn, in the world, as a surface's pattern = checker has them. */
 uint32_t build_world_checker(Builder *b, const double rgb[3], const double other[3], double size);
+/* Whether a surface, or one that it is mixed of, has the texture of that row itself. */
+bool build_surface_includes(const Scene *scene, uint32_t surface, uint32_t row, unsigned depth);
 /* Whether a row, or one that it refers to, looks at the surface's own coordinates. */
 bool build_texture_uses_uv(const Builder *b, uint32_t row);
 /* The row of a texture's node. */
 uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use);
 /* Says where the textures on an object are, if it has any: in the frame of the node that its surface was given to. */
 void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_world);
+
+/* build_formula.c */
+/* Reads a formula node into a texture. */
+void build_formula(Builder *b, const EvalNode *node, TextureUse use, Texture *texture, TextureFacts *facts);
+/* Asks the functions among the textures of an object at places all over it; reports the first without a fair value. */
+void build_check_formulas(Builder *b, uint32_t object_row);
 
 /* build_picture.c */
 /* The picture of an image node; NULL after reporting. */

@@ -173,6 +173,7 @@ static void add_facts(TextureFacts *facts, const TextureFacts *of)
 {
     facts->cost += of->cost;
     facts->uses_uv = facts->uses_uv || of->uses_uv;
+    facts->formula = facts->formula || of->formula;
     if (of->depth >= facts->depth) facts->depth = of->depth + 1;
 }
 
@@ -193,6 +194,7 @@ static void read_values(Builder *b, const EvalNode *node, TextureUse use, Textur
     const TextureFacts *low = &b->texture_facts[texture->low], *high = &b->texture_facts[texture->high];
     facts->least = fmin(low->least, high->least);
     facts->most = fmax(low->most, high->most);
+    facts->open = low->open || high->open;
     add_facts(facts, low);
     add_facts(facts, high);
 }
@@ -351,11 +353,11 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         texture.turns = eval_number(node, "turns");
         if (texture.projection != PROJECTION_CYLINDRICAL && texture.projection != PROJECTION_SPHERICAL)
             build_needs(b, node, "turns", "with a projection that does not go around");
-        texture.image_is_value = use == TEXTURE_OF_VECTORS ||
-                                 (!eval_prop(node, "from") && !eval_prop(node, "to") && !eval_prop(node, "ramp"));
-        TextureUse of_image = texture.image_is_value ? use : TEXTURE_OF_NUMBERS;
+        texture.is_value = use == TEXTURE_OF_VECTORS ||
+                           (!eval_prop(node, "from") && !eval_prop(node, "to") && !eval_prop(node, "ramp"));
+        TextureUse of_image = texture.is_value ? use : TEXTURE_OF_NUMBERS;
         texture.image = build_texture_image(b, node, of_image);
-        if (texture.image_is_value) {
+        if (texture.is_value) {
             float least = 0, most = 0;
             if (texture.image && use == TEXTURE_OF_NUMBERS) texture_image_range(texture.image, 0, &least, &most);
             if (texture.image && use == TEXTURE_OF_LIGHT) least = most = texture_image_luminance(texture.image);
@@ -369,6 +371,10 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         add_facts(facts, &b->texture_facts[texture.blend]);
     } else if (strcmp(type, "variation") == 0) {
         texture.kind = TEXTURE_VARIATION;
+    } else if (strcmp(type, "formula") == 0) {
+        build_formula(b, node, use, &texture, facts);
+        facts->formula = true;
+        if (texture.is_value) return texture;
     } else {
         read_pattern(b, node, &texture, facts);
     }
@@ -387,7 +393,8 @@ uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use)
     TextureFacts facts = {.cost = 1, .depth = 1};
     Texture texture = make_texture(b, node, use, &facts);
     check_size(b, node, &facts);
-    if (texture.kind == TEXTURE_IMAGE && !texture.image) { /* reported */
+    if ((texture.kind == TEXTURE_IMAGE && !texture.image) || (texture.kind == TEXTURE_FORMULA && !texture.program)) {
+        /* reported */
         texture = (Texture){.kind = TEXTURE_CONSTANT, .value = spectrum_constant(0)};
         facts = (TextureFacts){.cost = 1, .depth = 1};
     }
@@ -430,6 +437,16 @@ uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double 
     const PropType *type = prop->type;
     *least = facts->least;
     *most = facts->most;
+    if (facts->formula) {
+        b->open_textures = room_for_one(b->arena, b->open_textures, b->n_open_textures, &b->open_textures_capacity,
+                                        sizeof *b->open_textures);
+        b->open_textures[b->n_open_textures++] = (OpenTexture){row, prop};
+    }
+    if (facts->open) { /* known when it is asked where the surface is */
+        *least = fmax(type->min, 0);
+        *most = isfinite(type->max) ? type->max : fmax(type->min, 1);
+        return row;
+    }
     if (use != TEXTURE_OF_NUMBERS || (facts->least >= type->min && facts->most <= type->max)) return row;
     bool low = facts->least < type->min;
     Diagnostic *report =
@@ -444,6 +461,22 @@ static bool any_textures(const Scene *scene, const SceneSurface *surface)
     return surface_has_textures(surface) || surface->emission_texture != SCENE_NONE ||
            (surface->mixed && (any_textures(scene, &scene->surfaces[surface->mix[0]]) ||
                                any_textures(scene, &scene->surfaces[surface->mix[1]])));
+}
+
+static bool surface_has(const SceneSurface *surface, uint32_t row)
+{
+    if (surface->bump == row || surface->emission_texture == row) return true;
+    for (uint32_t i = 0; i < surface->n_textures; i++)
+        if (surface->textures[i].texture == row) return true;
+    return false;
+}
+
+bool build_surface_includes(const Scene *scene, uint32_t surface, uint32_t row, unsigned depth)
+{
+    if (surface == SCENE_NONE || depth > MOST_DEPTH) return false;
+    const SceneSurface *at = &scene->surfaces[surface];
+    return surface_has(at, row) || (at->mixed && (build_surface_includes(scene, at->mix[0], row, depth + 1) ||
+                                                  build_surface_includes(scene, at->mix[1], row, depth + 1)));
 }
 
 void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_world)
@@ -468,4 +501,5 @@ void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_
         scene->texture_frames[scene->n_texture_frames++] = frame;
     }
     object->texture_frame = scene->n_texture_frames - 1;
+    if (b->n_open_textures) build_check_formulas(b, object_row);
 }

@@ -149,7 +149,7 @@ static void add_textures(Hasher *h, const Rows *rows, uint32_t texture)
 static uint64_t texture_hash(const Texture *t, const Rows *rows)
 {
     Hasher h = {4};
-    const unsigned words[] = {t->kind, t->in_world, t->image_is_value, t->projection, t->wrap, t->turbulence_octaves};
+    const unsigned words[] = {t->kind, t->in_world, t->is_value, t->projection, t->wrap, t->turbulence_octaves};
     for (size_t i = 0; i < COUNT_OF(words); i++) add_integer(&h, words[i]);
     if (t->placed) add_map(&h, &t->to_pattern);
     add_number(&h, t->vary);
@@ -158,6 +158,7 @@ static uint64_t texture_hash(const Texture *t, const Rows *rows)
     add_integer(&h, t->seed);
     if (t->kind == TEXTURE_PATTERN) add_pattern(&h, &t->pattern);
     if (t->image) add_integer(&h, texture_image_hash(t->image));
+    if (t->program) add_integer(&h, program_hash(t->program));
     if (t->kind == TEXTURE_CONSTANT) add_spectrum(&h, &t->value);
     for (uint32_t i = 0; i < t->n_stops; i++) {
         add_number(&h, (double)t->stops[i].at);

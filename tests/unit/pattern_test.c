@@ -277,7 +277,10 @@ static void footprints_are_averaged(void **state)
         {"checker", {.kind = PATTERN_CHECKER}, 1, 0.012},
         {"brick", {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.1, .bond = 0.5}, 2, 0.012},
         {"brick from above", {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.1, .bond = 0.5}, 1, 0.012},
-        {"bevelled brick", {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.05, .bevel = 0.1, .bond = 0.3}, 2, 0.02},
+        {"bevelled brick",
+         {.kind = PATTERN_BRICK, .size = {2, 0.7, 1}, .mortar = 0.05, .bevel = 0.1, .bond = 0.3},
+         2,
+         0.02},
         {"hexagon", {.kind = PATTERN_HEXAGON}, 1, 0.05},
         {"ramp", {.kind = PATTERN_GRADIENT, .frequency = 1.3}, 1, 0.012},
         {"triangle", {.kind = PATTERN_GRADIENT, .wave = WAVE_TRIANGLE, .frequency = 2}, 1, 0.01},
@@ -317,7 +320,9 @@ static void parts_of_a_footprint(void **state)
     for (size_t i = 0; i < COUNT_OF(all); i++)
         for (int k = 0; k < 3000; k++) {
             PatternParts parts;
-            PatternPlace place = {.p = somewhere(&dice, k % 3 ? 9 : 1e6), .normal = axis_of(k), .footprint = pow(10, 4 * unit(&dice) - 3)};
+            PatternPlace place = {.p = somewhere(&dice, k % 3 ? 9 : 1e6),
+                                  .normal = axis_of(k),
+                                  .footprint = pow(10, 4 * unit(&dice) - 3)};
             pattern_parts(&all[i], &place, &parts);
             double sum = 0;
             assert_true(parts.n >= 1 && parts.n <= PATTERN_MOST_PARTS);
@@ -341,7 +346,8 @@ int main(void)
         cmocka_unit_test(patterns_repeat),
         cmocka_unit_test(parts_are_as_they_should),
         cmocka_unit_test(cells_are_the_nearest),
-        cmocka_unit_test(footprints_smooth), cmocka_unit_test(footprints_are_averaged),
+        cmocka_unit_test(footprints_smooth),
+        cmocka_unit_test(footprints_are_averaged),
         cmocka_unit_test(parts_of_a_footprint),
     };
     return cmocka_run_group_tests_name("pattern", tests, NULL, NULL);

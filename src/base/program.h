@@ -1,0 +1,67 @@
+/* program.h - arithmetic that is run very often: straight steps over doubles, with neither loops nor memory of its own.
+ * What a step cannot compute, as a division by 0, gives what the machine gives, NaN or an infinity.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PROGRAM_H
+#define MEN_PROGRAM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* What programs know of a place on a surface: the first registers of each. */
+enum {
+    PROGRAM_POINT = 0,  /* x, y, z */
+    PROGRAM_NORMAL = 3, /* outward, unit: x, y, z */
+    PROGRAM_UV = 6,
+    PROGRAM_FOOTPRINT = 8, /* details need not be smaller than this length */
+    PROGRAM_INPUTS = 9
+};
+
+enum { PROGRAM_MOST_REGISTERS = 4096, PROGRAM_MOST_OUTPUTS = 3 };
+
+typedef enum ProgramOp {
+    PROGRAM_ADD, /* ORDER: program.c has a label for each */
+    PROGRAM_SUBTRACT,
+    PROGRAM_MULTIPLY,
+    PROGRAM_DIVIDE,
+    PROGRAM_MODULO, /* with the sign of b */
+    PROGRAM_POWER,
+    PROGRAM_EQUAL, /* 1 or 0 */
+    PROGRAM_LESS,
+    PROGRAM_LESS_EQUAL,
+    PROGRAM_AND, /* of 1 and 0 */
+    PROGRAM_OR,
+    PROGRAM_NOT,
+    PROGRAM_SELECT, /* a ? b : c */
+    PROGRAM_SMALLER,
+    PROGRAM_LARGER,
+    PROGRAM_ATAN2,  /* degrees */
+    PROGRAM_MIX,    /* a + (b - a) c, exactly b for c = 1 */
+    PROGRAM_SMOOTH, /* from a to b, at c: t t (3 - 2 t) */
+    PROGRAM_UNARY,  /* unary(a) */
+    PROGRAM_NOISE1, /* noise_value() of a; of a and b; of all three */
+    PROGRAM_NOISE2,
+    PROGRAM_NOISE3,
+    PROGRAM_HASH, /* hash_u64(the bits of a ^ those of b as a double) as bits */
+    PROGRAM_UNIT, /* hash_to_unit() of the bits of a */
+    PROGRAM_ENTRY /* of the registers from number b on, c of them, the one of whole number a; NaN beyond */
+} ProgramOp;
+
+typedef struct ProgramStep {
+    uint16_t op, to, a, b, c; /* registers */
+    double (*unary)(double x);
+} ProgramStep;
+
+/* Registers are the inputs, then constants, then what steps write. */
+typedef struct Program {
+    const double *constants;
+    const ProgramStep *steps;
+    uint32_t n_constants, n_steps, n_registers; /* at most PROGRAM_MOST_REGISTERS */
+    uint32_t n_outputs;                         /* 1: a number, 3: a colour */
+    uint16_t outputs[PROGRAM_MOST_OUTPUTS];
+} Program;
+
+/* outputs: n_outputs of them. Allocates nothing; may run in any number of threads at once. */
+void program_run(const Program *program, const double inputs[PROGRAM_INPUTS], double *outputs);
+uint64_t program_hash(const Program *program);
+
+#endif

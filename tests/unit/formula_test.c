@@ -1,0 +1,264 @@
+/* formula_test.c - functions of the scene as textures: programs give what the evaluation gives, and what the same patterns
+ * give; what cannot be compiled or has no value is refused.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <time.h>
+
+#include "lang_fixture.h"
+
+#include "base/hash.h"
+#include "lang/formula.h"
+#include "near.h"
+#include "optics/surface_texture.h"
+#include "scene_fixture.h"
+
+static double unit(uint64_t *state)
+{
+    return hash_to_unit(hash_u64((*state)++));
+}
+
+static void random_inputs(uint64_t *dice, double inputs[PROGRAM_INPUTS])
+{
+    for (int i = 0; i < 3; i++) inputs[PROGRAM_POINT + i] = 8 * unit(dice) - 4;
+    Vec3 normal = vec3_normalize(vec3(unit(dice) - 0.5, unit(dice) - 0.5, unit(dice) - 0.5));
+    inputs[PROGRAM_NORMAL] = normal.x;
+    inputs[PROGRAM_NORMAL + 1] = normal.y;
+    inputs[PROGRAM_NORMAL + 2] = normal.z;
+    for (int i = 0; i < 2; i++) inputs[PROGRAM_UV + i] = unit(dice);
+    inputs[PROGRAM_FOOTPRINT] = 0.1 * unit(dice);
+}
+
+/* What functions can do, each with its parameters. */
+static const char *const functions[] = {
+    "f(p) = p.x + 2 * p.y - p.z / 3",
+    "f(x, y, z) = x * y % 3 + abs(z) ^ 1.5 - mod(x, .7)",
+    "f(u, v) = frac(8 * u) < .5 ? rgb(.8, .2, .1) : rgb(v, .9, .85)",
+    "f(p, normal) = smoothstep(.4, .6, normal.y + .2 * noise(p * 6))",
+    "f(uv) = uv.x * uv.y + uv.yx.x",
+    "f(p, footprint) = footprint + p.z",
+    "f(normal) = normal.x",
+    "f(p, scale = 3, t = rgb(.1, .2, .3)) = t * scale * p.x",
+    "f(p) = sum([for (i in 0..5) noise(p * 2 ^ i) / 2 ^ i])",
+    "f(p) = max([for (i in 0..3) if (i % 2 == 0) sin(90 * p.x + 30 * i)]) + min(p.x, p.y, 1)",
+    "f(p) = let (a = length(p), b = a + 1) mix(rgb(.8, .75, .7), rgb(.1, .15, .3), b / (a + 2))",
+    "f(p) = rnd(7, floor(p.x), floor(p.y), 3) + rnd(floor(p * 3))",
+    "f(p) = noise(p.x) + noise(p.x, p.z) + noise(p.xy, 2)",
+    "f(p) = p.x > 0 and (p.y < 1 or not (p.z >= .5)) ? 1 : p.x <= -1 ? .5 : 0",
+    "f(p) = (p.x > 0) == (p.y > 0) ? 1 : 0",
+    "f(p) = p == <0, 0, 0> or p != p ? 1 : .25",
+    "f(p) = [.1, .5, .9, .3][floor(abs(p.x)) % 4]",
+    "f(p) = [rgb(1, 0, 0), rgb(0, 1, 0), rgb(0, 0, 1)][floor(4 * abs(p.z)) % 3] * .5",
+    "f(p) = clamp(dot(normalize(p), <0, 1, 0>), -.5, .5) + distance(p, <1, 2, 3>) + cross(p, <1, 0, 2>).y",
+    "f(p) = atan2(p.z, p.x) / 360 + pow(abs(p.y), .3)",
+    "f(p) = rgb(vec3(clamp(p, 0, 1))) * .5 + .25",
+    "f(p) = vec2(p.x, p.y).y + vec4(p, 1).w + rgb(.5).r",
+    "f(p) = -floor(p).x + ceil(+p.y) + round(p.z) + sign(p.x) + sqrt(abs(p.y)) + exp(-abs(p.z))",
+    "f(p) = fold(p.x, 4)  def fold(x, n) = n == 0 ? x : fold(abs(x - n), n - 1)",
+    "f(p) = p[0] + p[2] * table[2] + clock  let table = [1, 2, 5]",
+    "f(p) = spline([0, 1, .2], .3) * p.x + len(\"four\")",
+};
+
+static const EvalProp *function_of(Run *run, const char *definition)
+{
+    char text[600];
+    const char *more = strstr(definition, "  ");
+    int length = more ? (int)(more - definition) : (int)strlen(definition);
+    /* what it needs stands before it */
+    snprintf(text, sizeof text, "meniscus 1.0 unit mm %s def %.*s surface s { albedo = formula { function = f } }",
+             more ? more : "", length, definition);
+    run_open(run);
+    run->options.schema = scene_schema();
+    run->options.frames = run->options.frame = 1;
+    run->text = text;
+    run_go(run);
+    if (run->status != STATUS_OK) {
+        Buf out = {0};
+        diag_print(&run->diag, &out, false);
+        fail_msg("%s: %s", definition, buf_text(&out));
+    }
+    for (size_t i = 0; i < run->result.n_nodes; i++)
+        if (strcmp(run->result.nodes[i]->type->name, "surface") == 0)
+            return eval_prop(eval_prop(run->result.nodes[i], "albedo")->as.node, "function");
+    fail();
+    return NULL;
+}
+
+static void programs_give_what_the_evaluation_gives(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(functions); i++) {
+        Run run;
+        uint64_t dice = i;
+        const EvalProp *function = function_of(&run, functions[i]);
+        const Program *program = formula_compile(function->as.function, &run.arena);
+        if (!program) {
+            Buf out = {0};
+            diag_print(&run.diag, &out, false);
+            fail_msg("%s: %s", functions[i], buf_text(&out));
+        }
+        for (int k = 0; k < 300; k++) {
+            double inputs[PROGRAM_INPUTS], found[PROGRAM_MOST_OUTPUTS], wanted[PROGRAM_MOST_OUTPUTS];
+            random_inputs(&dice, inputs);
+            program_run(program, inputs, found);
+            assert_true(formula_evaluate(function->as.function, inputs, wanted));
+            for (uint32_t n = 0; n < program->n_outputs; n++)
+                if (!(fabs(found[n] - wanted[n]) <= 1e-14 * (1 + fabs(wanted[n]))))
+                    fail_msg("%s: %.17g, not %.17g", functions[i], found[n], wanted[n]);
+        }
+        run_close(&run);
+    }
+}
+
+/* The texture that a surface's albedo is, of a scene. */
+static const Texture *texture_of(const Scene *scene, uint32_t object, uint32_t *row)
+{
+    *row = scene->surfaces[scene->objects[object].surface].textures[0].texture;
+    return &scene->textures[*row];
+}
+
+static void formulas_agree_with_patterns(void **state)
+{
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"checker { scale(.7) }", "formula { function = squares  scale(.7) }"},
+        {"checker { from = rgb(.1, .5, .2)  to = .9  rotate(y, 30)  space = world }",
+         "formula { function = squares  from = rgb(.1, .5, .2)  to = .9  rotate(y, 30)  space = world }"},
+        {"gradient { wave = sine  frequency = 2 }", "formula { function = wave }"},
+        {"gradient { wave = ramp  ramp = [[0, rgb(1, 0, 0)], [.3, rgb(0, 1, 0)], [1, rgb(0, 0, 1)]] }",
+         "formula { function = saw  ramp = [[0, rgb(1, 0, 0)], [.3, rgb(0, 1, 0)], [1, rgb(0, 0, 1)]] }"},
+        {"gradient { wave = ramp  turbulence = .3  vary = 2 }",
+         "formula { function = saw  turbulence = .3  vary = 2 }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(pairs); i++) {
+        char text[1600];
+        Fixture f;
+        snprintf(text, sizeof text,
+                 FIXTURE_MEDIA
+                 "def squares(p) = mod(floor(p.x) + floor(p.y) + floor(p.z), 2) "
+                 "def wave(p) = .5 - .5 * cos(720 * p.x)  def saw(p) = frac(p.x) "
+                 "sphere { surface = surface { albedo = %s } } sphere { surface = surface { albedo = %s } "
+                 "center = <5, 0, 0> }" FIXTURE_VIEW,
+                 pairs[i][0], pairs[i][1]);
+        fixture_good(&f, text);
+        uint32_t rows[2];
+        (void)texture_of(f.scene, 0, &rows[0]);
+        assert_int_equal(texture_of(f.scene, 1, &rows[1])->kind, TEXTURE_FORMULA);
+        uint64_t dice = i;
+        for (int k = 0; k < 2000; k++) {
+            TexturePlace at = {.identity = 5};
+            at.object = vec3(9 * unit(&dice) - 4, 9 * unit(&dice) - 4, 9 * unit(&dice) - 4);
+            at.world = vec3_add(at.object, vec3(1, 2, 3));
+            at.object_normal = at.world_normal = vec3(0, 1, 0);
+            Lanes nm = lanes(450, 520, 590, 650);
+            Lanes a = texture_at(f.scene->textures, rows[0], &at, nm),
+                  b = texture_at(f.scene->textures, rows[1], &at, nm);
+            for (int lane = 0; lane < LANES; lane++)
+                assert_near((double)lanes_get(a, lane), (double)lanes_get(b, lane), 2e-6);
+        }
+        fixture_clear(&f);
+    }
+}
+
+#define ON(definition, what) FIXTURE_MEDIA "def " definition " sphere { surface = surface { " what " } }" FIXTURE_VIEW
+
+static void mistakes_are_reported(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        DiagCode code;
+    } cases[] = {
+        {ON("f(p) = 1 / (p.x - p.x)", "albedo = f"), D_BAD_NUMBER},
+        {ON("f(p) = sqrt(p.x - 5)", "albedo = f"), D_BAD_NUMBER},
+        {ON("f(p) = 2", "albedo = f"), D_VALUE_OUT_OF_RANGE},
+        {ON("f(p) = rgb(.5, -.5, .5)", "albedo = f"), D_VALUE_OUT_OF_RANGE},
+        {ON("f(p) = p.x > .9 ? 1.5 : .5", "ior = 1.5 roughness = f"), D_VALUE_OUT_OF_RANGE},
+        {ON("f(p) = -1", "emission = f"), D_VALUE_OUT_OF_RANGE},
+        {ON("f(p) = rgb(1, 0, 0)", "ior = 1.5 roughness = f"), D_WRONG_TYPE},
+        {ON("f(p) = rgb(1, 0, 0)", "albedo = formula { function = f to = .5 }"), D_WRONG_TYPE},
+        {ON("f(p) = p", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = p.x > 0", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = str(p.x)", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = p.x > 0 ? 1 : rgb(1, 0, 0).xy", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = p.w", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = spline([0, 1], p.x)", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = sum([for (i in 0..p.x) 1])", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(a, b, c, d) = a", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = [.1, .2][floor(p.x)]", "albedo = f"), D_BAD_INDEX},
+        {ON("f(p) = f(p)", "albedo = f"), D_TOO_DEEP},
+        {ON("f(p) = p.x > 0 ? f(p * .5) : .1", "albedo = f"), D_TOO_DEEP},
+        {ON("f(p) = sum([for (i in 0..9000) p.x * i]) * 0", "albedo = f"), D_LIMIT},
+        {ON("f(p) = .5", "albedo = formula { }"), D_MISSING_PROPERTY},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) fixture_refused(cases[i].text, cases[i].code);
+}
+
+static void any_property_takes_one(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_good(
+        &f, FIXTURE_MEDIA
+        "def f(p) = .5 + .1 * noise(p)  def hot(p) = 3 * rgb(1, .5, .1)  def g(u, v) = u "
+        "sphere { surface = surface { ior = 1.5 albedo = f roughness = f diffuse_roughness = f coat = f coat_roughness "
+        "= f "
+        "fuzz = f bump = f bump_height = .1 emission = hot } } "
+        "sphere { interior = glass surface = surface { roughness = f anisotropy = g } center = <5, 0, 0> } "
+        "sphere { surface = surface { albedo = mix { blend = f from = g to = .3 } } center = <9, 0, 0> }" FIXTURE_VIEW);
+    const SceneSurface *all = &f.scene->surfaces[f.scene->objects[0].surface];
+    assert_int_equal(all->n_textures, 6);
+    assert_true(all->bump != SCENE_NONE && all->emission_texture != SCENE_NONE && all->emits);
+    assert_false(all->textures_use_uv);
+    assert_true(f.scene->surfaces[f.scene->objects[1].surface].textures_use_uv);
+    assert_true(f.scene->surfaces[f.scene->objects[2].surface].textures_use_uv);
+    fixture_clear(&f);
+}
+
+/* Straight steps: no more than a few times as slow as what is written in C. */
+static void speed_is_printed(void **state)
+{
+    (void)state;
+    Run run;
+    const EvalProp *function = function_of(&run, "f(p) = sum([for (i in 0..5) noise(p * 2 ^ i) / 2 ^ i])");
+    const Program *program = formula_compile(function->as.function, &run.arena);
+    enum { N = 100000 };
+    double inputs[PROGRAM_INPUTS] = {0.1, 0.2, 0.3}, outputs[PROGRAM_MOST_OUTPUTS], sum = 0, seconds[3];
+    for (int which = 0; which < 3; which++) {
+        int n = which < 2 ? N : N / 100;
+        clock_t start = clock();
+        for (int i = 0; i < n; i++) {
+            inputs[0] += 0.01;
+            if (which == 0) {
+                program_run(program, inputs, outputs);
+            } else if (which == 2) {
+                (void)!formula_evaluate(function->as.function, inputs, outputs);
+            } else {
+                outputs[0] = 0;
+                for (int k = 0; k < 6; k++)
+                    outputs[0] +=
+                        noise_value((const double[3]){inputs[0] * (1 << k), inputs[1] * (1 << k), inputs[2] * (1 << k)},
+                                    3) /
+                        (1 << k);
+            }
+            sum += outputs[0];
+        }
+        seconds[which] = (double)(clock() - start) / CLOCKS_PER_SEC / n;
+    }
+    printf("six octaves of noise: %.0f ns as a program of %u steps, %.0f ns in C, %.0f ns by the evaluation\n",
+           seconds[0] * 1e9, program->n_steps, seconds[1] * 1e9, seconds[2] * 1e9);
+    assert_true(isfinite(sum) && seconds[0] < 10 * seconds[1] + 1e-6);
+    run_close(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(programs_give_what_the_evaluation_gives),
+        cmocka_unit_test(formulas_agree_with_patterns),
+        cmocka_unit_test(mistakes_are_reported),
+        cmocka_unit_test(any_property_takes_one),
+        cmocka_unit_test(speed_is_printed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
