@@ -80,7 +80,6 @@ typedef struct Builder {
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     Map textures, pictures;
     TextureFacts *texture_facts; /* of scene->textures */
-    TextureFacts *texture_facts;     /* of scene->textures */
     OpenTexture *open_textures;
     uint32_t n_open_textures, open_textures_capacity;
     uint32_t texture_facts_capacity, textures_capacity, pictures_capacity, texture_frames_capacity;
