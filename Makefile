@@ -225,7 +225,7 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench caustics
 	$(BUILD)/bench fireflies $(addprefix examples/,whisky-sun.mns diamond.mns light-bulb.mns glass-of-water.mns)
 	$(BUILD)/bench noise $(BENCH_SCENES)
-	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns)
+	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns candles.mns)
 
 bench-noise: $(BUILD)/bench assets ## the noise that is stated over the error that is there; minutes
 	$(BUILD)/bench stated $(addprefix examples/,surfaces.mns snells-window.mns whisky.mns tea.mns diamond.mns candles.mns)

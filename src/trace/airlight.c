@@ -127,25 +127,25 @@ static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool un
     Lanes scattering, even;
     way->share = way->rarity = 0;
     if (!(length > 0) || !typical(path, medium, uneven, &scattering, &even)) return false;
-    Lanes factor = flight_lane_factor(flight);
-    float mean = lanes_mean(scattering), all = float_max(lanes_mean(even), mean);
+    float mean = lanes_mean(scattering), of_even = lanes_mean(even), all = float_max(of_even, mean);
     double reach = fmin(length, 1e18);
-    if (lanes_mean(even) > 0) reach = fmin(reach, DEEP / (double)lanes_mean(even));
+    if (of_even > 0) reach = fmin(reach, DEEP / (double)of_even);
     way->origin = path->ray.origin;
     way->direction = path->ray.direction;
     way->begin = begin;
     way->end = begin + reach;
     way->extinction = all;
     way->free_path = 1 / (double)all;
-    way->ratio = lanes_mul(path->ratio, factor);
-    way->scattered = flight->scattered;
-    float carried = lanes_mean(lanes_mul(path->beta, factor)) / lanes_mean(way->ratio);
-    float scattered = -expm1f(-all * flight_length(reach)) * (mean / all);
     way->alone = expf(-mean * flight_length(length));
     if (way->alone < FEW) {
         way->alone = 0;
         if (!any_near(path->tracer->world, way)) return false;
     }
+    Lanes factor = flight_lane_factor(flight);
+    way->ratio = lanes_mul(path->ratio, factor);
+    way->scattered = flight->scattered;
+    float carried = lanes_mean(lanes_mul(path->beta, factor)) / lanes_mean(way->ratio);
+    float scattered = (1 - expf(-all * flight_length(reach))) * (mean / all);
     way->share = float_min(carried, 1) * float_min(scattered / THIN, 1);
     return way->share > 0 && way->end > way->begin;
 }

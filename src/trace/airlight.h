@@ -3,9 +3,8 @@
  *
  * Flights (flight.h) find it by being scattered and then looking at a light. In thin haze that is rare, and near a small
  * lamp, where most of the light is, it is rarer still. So on each stretch of a path's way another place is chosen: a
- * light, and a place by the angle under which the light sees the stretch (C. Kulla, M. Fajardo, "Importance Sampling
- * Techniques for Path Tracing in Participating Media", EGSR 2012, section 3), so that the squared distance cancels. Of
- * light from infinity the place is chosen by what the medium lets pass.
+ * light, and a place by the angle under which the light sees the stretch ([KF12] section 3), so that the squared distance
+ * cancels. Of light from infinity the place is chosen by what the medium lets pass.
  *
  * What flights find is weighted against that by the balance heuristic, over the wavelengths as well (path.c): at a place t
  * of the stretch, scattered by one medium, and for one place on one light there are
@@ -14,7 +13,7 @@
  *     this                          q a(t) p         q a(t): choosing the light for the stretch, looking at all, and t
  * with pf(t) the mean over the wavelengths. Where media vary, pf is what the least densities make of the scattering that is
  * there: any function of the place would do, as all three are weighted with the same, and what passes is estimated without
- * bias. So nothing here depends on how media vary.
+ * bias. So nothing here depends on how media vary. [KF12] is named in full in src/README.md.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_AIRLIGHT_H
 #define MEN_AIRLIGHT_H

@@ -112,8 +112,7 @@ static inline Beside beside(const TreeNode *node, const LightLine *line)
 }
 
 /* The integral of power over squared distance along a line, as from the middle of the bounds and no nearer than their
- * radius: C. Kulla, M. Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media" (2012),
- * section 3. Which way the lights face counts as seen from the line's nearest place, but never excludes them. */
+ * radius: [KF12] section 3. Which way the lights face counts as seen from the line's nearest place, but never excludes them. */
 static inline Lanes importance_along(const TreeNode *node, const LightLine *line)
 {
     const float least = 0.1f;
