@@ -135,37 +135,8 @@ static void cross_several(NestList *list, const NestOrder *order, const NestPass
         }
 }
 
-/* What most crossings are: one hull's, under an order, in a list that has not grown, where nothing mixes or is combined.
- * Such a list is sorted by rank, so that the place of a hull is found whether it is there or not. */
-static inline bool is_plain(const NestList *list, const NestOrder *order)
-{
-    return (order->policy == NEST_AUTOMATIC || order->policy == NEST_PRIORITY) && !order->n_mixing && !order->csg &&
-           !list->grown && list->n < NEST_INLINE;
-}
-
-static inline void cross_plain(NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
-{
-    const uint32_t *items = list->hulls_inline;
-    uint32_t place = list->n, rank = order->rank[pass.hull];
-    crossing->opaque = false;
-    crossing->owner_from = place ? items[place - 1] : NEST_WORLD;
-    crossing->medium_from = place ? order->medium[items[place - 1]] : order->world_medium;
-    while (place > 0 && order->rank[items[place - 1]] > rank) place--;
-    bool inside = place > 0 && items[place - 1] == pass.hull;
-    crossing->n_faults = inside == pass.entering;
-    if (inside && !pass.entering) nest_list_remove(list, place - 1);
-    if (!inside && pass.entering) nest_list_insert(list, place, pass.hull);
-    uint32_t top = list->n;
-    crossing->owner_to = top ? items[top - 1] : NEST_WORLD;
-    crossing->medium_to = top ? order->medium[items[top - 1]] : order->world_medium;
-}
-
 Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n, NestCrossing *crossing)
 {
-    if (LIKELY(n == 1 && is_plain(list, order))) {
-        cross_plain(list, order, passes[0], crossing);
-        return STATUS_OK;
-    }
     crossing->n_faults = 0;
     crossing->opaque = false;
     TRY(nest_list_reserve(list, order->csg ? 2 * n : n)); /* an operand may bring its combination's hull */

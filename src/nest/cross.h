@@ -43,4 +43,30 @@ typedef struct NestCrossing {
 ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                                  NestCrossing *crossing);
 
+/* The same for one surface, as most are. */
+ATTR_NODISCARD static inline Status nest_cross_one(NestList *list, const NestOrder *order, NestPass pass,
+                                                   NestCrossing *crossing)
+{
+    if (UNLIKELY(!order->sorted || list->n == list->capacity)) return nest_cross(list, order, &pass, 1, crossing);
+    /* A sorted list shows by a hull's place whether the hull is there. */
+    const uint32_t *items = nest_list_items(list);
+    uint32_t n = list->n, place = n, rank = order->rank[pass.hull];
+    while (place > 0 && order->rank[items[place - 1]] > rank) place--;
+    bool on_top = place == n, inside = place > 0 && items[place - 1] == pass.hull;
+    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
+    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
+    crossing->opaque = false;
+    crossing->n_faults = inside == pass.entering;
+    if (UNLIKELY(inside == pass.entering)) return STATUS_OK;
+    if (inside)
+        nest_list_remove(list, place - 1);
+    else
+        nest_list_insert(list, place, pass.hull);
+    if (on_top) {
+        crossing->owner_to = nest_owner(order, list);
+        crossing->medium_to = nest_medium(order, list);
+    }
+    return STATUS_OK;
+}
+
 #endif

@@ -306,6 +306,7 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medi
     if (policy == NEST_AUTOMATIC) status = order_automatic(order, hulls, overlaps, n_overlaps, error);
     if (policy == NEST_PRIORITY) status = order_priority(order, hulls, error);
     if (status == STATUS_OK) status = sink_mixing(order, hulls, error);
+    order->sorted = (policy == NEST_AUTOMATIC || policy == NEST_PRIORITY) && !order->n_mixing;
     if (status != STATUS_OK) nest_order_clear(order);
     return status;
 }
@@ -327,6 +328,7 @@ Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error)
     order->medium = block + n;
     order->circle = block + 2 * n;
     order->csg = csg;
+    order->sorted = false;
     return STATUS_OK;
 }
 

@@ -70,6 +70,7 @@ typedef struct NestOrder {
     uint32_t n_circles;      /* groups of hulls whose pairwise answers ran in a circle */
     uint32_t *circle;        /* of each hull: 0, or the number of its circle from 1 */
     const NestCsg *csg;      /* how hulls are combined from operands; NULL: none is */
+    bool sorted; /* every list is sorted by rank, of hulls that neither mix nor are combined: what most scenes are */
 } NestOrder;
 
 /* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by

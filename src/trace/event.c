@@ -21,6 +21,7 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
     }
     *crossing = (NestCrossing){0};
     if (!n_passes) return true;
+    if (n_passes == 1) return nest_cross_one(list, &compiled->order, tracer->passes[0], crossing) == STATUS_OK;
     return nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) == STATUS_OK;
 }
 
@@ -42,7 +43,7 @@ static const Hit *boundary_hit_of_several(Tracer *tracer, size_t n, const NestCr
     for (size_t i = 0; i < n; i++) {
         NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
         NestCrossing step;
-        if (nest_cross(&tracer->shadow_list, &compiled->order, &pass, 1, &step) != STATUS_OK) return best;
+        if (nest_cross_one(&tracer->shadow_list, &compiled->order, pass, &step) != STATUS_OK) return best;
         if (crossing->opaque ? step.opaque
                              : step.medium_from != step.medium_to && step.medium_to == crossing->medium_to)
             best = &hits[i];
@@ -144,7 +145,7 @@ static bool read_nearest(Path *path, Event *event)
     event->kind = EVENT_BOUNDARY;
     NestPass pass = {hull, hit->entering};
     if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
-        nest_cross(&tracer->next, &compiled->order, &pass, 1, &event->crossing) != STATUS_OK)
+        nest_cross_one(&tracer->next, &compiled->order, pass, &event->crossing) != STATUS_OK)
         return false;
     event->clear = !event->crossing.n_faults;
     return true;
@@ -250,7 +251,7 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
         NestPass pass = {hull, left->inside};
         NestCrossing crossing;
         if (hull == SCENE_NONE || left->inside != left->entering) continue; /* not crossed */
-        if (nest_cross(list, &compiled->order, &pass, 1, &crossing) != STATUS_OK) return false;
+        if (nest_cross_one(list, &compiled->order, pass, &crossing) != STATUS_OK) return false;
     }
     return true;
 }

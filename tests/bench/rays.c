@@ -113,7 +113,7 @@ static void bench_crossing(void)
             for (uint32_t k = 0; k < 8; k++) { /* +a +b +c +d -a -b -c -d */
                 NestPass pass = {(uint32_t)i % 5 + k % 4, k < 4};
                 NestCrossing crossing;
-                if (nest_cross(&list, &order, &pass, 1, &crossing) != STATUS_OK) bench_fail("rays", NULL);
+                if (nest_cross_one(&list, &order, pass, &crossing) != STATUS_OK) bench_fail("rays", NULL);
                 sink += crossing.medium_to;
             }
         ns[run] = (clock_cpu_s() - start) / (TURNS * 8.0) * 1e9;

@@ -19,7 +19,26 @@ typedef struct Fixture {
 
 static void make_order(NestOrder *order, NestPolicy policy, const Fixture *f)
 {
-    assert_int_equal(nest_order_build(order, policy, WORLD, f->hulls, f->n_hulls, f->overlaps, f->n_overlaps, NULL), STATUS_OK);
+    assert_int_equal(nest_order_build(order, policy, WORLD, f->hulls, f->n_hulls, f->overlaps, f->n_overlaps, NULL),
+                     STATUS_OK);
+}
+
+/* One crossing both ways: as one of many, and as the one that it is. They must agree. */
+static Status cross_one(NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
+{
+    NestList other;
+    NestCrossing alone;
+    nest_list_init(&other);
+    assert_int_equal(nest_list_copy(&other, list), STATUS_OK);
+    Status status = nest_cross(list, order, &pass, 1, crossing);
+    assert_int_equal(nest_cross_one(&other, order, pass, &alone), status);
+    assert_int_equal(other.n, list->n);
+    assert_memory_equal(nest_list_items(&other), nest_list_items(list), list->n * sizeof *list->hulls_inline);
+    assert_true(alone.medium_from == crossing->medium_from && alone.medium_to == crossing->medium_to);
+    assert_true(alone.owner_from == crossing->owner_from && alone.owner_to == crossing->owner_to);
+    assert_true(alone.n_faults == crossing->n_faults && alone.opaque == crossing->opaque);
+    nest_list_clear(&other);
+    return status;
 }
 
 static void check_sequence(const NestOrder *order, const char *crossings, const char *expected)
@@ -29,12 +48,14 @@ static void check_sequence(const NestOrder *order, const char *crossings, const 
     for (const char *c = crossings, *e = expected; *c; c += 3, e += 2) {
         NestPass pass = {(uint32_t)(c[1] - 'A'), c[0] == '+'};
         NestCrossing crossing;
-        assert_int_equal(nest_cross(&list, order, &pass, 1, &crossing), STATUS_OK);
+        assert_int_equal(cross_one(&list, order, pass, &crossing), STATUS_OK);
         assert_int_equal(crossing.n_faults, 0);
         char seen = crossing.medium_from == crossing.medium_to ? '.'
                     : crossing.medium_to == WORLD              ? '0'
                                                                : (char)('A' + crossing.medium_to - 1);
-        if (seen != *e) fail_msg("%s under %s: after '%.2s' saw %c, expected %c", crossings, nest_policy_text(order->policy), c, seen, *e);
+        if (seen != *e)
+            fail_msg("%s under %s: after '%.2s' saw %c, expected %c", crossings, nest_policy_text(order->policy), c,
+                     seen, *e);
         if (!c[2]) break;
     }
     nest_list_clear(&list);
@@ -50,8 +71,11 @@ static void sequence(NestPolicy policy, const Fixture *f, const char *crossings,
 
 static Fixture two(double volume_a, double volume_b, int priority_a, int priority_b, NestRelation relation)
 {
-    return (Fixture){.hulls = {{1, priority_a, NEST_STATE_UNKNOWN, volume_a}, {2, priority_b, NEST_STATE_UNKNOWN, volume_b}},
-                     .n_hulls = 2, .overlaps = {{A, B, relation}}, .n_overlaps = 1};
+    return (Fixture){
+        .hulls = {{1, priority_a, NEST_STATE_UNKNOWN, volume_a}, {2, priority_b, NEST_STATE_UNKNOWN, volume_b}},
+        .n_hulls = 2,
+        .overlaps = {{A, B, relation}},
+        .n_overlaps = 1};
 }
 
 static void test_table_partial_overlap(void **state)
@@ -86,8 +110,10 @@ static void test_table_nested(void **state)
 static void test_table_three(void **state)
 {
     (void)state;
-    Fixture f = {.hulls = {{1, 1, 0, 3}, {2, 2, 0, 2}, {3, 3, 0, 1}}, .n_hulls = 3,
-                 .overlaps = {{A, B, NEST_PARTIAL}, {B, C, NEST_PARTIAL}, {A, C, NEST_PARTIAL}}, .n_overlaps = 3};
+    Fixture f = {.hulls = {{1, 1, 0, 3}, {2, 2, 0, 2}, {3, 3, 0, 1}},
+                 .n_hulls = 3,
+                 .overlaps = {{A, B, NEST_PARTIAL}, {B, C, NEST_PARTIAL}, {A, C, NEST_PARTIAL}},
+                 .n_overlaps = 3};
     sequence(NEST_ENTERED, &f, "+A +B +C -A -B -C", "A B C . . 0");
     sequence(NEST_PRIORITY, &f, "+A +B +C -A -B -C", "A B C . . 0");
     sequence(NEST_PRIORITY, &f, "+C +B +A -C -B -A", "C . . B A 0");
@@ -98,8 +124,10 @@ static void test_table_floating_ice(void **state)
 {
     (void)state;
     /* A: ice, B: water. Ice is solid, so that it wins although its volume is the larger here */
-    Fixture f = {.hulls = {{1, 3, NEST_SOLID, 9, false}, {2, 1, NEST_LIQUID, 2, false}}, .n_hulls = 2,
-                 .overlaps = {{B, A, NEST_PARTIAL}}, .n_overlaps = 1};
+    Fixture f = {.hulls = {{1, 3, NEST_SOLID, 9, false}, {2, 1, NEST_LIQUID, 2, false}},
+                 .n_hulls = 2,
+                 .overlaps = {{B, A, NEST_PARTIAL}},
+                 .n_overlaps = 1};
     sequence(NEST_ENTERED, &f, "+A +B -A -B", "A B . 0");
     sequence(NEST_PRIORITY, &f, "+A +B -A -B", "A . B 0");
     sequence(NEST_AUTOMATIC, &f, "+A +B -A -B", "A . B 0");
@@ -128,7 +156,7 @@ static void test_none_knows_the_world_only(void **state)
     uint32_t from[] = {WORLD, WORLD, 2, 1}, to[] = {1, 2, WORLD, WORLD};
     for (int i = 0; i < 4; i++) {
         NestCrossing crossing;
-        assert_int_equal(nest_cross(&list, &order, &passes[i], 1, &crossing), STATUS_OK);
+        assert_int_equal(cross_one(&list, &order, passes[i], &crossing), STATUS_OK);
         assert_int_equal(crossing.medium_from, from[i]);
         assert_int_equal(crossing.medium_to, to[i]);
     }
@@ -153,7 +181,7 @@ static void test_together(void **state)
                 both[1] = (NestPass){A, false};
             }
             NestCrossing crossing;
-            assert_int_equal(nest_cross(&list, &order, &in_a, 1, &crossing), STATUS_OK);
+            assert_int_equal(cross_one(&list, &order, in_a, &crossing), STATUS_OK);
             assert_int_equal(nest_cross(&list, &order, both, 2, &crossing), STATUS_OK);
             assert_int_equal(crossing.medium_from, 1);
             assert_int_equal(crossing.medium_to, 2);
@@ -184,11 +212,11 @@ static void test_faults_heal(void **state)
     nest_list_init(&list);
     NestPass leave = {A, false}, enter = {A, true};
     NestCrossing crossing;
-    assert_int_equal(nest_cross(&list, &order, &leave, 1, &crossing), STATUS_OK);
+    assert_int_equal(cross_one(&list, &order, leave, &crossing), STATUS_OK);
     assert_int_equal(crossing.n_faults, 1);
     assert_int_equal(list.n, 0);
-    assert_int_equal(nest_cross(&list, &order, &enter, 1, &crossing), STATUS_OK);
-    assert_int_equal(nest_cross(&list, &order, &enter, 1, &crossing), STATUS_OK);
+    assert_int_equal(cross_one(&list, &order, enter, &crossing), STATUS_OK);
+    assert_int_equal(cross_one(&list, &order, enter, &crossing), STATUS_OK);
     assert_int_equal(crossing.n_faults, 1);
     assert_int_equal(list.n, 1);
     nest_list_clear(&list);
@@ -208,7 +236,8 @@ typedef struct PrintedStack {
     int top; /* -1: empty */
 } PrintedStack;
 
-static void printed_cross(PrintedStack *stack, uint32_t hull, const uint32_t *medium, uint32_t *incident, uint32_t *outgoing)
+static void printed_cross(PrintedStack *stack, uint32_t hull, const uint32_t *medium, uint32_t *incident,
+                          uint32_t *outgoing)
 {
     int same = stack->top;
     while (same >= 0 && stack->entry[same].hull != hull) same--;
@@ -218,7 +247,9 @@ static void printed_cross(PrintedStack *stack, uint32_t hull, const uint32_t *me
         odd = !stack->entry[same].odd_parity;
     }
     int below = stack->top;
-    while (below >= 0 && !(stack->entry[below].hull != hull && stack->entry[below].odd_parity && stack->entry[below].topmost)) below--;
+    while (below >= 0 &&
+           !(stack->entry[below].hull != hull && stack->entry[below].odd_parity && stack->entry[below].topmost))
+        below--;
     uint32_t below_medium = below >= 0 ? medium[stack->entry[below].hull] : WORLD;
     stack->entry[++stack->top] = (StackEntry){hull, odd, true};
     if (odd) {
@@ -260,7 +291,7 @@ static void test_entered_is_the_printed_stack(void **state)
             uint32_t hull = (uint32_t)(random % HULLS), incident, outgoing;
             NestPass pass = {hull, !nest_list_has(&list, hull)};
             NestCrossing crossing;
-            if (nest_cross(&list, &order, &pass, 1, &crossing) != STATUS_OK) fail();
+            if (cross_one(&list, &order, pass, &crossing) != STATUS_OK) fail();
             printed_cross(&stack, hull, medium, &incident, &outgoing);
             crossings++;
             bool visible = crossing.medium_from != crossing.medium_to;
@@ -271,11 +302,13 @@ static void test_entered_is_the_printed_stack(void **state)
         nest_list_clear(&list);
     }
     nest_order_clear(&order);
-    printf("entered: %d random sequences, %llu crossings agree with the printed stack\n", SEQUENCES, (unsigned long long)crossings);
+    printf("entered: %d random sequences, %llu crossings agree with the printed stack\n", SEQUENCES,
+           (unsigned long long)crossings);
 }
 
 /* The boundaries along a line, as pairs of media; returns how many. */
-static int boundaries(const NestOrder *order, const NestPass *passes, int n, bool backwards, uint32_t (*out)[2], int *where)
+static int boundaries(const NestOrder *order, const NestPass *passes, int n, bool backwards, uint32_t (*out)[2],
+                      int *where)
 {
     NestList list;
     nest_list_init(&list);
@@ -284,7 +317,7 @@ static int boundaries(const NestOrder *order, const NestPass *passes, int n, boo
         int i = backwards ? n - 1 - k : k;
         NestPass pass = {passes[i].hull, passes[i].entering != backwards};
         NestCrossing crossing;
-        if (nest_cross(&list, order, &pass, 1, &crossing) != STATUS_OK) fail();
+        if (cross_one(&list, order, pass, &crossing) != STATUS_OK) fail();
         if (crossing.medium_from == crossing.medium_to) continue;
         out[count][0] = crossing.medium_from;
         out[count][1] = crossing.medium_to;
@@ -308,7 +341,8 @@ static bool reversible(const NestOrder *order, const NestPass *passes, int n)
 }
 
 /* All orderings of "+X -X" for n hulls, each X entered before it is left. */
-static void all_orderings(const NestOrder *order, uint32_t n, NestPass *passes, uint32_t length, uint32_t *total, uint32_t *differ)
+static void all_orderings(const NestOrder *order, uint32_t n, NestPass *passes, uint32_t length, uint32_t *total,
+                          uint32_t *differ)
 {
     if (length == 2 * n) {
         ++*total;
@@ -336,12 +370,14 @@ static void test_reversal(void **state)
     static const uint32_t expected_total[] = {0, 1, 6, 90, 2520}, expected_entered[] = {0, 0, 2, 60, 2184};
     for (int policy = NEST_AUTOMATIC; policy <= NEST_PRIORITY; policy++) {
         NestOrder order;
-        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, WORLD, hulls, 4, overlaps, n_overlaps, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, WORLD, hulls, 4, overlaps, n_overlaps, NULL),
+                         STATUS_OK);
         for (uint32_t n = 1; n <= 4; n++) {
             NestPass passes[8];
             uint32_t total = 0, differ = 0;
             all_orderings(&order, n, passes, 0, &total, &differ);
-            printf("%s: %u of %u orderings of %u hulls differ when reversed\n", nest_policy_text(order.policy), differ, total, n);
+            printf("%s: %u of %u orderings of %u hulls differ when reversed\n", nest_policy_text(order.policy), differ,
+                   total, n);
             assert_int_equal(total, expected_total[n]);
             assert_int_equal(differ, policy == NEST_ENTERED ? expected_entered[n] : 0);
         }
@@ -359,7 +395,8 @@ static void test_thousand_shells(void **state)
     for (uint32_t h = 0; h + 1 < N; h++) overlaps[h] = (NestOverlap){h, h + 1, NEST_B_IN_A};
     for (int policy = NEST_AUTOMATIC; policy <= NEST_PRIORITY; policy++) {
         NestOrder order;
-        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, WORLD + N, hulls, N, overlaps, N - 1, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, WORLD + N, hulls, N, overlaps, N - 1, NULL),
+                         STATUS_OK);
         NestList list, copy;
         nest_list_init(&list);
         nest_list_init(&copy);
@@ -417,7 +454,10 @@ static void test_rules(void **state)
 static void test_circle_falls_back_to_volume(void **state)
 {
     (void)state;
-    NestHull hulls[] = {{1, 0, NEST_SOLID, 10, false}, {2, 0, NEST_LIQUID, 4, false}, {3, 0, NEST_STATE_UNKNOWN, 6, false}, {4, 0, NEST_SOLID, 1, false}};
+    NestHull hulls[] = {{1, 0, NEST_SOLID, 10, false},
+                        {2, 0, NEST_LIQUID, 4, false},
+                        {3, 0, NEST_STATE_UNKNOWN, 6, false},
+                        {4, 0, NEST_SOLID, 1, false}};
     /* 0 over 1 by state, 1 over 2 by volume, 2 over 0 by volume; 3 stands apart */
     NestOverlap overlaps[] = {{0, 1, NEST_PARTIAL}, {1, 2, NEST_PARTIAL}, {0, 2, NEST_PARTIAL}};
     for (int turn = 0; turn < 3; turn++) { /* however the pairs are listed */
@@ -446,7 +486,8 @@ static void test_order_respects_pairs(void **state)
         NestOverlap overlaps[M];
         for (uint32_t h = 0; h < N; h++) {
             random = hash_u64(random);
-            hulls[h] = (NestHull){h, scene % 3 ? 0 : (int32_t)(random % 3), (NestState)(random >> 8 & 3), (double)(random >> 32 & 15), false};
+            hulls[h] = (NestHull){h, scene % 3 ? 0 : (int32_t)(random % 3), (NestState)(random >> 8 & 3),
+                                  (double)(random >> 32 & 15), false};
         }
         for (uint32_t i = 0; i < M; i++) {
             random = hash_u64(random);
@@ -498,7 +539,7 @@ static void test_mixing_owns_nothing(void **state)
             NestPass pass = {hull, !inside[hull]};
             NestCrossing crossing, expected;
             inside[hull] = !inside[hull];
-            assert_int_equal(nest_cross(&list, &order, &pass, 1, &crossing), STATUS_OK);
+            assert_int_equal(cross_one(&list, &order, pass, &crossing), STATUS_OK);
             if (hull < OTHERS) {
                 assert_int_equal(nest_cross(&plain, &without, &pass, 1, &expected), STATUS_OK);
                 assert_true(crossing.medium_from == expected.medium_from && crossing.medium_to == expected.medium_to &&
@@ -524,13 +565,20 @@ static void test_mixing_owns_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table_partial_overlap), cmocka_unit_test(test_table_nested),
-        cmocka_unit_test(test_table_three), cmocka_unit_test(test_table_floating_ice),
-        cmocka_unit_test(test_table_one_medium), cmocka_unit_test(test_none_knows_the_world_only),
-        cmocka_unit_test(test_together), cmocka_unit_test(test_faults_heal),
-        cmocka_unit_test(test_entered_is_the_printed_stack), cmocka_unit_test(test_reversal),
-        cmocka_unit_test(test_thousand_shells), cmocka_unit_test(test_rules),
-        cmocka_unit_test(test_circle_falls_back_to_volume), cmocka_unit_test(test_order_respects_pairs),
+        cmocka_unit_test(test_table_partial_overlap),
+        cmocka_unit_test(test_table_nested),
+        cmocka_unit_test(test_table_three),
+        cmocka_unit_test(test_table_floating_ice),
+        cmocka_unit_test(test_table_one_medium),
+        cmocka_unit_test(test_none_knows_the_world_only),
+        cmocka_unit_test(test_together),
+        cmocka_unit_test(test_faults_heal),
+        cmocka_unit_test(test_entered_is_the_printed_stack),
+        cmocka_unit_test(test_reversal),
+        cmocka_unit_test(test_thousand_shells),
+        cmocka_unit_test(test_rules),
+        cmocka_unit_test(test_circle_falls_back_to_volume),
+        cmocka_unit_test(test_order_respects_pairs),
         cmocka_unit_test(test_mixing_owns_nothing),
     };
     return cmocka_run_group_tests_name("nest", tests, NULL, NULL);
