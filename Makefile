@@ -227,7 +227,8 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench noise $(BENCH_SCENES)
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns candles.mns)
 
-bench-noise: $(BUILD)/bench assets ## the noise that is stated over the error that is there; minutes
+bench-noise: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## ways to take samples, and the stated noise over the error that is there; minutes
+	$(BUILD)/bench sampling $(BUILD)/peers/glass.mns $(addprefix examples/,whisky.mns tea.mns surfaces.mns)
 	$(BUILD)/bench stated $(addprefix examples/,surfaces.mns snells-window.mns whisky.mns tea.mns diamond.mns candles.mns)
 
 # MENISCUS_BENCH_OBJECTS=10000000 make bench-objects: that many objects instead of a million

@@ -395,7 +395,7 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
     *image = (Image){0};
     World world;
     TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, pool, error));
-    world.white_noise = settings->white_noise;
+    world.trial = settings->trial;
     double cpu = clock_cpu_s();
     if (settings->by_chance) world_leave_to_chance(&world);
     if (settings->no_airlight) world.seeks_airlight = false;

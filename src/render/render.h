@@ -27,7 +27,7 @@ typedef struct RenderSettings {
     SceneCaustics caustics;     /* whether photons look for light behind glass first */
     bool by_chance;             /* no light is looked for, all are found by scattering alone: for tests */
     bool no_airlight;           /* within media light is looked for only where paths are scattered: for tests */
-    bool white_noise;           /* the errors of neighbouring pixels have nothing to do with each other: for tests */
+    Trial trial;                /* other ways to take samples: for tests */
 } RenderSettings;
 
 typedef struct RenderProgress {

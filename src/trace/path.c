@@ -14,7 +14,7 @@
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
  * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the
- * error after equal time: from 0.05 to 0.2 there is little difference; 1 is worse by up to a half. */
+ * error after equal time (bench sampling): from 0.02 to 0.2 there is little difference; 1 is worse by up to a factor of 2. */
 #define ROULETTE_BELOW 0.1f
 /* What is reflected totally, again and again, carries on as it was: beyond many bounces one in twenty ends each time, long
  * before the scene's limit would cut off what the others, in their place, bring home. */
@@ -105,8 +105,10 @@ static bool survives(Path *path)
     carried = float_max(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
     carried *= path->steering; /* a guided path carries little, and much when it finds its light */
     bool long_way = path->n_counted > path->tracer->world->long_way;
-    if (LIKELY(carried >= ROULETTE_BELOW && !long_way)) return true;
-    carried = float_min(carried * (1 / ROULETTE_BELOW), 1) * (long_way ? LONG_WAY_SURVIVAL : 1);
+    float below = path->tracer->world->trial.roulette_below;
+    if (LIKELY(below == 0)) below = ROULETTE_BELOW;
+    if (LIKELY(carried >= below && !long_way)) return true;
+    carried = float_min(carried * (1 / below), 1) * (long_way ? LONG_WAY_SURVIVAL : 1);
     if (sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_ROULETTE)) >= carried) return false;
     path->beta = lanes_scale(path->beta, 1 / carried);
     return true;
@@ -204,12 +206,25 @@ static bool follow(Path *path)
     }
 }
 
+static Sampler make_sampler(const World *world, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+{
+    if (LIKELY(world->trial.pattern == PATTERN_SHARED)) return sampler_make(seed, x, y, index);
+    return (world->trial.pattern == PATTERN_ALONE ? sampler_make_alone : sampler_make_independent)(seed, x, y, index);
+}
+
+static WavelengthSample choose_wavelengths(const World *world, const Sampler *sampler)
+{
+    if (UNLIKELY(world->trial.wavelengths_by_chance))
+        return wavelengths_sample(hash_to_unit_f(sampler_key(sampler, DIM_WAVELENGTH)));
+    return wavelengths_sample(sampler_1d(sampler, DIM_WAVELENGTH));
+}
+
 void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
                   uint32_t index, float rgb[3], float *alpha)
 {
     const World *world = tracer->world;
     Path path = {.tracer = tracer,
-                 .sampler = (world->white_noise ? sampler_make_alone : sampler_make)(seed, x, y, index),
+                 .sampler = make_sampler(world, seed, x, y, index),
                  .beta = lanes_all(1),
                  .ratio = lanes_all(1),
                  .radiance = lanes_all(0),
@@ -219,7 +234,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     float u[2], lens[2] = {0, 0};
     sampler_2d(&path.sampler, DIM_PIXEL, u);
     if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);
-    path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
+    path.wavelengths = choose_wavelengths(world, &path.sampler);
     bool box = world->scene->film.box;
     FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
     double time = world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;

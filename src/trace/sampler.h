@@ -121,6 +121,12 @@ static inline Sampler sampler_make_alone(uint32_t seed, uint32_t x, uint32_t y, 
     return sampler;
 }
 
+/* The same, and every sample heeds no other: plain Monte Carlo. */
+static inline Sampler sampler_make_independent(uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+{
+    return sampler_make_alone(hash_combine(seed, ~index), x, y, 0);
+}
+
 /* What the numbers of one dimension have in common. */
 typedef struct SamplerDraw {
     uint32_t index; /* shuffled */

@@ -243,7 +243,11 @@ bool path_shade_opaque(Path *path, Event *event)
     return path->scatter_pdf > 0;
 }
 
-/* Reflection or refraction about one normal, which is on the side that the ray comes from. */
+/* Reflection or refraction about one normal, which is on the side that the ray comes from. One of them is chosen, reflection
+ * as often as it reflects: what lies in even light is then without noise. Measured, squared error after equal time over this
+ * way: following both at the first boundary 1.00 (whisky), 1.08 (glass-of-water), 0.95 (peers' glass); reflection more often by
+ * 0.4 R (1 - R)^2 0.93, 0.93, 0.88 there and 0.97 (cold-glass, tea), but 1.03 to 1.04 where water is seen from below or from
+ * both sides (snells-window, half-submerged, aquarium). */
 typedef struct BoundaryChoice {
     Vec3f direction;
     Lanes reflectance;

@@ -28,6 +28,14 @@ typedef struct WorldPortal {
     const PortalMap *map; /* shared by all that are turned the same way */
 } WorldPortal;
 
+/* What is done otherwise than it always is, for tests and comparisons; all 0: nothing. */
+typedef enum SamplePattern { PATTERN_SHARED, PATTERN_ALONE, PATTERN_INDEPENDENT } SamplePattern;
+typedef struct Trial {
+    SamplePattern pattern;      /* pixels do not share out the work: white noise; nor do the samples of one pixel */
+    bool wavelengths_by_chance; /* those of one pixel are not evenly spread */
+    float roulette_below;       /* what paths carry that are left to chance */
+} Trial;
+
 typedef struct World {
     const CompiledScene *compiled;
     const Scene *scene;
@@ -51,7 +59,7 @@ typedef struct World {
     bool scatters;             /* some medium does */
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
-    bool white_noise; /* pixels do not share out the work: for comparisons */
+    Trial trial;
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
 } World;

@@ -53,6 +53,7 @@ void bench_paths(char **paths, int n);
 void bench_noise(char **paths, int n);
 void bench_fireflies(char **paths, int n);
 void bench_techniques(char **paths, int n);
+void bench_sampling(char **paths, int n);
 void bench_stated(char **paths, int n);
 void bench_threads(char **paths, int n);
 void bench_nesting(void);

@@ -95,9 +95,9 @@ static void compare_shared(const CompiledScene *compiled, RenderSettings setting
 {
     static Renders with, without;
     for (settings.samples = 1; settings.samples <= 16; settings.samples *= 4) {
-        settings.white_noise = false;
+        settings.trial.pattern = PATTERN_SHARED;
         render_all(compiled, settings, pool, &with);
-        settings.white_noise = true;
+        settings.trial.pattern = PATTERN_ALONE;
         render_all(compiled, settings, pool, &without);
         printf(" %8.2f", blurred_error(&with) / blurred_error(&without));
     }
