@@ -13,12 +13,9 @@
 #include "scene/relations.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-#include "base/array.h"
 #include "base/hash.h"
-#include "geom/box_pairs.h"
-#include "scene/lines.h"
+#include "scene/relation_parts.h"
 
 enum {
     LINES_IN_ALL = 300000, /* of one stage and one class: about half a second */
@@ -29,85 +26,9 @@ enum {
     SEARCH_STEPS_MIN = 3,
     SEARCH_LINES = 45
 };
-static const double pi = 3.14159265358979323846;
-static const double gap_part = 0.02;       /* of the smaller hull's middle extent: wider is no gap but room */
 static const double gap_lines_part = 0.05; /* of the lines that meet the hull: fewer are a near miss, not a gap */
-/* Cosines between normals: faces that run along each other, not a ball that rests on a plate. */
-static const double opposite = -0.998, parallel = 0.99;
-static const double facing = -0.2; /* two ends of a stretch between which it makes sense to speak of a thickness */
-
-/* A quantity summed over evenly spread lines. */
-typedef struct Estimate {
-    double sum_face, squares_face; /* of the present face */
-    double sum, variance;
-} Estimate;
-
-/* What is known of one pair. `own` is the hull whose lines or bounds were used. */
-typedef struct PairFacts {
-    uint32_t own, other;
-    bool overlaps, touches, own_out, other_out, seen;
-    uint32_t n_inside; /* lines that meet own and find it inside of other */
-    uint32_t n_gap;
-    double gap;
-    double depth;                       /* the thickness of the overlap where it seems to be largest, */
-    double depth_time;                  /* when, */
-    Vec3 depth_place;                   /* where the middle of the stretch is that says so, */
-    Vec3 depth_normal;                  /* and the direction between its faces */
-    double offset;                      /* the largest distance between faces that stand at one place */
-    Estimate volume, contact, gap_area; /* volume three times over, once for each direction */
-    double nearest;                     /* distance along a line between the two, the least so far */
-    Vec3 nearest_place;
-} PairFacts;
-
-typedef struct FactList {
-    PairFacts *items;
-    size_t n, capacity;
-    uint32_t n_lines; /* that met the hull */
-} FactList;
-
-/* The memory of one worker. */
-typedef struct Worker {
-    Probe probe;
-    uint32_t *fact_of; /* of each other hull: 1 + its place in the list of the present hull's facts, or 0 */
-} Worker;
-
-/* A pair whose bounds come near each other, but for two balls. */
-typedef struct Candidate {
-    uint32_t a, b;
-    Box3 region;       /* common part of the bounds */
-    bool meet;         /* there is one */
-    bool region_small; /* and it is much smaller than the smaller hull: worth lines of its own */
-    FactList facts;    /* of the second and third stage; at most one */
-    double depth;      /* of the fourth */
-} Candidate;
-
-typedef struct Finder {
-    const CompiledScene *compiled;
-    Worker *workers;
-    double *radius;         /* of spheres; 0: no sphere */
-    float *reach;           /* of each hull: no point near it is further from the far end of a hull around that point */
-    uint32_t *judges;       /* hulls with a pair that is judged along their lines, in rising order */
-    uint32_t n_judges;
-    uint32_t *judge_of;     /* of each hull: 1 + its place among these, or 0 */
-    FactList *judge_facts;  /* of each judge */
-    Candidate *candidates;
-    size_t n_candidates, candidates_capacity;
-    HullPair *ball_pairs;   /* that meet: two balls are judged at once */
-    size_t n_ball_pairs, ball_pairs_capacity;
-    size_t n_small_regions; /* of all two balls whose bounds come near each other */
-    uint32_t lines_of_hull[2],
-        lines_of_pair[2]; /* [0] balls and pairs with a ball, [1] others: bubbles are many, glasses few */
-    int search_steps;
-} Finder;
 
 /* ---- hulls by size ---- */
-
-/* Half the area of a box. */
-static double half_area(Box3 box)
-{
-    Vec3 s = vec3_sub(box.max, box.min);
-    return s.x * s.y + s.y * s.z + s.z * s.x;
-}
 
 /* By which hulls are small or large. */
 static double extent_of(const Finder *f, uint32_t hull)
@@ -115,283 +36,10 @@ static double extent_of(const Finder *f, uint32_t hull)
     return half_area(f->compiled->hull_bounds[hull]);
 }
 
-/* The second of the three: the width of a pane, the thickness of a rod. */
-static double middle_extent(Box3 box)
-{
-    Vec3 s = vec3_sub(box.max, box.min);
-    return fmax(fmin(s.x, s.y), fmin(fmax(s.x, s.y), s.z));
-}
-
-static Box3 widened(Box3 box, double by)
-{
-    Vec3 margin = vec3(by, by, by);
-    return (Box3){vec3_sub(box.min, margin), vec3_add(box.max, margin)};
-}
-
 static bool smaller(const Finder *f, uint32_t a, uint32_t b)
 {
     double extent_a = extent_of(f, a), extent_b = extent_of(f, b);
     return extent_a != extent_b ? extent_a < extent_b : a < b;
-}
-
-static double box_rounding(Box3 box)
-{
-    double largest = fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
-    return rtc_rounding(vec3(largest, largest, largest));
-}
-
-/* How far beyond a hull's bounds its gaps are looked for. */
-static double margin_of(Box3 box)
-{
-    return gap_part * middle_extent(box) + 2 * box_rounding(box);
-}
-
-/* A hull that is a ball in the world: its radius, else 0. */
-static double sphere_radius(const SceneShape *shape, const Affine *map)
-{
-    if (!shape->solid || shape->solid->n_pieces != 1 || shape->solid->pieces[0].kind != PIECE_SPHERE) return 0;
-    Vec3 x = vec3(map->m[0][0], map->m[1][0], map->m[2][0]), y = vec3(map->m[0][1], map->m[1][1], map->m[2][1]),
-         z = vec3(map->m[0][2], map->m[1][2], map->m[2][2]);
-    double s = vec3_length(x), slack = 1e-9 * s;
-    bool even = fabs(vec3_length(y) - s) <= slack && fabs(vec3_length(z) - s) <= slack &&
-                fabs(vec3_dot(x, y)) <= slack * s && fabs(vec3_dot(y, z)) <= slack * s &&
-                fabs(vec3_dot(z, x)) <= slack * s;
-    return even ? shape->solid->pieces[0].r0 * s : 0;
-}
-
-/* ---- what one line says about one pair ---- */
-
-static double cosine(const Hit *hit)
-{
-    return hit ? fabs(hit->cos_normal) : 1;
-}
-
-static double rounding_of(const Hit *a, const Hit *b)
-{
-    return fmax(a ? a->rounding : 0, b ? b->rounding : 0);
-}
-
-/* Whether a stretch between two surfaces is more than what rounding can make or hide. */
-static bool is_real(double length, const Hit *a, const Hit *b)
-{
-    return length > 0 && length * fmin(cosine(a), cosine(b)) > rounding_of(a, b);
-}
-
-static double normals_dot(const Hit *a, const Hit *b)
-{
-    return (double)vec3f_dot(a->normal, b->normal);
-}
-
-/* The same for the outward normals of the two hulls, where a line leaves the one and enters the other: the face of an
- * operand that is taken away from a combination looks into it. */
-static double outward_dot(const Hit *leave, const Hit *enter)
-{
-    bool turned = (leave->cos_normal < 0) != (enter->cos_normal > 0);
-    return turned ? -normals_dot(leave, enter) : normals_dot(leave, enter);
-}
-
-/* The direction of a hit's normal along the line. */
-static Vec3 normal_ahead(const Hit *hit)
-{
-    Vec3 normal = vec3_from_f(hit->normal);
-    return hit->cos_normal < 0 ? vec3_scale(normal, -1) : normal;
-}
-
-/* Faces of both at one place. */
-static bool coincide(const Hit *a, const Hit *b)
-{
-    return a && b && fabs(a->t - b->t) * fmax(cosine(a), cosine(b)) <= rounding_of(a, b) &&
-           fabs(normals_dot(a, b)) > parallel;
-}
-
-/* Nothing but the world stands at t. */
-static bool is_empty_at(const Probe *probe, double t)
-{
-    for (size_t i = 0; i < probe->n_intervals; i++)
-        if (probe->intervals[i].begin < t && t < probe->intervals[i].end) return false;
-    return true;
-}
-
-/* What one line adds to a pair's estimates. */
-typedef struct LineSums {
-    double shared, contact, gap;
-} LineSums;
-
-static void note_gap(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts, const Hit *leave,
-                     const Hit *enter, LineSums *sums)
-{
-    if (!leave || !enter || enter->t <= leave->t) return;
-    double along = enter->t - leave->t, middle = leave->t + along / 2;
-    if (along < facts->nearest) {
-        facts->nearest = along;
-        facts->nearest_place = vec3_along(line->start, middle, vec3_from_f(line->direction));
-    }
-    double across = along * fmax(cosine(leave), cosine(enter));
-    double widest = gap_part * fmin(middle_extent(f->compiled->hull_bounds[facts->own]),
-                                    middle_extent(f->compiled->hull_bounds[facts->other]));
-    if (across > widest || across <= rounding_of(leave, enter) || outward_dot(leave, enter) > opposite) return;
-    if (!is_empty_at(probe, middle)) return;
-    sums->gap += cosine(leave);
-    facts->gap = fmin(facts->gap, across);
-}
-
-/* The directions of the lines are at right angles to each other, so that the squares of their cosines with a normal add
- * up to 1: a face's area is the sum, over all lines, of the cosine times the area that the line stands for. */
-static void note_contact(PairFacts *facts, const Hit *own, const Hit *other, LineSums *sums)
-{
-    if (!coincide(own, other)) return;
-    facts->touches = true;
-    facts->offset = fmax(facts->offset, fabs(own->t - other->t) * cosine(own));
-    sums->contact += cosine(own);
-}
-
-/* The thickness of a stretch that both hulls have, where its ends face each other. A slanting line overrates it where
- * the faces are not parallel, so that this only says where to look closer. */
-static void note_depth(PairFacts *facts, const Line *line, double begin, double end, const Hit *from, const Hit *to)
-{
-    if (!from || !to || outward_dot(to, from) > facing) return;
-    double depth = (end - begin) * fmin(cosine(from), cosine(to));
-    if (depth <= facts->depth) return;
-    facts->depth = depth;
-    facts->depth_time = line->time;
-    facts->depth_place = vec3_along(line->start, (begin + end) / 2, vec3_from_f(line->direction));
-    facts->depth_normal = vec3_add(normal_ahead(from), normal_ahead(to));
-}
-
-/* The stretch that two intervals share. */
-typedef struct Shared {
-    double begin, end;
-    const Hit *from, *to;
-} Shared;
-
-static Shared shared_of(const Interval *a, const Interval *b)
-{
-    bool a_last = a->begin > b->begin, a_first = a->end < b->end;
-    return (Shared){a_last ? a->begin : b->begin, a_first ? a->end : b->end, a_last ? a->enter : b->enter,
-                    a_first ? a->leave : b->leave};
-}
-
-/* The parts of an interval of one hull that the intervals of the other do not cover: whether one is real. */
-static bool sticks_out(const Probe *probe, const Interval *of, uint32_t other)
-{
-    double reached = of->begin;
-    const Hit *from = of->enter;
-    for (uint32_t i = probe->first[other]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
-        const Interval *cover = &probe->intervals[i];
-        if (cover->end <= reached) continue;
-        if (cover->begin >= of->end) break;
-        if (is_real(cover->begin - reached, from, cover->enter)) return true;
-        reached = cover->end;
-        from = cover->leave;
-        if (reached >= of->end) return false;
-    }
-    return is_real(of->end - reached, from, of->leave);
-}
-
-/* One stretch of each of the two: what they share, whether faces coincide, the gaps between them. */
-static void judge_stretches(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts,
-                            const Interval *own, const Interval *other, LineSums *sums)
-{
-    const Hit *own_ends[2] = {own->enter, own->leave}, *other_ends[2] = {other->enter, other->leave};
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2; k++) note_contact(facts, own_ends[i], other_ends[k], sums);
-    note_gap(f, probe, line, facts, own->leave, other->enter, sums);
-    note_gap(f, probe, line, facts, other->leave, own->enter, sums);
-    Shared shared = shared_of(own, other);
-    if (!is_real(shared.end - shared.begin, shared.from, shared.to)) return;
-    sums->shared += shared.end - shared.begin;
-    note_depth(facts, line, shared.begin, shared.end, shared.from, shared.to);
-}
-
-static void add_to(Estimate *estimate, double value)
-{
-    estimate->sum_face += value;
-    estimate->squares_face += value * value;
-}
-
-/* Judges a pair on the line whose intervals are in the probe. */
-static void judge(const Finder *f, const Probe *probe, const Line *line, PairFacts *facts)
-{
-    const Interval *intervals = probe->intervals;
-    uint32_t first_own = probe->first[facts->own], first_other = probe->first[facts->other];
-    LineSums sums = {0};
-    bool own_out = false;
-    for (uint32_t k = first_other; k != INTERVAL_NONE && !facts->other_out; k = intervals[k].next)
-        facts->other_out = sticks_out(probe, &intervals[k], facts->own);
-    for (uint32_t i = first_own; i != INTERVAL_NONE; i = intervals[i].next) {
-        own_out = own_out || sticks_out(probe, &intervals[i], facts->other);
-        for (uint32_t k = first_other; k != INTERVAL_NONE; k = intervals[k].next)
-            judge_stretches(f, probe, line, facts, &intervals[i], &intervals[k], &sums);
-    }
-    if (sums.shared > 0) facts->overlaps = true;
-    if (own_out) facts->own_out = true;
-    if (first_own != INTERVAL_NONE && !own_out) facts->n_inside++;
-    if (sums.gap > 0) facts->n_gap++;
-    add_to(&facts->volume, sums.shared * line->area);
-    add_to(&facts->contact, sums.contact * line->area);
-    add_to(&facts->gap_area, sums.gap * line->area);
-}
-
-/* Lines are spread over each face by themselves, so the variance adds up over the faces. */
-static void end_face_of(Estimate *estimate, uint32_t n)
-{
-    double mean_square = estimate->squares_face - estimate->sum_face * estimate->sum_face / n;
-    estimate->sum += estimate->sum_face;
-    estimate->variance += n > 1 ? fmax(mean_square, 0) * n / (n - 1.0) : estimate->squares_face;
-    estimate->sum_face = estimate->squares_face = 0;
-}
-
-static void end_face(PairFacts *facts, uint32_t n)
-{
-    end_face_of(&facts->volume, n);
-    end_face_of(&facts->contact, n);
-    end_face_of(&facts->gap_area, n);
-}
-
-static PairFacts *add_facts(FactList *list, uint32_t own, uint32_t other)
-{
-    if (!ARRAY_ROOM(list->items, list->capacity, list->n)) return NULL;
-    list->items[list->n] = (PairFacts){.own = own, .other = other, .gap = HUGE_VAL, .nearest = HUGE_VAL};
-    return &list->items[list->n++];
-}
-
-/* The only row of a list: there may be millions of such lists. */
-static PairFacts *add_only_facts(FactList *list, uint32_t own, uint32_t other)
-{
-    list->items = malloc(sizeof *list->items);
-    if (!list->items) return NULL;
-    list->capacity = 1;
-    return add_facts(list, own, other);
-}
-
-/* Gives back the room for more: lists are as many as hulls, and most of them have one row. */
-static void fit_facts(FactList *list)
-{
-    if (list->n == list->capacity) return;
-    PairFacts *items = list->n ? realloc(list->items, list->n * sizeof *items) : NULL;
-    if (!list->n) free(list->items);
-    if (list->n && !items) return;
-    list->items = items;
-    list->capacity = list->n;
-}
-
-/* The facts of a hull's lines; NULL when memory ends. */
-static PairFacts *facts_of(Worker *worker, FactList *list, uint32_t own, uint32_t other)
-{
-    uint32_t place = worker->fact_of[other];
-    if (place) return &list->items[place - 1];
-    PairFacts *facts = add_facts(list, own, other);
-    if (facts)
-        worker->fact_of[other] = (uint32_t)list->n;
-    else
-        worker->probe.out_of_memory = true;
-    return facts;
-}
-
-static int compare_facts(const void *left, const void *right)
-{
-    const PairFacts *a = left, *b = right;
-    return a->other < b->other ? -1 : a->other > b->other;
 }
 
 /* ---- the first stage: lines through a hull ---- */
@@ -420,7 +68,7 @@ static void judge_hull_line(const Finder *f, Worker *worker, FactList *list, uin
     for (size_t i = 0; i < probe->forward.n; i++) { /* whose surface comes near the hull, even if this line misses it */
         uint32_t other = compiled_hull(compiled, probe->forward.items[i].object);
         if (!is_judged_by(f, hull, other)) continue;
-        PairFacts *facts = facts_of(worker, list, hull, other);
+        PairFacts *facts = relation_facts_of(worker, list, hull, other);
         if (facts) facts->seen = true;
     }
     if (!met) return;
@@ -430,8 +78,8 @@ static void judge_hull_line(const Finder *f, Worker *worker, FactList *list, uin
     for (size_t i = 0; i < probe->n_intervals; i++) {
         uint32_t other = probe->intervals[i].hull;
         if (probe->first[other] != i || !is_judged_by(f, hull, other)) continue;
-        PairFacts *facts = facts_of(worker, list, hull, other);
-        if (facts) judge(f, probe, line, facts);
+        PairFacts *facts = relation_facts_of(worker, list, hull, other);
+        if (facts) relation_judge(f->compiled, probe, line, facts);
     }
 }
 
@@ -470,15 +118,15 @@ static void task_of_judge(void *context, uint32_t judge_number, unsigned number)
         line_set_begin(&set, box, direction, n_lines / LINE_DIRECTIONS, hull);
         while (line_set_next(&set, &line)) {
             if (set.face != face)
-                for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
+                for (size_t i = 0; i < list->n; i++) relation_end_face(&list->items[i], set.n_face[face]);
             face = set.face;
             judge_hull_line(f, worker, list, hull, &line);
         }
-        for (size_t i = 0; i < list->n; i++) end_face(&list->items[i], set.n_face[face]);
+        for (size_t i = 0; i < list->n; i++) relation_end_face(&list->items[i], set.n_face[face]);
     }
     for (size_t i = 0; i < list->n; i++) worker->fact_of[list->items[i].other] = 0;
-    if (list->n) qsort(list->items, list->n, sizeof *list->items, compare_facts);
-    fit_facts(list);
+    if (list->n) qsort(list->items, list->n, sizeof *list->items, relation_compare_facts);
+    relation_fit_facts(list);
 }
 
 /* ---- the second and third stage: lines through a pair ---- */
@@ -492,20 +140,14 @@ static void judge_pair_in(const Finder *f, Probe *probe, PairFacts *facts, Box3 
         uint32_t face = 0;
         line_set_begin(&set, box, direction, n / LINE_DIRECTIONS, seed);
         while (line_set_next(&set, &line)) {
-            if (set.face != face) end_face(facts, set.n_face[face]);
+            if (set.face != face) relation_end_face(facts, set.n_face[face]);
             face = set.face;
             probe_surfaces(probe, f->compiled, &line, SCENE_NONE); /* none: the line may still be inside of both */
             probe_intervals(probe, f->compiled, &line);
-            judge(f, probe, &line, facts);
+            relation_judge(f->compiled, probe, &line, facts);
         }
-        end_face(facts, set.n_face[face]);
+        relation_end_face(facts, set.n_face[face]);
     }
-}
-
-static Box3 common(Box3 a, Box3 b)
-{
-    return (Box3){vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),
-                  vec3(fmin(a.max.x, b.max.x), fmin(a.max.y, b.max.y), fmin(a.max.z, b.max.z))};
 }
 
 /* What the lines of a hull said; NULL when it has none. */
@@ -518,7 +160,7 @@ static const PairFacts *hull_facts_of(const Finder *f, uint32_t own, uint32_t ot
 {
     const FactList *list = facts_along(f, own);
     const PairFacts key = {.other = other};
-    return list && list->n ? bsearch(&key, list->items, list->n, sizeof key, compare_facts) : NULL;
+    return list && list->n ? bsearch(&key, list->items, list->n, sizeof key, relation_compare_facts) : NULL;
 }
 
 /* The smaller hull of the pair first. */
@@ -542,7 +184,7 @@ static void task_of_pair(void *context, uint32_t number, unsigned worker)
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
     if (!candidate->region_small || !is_judged_by(f, own, other)) return;
-    PairFacts *facts = add_only_facts(&candidate->facts, own, other);
+    PairFacts *facts = relation_only_facts(&candidate->facts, own, other);
     uint32_t n = f->lines_of_pair[f->radius[own] == 0 && f->radius[other] == 0];
     if (facts)
         judge_pair_in(f, &f->workers[worker].probe, facts, candidate->region, n, pair_seed(candidate));
@@ -574,7 +216,7 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
     uint32_t own, other;
     by_size(f, candidate, &own, &other);
     Probe *probe = &f->workers[worker].probe;
-    PairFacts *facts = candidate->facts.n ? candidate->facts.items : add_only_facts(&candidate->facts, own, other);
+    PairFacts *facts = candidate->facts.n ? candidate->facts.items : relation_only_facts(&candidate->facts, own, other);
     if (!facts) {
         probe->out_of_memory = true;
         return;
@@ -595,126 +237,6 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
     }
     facts->contact = contact;
     facts->gap_area = gap_area;
-}
-
-/* ---- pairs whose bounds meet ---- */
-
-static bool has_room(Box3 box)
-{
-    return box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
-}
-
-static bool come_near(const Box3 *a, const Box3 *b, double margin)
-{
-    return a->min.x - b->max.x < margin && b->min.x - a->max.x < margin && a->min.y - b->max.y < margin &&
-           b->min.y - a->max.y < margin && a->min.z - b->max.z < margin && b->min.z - a->max.z < margin;
-}
-
-/* Of a ball. */
-static Vec3 centre_of(const Finder *f, uint32_t hull)
-{
-    return f->compiled->scene->objects[f->compiled->object_of_hull[hull]].to_world.t;
-}
-
-/* Two balls, by formula. */
-static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
-{
-    HullPair pair = {.a = a, .b = b, .gap = HUGE_VAL};
-    double small = fmin(f->radius[a], f->radius[b]), large = fmax(f->radius[a], f->radius[b]);
-    Vec3 centre_a = centre_of(f, a), centre_b = centre_of(f, b);
-    double d = vec3_length(vec3_sub(centre_a, centre_b));
-    double rounding = fmax(rtc_rounding(centre_a), rtc_rounding(centre_b));
-    rounding = fmax(rounding, rtc_rounding(vec3(large, large, large)));
-    bool a_small = f->radius[a] < f->radius[b];
-    pair.touches = fabs(d - (small + large)) <= rounding || fabs(d + small - large) <= rounding;
-    pair.overlaps = d < small + large - rounding;
-    if (d <= rounding && large - small <= rounding) pair.contact_area = 4 * pi * small * small;
-    if (!pair.overlaps) return pair;
-    if (d + small <= large + rounding) {
-        pair.relation = small == large ? NEST_PARTIAL : a_small ? NEST_A_IN_B : NEST_B_IN_A;
-        pair.overlap_volume = 4 * pi / 3 * small * small * small;
-    } else { /* a lens of two caps */
-        double depth = small + large - d;
-        pair.overlap_depth = depth;
-        pair.overlap_volume =
-            pi * depth * depth * (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
-    }
-    return pair;
-}
-
-/* The bounds of a hull with a little more than its margin around them: the boxes that lines are started from lie
- * within. */
-static Box3 neighbourhood(const void *context, uint32_t hull)
-{
-    const Finder *f = context;
-    Box3 box = f->compiled->hull_bounds[hull];
-    return box3_is_empty(box) ? box : widened(box, 1.001 * margin_of(box) + 2 * box_rounding(box));
-}
-
-static double diagonal(Box3 box)
-{
-    return vec3_length(vec3_sub(box.max, box.min));
-}
-
-static void note_reach(Finder *f, uint32_t a, uint32_t b)
-{
-    float length = (float)(1.001 * diagonal(box3_union(neighbourhood(f, a), neighbourhood(f, b))));
-    f->reach[a] = fmaxf(f->reach[a], length);
-    f->reach[b] = fmaxf(f->reach[b], length);
-}
-
-/* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
-static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
-{
-    Finder *f = context;
-    Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
-    note_reach(f, a, b);
-    if (!come_near(&box_a, &box_b, 2 * fmin(margin_of(box_a), margin_of(box_b)))) return STATUS_OK;
-    double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
-    Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
-    bool meet = has_room(region);
-    bool region_small = meet && half_area(region) < 0.6 * fmin(half_area(box_a), half_area(box_b));
-    if (f->radius[a] > 0 && f->radius[b] > 0) {
-        HullPair pair = judge_spheres(f, a, b);
-        f->n_small_regions += region_small;
-        if (!pair.overlaps && !pair.touches) return STATUS_OK;
-        if (!ARRAY_ROOM(f->ball_pairs, f->ball_pairs_capacity, f->n_ball_pairs))
-            return fail_memory(error, f->n_ball_pairs * sizeof *f->ball_pairs, "pairs of hulls");
-        f->ball_pairs[f->n_ball_pairs++] = pair;
-        return STATUS_OK;
-    }
-    if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
-        return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
-    f->candidates[f->n_candidates++] =
-        (Candidate){.a = a, .b = b, .region = region, .meet = meet, .region_small = region_small};
-    return STATUS_OK;
-}
-
-static int compare_numbers(uint32_t a, uint32_t b, uint32_t other_a, uint32_t other_b)
-{
-    if (a != other_a) return a < other_a ? -1 : 1;
-    return b < other_b ? -1 : b > other_b;
-}
-
-static int compare_candidates(const void *left, const void *right)
-{
-    const Candidate *a = left, *b = right;
-    return compare_numbers(a->a, a->b, b->a, b->b);
-}
-
-static int compare_pairs(const void *left, const void *right)
-{
-    const HullPair *a = left, *b = right;
-    return compare_numbers(a->a, a->b, b->a, b->b);
-}
-
-static Status find_candidates(Finder *f, Error *error)
-{
-    TRY(box_pairs_visit(f->compiled->n_hulls, neighbourhood, add_candidate, f, error));
-    if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
-    if (f->n_ball_pairs) qsort(f->ball_pairs, f->n_ball_pairs, sizeof *f->ball_pairs, compare_pairs);
-    if (f->n_candidates > UINT32_MAX) return fail(error, STATUS_NOMEM, "too many pairs of hulls");
-    return STATUS_OK;
 }
 
 /* ---- putting it together ---- */
@@ -788,7 +310,8 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     Vec3 place = best->depth_place, normal = best->depth_normal;
     Box3 box = f->compiled->hull_bounds[own];
     double reach = diagonal(box);
-    probe->look_back = 1.001 * (reach + diagonal(box3_union(neighbourhood(f, own), neighbourhood(f, other))));
+    Box3 both = box3_union(relation_neighbourhood(f, own), relation_neighbourhood(f, other));
+    probe->look_back = 1.001 * (reach + diagonal(both));
     candidate->depth = best->depth;
     for (int turn = 0; turn < TURNS && vec3_length(normal) > 0; turn++) {
         Vec3 direction = vec3_normalize(normal);
@@ -817,7 +340,7 @@ static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, E
     for (size_t i = 0; i < f->n_candidates; i++) {
         HullPair pair = judge_candidate(f, &f->candidates[i]);
         if (!pair.overlaps && !pair.touches && !isfinite(pair.gap)) continue;
-        while (n_balls < f->n_ball_pairs && compare_pairs(&f->ball_pairs[n_balls], &pair) < 0)
+        while (n_balls < f->n_ball_pairs && relation_compare_pairs(&f->ball_pairs[n_balls], &pair) < 0)
             list[n++] = f->ball_pairs[n_balls++];
         list[n++] = pair;
     }
@@ -881,12 +404,7 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     f->reach = calloc(n, sizeof *f->reach);
     f->judge_of = calloc(n, sizeof *f->judge_of);
     if (!f->radius || !f->reach || !f->judge_of) return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
-    for (uint32_t h = 0; h < compiled->n_hulls; h++) {
-        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[h]];
-        if (object->shape == SCENE_NONE) continue; /* a combination */
-        f->radius[h] = sphere_radius(&compiled->scene->shapes[object->shape], &object->to_world);
-    }
-    TRY(find_candidates(f, error));
+    TRY(relation_find_near(f, error));
     plan(f);
     return prepare_workers(f, n_workers, error);
 }
