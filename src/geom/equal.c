@@ -1,5 +1,5 @@
-/* equal.c - items are sorted into parts by the upper bits of their hashes, in order; then each part is looked through with
- * a small table of its own. Equal items are in the same part.
+/* equal.c - items are sorted into parts by the upper bits of their hashes, in order; then each part is looked through
+ * with a small table of its own. Equal items are in the same part.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/equal.h"
 

@@ -16,8 +16,9 @@ typedef struct EqualItems {
     bool (*same)(const void *context, uint32_t i, uint32_t k);
 } EqualItems;
 
-/* (*first)[i] is the first of the n items that item i is equal to, i itself where there is none before it. malloc'd. `what`
- * names the undertaking in a message that memory has ended. The pool may be NULL; the result does not depend on it. */
+/* (*first)[i] is the first of the n items that item i is equal to, i itself where there is none before it. malloc'd.
+ * `what` names the undertaking in a message that memory has ended. The pool may be NULL; the result does not depend on
+ * it. */
 ATTR_NODISCARD Status equal_find(const EqualItems *items, uint32_t n, const char *what, Pool *pool, uint32_t **first,
                                  Error *error);
 

@@ -246,8 +246,8 @@ static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, Hu
     const Box3 *bounds = f->compiled->hull_bounds;
     if (!first || !pair->overlaps) return;
     double slack = box_rounding(bounds[first->other]);
-    bool own_inside =
-        !first->own_out && first->n_inside == n_lines && box3_holds(widened(bounds[first->other], slack), bounds[first->own]);
+    bool own_inside = !first->own_out && first->n_inside == n_lines &&
+                      box3_holds(widened(bounds[first->other], slack), bounds[first->own]);
     bool other_inside = !first->other_out && box3_holds(widened(bounds[first->own], slack), bounds[first->other]);
     if (own_inside == other_inside) return; /* both: the same hull twice */
     uint32_t inner = own_inside ? first->own : first->other;
