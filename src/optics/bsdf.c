@@ -431,6 +431,15 @@ void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lane
     }
 }
 
+Lanes bsdf_straight(const Bsdf *bsdf, float cosine)
+{
+    Lanes sum = lanes_all(0);
+    for (uint32_t i = 0; i < bsdf->n_lobes; i++)
+        if (bsdf->lobes[i].kind == BSDF_SHEET)
+            sum = lanes_add(sum, lanes_scale(sheet_straight(&bsdf->lobes[i].as.sheet, cosine), bsdf->lobes[i].share));
+    return sum;
+}
+
 static bool lobe_sample(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, float u_choice, const float u[2],
                         LobeSample *sample)
 {

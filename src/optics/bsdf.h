@@ -76,6 +76,9 @@ void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness);
 void bsdf_look(Bsdf *bsdf, Vec3f view);
 /* Sums over all lobes that are not specular. pdf_w: of bsdf_sample. */
 void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
+/* What goes through smooth sheets without changing its direction, of light at an angle of that cosine: what bsdf_sample
+ * finds as specular and transmitted. */
+Lanes bsdf_straight(const Bsdf *bsdf, float cosine);
 /* u_choice, u: uniform in [0,1). false: the light is absorbed. What is sampled without specular has exactly the f_cos
  * and pdf_w of bsdf_evaluate. */
 bool bsdf_sample(const Bsdf *bsdf, Vec3f view, float u_choice, const float u[2], BsdfSample *sample);

@@ -190,6 +190,8 @@ void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, La
 bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, Lanes missing_v, float u_choice, const float u[2],
                      LobeSample *sample);
 void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
+/* What a smooth sheet lets straight on; of a rough one nothing. */
+Lanes sheet_straight(const BsdfSheet *sheet, float cosine);
 bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
 /* reflectance_v: layer_reflectance of view */
 void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, Lanes reflectance_v, LobeOver over,

@@ -106,6 +106,14 @@ void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_co
     *pdf_w = lanes_scale(lanes_div(taken, lanes_add(sum, lanes_all(1e-30f))), r.density);
 }
 
+Lanes sheet_straight(const BsdfSheet *sheet, float cosine)
+{
+    Lanes reflected, transmitted;
+    if (!sheet->facets.smooth) return lanes_all(0);
+    sheet_split(sheet, cosine, &reflected, &transmitted);
+    return transmitted;
+}
+
 bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
 {
     float cosine = view.z;

@@ -80,7 +80,7 @@ static RtcObject describe_object(const void *context, uint32_t i)
     const CompiledScene *compiled = context;
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[i];
-    RtcObject described = {.to_world = object->to_world, .opaque = compiled->hull_of_object[i] == SCENE_NONE};
+    RtcObject described = {.to_world = object->to_world, .opaque = compiled->hull_of_object[i] == SCENE_NONE && !scene_is_pane(scene, i)};
     if (object->shape == SCENE_NONE) return described; /* a combination: its operands have the geometry */
     described.mesh = scene->shapes[object->shape].mesh;
     described.solid = scene->shapes[object->shape].solid;

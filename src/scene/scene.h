@@ -302,6 +302,14 @@ static inline bool scene_is_thin(const Scene *scene, uint32_t object)
     uint32_t surface = scene->objects[object].surface;
     return surface != SCENE_NONE && scene->objects[object].medium == SCENE_NONE && scene->surfaces[surface].thin;
 }
+/* Whether all of it is a smooth, even sheet that lets some light straight on: rays towards lights go through it. */
+static inline bool scene_is_pane(const Scene *scene, uint32_t object)
+{
+    if (!scene_is_thin(scene, object) || scene->objects[object].light != SCENE_NONE) return false;
+    const SceneSurface *surface = &scene->surfaces[scene->objects[object].surface];
+    return surface->finished && !surface->mixed && !surface->emits && !surface_has_textures(surface) &&
+           surface->spec.transmission_weight > 0 && surface->spec.specular_roughness < 0.03f;
+}
 /* What tells an object from others where textures vary: its name, which neither layout nor objects behind it change; an
  * operand has that of the whole. */
 static inline uint64_t scene_texture_identity(const Scene *scene, uint32_t object)

@@ -295,7 +295,7 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
     if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
     const Hit *hits = tracer->shadow_hits.items;
     size_t n = tracer->shadow_hits.n;
-    Lanes depth = lanes_all(0), nm = path->wavelengths.nm;
+    Lanes depth = lanes_all(0), panes = lanes_all(1), nm = path->wavelengths.nm;
     bool uneven = false;
     double t_done = 0;
     for (size_t begin = 0; begin < n;) {
@@ -308,6 +308,15 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
         }
         tracer->counters.crossings += end - begin;
         tracer->counters.nesting_faults += crossing.n_faults;
+        if (UNLIKELY(world->has_panes)) {
+            size_t n_hulls = 0;
+            for (size_t i = begin; i < end; i++)
+                n_hulls += world->compiled->hull_of_object[hits[i].object] != SCENE_NONE;
+            if (n_hulls < end - begin)
+                panes = lanes_mul(panes, path_pass_panes(path, ray, hits + begin, end - begin, medium));
+            if (!n_hulls) crossing.medium_from = crossing.medium_to = medium;
+            if (lanes_zero(panes)) return false;
+        }
         if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, nm)) return false;
         uneven = uneven || uneven_here;
         if (LIKELY(!uneven_here)) depth = lanes_add(depth, flight_depth(path, medium, hits[begin].t - t_done));
@@ -319,7 +328,7 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
         depth = lanes_add(depth, flight_depth(path, medium, ray->t_max - t_done));
     else
         uneven = true;
-    *transmittance = flight_attenuation(depth);
+    *transmittance = lanes_mul(flight_attenuation(depth), panes);
     *medium_at_light = medium;
     if (UNLIKELY(uneven)) *transmittance = lanes_mul(*transmittance, transmit_uneven(path, ray));
     return true;

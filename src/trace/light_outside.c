@@ -150,6 +150,16 @@ static float weight_against(float weight_pdf, float light_pdf)
     return weight_pdf < 0 ? 1 : sampling_balance(weight_pdf, light_pdf);
 }
 
+/* Whether a direction is within a distant light's cone. The length of a unit vector of floats is not one to the digits that tell
+ * the cosines of a small cone apart. */
+static bool is_within(const SceneLight *light, Vec3f direction)
+{
+    Vec3 d = vec3_from_f(direction);
+    double along = vec3_dot(d, light->towards);
+    if (light->cos_angle < 0) return along >= light->cos_angle * vec3_length(d);
+    return along > 0 && along * along >= light->cos_angle * light->cos_angle * vec3_dot(d, d);
+}
+
 Lanes light_from_infinity(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float weight_pdf,
                           Lanes wavelength_nm)
 {
@@ -165,8 +175,7 @@ Lanes light_from_infinity(const World *world, Vec3 from, Vec3f normal, Vec3f dir
     }
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
-        if (light->kind != LIGHT_DISTANT || vec3_dot(vec3_from_f(direction), light->towards) < light->cos_angle)
-            continue;
+        if (light->kind != LIGHT_DISTANT || !is_within(light, direction)) continue;
         float pdf = world->choice_of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
         sum =
             lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));

@@ -127,7 +127,11 @@ typedef struct SurfacePlace {
     Vec3 position;
     Vec3f normal, geometric; /* for shading: on the geometric one's side, and against the path's direction */
 } SurfacePlace;
-SurfacePlace path_place(const Path *path, const Event *event);
+SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit);
+static inline SurfacePlace path_place(const Path *path, const Event *event)
+{
+    return path_place_of(path->tracer->world, &path->ray, &event->hit);
+}
 /* A light to look at from a place; normal: as light_sample takes it. */
 LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal);
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. */
@@ -199,9 +203,13 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
 
 /* ---- shade_bsdf.c ---- */
 
-/* An opaque surface that is more than matte, and its parameters there; false: the path ends. */
+/* An opaque surface that is more than matte, and its parameters there; false: the path ends. *straight: it has gone
+ * through a pane, as rays towards lights do. It counts as on its way from where it was scattered before, so that what it finds
+ * is weighted against light sampling from there. */
 bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
-                         const SurfacePlace *place);
+                         const SurfacePlace *place, bool *straight);
+/* What the panes among n surfaces at one place leave of a straight ray; medium: around them. */
+Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t n, uint32_t medium);
 /* A boundary between two media that is rough, or not clear in all parts; false: the path ends. */
 bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
                       const SurfacePlace *place, Lanes eta_i, Lanes eta_t);

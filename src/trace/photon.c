@@ -169,7 +169,8 @@ static bool follow_photon(Path *path, float flux, Photon *photon, uint64_t *way)
         if (event.kind == EVENT_LOST || event.kind == EVENT_ESCAPE || event.kind == EVENT_GIVE_UP) return false;
         land(path, &event, flux, photon);
         if (!(photon->flux > 1e-6f * flux)) return false;
-        bool goes_on = false;
+        bool goes_on = false, straight = false;
+        Vec3f before = path->ray.direction;
         if (event.kind == EVENT_BOUNDARY) {
             goes_on = path_cross_boundary(path, &event) && went_straight(path);
         } else if (event.kind == EVENT_OPAQUE) {
@@ -177,12 +178,13 @@ static bool follow_photon(Path *path, float flux, Photon *photon, uint64_t *way)
             if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
             goes_on =
                 scene->surfaces[object->surface].finished && path_shade_opaque(path, &event) && went_straight(path);
+            straight = scene_is_pane(scene, event.hit.object) && vec3f_dot(before, path->ray.direction) > 0.999999f;
         }
         uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;
         *way =
             hash_u64(*way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
         if (!goes_on) return bent;
-        bent = true;
+        bent = bent || !straight; /* what comes through panes alone is found by looking at the light */
     }
     return false;
 }

@@ -176,16 +176,16 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->ray.time = time;
 }
 
-SurfacePlace path_place(const Path *path, const Event *event)
+SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit)
 {
     HitSurface at;
-    rtc_surface(path->tracer->world->compiled->rtc, &path->ray, &event->hit, &at);
-    bool front = event->hit.entering;
+    rtc_surface(world->compiled->rtc, ray, hit, &at);
+    bool front = hit->entering;
     SurfacePlace place = {.position = at.position,
                           .normal = front ? at.shading : vec3f_negate(at.shading),
-                          .geometric = front ? event->hit.normal : vec3f_negate(event->hit.normal)};
+                          .geometric = front ? hit->normal : vec3f_negate(hit->normal)};
     if (path_is_bent(&place))
-        place.normal = path_bend_normal(vec3f_negate(path->ray.direction), place.geometric, place.normal);
+        place.normal = path_bend_normal(vec3f_negate(ray->direction), place.geometric, place.normal);
     return place;
 }
 
@@ -209,6 +209,7 @@ bool path_shade_opaque(Path *path, Event *event)
     const World *world = tracer->world;
     const SceneObject *object = &world->scene->objects[event->hit.object];
     path_add_emission(path, &event->hit);
+    float rarity = path->from.rarity;
     path->from.rarity = 0;
     if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
@@ -219,7 +220,11 @@ bool path_shade_opaque(Path *path, Event *event)
         path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
         spec = &textured;
     }
-    if (surface->finished) return path_shade_finished(path, event, surface, spec, &place);
+    if (surface->finished) {
+        bool straight = false, goes_on = path_shade_finished(path, event, surface, spec, &place, &straight);
+        if (UNLIKELY(straight)) path->from.rarity = rarity;
+        return goes_on;
+    }
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
     path_find_guide(path, place.position);
     light_diffuse(path, event, &place, albedo);

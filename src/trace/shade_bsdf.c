@@ -108,7 +108,7 @@ static bool cross_opaque(Path *path, const Event *event)
     return false;
 }
 
-static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame)
+static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
 {
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction));
     bsdf_look(bsdf, view);
@@ -138,9 +138,15 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     if (sample.transmitted && event->kind == EVENT_OPAQUE && !cross_opaque(path, event)) return false;
     float hero = lanes_get(sample.pdf_w, 0);
     if (!(hero > 0) || lanes_zero(sample.weight)) return false;
-    path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
-    path->scatter_point = place->position;
-    path->scatter_normal = one_side(bsdf, place);
+    *straight = sample.specular && sample.transmitted && event->kind == EVENT_OPAQUE &&
+                scene_is_pane(path->tracer->world->scene, event->hit.object);
+    if (UNLIKELY(*straight)) {
+        direction = path->ray.direction;
+    } else {
+        path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
+        path->scatter_point = place->position;
+        path->scatter_normal = one_side(bsdf, place);
+    }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
     path_leave(path, event, sample.transmitted, direction);
@@ -175,7 +181,7 @@ static Frame frame_of(const Path *path, const Event *event, const SceneSurface *
 }
 
 bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
-                         const SurfacePlace *place)
+                         const SurfacePlace *place, bool *straight)
 {
     const World *world = path->tracer->world;
     Lanes nm = path->wavelengths.nm;
@@ -183,7 +189,28 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
     Bsdf bsdf;
     bsdf_from_spec(spec, nm, around, around, &bsdf);
     Frame frame = frame_of(path, event, surface, spec, place);
-    return scatter(path, event, &bsdf, place, &frame);
+    return scatter(path, event, &bsdf, place, &frame, straight);
+}
+
+Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t n, uint32_t medium)
+{
+    const World *world = path->tracer->world;
+    Lanes left = lanes_all(1), nm = path->wavelengths.nm;
+    for (size_t i = 0; i < n; i++) {
+        const Hit *hit = &hits[i];
+        if (world->compiled->hull_of_object[hit->object] != SCENE_NONE) continue;
+        bool again = false; /* an edge that two triangles share */
+        for (size_t k = 0; k < i; k++) again |= hits[k].object == hit->object && hits[k].entering == hit->entering;
+        if (again) continue;
+        SurfacePlace place = path_place_of(world, ray, hit);
+        Lanes around = medium_ior(world, medium, nm);
+        Bsdf bsdf;
+        bsdf_from_spec(&world->scene->surfaces[world->scene->objects[hit->object].surface].spec, nm, around, around,
+                       &bsdf);
+        float cosine = float_min(-vec3f_dot(ray->direction, place.normal), 1);
+        left = cosine > 0 ? lanes_mul(left, bsdf_straight(&bsdf, cosine)) : lanes_all(0);
+    }
+    return left;
 }
 
 bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
@@ -199,5 +226,6 @@ bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, con
         bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
     }
     Frame frame = frame_of(path, event, surface, spec, place);
-    return scatter(path, event, &bsdf, place, &frame);
+    bool straight;
+    return scatter(path, event, &bsdf, place, &frame, &straight);
 }

@@ -167,6 +167,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         hit_list_clear(&hits);
         world->moves = world->scene->n_keys > 0;
         for (uint32_t i = 0; i < world->scene->n_media; i++) world->scatters |= world->scene->media[i].scatters;
+        for (uint32_t i = 0; i < world->scene->n_objects; i++) world->has_panes |= scene_is_pane(world->scene, i);
         world->seeks_airlight = world->scatters && world->n_choices;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);

@@ -60,6 +60,8 @@ typedef struct World {
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
     Trial trial;
+    bool has_panes;         /* thin sheets that rays towards lights go through */
+    bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
 } World;

@@ -193,8 +193,8 @@ static void bulb_in_murk(void **state)
         "sphere { interior = glass  radius = 20  priority = 1 } sphere { interior = air  radius = 19  priority = 2 }\n"
         "light { shape = sphere  radius = 2  radiance = 5 }\n"
         "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
-    truth_expect("a light in a bulb in murk", 5 * (1 - r) / (1 + r) * exp(-0.02 * 40), truth_measure(text, NULL, 4096, false),
-                 4, 0.005);
+    truth_expect("a light in a bulb in murk", 5 * (1 - r) / (1 + r) * exp(-0.02 * 40),
+                 truth_measure(text, NULL, 4096, false), 4, 0.005);
 }
 
 /* ---- the two estimators where media scatter ---- */
@@ -228,12 +228,54 @@ static void agree_in_fog(void **state)
     }
 }
 
+/* ---- through panes ---- */
+
+#define PANE "surface pane { thin = true  transmission = 1  ior = 1.5  roughness = 0 }\n"
+
+static void through_panes(void **state)
+{
+    (void)state;
+    /* a small sun, which no path would find by chance */
+    const double cosine = 3 / sqrt(13), reflected = truth_fresnel(cosine, 1, 1.5);
+    expect_both("the sun through a pane",
+                PANE "light { shape = distant  from = <2, 3, 0>  to = <0, 0, 0>  angle = .1deg  power = 10 }\n"
+                     "mesh { positions = [<1980, 3000, -20>, <2020, 3000, -20>, <2000, 3000, 40>]  triangles = [<0, 1, "
+                     "2>]  surface = pane }",
+                NULL, 10 * cosine * (1 - reflected) / (1 + reflected), 0);
+    static const struct {
+        const char *what, *between;
+    } cases[] = {
+        {"lamp behind a tinted pane", "box { from = <-90, 8, -90>  to = <90, 8.1, 90>  surface = tinted }"},
+        {"lamp in a bubble", "sphere { center = <5, 18, 0>  radius = 12  surface = film }"},
+        {"lamp behind half a pane in fog", "medium fog { ior = 1  scattering = .02 / 1mm }\n"
+                                           "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }\n"
+                                           "box { from = <0, 6, -90>  to = <90, 6.1, 90>  surface = tinted }"},
+        {"lamp behind a pane that is matte in part",
+         "box { from = <-90, 8, -90>  to = <90, 8.1, 90>  surface = half }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1500];
+        snprintf(text, sizeof text,
+                 FLOOR PANE
+                 "surface tinted { thin = true  transmission = 1  ior = 1.5  roughness = 0  tint = rgb(.4, .7, .9) }\n"
+                 "surface film { thin = true  transmission = 1  ior = 1.33  roughness = 0  film = 320nm }\n"
+                 "surface half { thin = true  transmission = .5  albedo = .6  ior = 1.5  roughness = 0 }\n"
+                 "light { shape = sphere  from = <5, 18, 0>  radius = 8  radiance = 2 }\n%s\n",
+                 cases[i].between);
+        Estimate sampled = truth_measure(text, NULL, 512, false), chance = truth_measure(text, NULL, 2048, true);
+        double error = hypot(sampled.error, chance.error);
+        truth_figure(cases[i].what, chance.mean, sampled.mean, error);
+        assert_true(sampled.error < 0.005 * sampled.mean && chance.error < 0.006 * chance.mean);
+        assert_near(sampled.mean, chance.mean, 4 * error);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),       cmocka_unit_test(quads),   cmocka_unit_test(discs),
-        cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk), cmocka_unit_test(bulb_in_murk),
-        cmocka_unit_test(agree_in_fog),
+        cmocka_unit_test(spheres),       cmocka_unit_test(quads),         cmocka_unit_test(discs),
+        cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),       cmocka_unit_test(bulb_in_murk),
+        cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }
