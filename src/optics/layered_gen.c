@@ -142,7 +142,8 @@ static void solve(const Cover *cover, int quarters, float u[LAYERED_ANGLES])
         for (int i = 0; i < LAYERED_ANGLES; i++) {
             double sum = 0;
             for (int k = 0; k < LAYERED_ANGLES; k++) sum += sums[i][k] * (double)u[k];
-            next[i] = sum > 0 ? (float)sqrt((double)u[i] * wanted[i] / sum) : u[i];
+            /* where next to nothing passes u says next to nothing, and must not be large */
+            next[i] = sum > 0 ? fminf(fmaxf((float)sqrt((double)u[i] * wanted[i] / sum), 0.3f), 3) : u[i];
         }
         for (int i = 0; i < LAYERED_ANGLES; i++) u[i] = next[i];
     }

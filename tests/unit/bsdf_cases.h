@@ -98,8 +98,8 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     else if (!strncmp(c->name, "diffuse", 7))
         bsdf_add_diffuse(bsdf, 1, case_lanes(c->other, c->spread, hero), c->roughness);
     else if (!strncmp(c->name, "plastic", 7))
-        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint, case_lanes(0.6f, 0.3f, hero),
-                         0.4f);
+        bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
+                         case_lanes(0.6f, 0.3f, hero), 0.4f);
     else if (!strncmp(c->name, "sheet", 5))
         bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
                        strstr(c->name, "film") ? case_lanes(9, 0.2f, hero) : lanes_all(0));
@@ -128,9 +128,10 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bool smooth = strstr(c->name, "smooth");
         Lanes eta = case_lanes(1.5f, c->spread, hero);
         bsdf_add_conductor(bsdf, 0.1f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
-        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha_y, tint, case_lanes(0.5f, 0.3f, hero),
-                         c->roughness);
-        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f, case_lanes(0.8f, 0.1f, hero));
+        bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha_y, tint,
+                         case_lanes(0.5f, 0.3f, hero), c->roughness);
+        bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f,
+                        case_lanes(0.8f, 0.1f, hero));
         bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
         bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
         bsdf_end_coat(bsdf);
@@ -143,6 +144,43 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
 static inline float random_unit(uint32_t *state)
 {
     return hash_to_unit_f(hash_u32(++*state));
+}
+
+/* Any surface that a scene can describe, number i; white: all that does not absorb. */
+static inline void spec_at_random(uint32_t *state, int i, bool white, BsdfSpec *spec)
+{
+    bsdf_spec_init(spec);
+    spec->base_color = spectrum_constant(white ? 1 : random_unit(state));
+    spec->base_diffuse_roughness = random_unit(state);
+    spec->base_metalness = i % 2 ? 0 : random_unit(state);
+    spec->specular_ior = spectrum_constant(1.05f + 1.5f * random_unit(state));
+    spec->specular_roughness = random_unit(state);
+    spec->specular_roughness_anisotropy = i % 3 ? random_unit(state) : 0;
+    spec->specular_weight = random_unit(state);
+    spec->thin_walled = i % 4 == 1;
+    spec->transmission_weight = i % 4 < 2 ? random_unit(state) : 0;
+    spec->translucency = random_unit(state);
+    if (i % 8 == 1) spec->film_thickness_nm = 900 * random_unit(state);
+    spec->coat_weight = i % 5 < 2 ? 0 : random_unit(state);
+    spec->coat_ior = spectrum_constant(1.1f + random_unit(state));
+    spec->coat_roughness = random_unit(state);
+    spec->coat_roughness_anisotropy = i % 3 == 1 ? random_unit(state) : 0;
+    if (!white) spec->coat_color = spectrum_constant(random_unit(state));
+    spec->fuzz_weight = i % 7 < 3 ? 0 : random_unit(state);
+    spec->fuzz_roughness = random_unit(state);
+    if (!white) spec->fuzz_color = spectrum_constant(random_unit(state));
+}
+
+/* What it is like, for messages. */
+static inline void spec_print(const BsdfSpec *s, float medium)
+{
+    printf(
+        "in %.2f: metal %.2f, ior %.2f, roughness %.2f, anisotropy %.2f, clear %.2f%s, coat %.2f of %.2f, rough %.2f, "
+        "stretched %.2f, fuzz %.2f\n",
+        (double)medium, (double)s->base_metalness, (double)s->specular_ior.value[0], (double)s->specular_roughness,
+        (double)s->specular_roughness_anisotropy, (double)s->transmission_weight, s->thin_walled ? " thin" : "",
+        (double)s->coat_weight, (double)s->coat_ior.value[0], (double)s->coat_roughness,
+        (double)s->coat_roughness_anisotropy, (double)s->fuzz_weight);
 }
 
 static inline Vec3f direction_at(float z, float angle)

@@ -85,10 +85,43 @@ static double integrate_density(const Bsdf *bsdf, Vec3f view, const SphereMap *m
     return total;
 }
 
+/* The densities of a view integrated over bins against SAMPLES samples; *off: by how much the whole differs. In standard
+ * deviations. */
+static double compare_density(const Bsdf *bsdf, Vec3f view, const SphereMap *map, uint32_t *state, double *off)
+{
+    static double expected[BINS * BINS], observed[BINS * BINS];
+    double total = integrate_density(bsdf, view, map, expected);
+    memset(observed, 0, sizeof observed);
+    int n_diffuse = 0, n_tried = 0, n = 0;
+    for (; n_tried < SAMPLES; n_tried++) {
+        BsdfSample sample;
+        float u[2] = {random_unit(state), random_unit(state)};
+        if (!bsdf_sample(bsdf, view, random_unit(state), u, &sample) || sample.specular) continue;
+        n_diffuse++;
+        observed[map_bin(map, sample.direction)]++;
+    }
+    double sum = 0, few_expected = 0, few_observed = 0;
+    for (int i = 0; i < BINS * BINS; i++) {
+        double e = expected[i] * SAMPLES, o = observed[i];
+        if (e < 10) {
+            few_expected += e;
+            few_observed += o;
+        } else {
+            sum += (o - e) * (o - e) / e;
+            n++;
+        }
+    }
+    if (few_expected >= 10) {
+        sum += (few_observed - few_expected) * (few_observed - few_expected) / few_expected;
+        n++;
+    }
+    *off = fabs(total - (double)n_diffuse / SAMPLES);
+    return n ? chi_square_sigmas(sum, n) : 0;
+}
+
 static void samples_follow_the_density(void **unused)
 {
     (void)unused;
-    static double expected[BINS * BINS], observed[BINS * BINS];
     double worst = 0, worst_total = 0;
     uint32_t state = 1;
     for (size_t c = 0; c < BSDF_CASES; c++)
@@ -98,38 +131,11 @@ static void samples_follow_the_density(void **unused)
             case_make(&bsdf_cases[c], 0, false, &bsdf, &behind);
             Vec3f view = direction_at(view_cosines[at], 0.7f);
             SphereMap map = map_for(&bsdf_cases[c], view);
-            double total = integrate_density(&bsdf, view, &map, expected);
-            memset(observed, 0, sizeof observed);
-            int n_diffuse = 0, n_tried = 0;
-            for (; n_tried < SAMPLES; n_tried++) {
-                BsdfSample sample;
-                float u[2] = {random_unit(&state), random_unit(&state)};
-                if (!bsdf_sample(&bsdf, view, random_unit(&state), u, &sample) || sample.specular) continue;
-                n_diffuse++;
-                observed[map_bin(&map, sample.direction)]++;
-            }
-            double sum = 0, few_expected = 0, few_observed = 0;
-            int n = 0;
-            for (int i = 0; i < BINS * BINS; i++) {
-                double e = expected[i] * SAMPLES, o = observed[i];
-                if (e < 10) {
-                    few_expected += e;
-                    few_observed += o;
-                } else {
-                    sum += (o - e) * (o - e) / e;
-                    n++;
-                }
-            }
-            if (few_expected >= 10) {
-                sum += (few_observed - few_expected) * (few_observed - few_expected) / few_expected;
-                n++;
-            }
-            double sigmas = chi_square_sigmas(sum, n), share = (double)n_diffuse / SAMPLES;
-            double off = fabs(total - share);
+            double off, sigmas = compare_density(&bsdf, view, &map, &state, &off);
             if (sigmas > 4 || off > 0.008)
-                printf("%s %g %g, cosine %g: %.1f sigmas over %d bins; density %.4f, sampled %.4f\n",
-                       bsdf_cases[c].name, (double)bsdf_cases[c].roughness, (double)bsdf_cases[c].other,
-                       (double)view_cosines[at], sigmas, n, total, share);
+                printf("%s %g %g, cosine %g: %.1f sigmas; whole off by %.4f\n", bsdf_cases[c].name,
+                       (double)bsdf_cases[c].roughness, (double)bsdf_cases[c].other, (double)view_cosines[at], sigmas,
+                       off);
             worst = fmax(worst, sigmas);
             worst_total = fmax(worst_total, off);
         }
@@ -137,6 +143,58 @@ static void samples_follow_the_density(void **unused)
            (int)BSDF_CASES, worst, worst_total);
     assert_true(worst < 5);
     assert_true(worst_total < 0.008);
+}
+
+/* Surfaces at random, rough enough that bins can hold their lobes: densities, and both ways alike. */
+static void any_surface_is_consistent(void **unused)
+{
+    (void)unused;
+    uint32_t state = 77;
+    double worst = 0, worst_total = 0, worst_way = 0;
+    BsdfSpec worst_spec, worst_way_spec;
+    bsdf_spec_init(&worst_spec);
+    bsdf_spec_init(&worst_way_spec);
+    for (int i = 0; i < 200; i++) {
+        BsdfSpec spec;
+        Bsdf bsdf;
+        float medium = 1 + 0.33f * (float)(i % 3);
+        spec_at_random(&state, i, false, &spec);
+        spec.specular_roughness = 0.45f + 0.55f * spec.specular_roughness;
+        spec.coat_roughness = 0.45f + 0.55f * spec.coat_roughness;
+        spec.specular_roughness_anisotropy *= 0.7f;
+        spec.coat_roughness_anisotropy *= 0.7f;
+        bsdf_from_spec(&spec, lanes(500, 550, 600, 650), lanes_all(medium), lanes_all(spec.thin_walled ? medium : 1.5f),
+                       &bsdf);
+        if (i < 24) {
+            double off, sigmas = compare_density(&bsdf, direction_at(0.2f + 0.75f * random_unit(&state), 1),
+                                                 &(SphereMap){vec3f(0, 0, 1), 0}, &state, &off);
+            if (sigmas > worst) worst_spec = spec;
+            worst = fmax(worst, sigmas);
+            worst_total = fmax(worst_total, off);
+        }
+        for (int k = 0; k < 100; k++) {
+            Vec3f v = direction_at(0.01f + 0.99f * random_unit(&state), 6 * random_unit(&state));
+            Vec3f l = direction_at(0.01f + 0.99f * random_unit(&state), 6 * random_unit(&state)), from = l, to = v;
+            if (spec.thin_walled && k % 2) { /* from the other side, with the same medium there */
+                l.z = -l.z;
+                to.z = -v.z;
+            }
+            Lanes f, g, pdf;
+            bsdf_evaluate(&bsdf, v, l, &f, &pdf);
+            bsdf_evaluate(&bsdf, from, to, &g, &pdf);
+            double a = (double)(lanes_get(f, 0) / fabsf(l.z)), b = (double)(lanes_get(g, 0) / fabsf(to.z));
+            double apart = fabs(a - b) / (fmax(a, b) + 1e-3);
+            if (apart > worst_way) worst_way_spec = spec;
+            worst_way = fmax(worst_way, apart);
+        }
+    }
+    printf("surfaces at random: worst chi-square of 24 %.1f sigmas, whole off by %.4f: ", worst, worst_total);
+    spec_print(&worst_spec, 0);
+    printf("  both ways apart by at most %.2g of the value: ", worst_way);
+    spec_print(&worst_way_spec, 0);
+    assert_true(worst < 5);
+    assert_true(worst_total < 0.008);
+    assert_true(worst_way < 2e-3);
 }
 
 static bool same(Lanes a, Lanes b, float tolerance)
@@ -408,9 +466,13 @@ static void speed_is_printed(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_follow_the_density), cmocka_unit_test(weights_are_what_is_evaluated),
-        cmocka_unit_test(both_ways_are_alike),        cmocka_unit_test(nothing_breaks_it),
-        cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(speed_is_printed),
+        cmocka_unit_test(samples_follow_the_density),
+        cmocka_unit_test(any_surface_is_consistent),
+        cmocka_unit_test(weights_are_what_is_evaluated),
+        cmocka_unit_test(both_ways_are_alike),
+        cmocka_unit_test(nothing_breaks_it),
+        cmocka_unit_test(smooth_is_the_limit),
+        cmocka_unit_test(speed_is_printed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
