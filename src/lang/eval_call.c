@@ -315,9 +315,12 @@ const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_
 static bool not_a_number(const EvalFunctionValue *function, Vec3 p, const Value *value)
 {
     Evaluator *evaluator = function->evaluator;
+    Frame top = {.has_chain = true};
+    evaluator->frame = &top;
     if (value->kind != VALUE_POISON)
         eval_report(evaluator, D_WRONG_TYPE, function->span, "'%s' gives %s, not a number, at <%g, %g, %g>",
                     function->def->name->text, value_describe(evaluator->arena, value), p.x, p.y, p.z);
+    evaluator->frame = NULL;
     evaluator->stop = true;
     return false;
 }

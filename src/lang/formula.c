@@ -339,7 +339,10 @@ const Program *formula_compile(const EvalFunctionValue *function, Arena *arena)
     ValueKind kinds[LIMIT_ARGUMENTS];
     const Def *def = function->def;
     begin(c, function, &top, &here);
-    if (c->evaluator->stop || !find_roles(function, roles, kinds)) return NULL;
+    if (c->evaluator->stop || !find_roles(function, roles, kinds)) {
+        c->evaluator->frame = NULL;
+        return NULL;
+    }
     c->steps = ARENA_ARRAY(c->evaluator->arena, ProgramStep, PROGRAM_MOST_REGISTERS);
     c->constants = ARENA_ARRAY(c->evaluator->arena, double, PROGRAM_MOST_REGISTERS);
     Scope scope = scope_of_def(c, def, scope_of_frame(c, function->lexical));

@@ -167,6 +167,14 @@ static bool check_user(Builder *b, uint32_t row, const EvalProp *user, const Tex
     return false;
 }
 
+/* Many objects share what is looked at: the first are looked at closely. */
+static uint32_t places_on(Builder *b)
+{
+    const uint32_t closely = 1000, at_all = 100000;
+    uint32_t n = b->n_formula_objects < at_all ? b->n_formula_objects++ : at_all;
+    return n < closely ? PLACES : n < at_all ? PLACES / 32 : 0;
+}
+
 void build_check_formulas(Builder *b, uint32_t object_row)
 {
     const SceneObject *object = &b->scene->objects[object_row];
@@ -176,7 +184,8 @@ void build_check_formulas(Builder *b, uint32_t object_row)
     for (uint32_t n = 0; n < b->n_open_textures && !failed; n++) {
         const OpenTexture *open = &b->open_textures[n];
         if (!build_surface_includes(b->scene, object->surface, open->row, 0)) continue;
-        for (uint32_t i = 0; i < PLACES && !failed; i++) {
+        uint32_t places = places_on(b);
+        for (uint32_t i = 0; i < places && !failed; i++) {
             TexturePlace at = {.identity = object->identity};
             Vec3 p, normal;
             if (!place_on_shape(shape, i, &p, &normal, at.uv)) break;

@@ -82,6 +82,7 @@ typedef struct Builder {
     TextureFacts *texture_facts; /* of scene->textures */
     OpenTexture *open_textures;
     uint32_t n_open_textures, open_textures_capacity;
+    uint32_t n_formula_objects; /* that have been looked at for them */
     uint32_t texture_facts_capacity, textures_capacity, pictures_capacity, texture_frames_capacity;
     double picture_bytes;
     const EvalProp *texture_user; /* the property that textures are being built for */
