@@ -37,6 +37,45 @@ static OptionKey find_letter(Command command, char letter)
     return OPTION_COUNT;
 }
 
+/* What writers of POV-Ray's command lines mean, by the letters behind '+' or '-'; meniscus-povray(7) has all of them. */
+static const struct {
+    const char *letters, *instead;
+} habits[] = {
+    {"W", "--size 640x480"},
+    {"H", "--size 640x480"},
+    {"width", "--size 640x480"},
+    {"height", "--size 640x480"},
+    {"I", "the scene's name"},
+    {"L", "-I FOLDER"},
+    {"O", "-o picture.exr"},
+    {"F", "-o picture.png"},
+    {"WT", "-j 4"},
+    {"KF", "--frames 1..120"},
+    {"K", "--clock 0.5"},
+    {"KC", "animation { cyclic = true } in the scene"},
+    {"Q", "-s 32, and more for the last picture"},
+    {"quality", "-s 32, and more for the last picture"},
+    {"A", "-s 256: more samples smooth edges, too"},
+    {"antialias", "-s 256: more samples smooth edges, too"},
+};
+
+/* NULL: of no use to them. */
+static const char *habit_of(const char *word)
+{
+    const char *letters = word + strspn(word, "+-");
+    const char *found = NULL;
+    size_t most = 0;
+    for (size_t i = 0; i < sizeof habits / sizeof *habits; i++) {
+        size_t n = strlen(habits[i].letters);
+        bool whole = !letters[n] || strchr("=.0123456789", letters[n]) || *word == '+';
+        if (n > most && strncmp(letters, habits[i].letters, n) == 0 && whole) {
+            most = n;
+            found = habits[i].instead;
+        }
+    }
+    return found;
+}
+
 /* An option of another command is named with that command; else the nearest of this one. */
 static Status unknown_name(Parser *parser, const char *name, size_t length)
 {
@@ -44,8 +83,8 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
     for (Command other = 0; other < COMMAND_COUNT; other++) {
         OptionKey key = find_name(other, name, length);
         if (other != command && key != OPTION_COUNT && option_row(key)->help)
-            return fail(parser->error, STATUS_USAGE, "'%s' has no option '--%.*s'; '%s' has one", command_row(command)->name,
-                        (int)length, name, command_row(other)->name);
+            return fail(parser->error, STATUS_USAGE, "'%s' has no option '--%.*s'; '%s' has one",
+                        command_row(command)->name, (int)length, name, command_row(other)->name);
     }
     const char *names[OPTION_COUNT];
     size_t n = 0;
@@ -54,7 +93,8 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
             names[n++] = option_row(key)->name;
     char wrong[64];
     snprintf(wrong, sizeof wrong, "%.*s", (int)length, name);
-    const char *near = suggest_nearest(wrong, names, n);
+    const char *near = suggest_nearest(wrong, names, n), *habit = near ? NULL : habit_of(wrong);
+    if (habit) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
     return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'%s%s%s", (int)length, name,
                 near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");
 }
@@ -130,12 +170,15 @@ static Status read_cluster(Parser *parser, const char *word)
 {
     Command command = parser->options->command;
     if (word[2] && find_name(command, word + 1, strlen(word + 1)) != OPTION_COUNT)
-        return fail(parser->error, STATUS_USAGE, "unknown option '%s'; did you mean '-%s' (with two dashes)?", word, word);
+        return fail(parser->error, STATUS_USAGE, "unknown option '%s'; did you mean '-%s' (with two dashes)?", word,
+                    word);
     for (const char *letter = word + 1; *letter && !parser->stop; letter++) {
         OptionKey key = find_letter(command, *letter);
         if (key == OPTION_COUNT && letter == word + 1)
-            return fail(parser->error, STATUS_USAGE, "unknown option '%s'", word);
-        if (key == OPTION_COUNT) return fail(parser->error, STATUS_USAGE, "unknown option '-%c' in '%s'", *letter, word);
+            return fail(parser->error, STATUS_USAGE, "unknown option '%s'%s%s", word,
+                        habit_of(word) ? "; here it is " : "", habit_of(word) ? habit_of(word) : "");
+        if (key == OPTION_COUNT)
+            return fail(parser->error, STATUS_USAGE, "unknown option '-%c' in '%s'", *letter, word);
         const OptionRow *row = option_row(key);
         const char spelled[] = {'-', *letter, 0}, *text = NULL;
         if (takes_value(row)) {
@@ -154,9 +197,13 @@ static Status check_operands(Parser *parser)
 {
     const Options *options = parser->options;
     const CommandRow *row = command_row(options->command);
+    for (size_t i = 0; i < options->n_operands && options->n_operands > row->most; i++)
+        if (*options->operands[i] == '+' && habit_of(options->operands[i]))
+            return fail(parser->error, STATUS_USAGE, "'%s' is POV-Ray's; here it is %s (see meniscus-povray(7))",
+                        options->operands[i], habit_of(options->operands[i]));
     if (options->n_operands > row->most)
-        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s", options->operands[row->most],
-                    row->name, row->most == 0 ? "none" : row->operands);
+        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s",
+                    options->operands[row->most], row->name, row->most == 0 ? "none" : row->operands);
     if (options->n_operands < row->fewest)
         return fail(parser->error, STATUS_USAGE, "'%s' needs %s", row->name, row->operands);
     return STATUS_OK;

@@ -61,7 +61,7 @@ static Diagnostic *report_text(Evaluator *evaluator, DiagCode code, Span span, c
 {
     char text[1024];
     vsnprintf(text, sizeof text, format, args);
-    evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
+    evaluator->diag->chain = evaluator->frame ? frame_chain(evaluator, evaluator->frame) : NULL; /* none: after all */
     Diagnostic *report = diag_report(evaluator->diag, code, span, "%s", text);
     evaluator->diag->chain = NULL;
     if (evaluator->diag->n_errors > LIMIT_ERRORS) evaluator->stop = true;

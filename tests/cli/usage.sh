@@ -30,6 +30,13 @@ refuses "did you mean '--spp' (with two dashes)?" render -spp 3 small.mns
 refuses "'render' has no option '--flip'; 'compare' has one" render --flip small.mns
 refuses "'render' needs SCENE" render
 refuses "'other.mns' is one word too many" render small.mns other.mns
+refuses "'+W640' is POV-Ray's; here it is --size 640x480" render small.mns +W640 +H480
+refuses "'+WT4' is POV-Ray's; here it is -j 4" render small.mns +WT4
+refuses "unknown option '-W'; here it is --size 640x480" render small.mns -W 640
+refuses "unknown option '--width'; here it is --size 640x480" render small.mns --width 640
+refuses "unknown option '-H480'; here it is --size 640x480" render small.mns -H480
+refuses "unknown option '--quality'; here it is -s 32" render small.mns --quality 9
+refuses "unknown option '-Y'" render small.mns -Y
 refuses "option '--spp' needs a value" render small.mns --spp
 refuses "option '--half' takes no value" render small.mns --half=yes
 refuses "'0' is not a whole number from 1 to 16777216" render small.mns --spp 0
