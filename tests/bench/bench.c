@@ -20,7 +20,6 @@ static const Benchmark benchmarks[] = {
     {"noise", "the error of pictures against time", bench_noise, NULL},
     {"fireflies", "single pixels that are far too bright, and the light in them", bench_fireflies, NULL},
     {"techniques", "sharing out the work, stopping pixels, light in haze: errors with against without", bench_techniques, NULL},
-    {"techniques", "sharing out the work, stopping pixels: errors with against without", bench_techniques, NULL},
     {"sampling", "patterns of samples, wavelengths and roulette: errors at equal time", bench_sampling, NULL},
     {"stated", "the noise that is stated over the error that is there", bench_stated, NULL},
     {"caustics", "small lights behind glass: errors with photons against without", NULL, bench_caustics},
