@@ -22,6 +22,8 @@ enum { NOISE_FLOOR = 16 };
 /* A picture that is shown begins with every fourth pixel each way. Later ones take this part of the time at most. */
 enum { COARSEST = 4 };
 static const double picture_interval_s = 1, picture_share = 0.05;
+/* What is said of the noise on the way takes this part of the time at most. */
+static const double noise_share = 0.02;
 
 typedef struct Job {
     const RenderSettings *settings;
@@ -45,6 +47,7 @@ typedef struct Job {
     double adapted_at, adapted_from;  /* seconds and samples when the first plan was made */
     double start, last_progress, noise, fraction;
     double picture_at, picture_cost; /* when the last one was shown, and how long that took */
+    double noise_at, noise_cost;     /* the same of the noise */
     bool *tile_done;   /* of this pass */
 } Job;
 
@@ -106,6 +109,16 @@ static void report_progress(Job *job, double fraction_of_pass)
     progress.paths = job->tracers[0].counters.paths * job->n_threads;
     progress.rays = job->tracers[0].counters.rays * job->n_threads;
     job->events->progress(job->events->context, &progress);
+}
+
+/* Judges the noise so far, for progress, unless it was just done. */
+static void judge_noise(Job *job)
+{
+    double now = clock_now_s();
+    if (!job->events || !job->events->progress || now - job->noise_at < job->noise_cost / noise_share) return;
+    job->noise = adapt_noise(&job->film, job->crop);
+    job->noise_at = clock_now_s();
+    job->noise_cost = job->noise_at - now;
 }
 
 static bool shows_picture(const Job *job)
@@ -216,7 +229,7 @@ static Status run_uniform(Job *job, Pool *pool, uint32_t samples, bool *stopped,
         if (*stopped) break;
         job->done += n;
         report_picture(job, 1, false);
-        if (job->done >= NOISE_FLOOR) job->noise = adapt_noise(&job->film, job->crop);
+        if (job->done >= NOISE_FLOOR) judge_noise(job);
         report_progress(job, 0);
         if (job->done < job->settings->samples && asked_to_stop(job)) *stopped = true;
     }
@@ -233,7 +246,7 @@ static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Er
     while (!*stopped) {
         TRY(adapt_plan(adapt, &job->film, job->settings->noise, job->settings->samples, &job->plan, error));
         job->planned_at_samples = (double)job->samples;
-        job->noise = adapt_noise(&job->film, job->crop);
+        judge_noise(job);
         uint32_t left = job->plan.next;
         if (!left) break;
         while (left && !*stopped) {

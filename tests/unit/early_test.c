@@ -87,7 +87,9 @@ static void who_looks_changes_nothing(void **state)
                                               &stats[looks], &error),
                                  STATUS_OK);
             assert_true(shown.n >= 4);
-            assert_int_equal(shown.black, shown.n * (38 * 2 + 25)); /* what is outside of the crop */
+            /* what is outside of the crop, and here and there a path that brings nothing */
+            int outside = shown.n * (38 * 2 + 25);
+            assert_true(shown.black >= outside && shown.black <= outside + 5 * shown.n);
             for (int i = 1; i < 4; i++) assert_near(shown.sums[i] / shown.sums[0], 1, 0.5);
             assert_int_equal((stats[0].guide.followed > 0) + (stats[1].guide.followed > 0), k ? 2 : 0);
             assert_true(stats[0].rays == stats[1].rays && stats[0].paths == stats[1].paths);
