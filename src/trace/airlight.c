@@ -11,6 +11,9 @@
 #define DEEP 8.0
 /* In thick media a light is near up to this many mean free paths: closer to it than that, flights are too rare. */
 #define NEAR 0.25
+/* Lights that are closer to a stretch than its length are brighter there: looks are more, in proportion, up to this factor,
+ * where the camera sees it, or sees it in a mirror or through glass. */
+#define MOST_MORE 8.0f
 /* Less than this part of the looks is none: weighing what flights find against them would take longer. */
 #define FEW 0.05f
 /* Of a grid's largest density, what it is taken to have in the mean: for how often to look only. */
@@ -23,6 +26,12 @@ static LightLine line_of(const Airway *way)
     return (LightLine){vec3f_from(way->origin), way->direction, (float)way->begin, (float)way->end};
 }
 
+/* What there is to scatter sets how often the stretch is looked at; how much light there is, as well. */
+static float share_of(const Airway *way, float brighter)
+{
+    return way->carried * float_min(way->scattered_part / THIN * brighter, 1);
+}
+
 /* Lights that are near in terms of the mean free path are worth a look in thick media, too: there the flights are many, but
  * few of them are close to the light. */
 static float share_near(const Path *path, const Airway *way, uint32_t emitter)
@@ -33,7 +42,9 @@ static float share_near(const Path *path, const Airway *way, uint32_t emitter)
     to = vec3_along(to, -nearest, along);
     double distance2 = vec3_dot(to, to), near2 = NEAR * NEAR * way->free_path * way->free_path;
     float near = distance2 > near2 ? (float)(near2 / distance2) : 1;
-    return way->share * (way->alone + (1 - way->alone) * (near < FEW ? 0 : near));
+    double brighter = (way->end - way->begin) / fmax(sqrt(distance2), 1e-9 * (way->end - way->begin));
+    return share_of(way, (float)fmin(fmax(brighter, 1), (double)way->most_more)) *
+           (way->alone + (1 - way->alone) * (near < FEW ? 0 : near));
 }
 
 /* Whether there can be such lights. */
@@ -45,7 +56,7 @@ static bool any_near(const World *world, const Airway *way)
 
 static float share_far(const Airway *way)
 {
-    return way->share * way->alone;
+    return share_of(way, 1) * way->alone;
 }
 
 /* Places by the angle under which an emitter sees them. */
@@ -144,9 +155,10 @@ static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool un
     Lanes factor = flight_lane_factor(flight);
     way->ratio = lanes_mul(path->ratio, factor);
     way->scattered = flight->scattered;
-    float carried = lanes_mean(lanes_mul(path->beta, factor)) / lanes_mean(way->ratio);
-    float scattered = (1 - expf(-all * flight_length(reach))) * (mean / all);
-    way->share = float_min(carried, 1) * float_min(scattered / THIN, 1);
+    way->carried = float_min(lanes_mean(lanes_mul(path->beta, factor)) / lanes_mean(way->ratio), 1);
+    way->scattered_part = (1 - expf(-all * flight_length(reach))) * (mean / all);
+    way->most_more = path->scatter_pdf < 0 ? MOST_MORE : 1;
+    way->share = share_of(way, way->most_more);
     return way->share > 0 && way->end > way->begin;
 }
 

@@ -215,12 +215,13 @@ Box3 glow_box(const Scene *scene, const Glow *glow, double time)
     return affine_box(&to_world, glow->box);
 }
 
-static double third_number(double digits, const float u[2])
+/* The digits that have chosen a brick are used up; of what is left of them the first ones are evenly spread still, the last
+ * ones are filled up. */
+static double third_number(double left, const float u[2])
 {
-    /* the digits that have chosen a brick are used up */
-    uint64_t bits = (uint64_t)(digits * 0x1p53) ^
-                    hash_u64((uint64_t)((double)u[0] * 0x1p24) << 32 | (uint64_t)((double)u[1] * 0x1p24));
-    return (double)(hash_u64(bits) >> 11) * 0x1p-53;
+    uint64_t more = hash_u64((uint64_t)((double)u[0] * 0x1p24) << 32 | (uint64_t)((double)u[1] * 0x1p24));
+    left += (double)(more >> 11) * 0x1p-53 * 0x1p-16;
+    return left < 1 ? left : left - 1;
 }
 
 /* Of places in the brick, in lattice coordinates' cubes. */
@@ -244,11 +245,12 @@ GlowPoint glow_sample(const Scene *scene, const Glow *glow, double time, double 
         else
             low = middle + 1;
     }
+    double before = low ? glow->shares[low - 1] : 0, left = (digits - before) / (glow->shares[low] - before);
     int32_t first[3];
     brick_first(glow, low, first);
     Vec3 size = brick_size(glow, first);
     Vec3 at = vec3(first[0] + size.x * (double)u[0], first[1] + size.y * (double)u[1],
-                   first[2] + size.z * third_number(digits, u));
+                   first[2] + size.z * third_number(left, u));
     MediumMaps room;
     const MediumMaps *maps = media_maps(scene, glow->place, time, &room);
     Affine to_world;

@@ -21,9 +21,12 @@ enum { PATH_MEDIA = 4 };
 typedef struct Airway {
     Vec3 origin;
     Vec3f direction;
-    double begin, end;  /* along the ray */
-    float share, alone; /* how often it is looked at; and how likely a flight goes through it without being scattered */
-    float extinction;   /* a mean */
+    double begin, end;             /* along the ray */
+    float carried, scattered_part; /* by the path; of the light on the stretch, roughly */
+    float most_more;               /* by how much more often lights beside it are looked at, at most */
+    float share,
+        alone; /* how often it is looked at, at most; and how likely a flight goes through it without being scattered */
+    float extinction; /* a mean */
     double free_path;
     Lanes ratio, scattered; /* at its beginning: the path's ratio, the optical depths that the flight had behind it */
     double t;               /* a place on it where a flight was scattered, */

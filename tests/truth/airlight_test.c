@@ -137,46 +137,46 @@ static void lamps_in_haze(void **state)
     } cases[] = {
         {"a lamp in a slab",
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
-         {1e-4, .02, 0, 1, 9, .5, 4, INFINITY},
+         {2e-5, .02, 0, 1, 9, .5, 4, INFINITY},
          0.01},
         {"crossed by hulls that the haze outranks",
          "medium water { ior = 1.33 } medium outer { ior = 1.1 } box { interior = outer  from = <-5, -5, -7>  to = <5, "
          "5, -1.5>"
          "  priority = -2 } sphere { interior = water  center = <0, 0, -4>  radius = .8  priority = -1 }"
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
-         {1e-4, .02, 0, 1, 9, .5, 4, INFINITY},
+         {2e-5, .02, 0, 1, 9, .5, 4, INFINITY},
          0.01},
         {"close to the line of sight, forward",
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
-         {1e-4, .02, .8, 1, 9, .01, 6, INFINITY},
+         {2e-5, .02, .8, 1, 9, .01, 6, INFINITY},
          0.02},
         {"behind the eye, backward",
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, 9> }",
-         {1e-4, .02, -.5, 0, 9, 1, -.5, INFINITY},
+         {2e-5, .02, -.5, 0, 9, 1, -.5, INFINITY},
          0.01},
         {"beyond a wall",
          "box { interior = haze  from = <-90, -90, -99>  to = <90, 90, 9> }"
          "box { from = <-1, -1, -7>  to = <1, 1, -6>  surface = surface { albedo = 0 } }",
-         {1e-4, .02, 0, 0, 6, 2, 4, INFINITY},
+         {2e-5, .02, 0, 0, 6, 2, 4, INFINITY},
          0.01},
         {"dense, and mostly absorbing",
          "box { interior = haze  from = <-90, -90, -9>  to = <90, 90, -1> }",
-         {.002, 1, .3, 1, 9, .2, 2, INFINITY},
+         {.0005, 1, .3, 1, 9, .2, 2, INFINITY},
          0.01},
         {"endless",
-         "medium far { ior = 1  scattering = 1e-4  absorption = .1 } world { medium = far }",
-         {1e-4, .1, 0, 0, INFINITY, .5, 4, INFINITY},
+         "medium far { ior = 1  scattering = 2e-5  absorption = .1 } world { medium = far }",
+         {2e-5, .1, 0, 0, INFINITY, .5, 4, INFINITY},
          0.01},
         {"in parts, by hulls of nothing else",
          "for (z in 0..7) { box { interior = haze  from = <-90, -90, -2 - z>  to = <90, 90, -1 - z> } }",
          {1e-4, .02, 0, 1, 9, .5, 4, INFINITY},
          0.01},
         {"mixing with air, and with nothing",
-         "medium more { mixes = true  scattering = 5e-5 } box { interior = thin  from = <-90, -90, -9>  to = <90, 90, "
+         "medium more { mixes = true  scattering = 1e-5 } box { interior = thin  from = <-90, -90, -9>  to = <90, 90, "
          "-1> }"
          "box { interior = more  from = <-90, -90, -9>  to = <90, 90, -1> } box { interior = more  from = <-90, -90, "
          "-9>  to = <90, 90, -1> }",
-         {1e-4, 0, 0, 1, 9, .5, 4, INFINITY},
+         {2e-5, 0, 0, 1, 9, .5, 4, INFINITY},
          0.01},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
