@@ -177,8 +177,8 @@ int relation_compare_facts(const void *left, const void *right);
 ATTR_NODISCARD Status relation_find_near(Finder *f, Error *error);
 /* For qsort: by both hulls. */
 int relation_compare_pairs(const void *left, const void *right);
-/* The bounds of a hull with a little more than its margin around them: the boxes that lines are started from lie within.
- * */
+/* The bounds of a hull with a little more than its margin around them: the boxes that lines are started from lie
+ * within. */
 Box3 relation_neighbourhood(const void *finder, uint32_t hull);
 
 #endif
