@@ -177,6 +177,16 @@ static uint32_t dimension(const Path *path, uint32_t number, uint32_t which)
     return DIM_AIRLIGHT + (path->bounce * STRETCHES + (number < STRETCHES ? number : STRETCHES - 1)) * NUMBERS + which;
 }
 
+/* Off the surfaces at both ends by what rounding may take, so that straight rays from there find all that they cross. */
+static double off_ends(const Path *path, double t)
+{
+    const Airway *way = &path->way;
+    Vec3 place = ray_point(&path->ray, t);
+    double far = fmax(fmax(fabs(place.x), fabs(place.y)), fabs(place.z));
+    double margin = fmin(1e-7 * far, 0.01 * (way->end - way->begin));
+    return fmin(fmax(t, way->begin + margin), way->end - margin);
+}
+
 static bool look_near(const Path *path, double rest, const float place[2], const float u[2], Look *look)
 {
     const World *world = path->tracer->world;
@@ -191,12 +201,12 @@ static bool look_near(const Path *path, double rest, const float place[2], const
     LightPivot pivot = light_pivot(world, emitter, time, rest, place);
     Fall fall;
     if (!fall_about(path, way, emitter, &pivot, &fall)) return false;
-    look->t = fall_sample(&fall, (double)u[1]);
+    look->t = off_ends(path, fall_sample(&fall, (double)u[1]));
     Vec3 from = ray_point(&path->ray, look->t);
     look->light = light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm);
     look->here = world->near_choice * of_tree * share * fall_density(&fall, look->t);
     look->there = light_choice(world, emitter, from, vec3f(0, 0, 0));
-    return look->there > 0;
+    return look->here > 0 && look->there > 0;
 }
 
 static bool look_far(const Path *path, const LightChoice *chosen, double rest, const float place[2], const float u[2],
@@ -205,7 +215,8 @@ static bool look_far(const Path *path, const LightChoice *chosen, double rest, c
     const Airway *way = &path->way;
     float share = share_far(way);
     if (u[0] >= share) return false;
-    look->t = way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin);
+    look->t =
+        off_ends(path, way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin));
     look->light = light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0),
                                       path->ray.time, rest, place, path->wavelengths.nm);
     look->here = share * pass_density(way, look->t);
