@@ -3,8 +3,8 @@
  * A straight line to a light that lies behind a clear boundary is blocked, and paths that are bent there find a small
  * light once in some ten thousand tries: each find is then ten thousand times too bright. So before a picture is rendered,
  * photons are followed from the lights through the clear objects (trace/photon.h), and where they land they say from where
- * such light comes. Paths that scatter hereabouts choose some of their directions after that ([Jensen95]). The density of these directions is known exactly, and mixed with
- * the surface's own ([Veach97] 9.2.4); so the picture converges to the same whatever the photons say, no weight is above
+ * such light comes. Paths that scatter hereabouts choose some of their directions after that ([Jensen95]). The density of
+ * these directions is known exactly, and mixed with the surface's own ([Veach97] 9.2.4); so the picture converges to the same whatever the photons say, no weight is above
  * that of the surface's own sampling by more than the share it leaves to it, and paths that go from the camera through
  * glass to the place are guided alike.
  *
@@ -15,7 +15,8 @@
  * Why not otherwise: manifold next-event estimation (J. Hanika, M. Droske, L. Fascione, EGSR (2015); T. Zeltner, I.
  * Georgiev, W. Jakob, "Specular Manifold Sampling", SIGGRAPH (2020)) has to be told, or to guess, which surfaces a path
  * passes, needs a walk for each of the many ways through nested objects with bubbles, and surfaces that are smooth
- * everywhere. Merging vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
+ * everywhere. What photons know of one place is taken for its neighbourhood to first order, and guide_new.c lays more of
+ * them where that is not enough; where light goes through many facets or bumps, there are never enough. Merging vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
  * What this does not find: lights without size behind glass, which no direction meets; and images of lights in glass that
  * the camera sees straight, which are found by the pixel's own samples.
  * SPDX-License-Identifier: Apache-2.0 */
