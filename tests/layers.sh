@@ -28,19 +28,21 @@ diag base
 lang base diag
 nest base
 optics base
-geom base diag
+mesh base diag
+shape base diag mesh
+geom base mesh shape
 image base diag
-scene base diag lang nest optics geom
-check base diag nest optics geom scene
-trace base nest optics geom scene
+scene base diag lang nest optics mesh shape geom
+check base diag nest optics mesh shape geom scene
+trace base nest optics mesh shape geom scene
 render base diag image scene trace
-cli base diag lang nest optics geom image scene check trace render
+cli base diag lang nest optics mesh shape geom image scene check trace render
 TABLE
 verdict 'Embree only behind geom/embree.h' "$(grep -lE 'include <embree' -r src --include='*.[ch]' | grep -v '^src/geom/embree.h$')"
 verdict 'geom/embree.h only in geom/rtc*' "$(grep -lE 'geom/embree.h|rtc_scene.h' -r src --include='*.[ch]' | grep -vE '^src/geom/(rtc|embree)')"
 verdict 'OpenEXR only in image/exr.c' "$(grep -lE 'include <openexr' -r src --include='*.[ch]' | grep -v '^src/image/exr.c$')"
-verdict 'Jansson only behind geom/gltf_data' "$(grep -lE 'include <jansson' -r src --include='*.[ch]' | grep -v '^src/geom/gltf_data.h$')"
-verdict 'FreeType only in geom/glyphs.c' "$(grep -l 'ft2build' -r src --include='*.[ch]' | grep -v '^src/geom/glyphs.c$')"
+verdict 'Jansson only behind mesh/gltf_data' "$(grep -lE 'include <jansson' -r src --include='*.[ch]' | grep -v '^src/mesh/gltf_data.h$')"
+verdict 'FreeType only in shape/glyphs.c' "$(grep -l 'ft2build' -r src --include='*.[ch]' | grep -v '^src/shape/glyphs.c$')"
 verdict 'C++ only in image/ocio.cpp' "$(find src -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' | grep -v '^src/image/ocio.cpp$')"
 verdict 'file names are unique' "$(find src -type f ! -name README.md -printf '%f\n' | sort | uniq -d)"
 verdict 'no file over 1,000 lines' "$(find src -name '*.[ch]' -exec wc -l {} + | awk '$1 > 1000 && $2 != "total"')"

@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/num.h"
 #include "cli/commands.h"
-#include "geom/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "image/image.h"
 #include "optics/nanovdb.h"
 

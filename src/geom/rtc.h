@@ -15,8 +15,8 @@
 
 #include "base/status.h"
 #include "base/vec3.h"
-#include "geom/mesh.h"
-#include "geom/piece.h"
+#include "mesh/mesh.h"
+#include "shape/piece.h"
 
 typedef struct RtcScene RtcScene;
 
@@ -27,7 +27,8 @@ typedef struct RtcObject {
     const Mesh *mesh;   /* or NULL */
     const Solid *solid; /* or NULL */
     Affine to_world;    /* of one that moves: at time 0 */
-    const Affine *keys; /* NULL, or where it is at evenly spread times from 0 to 1: as many as rtc_scene_new is told; not owned */
+    const Affine *
+        keys; /* NULL, or where it is at evenly spread times from 0 to 1: as many as rtc_scene_new is told; not owned */
     const Mesh *mesh_end; /* NULL, or the same triangles with the positions and normals at time 1; linear in between */
     bool opaque;        /* nothing is seen through it: a search for all surfaces along a ray may stop at it */
 } RtcObject;

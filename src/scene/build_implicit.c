@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
-#include "geom/implicit.h"
+#include "shape/implicit.h"
 #include "scene/build_parts.h"
 
 /* Says when the grid could not be made fine enough. */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "geom/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "scene/build_parts.h"
 
 static bool same_point(Vec3f a, Vec3f b)

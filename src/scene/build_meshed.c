@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "geom/contour.h"
-#include "geom/meshed.h"
+#include "shape/contour.h"
+#include "shape/meshed.h"
 #include "scene/build_parts.h"
 
 /* ---- shapes by what their nodes say ---- */

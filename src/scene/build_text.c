@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "geom/glyphs.h"
-#include "geom/meshed.h"
+#include "shape/glyphs.h"
+#include "shape/meshed.h"
 #include "scene/build_parts.h"
 
 static const char default_font[] = "DejaVuSans.ttf";

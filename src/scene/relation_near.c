@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "geom/box_pairs.h"
+#include "mesh/box_pairs.h"
 #include "scene/relation_parts.h"
 
 static const double pi = 3.14159265358979323846;

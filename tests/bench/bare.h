@@ -4,7 +4,7 @@
 #define MEN_TEST_BARE_H
 
 #include "geom/embree.h"
-#include "geom/mesh.h"
+#include "mesh/mesh.h"
 
 /* A scene of these triangles alone, robust as the renderer's own. The arrays are shared and must live as long. */
 RTCScene bare_scene(RTCDevice device, const Vec3f *positions, size_t n_positions, const uint32_t (*triangles)[3],

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "fuzz.h"
-#include "geom/mesh_file.h"
+#include "mesh/mesh_file.h"
 
 typedef Status MeshLoader(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "geom/box_pairs.h"
+#include "mesh/box_pairs.h"
 
 enum { MOST = 1500 };
 

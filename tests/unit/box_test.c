@@ -4,7 +4,7 @@
 
 #include "near.h"
 
-#include "geom/mesh.h"
+#include "mesh/mesh.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -3,7 +3,7 @@
 #include "test.h"
 
 #include "base/hash.h"
-#include "geom/exact.h"
+#include "mesh/exact.h"
 #include "mesh_joined.h"
 #include "near.h"
 

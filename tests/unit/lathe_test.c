@@ -5,7 +5,7 @@
 
 #include "near.h"
 
-#include "geom/piece.h"
+#include "shape/piece.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "base/hash.h"
-#include "geom/piece.h"
+#include "shape/piece.h"
 #include "trace/light_tree.h"
 
 static const double pi = 3.14159265358979323846;

@@ -3,7 +3,7 @@
 #ifndef MEN_TEST_MESH_JOINED_H
 #define MEN_TEST_MESH_JOINED_H
 
-#include "geom/mesh.h"
+#include "mesh/mesh.h"
 
 /* One mesh of two; frees them. */
 static inline Mesh *joined(Mesh *a, Mesh *b)

@@ -5,7 +5,7 @@
 #define MEN_TEST_MESH_READER_H
 
 #include "base/hash.h"
-#include "geom/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "temporary.h"
 
 static const char *mesh_name;

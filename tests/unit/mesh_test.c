@@ -4,7 +4,7 @@
 
 #include "near.h"
 
-#include "geom/mesh_file.h"
+#include "mesh/mesh_file.h"
 
 static Mesh *made_box(Vec3 from, Vec3 to, double bevel, unsigned segments)
 {

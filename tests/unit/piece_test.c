@@ -6,7 +6,7 @@
 #include "dice.h"
 #include "near.h"
 
-#include "geom/piece.h"
+#include "shape/piece.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/hash.h"
-#include "geom/contour.h"
-#include "geom/meshed.h"
+#include "shape/contour.h"
+#include "shape/meshed.h"
 #include "near.h"
 
 static const double pi = 3.14159265358979323846;

@@ -1,0 +1,45 @@
+/* gltf_data.h - the JSON and the buffers of a glTF file; private to gltf.c and gltf_data.c.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_GLTF_DATA_H
+#define MEN_GLTF_DATA_H
+
+#include <jansson.h>
+
+#include "mesh/mesh_file.h"
+
+typedef struct GltfBuffer {
+    const unsigned char *bytes;
+    size_t length;
+    char *owned; /* NULL: part of the file itself */
+} GltfBuffer;
+
+typedef struct Gltf {
+    const char *path;
+    Error *error;
+    char *file;
+    size_t file_length;
+    json_t *root;
+    GltfBuffer *buffers;
+    size_t n_buffers;
+    bool has_normals, has_uvs;
+} Gltf;
+
+/* Reads the file, checks version and extensions, and loads the buffers. gltf_close after a failure, too. */
+ATTR_NODISCARD Status gltf_open(Gltf *gltf);
+void gltf_close(Gltf *gltf);
+
+/* STATUS_INPUT: the path, then the text. */
+Status gltf_fail(const Gltf *gltf, const char *format, ...) ATTR_PRINTF(2, 3);
+/* The item of the root's list that holder[key] numbers. */
+ATTR_NODISCARD Status gltf_item(const Gltf *gltf, const json_t *holder, const char *key, const char *list,
+                                const json_t **item);
+/* The same for the number at a place of an array. */
+ATTR_NODISCARD Status gltf_item_at(const Gltf *gltf, const json_t *array, size_t place, const char *list,
+                                   size_t *number, const json_t **item);
+/* The accessor that holder[key] numbers: *count times n floats, malloc'd, finite. */
+ATTR_NODISCARD Status gltf_read_floats(const Gltf *gltf, const json_t *holder, const char *key, int n, float **out,
+                                       size_t *count);
+/* holder.indices, malloc'd. */
+ATTR_NODISCARD Status gltf_read_indices(const Gltf *gltf, const json_t *holder, uint32_t **out, size_t *count);
+
+#endif

@@ -1,0 +1,227 @@
+/* blob.c - blobs: bodies of balls and rods that flow into each other (J. F. Blinn, "A Generalization of Algebraic
+ * Surface Drawing", ACM TOG 1(3), 1982), with the density that POV-Ray's have.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "shape/implicit.h"
+
+enum { MAX_CELLS = 48 }; /* of the table of what is where, along an axis */
+
+typedef struct Part {
+    Affine to_local;
+    Vec3 from, along; /* along: from the begin to the end */
+    double length2, inverse_radius, strength;
+    Box3 bounds; /* outside of it the density is 0 */
+} Part;
+
+typedef struct Blob {
+    Part *parts;
+    size_t n_parts;
+    double threshold;
+    Box3 bounds;
+    uint32_t n_cells[3];
+    Vec3 per_length;         /* cells */
+    uint32_t *first, *items; /* items[first[cell] .. first[cell + 1]]: the parts that reach into a cell */
+} Blob;
+
+/* Distance over radius, squared, and the way from the axis. */
+static double distance2(const Part *part, Vec3 p, Vec3 *local)
+{
+    Vec3 way = vec3_sub(affine_point(&part->to_local, p), part->from);
+    if (part->length2 > 0) {
+        double t = vec3_dot(way, part->along) / part->length2;
+        way = vec3_along(way, -fmin(fmax(t, 0), 1), part->along);
+    }
+    *local = vec3_scale(way, part->inverse_radius);
+    return vec3_dot(*local, *local);
+}
+
+static double density(const Part *part, Vec3 p)
+{
+    Vec3 local;
+    double d2 = distance2(part, p, &local);
+    return d2 < 1 ? part->strength * (1 - d2) * (1 - d2) : 0;
+}
+
+static uint32_t cell_along(double x, double low, double per_length, uint32_t n)
+{
+    double cell = floor((x - low) * per_length);
+    return cell <= 0 ? 0 : cell >= n ? n - 1 : (uint32_t)cell;
+}
+
+static void cells_of(const Blob *blob, Vec3 p, uint32_t cell[3])
+{
+    cell[0] = cell_along(p.x, blob->bounds.min.x, blob->per_length.x, blob->n_cells[0]);
+    cell[1] = cell_along(p.y, blob->bounds.min.y, blob->per_length.y, blob->n_cells[1]);
+    cell[2] = cell_along(p.z, blob->bounds.min.z, blob->per_length.z, blob->n_cells[2]);
+}
+
+static size_t cell_number(const Blob *blob, const uint32_t cell[3])
+{
+    return ((size_t)cell[2] * blob->n_cells[1] + cell[1]) * blob->n_cells[0] + cell[0];
+}
+
+static bool blob_value(void *context, Vec3 p, double *value)
+{
+    const Blob *blob = context;
+    uint32_t cell[3];
+    cells_of(blob, p, cell);
+    size_t number = cell_number(blob, cell);
+    *value = -blob->threshold;
+    for (uint32_t i = blob->first[number]; i < blob->first[number + 1]; i++)
+        *value += density(&blob->parts[blob->items[i]], p);
+    return true;
+}
+
+static bool blob_gradient(void *context, Vec3 p, Vec3 *gradient)
+{
+    const Blob *blob = context;
+    uint32_t cell[3];
+    cells_of(blob, p, cell);
+    size_t number = cell_number(blob, cell);
+    *gradient = vec3(0, 0, 0);
+    for (uint32_t i = blob->first[number]; i < blob->first[number + 1]; i++) {
+        const Part *part = &blob->parts[blob->items[i]];
+        Vec3 local;
+        double d2 = distance2(part, p, &local);
+        if (d2 >= 1) continue;
+        double factor = -4 * part->strength * (1 - d2) * part->inverse_radius;
+        *gradient = vec3_along(*gradient, factor, affine_normal(&part->to_local, local));
+    }
+    return true;
+}
+
+/* The first and the last point of a row of the lattice between two places. */
+static bool points_between(double low, double high, double origin, double step, uint32_t n, uint32_t *first,
+                           uint32_t *last)
+{
+    double a = fmax(ceil((low - origin) / step), 0), b = fmin(floor((high - origin) / step), (double)n - 1);
+    if (!(a <= b)) return false;
+    *first = (uint32_t)a;
+    *last = (uint32_t)b;
+    return true;
+}
+
+/* Each part adds to the points that it reaches. */
+static bool blob_layer(void *context, const Lattice *lattice, uint32_t k, double *values)
+{
+    const Blob *blob = context;
+    double z = lattice->origin.z + lattice->step.z * k;
+    for (size_t i = 0; i < (size_t)lattice->n[0] * lattice->n[1]; i++) values[i] = -blob->threshold;
+    for (size_t n = 0; n < blob->n_parts; n++) {
+        const Part *part = &blob->parts[n];
+        uint32_t i0, i1, j0, j1;
+        if (z < part->bounds.min.z || z > part->bounds.max.z) continue;
+        if (!points_between(part->bounds.min.x, part->bounds.max.x, lattice->origin.x, lattice->step.x, lattice->n[0],
+                            &i0, &i1) ||
+            !points_between(part->bounds.min.y, part->bounds.max.y, lattice->origin.y, lattice->step.y, lattice->n[1],
+                            &j0, &j1))
+            continue;
+        for (uint32_t j = j0; j <= j1; j++)
+            for (uint32_t i = i0; i <= i1; i++)
+                values[(size_t)j * lattice->n[0] + i] += density(
+                    part, vec3(lattice->origin.x + lattice->step.x * i, lattice->origin.y + lattice->step.y * j, z));
+    }
+    return true;
+}
+
+/* ---- making ---- */
+
+static Status set_part(const BlobComponent *component, size_t number, Part *part, Error *error)
+{
+    if (!affine_invert(&component->to_world, &part->to_local))
+        return fail(error, STATUS_SCENE, "the transforms of component %zu of the blob squash it flat", number);
+    part->from = component->from;
+    part->along = vec3_sub(component->to, component->from);
+    part->length2 = vec3_dot(part->along, part->along);
+    part->inverse_radius = 1 / component->radius;
+    part->strength = component->strength;
+    Box3 box = box3_add_point(box3_add_point(box3_empty(), component->from), component->to);
+    Vec3 margin = vec3(component->radius, component->radius, component->radius);
+    part->bounds = affine_box(&component->to_world, (Box3){vec3_sub(box.min, margin), vec3_add(box.max, margin)});
+    return STATUS_OK;
+}
+
+/* Counts (items NULL) or lists the parts of each cell; first[] must be zero, or the ends of the cells. */
+static void sort_parts(Blob *blob, uint32_t *first, uint32_t *items)
+{
+    for (size_t n = blob->n_parts; n > 0; n--) {
+        uint32_t low[3], high[3], cell[3];
+        cells_of(blob, blob->parts[n - 1].bounds.min, low);
+        cells_of(blob, blob->parts[n - 1].bounds.max, high);
+        for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+            for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
+                for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
+                    size_t number = cell_number(blob, cell);
+                    if (items)
+                        items[--first[number]] = (uint32_t)(n - 1);
+                    else
+                        first[number]++;
+                }
+    }
+}
+
+static Status make_cells(Blob *blob, Error *error)
+{
+    double sides[3] = {blob->bounds.max.x - blob->bounds.min.x, blob->bounds.max.y - blob->bounds.min.y,
+                       blob->bounds.max.z - blob->bounds.min.z};
+    double size = cbrt(sides[0] * sides[1] * sides[2] / (8 * (double)blob->n_parts));
+    for (int axis = 0; axis < 3; axis++) blob->n_cells[axis] = (uint32_t)fmin(fmax(sides[axis] / size, 1), MAX_CELLS);
+    blob->per_length = vec3(blob->n_cells[0] / sides[0], blob->n_cells[1] / sides[1], blob->n_cells[2] / sides[2]);
+    size_t n_cells = (size_t)blob->n_cells[0] * blob->n_cells[1] * blob->n_cells[2];
+    blob->first = calloc(n_cells + 1, sizeof *blob->first);
+    if (!blob->first) return fail_memory(error, n_cells * sizeof *blob->first, "a blob");
+    sort_parts(blob, blob->first, NULL);
+    uint64_t total = 0;
+    for (size_t i = 0; i < n_cells; i++) {
+        total += blob->first[i];
+        if (total >= UINT32_MAX) return fail(error, STATUS_SCENE, "the blob has too many components in one place");
+        blob->first[i] = (uint32_t)total;
+    }
+    blob->first[n_cells] = (uint32_t)total;
+    blob->items = malloc((total + 1) * sizeof *blob->items);
+    if (!blob->items) return fail_memory(error, total * sizeof *blob->items, "a blob");
+    sort_parts(blob, blob->first, blob->items);
+    return STATUS_OK;
+}
+
+static Status make_blob(Blob *blob, const BlobComponent *components, double tolerance, Mesh **mesh, double *reached,
+                        Error *error)
+{
+    double smallest = HUGE_VAL;
+    blob->bounds = box3_empty();
+    for (size_t i = 0; i < blob->n_parts; i++) {
+        TRY(set_part(&components[i], i, &blob->parts[i], error));
+        if (components[i].strength <= 0) continue; /* only takes away */
+        Box3 box = blob->parts[i].bounds;
+        blob->bounds = box3_union(blob->bounds, box);
+        Vec3 size = vec3_sub(box.max, box.min);
+        smallest = fmin(smallest, fmin(size.x, fmin(size.y, size.z)));
+    }
+    if (box3_is_empty(blob->bounds))
+        return fail(error, STATUS_SCENE, "the blob has no component with a positive strength");
+    TRY(make_cells(blob, error));
+    double extent = vec3_max_abs(vec3_sub(blob->bounds.max, blob->bounds.min));
+    const ImplicitField field = {blob, blob_layer, blob_value, blob_gradient};
+    const ImplicitOptions options = {.bounds = blob->bounds,
+                                     .tolerance = tolerance > 0 ? tolerance : extent / 4000,
+                                     .cells = (uint32_t)fmin(fmax(48, 10 * extent / smallest), 1000),
+                                     .max_points = 20000000};
+    return mesh_make_implicit(&field, &options, "the blob", mesh, reached, error);
+}
+
+Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance, Mesh **mesh,
+                      double *reached, Error *error)
+{
+    Blob blob = {.n_parts = n, .threshold = threshold};
+    if (n == 0) return fail(error, STATUS_SCENE, "the blob has no components");
+    blob.parts = malloc(n * sizeof *blob.parts);
+    if (!blob.parts) return fail_memory(error, n * sizeof *blob.parts, "a blob");
+    Status status = make_blob(&blob, components, tolerance, mesh, reached, error);
+    free(blob.parts);
+    free(blob.first);
+    free(blob.items);
+    return status;
+}

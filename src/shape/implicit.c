@@ -1,0 +1,348 @@
+/* implicit.c - closed meshes of what a function of space says is inside: marching tetrahedra.
+ * The grid fills the bounds, with one more layer of points around them that counts as outside. Edges that lead out
+ * there have their vertex at the point that they come from, so that what the bounds cut off ends flat.
+ * Vertices stay on the edges that they belong to, so that every triangle stays in its own tetrahedron: no mesh crosses
+ * itself. Where an edge is cut near its end this makes slivers, which are too small to be seen.
+ * Only two layers are kept in memory.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "shape/implicit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "mesh/grower.h"
+
+#define NO_VERTEX UINT32_MAX
+enum { EDGES_PER_POINT = 8 /* the first is not used */, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
+
+/* A point of the grid counts from 0 in the layer around, so that 1 .. n are the field's. */
+typedef struct Marcher {
+    const ImplicitField *field;
+    Lattice lattice;
+    size_t width, height;  /* of a layer with what is around it */
+    double *values[2];     /* of layer k and k + 1 */
+    uint32_t *vertices[2]; /* on the edges that begin at a point: [point][direction] */
+    double *row;
+    Grower grower;
+    float *samples; /* distances of the surface from triangles */
+    size_t n_samples, samples_capacity, n_seen;
+    bool stopped;
+} Marcher;
+
+static double corner_value(const Marcher *marcher, size_t i, size_t j, unsigned layer)
+{
+    return marcher->values[layer][j * marcher->width + i];
+}
+
+static Vec3 grid_point(const Marcher *marcher, size_t i, size_t j, size_t k)
+{
+    const Lattice *l = &marcher->lattice;
+    return vec3(l->origin.x + l->step.x * ((double)i - 1), l->origin.y + l->step.y * ((double)j - 1),
+                l->origin.z + l->step.z * ((double)k - 1));
+}
+
+static double shortest_step(const Marcher *marcher)
+{
+    Vec3 step = marcher->lattice.step;
+    return fmin(step.x, fmin(step.y, step.z));
+}
+
+static double field_value(Marcher *marcher, Vec3 p)
+{
+    double value = -1;
+    if (!marcher->stopped && !marcher->field->value(marcher->field->context, p, &value)) marcher->stopped = true;
+    return value;
+}
+
+static Vec3 field_gradient(Marcher *marcher, Vec3 p)
+{
+    Vec3 gradient = {0, 0, 0};
+    if (marcher->field->gradient) {
+        if (!marcher->stopped && !marcher->field->gradient(marcher->field->context, p, &gradient))
+            marcher->stopped = true;
+        return gradient;
+    }
+    double h = 1e-3 * shortest_step(marcher);
+    gradient.x = field_value(marcher, vec3(p.x + h, p.y, p.z)) - field_value(marcher, vec3(p.x - h, p.y, p.z));
+    gradient.y = field_value(marcher, vec3(p.x, p.y + h, p.z)) - field_value(marcher, vec3(p.x, p.y - h, p.z));
+    gradient.z = field_value(marcher, vec3(p.x, p.y, p.z + h)) - field_value(marcher, vec3(p.x, p.y, p.z - h));
+    return vec3_scale(gradient, 0.5 / h);
+}
+
+/* The part of the way from an inner to an outer point, by the Illinois variant of regula falsi. */
+static double find_root(Marcher *marcher, Vec3 inner, double inner_value, Vec3 outer, double outer_value)
+{
+    double a = 0, b = 1, fa = inner_value, fb = outer_value, t = 0;
+    Vec3 along = vec3_sub(outer, inner);
+    double small = 1e-7 * (inner_value - outer_value);
+    int side = 0;
+    for (int i = 0; i < ROOT_STEPS; i++) {
+        t = fb < fa ? (a * -fb + b * fa) / (fa - fb) : 0.5 * (a + b);
+        if (!(t > a && t < b)) t = 0.5 * (a + b);
+        double f = field_value(marcher, vec3_along(inner, t, along));
+        if (fabs(f) <= small || marcher->stopped) break;
+        if (f > 0) {
+            a = t;
+            fa = f;
+            if (side == 1) fb *= 0.5;
+            side = 1;
+        } else {
+            b = t;
+            fb = f;
+            if (side == -1) fa *= 0.5;
+            side = -1;
+        }
+    }
+    return t;
+}
+
+/* ---- tetrahedra ---- */
+
+/* A corner of the cube at hand, one bit per axis; the corners of a tetrahedron are nested, as the numbers of a way
+ * from 0 to 7. */
+typedef struct Cube {
+    size_t i, j, k; /* of corner 0 */
+} Cube;
+
+static bool is_around(const Marcher *marcher, const Cube *cube, unsigned corner)
+{
+    size_t i = cube->i + (corner & 1), j = cube->j + (corner >> 1 & 1), k = cube->k + (corner >> 2);
+    return i == 0 || j == 0 || k == 0 || i > marcher->lattice.n[0] || j > marcher->lattice.n[1] ||
+           k > marcher->lattice.n[2];
+}
+
+static Vec3 cube_point(const Marcher *marcher, const Cube *cube, unsigned corner)
+{
+    return grid_point(marcher, cube->i + (corner & 1), cube->j + (corner >> 1 & 1), cube->k + (corner >> 2));
+}
+
+/* The vertex on the edge between two corners, one of which is inside. */
+static uint32_t edge_vertex(Marcher *marcher, const Cube *cube, unsigned inner, unsigned outer)
+{
+    unsigned low = inner & outer, direction = inner ^ outer;
+    size_t i = cube->i + (low & 1), j = cube->j + (low >> 1 & 1);
+    uint32_t *vertex = &marcher->vertices[low >> 2][(j * marcher->width + i) * EDGES_PER_POINT + direction];
+    if (*vertex != NO_VERTEX) return *vertex;
+    Vec3 at = cube_point(marcher, cube, inner), normal = {0, 0, 0};
+    if (!is_around(marcher, cube, outer)) {
+        double from = corner_value(marcher, cube->i + (inner & 1), cube->j + (inner >> 1 & 1), inner >> 2);
+        double to = corner_value(marcher, cube->i + (outer & 1), cube->j + (outer >> 1 & 1), outer >> 2);
+        Vec3 end = cube_point(marcher, cube, outer);
+        double t = find_root(marcher, at, from, end, to);
+        at = vec3_along(at, t, vec3_sub(end, at));
+        normal = vec3_scale(field_gradient(marcher, at), -1);
+    }
+    *vertex = grower_vertex(&marcher->grower, at, normal);
+    return *vertex;
+}
+
+static Vec3 grown_point(const Marcher *marcher, uint32_t vertex)
+{
+    return vec3_from_f(marcher->grower.positions[vertex]);
+}
+
+/* How far the surface is from the middle of a triangle, by the function's slope along the normal. */
+static void take_sample(Marcher *marcher, Vec3 a, Vec3 b, Vec3 c)
+{
+    Vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3);
+    double slope = vec3_length(field_gradient(marcher, middle));
+    double value = field_value(marcher, middle);
+    if (!(slope > 0) || marcher->grower.out_of_memory) return;
+    if (!ARRAY_ROOM(marcher->samples, marcher->samples_capacity, marcher->n_samples)) {
+        marcher->grower.out_of_memory = true;
+        return;
+    }
+    marcher->samples[marcher->n_samples++] = (float)fmin(fabs(value) / slope, vec3_length(marcher->lattice.step));
+}
+
+static int compare_samples(const void *left, const void *right)
+{
+    const float *a = left, *b = right;
+    return *a < *b ? -1 : *a > *b;
+}
+
+/* The distance that all samples but one in a hundred keep to: where the surface meets itself at a point or an edge, the
+ * function's slope says nothing, and no grid is fine enough. */
+static double measured_distance(Marcher *marcher)
+{
+    if (!marcher->n_samples) return 0;
+    qsort(marcher->samples, marcher->n_samples, sizeof *marcher->samples, compare_samples);
+    return (double)marcher->samples[(marcher->n_samples - 1) - marcher->n_samples / 100];
+}
+
+static void add_triangle(Marcher *marcher, uint32_t a, uint32_t b, uint32_t c, bool flat)
+{
+    if (marcher->grower.out_of_memory) return;
+    Vec3 pa = grown_point(marcher, a), pb = grown_point(marcher, b), pc = grown_point(marcher, c);
+    if (flat) { /* where the bounds cut: vertices of its own */
+        Vec3 normal = vec3_cross(vec3_sub(pb, pa), vec3_sub(pc, pa));
+        a = grower_vertex(&marcher->grower, pa, normal);
+        b = grower_vertex(&marcher->grower, pb, normal);
+        c = grower_vertex(&marcher->grower, pc, normal);
+    } else if (marcher->n_seen++ % SAMPLE_STRIDE == 0) {
+        take_sample(marcher, pa, pb, pc);
+    }
+    grower_triangle(&marcher->grower, a, b, c);
+}
+
+/* positive: the steps from the first corner to the others make a right-handed frame. */
+static void march_tetrahedron(Marcher *marcher, const Cube *cube, const unsigned corners[4], bool positive)
+{
+    unsigned order[4], n_inside = 0;
+    bool flat = false, even = positive;
+    int placed[4], n_placed = 0;
+    for (int pass = 0; pass < 2; pass++) /* those inside first */
+        for (int c = 0; c < 4; c++) {
+            unsigned corner = corners[c];
+            double value = corner_value(marcher, cube->i + (corner & 1), cube->j + (corner >> 1 & 1), corner >> 2);
+            if ((value > 0) != (pass == 0)) continue;
+            placed[n_placed] = c;
+            order[n_placed++] = corner;
+            n_inside += pass == 0;
+        }
+    if (n_inside == 0 || n_inside == 4) return;
+    for (int a = 0; a < 4; a++)
+        for (int b = a + 1; b < 4; b++)
+            if (placed[a] > placed[b]) even = !even;
+    for (int c = 0; c < 4; c++) flat = flat || is_around(marcher, cube, corners[c]);
+    uint32_t v[4];
+    if (n_inside == 2) {
+        v[0] = edge_vertex(marcher, cube, order[0], order[2]);
+        v[1] = edge_vertex(marcher, cube, order[0], order[3]);
+        v[2] = edge_vertex(marcher, cube, order[1], order[3]);
+        v[3] = edge_vertex(marcher, cube, order[1], order[2]);
+        add_triangle(marcher, v[0], v[even ? 1 : 2], v[even ? 2 : 1], flat);
+        add_triangle(marcher, v[0], v[even ? 2 : 3], v[even ? 3 : 2], flat);
+        return;
+    }
+    for (int c = 0; c < 3; c++)
+        v[c] = n_inside == 1 ? edge_vertex(marcher, cube, order[0], order[c + 1])
+                             : edge_vertex(marcher, cube, order[c], order[3]);
+    /* three inside: seen from the single one outside; moving it to the front is an odd exchange */
+    add_triangle(marcher, v[0], v[even ? 1 : 2], v[even ? 2 : 1], flat);
+}
+
+static void march_cube(Marcher *marcher, const Cube *cube)
+{
+    static const struct {
+        unsigned corners[4];
+        bool positive; /* the three steps of the way from 0 to 7 make a right-handed frame */
+    } tetrahedra[6] = {{{0, 1, 3, 7}, true},  {{0, 2, 6, 7}, true},  {{0, 4, 5, 7}, true},
+                       {{0, 2, 3, 7}, false}, {{0, 4, 6, 7}, false}, {{0, 1, 5, 7}, false}};
+    for (int t = 0; t < 6; t++) march_tetrahedron(marcher, cube, tetrahedra[t].corners, tetrahedra[t].positive);
+}
+
+/* ---- layers ---- */
+
+/* Layer k of the grid with what is around it, into the place `at`. */
+static void fill_layer(Marcher *marcher, size_t k, unsigned at)
+{
+    size_t n_points = marcher->width * marcher->height;
+    double *values = marcher->values[at];
+    memset(marcher->vertices[at], 0xff, n_points * EDGES_PER_POINT * sizeof *marcher->vertices[at]);
+    for (size_t i = 0; i < n_points; i++) values[i] = -1;
+    if (k == 0 || k > marcher->lattice.n[2]) return;
+    if (!marcher->field->layer(marcher->field->context, &marcher->lattice, (uint32_t)(k - 1), marcher->row)) {
+        marcher->stopped = true;
+        return;
+    }
+    for (size_t j = 0; j < marcher->lattice.n[1]; j++)
+        memcpy(values + (j + 1) * marcher->width + 1, marcher->row + j * marcher->lattice.n[0],
+               marcher->lattice.n[0] * sizeof *values);
+}
+
+static void march_layer(Marcher *marcher, size_t k)
+{
+    for (size_t j = 0; j + 1 < marcher->height; j++)
+        for (size_t i = 0; i + 1 < marcher->width; i++) {
+            const double *low = marcher->values[0] + j * marcher->width + i,
+                         *high = marcher->values[1] + j * marcher->width + i;
+            size_t w = marcher->width;
+            int n = (low[0] > 0) + (low[1] > 0) + (low[w] > 0) + (low[w + 1] > 0) + (high[0] > 0) + (high[1] > 0) +
+                    (high[w] > 0) + (high[w + 1] > 0);
+            if (n > 0 && n < 8) march_cube(marcher, &(Cube){i, j, k});
+        }
+}
+
+static void clear_marcher(Marcher *marcher)
+{
+    for (int i = 0; i < 2; i++) {
+        free(marcher->values[i]);
+        free(marcher->vertices[i]);
+    }
+    free(marcher->row);
+    free(marcher->samples);
+    grower_clear(&marcher->grower);
+}
+
+static Status march(Marcher *marcher, Error *error)
+{
+    size_t n_points = marcher->width * marcher->height;
+    for (int i = 0; i < 2; i++) {
+        marcher->values[i] = malloc(n_points * sizeof(double));
+        marcher->vertices[i] = malloc(n_points * EDGES_PER_POINT * sizeof(uint32_t));
+    }
+    marcher->row = malloc(n_points * sizeof(double));
+    if (!marcher->values[0] || !marcher->values[1] || !marcher->vertices[0] || !marcher->vertices[1] || !marcher->row)
+        return fail_memory(error, n_points * 100, "an implicit surface");
+    fill_layer(marcher, 0, 0);
+    for (size_t k = 0; k <= marcher->lattice.n[2] && !marcher->stopped; k++) {
+        fill_layer(marcher, k + 1, 1);
+        march_layer(marcher, k);
+        double *values = marcher->values[0];
+        uint32_t *vertices = marcher->vertices[0];
+        marcher->values[0] = marcher->values[1];
+        marcher->vertices[0] = marcher->vertices[1];
+        marcher->values[1] = values;
+        marcher->vertices[1] = vertices;
+    }
+    return STATUS_OK;
+}
+
+static Lattice lattice_of(Box3 bounds, double step)
+{
+    Lattice lattice = {.origin = bounds.min};
+    const double sides[3] = {bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y, bounds.max.z - bounds.min.z};
+    for (int axis = 0; axis < 3; axis++) lattice.n[axis] = (uint32_t)fmin(fmax(ceil(sides[axis] / step), 1), 1e6) + 1;
+    lattice.step = vec3(sides[0] / (lattice.n[0] - 1), sides[1] / (lattice.n[1] - 1), sides[2] / (lattice.n[2] - 1));
+    return lattice;
+}
+
+static double n_points_of(const Lattice *lattice)
+{
+    return (double)lattice->n[0] * lattice->n[1] * lattice->n[2];
+}
+
+Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *options, const char *what, Mesh **mesh,
+                          double *reached, Error *error)
+{
+    Vec3 size = vec3_sub(options->bounds.max, options->bounds.min);
+    double step = vec3_max_abs(size) / options->cells;
+    *mesh = NULL;
+    for (int round = 0; round < MAX_ROUNDS; round++) {
+        Marcher marcher = {.field = field, .lattice = lattice_of(options->bounds, step)};
+        double fineness = cbrt((double)options->max_points / n_points_of(&marcher.lattice));
+        if (*mesh && fineness < 1) break;
+        marcher.width = marcher.lattice.n[0] + 2;
+        marcher.height = marcher.lattice.n[1] + 2;
+        Status status = march(&marcher, error);
+        if (status == STATUS_OK && marcher.stopped) status = STATUS_SCENE;
+        Mesh *made = NULL;
+        if (status == STATUS_OK && !marcher.grower.n_triangles && !marcher.grower.out_of_memory)
+            status = fail(error, STATUS_SCENE, "%s has nothing inside", what);
+        if (status == STATUS_OK) status = grower_finish(&marcher.grower, what, &made, error);
+        double distance = measured_distance(&marcher);
+        clear_marcher(&marcher);
+        mesh_free(*mesh);
+        *mesh = made;
+        if (status != STATUS_OK) return status;
+        *reached = distance;
+        if (distance <= options->tolerance) break;
+        /* chords are off by the square of their length; a little more, and not beyond what is allowed */
+        double finer = fmin(fmax(0.85 * sqrt(options->tolerance / distance), 0.1), 0.75);
+        step *= fmax(finer, fmin(1 / fineness * 1.001, 0.97));
+    }
+    return STATUS_OK;
+}

@@ -1,0 +1,52 @@
+/* implicit.h - closed meshes of what a function of space says is inside.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_IMPLICIT_H
+#define MEN_IMPLICIT_H
+
+#include "mesh/mesh.h"
+
+/* The points of a grid: origin + step * (i, j, k), i < n[0], j < n[1], k < n[2]. */
+typedef struct Lattice {
+    Vec3 origin, step;
+    uint32_t n[3];
+} Lattice;
+
+/* A continuous function that is positive inside. The calls return false when they cannot go on; whoever gave the
+ * field knows why. */
+typedef struct ImplicitField {
+    void *context;
+    /* values[j * n[0] + i] of the points of layer k */
+    bool (*layer)(void *context, const Lattice *lattice, uint32_t k, double *values);
+    bool (*value)(void *context, Vec3 p, double *value);
+    bool (*gradient)(void *context, Vec3 p, Vec3 *gradient); /* NULL: by differences of values */
+} ImplicitField;
+
+typedef struct ImplicitOptions {
+    Box3 bounds;         /* what reaches beyond is cut off flat */
+    double tolerance;    /* how far the surface may be from the triangles */
+    uint32_t cells;      /* along the longest side of the bounds, to begin with: what is smaller can be missed */
+    uint64_t max_points; /* of the finest grid */
+} ImplicitOptions;
+
+/* Marching tetrahedra: cubes of a grid are cut into six tetrahedra each, of which neighbours share whole faces, so
+ * that the mesh is closed and manifold whatever the function does. Vertices are moved onto the surface along their
+ * edges, normals are those of the function. The grid is made finer until the tolerance is reached, or max_points;
+ * *reached is what 99 of 100 samples keep to. STATUS_SCENE when nothing is inside, and without a text when a call of
+ * the field returned false. */
+ATTR_NODISCARD Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *options, const char *what,
+                                         Mesh **mesh, double *reached, Error *error);
+
+/* ---- blobs (blob.c) ---- */
+
+/* Density strength * (1 - (d / radius)^2)^2 at distance d from a point (from = to) or a line, in a frame of its own. */
+typedef struct BlobComponent {
+    Affine to_world;
+    Vec3 from, to;
+    double radius, strength;
+} BlobComponent;
+
+/* Where the densities add up to more than the threshold. tolerance 0: a 4000th of its extent. */
+ATTR_NODISCARD Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance,
+                                     Mesh **mesh, double *reached, Error *error);
+
+#endif

@@ -1,0 +1,98 @@
+/* piece_sample.c - areas of analytic pieces, and points spread evenly over them.
+ * All of them but the rectangle are profiles turned about the y axis: of a line or a circle's arc the area between two
+ * of its points is 2 pi times the integral of the radius along it, in closed form. A line's inverts in closed form, too;
+ * an arc's, a angle + b sin(angle), by Newton's method.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "shape/piece.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* A circle's arc in the half plane: about (r, y), from one angle to a larger one. */
+typedef struct Arc {
+    double r, y, radius, from, to;
+    double side; /* 1: the outside is away from the circle's centre; -1: towards it */
+} Arc;
+
+static Arc arc_of(const Piece *piece)
+{
+    if (piece->kind == PIECE_TORUS) {
+        /* one that reaches over the axis ends there */
+        double end = piece->r1 > piece->r0 ? acos(-piece->r0 / piece->r1) : pi;
+        return (Arc){piece->r0, 0, piece->r1, -end, end, 1};
+    }
+    bool outer = piece->kind == PIECE_OUTER_ARC, up = piece->y1 > piece->y0;
+    double r = piece->centre_r, y = piece->centre_y;
+    double a = atan2(piece->y0 - y, piece->r0 - r), b = atan2(piece->y1 - y, piece->r1 - r);
+    if (!outer && a < 0) a += 2 * pi;
+    if (!outer && b < 0) b += 2 * pi;
+    return (Arc){r, y, hypot(piece->r0 - r, piece->y0 - y), fmin(a, b), fmax(a, b), outer == up ? 1 : -1};
+}
+
+/* The area below an angle, over 2 pi and the circle's radius, up to a constant. */
+static double arc_sum(const Arc *arc, double angle)
+{
+    return arc->r * angle + arc->radius * sin(angle);
+}
+
+double piece_area(const Piece *piece)
+{
+    Arc arc;
+    switch (piece->kind) {
+    case PIECE_SPHERE: return 4 * pi * piece->r0 * piece->r0;
+    case PIECE_BAND: return pi * (piece->r0 + piece->r1) * hypot(piece->r1 - piece->r0, piece->y1 - piece->y0);
+    case PIECE_RECT: return 4 * piece->r0 * piece->r1;
+    case PIECE_PLANE: return 0;
+    default: arc = arc_of(piece); return 2 * pi * arc.radius * (arc_sum(&arc, arc.to) - arc_sum(&arc, arc.from));
+    }
+}
+
+/* Newton's method on a function that does not fall, held between bounds that close in. */
+static double arc_invert(const Arc *arc, double u)
+{
+    double low = arc->from, high = arc->to, at = 0.5 * (low + high);
+    double first = arc_sum(arc, low), whole = arc_sum(arc, high) - first, wanted = first + u * whole;
+    for (int i = 0; i < 60; i++) {
+        double over = arc_sum(arc, at) - wanted;
+        if (fabs(over) <= 1e-14 * whole) break;
+        if (over > 0)
+            high = at;
+        else
+            low = at;
+        double slope = arc->r + arc->radius * cos(at), next = at - over / slope;
+        at = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    return at;
+}
+
+Vec3 piece_sample(const Piece *piece, double u, double v, Vec3 *normal)
+{
+    double r, y, normal_r, normal_y;
+    if (piece->kind == PIECE_RECT) {
+        *normal = vec3(0, 1, 0);
+        return vec3((2 * u - 1) * piece->r0, 0, (2 * v - 1) * piece->r1);
+    }
+    if (piece->kind == PIECE_SPHERE) {
+        normal_y = 1 - 2 * u;
+        normal_r = 2 * sqrt(u * (1 - u));
+        r = piece->r0 * normal_r;
+        y = piece->r0 * normal_y;
+    } else if (piece->kind == PIECE_BAND) {
+        double a = piece->r0, b = piece->r1, length = hypot(b - a, piece->y1 - piece->y0);
+        double part = u * (a + b) / (a + sqrt((1 - u) * a * a + u * b * b));
+        if (!(part >= 0)) part = 0; /* from the axis, u = 0 */
+        r = a + part * (b - a);
+        y = piece->y0 + part * (piece->y1 - piece->y0);
+        normal_r = (piece->y1 - piece->y0) / length;
+        normal_y = (a - b) / length;
+    } else {
+        Arc arc = arc_of(piece);
+        double angle = arc_invert(&arc, u), cosine = cos(angle), sine = sin(angle);
+        r = fmax(arc.r + arc.radius * cosine, 0);
+        y = arc.y + arc.radius * sine;
+        normal_r = arc.side * cosine;
+        normal_y = arc.side * sine;
+    }
+    double cosine = cos(2 * pi * v), sine = sin(2 * pi * v);
+    *normal = vec3(normal_r * cosine, normal_y, normal_r * sine);
+    return vec3(r * cosine, y, r * sine);
+}

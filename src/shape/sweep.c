@@ -1,0 +1,527 @@
+/* sweep.c - an outline moved along a path: tubes, ropes, springs.
+ * The path becomes stations, close enough for the tolerance; each has a frame and a copy of the outline. Straight
+ * pieces meet in mitres: at a corner the copy lies in the plane that halves the angle.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "shape/contour.h"
+#include "shape/meshed.h"
+
+static const double degree = 3.14159265358979323846 / 180;
+enum { MAX_STATIONS = 4000000, MAX_STEPS = 100000, DEGREES_PER_STEP = 5, MAX_CIRCLE = 2048, MIN_CIRCLE = 24 };
+
+typedef struct Station {
+    Vec3 at, tangent;    /* of the path; at a corner of a straight path, of the bisector */
+    Vec3 before, after;  /* directions of the path on both sides; equal unless at a corner */
+    Vec3 u, v;           /* the outline's axes, across `after` */
+    Vec3 bend;           /* change of the tangent per length */
+    double scale, slope; /* slope: change of the scale per length */
+    double along, turn;  /* length of the path so far; the frame's extra turn in radians */
+    size_t source;       /* the point of the path at or before it */
+} Station;
+
+typedef struct SweepMaker {
+    const SweepShape *shape;
+    const Outline2 *outline;
+    Station *stations; /* closed: the last is the first again */
+    size_t n_stations, capacity;
+    double twist, twist_rate; /* in all, in degrees; per length, in radians */
+    Grower grower;
+} SweepMaker;
+
+/* ---- the path ---- */
+
+/* Point i - 1 of the path: i is 0 .. n + 1, and what is beyond an open end goes straight on. */
+static Vec3 path_point(const SweepShape *shape, size_t i)
+{
+    size_t n = shape->n_path;
+    if (shape->closed) return shape->path[(i + n - 1) % n];
+    if (i == 0) return vec3_sub(vec3_scale(shape->path[0], 2), shape->path[1]);
+    if (i == n + 1) return vec3_sub(vec3_scale(shape->path[n - 1], 2), shape->path[n - 2]);
+    return shape->path[i - 1];
+}
+
+static double path_scale(const SweepShape *shape, size_t i)
+{
+    if (shape->n_scales == 1) return shape->scales[0];
+    return shape->scales[shape->closed ? i % shape->n_path : i];
+}
+
+/* The Catmull-Rom spline through four values, between the second and the third. */
+static void spline_at(double a, double b, double c, double d, double t, double *value, double *slope)
+{
+    double m0 = 0.5 * (c - a), m1 = 0.5 * (d - b), e = 3 * (c - b) - 2 * m0 - m1, f = m0 + m1 - 2 * (c - b);
+    *value = b + t * (m0 + t * (e + t * f));
+    *slope = m0 + t * (2 * e + 3 * f * t);
+}
+
+static void spline_vector(const Vec3 p[4], double t, Vec3 *value, Vec3 *slope)
+{
+    spline_at(p[0].x, p[1].x, p[2].x, p[3].x, t, &value->x, &slope->x);
+    spline_at(p[0].y, p[1].y, p[2].y, p[3].y, t, &value->y, &slope->y);
+    spline_at(p[0].z, p[1].z, p[2].z, p[3].z, t, &value->z, &slope->z);
+}
+
+static double angle_between(Vec3 a, Vec3 b)
+{
+    return atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
+}
+
+/* Degrees of twist from station to station: the outline's farthest point goes round with so small chords. */
+static double twist_step(const SweepShape *shape)
+{
+    double reach = 0, largest = 0;
+    for (size_t i = 0; i < shape->outline->n_points; i++)
+        reach = fmax(reach, hypot(shape->outline->points[i].at.x, shape->outline->points[i].at.y));
+    for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
+    return fmin(DEGREES_PER_STEP, sqrt(8 * shape->tolerance / (reach * largest)) / degree);
+}
+
+/* A straight side of the outline becomes a screw by twisting; cut into triangles, it is off by a quarter of how far its
+ * ends leave their common plane from station to station. Shorter sides keep that within the tolerance. */
+static Status cut_sides(const SweepShape *shape, Outline2 *cut, Error *error)
+{
+    const Outline2 *outline = shape->outline;
+    double largest = 0, angle = twist_step(shape) * degree;
+    for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
+    size_t begin = 0;
+    bool fine = true;
+    for (size_t loop = 0; loop < outline->n_loops && fine; loop++) {
+        size_t end = outline->loop_ends[loop];
+        for (size_t i = begin; i < end && fine; i++) {
+            const OutlinePoint2 *a = &outline->points[i], *b = &outline->points[i + 1 < end ? i + 1 : begin];
+            double dx = b->at.x - a->at.x, dy = b->at.y - a->at.y;
+            double n = fmin(fmax(ceil(largest * hypot(dx, dy) * angle / (4 * shape->tolerance)), 1), 1000);
+            for (double k = 0; k < n && fine; k++) {
+                double t = k / n;
+                Point2 along = {a->leave.x + t * (b->arrive.x - a->leave.x),
+                                a->leave.y + t * (b->arrive.y - a->leave.y)};
+                OutlinePoint2 point = {
+                    {a->at.x + t * dx, a->at.y + t * dy}, k > 0 ? along : a->arrive, along, a->source};
+                fine = cut->n_points < POLYGON_MAX_POINTS && outline2_add_point(cut, &point);
+            }
+        }
+        fine = fine && outline2_end_loop(cut);
+        begin = end;
+    }
+    return fine ? STATUS_OK : fail_memory(error, cut->n_points * sizeof *cut->points, "a sweep");
+}
+
+static unsigned steps_of(const SweepShape *shape, const Vec3 p[4], double twist)
+{
+    double steps = twist != 0 ? fabs(twist) / twist_step(shape) : 0;
+    if (shape->smooth) {
+        Vec3 m0 = vec3_scale(vec3_sub(p[2], p[0]), 0.5), m1 = vec3_scale(vec3_sub(p[3], p[1]), 0.5),
+             chord = vec3_sub(p[2], p[1]);
+        /* second derivatives at both ends, between which they go straight */
+        Vec3 first = vec3_sub(vec3_scale(chord, 6), vec3_add(vec3_scale(m0, 4), vec3_scale(m1, 2)));
+        Vec3 last = vec3_sub(vec3_add(vec3_scale(m0, 2), vec3_scale(m1, 4)), vec3_scale(chord, 6));
+        double bend = fmax(vec3_length(first), vec3_length(last));
+        double turning = angle_between(m0, chord) + angle_between(chord, m1);
+        steps = fmax(steps, fmax(sqrt(bend / (8 * shape->tolerance)), turning / (DEGREES_PER_STEP * degree)));
+    }
+    return steps < 1 ? 1 : steps > MAX_STEPS ? MAX_STEPS : (unsigned)ceil(steps);
+}
+
+static Status add_station(SweepMaker *maker, Vec3 at, Vec3 tangent, double scale, size_t source, Error *error)
+{
+    if (maker->n_stations >= MAX_STATIONS)
+        return fail(error, STATUS_SCENE, "the path needs more than %d steps; make the tolerance larger", MAX_STATIONS);
+    if (!ARRAY_ROOM(maker->stations, maker->capacity, maker->n_stations))
+        return fail_memory(error, maker->n_stations * sizeof *maker->stations, "a sweep");
+    Station *station = &maker->stations[maker->n_stations];
+    *station =
+        (Station){.at = at, .tangent = tangent, .before = tangent, .after = tangent, .scale = scale, .source = source};
+    if (maker->n_stations) station->along = station[-1].along + vec3_length(vec3_sub(at, station[-1].at));
+    maker->n_stations++;
+    return STATUS_OK;
+}
+
+static Status check_path(const SweepShape *shape, Error *error)
+{
+    size_t n = shape->n_path, fewest = shape->closed ? 3 : 2;
+    if (n < fewest)
+        return fail(error, STATUS_SCENE, "a%s path needs at least %zu points; this one has %zu",
+                    shape->closed ? " closed" : "", fewest, n);
+    if (shape->n_scales != 1 && shape->n_scales != n)
+        return fail(error, STATUS_SCENE, "there are %zu radii for %zu points of the path", shape->n_scales, n);
+    for (size_t i = 0; i + (shape->closed ? 0 : 1) < n; i++) {
+        Vec3 a = shape->path[i], b = shape->path[(i + 1) % n];
+        if (!(vec3_length(vec3_sub(a, b)) > 0))
+            return fail(error, STATUS_SCENE, "the points %zu and %zu of the path are the same: <%g, %g, %g>", i,
+                        (i + 1) % n, a.x, a.y, a.z);
+    }
+    return STATUS_OK;
+}
+
+static Status walk_path(SweepMaker *maker, Error *error)
+{
+    const SweepShape *shape = maker->shape;
+    size_t n_pieces = shape->closed ? shape->n_path : shape->n_path - 1;
+    double total = 0;
+    for (size_t i = 0; i < n_pieces; i++)
+        total += vec3_length(vec3_sub(path_point(shape, i + 2), path_point(shape, i + 1)));
+    for (size_t i = 0; i < n_pieces; i++) {
+        Vec3 p[4] = {path_point(shape, i), path_point(shape, i + 1), path_point(shape, i + 2),
+                     path_point(shape, i + 3)};
+        double s0 = path_scale(shape, i), s1 = path_scale(shape, i + 1), ignored;
+        double before = i || shape->closed ? path_scale(shape, i ? i - 1 : shape->n_path - 1) : 2 * s0 - s1;
+        double behind = i + 2 < shape->n_path || shape->closed ? path_scale(shape, i + 2) : 2 * s1 - s0;
+        unsigned n = steps_of(shape, p, maker->twist * vec3_length(vec3_sub(p[2], p[1])) / total);
+        for (unsigned k = i ? 1 : 0; k <= n; k++) {
+            double t = (double)k / n, scale = s0 + t * (s1 - s0);
+            Vec3 at = vec3_along(p[1], t, vec3_sub(p[2], p[1])), slope = vec3_sub(p[2], p[1]);
+            if (k == n) at = p[2];
+            if (shape->smooth) {
+                spline_vector(p, t, &at, &slope);
+                spline_at(before, s0, s1, behind, t, &scale, &ignored);
+            }
+            if (scale < 0) scale = 0; /* the spline can swing below where radii are 0 */
+            double speed = vec3_length(slope);
+            if (!(speed > 0))
+                return fail(error, STATUS_SCENE, "the path turns back on the spot at point %zu, <%g, %g, %g>",
+                            k == n ? i + 1 : i, at.x, at.y, at.z);
+            TRY(add_station(maker, at, vec3_scale(slope, 1 / speed), scale, i, error));
+        }
+    }
+    return STATUS_OK;
+}
+
+/* Directions on both sides of the corners of a straight path, and the plane of the mitre. */
+static Status set_corners(SweepMaker *maker, Error *error)
+{
+    size_t n = maker->n_stations;
+    const SweepShape *shape = maker->shape;
+    for (size_t i = 0; i < n && !shape->smooth; i++) {
+        Station *s = &maker->stations[i];
+        bool first = i == 0, last = i + 1 == n;
+        const Station *behind = last ? &maker->stations[1] : s + 1, *ahead = first ? &maker->stations[n - 2] : s - 1;
+        Vec3 to = last ? maker->stations[0].at : s->at, from = first ? maker->stations[n - 1].at : s->at;
+        s->before = vec3_normalize(vec3_sub(from, ahead->at));
+        s->after = vec3_normalize(vec3_sub(behind->at, to));
+        if (first && !shape->closed) s->before = s->after;
+        if (last && !shape->closed) s->after = s->before;
+        Vec3 sum = vec3_add(s->before, s->after);
+        double length = vec3_length(sum);
+        if (length < 0.26) /* 165 degrees */
+            return fail(error, STATUS_SCENE, "the path turns back too sharply at point %zu, <%g, %g, %g>",
+                        s->source + 1, s->at.x, s->at.y, s->at.z);
+        s->tangent = vec3_scale(sum, 1 / length);
+    }
+    return STATUS_OK;
+}
+
+/* ---- frames ---- */
+
+static Vec3 reflected(Vec3 x, Vec3 across)
+{
+    double c = vec3_dot(across, across);
+    return c > 0 ? vec3_along(x, -2 * vec3_dot(across, x) / c, across) : x;
+}
+
+static void set_first_frame(Station *station, Vec3 up)
+{
+    Vec3 t = station->after, v = vec3_along(up, -vec3_dot(up, t), t);
+    if (!(vec3_length(v) > 1e-6 * vec3_length(up))) { /* along the path: any axis that is not */
+        Vec3 other = fabs(t.z) < 0.9 ? vec3(0, 0, -1) : vec3(1, 0, 0);
+        v = vec3_along(other, -vec3_dot(other, t), t);
+    }
+    station->v = vec3_normalize(v);
+    station->u = vec3_cross(station->v, t);
+}
+
+/* Frames are carried along the pieces, from the direction behind one station to that behind the next. */
+static void set_frames(SweepMaker *maker)
+{
+    Station *s = maker->stations;
+    size_t n = maker->n_stations;
+    const SweepShape *shape = maker->shape;
+    set_first_frame(&s[0], shape->up);
+    for (size_t i = 1; i < n; i++) {
+        Vec3 step = vec3_sub(s[i].at, s[i - 1].at);
+        Vec3 v = reflected(s[i - 1].v, step), t = reflected(s[i - 1].after, step);
+        v = reflected(v, vec3_sub(s[i].after, t));
+        v = vec3_along(v, -vec3_dot(v, s[i].after), s[i].after);
+        s[i].v = vec3_normalize(v);
+        s[i].u = vec3_cross(s[i].v, s[i].after);
+    }
+    double total = maker->twist * degree;
+    if (shape->closed) /* what the frame has turned by on its way round is taken back evenly */
+        total += atan2(vec3_dot(s[n - 1].v, s[0].u), vec3_dot(s[n - 1].v, s[0].v));
+    maker->twist_rate = total / s[n - 1].along;
+    for (size_t i = 0; i < n; i++) {
+        s[i].turn = total * s[i].along / s[n - 1].along;
+        const Station *a = i ? &s[i - 1] : shape->closed ? &s[n - 2] : &s[0];
+        const Station *b = i + 1 < n ? &s[i + 1] : shape->closed ? &s[1] : &s[n - 1];
+        double length = i && i + 1 < n  ? b->along - a->along
+                        : shape->closed ? s[n - 1].along - s[n - 2].along + s[1].along
+                                        : fabs(b->along - a->along);
+        s[i].slope = (b->scale - a->scale) / length;
+        s[i].bend = shape->smooth ? vec3_scale(vec3_sub(b->tangent, a->tangent), 1 / length) : vec3(0, 0, 0);
+    }
+    if (shape->closed) {
+        Station first = s[0];
+        first.along = s[n - 1].along;
+        first.source = s[n - 1].source;
+        s[n - 1] = first; /* bit for bit, so that the sweep closes */
+    }
+}
+
+/* ---- the surface ---- */
+
+/* A direction of the outline's plane in space. */
+static Vec3 outline_vector(const Station *station, Point2 p)
+{
+    double c = cos(station->turn), s = sin(station->turn);
+    double x = c * p.x - s * p.y, y = s * p.x + c * p.y;
+    return vec3_add(vec3_scale(station->u, x), vec3_scale(station->v, y));
+}
+
+static Vec3 station_point(const Station *station, Point2 p)
+{
+    Vec3 offset = vec3_scale(outline_vector(station, p), station->scale);
+    double lean = vec3_dot(offset, station->tangent) / vec3_dot(station->after, station->tangent); /* onto the mitre */
+    return vec3_add(station->at, vec3_along(offset, -lean, station->after));
+}
+
+static Vec3 negative(Vec3 v)
+{
+    return vec3_scale(v, -1);
+}
+
+/* The surface's normal where the outline goes along `along`; `piece` is the one whose frame holds. */
+static Vec3 station_normal(const SweepMaker *maker, const Station *station, const Station *piece, Point2 p,
+                           Point2 along)
+{
+    Point2 out = {along.y, -along.x};
+    Station frame = *station;
+    frame.u = piece->u;
+    frame.v = piece->v;
+    Vec3 normal = outline_vector(&frame, out), offset = vec3_scale(outline_vector(&frame, p), station->scale);
+    Vec3 t = maker->shape->smooth ? station->tangent : piece->after;
+    double slope =
+        maker->shape->smooth ? station->slope : (piece[1].scale - piece->scale) / (piece[1].along - piece->along);
+    double rate =
+        slope * (p.x * out.x + p.y * out.y) + station->scale * maker->twist_rate * (-p.y * out.x + p.x * out.y);
+    return vec3_along(normal, -rate / fmax(1 - vec3_dot(station->bend, offset), 1e-3), t);
+}
+
+static Status check_fold(const Station *a, const Station *b, Point2 p, Error *error)
+{
+    Vec3 step = vec3_sub(station_point(b, p), station_point(a, p)), chord = vec3_sub(b->at, a->at);
+    if (vec3_dot(step, chord) > 0) return STATUS_OK;
+    double bend = fmax(vec3_length(a->bend), vec3_length(b->bend)), reach = a->scale * hypot(p.x, p.y);
+    if (bend > 0)
+        return fail(
+            error, STATUS_SCENE,
+            "the sweep folds over itself near <%.6g, %.6g, %.6g>, behind point %zu of the path: the path bends with a "
+            "radius of %.3g there, and the outline reaches %.3g from it",
+            a->at.x, a->at.y, a->at.z, a->source, 1 / bend, reach);
+    return fail(error, STATUS_SCENE,
+                "the sweep folds over itself near <%.6g, %.6g, %.6g>, behind point %zu of the path: the outline, which "
+                "reaches %.3g from it, is too wide for this corner",
+                a->at.x, a->at.y, a->at.z, a->source, reach);
+}
+
+static Status add_span(SweepMaker *maker, size_t i, Error *error)
+{
+    const Station *a = &maker->stations[i], *b = a + 1;
+    size_t begin = 0;
+    for (size_t loop = 0; loop < maker->outline->n_loops; loop++) {
+        size_t end = maker->outline->loop_ends[loop];
+        for (size_t k = begin; k < end; k++) {
+            const OutlinePoint2 *p = &maker->outline->points[k],
+                                *q = &maker->outline->points[k + 1 < end ? k + 1 : begin];
+            TRY(check_fold(a, b, p->at, error));
+            uint32_t corners[4];
+            const Station *stations[4] = {a, a, b, b};
+            for (int c = 0; c < 4; c++) {
+                bool second = c == 1 || c == 2;
+                const Station *at = stations[c], *frame = maker->shape->smooth ? at : a;
+                Vec3 normal = station_normal(maker, at, frame, second ? q->at : p->at, second ? q->arrive : p->leave);
+                corners[c] = grower_vertex(&maker->grower, station_point(at, second ? q->at : p->at), normal);
+            }
+            grower_quad(&maker->grower, corners[0], corners[1], corners[2], corners[3]);
+        }
+        begin = end;
+    }
+    return STATUS_OK;
+}
+
+static Status add_flat_end(SweepMaker *maker, const Station *station, bool last, Error *error)
+{
+    uint32_t(*triangles)[3] = NULL;
+    size_t n = 0;
+    if (station->scale == 0) return STATUS_OK;
+    TRY(polygon_triangulate(maker->outline, &triangles, &n, error));
+    uint32_t first = (uint32_t)maker->grower.n_vertices;
+    Vec3 normal = last ? station->tangent : negative(station->tangent);
+    for (size_t i = 0; i < maker->outline->n_points; i++)
+        grower_vertex(&maker->grower, station_point(station, maker->outline->points[i].at), normal);
+    for (size_t i = 0; i < n; i++)
+        grower_triangle(&maker->grower, first + triangles[i][0], first + triangles[i][last ? 1 : 2],
+                        first + triangles[i][last ? 2 : 1]);
+    free(triangles);
+    return STATUS_OK;
+}
+
+/* Half a ball, in rings from the circle to its pole. */
+static void add_round_end(SweepMaker *maker, const Station *station, bool last)
+{
+    const Outline2 *circle = maker->outline;
+    size_t n = circle->n_points, n_rings = n / 4;
+    Vec3 out = last ? station->tangent : negative(station->tangent);
+    uint32_t before = 0;
+    for (size_t ring = 0; ring <= n_rings; ring++) {
+        double angle = 90 * degree * (double)ring / (double)n_rings, c = ring == n_rings ? 0 : cos(angle),
+               s = sin(angle);
+        uint32_t first = (uint32_t)maker->grower.n_vertices;
+        for (size_t k = 0; k < n; k++) {
+            Point2 p = circle->points[k].at;
+            Vec3 normal = vec3_add(vec3_scale(outline_vector(station, p), c), vec3_scale(out, s));
+            Vec3 at = ring ? vec3_along(station->at, station->scale, normal) : station_point(station, p);
+            grower_vertex(&maker->grower, at, normal);
+        }
+        for (uint32_t k = 0; ring && k < n; k++) {
+            uint32_t next = k + 1 < n ? k + 1 : 0;
+            if (last)
+                grower_quad(&maker->grower, before + k, before + next, first + next, first + k);
+            else
+                grower_quad(&maker->grower, before + next, before + k, first + k, first + next);
+        }
+        before = first;
+    }
+}
+
+/* ---- does it run into itself? ---- */
+
+/* A place on the path. */
+typedef struct Place {
+    Vec3 at;
+    double scale, along;
+    size_t span;
+} Place;
+
+static int compare_places(const void *left, const void *right)
+{
+    const Place *a = left, *b = right;
+    return a->at.x < b->at.x ? -1 : a->at.x > b->at.x;
+}
+
+/* Places on the path that are less than half a radius from each other. */
+static Status list_places(const SweepMaker *maker, Place **places, size_t *n_places, double *largest, Error *error)
+{
+    size_t capacity = 0;
+    for (size_t i = 0; i + 1 < maker->n_stations; i++) {
+        const Station *a = &maker->stations[i], *b = a + 1;
+        double radius = fmax(a->scale, b->scale);
+        double steps = fmin(ceil((b->along - a->along) / (0.5 * radius)), 1000);
+        *largest = fmax(*largest, radius);
+        for (double k = 0; k < steps; k++) {
+            double t = k / steps;
+            if (!ARRAY_ROOM(*places, capacity, *n_places))
+                return fail_memory(error, *n_places * sizeof **places, "a sweep");
+            (*places)[(*n_places)++] =
+                (Place){vec3_along(a->at, t, vec3_sub(b->at, a->at)), a->scale + t * (b->scale - a->scale),
+                        a->along + t * (b->along - a->along), i};
+        }
+    }
+    return STATUS_OK;
+}
+
+static bool runs_into(const SweepMaker *maker, const Place *a, const Place *b)
+{
+    double total = maker->stations[maker->n_stations - 1].along;
+    double reach = a->scale + b->scale, apart = fabs(a->along - b->along);
+    size_t spans = a->span > b->span ? a->span - b->span : b->span - a->span, n_spans = maker->n_stations - 1;
+    if (maker->shape->closed) apart = fmin(apart, total - apart);
+    if (maker->shape->closed && n_spans - spans < spans) spans = n_spans - spans;
+    if (!maker->shape->smooth && spans < 2) return false; /* a mitre keeps neighbours apart */
+    return apart > 90 * degree * reach && vec3_length(vec3_sub(a->at, b->at)) < 0.999 * reach;
+}
+
+/* Of round sweeps: is the path elsewhere nearer than both radii? */
+static Status find_overlap(const SweepMaker *maker, SweepOverlap *overlap, Error *error)
+{
+    enum { MAX_TESTS = 100000000 };
+    Place *places = NULL;
+    size_t n = 0;
+    double largest = 0;
+    Status status = list_places(maker, &places, &n, &largest, error);
+    if (status == STATUS_OK) qsort(places, n, sizeof *places, compare_places);
+    int64_t tests = 0;
+    for (size_t i = 0; status == STATUS_OK && i < n && !overlap->found && tests < MAX_TESTS; i++)
+        for (size_t k = i + 1; k < n && places[k].at.x - places[i].at.x < places[i].scale + largest; k++) {
+            if (++tests >= MAX_TESTS) break;
+            if (!runs_into(maker, &places[i], &places[k])) continue;
+            *overlap = (SweepOverlap){true, vec3_scale(vec3_add(places[i].at, places[k].at), 0.5)};
+            break;
+        }
+    free(places);
+    return status;
+}
+
+/* ---- all ---- */
+
+static Status make_circle(const SweepShape *shape, Outline2 *circle, Error *error)
+{
+    double largest = 0;
+    for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
+    if (!(largest > 0)) return fail(error, STATUS_SCENE, "a sweep of radius 0 has no volume");
+    double wanted = 180 * degree / acos(fmax(1 - shape->tolerance / largest, 0));
+    unsigned n = shape->segments;
+    if (!n) n = wanted > MAX_CIRCLE ? MAX_CIRCLE : wanted < MIN_CIRCLE ? MIN_CIRCLE : 4 * ((unsigned)wanted / 4 + 1);
+    for (unsigned i = 0; i < n; i++) {
+        double angle = 360 * degree * i / n;
+        Point2 at = {cos(angle), sin(angle)}, along = {-at.y, at.x};
+        if (!outline2_add_point(circle, &(OutlinePoint2){.at = at, .arrive = along, .leave = along}))
+            return fail_memory(error, n * sizeof(OutlinePoint2), "a sweep");
+    }
+    return outline2_end_loop(circle) ? STATUS_OK : fail_memory(error, n, "a sweep");
+}
+
+static Status make_all(SweepMaker *maker, SweepOverlap *overlap, Error *error)
+{
+    const SweepShape *shape = maker->shape;
+    TRY(check_path(shape, error));
+    if (shape->closed && shape->outline && fmod(shape->twist, 360) != 0)
+        return fail(error, STATUS_SCENE,
+                    "a closed sweep must be twisted by whole turns to meet itself, not by %g degrees", shape->twist);
+    TRY(walk_path(maker, error));
+    TRY(set_corners(maker, error));
+    set_frames(maker);
+    for (size_t i = 0; i + 1 < maker->n_stations; i++) {
+        TRY(add_span(maker, i, error));
+        if (maker->grower.out_of_memory || maker->grower.too_large) return STATUS_OK; /* grower_finish will tell */
+    }
+    const Station *first = &maker->stations[0], *last = &maker->stations[maker->n_stations - 1];
+    if (!shape->closed && shape->round_ends) {
+        add_round_end(maker, first, false);
+        add_round_end(maker, last, true);
+    } else if (!shape->closed) {
+        TRY(add_flat_end(maker, first, false, error));
+        TRY(add_flat_end(maker, last, true, error));
+    }
+    return shape->outline ? STATUS_OK : find_overlap(maker, overlap, error);
+}
+
+Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overlap, Error *error)
+{
+    Outline2 own = {0}; /* a circle, or the outline with shorter sides */
+    SweepMaker maker = {.shape = shape, .outline = shape->outline, .twist = shape->outline ? shape->twist : 0};
+    *overlap = (SweepOverlap){0};
+    Status status = STATUS_OK;
+    if (!shape->outline)
+        status = make_circle(shape, &own, error);
+    else if (maker.twist != 0)
+        status = cut_sides(shape, &own, error);
+    if (own.n_points) maker.outline = &own;
+    if (status == STATUS_OK) status = make_all(&maker, overlap, error);
+    if (status == STATUS_OK) status = grower_finish(&maker.grower, "the sweep", mesh, error);
+    grower_clear(&maker.grower);
+    free(maker.stations);
+    outline2_clear(&own);
+    return status;
+}
