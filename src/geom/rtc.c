@@ -486,7 +486,7 @@ static bool complete_nearest(Query *query)
     }
     hits->n = n;
     if (n > 1) rtc_sort_hits(hits);
-    if (query->passes) rtc_complete_passed(query, end);
+    if (query->passes) rtc_complete_hits(query, query->passed, end);
     return n == 0 || reaches_behind(query, &hits->items[0]);
 }
 
@@ -507,7 +507,7 @@ ATTR_COLD static size_t search_exactly(Query *query)
     for (;;) {
         search_nearest(query);
         rtc_sort_hits(hits);
-        if (query->passes) rtc_complete_passed(query, query->reach);
+        if (query->passes) rtc_complete_hits(query, query->passed, query->reach);
         size_t n = nearest_place(query);
         if (n <= 1) return n;
         double end = chain_end(&hits->items[n - 1]);
@@ -542,17 +542,19 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
     }
 }
 
-/* Completes what was found along the ray. */
-static void complete_all(Query *query)
+void rtc_complete_hits(Query *query, HitList *hits, double end)
 {
-    HitList *hits = query->hits;
     size_t n = 0;
     for (size_t i = 0; i < hits->n; i++) {
-        if (!rtc_complete_hit(query, &hits->items[i])) continue;
-        if (n != i) hits->items[n] = hits->items[i];
+        Hit *hit = &hits->items[i];
+        if (hit->t > end) continue;
+        bool complete = hit->cos_normal != 0;
+        if (!complete && !rtc_complete_hit(query, hit)) continue;
+        if (n != i) hits->items[n] = *hit;
         n++;
     }
     hits->n = n;
+    if (n > 1) rtc_sort_hits(hits);
 }
 
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits)
@@ -568,8 +570,7 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     embree_ray(&query, &embree);
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
-    complete_all(&query);
-    rtc_sort_hits(hits);
+    rtc_complete_hits(&query, hits, HUGE_VAL);
     hits->n = rtc_drop_repeats(ray, hits->items, hits->n);
     return true;
 }

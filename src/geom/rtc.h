@@ -18,6 +18,9 @@
 #include "mesh/mesh.h"
 #include "shape/piece.h"
 
+#define RTC_NO_OBJECT UINT32_MAX
+#define RTC_NO_PASS UINT32_MAX
+
 typedef struct RtcScene RtcScene;
 
 /* One object of the scene: a mesh or a solid, placed. Meshes placed more than once (the same pointer) share their
@@ -85,14 +88,11 @@ static inline Ray ray_make(Vec3 origin, Vec3f direction)
     return (Ray){.origin = origin,
                  .direction = direction,
                  .t_max = HUGE_VAL,
-                 .target = UINT32_MAX,
-                 .target_primitive = UINT32_MAX,
-                 .pass_alike = UINT32_MAX};
+                 .target = RTC_NO_OBJECT,
+                 .target_primitive = RTC_NO_OBJECT,
+                 .pass_alike = RTC_NO_PASS};
 }
 static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->origin, t, vec3_from_f(ray->direction)); }
-
-#define RTC_NO_OBJECT UINT32_MAX
-#define RTC_NO_PASS UINT32_MAX
 
 /* One surface met by a ray. */
 struct Hit {

@@ -293,16 +293,11 @@ Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool 
     if (*n > 1) *n = one_per_object(hits, *n);
     Hit *hit = through ? &hits[*n - 1] : &hits[0];
     const bool solid = scene->objects[hit->object].solid;
-    Ray next = {.origin = ray_point(ray, hit->t),
-                .direction = direction,
-                .time = ray->time,
-                .t_max = HUGE_VAL,
-                .target = RTC_NO_OBJECT,
-                .target_primitive = RTC_NO_OBJECT,
-                .pass_alike = RTC_NO_PASS,
-                .left = hits,
-                .n_left = *n,
-                .start_scale = vec3_max_abs(ray->origin) + hit->t};
+    Ray next = ray_make(ray_point(ray, hit->t), direction);
+    next.time = ray->time;
+    next.left = hits;
+    next.n_left = *n;
+    next.start_scale = vec3_max_abs(ray->origin) + hit->t;
     /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
      * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
     double margin = 0.5 * hit->rounding;

@@ -3,22 +3,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/rtc_query.h"
 
-void rtc_complete_passed(Query *query, double end)
-{
-    HitList *passed = query->passed;
-    size_t n = 0;
-    for (size_t i = 0; i < passed->n; i++) {
-        Hit *hit = &passed->items[i];
-        if (hit->t > end) continue;
-        bool complete = hit->cos_normal != 0;
-        if (!complete && !rtc_complete_hit(query, hit)) continue;
-        if (n != i) passed->items[n] = *hit;
-        n++;
-    }
-    passed->n = n;
-    if (n > 1) rtc_sort_hits(passed);
-}
-
 /* All hits in one row, and those in front of the first place at which the ray does not pass by everything back again: as
  * if each place had been searched for by itself. */
 ATTR_COLD static size_t part_anew(Query *query)

@@ -51,6 +51,12 @@ ATTR_NODISCARD static inline Status nest_list_copy(NestList *to, const NestList 
     memcpy(to->hulls_inline, from->hulls_inline, sizeof to->hulls_inline); /* all at once is faster than those in use */
     return STATUS_OK;
 }
+static inline void nest_list_swap(NestList *a, NestList *b)
+{
+    NestList swap = *a;
+    *a = *b;
+    *b = swap;
+}
 bool nest_list_has(const NestList *list, uint32_t hull);
 /* There must be room. place 0 .. n; what stands there moves up. */
 static inline void nest_list_insert(NestList *list, uint32_t place, uint32_t hull)

@@ -9,6 +9,7 @@
 #include "optics/bsdf_lobe.h"
 #include "optics/fresnel.h"
 #include "optics/layered.h"
+#include "optics/table_writer.h"
 
 /* WAYS and STRIDE are neighbours in Fibonacci's sequence. */
 enum { WAYS = 610, STRIDE = 377, ROUNDS = 200 };
@@ -243,15 +244,6 @@ static float sum_fuzz(float exponent, float cosine)
     return (float)(sum * 2 * (double)SAMPLING_PI / (STEPS * STEPS));
 }
 
-static void write_floats(FILE *out, const char *declaration, const float *values, size_t n)
-{
-    fprintf(out, "\nconst %s = {\n", declaration);
-    for (size_t i = 0; i < n; i++)
-        fprintf(out, "%af,%s", (double)values[i],
-                (i + 1) % LAYERED_ANGLES ? "" : "\n"); /* exact, whatever reads them */
-    fputs("};\n", out);
-}
-
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -290,21 +282,17 @@ int main(int argc, char **argv)
     fputs("/* Made by layered_gen; see optics/layered.h. */\n#include \"optics/layered.h\"\n"
           "#pragma GCC diagnostic ignored \"-Wmissing-braces\"\n",
           out);
-    write_floats(out, "LayeredTable layered_under_mirror[LAYERED_MIRRORS]", &mirrors[0][0][0][0][0],
-                 sizeof mirrors / sizeof(float));
-    write_floats(out, "LayeredTable layered_under_diffuse[LAYERED_DIFFUSES]", &diffuses[0][0][0][0][0],
-                 sizeof diffuses / sizeof(float));
-    write_floats(out, "LayeredFuzzTable layered_fuzz_mirror[LAYERED_MIRRORS]", &fuzz_mirrors[0][0][0][0],
-                 sizeof fuzz_mirrors / sizeof(float));
-    write_floats(out, "LayeredFuzzTable layered_fuzz_diffuse[LAYERED_DIFFUSES]", &fuzz_diffuses[0][0][0][0],
-                 sizeof fuzz_diffuses / sizeof(float));
-    write_floats(out, "LayeredSkinTable layered_fuzz_skin", &skins[0][0][0][0][0][0], sizeof skins / sizeof(float));
-    write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
-                 sizeof fuzz / sizeof(float));
-    int failed = ferror(out);
-    if (fclose(out) != 0 || failed) {
-        fprintf(stderr, "layered_gen: cannot write %s\n", argv[1]);
-        return 1;
-    }
-    return 0;
+    table_write_floats(out, "LayeredTable layered_under_mirror[LAYERED_MIRRORS]", &mirrors[0][0][0][0][0],
+                       sizeof mirrors / sizeof(float), LAYERED_ANGLES);
+    table_write_floats(out, "LayeredTable layered_under_diffuse[LAYERED_DIFFUSES]", &diffuses[0][0][0][0][0],
+                       sizeof diffuses / sizeof(float), LAYERED_ANGLES);
+    table_write_floats(out, "LayeredFuzzTable layered_fuzz_mirror[LAYERED_MIRRORS]", &fuzz_mirrors[0][0][0][0],
+                       sizeof fuzz_mirrors / sizeof(float), LAYERED_ANGLES);
+    table_write_floats(out, "LayeredFuzzTable layered_fuzz_diffuse[LAYERED_DIFFUSES]", &fuzz_diffuses[0][0][0][0],
+                       sizeof fuzz_diffuses / sizeof(float), LAYERED_ANGLES);
+    table_write_floats(out, "LayeredSkinTable layered_fuzz_skin", &skins[0][0][0][0][0][0],
+                       sizeof skins / sizeof(float), LAYERED_ANGLES);
+    table_write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
+                       sizeof fuzz / sizeof(float), LAYERED_ANGLES);
+    return table_close(out, "layered_gen", argv[1]);
 }

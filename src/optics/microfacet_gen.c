@@ -9,6 +9,7 @@
 
 #include "optics/fresnel.h"
 #include "optics/microfacet.h"
+#include "optics/table_writer.h"
 
 /* A lattice of facets: FACETS and STRIDE are neighbours in Fibonacci's sequence. */
 enum { FACETS = 987, STRIDE = 610, ROUNDS = 400 };
@@ -197,22 +198,6 @@ static float solve_mirrors(int roughness, Tables *tables)
 }
 
 /* Hexadecimal floats: exact, whatever reads them. */
-static void write_floats(FILE *out, const char *declaration, const float *values, size_t n, size_t row)
-{
-    fprintf(out, "\nconst %s = {\n", declaration);
-    for (size_t i = 0; i < n; i++) fprintf(out, "%af,%s", (double)values[i], (i + 1) % row ? "" : "\n");
-    fputs("};\n", out);
-}
-
-static void write_packed(FILE *out, const char *name, const MicrofacetTable table)
-{
-    const uint16_t *values = &table[0][0][0][0];
-    fprintf(out, "\nconst MicrofacetTable %s = {\n", name);
-    for (size_t i = 0; i < sizeof(MicrofacetTable) / sizeof *values; i++)
-        fprintf(out, "%d,%s", values[i], (i + 1) % MICROFACET_ANGLES ? "" : "\n");
-    fputs("};\n", out);
-}
-
 static int write_tables(const char *path, const Tables *tables)
 {
     FILE *out = fopen(path, "w");
@@ -225,22 +210,19 @@ static int write_tables(const char *path, const Tables *tables)
           "#pragma GCC diagnostic ignored \"-Wmissing-braces\"\n",
           out);
     const size_t n_means = sizeof tables->missing_mean / sizeof(float);
-    write_packed(out, "microfacet_missing", tables->missing);
-    write_packed(out, "microfacet_excess", tables->excess);
-    write_floats(out, "MicrofacetMeans microfacet_missing_mean", &tables->missing_mean[0][0][0], n_means,
-                 MICROFACET_ROUGHNESSES);
-    write_floats(out, "MicrofacetMeans microfacet_reflected_mean", &tables->reflected_mean[0][0][0], n_means,
-                 MICROFACET_ROUGHNESSES);
-    write_floats(out, "float microfacet_mirror_scaling[MICROFACET_ROUGHNESSES][MICROFACET_ANGLES]",
-                 &tables->mirror[0][0], MICROFACET_ROUGHNESSES * MICROFACET_ANGLES, MICROFACET_ANGLES);
-    write_floats(out, "float microfacet_mirror_mean[MICROFACET_ROUGHNESSES]", tables->mirror_mean,
-                 MICROFACET_ROUGHNESSES, MICROFACET_ROUGHNESSES);
-    int failed = ferror(out);
-    if (fclose(out) != 0 || failed) {
-        fprintf(stderr, "microfacet_gen: cannot write %s\n", path);
-        return 1;
-    }
-    return 0;
+    table_write_packed(out, "MicrofacetTable microfacet_missing", &tables->missing[0][0][0][0],
+                       sizeof(MicrofacetTable) / sizeof(uint16_t), MICROFACET_ANGLES);
+    table_write_packed(out, "MicrofacetTable microfacet_excess", &tables->excess[0][0][0][0],
+                       sizeof(MicrofacetTable) / sizeof(uint16_t), MICROFACET_ANGLES);
+    table_write_floats(out, "MicrofacetMeans microfacet_missing_mean", &tables->missing_mean[0][0][0], n_means,
+                       MICROFACET_ROUGHNESSES);
+    table_write_floats(out, "MicrofacetMeans microfacet_reflected_mean", &tables->reflected_mean[0][0][0], n_means,
+                       MICROFACET_ROUGHNESSES);
+    table_write_floats(out, "float microfacet_mirror_scaling[MICROFACET_ROUGHNESSES][MICROFACET_ANGLES]",
+                       &tables->mirror[0][0], MICROFACET_ROUGHNESSES * MICROFACET_ANGLES, MICROFACET_ANGLES);
+    table_write_floats(out, "float microfacet_mirror_mean[MICROFACET_ROUGHNESSES]", tables->mirror_mean,
+                       MICROFACET_ROUGHNESSES, MICROFACET_ROUGHNESSES);
+    return table_close(out, "microfacet_gen", path);
 }
 
 int main(int argc, char **argv)

@@ -9,6 +9,7 @@
 #include "optics/bsdf_lobe.h"
 #include "optics/fresnel.h"
 #include "optics/stretched.h"
+#include "optics/table_writer.h"
 
 /* A lattice of facets: FACETS and STRIDE are neighbours in Fibonacci's sequence; the same for mirrors. */
 enum { FACETS = 987, STRIDE = 610, WAYS = 610, WAY_STRIDE = 377 };
@@ -214,22 +215,6 @@ static void average_boundary(int side, int knot, int roughness, int ratio)
 
 /* ---- all ---- */
 
-static void write_floats(FILE *out, const char *declaration, const float *values, size_t n, size_t row)
-{
-    fprintf(out, "\nconst %s = {\n", declaration);
-    for (size_t i = 0; i < n; i++)
-        fprintf(out, "%af,%s", (double)values[i], (i + 1) % row ? "" : "\n"); /* exact, whatever reads them */
-    fputs("};\n", out);
-}
-
-static void write_packed(FILE *out, const char *name, const uint16_t *values)
-{
-    fprintf(out, "\nconst StretchedTable %s = {\n", name);
-    for (size_t i = 0; i < sizeof(StretchedTable) / sizeof *values; i++)
-        fprintf(out, "%d,%s", values[i], (i + 1) % STRETCHED_STEPS ? "" : "\n");
-    fputs("};\n", out);
-}
-
 static int write_tables(const char *path)
 {
     FILE *out = fopen(path, "w");
@@ -240,21 +225,19 @@ static int write_tables(const char *path)
     fputs("/* Made by stretched_gen; see optics/stretched.h. */\n#include \"optics/stretched.h\"\n"
           "#pragma GCC diagnostic ignored \"-Wmissing-braces\"\n",
           out);
-    write_floats(
+    table_write_floats(
         out, "float stretched_mirror[STRETCHED_ROUGHNESSES][STRETCHED_RATIOS][STRETCHED_AZIMUTHS][STRETCHED_ANGLES]",
         &mirrors[0][0][0][0], sizeof mirrors / sizeof(float), STRETCHED_ANGLES);
-    write_packed(out, "stretched_missing", &boundaries.missing[0][0][0][0][0][0]);
-    write_packed(out, "stretched_excess", &boundaries.excess[0][0][0][0][0][0]);
+    table_write_packed(out, "StretchedTable stretched_missing", &boundaries.missing[0][0][0][0][0][0],
+                       sizeof(StretchedTable) / sizeof(uint16_t), STRETCHED_STEPS);
+    table_write_packed(out, "StretchedTable stretched_excess", &boundaries.excess[0][0][0][0][0][0],
+                       sizeof(StretchedTable) / sizeof(uint16_t), STRETCHED_STEPS);
     const size_t n_means = sizeof missing_mean / sizeof(float);
-    write_floats(out, "StretchedMeans stretched_missing_mean", &missing_mean[0][0][0][0], n_means, STRETCHED_RATIOS);
-    write_floats(out, "StretchedMeans stretched_reflected_mean", &reflected_mean[0][0][0][0], n_means,
-                 STRETCHED_RATIOS);
-    int failed = ferror(out);
-    if (fclose(out) != 0 || failed) {
-        fprintf(stderr, "stretched_gen: cannot write %s\n", path);
-        return 1;
-    }
-    return 0;
+    table_write_floats(out, "StretchedMeans stretched_missing_mean", &missing_mean[0][0][0][0], n_means,
+                       STRETCHED_RATIOS);
+    table_write_floats(out, "StretchedMeans stretched_reflected_mean", &reflected_mean[0][0][0][0], n_means,
+                       STRETCHED_RATIOS);
+    return table_close(out, "stretched_gen", path);
 }
 
 int main(int argc, char **argv)

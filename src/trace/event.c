@@ -216,7 +216,7 @@ void path_next_event(Path *path, Event *event)
             if (!cross_passed(tracer, &tracer->list, event->t, &clear)) event->kind = EVENT_LOST;
             break;
         }
-        if (tracer->passed.n) swap_before(tracer);
+        if (tracer->passed.n) nest_list_swap(&tracer->list, &tracer->before);
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {
@@ -235,7 +235,7 @@ void path_next_event(Path *path, Event *event)
             event->kind = EVENT_GIVE_UP;
             return;
         }
-        swap_lists(tracer);
+        nest_list_swap(&tracer->list, &tracer->next);
         path->ray.t_min = hits[n - 1].t;
     }
     flight_end(path, &flight, event->kind == EVENT_SCATTER && !uneven);

@@ -89,21 +89,6 @@ static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavele
     return spectrum_at(&world->scene->media[medium].ior, wavelength_nm);
 }
 
-static inline void swap_lists(Tracer *tracer)
-{
-    NestList swap = tracer->list;
-    tracer->list = tracer->next;
-    tracer->next = swap;
-}
-
-/* On behind what was passed on the way. */
-static inline void swap_before(Tracer *tracer)
-{
-    NestList swap = tracer->list;
-    tracer->list = tracer->before;
-    tracer->before = swap;
-}
-
 /* ---- event.c ---- */
 
 /* tracer->list is the one at a t of the path's ray, up to its next event, until path_turn_back is called; false when memory

@@ -66,7 +66,7 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
     tracer->left = reached;
     bool several = event->n_cluster > 1;
     if (several && !path_cross_towards(tracer, &path->ray, &tracer->next)) tracer->out_of_memory = true;
-    if (through || several) swap_lists(tracer);
+    if (through || several) nest_list_swap(&tracer->list, &tracer->next);
 }
 
 LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal)

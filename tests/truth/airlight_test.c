@@ -81,17 +81,9 @@ static void shining_hulls_agree(void **state)
 /* A mean of a small picture that shows the same everywhere; airlight: looked for along the way. */
 static Estimate measure(const char *text, uint32_t samples, bool airlight)
 {
-    Fixture scene;
-    Picture picture;
-    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
-    RenderSettings settings = truth_settings(16, samples);
+    RenderSettings settings = truth_small(samples);
     settings.no_airlight = !airlight;
-    truth_render(&scene, &settings, 0, &picture);
-    assert_int_equal(picture.stats.nesting_faults, 0);
-    Estimate mean = truth_mean(&picture, -1);
-    truth_clear(&picture);
-    fixture_clear(&scene);
-    return mean;
+    return truth_measure_as(text, NULL, &settings);
 }
 
 typedef struct Haze {

@@ -295,18 +295,28 @@ Picture truth_render_text(const char *text, uint32_t width, uint32_t samples)
     return picture;
 }
 
-Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance)
+RenderSettings truth_small(uint32_t samples)
 {
     enum { PICTURE = 16 };
+    return truth_settings(PICTURE, samples);
+}
+
+Estimate truth_measure_as(const char *text, double (*sky)(double), const RenderSettings *settings)
+{
     Fixture scene;
     Picture picture;
     truth_open(&scene, (TruthInput){.text = text, .sky = sky, .policy = NEST_AUTOMATIC});
-    RenderSettings settings = truth_settings(PICTURE, samples);
-    settings.by_chance = by_chance;
-    truth_render(&scene, &settings, 0, &picture);
+    truth_render(&scene, settings, 0, &picture);
     assert_int_equal(picture.stats.nesting_faults, 0);
     Estimate mean = truth_mean(&picture, -1);
     truth_clear(&picture);
     fixture_clear(&scene);
     return mean;
+}
+
+Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance)
+{
+    RenderSettings settings = truth_small(samples);
+    settings.by_chance = by_chance;
+    return truth_measure_as(text, sky, &settings);
 }

@@ -98,5 +98,8 @@ double truth_two_skies(double elevation);
 Picture truth_render_text(const char *text, uint32_t width, uint32_t samples);
 /* The mean of a small picture of the text, which shows the same everywhere. sky: NULL, or of its image. */
 Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance);
+/* The same, rendered in a way of one's own: truth_small's, and what is changed of it. */
+Estimate truth_measure_as(const char *text, double (*sky)(double), const RenderSettings *settings);
+RenderSettings truth_small(uint32_t samples);
 
 #endif

@@ -20,11 +20,7 @@ static void open_world(Fixture *f, World *world, const char *scene)
     char text[2000];
     snprintf(text, sizeof text, "meniscus 1.0 unit mm camera { from = <0, 0, 900>  to = <0, 0, 0>  shutter = 1 }\n%s\n",
              scene);
-    fixture_build(f, text, &(SceneOptions){.eval = {.frames = 1, .frame = 1}});
-    if (f->status != STATUS_OK) fixture_print(f);
-    assert_int_equal(f->status, STATUS_OK);
-    assert_int_equal(compile_scene(f->scene, f->scene->render.nesting, NULL, &f->diag, &f->compiled, &f->error),
-                     STATUS_OK);
+    fixture_compile(f, text, 1);
     assert_int_equal(world_init(world, f->compiled, 0, 8, false, NULL, &f->error), STATUS_OK);
 }
 

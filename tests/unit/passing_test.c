@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-#include "base/hash.h"
+#include "dice.h"
 #include "scene_fixture.h"
 
 /* What is met along one line: each surface in order, and whether it was silent. */
@@ -19,12 +19,6 @@ typedef struct Walker {
     NestList list;
     int searches;
 } Walker;
-
-static double unit(uint64_t *random)
-{
-    *random = hash_u64(*random);
-    return hash_to_unit(*random);
-}
 
 static void cross(Walker *walker, const Hit *hits, size_t n, Met *met, int *n_met)
 {
@@ -74,13 +68,13 @@ static double compare(const char *text, int n_rays)
     Walker walker = {.compiled = fixture.compiled}, other = {.compiled = fixture.compiled};
     nest_list_init(&walker.list);
     nest_list_init(&other.list);
-    uint64_t random = 3;
+    Dice dice = {3};
     int total = 0;
     for (int i = 0; i < n_rays; i++) {
-        Vec3 from = vec3(200 * unit(&random) - 100, 300, 200 * unit(&random) - 100);
+        Vec3 from = vec3(200 * dice_unit(&dice) - 100, 300, 200 * dice_unit(&dice) - 100);
         if (i % 3 == 1) from = vec3(from.y, from.x, from.z);
         if (i % 3 == 2) from = vec3(from.x, from.z, -from.y);
-        Vec3 to = vec3(24 * unit(&random) - 12, 30 * unit(&random) - 4, 24 * unit(&random) - 12);
+        Vec3 to = vec3(24 * dice_unit(&dice) - 12, 30 * dice_unit(&dice) - 4, 24 * dice_unit(&dice) - 12);
         Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(to, from))));
         Met met[MOST], met_other[MOST];
         int n = walk(&walker, ray, true, met), n_other = walk(&other, ray, false, met_other);

@@ -2,24 +2,18 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-#include "base/hash.h"
+#include "dice.h"
 #include "scene_fixture.h"
 
 typedef struct Counts {
     int rays, blocked, early;
 } Counts;
 
-static double unit(uint64_t *random)
-{
-    *random = hash_u64(*random);
-    return hash_to_unit(*random);
-}
-
-static Vec3 place_in(Box3 box, uint64_t *random)
+static Vec3 place_in(Box3 box, Dice *dice)
 {
     Vec3 size = vec3_sub(box.max, box.min);
-    return vec3(box.min.x + unit(random) * size.x, box.min.y + unit(random) * size.y,
-                box.min.z + unit(random) * size.z);
+    return vec3(box.min.x + dice_unit(dice) * size.x, box.min.y + dice_unit(dice) * size.y,
+                box.min.z + dice_unit(dice) * size.z);
 }
 
 /* Whether the medium changes to one of another index on the way, by crossing everything. */
@@ -53,10 +47,10 @@ static Counts follow_rays(const char *text, int n)
     HitList hits = {0};
     NestList list;
     nest_list_init(&list);
-    uint64_t random = 7;
+    Dice dice = {7};
     for (int i = 0; i < n; i++) {
-        Vec3f from = vec3f_from(place_in(box, &random));
-        Vec3 to = vec3_sub(place_in(box, &random), vec3_from_f(from));
+        Vec3f from = vec3f_from(place_in(box, &dice));
+        Vec3 to = vec3_sub(place_in(box, &dice), vec3_from_f(from));
         uint32_t on_surface;
         assert_int_equal(compiled_interior(compiled, from, 0, &hits, &list, &on_surface), STATUS_OK);
         if (on_surface != SCENE_NONE) continue;
