@@ -166,7 +166,8 @@ static Status write_outputs(const RenderRun *run, Error *error)
     Attributes attributes;
     describe(run, &attributes);
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {.half = half > full, .attributes = attributes.items, .n_attributes = attributes.n};
+    ExrOptions exr = {
+        .half = half > full, .attributes = attributes.items, .n_attributes = attributes.n, .pool = run->pool};
     Status first = STATUS_OK;
     for (size_t i = 0; i < run->outputs.n; i++) {
         Error own = {0};

@@ -23,7 +23,7 @@ Status render_plan_preview(RenderRun *run, Error *error)
 void render_write_preview(RenderRun *run, const Image *image)
 {
     Error error;
-    ExrOptions exr = {.half = true};
+    ExrOptions exr = {.half = true, .pool = run->pool};
     if (run->preview_failed) return;
     run->preview_failed = output_write(&run->preview, image, &exr, run->input.color.config, render_display(run),
                                        render_view(run), &error) != STATUS_OK;

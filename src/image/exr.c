@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <openexr.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,36 +21,41 @@
 enum {
     MAX_SIDE = 65536,
     MAX_CHANNELS = 1024,
-    SHORT_NAME = 31,     /* longer names need the format's long-name flag, which the oldest readers refuse */
-    BEST_RATIO = 2000    /* no compressor of the format exceeds it (zlib 1032, PIZ's run lengths about 500) */
+    SHORT_NAME = 31,  /* longer names need the format's long-name flag, which the oldest readers refuse */
+    BEST_RATIO = 2000 /* no compressor of the format exceeds it (zlib 1032, PIZ's run lengths about 500) */
 };
 
 static const float half_max = 65504.0f;
 
-/* The bytes behind a context, and the first reason that the library gave for a failure. */
+/* The first reason that the library gave for a failure. */
+typedef struct ExrReason {
+    char text[512];
+} ExrReason;
+
+/* The bytes behind a context. */
 typedef struct ExrBytes {
     int file;           /* reading a regular file */
     const char *memory; /* reading something else, whole in memory */
     uint64_t size;      /* of what is read */
     FILE *stream;       /* writing */
     uint64_t position;  /* of stream */
-    char reason[512];
+    ExrReason reason;
 } ExrBytes;
 
 /* Where this thread's errors go. The library reports on the calling thread, sometimes with the context locked,
  * so that asking the context for its user data would wait for ever. */
-static _Thread_local ExrBytes *reporting;
+static _Thread_local ExrReason *reporting;
 
 /* The library prefixes "path: (EXR_ERR_NAME) ", which our messages say in their own way. */
 static void keep_reason(exr_const_context_t context, exr_result_t code, const char *message)
 {
     (void)context;
-    ExrBytes *bytes = reporting;
-    if (!bytes || bytes->reason[0]) return;
+    ExrReason *reason = reporting;
+    if (!reason || reason->text[0]) return;
     const char *text = message ? message : exr_get_default_error_message(code);
     const char *name = strstr(text, "(EXR_ERR_");
     const char *end = name ? strstr(name, ") ") : NULL;
-    snprintf(bytes->reason, sizeof bytes->reason, "%s", end ? end + 2 : text);
+    snprintf(reason->text, sizeof reason->text, "%s", end ? end + 2 : text);
 }
 
 static int64_t read_bytes(exr_const_context_t context, void *user_data, void *buffer, uint64_t size, uint64_t offset,
@@ -109,7 +115,7 @@ static exr_context_initializer_t initializer_of(ExrBytes *bytes)
     initializer.max_tile_width = initializer.max_tile_height = MAX_SIDE;
     /* a file cut short is refused at once, not searched for what is left of it */
     initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    reporting = bytes;
+    reporting = &bytes->reason;
     return initializer;
 }
 
@@ -118,7 +124,7 @@ static Status fail_read(const char *path, const ExrBytes *bytes, exr_result_t co
     if (code == EXR_ERR_OUT_OF_MEMORY) /* which is also what the library says of sizes that are a lie */
         return fail(error, STATUS_INPUT, "cannot read '%s': the EXR file is damaged or too large for the memory", path);
     return fail(error, STATUS_INPUT, "cannot read '%s': the EXR file is damaged or cut short (%s)", path,
-                bytes->reason[0] ? bytes->reason : exr_get_default_error_message(code));
+                bytes->reason.text[0] ? bytes->reason.text : exr_get_default_error_message(code));
 }
 
 /* --- writing --- */
@@ -126,7 +132,7 @@ static Status fail_read(const char *path, const ExrBytes *bytes, exr_result_t co
 static Status fail_write(const char *path, const ExrBytes *bytes, exr_result_t code, Error *error)
 {
     return fail(error, code == EXR_ERR_OUT_OF_MEMORY ? STATUS_NOMEM : STATUS_OUTPUT, "cannot write '%s': %s", path,
-                bytes->reason[0] ? bytes->reason : exr_get_default_error_message(code));
+                bytes->reason.text[0] ? bytes->reason.text : exr_get_default_error_message(code));
 }
 
 static bool is_color(const char *name)
@@ -137,7 +143,7 @@ static bool is_color(const char *name)
 /* Attributes that OpenEXR defines as float; readers refuse them in another type. */
 static bool is_standard_float(const char *name)
 {
-    static const char *const names[] = {"whiteLuminance", "xDensity", "expTime",  "aperture", "isoSpeed",
+    static const char *const names[] = {"whiteLuminance", "xDensity",  "expTime",  "aperture", "isoSpeed",
                                         "focus",          "longitude", "latitude", "altitude", "utcOffset"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         if (strcmp(names[i], name) == 0) return true;
@@ -183,13 +189,15 @@ static exr_result_t write_header(exr_context_t context, const Image *image, cons
     if (result == EXR_ERR_SUCCESS) result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     if (result == EXR_ERR_SUCCESS)
         result = exr_initialize_required_attr_simple(context, 0, (int32_t)image->width, (int32_t)image->height,
-                                                     EXR_COMPRESSION_PIZ); /* half of ZIP's time, 4/5 of its size */
+                                                     EXR_COMPRESSION_ZIPS);
+    /* a render's noise compresses to the same size, within 2 %, by every level of ZIP, ZIPS and PIZ; the time differs by up
+     * to 2.6 times, and lines that stand alone are many tasks for many threads */
+    if (result == EXR_ERR_SUCCESS) result = exr_set_zip_compression_level(context, 0, 1);
     if (result == EXR_ERR_SUCCESS && options->pixel_aspect > 0)
         result = exr_set_pixel_aspect_ratio(context, 0, options->pixel_aspect);
     const float *xy = options->chromaticities ? options->chromaticities : rec709;
     exr_attr_chromaticities_t chromaticities = {xy[0], xy[1], xy[2], xy[3], xy[4], xy[5], xy[6], xy[7]};
-    if (result == EXR_ERR_SUCCESS)
-        result = exr_attr_set_chromaticities(context, 0, "chromaticities", &chromaticities);
+    if (result == EXR_ERR_SUCCESS) result = exr_attr_set_chromaticities(context, 0, "chromaticities", &chromaticities);
     for (uint32_t i = 0; result == EXR_ERR_SUCCESS && i < image->n_channels; i++) {
         bool half = options->half && is_color(image->names[i]);
         result = exr_add_channel(context, 0, image->names[i], half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
@@ -200,28 +208,46 @@ static exr_result_t write_header(exr_context_t context, const Image *image, cons
     return result == EXR_ERR_SUCCESS ? exr_write_header(context) : result;
 }
 
-/* Copies the lines of a chunk to staging and holds what goes out as half to half's range: a bright lamp is not
- * infinite. Not-a-numbers and infinities that were there stay, for whoever looks for them. */
-static void stage_lines(const Image *image, const ExrOptions *options, uint32_t y, uint32_t n_lines, float *staging)
-{
-    size_t n = (size_t)n_lines * image->width, stride = image->n_channels;
-    memcpy(staging, image->pixels + (size_t)y * image->width * stride, n * stride * sizeof(float));
-    if (!options->half) return;
-    for (uint32_t c = 0; c < image->n_channels; c++) {
-        if (!is_color(image->names[c])) continue;
-        for (float *v = staging + c, *end = staging + n * stride; v < end; v += stride)
-            if (isfinite(*v)) *v = fmaxf(-half_max, fminf(half_max, *v));
-    }
-}
-
-/* The encoding of chunks, one after another, from the image. */
-typedef struct ExrEncoder {
+/* The writing of a part's chunks: compressed by many threads, written in their order. */
+typedef struct ExrWriter {
     exr_context_t context;
     const Image *image;
+    uint32_t lines;              /* of a chunk */
+    uint32_t n_staged;           /* channels that are changed on their way out: */
+    int staged_at[4];            /* where in a pixel they are, */
+    int *stage_of;               /* and of each channel, which of them it is; -1: none */
+    struct ExrEncoder *encoders; /* of each worker */
+    ExrBytes *bytes;
+    pthread_mutex_t mutex; /* of what follows */
+    pthread_cond_t turned;
+    uint32_t turn;       /* the chunk to be written next */
+    exr_result_t result; /* the first failure, in the order of chunks */
+} ExrWriter;
+
+/* The encoding of chunks by one worker. */
+typedef struct ExrEncoder {
+    ExrWriter *writer;
+    uint32_t chunk;
+    bool is_set_up;
     exr_encode_pipeline_t pipeline;
     exr_result_t (*compress)(exr_encode_pipeline_t *pipeline); /* the library's, while ours stands in its place */
-    float *staging;                                            /* one chunk, interleaved as the image is */
+    float *staging;                                            /* staged channels of one chunk, interleaved */
+    ExrReason reason;
 } ExrEncoder;
+
+/* Copies what goes out as half, held to half's range: a bright lamp is not infinite. Not-a-numbers and infinities that
+ * were there stay, for whoever looks for them. */
+static void stage_lines(const ExrWriter *writer, uint32_t y, uint32_t n_lines, float *staging)
+{
+    const Image *image = writer->image;
+    size_t n = (size_t)n_lines * image->width, stride = image->n_channels;
+    const float *source = image->pixels + (size_t)y * image->width * stride;
+    for (size_t i = 0; i < n; i++, source += stride)
+        for (uint32_t c = 0; c < writer->n_staged; c++) {
+            float v = source[writer->staged_at[c]];
+            *staging++ = isfinite(v) ? fmaxf(-half_max, fminf(half_max, v)) : v;
+        }
+}
 
 /* A chunk whose stored size is its full size is read as not compressed, but OpenEXR 3.1 (with ZIP at least) also
  * writes it so when the compressed bytes happen to be exactly that many; such a chunk is stored plain. */
@@ -235,63 +261,150 @@ static exr_result_t compress_or_store(exr_encode_pipeline_t *pipeline)
     return result;
 }
 
-static void point_at_staging(ExrEncoder *encoder)
+/* Until all chunks before this one are written. Chunks are begun in their order, so that these are on their way. */
+static void wait_for_turn(const ExrEncoder *encoder)
 {
-    const Image *image = encoder->image;
+    ExrWriter *writer = encoder->writer;
+    pthread_mutex_lock(&writer->mutex);
+    while (writer->turn != encoder->chunk) pthread_cond_wait(&writer->turned, &writer->mutex);
+    pthread_mutex_unlock(&writer->mutex);
+}
+
+/* The library's call before it writes. */
+static exr_result_t yield_until_turn(exr_encode_pipeline_t *pipeline)
+{
+    const ExrEncoder *encoder = pipeline->encoding_user_data;
+    wait_for_turn(encoder);
+    /* of one's own turn, none but oneself writes the result; what the library is told of an earlier failure is not kept */
+    return encoder->writer->result == EXR_ERR_SUCCESS ? EXR_ERR_SUCCESS : EXR_ERR_WRITE_IO;
+}
+
+static void point_at_pixels(ExrEncoder *encoder, uint32_t y)
+{
+    const ExrWriter *writer = encoder->writer;
+    const Image *image = writer->image;
+    const float *lines = image->pixels + (size_t)y * image->width * image->n_channels;
     for (int c = 0; c < encoder->pipeline.channel_count; c++) {
         exr_coding_channel_info_t *channel = &encoder->pipeline.channels[c];
-        const float *source = encoder->staging + image_channel(image, channel->channel_name);
+        int at = image_channel(image, channel->channel_name), stage = writer->stage_of[at];
+        size_t n_channels = stage < 0 ? image->n_channels : writer->n_staged;
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_bytes_per_element = sizeof(float);
-        channel->user_pixel_stride = (int32_t)(image->n_channels * sizeof(float));
-        channel->user_line_stride = (int32_t)(image->width * image->n_channels * sizeof(float));
-        channel->encode_from_ptr = (const uint8_t *)source;
+        channel->user_pixel_stride = (int32_t)(n_channels * sizeof(float));
+        channel->user_line_stride = (int32_t)(image->width * n_channels * sizeof(float));
+        channel->encode_from_ptr = (const uint8_t *)(stage < 0 ? lines + at : encoder->staging + stage);
     }
 }
 
-/* The lines of staging as the chunk that begins with line y; the pipeline is set up by the first. */
+/* The chunk that begins with line y; the pipeline is set up by a worker's first. */
 static exr_result_t encode_chunk(ExrEncoder *encoder, uint32_t y)
 {
-    exr_context_t context = encoder->context;
+    exr_context_t context = encoder->writer->context;
     exr_encode_pipeline_t *pipeline = &encoder->pipeline;
     exr_chunk_info_t chunk;
     exr_result_t result = exr_write_scanline_chunk_info(context, 0, (int)y, &chunk);
     if (result != EXR_ERR_SUCCESS) return result;
-    result = y == 0 ? exr_encoding_initialize(context, 0, &chunk, pipeline)
-                    : exr_encoding_update(context, 0, &chunk, pipeline);
+    result = encoder->is_set_up ? exr_encoding_update(context, 0, &chunk, pipeline)
+                                : exr_encoding_initialize(context, 0, &chunk, pipeline);
     if (result != EXR_ERR_SUCCESS) return result;
-    point_at_staging(encoder);
-    if (y == 0) {
+    point_at_pixels(encoder, y);
+    if (!encoder->is_set_up) {
         result = exr_encoding_choose_default_routines(context, 0, pipeline);
         if (result != EXR_ERR_SUCCESS) return result;
         encoder->compress = pipeline->compress_fn;
         pipeline->encoding_user_data = encoder;
         pipeline->compress_fn = compress_or_store;
+        pipeline->yield_until_ready_fn = yield_until_turn;
+        encoder->is_set_up = true;
     }
     return exr_encoding_run(context, 0, pipeline);
 }
 
-static exr_result_t write_pixels(exr_context_t context, const Image *image, const ExrOptions *options)
+/* The next chunk's turn. The first failure stays, and its reason becomes the file's. */
+static void end_turn(ExrEncoder *encoder, exr_result_t result)
 {
-    int32_t lines;
-    exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
-    if (result != EXR_ERR_SUCCESS) return result;
-    ExrEncoder encoder = {.context = context, .image = image};
-    encoder.staging = malloc((size_t)lines * image->width * image->n_channels * sizeof(float));
-    if (!encoder.staging) return EXR_ERR_OUT_OF_MEMORY;
-    for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < image->height; y += (uint32_t)lines) {
-        uint32_t n_lines = image->height - y < (uint32_t)lines ? image->height - y : (uint32_t)lines;
-        stage_lines(image, options, y, n_lines, encoder.staging);
-        result = encode_chunk(&encoder, y);
+    ExrWriter *writer = encoder->writer;
+    wait_for_turn(encoder);
+    pthread_mutex_lock(&writer->mutex);
+    if (writer->result == EXR_ERR_SUCCESS && result != EXR_ERR_SUCCESS) {
+        writer->result = result;
+        writer->bytes->reason = encoder->reason;
     }
-    exr_encoding_destroy(context, &encoder.pipeline);
-    free(encoder.staging);
+    writer->turn++;
+    pthread_cond_broadcast(&writer->turned);
+    pthread_mutex_unlock(&writer->mutex);
+}
+
+static bool has_failed(ExrWriter *writer)
+{
+    pthread_mutex_lock(&writer->mutex);
+    bool failed = writer->result != EXR_ERR_SUCCESS;
+    pthread_mutex_unlock(&writer->mutex);
+    return failed;
+}
+
+static void task_of_chunk(void *context, uint32_t index, unsigned worker)
+{
+    ExrWriter *writer = context;
+    ExrEncoder *encoder = &writer->encoders[worker];
+    const Image *image = writer->image;
+    uint32_t y = index * writer->lines;
+    exr_result_t result = EXR_ERR_SUCCESS;
+    encoder->writer = writer;
+    encoder->chunk = index;
+    if (!has_failed(writer)) {
+        ExrReason *before = reporting;
+        reporting = &encoder->reason;
+        if (writer->n_staged && !encoder->staging)
+            encoder->staging = malloc((size_t)writer->lines * image->width * writer->n_staged * sizeof(float));
+        if (writer->n_staged && !encoder->staging) {
+            result = EXR_ERR_OUT_OF_MEMORY;
+        } else {
+            stage_lines(writer, y, image->height - y < writer->lines ? image->height - y : writer->lines,
+                        encoder->staging);
+            result = encode_chunk(encoder, y);
+        }
+        reporting = before;
+    }
+    end_turn(encoder, result);
+}
+
+static exr_result_t write_pixels(ExrWriter *writer, const ExrOptions *options)
+{
+    const Image *image = writer->image;
+    int32_t lines;
+    exr_result_t result = exr_get_scanlines_per_chunk(writer->context, 0, &lines);
+    if (result != EXR_ERR_SUCCESS) return result;
+    unsigned n_workers = pool_threads(options->pool);
+    writer->lines = (uint32_t)lines;
+    writer->encoders = calloc(n_workers, sizeof *writer->encoders);
+    writer->stage_of = malloc(image->n_channels * sizeof *writer->stage_of);
+    if (!writer->encoders || !writer->stage_of) {
+        result = EXR_ERR_OUT_OF_MEMORY;
+    } else {
+        for (uint32_t c = 0; c < image->n_channels; c++) {
+            bool staged = options->half && is_color(image->names[c]);
+            writer->stage_of[c] = staged ? (int)writer->n_staged : -1;
+            if (staged) writer->staged_at[writer->n_staged++] = (int)c;
+        }
+        pthread_mutex_init(&writer->mutex, NULL);
+        pthread_cond_init(&writer->turned, NULL);
+        pool_run(options->pool, (image->height + writer->lines - 1) / writer->lines, task_of_chunk, writer);
+        pthread_cond_destroy(&writer->turned);
+        pthread_mutex_destroy(&writer->mutex);
+        result = writer->result;
+        for (unsigned i = 0; i < n_workers; i++) {
+            exr_encoding_destroy(writer->context, &writer->encoders[i].pipeline);
+            free(writer->encoders[i].staging);
+        }
+    }
+    free(writer->encoders);
+    free(writer->stage_of);
     return result;
 }
 
 /* The whole file into stream, which can seek. */
-static Status write_stream(const char *path, const Image *image, const ExrOptions *options, FILE *stream,
-                           Error *error)
+static Status write_stream(const char *path, const Image *image, const ExrOptions *options, FILE *stream, Error *error)
 {
     ExrBytes bytes = {.file = -1, .stream = stream};
     exr_context_initializer_t initializer = initializer_of(&bytes);
@@ -299,7 +412,8 @@ static Status write_stream(const char *path, const Image *image, const ExrOption
     exr_result_t result = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &initializer);
     if (result == EXR_ERR_SUCCESS) {
         result = write_header(context, image, options);
-        if (result == EXR_ERR_SUCCESS) result = write_pixels(context, image, options);
+        ExrWriter writer = {.context = context, .image = image, .bytes = &bytes, .result = EXR_ERR_SUCCESS};
+        if (result == EXR_ERR_SUCCESS) result = write_pixels(&writer, options);
         exr_result_t finished = exr_finish(&context); /* writes the table of chunks */
         if (result == EXR_ERR_SUCCESS) result = finished;
     }
@@ -324,8 +438,7 @@ static Status write_through_spool(const char *path, const Image *image, const Ex
                                   Error *error)
 {
     FILE *spool = tmpfile();
-    if (!spool)
-        return fail(error, STATUS_OUTPUT, "cannot write '%s': no temporary file: %s", path, strerror(errno));
+    if (!spool) return fail(error, STATUS_OUTPUT, "cannot write '%s': no temporary file: %s", path, strerror(errno));
     Status status = write_stream(path, image, options, spool, error);
     if (status == STATUS_OK) status = copy_stream(path, spool, stream, error);
     fclose(spool);
@@ -373,8 +486,7 @@ static Status open_bytes(ExrFile *file, Error *error)
         file->bytes.file = open(file->path, O_RDONLY | O_CLOEXEC);
         if (file->bytes.file < 0 || fstat(file->bytes.file, &facts) != 0)
             return fail(error, STATUS_INPUT, "cannot read '%s': %s", file->path, strerror(errno));
-        if (S_ISDIR(facts.st_mode))
-            return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", file->path);
+        if (S_ISDIR(facts.st_mode)) return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", file->path);
         if (S_ISREG(facts.st_mode)) {
             file->bytes.size = (uint64_t)facts.st_size;
             return STATUS_OK;
@@ -709,8 +821,8 @@ static void print_attribute(Buf *text, const exr_attribute_t *attribute)
 
 static bool has_text(const exr_attribute_t *attribute)
 {
-    return attribute->type == EXR_ATTR_STRING || attribute->type == EXR_ATTR_INT ||
-           attribute->type == EXR_ATTR_FLOAT || attribute->type == EXR_ATTR_DOUBLE;
+    return attribute->type == EXR_ATTR_STRING || attribute->type == EXR_ATTR_INT || attribute->type == EXR_ATTR_FLOAT ||
+           attribute->type == EXR_ATTR_DOUBLE;
 }
 
 Status exr_read_attribute(const char *path, const char *name, char **text, Error *error)
@@ -719,8 +831,8 @@ Status exr_read_attribute(const char *path, const char *name, char **text, Error
     ExrFile file;
     Status status = open_file(path, &file, error);
     const exr_attribute_t *attribute;
-    if (status == STATUS_OK &&
-        exr_get_attribute_by_name(file.context, 0, name, &attribute) == EXR_ERR_SUCCESS && has_text(attribute)) {
+    if (status == STATUS_OK && exr_get_attribute_by_name(file.context, 0, name, &attribute) == EXR_ERR_SUCCESS &&
+        has_text(attribute)) {
         Buf buf = {0};
         buf_add(&buf, ""); /* an empty text is not the same as none */
         print_attribute(&buf, attribute);
@@ -747,8 +859,10 @@ Status exr_visit_attributes(const char *path, void (*visit)(void *context, const
             continue;
         Buf buf = {0};
         print_attribute(&buf, attribute);
-        if (buf.failed) status = fail_memory(error, buf.capacity, "an attribute");
-        else visit(context, attribute->name, buf_text(&buf));
+        if (buf.failed)
+            status = fail_memory(error, buf.capacity, "an attribute");
+        else
+            visit(context, attribute->name, buf_text(&buf));
         buf_clear(&buf);
     }
     close_file(&file);

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/pool.h"
 #include "base/status.h"
 
 /* Interleaved float channels, row 0 at the top. Owns its arrays (malloc). */
@@ -31,6 +32,7 @@ typedef struct ExrOptions {
     const ImageAttribute *attributes; /* the render's settings: "meniscus/samples", ... */
     size_t n_attributes;
     float pixel_aspect;               /* 0: 1 */
+    Pool *pool;                       /* compresses; the file is the same for any number of threads. NULL: one thread */
 } ExrOptions;
 
 /* Dimensions are 1..65536 each, channels 1..1024; STATUS_NOMEM otherwise fits memory or not. */
@@ -45,7 +47,7 @@ bool image_rgb(const Image *image, int rgb[3]);
 /* sRGB's curve undone on the colour channels: from what png_read and jpeg_read give to linear Rec.709. */
 void image_decode_srgb(Image *image);
 
-/* Scan lines, ZIP or PIZ compression, chromaticities and attributes; written beside its place and renamed when whole.
+/* Scan lines, ZIPS compression, chromaticities and attributes; written beside its place and renamed when whole.
  * STATUS_OUTPUT with the reason; what stood there before is then untouched. "-" is standard output. */
 ATTR_NODISCARD Status exr_write(const char *path, const Image *image, const ExrOptions *options, Error *error);
 /* The first part, all channels as float; scan lines or tiles (full resolution), data window placed in the

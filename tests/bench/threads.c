@@ -240,7 +240,7 @@ static void stages_of(const char *path, Pool *two)
             if (caustics) image_clear(&image);
         }
         watch_begin();
-        if (exr_write(file, &image, &(ExrOptions){0}, &error) != STATUS_OK) bench_fail(path, &error);
+        if (exr_write(file, &image, &(ExrOptions){.pool = two}, &error) != STATUS_OK) bench_fail(path, &error);
         *at[4] = watch_end();
         image_clear(&image);
         FirstPicture picture = first_picture(made.compiled, two);

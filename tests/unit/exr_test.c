@@ -2,7 +2,10 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include <errno.h>
 #include <math.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <openexr.h> /* to write what other programs do and we do not */
@@ -160,7 +163,7 @@ static void assert_attribute(const char *path, const char *name, const char *exp
 static void count_attribute(void *context, const char *name, const char *text)
 {
     int *found = context;
-    if (strcmp(name, "compression") == 0) assert_string_equal(text, "piz");
+    if (strcmp(name, "compression") == 0) assert_string_equal(text, "zips");
     if (strcmp(name, "dataWindow") == 0) assert_string_equal(text, "0 0  3 1");
     if (strcmp(name, "chromaticities") == 0) assert_string_equal(text, "0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329");
     if (strcmp(name, "channels") == 0) assert_non_null(strstr(text, "B half, G half, N.X float"));
@@ -252,6 +255,71 @@ static void full_disks_and_missing_folders_are_reported(void **state)
     assert_int_equal(exr_write(in_folder("file/below.exr"), &image, NULL, &error), STATUS_OUTPUT);
     assert_non_null(strstr(error.text, "Not a directory"));
     assert_int_equal(exr_write(in_folder("absent/below.exr"), &image, NULL, &error), STATUS_OUTPUT);
+    image_clear(&image);
+}
+
+/* The file is the same byte for byte, whoever compresses its lines; also one with fewer lines than threads. */
+static void threads_write_the_same_file(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {40, 3}, {123, 200}};
+    for (size_t i = 0; i < COUNT_OF(sizes); i++)
+        for (int half = 0; half < 2; half++) {
+            Error error = {0};
+            Image image = sample_image(sizes[i][0], sizes[i][1]);
+            ExrOptions options = {.half = half};
+            size_t length, length_again;
+            char *bytes, *again;
+            assert_int_equal(exr_write(in_folder("one.exr"), &image, &options, &error), STATUS_OK);
+            assert_int_equal(file_read(in_folder("one.exr"), 0, &bytes, &length, &error), STATUS_OK);
+            for (unsigned n = 1; n <= 7; n += 2) {
+                assert_int_equal(pool_new(n, &options.pool, &error), STATUS_OK);
+                assert_int_equal(exr_write(in_folder("many.exr"), &image, &options, &error), STATUS_OK);
+                pool_free(options.pool);
+                assert_int_equal(file_read(in_folder("many.exr"), 0, &again, &length_again, &error), STATUS_OK);
+                assert_int_equal(length, length_again);
+                assert_memory_equal(bytes, again, length);
+                free(again);
+            }
+            free(bytes);
+            image_clear(&image);
+        }
+}
+
+/* Wherever in a file the disk is full, the reason is told, and what stood there before stays. */
+static void a_disk_that_fills_up_harms_nothing(void **state)
+{
+    (void)state;
+    Error error = {0};
+    Image image = sample_image(300, 150), old = sample_image(9, 9), again;
+    const char *path = in_folder("fills.exr");
+    struct rlimit limit, small;
+    ExrOptions options = {0};
+    assert_int_equal(exr_write(path, &old, NULL, &error), STATUS_OK);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    signal(SIGXFSZ, SIG_IGN);
+    for (unsigned n = 1; n <= 4; n += 3) {
+        assert_int_equal(pool_new(n, &options.pool, &error), STATUS_OK);
+        for (rlim_t bytes = 0; bytes < 600000; bytes += 150001) {
+            small = limit;
+            small.rlim_cur = bytes;
+            error = (Error){0};
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+            Status status = exr_write(path, &image, &options, &error);
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+            assert_int_equal(status, STATUS_OUTPUT);
+            assert_non_null(strstr(error.text, "fills.exr"));
+            assert_non_null(strstr(error.text, strerror(EFBIG)));
+            assert_int_equal(count_files("fills.exr"), 1); /* and no temporary file */
+        }
+        assert_int_equal(exr_write("/dev/full", &image, &options, &error), STATUS_OUTPUT);
+        assert_non_null(strstr(error.text, "No space"));
+        pool_free(options.pool);
+    }
+    assert_int_equal(exr_read(path, &again, &error), STATUS_OK);
+    assert_same_image(&old, &again);
+    image_clear(&again);
+    image_clear(&old);
     image_clear(&image);
 }
 
@@ -479,6 +547,8 @@ int main(void)
         cmocka_unit_test(bad_attributes_and_names_are_refused),
         cmocka_unit_test(a_failed_write_leaves_the_old_file),
         cmocka_unit_test(full_disks_and_missing_folders_are_reported),
+        cmocka_unit_test(threads_write_the_same_file),
+        cmocka_unit_test(a_disk_that_fills_up_harms_nothing),
         cmocka_unit_test(standard_output_is_a_whole_file),
         cmocka_unit_test(tiles_and_windows_are_read),
         cmocka_unit_test(colors_are_found),
