@@ -6,6 +6,7 @@
 #include "mesh/box_pairs.h"
 #include "scene/relation_parts.h"
 
+enum { SIFTED_AT_ONCE = 1 << 16 }; /* candidates: of millions few are left to be judged along lines */
 static const double pi = 3.14159265358979323846;
 
 /* A hull that is a ball in the world: its radius, else 0. */
@@ -78,6 +79,14 @@ static void note_reach(Finder *f, uint32_t a, uint32_t b)
     f->reach[b] = fmaxf(f->reach[b], length);
 }
 
+Status relation_add_decided(Finder *f, const HullPair *pair, Error *error)
+{
+    if (!ARRAY_ROOM(f->decided, f->decided_capacity, f->n_decided))
+        return fail_memory(error, f->n_decided * sizeof *f->decided, "pairs of hulls");
+    f->decided[f->n_decided++] = *pair;
+    return STATUS_OK;
+}
+
 /* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
 static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
 {
@@ -93,16 +102,14 @@ static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
         HullPair pair = judge_spheres(f, a, b);
         f->n_small_regions += region_small;
         if (!pair.overlaps && !pair.touches) return STATUS_OK;
-        if (!ARRAY_ROOM(f->ball_pairs, f->ball_pairs_capacity, f->n_ball_pairs))
-            return fail_memory(error, f->n_ball_pairs * sizeof *f->ball_pairs, "pairs of hulls");
-        f->ball_pairs[f->n_ball_pairs++] = pair;
-        return STATUS_OK;
+        return relation_add_decided(f, &pair, error);
     }
     if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
         return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
     f->candidates[f->n_candidates++] =
         (Candidate){.a = a, .b = b, .region = region, .meet = meet, .region_small = region_small};
-    return STATUS_OK;
+    TRY(relation_remember_shapes(f, a, b, error));
+    return f->n_candidates - f->n_sifted < SIFTED_AT_ONCE ? STATUS_OK : relation_sift(f, error);
 }
 
 static int compare_numbers(uint32_t a, uint32_t b, uint32_t other_a, uint32_t other_b)
@@ -132,8 +139,9 @@ Status relation_find_near(Finder *f, Error *error)
         f->radius[h] = sphere_radius(&compiled->scene->shapes[object->shape], &object->to_world);
     }
     TRY(box_pairs_visit(f->compiled->n_hulls, relation_neighbourhood, add_candidate, f, error));
+    TRY(relation_sift(f, error));
     if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
-    if (f->n_ball_pairs) qsort(f->ball_pairs, f->n_ball_pairs, sizeof *f->ball_pairs, relation_compare_pairs);
+    if (f->n_decided) qsort(f->decided, f->n_decided, sizeof *f->decided, relation_compare_pairs);
     if (f->n_candidates > UINT32_MAX) return fail(error, STATUS_NOMEM, "too many pairs of hulls");
     return STATUS_OK;
 }

@@ -5,6 +5,7 @@
 
 #include "scene/lines.h"
 #include "scene/relations.h"
+#include "shape/ball_side.h"
 
 /* Of the smaller hull's middle extent: wider is no gap but room. */
 #define RELATION_GAP_PART 0.02
@@ -50,12 +51,20 @@ typedef struct Candidate {
     Box3 region;       /* common part of the bounds */
     bool meet;         /* there is one */
     bool region_small; /* and it is much smaller than the smaller hull: worth lines of its own */
+    BallSide side;     /* of the smaller hull with the larger: BALL_NEAR for those that lines judge */
     FactList facts;    /* of the second and third stage; at most one */
     double depth;      /* of the fourth */
 } Candidate;
 
+/* What is known of a shape that pairs near each other have. */
+typedef struct NearShape {
+    Box3 box; /* in its own frame */
+    ProfileTree tree;
+} NearShape;
+
 typedef struct Finder {
     const CompiledScene *compiled;
+    Pool *pool;
     Worker *workers;
     double *radius;   /* of spheres; 0: no sphere */
     float *reach;     /* of each hull: no point near it is further from the far end of a hull around that point */
@@ -63,10 +72,15 @@ typedef struct Finder {
     uint32_t n_judges;
     uint32_t *judge_of;    /* of each hull: 1 + its place among these, or 0 */
     FactList *judge_facts; /* of each judge */
+    NearShape *near_shapes;
+    uint32_t n_near_shapes;
+    size_t near_shapes_capacity;
+    uint32_t *near_shape_of; /* of each shape: 1 + its place among these, or 0 */
     Candidate *candidates;
     size_t n_candidates, candidates_capacity;
-    HullPair *ball_pairs; /* that meet: two balls are judged at once */
-    size_t n_ball_pairs, ball_pairs_capacity;
+    size_t n_sifted;   /* of these: the others may still be decided without lines */
+    HullPair *decided; /* that meet: two balls, and pairs where one is well inside of the other, are judged at once */
+    size_t n_decided, decided_capacity;
     size_t n_small_regions; /* of all two balls whose bounds come near each other */
     uint32_t lines_of_hull[2],
         lines_of_pair[2]; /* [0] balls and pairs with a ball, [1] others: bubbles are many, glasses few */
@@ -173,12 +187,41 @@ int relation_compare_facts(const void *left, const void *right);
 
 /* ---- relation_near.c ---- */
 
-/* Fills in radius, reach, candidates and ball_pairs. */
+/* By which hulls are small or large. */
+static inline double relation_extent(const Finder *f, uint32_t hull)
+{
+    return half_area(f->compiled->hull_bounds[hull]);
+}
+
+static inline bool relation_is_smaller(const Finder *f, uint32_t a, uint32_t b)
+{
+    double extent_a = relation_extent(f, a), extent_b = relation_extent(f, b);
+    return extent_a != extent_b ? extent_a < extent_b : a < b;
+}
+
+/* The smaller hull of the pair first. */
+static inline void relation_by_size(const Finder *f, const Candidate *candidate, uint32_t *own, uint32_t *other)
+{
+    bool a_first = relation_is_smaller(f, candidate->a, candidate->b);
+    *own = a_first ? candidate->a : candidate->b;
+    *other = a_first ? candidate->b : candidate->a;
+}
+
+/* Fills in radius, reach, candidates and decided. */
 ATTR_NODISCARD Status relation_find_near(Finder *f, Error *error);
+ATTR_NODISCARD Status relation_add_decided(Finder *f, const HullPair *pair, Error *error);
 /* For qsort: by both hulls. */
 int relation_compare_pairs(const void *left, const void *right);
 /* The bounds of a hull with a little more than its margin around them: the boxes that lines are started from lie
  * within. */
 Box3 relation_neighbourhood(const void *finder, uint32_t hull);
+
+/* ---- relation_apart.c ---- */
+
+/* To be called for each pair that becomes a candidate. */
+ATTR_NODISCARD Status relation_remember_shapes(Finder *f, uint32_t a, uint32_t b, Error *error);
+void relation_forget_shapes(Finder *f);
+/* Decides what can be decided of the candidates from n_sifted on; those left are sifted. */
+ATTR_NODISCARD Status relation_sift(Finder *f, Error *error);
 
 #endif

@@ -5,7 +5,8 @@
  * Second, lines through the common part of the bounds of pairs where that is much smaller than the hull. Third, where a
  * pair's surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place
  * where the two are nearest. Fourth, where a pair overlaps in part, a line or two through the thickest place of what
- * they share. Spheres need none of this: two of them are judged by formula.
+ * they share. None of this is needed for two spheres, which are judged by formula, nor for hulls that keep away from each
+ * other's surfaces (relation_apart.c), as nearly all of many bubbles do.
  *
  * All lines are fixed by the scene, each task writes to its own place, and the results are put together in
  * order, so that the answer does not depend on threads.
@@ -28,20 +29,6 @@ enum {
 };
 static const double gap_lines_part = 0.05; /* of the lines that meet the hull: fewer are a near miss, not a gap */
 
-/* ---- hulls by size ---- */
-
-/* By which hulls are small or large. */
-static double extent_of(const Finder *f, uint32_t hull)
-{
-    return half_area(f->compiled->hull_bounds[hull]);
-}
-
-static bool smaller(const Finder *f, uint32_t a, uint32_t b)
-{
-    double extent_a = extent_of(f, a), extent_b = extent_of(f, b);
-    return extent_a != extent_b ? extent_a < extent_b : a < b;
-}
-
 /* ---- the first stage: lines through a hull ---- */
 
 /* Whether the hull has more on the line than an edge, about which the surfaces of others may disagree. */
@@ -57,7 +44,7 @@ static bool meets_really(const Probe *probe, uint32_t hull)
 /* A pair is judged along the lines of its smaller hull, and two balls by formula. */
 static bool is_judged_by(const Finder *f, uint32_t hull, uint32_t other)
 {
-    return other != hull && smaller(f, hull, other) && !(f->radius[hull] > 0 && f->radius[other] > 0);
+    return other != hull && relation_is_smaller(f, hull, other) && !(f->radius[hull] > 0 && f->radius[other] > 0);
 }
 
 static void judge_hull_line(const Finder *f, Worker *worker, FactList *list, uint32_t hull, const Line *line)
@@ -163,14 +150,6 @@ static const PairFacts *hull_facts_of(const Finder *f, uint32_t own, uint32_t ot
     return list && list->n ? bsearch(&key, list->items, list->n, sizeof key, relation_compare_facts) : NULL;
 }
 
-/* The smaller hull of the pair first. */
-static void by_size(const Finder *f, const Candidate *candidate, uint32_t *own, uint32_t *other)
-{
-    bool a_first = smaller(f, candidate->a, candidate->b);
-    *own = a_first ? candidate->a : candidate->b;
-    *other = a_first ? candidate->b : candidate->a;
-}
-
 static uint64_t pair_seed(const Candidate *candidate)
 {
     return ((uint64_t)candidate->a << 32 | candidate->b) + 1;
@@ -182,7 +161,7 @@ static void task_of_pair(void *context, uint32_t number, unsigned worker)
     Finder *f = context;
     Candidate *candidate = &f->candidates[number];
     uint32_t own, other;
-    by_size(f, candidate, &own, &other);
+    relation_by_size(f, candidate, &own, &other);
     if (!candidate->region_small || !is_judged_by(f, own, other)) return;
     PairFacts *facts = relation_only_facts(&candidate->facts, own, other);
     uint32_t n = f->lines_of_pair[f->radius[own] == 0 && f->radius[other] == 0];
@@ -196,7 +175,7 @@ static void task_of_pair(void *context, uint32_t number, unsigned worker)
 static bool needs_search(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
-    by_size(f, candidate, &own, &other);
+    relation_by_size(f, candidate, &own, &other);
     if (!candidate->meet || !is_judged_by(f, own, other)) return false;
     const PairFacts *known = hull_facts_of(f, own, other);
     if (known && known->overlaps) return false;
@@ -214,7 +193,7 @@ static void task_of_search(void *context, uint32_t number, unsigned worker)
     Candidate *candidate = &f->candidates[number];
     if (!needs_search(f, candidate)) return;
     uint32_t own, other;
-    by_size(f, candidate, &own, &other);
+    relation_by_size(f, candidate, &own, &other);
     Probe *probe = &f->workers[worker].probe;
     PairFacts *facts = candidate->facts.n ? candidate->facts.items : relation_only_facts(&candidate->facts, own, other);
     if (!facts) {
@@ -259,7 +238,7 @@ static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, Hu
 static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
-    by_size(f, candidate, &own, &other);
+    relation_by_size(f, candidate, &own, &other);
     HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL, .overlap_depth = candidate->depth};
     const PairFacts *first = hull_facts_of(f, own, other), *second = candidate->facts.n ? candidate->facts.items : NULL;
     const FactList *along_own = facts_along(f, own);
@@ -300,7 +279,7 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     Candidate *candidate = &f->candidates[number];
     Probe *probe = &f->workers[worker].probe;
     uint32_t own, other;
-    by_size(f, candidate, &own, &other);
+    relation_by_size(f, candidate, &own, &other);
     if (!is_judged_by(f, own, other)) return;
     HullPair pair = judge_candidate(f, candidate);
     if (!pair.overlaps || pair.relation != NEST_PARTIAL) return;
@@ -331,20 +310,20 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     }
 }
 
-/* The pairs that meet, those of two balls among them, in order. */
+/* The pairs that meet, those decided without lines among them, in order. */
 static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, Error *error)
 {
-    size_t n = 0, n_balls = 0, most = f->n_candidates + f->n_ball_pairs;
+    size_t n = 0, n_others = 0, most = f->n_candidates + f->n_decided;
     HullPair *list = malloc((most ? most : 1) * sizeof *list);
     if (!list) return fail_memory(error, most * sizeof *list, "pairs of hulls");
     for (size_t i = 0; i < f->n_candidates; i++) {
         HullPair pair = judge_candidate(f, &f->candidates[i]);
         if (!pair.overlaps && !pair.touches && !isfinite(pair.gap)) continue;
-        while (n_balls < f->n_ball_pairs && relation_compare_pairs(&f->ball_pairs[n_balls], &pair) < 0)
-            list[n++] = f->ball_pairs[n_balls++];
+        while (n_others < f->n_decided && relation_compare_pairs(&f->decided[n_others], &pair) < 0)
+            list[n++] = f->decided[n_others++];
         list[n++] = pair;
     }
-    while (n_balls < f->n_ball_pairs) list[n++] = f->ball_pairs[n_balls++];
+    while (n_others < f->n_decided) list[n++] = f->decided[n_others++];
     *pairs = list;
     *n_pairs = n;
     return STATUS_OK;
@@ -363,7 +342,7 @@ static void plan(Finder *f)
     for (size_t i = 0; i < f->n_candidates; i++) {
         const Candidate *candidate = &f->candidates[i];
         uint32_t own, other;
-        by_size(f, candidate, &own, &other);
+        relation_by_size(f, candidate, &own, &other);
         f->judge_of[own] = 1; /* to be numbered */
         n_pairs[f->radius[candidate->a] == 0 && f->radius[candidate->b] == 0] += candidate->region_small;
     }
@@ -403,7 +382,9 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     f->radius = calloc(n, sizeof *f->radius);
     f->reach = calloc(n, sizeof *f->reach);
     f->judge_of = calloc(n, sizeof *f->judge_of);
-    if (!f->radius || !f->reach || !f->judge_of) return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
+    f->near_shape_of = calloc(compiled->scene->n_shapes + 1U, sizeof *f->near_shape_of);
+    if (!f->radius || !f->reach || !f->judge_of || !f->near_shape_of)
+        return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
     TRY(relation_find_near(f, error));
     plan(f);
     return prepare_workers(f, n_workers, error);
@@ -417,6 +398,7 @@ static void finder_clear(Finder *f, unsigned n_workers)
     }
     for (uint32_t i = 0; f->judge_facts && i < f->n_judges; i++) free(f->judge_facts[i].items);
     for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
+    relation_forget_shapes(f);
     free(f->workers);
     free(f->radius);
     free(f->reach);
@@ -424,13 +406,13 @@ static void finder_clear(Finder *f, unsigned n_workers)
     free(f->judge_of);
     free(f->judge_facts);
     free(f->candidates);
-    free(f->ball_pairs);
+    free(f->decided);
 }
 
 Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs, Error *error)
 {
     unsigned n_workers = pool_threads(pool);
-    Finder f = {.compiled = compiled};
+    Finder f = {.compiled = compiled, .pool = pool};
     Status status = prepare(&f, n_workers, error);
     if (status == STATUS_OK && f.n_candidates) {
         pool_run(pool, f.n_judges, task_of_judge, &f);

@@ -217,16 +217,19 @@ static bool keeps_axes(const Affine *map)
     return true;
 }
 
+Box3 scene_shape_bounds(const SceneShape *shape)
+{
+    Affine identity = affine_identity();
+    return shape_bounds(shape, &identity);
+}
+
 Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known)
 {
     const SceneShape *shape = object->shape == SCENE_NONE ? NULL : &scene->shapes[object->shape];
     bool plain = shape && shape->mesh && !shape->mesh_end && !shape->solid && object->motion == SCENE_NONE;
     if (!plain || !shape->mesh->n_vertices || !keeps_axes(&object->to_world))
         return scene_object_bounds(scene, object, NULL);
-    if (known->shape != shape) {
-        Affine identity = affine_identity();
-        *known = (SceneShapeBox){shape, shape_bounds(shape, &identity)};
-    }
+    if (known->shape != shape) *known = (SceneShapeBox){shape, scene_shape_bounds(shape)};
     return affine_box(&object->to_world, known->box); /* to the bit: rounding keeps the order of numbers */
 }
 

@@ -336,5 +336,7 @@ typedef struct SceneShapeBox {
     Box3 box; /* of its mesh */
 } SceneShapeBox;
 Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known);
+/* The smallest box around a shape in its own frame, mesh_end included. */
+Box3 scene_shape_bounds(const SceneShape *shape);
 
 #endif

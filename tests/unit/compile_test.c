@@ -191,13 +191,58 @@ static void areas_and_depths_are_measured(void **state)
     assert_estimate("lens", pair.overlap_volume, pair.overlap_volume_error, pi * (16 + 8 * 5 - 3) / 48);
 }
 
+/* Where an object keeps away from the surface of another, the answer is exact; near it nothing is missed. */
+static void pairs_that_keep_apart_are_decided_at_once(void **state)
+{
+    (void)state;
+    /* of a drink: far inside, near its wall and through it; the same of what is turned and stretched */
+    static const char *const drinks[] = {
+        "cylinder a { interior = water from = <0, 10, 0> to = <0, 80, 0> radius = 37",
+        "lathe a { interior = water profile = [<0, 10>, <37, 10>, <37, 80>, <0, 80>] rounding = [0, 9, 1, 0]",
+        "capsule a { interior = water from = <0, 20, 0> to = <0, 70, 0> radius = 37"};
+    static const char *const turns[] = {"", "rotate(<20, 30, 40>)", "scale(<2, .5, 1>) rotate(<50, 10, 80>)"};
+    static const char *const places[] = {"20, 40, 5", "36.6, 40, 0", "37.9, 40, 37.9"};
+    for (size_t i = 0; i < COUNT_OF(drinks) * COUNT_OF(turns) * COUNT_OF(places); i++) {
+        const char *drink = drinks[i / 9], *turn = turns[i / 3 % 3];
+        double volume = 4 * pi / 3 * 1.2;
+        char text[700];
+        snprintf(text, sizeof text, "%s %s } sphere b { interior = gas scale(<1, 1.2, 1>) translate(<%s>) %s } ", drink,
+                 turn, places[i % 3], turn);
+        HullPair pair = pair_in(text);
+        if (i % 3 == 0) { /* well inside */
+            assert_true(pair.overlaps && !pair.touches && pair.relation == NEST_B_IN_A &&
+                        pair.overlap_volume_error == 0);
+            assert_near(pair.overlap_volume, volume, 1e-9);
+        } else if (i % 3 == 1) { /* through the wall */
+            assert_true(pair.overlaps && pair.relation == NEST_PARTIAL && pair.overlap_volume < 0.9 * volume);
+        } else { /* outside, within the drink's bounds */
+            assert_true(!pair.overlaps && !pair.touches && isinf(pair.gap));
+        }
+    }
+    /* boxes whose bounds share much, but nothing else: room between them, a thin gap, contact, and an overlap */
+#define LEANING(height)                                                                                                \
+    "box a { interior = glass size = <10, 2, 2> rotate(z, 45) } "                                                      \
+    "box b { interior = ice size = <10, 2, 2> translate(" height " * y) rotate(z, 45) }"
+    HullPair pair = pair_in(LEANING("2.3"));
+    assert_true(!pair.overlaps && !pair.touches && isinf(pair.gap));
+    pair = pair_in(LEANING("2.03"));
+    assert_true(!pair.overlaps && !pair.touches);
+    assert_near(pair.gap, 0.03, 1e-3);
+    assert_true(pair_in(LEANING("2")).touches);
+    pair = pair_in(LEANING("1.95"));
+    assert_true(pair.overlaps && pair.relation == NEST_PARTIAL);
+    assert_near(pair.overlap_depth, 0.05, 1e-6);
+}
+
 static void threads_do_not_matter(void **state)
 {
     (void)state;
     const char *text = M "lathe { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] }"
                          "cylinder { interior = water from = <0, 9.9, 0> to = <0, 44, 0> radius = 37.1 }"
                          "for (i in 1..40) { box { interior = ice size = <9, 9, 9> rotate(<i, 2 * i, 3 * i>) "
-                         "translate(<25 * cos(77 * i), 10 + i, 25 * sin(77 * i)>) } }" V;
+                         "translate(<25 * cos(77 * i), 10 + i, 25 * sin(77 * i)>) } "
+                         "for (k in 1..10) { sphere { interior = gas scale(<1, 1.2, 1>) "
+                         "translate(<34 * cos(9 * i), 6 * k, 34 * sin(9 * i)>) } } }" V;
     Fixture one, many;
     fixture_compile(&one, text, 1);
     fixture_compile(&many, text, 3);
@@ -454,6 +499,7 @@ int main(void)
         cmocka_unit_test(small_overlaps_are_not_missed),
         cmocka_unit_test(touching_and_gaps_are_told_apart),
         cmocka_unit_test(areas_and_depths_are_measured),
+        cmocka_unit_test(pairs_that_keep_apart_are_decided_at_once),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(the_order_follows_the_rules),
         cmocka_unit_test(circles_are_reported),

@@ -1,0 +1,213 @@
+/* relation_apart.c - pairs of hulls that keep away from each other's surfaces: decided at once, without lines.
+ *
+ * Of a million bubbles in a drink nearly all are so far from its surface that a ball around each lies wholly inside of
+ * it; and of objects whose bounds come near each other many are apart when their own boxes are turned as they are.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "scene/relation_parts.h"
+
+enum { BLOCK = 256 }; /* pairs of a task */
+
+/* ---- what is remembered of shapes ---- */
+
+/* A shape that is one ball, of which there may be as many as objects, needs nothing. */
+static const Piece *ball_of(const SceneShape *shape)
+{
+    const Solid *solid = shape->solid;
+    return !shape->mesh && solid && solid->n_pieces == 1 && solid->pieces[0].kind == PIECE_SPHERE ? solid->pieces
+                                                                                                  : NULL;
+}
+
+static Status remember_shape(Finder *f, uint32_t hull, Error *error)
+{
+    uint32_t shape = f->compiled->scene->objects[f->compiled->object_of_hull[hull]].shape;
+    const SceneShape *from = shape == SCENE_NONE ? NULL : &f->compiled->scene->shapes[shape];
+    if (!from || ball_of(from) || f->near_shape_of[shape]) return STATUS_OK;
+    if (!ARRAY_ROOM(f->near_shapes, f->near_shapes_capacity, f->n_near_shapes))
+        return fail_memory(error, f->n_near_shapes * sizeof *f->near_shapes, "how the hulls lie");
+    NearShape *made = &f->near_shapes[f->n_near_shapes];
+    *made = (NearShape){.box = scene_shape_bounds(from)};
+    if (from->solid) TRY(profile_tree_make(from->solid, &made->tree, error));
+    f->near_shape_of[shape] = ++f->n_near_shapes;
+    return STATUS_OK;
+}
+
+Status relation_remember_shapes(Finder *f, uint32_t a, uint32_t b, Error *error)
+{
+    TRY(remember_shape(f, a, error));
+    return remember_shape(f, b, error);
+}
+
+void relation_forget_shapes(Finder *f)
+{
+    for (uint32_t i = 0; i < f->n_near_shapes; i++) profile_tree_clear(&f->near_shapes[i].tree);
+    free(f->near_shapes);
+    free(f->near_shape_of);
+}
+
+/* ---- hulls that stand still ---- */
+
+/* Of a hull that has a shape of its own and stays as it is. */
+typedef struct Still {
+    const SceneShape *shape;
+    const Affine *to_world;
+    const ProfileTree *tree;
+    Box3 box; /* in its own frame */
+} Still;
+
+static bool stands_still(const Finder *f, uint32_t hull, Still *still)
+{
+    static const ProfileTree no_tree = {0};
+    const Scene *scene = f->compiled->scene;
+    const SceneObject *object = &scene->objects[f->compiled->object_of_hull[hull]];
+    if (object->shape == SCENE_NONE || object->motion != SCENE_NONE || scene->shapes[object->shape].mesh_end)
+        return false;
+    *still = (Still){.shape = &scene->shapes[object->shape], .to_world = &object->to_world, .tree = &no_tree};
+    const Piece *ball = ball_of(still->shape);
+    if (ball) {
+        Vec3 reach = vec3(ball->r0, ball->r0, ball->r0);
+        still->box = (Box3){vec3_scale(reach, -1), reach};
+        return true;
+    }
+    const NearShape *near = &f->near_shapes[f->near_shape_of[object->shape] - 1];
+    still->tree = &near->tree;
+    still->box = near->box;
+    return true;
+}
+
+/* By how much lengths grow at most: exact where the axes stay at right angles to each other. */
+static double largest_stretch(const Affine *map)
+{
+    double largest = 0;
+    for (int i = 0; i < 3; i++) {
+        double sum = 0;
+        for (int k = 0; k < 3; k++) {
+            double product = 0;
+            for (int row = 0; row < 3; row++) product += map->m[row][i] * map->m[row][k];
+            sum += fabs(product);
+        }
+        largest = double_max(largest, sum);
+    }
+    return sqrt(largest) * (1 + 1e-12);
+}
+
+typedef struct Ball {
+    Vec3 centre;
+    double radius;
+} Ball;
+
+static Ball ball_around(const Finder *f, uint32_t hull)
+{
+    Box3 bounds = f->compiled->hull_bounds[hull];
+    Ball ball = {box3_centre(bounds), diagonal(bounds) / 2};
+    Still still;
+    if (f->compiled->unbounded[hull] || !stands_still(f, hull, &still)) return ball;
+    const Piece *piece = ball_of(still.shape);
+    double radius = (piece ? piece->r0 : diagonal(still.box) / 2) * largest_stretch(still.to_world);
+    return radius < ball.radius ? (Ball){affine_point(still.to_world, box3_centre(still.box)), radius} : ball;
+}
+
+/* ---- two ways to know ---- */
+
+/* Within this distance the two may touch, or leave a thin gap. */
+static double reach_of_gaps(const Finder *f, uint32_t a, uint32_t b)
+{
+    Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
+    return 2 * (double_min(margin_of(box_a), margin_of(box_b)) + double_max(box_rounding(box_a), box_rounding(box_b)));
+}
+
+static BallSide side_of(const Finder *f, uint32_t own, uint32_t other)
+{
+    Still still;
+    Affine inverse;
+    if (f->compiled->unbounded[own] || !stands_still(f, other, &still) || !still.shape->solid || still.shape->mesh ||
+        !affine_invert(still.to_world, &inverse))
+        return BALL_NEAR;
+    Ball ball = ball_around(f, own);
+    double radius = (ball.radius + reach_of_gaps(f, own, other)) * largest_stretch(&inverse);
+    return solid_ball_side(still.shape->solid, still.tree, affine_point(&inverse, ball.centre), radius);
+}
+
+/* A box turned and skewed with its object: its middle, and from there to the middles of three faces. */
+typedef struct Turned {
+    Vec3 centre, half[3];
+} Turned;
+
+static Turned turned_box(const Still *still)
+{
+    Vec3 size = vec3_scale(vec3_sub(still->box.max, still->box.min), 0.5);
+    return (Turned){affine_point(still->to_world, box3_centre(still->box)),
+                    {affine_vector(still->to_world, vec3(size.x, 0, 0)),
+                     affine_vector(still->to_world, vec3(0, size.y, 0)),
+                     affine_vector(still->to_world, vec3(0, 0, size.z))}};
+}
+
+static double reach_along(const Turned *box, Vec3 axis)
+{
+    double reach = 0;
+    for (int i = 0; i < 3; i++) reach += fabs(vec3_dot(box->half[i], axis));
+    return reach;
+}
+
+static bool are_apart_along(const Turned *a, const Turned *b, Vec3 axis, double margin)
+{
+    double between = fabs(vec3_dot(vec3_sub(a->centre, b->centre), axis));
+    return between > reach_along(a, axis) + reach_along(b, axis) + margin * vec3_length(axis);
+}
+
+/* Whether a plane with room on both sides stands between the two: at right angles to a face, or along an edge of each. */
+static bool boxes_are_apart(const Turned *a, const Turned *b, double margin)
+{
+    for (int i = 0; i < 3; i++)
+        if (are_apart_along(a, b, vec3_cross(a->half[i], a->half[(i + 1) % 3]), margin) ||
+            are_apart_along(a, b, vec3_cross(b->half[i], b->half[(i + 1) % 3]), margin))
+            return true;
+    for (int i = 0; i < 9; i++)
+        if (are_apart_along(a, b, vec3_cross(a->half[i / 3], b->half[i % 3]), margin)) return true;
+    return false;
+}
+
+static BallSide judge(const Finder *f, const Candidate *candidate)
+{
+    uint32_t own, other;
+    relation_by_size(f, candidate, &own, &other);
+    BallSide side = side_of(f, own, other);
+    Still a, b;
+    bool bounded = !f->compiled->unbounded[own] && !f->compiled->unbounded[other];
+    if (side != BALL_NEAR || !bounded || !stands_still(f, own, &a) || !stands_still(f, other, &b)) return side;
+    Turned box_a = turned_box(&a), box_b = turned_box(&b);
+    return boxes_are_apart(&box_a, &box_b, reach_of_gaps(f, own, other)) ? BALL_OUTSIDE : BALL_NEAR;
+}
+
+/* ---- all pairs that wait ---- */
+
+static void task_of_block(void *context, uint32_t block, unsigned worker)
+{
+    (void)worker;
+    Finder *f = context;
+    size_t begin = f->n_sifted + (size_t)block * BLOCK, end = begin + BLOCK;
+    for (size_t i = begin; i < end && i < f->n_candidates; i++) f->candidates[i].side = judge(f, &f->candidates[i]);
+}
+
+Status relation_sift(Finder *f, Error *error)
+{
+    pool_run(f->pool, (uint32_t)((f->n_candidates - f->n_sifted + BLOCK - 1) / BLOCK), task_of_block, f);
+    for (size_t i = f->n_sifted; i < f->n_candidates; i++) {
+        const Candidate *candidate = &f->candidates[i];
+        uint32_t own, other;
+        if (candidate->side == BALL_NEAR) f->candidates[f->n_sifted++] = *candidate;
+        if (candidate->side != BALL_INSIDE) continue;
+        relation_by_size(f, candidate, &own, &other);
+        HullPair pair = {.a = candidate->a,
+                         .b = candidate->b,
+                         .gap = HUGE_VAL,
+                         .overlaps = true,
+                         .relation = own == candidate->a ? NEST_A_IN_B : NEST_B_IN_A,
+                         .overlap_volume = f->compiled->hulls[own].volume};
+        TRY(relation_add_decided(f, &pair, error));
+    }
+    f->n_candidates = f->n_sifted;
+    return STATUS_OK;
+}
