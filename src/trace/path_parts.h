@@ -124,8 +124,8 @@ static inline SurfacePlace path_place(const Path *path, const Event *event)
 LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal);
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic);
-/* Adds that, scattered by the factor, weighted against finding the light by a direction of density scatter_pdf. */
-void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf);
+/* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */
+void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float pdf_w);
 /* Sends the path on from the surfaces that it has come to: through them, or back. */
 void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 /* Radiance given in a medium, as basic radiance. */

@@ -71,12 +71,14 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
 
 LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal)
 {
-    float u[2], choice[2];
+    const World *world = path->tracer->world;
+    float u[2], choice[2] = {0, 0};
+    if (!world->n_choices) return (LightSample){.pdf_w = 0};
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
-    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
+    if (!world->one_light) sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
     /* the second number is the first one's further digits */
     double digits = (double)choice[0] + (double)choice[1] * 0x1p-24;
-    return light_sample(path->tracer->world, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
+    return light_sample(world, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
 }
 
 bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic)
@@ -96,11 +98,12 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *ba
     return true;
 }
 
-void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float scatter_pdf)
+void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float pdf_w)
 {
     Lanes basic;
     if (!path_light_arrives(path, light, ray, &basic)) return;
-    float others = (light->delta ? 0 : scatter_pdf) + airlight_rival_sample(path, light);
+    float others = (light->delta ? 0 : guide_mixture(&path->guide, light->direction, pdf_w)) +
+                   airlight_rival_sample(path, light);
     float weight = sampling_balance(light->pdf_w, others);
     path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
 }
@@ -124,8 +127,7 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     if (!(diffuse > 0)) return;
     Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster,
                         false, light.direction);
-    path_add_direct_light(path, &light, ray, lanes_scale(albedo, diffuse),
-                          guide_mixture(&path->guide, light.direction, diffuse));
+    path_add_direct_light(path, &light, ray, lanes_scale(albedo, diffuse), diffuse);
 }
 
 bool path_ask_guide(const Path *path, Vec3f *direction)
@@ -161,7 +163,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
         float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
         Ray ray = ray_make(position, light.direction);
         ray.time = path->ray.time;
-        path_add_direct_light(path, &light, ray, lanes_all(pdf), guide_mixture(&path->guide, light.direction, pdf));
+        path_add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
     }
     float u[2];
     double time = path->ray.time;

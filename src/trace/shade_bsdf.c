@@ -75,8 +75,7 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     Tracer *tracer = path->tracer;
     Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below,
                         light.direction);
-    path_add_direct_light(path, &light, ray, f_cos,
-                          guide_mixture(&path->guide, light.direction, mean_density(path, pdf_w)));
+    path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
 }
 
 /* Weight and densities of a direction that is the guide's, or that the surface has chosen beside a guide. */

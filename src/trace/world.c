@@ -113,6 +113,15 @@ static Status find_portals(World *world, Error *error)
     return STATUS_OK;
 }
 
+/* Whether there is nothing to choose among: not even a way to the environment, or a place in a medium that shines. */
+static bool is_one_light(const World *world)
+{
+    const EmitterSet *near = &world->emitters;
+    if (world->n_choices != 1) return false;
+    if (world->choices[0].light == LIGHT_NEAR) return near->n == 1 && near->emitters[0].kind != EMITTER_GLOW;
+    return world->choices[0].light != LIGHT_ENVIRONMENT || !world->n_portals;
+}
+
 /* Whether the hulls around the camera may be others at another time: it moves itself, or something that moves comes to
  * where it is. */
 static bool camera_list_may_move(const World *world)
@@ -160,6 +169,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
     if (status == STATUS_OK) status = find_portals(world, error);
     if (status == STATUS_OK) {
         HitList hits = {0};
+        world->one_light = is_one_light(world);
         uint32_t on_surface;
         status =
             compiled_interior(compiled, vec3f_from(world->camera->from), 0, &hits, &world->camera_list, &on_surface);

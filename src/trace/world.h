@@ -45,6 +45,7 @@ typedef struct World {
     float *choice_of_light;   /* probability of each distant light of the scene */
     float environment_choice; /* probability of the environment */
     float near_choice;        /* probability of choosing with the tree */
+    bool one_light;           /* choosing takes no random number */
     EmitterSet emitters;
     WorldPortal *portals; /* where the scene has an environment that shines */
     uint32_t n_portals;
