@@ -7,17 +7,19 @@
 
 #include "render/around.h"
 
-/* How far neighbours are asked, in pixels: two blocks of the sampler, whose errors go together. */
-enum { FAR = 8 };
+/* How far neighbours are asked, in pixels: four blocks of the sampler, each of whose pixels' errors go together. What is asked
+ * for varies less over a picture than it differs by chance from block to block. */
+enum { FAR = 16 };
 /* The slopes that are believed: of smooth functions, of independent samples, and the slowest. */
 #define STEEPEST (-1.5)
 #define BY_CHANCE (-0.5)
 #define SLOWEST (-0.15)
-/* Between a power law, 1, and the mixture of extremes, 0. Measured on examples from smooth to caustics. */
-#define POWER_LAW 0.8
 /* How mean errors grow with the factor of the differences beyond that of chance. Rare events of equal brightness have nearly 1
- * for the most of the range, and 3.4 for all of it; scenes have pixels of all kinds. Measured as above. */
+ * for the most of the range, and 3.4 for all of it; scenes have pixels of all kinds. Measured in the same way. */
 #define RARE 1.5
+
+/* What of the alternation is foretold. Measured on examples from smooth to caustics. */
+#define COMES_BACK 0.5f
 
 /* Of the mean of n samples, and of the difference that film_spread takes: where differences fall by r, in units of D of
  * pieces as large as the first part. */
@@ -25,63 +27,63 @@ typedef struct Variances {
     double mean, difference;
 } Variances;
 
-static Variances variances(double r, uint32_t n)
+/* D_k falls by r with each k, times `other` where k is not of the kind of the first part's pieces. */
+static Variances variances(double r, double other, uint32_t n)
 {
     uint32_t n_first = film_first_part(n), n_rest = n - n_first;
-    double d = 1, rest = 0, done = 0;
-    for (uint32_t size = n_first; size > 1; size /= 2) d /= r;
+    double d = 1, rest = 0, done = 0, kinds[2] = {1, other};
+    int kind = 0;
+    for (uint32_t size = n_first; size > 1; size /= 2, kind = !kind) d /= r;
     /* The rest consists of ever smaller pieces. Each is in the half beside the one before it, so that their covariance is
      * that of these halves, V - D / 2. */
-    for (uint32_t size = 1; size <= n_rest; size *= 2, d *= r) {
+    for (uint32_t size = 1; size <= n_rest; size *= 2, d *= r, kind = !kind) {
         if (!(n_rest & size)) continue;
-        double variance = d / (4 * (1 - r)), all = size + done;
-        rest = (size * (size * variance + 2 * done * (variance - d / 2)) + done * done * rest) / (all * all);
-        done = all;
+        double variance = d * (kinds[kind] + r * kinds[!kind]) / (4 * (1 - r * r));
+        rest = (size * (size * variance + 2 * done * (variance - d * kinds[kind] / 2)) + done * done * rest) /
+               ((size + done) * (size + done));
+        done += size;
     }
-    double first = 1 / (4 * (1 - r)), covariance = first - 0.5, a = n_first / (double)n, b = n_rest / (double)n;
+    double first = (1 + r * other) / (4 * (1 - r * r)), covariance = first - 0.5;
+    double a = n_first / (double)n, b = n_rest / (double)n;
     return (Variances){a * a * first + b * b * rest + 2 * a * b * covariance, first + rest - 2 * covariance};
 }
 
-double evenness_factor(double slope, uint32_t n)
+double evenness_factor(double slope, double excess, uint32_t n)
 {
-    const double fastest = exp2(2 * STEEPEST), slowest = exp2(2 * BY_CHANCE);
     if (!(slope < BY_CHANCE)) return 1;
-    double r = exp2(2 * fmax(slope, STEEPEST)), slow = (r - fastest) / (slowest - fastest);
-    Variances by_law = variances(r, n), b = variances(slowest, n);
-    double factor = by_law.mean / by_law.difference, independent = b.mean / b.difference;
-    uint32_t n_first = film_first_part(n);
-    if (n - n_first >= n_first / 2 && (n & (n_first / 2 - 1)) == 0) { /* not of pieces far smaller than the ladder's */
-        Variances a = variances(fastest, n);
-        /* the shares of the two are those of two octaves before */
-        double share_a = (1 - slow) * fastest * fastest, share_b = slow * slowest * slowest;
-        double mixed = (share_a * a.mean + share_b * b.mean) / (share_a * a.difference + share_b * b.difference);
-        factor = pow(factor, POWER_LAW) * pow(mixed, 1 - POWER_LAW);
-    }
-    return sqrt(factor / independent);
+    Variances by_law = variances(exp2(2 * fmax(slope, STEEPEST)), exp2(-2 * excess), n);
+    Variances independent = variances(exp2(2 * BY_CHANCE), 1, n);
+    return sqrt(by_law.mean / by_law.difference / (independent.mean / independent.difference));
 }
 
-static double slope_at(const Evenness *evenness, uint32_t x, uint32_t y)
+static size_t place_of(const Evenness *evenness, uint32_t x, uint32_t y)
 {
     const uint32_t *area = evenness->area;
-    return (double)evenness->slope[(size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0])];
-}
-
-double evenness_of_error(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n)
-{
-    double slope = slope_at(evenness, x, y);
-    if (slope < BY_CHANCE) return evenness_factor(slope, n);
-    return 1 + RARE * (exp2(fmin(slope, SLOWEST)) - exp2(BY_CHANCE));
+    return (size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0]);
 }
 
 double evenness_of_square(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n)
 {
-    return evenness_factor(slope_at(evenness, x, y), n);
+    size_t i = place_of(evenness, x, y);
+    return evenness_factor((double)evenness->slope[i], (double)evenness->excess[i], n);
 }
 
-/* Adds what one rung of the pixels' ladders has to do with the slope of a straight line through the logarithms of all. */
+double evenness_of_error(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n)
+{
+    double slope = (double)evenness->slope[place_of(evenness, x, y)];
+    if (slope < BY_CHANCE) return evenness_of_square(evenness, x, y, n);
+    return 1 + RARE * (exp2(fmin(slope, SLOWEST)) - exp2(BY_CHANCE));
+}
+
+/* Adds what one rung of the pixels' ladders has to do with the slope and the excess of a line through the logarithms of all
+ * that alternates, in so far as that comes back. */
 static void add_rung(Evenness *evenness, const Film *film, int rung, float *map, float *scratch, float *mean)
 {
-    static const float of_line[FILM_LADDER] = {0.3f, 0.1f, -0.1f, -0.3f};
+    static const float straight[FILM_LADDER] = {0.3f, 0.1f, -0.1f, -0.3f},
+                       alternating[FILM_LADDER] = {0.25f, 0.25f, -0.25f, -0.25f},
+                       excess[FILM_LADDER] = {0.125f, -0.375f, 0.375f, -0.125f};
+    const float of_line = straight[rung] + COMES_BACK * (alternating[rung] - straight[rung]),
+                of_excess = 2 * COMES_BACK * excess[rung];
     const uint32_t *area = evenness->area, width = area[2] - area[0], height = area[3] - area[1];
     size_t n = 0;
     for (uint32_t y = area[1]; y < area[3]; y++)
@@ -91,8 +93,11 @@ static void add_rung(Evenness *evenness, const Film *film, int rung, float *map,
             map[n++] = ladder[rung];
         }
     mean_around(map, width, height, FAR, scratch, mean);
-    for (size_t i = 0; i < n; i++)
-        evenness->slope[i] += 2 * of_line[rung] * log2f(mean[i]); /* of squares of mean roots */
+    for (size_t i = 0; i < n; i++) {
+        float logarithm = 2 * log2f(mean[i]); /* of squares of mean roots */
+        evenness->slope[i] += of_line * logarithm;
+        evenness->excess[i] += of_excess * logarithm;
+    }
 }
 
 Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Error *error)
@@ -101,21 +106,25 @@ Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4
     size_t n = (size_t)(area[2] - area[0]) * (area[3] - area[1]);
     float *maps = malloc(3 * n * sizeof *maps);
     evenness->slope = calloc(n, sizeof *evenness->slope);
-    if (!maps || !evenness->slope) {
+    evenness->excess = calloc(n, sizeof *evenness->excess);
+    if (!maps || !evenness->slope || !evenness->excess) {
         free(maps);
         evenness_clear(evenness);
-        return fail_memory(error, 4 * n * sizeof *maps, "the noise of the picture");
+        return fail_memory(error, 5 * n * sizeof *maps, "the noise of the picture");
     }
     for (int rung = 0; rung < FILM_LADDER; rung++) add_rung(evenness, film, rung, maps, maps + n, maps + 2 * n);
     free(maps);
     for (size_t i = 0; i < n; i++)
-        if (!isfinite(evenness->slope[i]))
-            evenness->slope[i] = (float)BY_CHANCE; /* nothing differs around, or too few */
+        if (!isfinite(evenness->slope[i]) || !isfinite(evenness->excess[i])) { /* nothing differs around, or too few */
+            evenness->slope[i] = (float)BY_CHANCE;
+            evenness->excess[i] = 0;
+        }
     return STATUS_OK;
 }
 
 void evenness_clear(Evenness *evenness)
 {
     free(evenness->slope);
+    free(evenness->excess);
     *evenness = (Evenness){0};
 }

@@ -6,9 +6,9 @@
  * follow each other,
  *     V_(k+1) = V_k - D_k / 4,   so that   V_k = (D_k + D_(k+1) + D_(k+2) + ...) / 4,
  * exactly. The first D are seen; the others are foretold: they fall on as they fell. D_k ~ r^k has r = 1/2 for independent
- * samples, and down to 1/8 for smooth functions of few dimensions. Where fast parts have died away and slow ones are left, the
- * true sum is larger than that of one power law, and it is at most that of a mixture of the two extremes; what is taken lies
- * between.
+ * samples, and down to 1/8 for smooth functions of few dimensions. They alternate where two dimensions count together: pieces
+ * of 4^k samples are spread evenly over squares, those of twice as many are not. Of what the last D is above or below the line
+ * through its neighbours, half is foretold to come back at every other one: different scenes have none to all of it.
  *
  * Of one pixel all this is mere noise; it is asked of its neighbours, by the roots of |differences|, which a firefly sways
  * less, and not of itself (see adapt.h). Where differences fall slower than by chance, few samples bring most of the light.
@@ -24,6 +24,7 @@ typedef struct Evenness {
     /* For each pixel of the area, by rows: base-2 logarithm of the factor by which |differences| around it change with twice
      * as many samples; of independent ones -1/2. */
     float *slope;
+    float *excess; /* logarithm of the factor of the last |difference| over those before and behind, which alternate */
 } Evenness;
 
 /* For the pixels from x0, y0 up to but without x1, y1. STATUS_NOMEM. */
@@ -33,7 +34,7 @@ void evenness_clear(Evenness *evenness);
  * which few bright samples do not make too small. x, y: within the area. */
 double evenness_of_error(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n);
 double evenness_of_square(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n);
-/* The same of a slope alone, up to -1/2. */
-double evenness_factor(double slope, uint32_t n);
+/* The same of a slope, up to -1/2, and an excess alone. */
+double evenness_factor(double slope, double excess, uint32_t n);
 
 #endif

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "render/evenness.h"
+#include "render/pixel_noise.h"
 
 #define SQUARE_UNIT 0x1p-20
 #define LARGEST_SQUARE 0x1p28
@@ -100,61 +100,23 @@ void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
     for (int i = 0; i < FILM_LADDER; i++) ladder[i] = now.ladder[i];
 }
 
-/* Squares of what the pixels' samples say of their error, and of what their halves say, each for one sample. */
-typedef struct Spread {
-    float samples, halves;
-} Spread;
-
-static Spread *spreads_of(const Film *film, Error *error)
-{
-    size_t n = (size_t)film->width * film->height;
-    Evenness evenness;
-    if (evenness_init(&evenness, film, (uint32_t[4]){0, 0, film->width, film->height}, error) != STATUS_OK) return NULL;
-    Spread *spreads = calloc(n, sizeof *spreads);
-    if (!spreads) (void)fail_memory(error, n * sizeof *spreads, "the errors of pixels");
-    for (size_t i = 0; spreads && i < n; i++) {
-        double mean, of_samples, halves = film_spread(&film->pixels[i]);
-        film_luminance(&film->pixels[i], &mean, &of_samples);
-        if (!(of_samples > 0)) continue;
-        uint32_t samples = film->pixels[i].n;
-        halves *= evenness_of_square(&evenness, (uint32_t)(i % film->width), (uint32_t)(i / film->width), samples);
-        spreads[i] = (Spread){(float)(of_samples * of_samples * samples), (float)(halves * halves)};
-    }
-    evenness_clear(&evenness);
-    return spreads;
-}
-
-/* The samples of a pixel are spread evenly, so that their mean is better than their variance says; how much, the pixels
- * around know. Returns the factor of the standard error. */
-static double evenness_around(const Spread *spreads, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
-{
-    enum { RADIUS = 3 };
-    double samples = 0, halves = 0;
-    for (uint32_t v = y > RADIUS ? y - RADIUS : 0; v <= y + RADIUS && v < height; v++)
-        for (uint32_t u = x > RADIUS ? x - RADIUS : 0; u <= x + RADIUS && u < width; u++) {
-            samples += (double)spreads[(size_t)v * width + u].samples;
-            halves += (double)spreads[(size_t)v * width + u].halves;
-        }
-    return samples > 0 ? sqrt(halves / samples) : 1;
-}
-
 Status film_resolve(const Film *film, Image *image, Error *error)
 {
     static const char *const names[] = {"R", "G", "B", "A", "noise.Y"};
-    Spread *spreads = spreads_of(film, error);
-    if (!spreads) return STATUS_NOMEM;
-    Status status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
+    float *noise = malloc((size_t)film->width * film->height * sizeof *noise);
+    if (!noise)
+        return fail_memory(error, (size_t)film->width * film->height * sizeof *noise, "the noise of the picture");
+    Status status = pixel_noise(film, noise, error);
+    if (status == STATUS_OK) status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
     for (uint32_t y = 0; status == STATUS_OK && y < film->height; y++)
         for (uint32_t x = 0; x < film->width; x++) {
             const FilmPixel *pixel = film_pixel(film, x, y);
             float *out = image->pixels + ((size_t)y * film->width + x) * COUNT_OF(names);
-            double scale = pixel->n ? 1.0 / pixel->n : 0, mean, standard_error;
+            double scale = pixel->n ? 1.0 / pixel->n : 0;
             for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
             out[3] = (float)(pixel->alpha * scale);
-            film_luminance(pixel, &mean, &standard_error);
-            if (standard_error > 0) standard_error *= evenness_around(spreads, film->width, film->height, x, y);
-            out[4] = (float)fmax(standard_error, 0);
+            out[4] = noise[(size_t)y * film->width + x];
         }
-    free(spreads);
+    free(noise);
     return status;
 }

@@ -1,0 +1,96 @@
+/* pixel_noise.c - variances of neighbourhoods, and what evenness leaves of them.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "render/pixel_noise.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/around.h"
+#include "render/evenness.h"
+
+/* How far neighbours are asked, in pixels: for the variance of samples, and for what evenness leaves of it. */
+enum { NEAR = 3, FAR = 12 };
+
+/* Of all pixels: the variance of samples; what evenness leaves of it; half the square of the difference of variances from
+ * those of pixels that touch; the square of the variance; and what is needed on the way. */
+enum { VARIANCE, EVENNESS, JUMP, SQUARE, OWN, SCRATCH, MAPS };
+
+typedef struct Noise {
+    const Film *film;
+    size_t n;
+    float *maps[MAPS];
+} Noise;
+
+static void ask_around(Noise *noise, int of, uint32_t radius, int answer)
+{
+    mean_around(noise->maps[of], noise->film->width, noise->film->height, radius, noise->maps[SCRATCH],
+                noise->maps[answer]);
+}
+
+static void ask_samples(Noise *noise, const Evenness *evenness)
+{
+    float *variance = noise->maps[VARIANCE], *halves = noise->maps[OWN], *even = noise->maps[EVENNESS];
+    for (size_t i = 0; i < noise->n; i++) {
+        const FilmPixel *pixel = &noise->film->pixels[i];
+        uint32_t x = (uint32_t)(i % noise->film->width), y = (uint32_t)(i / noise->film->width);
+        double mean, of_samples;
+        film_luminance(pixel, &mean, &of_samples);
+        variance[i] = of_samples > 0 ? (float)(of_samples * of_samples * pixel->n) : 0;
+        double half = of_samples > 0 ? film_spread(pixel) * evenness_of_square(evenness, x, y, pixel->n) : 0;
+        halves[i] = (float)(half * half);
+    }
+    ask_around(noise, OWN, FAR, EVENNESS);
+    ask_around(noise, VARIANCE, FAR, OWN);
+    for (size_t i = 0; i < noise->n; i++) even[i] = noise->maps[OWN][i] > 0 ? even[i] / noise->maps[OWN][i] : 1;
+}
+
+static float jump_at(const float *map, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    const float *here = map + (size_t)y * width + x;
+    const bool there[] = {x > 0, x + 1 < width, y > 0, y + 1 < height};
+    const ptrdiff_t step[] = {-1, 1, -(ptrdiff_t)width, (ptrdiff_t)width};
+    float sum = 0, n = 0;
+    for (size_t i = 0; i < COUNT_OF(step); i++) {
+        if (!there[i]) continue;
+        sum += (here[step[i]] - *here) * (here[step[i]] - *here);
+        n++;
+    }
+    return n > 0 ? sum / (2 * n) : 0;
+}
+
+static void ask_neighbours(Noise *noise)
+{
+    uint32_t width = noise->film->width, height = noise->film->height;
+    float *variance = noise->maps[VARIANCE], *own = noise->maps[OWN];
+    for (size_t i = 0; i < noise->n; i++)
+        own[i] = jump_at(variance, width, height, (uint32_t)(i % width), (uint32_t)(i / width));
+    ask_around(noise, OWN, NEAR, JUMP);
+    for (size_t i = 0; i < noise->n; i++) own[i] = variance[i] * variance[i];
+    ask_around(noise, OWN, NEAR, SQUARE);
+    ask_around(noise, VARIANCE, NEAR, OWN);
+    for (size_t i = 0; i < noise->n; i++) {
+        float mean = own[i], spread = noise->maps[SQUARE][i] - mean * mean;
+        float believed = spread > 0 ? fminf(fmaxf(1 - noise->maps[JUMP][i] / spread, 0), 1) : 0;
+        variance[i] = mean + believed * (variance[i] - mean);
+    }
+}
+
+Status pixel_noise(const Film *film, float *errors, Error *error)
+{
+    Noise noise = {.film = film, .n = (size_t)film->width * film->height};
+    Evenness evenness;
+    TRY(evenness_init(&evenness, film, (uint32_t[4]){0, 0, film->width, film->height}, error));
+    float *maps = malloc(MAPS * noise.n * sizeof *maps);
+    if (maps) {
+        for (int i = 0; i < MAPS; i++) noise.maps[i] = maps + (size_t)i * noise.n;
+        ask_samples(&noise, &evenness);
+        ask_neighbours(&noise);
+        for (size_t i = 0; i < noise.n; i++) {
+            float square = noise.maps[VARIANCE][i] * noise.maps[EVENNESS][i];
+            errors[i] = film->pixels[i].n > 1 ? sqrtf(fmaxf(square, 0) / (float)film->pixels[i].n) : 0;
+        }
+    }
+    evenness_clear(&evenness);
+    free(maps);
+    return maps ? STATUS_OK : fail_memory(error, MAPS * noise.n * sizeof *maps, "the errors of pixels");
+}
