@@ -57,9 +57,16 @@ const DiagChain *frame_chain(Evaluator *evaluator, Frame *frame)
 static Diagnostic *report_text(Evaluator *evaluator, DiagCode code, Span span, const char *format, va_list args)
     ATTR_PRINTF(4, 0);
 
+static Diagnostic *no_report(Evaluator *evaluator)
+{
+    evaluator->scratch = (Diagnostic){0};
+    return &evaluator->scratch;
+}
+
 static Diagnostic *report_text(Evaluator *evaluator, DiagCode code, Span span, const char *format, va_list args)
 {
     char text[1024];
+    if (evaluator->quiet) return no_report(evaluator);
     vsnprintf(text, sizeof text, format, args);
     evaluator->diag->chain = evaluator->frame ? frame_chain(evaluator, evaluator->frame) : NULL; /* none: after all */
     Diagnostic *report = diag_report(evaluator->diag, code, span, "%s", text);
@@ -79,10 +86,7 @@ Diagnostic *eval_report(Evaluator *evaluator, DiagCode code, Span span, const ch
 
 Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const char *format, ...)
 {
-    if (expr->reported) {
-        evaluator->scratch = (Diagnostic){0};
-        return &evaluator->scratch;
-    }
+    if (expr->reported || evaluator->quiet) return no_report(evaluator);
     expr->reported = true;
     va_list args;
     va_start(args, format);

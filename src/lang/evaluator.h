@@ -114,6 +114,7 @@ typedef struct Evaluator {
     size_t n_params, param_capacity;
     Buf printed;
     void *geometry;             /* of options->geometry; NULL until a question is asked */
+    bool quiet;                 /* something is tried that may fail: no reports */
     Diagnostic scratch;         /* takes the hints of reports that are not made */
 } Evaluator;
 

@@ -330,26 +330,26 @@ static void begin(Compiler *c, const EvalFunctionValue *function, Frame *top, ch
     c->evaluator->frame = top;
 }
 
-const Program *formula_compile(const EvalFunctionValue *function, Arena *arena)
+/* What each parameter is given. */
+typedef struct Roles {
+    int inputs[LIMIT_ARGUMENTS]; /* the number of its first input; -1: its default */
+    ValueKind kinds[LIMIT_ARGUMENTS];
+} Roles;
+
+static const Program *compile(const EvalFunctionValue *function, const Roles *roles, Arena *arena)
 {
     char here;
     Compiler compiler, *c = &compiler;
     Frame top = {.has_chain = true};
-    int roles[LIMIT_ARGUMENTS];
-    ValueKind kinds[LIMIT_ARGUMENTS];
     const Def *def = function->def;
     begin(c, function, &top, &here);
-    if (c->evaluator->stop || !find_roles(function, roles, kinds)) {
-        c->evaluator->frame = NULL;
-        return NULL;
-    }
     c->steps = ARENA_ARRAY(c->evaluator->arena, ProgramStep, PROGRAM_MOST_REGISTERS);
     c->constants = ARENA_ARRAY(c->evaluator->arena, double, PROGRAM_MOST_REGISTERS);
     Scope scope = scope_of_def(c, def, scope_of_frame(c, function->lexical));
     for (uint32_t i = 0; i < def->n_formals; i++) {
-        if (roles[i] < 0) continue;
-        Form form = {.kind = kinds[i]};
-        for (int k = 0; k < 3; k++) form.at[k] = (uint16_t)(roles[i] + k);
+        if (roles->inputs[i] < 0) continue;
+        Form form = {.kind = roles->kinds[i]};
+        for (int k = 0; k < 3; k++) form.at[k] = (uint16_t)(roles->inputs[i] + k);
         scope.slots[def->formals[i].slot.index] = form;
     }
     c->scope = &scope;
@@ -358,6 +358,30 @@ const Program *formula_compile(const EvalFunctionValue *function, Arena *arena)
     const Program *program = finish_program(c, def->body, &result, arena);
     c->evaluator->frame = NULL;
     return program;
+}
+
+const Program *formula_compile(const EvalFunctionValue *function, Arena *arena)
+{
+    Roles roles;
+    if (function->evaluator->stop || !find_roles(function, roles.inputs, roles.kinds)) return NULL;
+    return compile(function, &roles, arena);
+}
+
+const Program *formula_compile_at_points(const EvalFunctionValue *function, Arena *arena)
+{
+    Evaluator *evaluator = function->evaluator;
+    Roles roles;
+    if (evaluator->stop || function->def->n_formals > LIMIT_ARGUMENTS) return NULL;
+    for (uint32_t i = 0; i < function->def->n_formals; i++) {
+        bool given = function->by_coordinates ? i < 3 : i == 0;
+        roles.inputs[i] = given ? PROGRAM_POINT + (int)i : -1;
+        roles.kinds[i] = function->by_coordinates ? VALUE_NUMBER : VALUE_VECTOR3;
+    }
+    evaluator->quiet = true;
+    const Program *program = compile(function, &roles, arena);
+    evaluator->quiet = false;
+    evaluator->stop = false; /* the evaluation comes to the same limit, and says so */
+    return program && program->n_outputs == 1 ? program : NULL;
 }
 
 bool formula_evaluate(const EvalFunctionValue *function, const double inputs[PROGRAM_INPUTS],

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "lang/formula.h"
 #include "scene/build_parts.h"
 
 enum { PLACES = 512 }; /* on each object, and for the mean of light */

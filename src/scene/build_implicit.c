@@ -73,28 +73,33 @@ void build_blob(Builder *b, const EvalNode *node, const Affine *to_world)
 
 /* ---- isosurfaces ---- */
 
-typedef struct SceneFunction {
-    const EvalFunctionValue *function;
+typedef struct Isosurface {
+    SceneField field;
     double threshold;
-} SceneFunction;
+} Isosurface;
 
 /* Outside is where the function is greater; the mesh wants it the other way round. */
 static bool function_value(void *context, Vec3 p, double *value)
 {
-    const SceneFunction *scene_function = context;
-    if (!eval_function_at(scene_function->function, p, value)) return false;
-    *value = scene_function->threshold - *value;
+    const Isosurface *isosurface = context;
+    if (!build_field_value(&isosurface->field, p, value)) return false;
+    *value = isosurface->threshold - *value;
     return true;
+}
+
+static Vec3 lattice_point(const void *context, uint32_t i, uint32_t j, uint32_t k)
+{
+    const Lattice *lattice = context;
+    return vec3(lattice->origin.x + lattice->step.x * i, lattice->origin.y + lattice->step.y * j,
+                lattice->origin.z + lattice->step.z * k);
 }
 
 static bool function_layer(void *context, const Lattice *lattice, uint32_t k, double *values)
 {
-    for (uint32_t j = 0; j < lattice->n[1]; j++)
-        for (uint32_t i = 0; i < lattice->n[0]; i++) {
-            Vec3 p = vec3(lattice->origin.x + lattice->step.x * i, lattice->origin.y + lattice->step.y * j,
-                          lattice->origin.z + lattice->step.z * k);
-            if (!function_value(context, p, &values[(size_t)j * lattice->n[0] + i])) return false;
-        }
+    const Isosurface *isosurface = context;
+    const FieldLayer layer = {lattice, lattice_point, {lattice->n[0], lattice->n[1]}, k};
+    if (!build_field_layer(&isosurface->field, &layer, values)) return false;
+    for (size_t i = 0; i < (size_t)lattice->n[0] * lattice->n[1]; i++) values[i] = isosurface->threshold - values[i];
     return true;
 }
 
@@ -109,7 +114,7 @@ static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Spa
     }
     if (!build_check_reach(b, node->span, "isosurface", bounds)) return STATUS_SCENE;
     const EvalProp *tolerance = eval_prop(node, "tolerance"), *function = eval_prop(node, "function");
-    SceneFunction context = {function->as.function, eval_number(node, "threshold")};
+    Isosurface context = {build_field(b, function->as.function), eval_number(node, "threshold")};
     const ImplicitField field = {&context, function_layer, function_value, NULL};
     const ImplicitOptions options = {.bounds = bounds,
                                      .tolerance = tolerance ? tolerance->as.number : vec3_max_abs(size) / 2000,

@@ -7,6 +7,7 @@
 #ifndef MEN_BUILD_PARTS_H
 #define MEN_BUILD_PARTS_H
 
+#include "lang/formula.h"
 #include "scene/build.h"
 
 /* Coordinates and lengths beyond this are refused: Embree takes 1.8e18 at most, and squares of lengths must
@@ -172,6 +173,26 @@ void build_check_formulas(Builder *b, uint32_t object_row);
 /* build_picture.c */
 /* The picture of an image node; NULL after reporting. */
 const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use);
+/* build_field.c */
+/* A function of a point, to be asked at very many of them. */
+typedef struct SceneField {
+    const EvalFunctionValue *function;
+    const Program *program; /* the same, compiled; NULL where only the evaluation can do it */
+    Pool *pool;
+} SceneField;
+/* Memory is the arena's that is gone when the scene is built. */
+SceneField build_field(const Builder *b, const EvalFunctionValue *function);
+/* False after a report. Not from within a task. */
+bool build_field_value(const SceneField *field, Vec3 p, double *value);
+/* Points (i, j) of layer k of a grid, i < n[0], j < n[1]. */
+typedef struct FieldLayer {
+    const void *context;
+    Vec3 (*point)(const void *context, uint32_t i, uint32_t j, uint32_t k);
+    uint32_t n[2], k;
+} FieldLayer;
+/* values[j * n[0] + i], by all threads; false after a report, of the first point that has no value. */
+bool build_field_layer(const SceneField *field, const FieldLayer *layer, double *values);
+
 /* build_volume.c */
 /* The volume that a property says, if it is set; NULL after reporting. */
 const Volume *build_volume(Builder *b, const EvalNode *node, const char *property);

@@ -13,6 +13,7 @@
 /* The values of a function at the corners of cells, all at once: a grid's bricks share those at their sides. */
 typedef struct Corners {
     const float *values;
+    Box3 box;
     int32_t n[3];
 } Corners;
 
@@ -48,21 +49,30 @@ static bool check_value(Builder *b, const EvalProp *function, const char *what, 
     return false;
 }
 
-/* Asks the function at all corners; false after reporting. */
-static bool ask_corners(Builder *b, const EvalProp *function, const char *what, Box3 box, const int32_t n[3],
-                        float *values)
+static Vec3 corner_at(const void *context, uint32_t i, uint32_t j, uint32_t k)
 {
-    Vec3 size = vec3_sub(box.max, box.min);
-    for (int32_t k = 0; k < n[2]; k++)
-        for (int32_t j = 0; j < n[1]; j++)
-            for (int32_t i = 0; i < n[0]; i++) {
-                Vec3 p = vec3(box.min.x + size.x * i / (n[0] - 1), box.min.y + size.y * j / (n[1] - 1),
-                              box.min.z + size.z * k / (n[2] - 1));
-                double value;
-                if (!eval_function_at(function->as.function, p, &value) || !check_value(b, function, what, p, value))
-                    return false;
-                *values++ = (float)value;
-            }
+    const Corners *corners = context;
+    Vec3 size = vec3_sub(corners->box.max, corners->box.min);
+    return vec3(corners->box.min.x + size.x * i / (corners->n[0] - 1),
+                corners->box.min.y + size.y * j / (corners->n[1] - 1),
+                corners->box.min.z + size.z * k / (corners->n[2] - 1));
+}
+
+/* Asks the function at all corners; false after reporting. */
+static bool ask_corners(Builder *b, const EvalProp *function, const char *what, const Corners *corners, float *values)
+{
+    const SceneField field = build_field(b, function->as.function);
+    FieldLayer layer = {corners, corner_at, {(uint32_t)corners->n[0], (uint32_t)corners->n[1]}, 0};
+    size_t n = (size_t)layer.n[0] * layer.n[1];
+    double *asked = ARENA_ARRAY(b->eval_options.arena, double, n);
+    for (; layer.k < (uint32_t)corners->n[2]; layer.k++) {
+        if (!build_field_layer(&field, &layer, asked)) return false;
+        for (size_t i = 0; i < n; i++) {
+            Vec3 p = corner_at(corners, (uint32_t)(i % layer.n[0]), (uint32_t)(i / layer.n[0]), layer.k);
+            if (!check_value(b, function, what, p, asked[i])) return false;
+            *values++ = (float)asked[i];
+        }
+    }
     return true;
 }
 
@@ -102,11 +112,11 @@ static size_t most_bytes(void)
 static Volume *volume_of_function(Builder *b, const EvalNode *node, const EvalProp *function, const char *what)
 {
     Box3 box = box3_add_point(box3_add_point(box3_empty(), eval_vector(node, "from")), eval_vector(node, "to"));
-    Corners corners;
+    Corners corners = {.box = box};
     if (!build_check_reach(b, node->span, "a volume", box) || !count_corners(b, node, box, corners.n)) return NULL;
     size_t n = (size_t)corners.n[0] * (size_t)corners.n[1] * (size_t)corners.n[2];
     float *values = ARENA_ARRAY(b->eval_options.arena, float, n); /* gone when the scene is built */
-    if (!ask_corners(b, function, what, box, corners.n, values)) return NULL;
+    if (!ask_corners(b, function, what, &corners, values)) return NULL;
     corners.values = values;
     Volume *volume;
     Error error;
@@ -173,8 +183,7 @@ static Volume *make_volume(Builder *b, const EvalNode *node, const char *what)
         scale = 0;
     }
     volume_scale(volume, (float)scale);
-    if (!(volume->largest > 0))
-        diag_report(b->diag, D_EMPTY_VOLUME, node->span, "this %s is 0 everywhere", what);
+    if (!(volume->largest > 0)) diag_report(b->diag, D_EMPTY_VOLUME, node->span, "this %s is 0 everywhere", what);
     return volume;
 }
 
