@@ -124,22 +124,64 @@ static Status find_unbounded(CompiledScene *compiled, Error *error)
     return STATUS_OK;
 }
 
-static double measure_combination(const CompiledScene *compiled, Probe *probe, uint32_t hull)
+/* The measuring of a combination, in tasks that are always the same. */
+enum { MEASURE_LINES = 6000 /* of each direction; the error is about 1e-3 of the volume for plain shapes */, MEASURE_TASKS = 8 };
+typedef struct Measure {
+    const CompiledScene *compiled;
+    Probe *probes; /* of each worker */
+    unsigned n_probes;
+    uint32_t hull;
+    double volume[LINE_DIRECTIONS * MEASURE_TASKS];
+} Measure;
+
+static void task_of_measure(void *context, uint32_t number, unsigned worker)
 {
-    enum { LINES = 6000 }; /* of each direction; the error is about 1e-3 of the volume for plain shapes */
+    Measure *measure = context;
+    Probe *probe = &measure->probes[worker];
+    LineSet set;
+    Line line;
+    line_set_begin(&set, measure->compiled->hull_bounds[measure->hull], (int)(number / MEASURE_TASKS), MEASURE_LINES,
+                   measure->hull);
+    uint32_t n = line_set_size(&set), part = number % MEASURE_TASKS;
+    uint32_t begin = n * part / MEASURE_TASKS, end = n * (part + 1) / MEASURE_TASKS;
     double volume = 0;
-    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
-        LineSet set;
-        Line line;
-        line_set_begin(&set, compiled->hull_bounds[hull], direction, LINES, hull);
-        while (line_set_next(&set, &line)) {
-            probe_surfaces(probe, compiled, &line, SCENE_NONE);
-            probe_intervals(probe, compiled, &line);
-            for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next)
-                volume += line.area * (probe->intervals[i].end - probe->intervals[i].begin) / LINE_DIRECTIONS;
-        }
+    line_set_skip(&set, begin);
+    for (uint32_t i = begin; i < end && line_set_next(&set, &line); i++) {
+        probe_surfaces(probe, measure->compiled, &line, SCENE_NONE);
+        probe_intervals(probe, measure->compiled, &line);
+        for (uint32_t k = probe->first[measure->hull]; k != INTERVAL_NONE; k = probe->intervals[k].next)
+            volume += line.area * (probe->intervals[k].end - probe->intervals[k].begin) / LINE_DIRECTIONS;
     }
+    measure->volume[number] = volume;
+}
+
+static double measure_combination(Measure *measure, Pool *pool, uint32_t hull)
+{
+    double volume = 0;
+    measure->hull = hull;
+    pool_run(pool, COUNT_OF(measure->volume), task_of_measure, measure);
+    for (size_t i = 0; i < COUNT_OF(measure->volume); i++) volume += measure->volume[i];
     return volume;
+}
+
+static Status measure_init(Measure *measure, const CompiledScene *compiled, unsigned n_workers, Error *error)
+{
+    *measure = (Measure){.compiled = compiled, .probes = calloc(n_workers, sizeof *measure->probes)};
+    if (!measure->probes) return fail_memory(error, n_workers * sizeof *measure->probes, "the volumes of combinations");
+    while (measure->n_probes < n_workers) TRY(probe_init(&measure->probes[measure->n_probes++], compiled, error));
+    return STATUS_OK;
+}
+
+/* Says whether memory lasted. */
+static bool measure_clear(Measure *measure)
+{
+    bool lasted = true;
+    for (unsigned i = 0; i < measure->n_probes; i++) {
+        lasted = lasted && !measure->probes[i].out_of_memory;
+        probe_clear(&measure->probes[i]);
+    }
+    free(measure->probes);
+    return lasted;
 }
 
 /* The mesh that a combination is all layers of, or SCENE_NONE. */
@@ -158,25 +200,25 @@ static uint32_t layered_mesh(const Scene *scene, const SceneTree *tree)
 
 /* What a combination encloses has no closed form: it is measured along evenly spread lines; once for all that are the
  * same mesh. */
-static Status measure_combinations(CompiledScene *compiled, Error *error)
+static Status measure_combinations(CompiledScene *compiled, Pool *pool, Error *error)
 {
     const Scene *scene = compiled->scene;
-    Probe probe;
+    Measure measure;
     double *of_mesh = calloc(scene->n_shapes + 1U, sizeof *of_mesh); /* in the mesh's own frame; 0: not known */
-    Status status = of_mesh ? probe_init(&probe, compiled, error)
-                            : fail_memory(error, scene->n_shapes * sizeof *of_mesh, "the volumes of combinations");
-    for (uint32_t t = 0; status == STATUS_OK && t < compiled->csg.n_trees && !probe.out_of_memory; t++) {
+    if (!of_mesh) return fail_memory(error, scene->n_shapes * sizeof *of_mesh, "the volumes of combinations");
+    Status status = measure_init(&measure, compiled, pool_threads(pool), error);
+    for (uint32_t t = 0; status == STATUS_OK && t < compiled->csg.n_trees; t++) {
         uint32_t hull = compiled->csg.trees[t].hull, mesh = layered_mesh(scene, &scene->trees[t]);
         if (hull == NEST_OPAQUE || compiled->unbounded[hull] || box3_is_empty(compiled->hull_bounds[hull])) continue;
         uint32_t first = scene->operands[scene->parts[scene->trees[t].root].begin];
         double scale = fabs(affine_determinant(&scene->objects[first].to_world));
         double volume = mesh == SCENE_NONE ? 0 : of_mesh[mesh] * scale;
-        if (!(volume > 0)) volume = measure_combination(compiled, &probe, hull);
+        if (!(volume > 0)) volume = measure_combination(&measure, pool, hull);
         if (mesh != SCENE_NONE) of_mesh[mesh] = volume / scale;
         compiled->hulls[hull].volume = volume;
     }
-    if (status == STATUS_OK && probe.out_of_memory) status = fail_memory(error, 0, "the volumes of combinations");
-    if (of_mesh) probe_clear(&probe);
+    if (!measure_clear(&measure) && status == STATUS_OK)
+        status = fail_memory(error, 0, "the volumes of combinations");
     free(of_mesh);
     return status;
 }
@@ -264,7 +306,7 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
     TRY(number_operands(compiled, error));
     TRY(build_geometry(compiled, pool, error));
     TRY(find_unbounded(compiled, error));
-    if (compiled->csg.n_trees) TRY(measure_combinations(compiled, error));
+    if (compiled->csg.n_trees) TRY(measure_combinations(compiled, pool, error));
     if (diag) report_empty_combinations(compiled, diag);
     TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, error));
     TRY(build_order(compiled, policy, error));

@@ -92,6 +92,17 @@ bool line_set_next(LineSet *set, Line *line)
     return true;
 }
 
+uint32_t line_set_size(const LineSet *set)
+{
+    return set->n_face[0] + set->n_face[1] + set->n_face[2];
+}
+
+void line_set_skip(LineSet *set, uint32_t n)
+{
+    for (; set->face < 3 && n >= set->n_face[set->face] - set->i; set->i = 0) n -= set->n_face[set->face++] - set->i;
+    set->i += n;
+}
+
 /* ---- what stands on a line ---- */
 
 Status probe_init(Probe *probe, const CompiledScene *compiled, Error *error)

@@ -39,6 +39,9 @@ typedef struct LineSet {
 void line_set_begin(LineSet *set, Box3 box, int direction, uint32_t n, uint64_t seed);
 /* false when there are no more */
 bool line_set_next(LineSet *set, Line *line);
+/* How many there are in all, and going on to the n-th from here. */
+uint32_t line_set_size(const LineSet *set);
+void line_set_skip(LineSet *set, uint32_t n);
 
 /* Whether hit i is the same crossing as one before it: the edge of a hull, reported by both its faces. */
 bool hit_repeats(const HitList *hits, size_t i);
