@@ -206,6 +206,25 @@ bool box_tree_pairs(const BoxTree *tree, uint32_t first, uint32_t end, uint64_t 
     return true;
 }
 
+bool box_tree_any(const BoxTree *tree, const FloatBox *box, BoxTreeTest *test, void *context)
+{
+    uint32_t stack[TREE_DEPTH + 1], n = 0;
+    stack[n++] = 1;
+    while (n) {
+        uint32_t node = stack[--n];
+        if (!float_boxes_meet(&tree->nodes[node], box)) continue;
+        if (node < tree->n_leaves) {
+            stack[n++] = 2 * node + 1;
+            stack[n++] = 2 * node;
+            continue;
+        }
+        uint32_t leaf = node - tree->n_leaves, end = leaf_end(tree, leaf);
+        for (uint32_t i = leaf * BOX_TREE_LEAF; i < end; i++)
+            if (float_boxes_meet(&tree->boxes[i], box) && test(context, tree->items[i])) return true;
+    }
+    return false;
+}
+
 static bool ray_meets(const FloatBox *box, Vec3f p)
 {
     return box->max[0] >= p.x && box->min[1] <= p.y && p.y <= box->max[1] && box->min[2] <= p.z && p.z <= box->max[2];

@@ -47,6 +47,9 @@ uint32_t box_tree_leaves(const BoxTree *tree);
 typedef void BoxTreePair(void *context, uint32_t item, uint32_t other);
 bool box_tree_pairs(const BoxTree *tree, uint32_t first, uint32_t end, uint64_t *pairs_left, BoxTreePair *visit,
                     void *context);
+/* Whether the test holds for any item whose box meets this one; asked until it does. */
+typedef bool BoxTreeTest(void *context, uint32_t item);
+bool box_tree_any(const BoxTree *tree, const FloatBox *box, BoxTreeTest *test, void *context);
 /* Calls visit for each item whose box a ray from p towards +x meets. */
 typedef void BoxTreeItem(void *context, uint32_t item);
 void box_tree_ray(const BoxTree *tree, Vec3f p, BoxTreeItem *visit, void *context);

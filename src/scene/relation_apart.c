@@ -8,7 +8,10 @@
 #include "base/array.h"
 #include "scene/relation_parts.h"
 
-enum { BLOCK = 256 }; /* pairs of a task */
+enum {
+    BLOCK = 256, /* pairs of a task */
+    TRIANGLES_OF_A_PAIR = 50
+};
 
 /* ---- what is remembered of shapes ---- */
 
@@ -20,6 +23,23 @@ static const Piece *ball_of(const SceneShape *shape)
                                                                                                   : NULL;
 }
 
+/* Around a point, of a shape with a box. */
+static double reach_from(const SceneShape *shape, Vec3 centre, Box3 box)
+{
+    const Mesh *mesh = shape->mesh;
+    double largest = 0;
+    if (!mesh || shape->solid || shape->mesh_end) return diagonal(box) / 2;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        largest = double_max(largest, vec3_length(vec3_sub(vec3_from_f(mesh->positions[i]), centre)));
+    return largest;
+}
+
+static NearShape *near_shape(const Finder *f, uint32_t hull)
+{
+    uint32_t shape = f->compiled->scene->objects[f->compiled->object_of_hull[hull]].shape;
+    return shape != SCENE_NONE && f->near_shape_of[shape] ? &f->near_shapes[f->near_shape_of[shape] - 1] : NULL;
+}
+
 static Status remember_shape(Finder *f, uint32_t hull, Error *error)
 {
     uint32_t shape = f->compiled->scene->objects[f->compiled->object_of_hull[hull]].shape;
@@ -29,20 +49,43 @@ static Status remember_shape(Finder *f, uint32_t hull, Error *error)
         return fail_memory(error, f->n_near_shapes * sizeof *f->near_shapes, "how the hulls lie");
     NearShape *made = &f->near_shapes[f->n_near_shapes];
     *made = (NearShape){.box = scene_shape_bounds(from)};
-    if (from->solid) TRY(profile_tree_make(from->solid, &made->tree, error));
+    made->radius = reach_from(from, box3_centre(made->box), made->box);
     f->near_shape_of[shape] = ++f->n_near_shapes;
+    return from->solid ? profile_tree_make(from->solid, &made->profile, error) : STATUS_OK;
+}
+
+Status relation_remember_shapes(Finder *f, const Candidate *candidate, Error *error)
+{
+    uint32_t own, other;
+    relation_by_size(f, candidate, &own, &other);
+    TRY(remember_shape(f, own, error));
+    TRY(remember_shape(f, other, error));
+    NearShape *asked = near_shape(f, other);
+    if (asked) asked->n_asked++;
     return STATUS_OK;
 }
 
-Status relation_remember_shapes(Finder *f, uint32_t a, uint32_t b, Error *error)
+/* A tree of triangles pays where there is a pair for every few of them. */
+static Status make_trees(Finder *f, Error *error)
 {
-    TRY(remember_shape(f, a, error));
-    return remember_shape(f, b, error);
+    const Scene *scene = f->compiled->scene;
+    for (size_t i = f->n_sifted; i < f->n_candidates; i++) {
+        uint32_t own, other;
+        relation_by_size(f, &f->candidates[i], &own, &other);
+        NearShape *near = near_shape(f, other);
+        const Mesh *mesh = near ? scene->shapes[scene->objects[f->compiled->object_of_hull[other]].shape].mesh : NULL;
+        if (!mesh || near->triangles.n || near->n_asked * TRIANGLES_OF_A_PAIR < mesh->n_triangles) continue;
+        TRY(mesh_box_tree(mesh, &near->triangles, error));
+    }
+    return STATUS_OK;
 }
 
 void relation_forget_shapes(Finder *f)
 {
-    for (uint32_t i = 0; i < f->n_near_shapes; i++) profile_tree_clear(&f->near_shapes[i].tree);
+    for (uint32_t i = 0; i < f->n_near_shapes; i++) {
+        profile_tree_clear(&f->near_shapes[i].profile);
+        box_tree_clear(&f->near_shapes[i].triangles);
+    }
     free(f->near_shapes);
     free(f->near_shape_of);
 }
@@ -53,27 +96,28 @@ void relation_forget_shapes(Finder *f)
 typedef struct Still {
     const SceneShape *shape;
     const Affine *to_world;
-    const ProfileTree *tree;
-    Box3 box; /* in its own frame */
+    const NearShape *near; /* NULL: a ball */
+    Box3 box;              /* in its own frame, */
+    double radius;         /* and that of a ball about its middle */
 } Still;
 
 static bool stands_still(const Finder *f, uint32_t hull, Still *still)
 {
-    static const ProfileTree no_tree = {0};
     const Scene *scene = f->compiled->scene;
     const SceneObject *object = &scene->objects[f->compiled->object_of_hull[hull]];
     if (object->shape == SCENE_NONE || object->motion != SCENE_NONE || scene->shapes[object->shape].mesh_end)
         return false;
-    *still = (Still){.shape = &scene->shapes[object->shape], .to_world = &object->to_world, .tree = &no_tree};
+    *still =
+        (Still){.shape = &scene->shapes[object->shape], .to_world = &object->to_world, .near = near_shape(f, hull)};
     const Piece *ball = ball_of(still->shape);
     if (ball) {
         Vec3 reach = vec3(ball->r0, ball->r0, ball->r0);
         still->box = (Box3){vec3_scale(reach, -1), reach};
-        return true;
+        still->radius = ball->r0;
+    } else {
+        still->box = still->near->box;
+        still->radius = still->near->radius;
     }
-    const NearShape *near = &f->near_shapes[f->near_shape_of[object->shape] - 1];
-    still->tree = &near->tree;
-    still->box = near->box;
     return true;
 }
 
@@ -104,8 +148,7 @@ static Ball ball_around(const Finder *f, uint32_t hull)
     Ball ball = {box3_centre(bounds), diagonal(bounds) / 2};
     Still still;
     if (f->compiled->unbounded[hull] || !stands_still(f, hull, &still)) return ball;
-    const Piece *piece = ball_of(still.shape);
-    double radius = (piece ? piece->r0 : diagonal(still.box) / 2) * largest_stretch(still.to_world);
+    double radius = still.radius * largest_stretch(still.to_world);
     return radius < ball.radius ? (Ball){affine_point(still.to_world, box3_centre(still.box)), radius} : ball;
 }
 
@@ -120,14 +163,20 @@ static double reach_of_gaps(const Finder *f, uint32_t a, uint32_t b)
 
 static BallSide side_of(const Finder *f, uint32_t own, uint32_t other)
 {
+    static const ProfileTree no_tree = {0};
     Still still;
     Affine inverse;
-    if (f->compiled->unbounded[own] || !stands_still(f, other, &still) || !still.shape->solid || still.shape->mesh ||
-        !affine_invert(still.to_world, &inverse))
+    if (f->compiled->unbounded[own] || !stands_still(f, other, &still) || !affine_invert(still.to_world, &inverse))
         return BALL_NEAR;
     Ball ball = ball_around(f, own);
+    Vec3 centre = affine_point(&inverse, ball.centre);
     double radius = (ball.radius + reach_of_gaps(f, own, other)) * largest_stretch(&inverse);
-    return solid_ball_side(still.shape->solid, still.tree, affine_point(&inverse, ball.centre), radius);
+    const SceneShape *shape = still.shape;
+    if (shape->solid && !shape->mesh)
+        return solid_ball_side(shape->solid, still.near ? &still.near->profile : &no_tree, centre, radius);
+    return shape->mesh && !shape->solid && still.near->triangles.n
+               ? mesh_ball_side(shape->mesh, &still.near->triangles, centre, radius)
+               : BALL_NEAR;
 }
 
 /* A box turned and skewed with its object: its middle, and from there to the middles of three faces. */
@@ -169,16 +218,24 @@ static bool boxes_are_apart(const Turned *a, const Turned *b, double margin)
     return false;
 }
 
+static bool are_apart(const Finder *f, uint32_t own, uint32_t other)
+{
+    Still a, b;
+    if (f->compiled->unbounded[own] || f->compiled->unbounded[other]) return false;
+    double margin = reach_of_gaps(f, own, other);
+    Ball ball_a = ball_around(f, own), ball_b = ball_around(f, other);
+    if (vec3_length(vec3_sub(ball_a.centre, ball_b.centre)) > ball_a.radius + ball_b.radius + margin) return true;
+    if (!stands_still(f, own, &a) || !stands_still(f, other, &b)) return false;
+    Turned box_a = turned_box(&a), box_b = turned_box(&b);
+    return boxes_are_apart(&box_a, &box_b, margin);
+}
+
 static BallSide judge(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
     relation_by_size(f, candidate, &own, &other);
-    BallSide side = side_of(f, own, other);
-    Still a, b;
-    bool bounded = !f->compiled->unbounded[own] && !f->compiled->unbounded[other];
-    if (side != BALL_NEAR || !bounded || !stands_still(f, own, &a) || !stands_still(f, other, &b)) return side;
-    Turned box_a = turned_box(&a), box_b = turned_box(&b);
-    return boxes_are_apart(&box_a, &box_b, reach_of_gaps(f, own, other)) ? BALL_OUTSIDE : BALL_NEAR;
+    if (are_apart(f, own, other)) return BALL_OUTSIDE;
+    return side_of(f, own, other);
 }
 
 /* ---- all pairs that wait ---- */
@@ -193,6 +250,7 @@ static void task_of_block(void *context, uint32_t block, unsigned worker)
 
 Status relation_sift(Finder *f, Error *error)
 {
+    TRY(make_trees(f, error));
     pool_run(f->pool, (uint32_t)((f->n_candidates - f->n_sifted + BLOCK - 1) / BLOCK), task_of_block, f);
     for (size_t i = f->n_sifted; i < f->n_candidates; i++) {
         const Candidate *candidate = &f->candidates[i];

@@ -108,7 +108,7 @@ static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
         return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
     f->candidates[f->n_candidates++] =
         (Candidate){.a = a, .b = b, .region = region, .meet = meet, .region_small = region_small};
-    TRY(relation_remember_shapes(f, a, b, error));
+    TRY(relation_remember_shapes(f, &f->candidates[f->n_candidates - 1], error));
     return f->n_candidates - f->n_sifted < SIFTED_AT_ONCE ? STATUS_OK : relation_sift(f, error);
 }
 

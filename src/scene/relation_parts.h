@@ -58,8 +58,11 @@ typedef struct Candidate {
 
 /* What is known of a shape that pairs near each other have. */
 typedef struct NearShape {
-    Box3 box; /* in its own frame */
-    ProfileTree tree;
+    Box3 box;      /* in its own frame */
+    double radius; /* of a ball about the box's middle that holds it */
+    ProfileTree profile;
+    BoxTree triangles; /* once it is worth making */
+    uint64_t n_asked;  /* how often it was the larger one of a pair */
 } NearShape;
 
 typedef struct Finder {
@@ -218,8 +221,8 @@ Box3 relation_neighbourhood(const void *finder, uint32_t hull);
 
 /* ---- relation_apart.c ---- */
 
-/* To be called for each pair that becomes a candidate. */
-ATTR_NODISCARD Status relation_remember_shapes(Finder *f, uint32_t a, uint32_t b, Error *error);
+/* To be called for each new candidate. */
+ATTR_NODISCARD Status relation_remember_shapes(Finder *f, const Candidate *candidate, Error *error);
 void relation_forget_shapes(Finder *f);
 /* Decides what can be decided of the candidates from n_sifted on; those left are sifted. */
 ATTR_NODISCARD Status relation_sift(Finder *f, Error *error);

@@ -1,8 +1,10 @@
-/* ball_side.h - whether a ball keeps away from a solid's surface, and on which side of it the ball is then.
+/* ball_side.h - whether a ball keeps away from the surface of a solid or a mesh, and on which side of it the ball is then.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BALL_SIDE_H
 #define MEN_BALL_SIDE_H
 
+#include "mesh/box_tree.h"
+#include "mesh/mesh.h"
 #include "shape/piece.h"
 
 /* The profile of a solid of very many pieces, as a tree: what it takes to ask only those that matter. */
@@ -24,5 +26,13 @@ typedef enum BallSide {
 /* In the solid's own frame. BALL_NEAR is said more often than it is true: of tori and arcs the whole circle counts.
  * Always so for what is not closed. */
 BallSide solid_ball_side(const Solid *solid, const ProfileTree *tree, Vec3 centre, double radius);
+
+/* ---- meshes (ball_side_mesh.c) ---- */
+
+/* A tree of the triangles' boxes. What was made is to be cleared also after a failure. */
+ATTR_NODISCARD Status mesh_box_tree(const Mesh *mesh, BoxTree *tree, Error *error);
+/* The same for a closed mesh whose triangles look outward, in its own frame. A radius below the rounding of the centre in
+ * float is too small. */
+BallSide mesh_ball_side(const Mesh *mesh, const BoxTree *tree, Vec3 centre, double radius);
 
 #endif

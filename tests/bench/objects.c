@@ -47,6 +47,35 @@ static void bench_bubbles(const char *name, const char *bubble)
     pool_free(one);
 }
 
+/* The soda of measure.h in a drink that is a mesh. */
+#define MESH_SODA                                                                                                      \
+    "meniscus 1.0 unit mm medium soda { ior = 1.33 state = liquid } environment { } "                                  \
+    "camera { from = <0, 90, -240> to = <0, 45, 0> fov = 24 } "                                                        \
+    "superellipsoid drink { interior = soda exponents = <.6, .7> radius = <40, 45, 40> translate(45 * y) } "           \
+    "let n = %u let size = 16 / n ^ (1 / 3) "                                                                          \
+    "for (i in 1..n) { let r = 34 * sqrt(rnd(i, 2)) let a = 360 * rnd(i, 1) "                                          \
+    "%s translate(<r * cos(a), 14 + 60 * rnd(i, 4), r * sin(a)>) } }"
+
+/* What it takes to find out that each bubble is in the drink, or where it leaves it. */
+static void bench_growth(const char *name, bool is_mesh)
+{
+    double us[2];
+    for (unsigned k = 0, n = 100000; k < 2; k++, n *= 10) {
+        char text[2000];
+        Made made;
+        static const char *const bubble = "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3))";
+        if (is_mesh)
+            snprintf(text, sizeof text, MESH_SODA, n, bubble);
+        else
+            snprintf(text, sizeof text, SODA, n, bubble);
+        made_from_text(&made, text);
+        us[k] = made.compile_s / n * 1e6;
+        printf("%7u bubbles in %s: %6.2f us each to compile, %zu pairs\n", n, name, us[k], made.compiled->n_pairs);
+        made_clear(&made);
+    }
+    printf("  ten times as many: %.1f times the time\n", 10 * us[1] / us[0]);
+}
+
 /* Every one of them overlaps every other one. */
 static void bench_shells(void)
 {
@@ -113,5 +142,7 @@ void bench_objects(void)
     bench_many("instances of a mesh, apart from each other", "box { interior = gas size = <.01, .01, .01> }");
     bench_bubbles("spheres", "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3))");
     bench_bubbles("ellipsoids", "sphere { interior = air radius = size * (.3 + .5 * rnd(i, 3)) scale(<1, 1.2, 1>)");
+    bench_growth("a drink of revolution", false);
+    bench_growth("a drink that is a mesh", true);
     bench_shells();
 }

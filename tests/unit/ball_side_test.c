@@ -139,12 +139,70 @@ static void open_and_endless_solids(void **state)
     assert_int_equal(solid_ball_side(&solid, &none, vec3(0, 4, 0), 0.5), BALL_OUTSIDE);
 }
 
+/* ---- meshes ---- */
+
+static BallSide expected(double outside_by, double radius)
+{
+    return fabs(outside_by) <= radius ? BALL_NEAR : outside_by < 0 ? BALL_INSIDE : BALL_OUTSIDE;
+}
+
+/* Of a point from a box about the origin; negative inside. */
+static double distance_from_box(Vec3 p, Vec3 half)
+{
+    Vec3 out = vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
+    Vec3 beyond = vec3(fmax(out.x, 0), fmax(out.y, 0), fmax(out.z, 0));
+    return vec3_length(beyond) + fmin(fmax(out.x, fmax(out.y, out.z)), 0);
+}
+
+static void balls_and_meshes(void **state)
+{
+    (void)state;
+    Dice dice = {7};
+    Mesh *box, *sphere;
+    BoxTree of_box, of_sphere;
+    const Vec3 half = {3, 1, 2};
+    const double sagitta = 0.01; /* of 5120 triangles */
+    assert_int_equal(mesh_make_box(vec3_scale(half, -1), half, 0, 1, &box, NULL), STATUS_OK);
+    assert_int_equal(mesh_make_sphere(3, 4, &sphere, NULL), STATUS_OK);
+    assert_int_equal(mesh_box_tree(box, &of_box, NULL), STATUS_OK);
+    assert_int_equal(mesh_box_tree(sphere, &of_sphere, NULL), STATUS_OK);
+    int n[3] = {0};
+    for (int i = 0; i < 20000; i++) {
+        Vec3 p = vec3(8 * dice_unit(&dice) - 4, 8 * dice_unit(&dice) - 4, 8 * dice_unit(&dice) - 4);
+        if (i % 10 == 0) p = vec3(floor(p.x), floor(p.y), floor(p.z)); /* in line with corners and edges */
+        double radius = 2 * dice_unit(&dice) * dice_unit(&dice), away = distance_from_box(p, half);
+        BallSide side = mesh_ball_side(box, &of_box, p, radius);
+        n[side]++;
+        if (fabs(fabs(away) - radius) > 1e-6 && side != expected(away, radius))
+            fail_msg("box: %d at %g %g %g, radius %g", side, p.x, p.y, p.z, radius);
+        away = vec3_length(p) - 3;
+        side = mesh_ball_side(sphere, &of_sphere, p, radius);
+        if (fabs(fabs(away) - radius) > sagitta && side != expected(away, radius))
+            fail_msg("sphere: %d at %g %g %g, radius %g", side, p.x, p.y, p.z, radius);
+    }
+    assert_true(n[BALL_NEAR] > 1000 && n[BALL_INSIDE] > 500 && n[BALL_OUTSIDE] > 5000);
+    assert_int_equal(mesh_ball_side(box, &of_box, vec3(0, 0, 0), NAN), BALL_NEAR);
+    assert_int_equal(mesh_ball_side(box, &of_box, vec3(0, INFINITY, 0), 1), BALL_NEAR);
+    /* turned inside out, a box is a cavity in everything: nothing is inside of it */
+    for (uint32_t i = 0; i < box->n_triangles; i++) {
+        uint32_t corner = box->triangles[i][0];
+        box->triangles[i][0] = box->triangles[i][1];
+        box->triangles[i][1] = corner;
+    }
+    assert_int_equal(mesh_ball_side(box, &of_box, vec3(0.1, 0, 0), 0.5), BALL_OUTSIDE);
+    box_tree_clear(&of_box);
+    box_tree_clear(&of_sphere);
+    mesh_free(box);
+    mesh_free(sphere);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(balls_are_on_the_side_that_rays_tell),
         cmocka_unit_test(many_pieces_are_asked_by_a_tree),
         cmocka_unit_test(open_and_endless_solids),
+        cmocka_unit_test(balls_and_meshes),
     };
     return cmocka_run_group_tests_name("ball_side", tests, NULL, NULL);
 }

@@ -199,7 +199,8 @@ static void pairs_that_keep_apart_are_decided_at_once(void **state)
     static const char *const drinks[] = {
         "cylinder a { interior = water from = <0, 10, 0> to = <0, 80, 0> radius = 37",
         "lathe a { interior = water profile = [<0, 10>, <37, 10>, <37, 80>, <0, 80>] rounding = [0, 9, 1, 0]",
-        "capsule a { interior = water from = <0, 20, 0> to = <0, 70, 0> radius = 37"};
+        "capsule a { interior = water from = <0, 20, 0> to = <0, 70, 0> radius = 37",
+        "box a { interior = water from = <-37, 10, -37> to = <37, 80, 37>"};
     static const char *const turns[] = {"", "rotate(<20, 30, 40>)", "scale(<2, .5, 1>) rotate(<50, 10, 80>)"};
     static const char *const places[] = {"20, 40, 5", "36.6, 40, 0", "37.9, 40, 37.9"};
     for (size_t i = 0; i < COUNT_OF(drinks) * COUNT_OF(turns) * COUNT_OF(places); i++) {
