@@ -73,6 +73,8 @@ static inline uint32_t compiled_stop_class(uint32_t medium)
 {
     return medium < COMPILED_STOP_CLASSES ? 1U << medium : 0;
 }
+/* Whether the indices of two media differ at every wavelength, so that no straight ray of light goes from one into the other. */
+bool compiled_indices_differ(const Scene *scene, uint32_t medium_a, uint32_t medium_b);
 /* Tells rtc which objects do, and which rays pass by them (compiled_let_pass); part of compile_scene. */
 ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error);
 /* Tells a ray that starts where the list holds which surfaces it passes by: those of hulls that rank below the owner there,

@@ -69,28 +69,29 @@ typedef enum SceneGrain { GRAIN_AROUND, GRAIN_X, GRAIN_Y, GRAIN_Z } SceneGrain;
 
 /* What an opaque object is covered with, or the boundary of a clear one. */
 typedef struct SceneSurface {
-    const char *name;
+    /* What every hit asks for comes first, side by side. */
     Spectrum albedo; /* diffuse reflectance, 0..1 */
     float roughness; /* of the boundary of a clear object; its alpha is the square */
-    bool finished;   /* more than matte: */
-    BsdfSpec spec;   /* of a number that a texture says: the largest that it can be */
-    bool thin;       /* light goes through it, or through a part of the mix */
+    bool finished;   /* more than matte: has a spec */
+    bool emits;      /* shines by itself, from both sides */
+    bool mixed;      /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
     bool painted;    /* says what part of a clear object's boundary is clear */
-    SceneGrain grain;
-    double grain_angle; /* radians */
-    bool mixed; /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
-    uint32_t mix[2];
-    const SurfaceTexture *textures;
     uint32_t n_textures;
-    bool textures_use_uv; /* some texture of it asks for the surface's own coordinates */
-    uint32_t bump;        /* SCENE_NONE, or a texture of heights, in units of: */
-    double bump_height;
+    uint32_t bump;             /* SCENE_NONE, or a texture of heights, in units of bump_height */
     uint32_t normal_map;       /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
-    float normal_x, normal_y;  /* factors of its slopes */
-    bool emits;                /* shines by itself, from both sides */
+    BsdfSpec spec;             /* of a number that a texture says: the largest that it can be */
     Spectrum emission;         /* radiance, as SceneLight's; of one that a texture says, about its mean */
     uint32_t emission_texture; /* SCENE_NONE, or radiance from place to place, in units of: */
     float emission_factor;
+    uint32_t mix[2];
+    const SurfaceTexture *textures;
+    bool textures_use_uv; /* some texture of it asks for the surface's own coordinates */
+    bool thin;            /* light goes through it, or through a part of the mix */
+    double bump_height;
+    float normal_x, normal_y; /* factors of the normal map's slopes */
+    SceneGrain grain;
+    double grain_angle; /* radians */
+    const char *name;
 } SceneSurface;
 
 typedef struct SceneShape { /* geometry that objects share; one of the two */

@@ -7,17 +7,20 @@
  * blocked, and no list is needed to see that. For surfaces inside of which M may still be all around, say of a drink
  * that bubbles of the air outside are in, nothing is known beforehand.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "scene/compile.h"
 
-/* Whether two indices differ at every wavelength, by more than they could change between those that are looked at. */
-static bool differ_everywhere(const Spectrum *a, const Spectrum *b)
+/* By more than they could change between the wavelengths that are looked at. */
+bool compiled_indices_differ(const Scene *scene, uint32_t medium_a, uint32_t medium_b)
 {
-    const float least = 1e-3f;
+    const Spectrum *a = &scene->media[medium_a].ior, *b = &scene->media[medium_b].ior;
     bool constant = spectrum_is_constant(a) && spectrum_is_constant(b);
+    const float least = constant ? FLT_MIN : 1e-3f;
     int sign = 0;
+    if (medium_a == medium_b) return false;
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
         float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
         float difference = spectrum_at_one(a, nm) - spectrum_at_one(b, nm);
@@ -33,7 +36,7 @@ static uint32_t like(const Scene *scene, uint32_t medium, uint32_t n_classes)
 {
     uint32_t classes = 0;
     for (uint32_t m = 0; m < n_classes; m++)
-        if (m == medium || !differ_everywhere(&scene->media[m].ior, &scene->media[medium].ior)) classes |= 1U << m;
+        if (!compiled_indices_differ(scene, m, medium)) classes |= 1U << m;
     return classes;
 }
 

@@ -137,7 +137,8 @@ static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool un
     Airway *way = &path->way;
     Lanes scattering, even;
     way->share = way->rarity = 0;
-    if (!(length > 0) || !typical(path, medium, uneven, &scattering, &even)) return false;
+    way->lights = world_lights_in(path->tracer->world, medium);
+    if (!way->lights->n || !(length > 0) || !typical(path, medium, uneven, &scattering, &even)) return false;
     float mean = lanes_mean(scattering), of_even = lanes_mean(even), all = float_max(of_even, mean);
     double reach = fmin(length, 1e18);
     if (of_even > 0) reach = fmin(reach, DEEP / (double)of_even);
@@ -204,8 +205,8 @@ static bool look_near(const Path *path, double rest, const float place[2], const
     look->t = off_ends(path, fall_sample(&fall, (double)u[1]));
     Vec3 from = ray_point(&path->ray, look->t);
     look->light = light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm);
-    look->here = world->near_choice * of_tree * share * fall_density(&fall, look->t);
-    look->there = light_choice(world, emitter, from, vec3f(0, 0, 0));
+    look->here = way->lights->near * of_tree * share * fall_density(&fall, look->t);
+    look->there = light_choice(world, way->lights, emitter, from, vec3f(0, 0, 0));
     return look->here > 0 && look->there > 0;
 }
 
@@ -266,7 +267,6 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
 void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
                    uint32_t number)
 {
-    const World *world = path->tracer->world;
     float choice[2], place[2], u[2];
     if (!enter(path, flight, medium, uneven, begin, length)) return;
     sampler_2d(&path->sampler, dimension(path, number, 2), u);
@@ -274,7 +274,7 @@ void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool u
     sampler_2d(&path->sampler, dimension(path, number, 0), choice);
     sampler_2d(&path->sampler, dimension(path, number, 1), place);
     double rest = (double)choice[0] + (double)choice[1] * 0x1p-24;
-    const LightChoice *chosen = light_choose(world, &rest);
+    const LightChoice *chosen = light_choose(path->way.lights, &rest);
     Look look;
     if (!(chosen->light == LIGHT_NEAR ? look_near(path, rest, place, u, &look)
                                       : look_far(path, chosen, rest, place, u, &look)))
@@ -323,7 +323,7 @@ float airlight_rival_near(const Path *path, uint32_t emitter, Vec3 place)
     LightPivot pivot = light_pivot_at(world, emitter, path->ray.time, place);
     Fall fall;
     if (!fall_about(path, way, emitter, &pivot, &fall)) return 0;
-    return way->rarity * world->near_choice * of_tree * share * fall_density(&fall, way->t);
+    return way->rarity * way->lights->near * of_tree * share * fall_density(&fall, way->t);
 }
 
 float airlight_rival_sample(const Path *path, const LightSample *light)
@@ -339,6 +339,6 @@ float airlight_rival_hit(const Path *path, const Hit *hit, float pdf_hit)
     const World *world = path->tracer->world;
     if (!(path->from.rarity > 0) || !(pdf_hit > 0)) return 0;
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
-    float choice = light_choice(world, emitter, path->scatter_point, path->scatter_normal);
+    float choice = light_choice(world, path->scatter_lights, emitter, path->scatter_point, path->scatter_normal);
     return airlight_rival_near(path, emitter, ray_point(&path->ray, hit->t)) * (pdf_hit / choice);
 }

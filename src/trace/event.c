@@ -195,7 +195,8 @@ void path_next_event(Path *path, Event *event)
     const World *world = tracer->world;
     double t_done = 0; /* the ray's start, not t_min: lengths are measured from the origin */
     bool uneven = false;
-    FreeFlight flight = flight_begin(path);
+    FreeFlight flight;
+    flight_begin(path, &flight);
     for (uint32_t silent = 0;; silent++) {
         if (!cross_nearest(path, event)) {
             event->kind = EVENT_LOST;

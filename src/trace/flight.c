@@ -171,7 +171,7 @@ static float weight_of(const Path *path, FlightPart *part, double t)
     if (!part->glow) return 1;
     uint32_t emitter = world->emitters.first_glow + (uint32_t)(part->glow - world->media.glows);
     if (part->glow_choice < 0)
-        part->glow_choice = light_choice(world, emitter, path->scatter_point, path->scatter_normal);
+        part->glow_choice = light_choice(world, path->scatter_lights, emitter, path->scatter_point, path->scatter_normal);
     Vec3 place = ray_point(&path->ray, t), to = vec3_sub(place, path->scatter_point);
     double density = glow_density(part->glow, part->maps, place);
     float pdf = light_pdf_glow(part->glow, 1, density, vec3_dot(to, to)), choices = part->glow_choice;

@@ -20,12 +20,13 @@ typedef struct FreeFlight {
 
 /* Draws how far, where anything scatters or varies. */
 void flight_draw(Path *path, FreeFlight *flight);
-static inline FreeFlight flight_begin(Path *path)
+static inline void flight_begin(Path *path, FreeFlight *flight)
 {
-    FreeFlight flight = {.budget = INFINITY, .scattered = lanes_all(0), .absorbed = lanes_all(0)};
     const World *world = path->tracer->world;
-    if (UNLIKELY(world->scatters || world->media.vary) && !path->straight) flight_draw(path, &flight);
-    return flight;
+    flight->budget = INFINITY;
+    flight->scattered = flight->absorbed = flight->coefficient = lanes_all(0);
+    flight->key = flight->n_drawn = 0;
+    if (UNLIKELY(world->scatters || world->media.vary) && !path->straight) flight_draw(path, flight);
 }
 /* What a medium absorbs of the path's wavelengths; zero where it does not. */
 static inline Lanes flight_absorption(Path *path, uint32_t medium)

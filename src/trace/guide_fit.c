@@ -25,18 +25,17 @@
 #define BROAD 0.15f
 /* Of the lobes of a way those count that are up to so many times as wide, squared, as its narrowest one at a place. Measured:
  * from 2 to all of them pictures have the same error. */
-#define TOO_WIDE 10.0f
+#define TOO_WIDE 4.0f
 
 /* ---- lobes ---- */
 
-/* A lobe at a place. */
-typedef struct LobeAt {
-    Vec3f mean, x, y;              /* a right-handed frame */
-    float scale_x, shear, scale_y; /* Cholesky factor of the spread */
-    float widest;                  /* the square of its largest spread */
-    float tail_wider;              /* how much wider the tail is */
-} LobeAt;
+/* A lobe at a place: how its directions spread in the plane at its mean. */
+typedef struct LobeSpread {
+    float xx, xy, yy, determinant;
+    float tail_wider; /* how much wider the tail is */
+} LobeSpread;
 
+/* Its mean direction. */
 static Vec3f lobe_mean(const GuideLobe *lobe, Vec3f offset)
 {
     float px = lobe->mean_x + vec3f_dot(lobe->slope_x, offset), py = lobe->mean_y + vec3f_dot(lobe->slope_y, offset);
@@ -50,11 +49,10 @@ static Vec3f lobe_mean(const GuideLobe *lobe, Vec3f offset)
     return vec3f_along(mean, py * sine, lobe->y);
 }
 
-/* The frame at the mean direction, which is known. */
-static void lobe_frame(const GuideLobe *lobe, LobeAt *at)
+/* Along the x axis of the frame at a mean direction; of any length. */
+static Vec3f lobe_across(const GuideLobe *lobe, Vec3f mean)
 {
-    at->x = vec3f_normalize(vec3f_along(lobe->x, -vec3f_dot(lobe->x, at->mean), at->mean));
-    at->y = vec3f_cross(at->mean, at->x);
+    return vec3f_along(lobe->x, -vec3f_dot(lobe->x, mean), mean);
 }
 
 /* The square of how wrong a lobe is at a place. */
@@ -65,27 +63,27 @@ static float lobe_error(const GuideLobe *lobe, Vec3f offset)
     return error * error;
 }
 
-static void lobe_spread(const GuideLobe *lobe, float error, LobeAt *at)
+static LobeSpread lobe_spread(const GuideLobe *lobe, float error)
 {
-    float xx = lobe->xx + error, xy = lobe->xy, yy = lobe->yy + error;
-    float widest = 0.5f * (xx + yy) + sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
-    if (widest > WIDEST * WIDEST) {
-        float shrink = WIDEST * WIDEST / widest;
-        xx *= shrink, xy *= shrink, yy *= shrink, widest *= shrink;
+    const float narrow =
+        1.99f / (REACH * TAIL_WIDER); /* the tail has room; the square of the largest spread is at most: */
+    float xx = lobe->xx + error, xy = lobe->xy, yy = lobe->yy + error, tail_wider = TAIL_WIDER;
+    if (xx + yy > narrow * narrow) {
+        float widest = 0.5f * (xx + yy) + sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
+        if (widest > WIDEST * WIDEST) {
+            float shrink = WIDEST * WIDEST / widest;
+            xx *= shrink, xy *= shrink, yy *= shrink, widest *= shrink;
+        }
+        tail_wider = float_min(TAIL_WIDER, 1.99f / (REACH * sqrtf(widest)));
     }
-    at->scale_x = sqrtf(xx);
-    at->shear = xy / at->scale_x;
-    at->scale_y = sqrtf(float_max(yy - at->shear * at->shear, 1e-4f * yy));
-    at->widest = widest;
-    at->tail_wider = float_min(TAIL_WIDER, 1.99f / (REACH * sqrtf(widest)));
+    float product = xx * yy;
+    return (LobeSpread){xx, xy, yy, float_max(product - xy * xy, 1e-4f * product), tail_wider};
 }
 
 static Vec3f sample_lobe(const GuideLobe *lobe, Vec3f offset, const float v[2])
 {
-    LobeAt at;
-    at.mean = lobe_mean(lobe, offset);
-    lobe_frame(lobe, &at);
-    lobe_spread(lobe, lobe_error(lobe, offset), &at);
+    Vec3f mean = lobe_mean(lobe, offset), x = vec3f_normalize(lobe_across(lobe, mean)), y = vec3f_cross(mean, x);
+    LobeSpread spread = lobe_spread(lobe, lobe_error(lobe, offset));
     bool tail = v[0] >= DISC_PART;
     float p, q, stretch = DISC;
     sampling_disc(tail ? (v[0] - DISC_PART) / (1 - DISC_PART) : v[0] / DISC_PART, v[1], &p, &q);
@@ -93,35 +91,39 @@ static Vec3f sample_lobe(const GuideLobe *lobe, Vec3f offset, const float v[2])
         float u = p * p + q * q; /* uniform: the part of the tail within r */
         /* of the tail within r is (1 - (1 + r^2/4)^-2) / (1 - TAIL^-2) */
         float rest = 1 - u * (1 - 1 / (TAIL * TAIL)), r = sqrtf(4 * float_max(1 / sqrtf(rest) - 1, 0));
-        stretch = u > 0 ? at.tail_wider * r / sqrtf(u) : 0;
+        stretch = u > 0 ? spread.tail_wider * r / sqrtf(u) : 0;
     }
     p *= stretch, q *= stretch;
-    float a = at.scale_x * p, b = at.shear * p + at.scale_y * q, square = float_min(a * a + b * b, 4);
+    /* by the Cholesky factor of the spread */
+    float scale_x = sqrtf(spread.xx), scale_y = sqrtf(spread.determinant / spread.xx);
+    float a = scale_x * p, b = spread.xy / scale_x * p + scale_y * q, square = float_min(a * a + b * b, 4);
     float sine = sqrtf(1 - 0.25f * square);
-    Vec3f direction = vec3f_along(vec3f_scale(at.mean, 1 - 0.5f * square), a * sine, at.x);
-    return vec3f_normalize(vec3f_along(direction, b * sine, at.y));
+    Vec3f direction = vec3f_along(vec3f_scale(mean, 1 - 0.5f * square), a * sine, x);
+    return vec3f_normalize(vec3f_along(direction, b * sine, y));
 }
 
+/* Nothing is divided, and no root drawn, before it is needed: this runs for every lobe that is near. */
 static float lobe_pdf(const GuideLobe *lobe, float error, Vec3f offset, Vec3f direction)
 {
-    LobeAt at;
-    at.mean = lobe_mean(lobe, offset);
-    float cosine = vec3f_dot(at.mean, direction);
+    Vec3f mean = lobe_mean(lobe, offset);
+    float cosine = vec3f_dot(mean, direction);
     /* the square of the largest spread is less than the sum of both */
     const float farthest = 0.5f * (REACH * TAIL_WIDER) * (REACH * TAIL_WIDER);
     if (1 - cosine > farthest * 1.0001f * (lobe->xx + lobe->yy + 2 * error) + 1e-6f) return 0;
-    lobe_frame(lobe, &at);
-    lobe_spread(lobe, error, &at);
-    float reach = REACH * at.tail_wider;
-    if (1 - cosine > 0.5f * reach * reach * at.widest + 1e-6f) return 0;
-    float stretch = sqrtf(2 / (1 + cosine));
-    float a = stretch * vec3f_dot(at.x, direction) / at.scale_x;
-    float b = (stretch * vec3f_dot(at.y, direction) - at.shear * a) / at.scale_y;
-    /* from the mean, in spreads */
-    float square = a * a + b * b, far = square / (at.tail_wider * at.tail_wider), fall = 1 + 0.25f * far;
-    float area = SAMPLING_PI * at.scale_x * at.scale_y, pdf = square < DISC * DISC ? DISC_PART / (DISC * DISC) : 0;
-    if (far < REACH * REACH)
-        pdf += (1 - DISC_PART) / (2 * (1 - 1 / (TAIL * TAIL)) * at.tail_wider * at.tail_wider * fall * fall * fall);
+    LobeSpread spread = lobe_spread(lobe, error);
+    Vec3f x = lobe_across(lobe, mean);
+    float a = vec3f_dot(x, direction), b = vec3f_dot(vec3f_cross(mean, x), direction);
+    /* the square of how far the direction is from the mean, in spreads: by the projection, (a, b) is to be multiplied with
+     * the root of 2 / (1 + cosine), over the length of x; and its square is a^2 / xx + (b - a xy / xx)^2 xx / determinant */
+    float beside = b * spread.xx - a * spread.xy;
+    float square = 2 * (a * a * spread.determinant + beside * beside) /
+                   ((1 + cosine) * vec3f_dot(x, x) * (spread.xx * spread.determinant));
+    float wider2 = spread.tail_wider * spread.tail_wider;
+    if (!(square < DISC * DISC) && !(square < REACH * REACH * wider2)) return 0;
+    float fall = wider2 + 0.25f * square, area = SAMPLING_PI * sqrtf(spread.determinant);
+    float pdf = square < DISC * DISC ? DISC_PART / (DISC * DISC) : 0;
+    if (square < REACH * REACH * wider2) /* the tail's: over wider^2 (1 + r^2 / 4)^3, r in its own spreads */
+        pdf += (1 - DISC_PART) / (2 * (1 - 1 / (TAIL * TAIL))) * wider2 * wider2 / (fall * fall * fall);
     return pdf / area;
 }
 

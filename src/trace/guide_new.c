@@ -244,7 +244,7 @@ static Status gather(Harvest *harvest, bool *worth, Error *error)
     const World *world = harvest->source.world;
     const PhotonTargets *targets = harvest->source.targets;
     *worth = false;
-    if (targets->n == 0 || world->n_choices == 0) return STATUS_OK;
+    if (targets->n == 0 || world_lights(world)->n == 0) return STATUS_OK;
     float flux = photon_flux(world, targets), area = (float)targets->cumulative[targets->n - 1];
     if (!(flux > 0) || !(area > 0)) return STATUS_OK;
     harvest->source.threshold = (harvest->settings->always ? 1 : BRIGHTER) * flux / (area * SAMPLING_PI);

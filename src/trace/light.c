@@ -285,12 +285,12 @@ LightSample light_sample_emitter(const World *world, uint32_t emitter, Vec3 from
     return sample;
 }
 
-const LightChoice *light_choose(const World *world, double *choice)
+const LightChoice *light_choose(const LightChoices *choices, double *choice)
 {
     uint32_t i = 0;
-    while (i + 1 < world->n_choices && *choice >= (double)world->choices[i].cumulative) i++;
-    const LightChoice *chosen = &world->choices[i];
-    double before = i ? (double)world->choices[i - 1].cumulative : 0;
+    while (i + 1 < choices->n && *choice >= (double)choices->items[i].cumulative) i++;
+    const LightChoice *chosen = &choices->items[i];
+    double before = i ? (double)choices->items[i - 1].cumulative : 0;
     *choice = fmin(fmax((*choice - before) / ((double)chosen->cumulative - before), 0), 1 - 0x1p-53);
     return chosen;
 }
@@ -317,11 +317,11 @@ LightSample light_sample_choice(const World *world, const LightChoice *chosen, V
     return sample;
 }
 
-LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
-                         Lanes wavelength_nm)
+LightSample light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time,
+                         double choice, const float u[2], Lanes wavelength_nm)
 {
-    if (!world->n_choices) return (LightSample){.pdf_w = 0};
-    const LightChoice *chosen = light_choose(world, &choice);
+    if (!choices->n) return (LightSample){.pdf_w = 0};
+    const LightChoice *chosen = light_choose(choices, &choice);
     return light_sample_choice(world, chosen, from, normal, time, choice, u, wavelength_nm);
 }
 
@@ -481,12 +481,13 @@ static float object_pdf(const World *world, const Emitter *emitter, Vec3 from, c
     return area > 0 ? (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area)) : 0;
 }
 
-float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit)
+float light_pdf_hit(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, const Ray *ray,
+                    const Hit *hit)
 {
     const EmitterSet *set = &world->emitters;
     uint32_t number = emitter_of_hit(set, hit);
     if (number == EMITTER_NONE) return 0;
-    float choice = light_choice(world, number, from, normal);
+    float choice = light_choice(world, choices, number, from, normal);
     if (!(choice > 0)) return 0;
     const Emitter *emitter = &set->emitters[number];
     return choice * (emitter->kind == EMITTER_LIGHT

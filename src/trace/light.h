@@ -22,17 +22,17 @@ typedef struct LightSample {
 /* normal: of the surface at `from`, if it takes light from its one side only; zero where light may come from anywhere
  * (media, surfaces that let light through). choice, u: uniform in [0, 1); where there are many lights, choice needs more
  * digits than a float has. time: of the shutter. */
-LightSample light_sample(const World *world, Vec3 from, Vec3f normal, double time, double choice, const float u[2],
-                         Lanes wavelength_nm);
+LightSample light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time,
+                         double choice, const float u[2], Lanes wavelength_nm);
 
-/* The same with an entry of world->choices that was chosen already; choice: what is left of the digits. */
+/* The same with an entry of the choices that was chosen already; choice: what is left of the digits. */
 LightSample light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
                                 double choice, const float u[2], Lanes wavelength_nm);
 /* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. */
 LightSample light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest,
                                  const float u[2], Lanes wavelength_nm);
-/* An entry of world->choices, of which there are some; *choice: uniform in [0, 1), and what is left of its digits. */
-const LightChoice *light_choose(const World *world, double *choice);
+/* An entry of the choices, of which there are some; *choice: uniform in [0, 1), and what is left of its digits. */
+const LightChoice *light_choose(const LightChoices *choices, double *choice);
 
 /* About what the light of an emitter falls off with the squared distance. */
 typedef struct LightPivot {
@@ -50,9 +50,10 @@ bool light_reach(const World *world, uint32_t emitter, double time, Vec3 origin,
 
 /* Whether the surface that the ray has hit shines, and its radiance towards there. */
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
-/* The density (per steradian, choice included) with which light_sample, given the same `from` and normal, would have found
+/* The density (per steradian, choice included) with which light_sample, given the same choices, `from` and normal, would have found
  * the place that was hit; 0 for places that are found by chance only. */
-float light_pdf_hit(const World *world, Vec3 from, Vec3f normal, const Ray *ray, const Hit *hit);
+float light_pdf_hit(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, const Ray *ray,
+                    const Hit *hit);
 
 /* The same for a place of a medium that shines. choice: of the glow (light_choice); density: of choosing the place in it
  * (glow_density); and the square of how far it is. Its sample's radiance is what a way as long as glow->across would
@@ -62,16 +63,18 @@ static inline float light_pdf_glow(const Glow *glow, float choice, double densit
     return choice * (float)(density * distance2 * glow->across);
 }
 /* The probability with which light_sample chooses an emitter of world->emitters. */
-static inline float light_choice(const World *world, uint32_t emitter, Vec3 from, Vec3f normal)
+static inline float light_choice(const World *world, const LightChoices *choices, uint32_t emitter, Vec3 from,
+                                 Vec3f normal)
 {
-    return world->near_choice * light_tree_probability(world->emitters.tree, emitter, from, normal);
+    if (!(choices->near > 0)) return 0;
+    return choices->near * light_tree_probability(world->emitters.tree, emitter, from, normal);
 }
 
 /* What comes from infinity along direction: environment and distant lights, each with its density. A call
  * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the
- * caller's own sampling from there with that normal, see light_sample; weight_pdf < 0 takes all of it. */
-Lanes light_from_infinity(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float weight_pdf,
-                          Lanes wavelength_nm);
+ * caller's own sampling from there with these choices and that normal, see light_sample; weight_pdf < 0 takes all of it. */
+Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, Vec3f direction,
+                          float weight_pdf, Lanes wavelength_nm);
 
 /* The environment's part of light_sample, without the choice of the environment itself: by the environment's own
  * brightness, or through one of the portals that are seen from there. pdf_w is the density of all these ways together. */

@@ -160,23 +160,23 @@ static bool is_within(const SceneLight *light, Vec3f direction)
     return along > 0 && along * along >= light->cos_angle * light->cos_angle * vec3_dot(d, d);
 }
 
-Lanes light_from_infinity(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float weight_pdf,
-                          Lanes wavelength_nm)
+Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, Vec3f direction,
+                          float weight_pdf, Lanes wavelength_nm)
 {
     const Scene *scene = world->scene;
     Lanes sum = lanes_all(0);
     if (scene->environment) {
         Vec3f local = to_environment(world, direction);
-        float pdf = weight_pdf < 0 || !(world->environment_choice > 0)
+        float pdf = weight_pdf < 0 || !(choices->environment > 0)
                         ? 0
-                        : world->environment_choice * environment_density(world, from, normal, direction, local);
+                        : choices->environment * environment_density(world, from, normal, direction, local);
         sum = lanes_scale(environment_radiance(scene->environment, local, wavelength_nm),
                           weight_against(weight_pdf, pdf));
     }
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
         if (light->kind != LIGHT_DISTANT || !is_within(light, direction)) continue;
-        float pdf = world->choice_of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
+        float pdf = choices->of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
         sum =
             lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));
     }

@@ -232,6 +232,15 @@ Vec3f light_tree_middle(const LightTree *tree, uint32_t light)
     return vec3f(lanes_get(node->x, part), lanes_get(node->y, part), lanes_get(node->z, part));
 }
 
+bool light_tree_ball(const LightTree *tree, uint32_t light, Vec3 *middle, double *radius)
+{
+    uint32_t at = tree->leaf_of[light];
+    if (at == LIGHT_TREE_NONE) return false;
+    *middle = vec3_from_f(light_tree_middle(tree, light));
+    *radius = sqrt((double)lanes_get(tree->nodes[at / PARTS].radius2, (int)(at % PARTS)));
+    return true;
+}
+
 void light_tree_free(LightTree *tree)
 {
     if (!tree) return;

@@ -53,6 +53,8 @@ uint32_t light_tree_choose_along(const LightTree *tree, const LightLine *line, d
 float light_tree_probability_along(const LightTree *tree, uint32_t light, const LightLine *line);
 /* How far the nearest light is from a line, at least; INFINITY where there is none. */
 float light_tree_nearest(const LightTree *tree, const LightLine *line);
+/* The ball around a light's bounds; false: it was left out. */
+bool light_tree_ball(const LightTree *tree, uint32_t light, Vec3 *middle, double *radius);
 /* The middle of a light's bounds; of one that was not left out. */
 Vec3f light_tree_middle(const LightTree *tree, uint32_t light);
 

@@ -181,7 +181,7 @@ static bool follow(Path *path)
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {
             Lanes radiance =
-                light_from_infinity(world, path->scatter_point, path->scatter_normal, path->ray.direction,
+                light_from_infinity(world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
                                     path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
             path_add_radiance(path, lanes_all(1),
                               path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
@@ -229,6 +229,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
                  .ratio = lanes_all(1),
                  .radiance = lanes_all(0),
                  .scatter_pdf = -1,
+                 .scatter_lights = world_lights(world),
                  .steering = 1,
                  .looks = world->seeks_airlight};
     float u[2], lens[2] = {0, 0};

@@ -7,9 +7,6 @@
 #include "trace/light.h"
 #include "trace/path.h"
 
-/* What the radiance of light from infinity is given in, whatever it comes through: a sea may reach there, too. */
-enum { WORLD_MEDIUM = 0 };
-
 /* What a path has looked up of a medium at its own wavelengths, for the next time. */
 typedef struct PathMedium {
     Lanes absorption; /* of one that absorbs */
@@ -28,6 +25,7 @@ typedef struct Airway {
         alone; /* how often it is looked at, at most; and how likely a flight goes through it without being scattered */
     float extinction; /* a mean */
     double free_path;
+    const LightChoices *lights; /* that may come straight to there */
     Lanes ratio, scattered; /* at its beginning: the path's ratio, the optical depths that the flight had behind it */
     double t;               /* a place on it where a flight was scattered, */
     float rarity;           /* and 1 / the density of that; 0: there is none */
@@ -41,6 +39,7 @@ typedef struct Path {
     Ray ray;
     Vec3 scatter_point;   /* where the ray's direction was last sampled */
     Vec3f scatter_normal; /* the surface's there, if it scatters to its one side only; else zero */
+    const LightChoices *scatter_lights; /* what was looked for there */
     float scatter_pdf;    /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
     uint32_t bounce;      /* events so far: each has random numbers of its own */
     float cone_width,
@@ -120,8 +119,15 @@ static inline SurfacePlace path_place(const Path *path, const Event *event)
 {
     return path_place_of(path->tracer->world, &path->ray, &event->hit);
 }
-/* A light to look at from a place; normal: as light_sample takes it. */
-LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal);
+/* A light to look at from a place; choices, normal: as light_sample takes them. */
+LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal);
+/* What may be chosen where the path is scattered. any: whatever the medium: light may come from the other side of a surface, or
+ * several surfaces are there. */
+static inline const LightChoices *path_lights(const Path *path, bool any)
+{
+    const World *world = path->tracer->world;
+    return any ? world_lights(world) : world_lights_in(world, nest_medium(&world->compiled->order, &path->tracer->list));
+}
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */

@@ -69,16 +69,16 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
     if (through || several) nest_list_swap(&tracer->list, &tracer->next);
 }
 
-LightSample path_choose_light(const Path *path, Vec3 from, Vec3f normal)
+LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal)
 {
     const World *world = path->tracer->world;
     float u[2], choice[2] = {0, 0};
-    if (!world->n_choices) return (LightSample){.pdf_w = 0};
+    if (!choices->n) return (LightSample){.pdf_w = 0};
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
-    if (!world->one_light) sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
+    if (!choices->one) sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
     /* the second number is the first one's further digits */
     double digits = (double)choice[0] + (double)choice[1] * 0x1p-24;
-    return light_sample(world, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
+    return light_sample(world, choices, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
 }
 
 bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic)
@@ -102,8 +102,8 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
 {
     Lanes basic;
     if (!path_light_arrives(path, light, ray, &basic)) return;
-    float others = (light->delta ? 0 : guide_mixture(&path->guide, light->direction, pdf_w)) +
-                   airlight_rival_sample(path, light);
+    float others =
+        (light->delta ? 0 : guide_mixture(&path->guide, light->direction, pdf_w)) + airlight_rival_sample(path, light);
     float weight = sampling_balance(light->pdf_w, others);
     path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
 }
@@ -120,7 +120,8 @@ static float diffuse_pdf(const SurfacePlace *place, Vec3f direction)
 /* Light that a diffuse surface gets straight from a light source. */
 static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
 {
-    LightSample light = path_choose_light(path, place->position, place->geometric);
+    path->scatter_lights = path_lights(path, event->n_cluster > 1);
+    LightSample light = path_choose_light(path, path->scatter_lights, place->position, place->geometric);
     if (!(light.pdf_w > 0)) return;
     if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
     float diffuse = diffuse_pdf(place, light.direction);
@@ -158,7 +159,8 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->scatter_normal = vec3f(0, 0, 0);
     path->from = path->way;
     path_find_guide(path, position);
-    LightSample light = path_choose_light(path, position, vec3f(0, 0, 0));
+    path->scatter_lights = path_lights(path, false);
+    LightSample light = path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0));
     if (light.pdf_w > 0) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
         Ray ray = ray_make(position, light.direction);
@@ -198,7 +200,8 @@ void path_add_emission(Path *path, const Hit *hit)
     if (!light_radiance_hit(world, &path->ray, hit, path->wavelengths.nm, &radiance)) return;
     float weight = 1; /* against finding it by light sampling */
     if (path->scatter_pdf >= 0) {
-        float pdf = light_pdf_hit(world, path->scatter_point, path->scatter_normal, &path->ray, hit);
+        float pdf =
+            light_pdf_hit(world, path->scatter_lights, path->scatter_point, path->scatter_normal, &path->ray, hit);
         weight = sampling_balance(path->scatter_pdf, pdf + airlight_rival_hit(path, hit, pdf));
     }
     uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);

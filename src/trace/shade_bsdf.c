@@ -66,7 +66,8 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
                       Vec3f view)
 {
     if (bsdf->specular_only) return;
-    LightSample light = path_choose_light(path, place->position, one_side(bsdf, place));
+    const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
+    LightSample light = path_choose_light(path, lights, place->position, one_side(bsdf, place));
     if (!(light.pdf_w > 0)) return;
     Lanes f_cos, pdf_w;
     evaluate(bsdf, place, frame, view, light.direction, &f_cos, &pdf_w);
@@ -145,6 +146,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
         path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
         path->scatter_point = place->position;
         path->scatter_normal = one_side(bsdf, place);
+        path->scatter_lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
     }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));

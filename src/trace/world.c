@@ -5,10 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add_choice(World *world, uint32_t light, double power, double *total)
+#include "trace/light_reach.h"
+
+static void add_choice(LightChoices *choices, uint32_t light, double power, double *total)
 {
     if (!(power > 0)) return;
-    world->choices[world->n_choices++] = (LightChoice){.light = light, .probability = (float)power};
+    choices->items[choices->n++] = (LightChoice){.light = light, .probability = (float)power};
     *total += power;
 }
 
@@ -25,44 +27,44 @@ static bool seeks_environment(const Scene *scene)
 }
 
 /* Half of the samples by flux onto the scene, half evenly by the number of lights, so that a small light near a surface
- * is not starved. */
-static Status choose_lights(World *world, Pool *pool, Error *error)
+ * is not starved. reach: the kinds to choose from. */
+static Status choose_lights(World *world, unsigned reach, Error *error)
 {
     const Scene *scene = world->scene;
     const double pi = acos(-1);
+    LightChoices *choices = &world->choices[reach];
     Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
     double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min)), total = 0;
-    TRY(emitters_find(world->compiled, &world->media, pool, &world->emitters, error));
-    world->choices = calloc(scene->n_lights + 2U, sizeof *world->choices);
-    world->choice_of_light = calloc(scene->n_lights + 1U, sizeof *world->choice_of_light);
-    if (!world->choices || !world->choice_of_light)
-        return fail_memory(error, scene->n_lights * sizeof *world->choices, "lights");
-    add_choice(world, LIGHT_NEAR, light_tree_power(world->emitters.tree), &total);
-    for (uint32_t i = 0; i < scene->n_lights; i++) {
+    choices->items = calloc(scene->n_lights + 2U, sizeof *choices->items);
+    choices->of_light = calloc(scene->n_lights + 1U, sizeof *choices->of_light);
+    if (!choices->items || !choices->of_light)
+        return fail_memory(error, scene->n_lights * sizeof *choices->items, "lights");
+    if (reach & REACH_NEAR) add_choice(choices, LIGHT_NEAR, light_tree_power(world->emitters.tree), &total);
+    for (uint32_t i = 0; i < scene->n_lights && reach & REACH_FAR; i++) {
         const SceneLight *light = &scene->lights[i];
         if (light->kind != LIGHT_DISTANT) continue;
         double cone = 2 * pi * (1 - light->cos_angle);
-        add_choice(world, i, fmax(spectrum_luminance(&light->radiance), 0) * cone * pi * radius * radius, &total);
+        add_choice(choices, i, fmax(spectrum_luminance(&light->radiance), 0) * cone * pi * radius * radius, &total);
     }
-    if (seeks_environment(scene))
-        add_choice(world, LIGHT_ENVIRONMENT, (double)environment_power(scene->environment) * pi * radius * radius,
+    if (reach & REACH_FAR && seeks_environment(scene))
+        add_choice(choices, LIGHT_ENVIRONMENT, (double)environment_power(scene->environment) * pi * radius * radius,
                    &total);
-    uint32_t n_near = world->emitters.n_sources, n_sources = world->n_choices;
+    uint32_t n_near = reach & REACH_NEAR ? world->emitters.n_sources : 0, n_sources = choices->n;
     if (n_near) n_sources += n_near - 1;
     double cumulative = 0;
-    for (uint32_t i = 0; i < world->n_choices; i++) {
-        LightChoice *choice = &world->choices[i];
+    for (uint32_t i = 0; i < choices->n; i++) {
+        LightChoice *choice = &choices->items[i];
         double sources = choice->light == LIGHT_NEAR ? n_near : 1;
         double probability = 0.5 * (double)choice->probability / total + 0.5 * sources / n_sources;
         choice->probability = (float)probability;
         cumulative += probability;
         choice->cumulative = (float)cumulative;
         if (choice->light == LIGHT_ENVIRONMENT)
-            world->environment_choice = choice->probability;
+            choices->environment = choice->probability;
         else if (choice->light == LIGHT_NEAR)
-            world->near_choice = choice->probability;
+            choices->near = choice->probability;
         else
-            world->choice_of_light[choice->light] = choice->probability;
+            choices->of_light[choice->light] = choice->probability;
     }
     return STATUS_OK;
 }
@@ -114,12 +116,12 @@ static Status find_portals(World *world, Error *error)
 }
 
 /* Whether there is nothing to choose among: not even a way to the environment, or a place in a medium that shines. */
-static bool is_one_light(const World *world)
+static bool is_one_light(const World *world, const LightChoices *choices)
 {
     const EmitterSet *near = &world->emitters;
-    if (world->n_choices != 1) return false;
-    if (world->choices[0].light == LIGHT_NEAR) return near->n == 1 && near->emitters[0].kind != EMITTER_GLOW;
-    return world->choices[0].light != LIGHT_ENVIRONMENT || !world->n_portals;
+    if (choices->n != 1) return false;
+    if (choices->items[0].light == LIGHT_NEAR) return near->n == 1 && near->emitters[0].kind != EMITTER_GLOW;
+    return choices->items[0].light != LIGHT_ENVIRONMENT || !world->n_portals;
 }
 
 /* Whether the hulls around the camera may be others at another time: it moves itself, or something that moves comes to
@@ -165,11 +167,15 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
     world->camera = &compiled->scene->cameras[camera];
     Status status = media_find(compiled, &world->media, error);
-    if (status == STATUS_OK) status = choose_lights(world, pool, error);
+    if (status == STATUS_OK) status = emitters_find(compiled, &world->media, pool, &world->emitters, error);
+    for (unsigned reach = 0; status == STATUS_OK && reach < REACHES; reach++)
+        status = choose_lights(world, reach, error);
+    if (status == STATUS_OK) status = light_reach_find(world, error);
     if (status == STATUS_OK) status = find_portals(world, error);
     if (status == STATUS_OK) {
         HitList hits = {0};
-        world->one_light = is_one_light(world);
+        for (unsigned reach = 0; reach < REACHES; reach++)
+            world->choices[reach].one = is_one_light(world, &world->choices[reach]);
         uint32_t on_surface;
         status =
             compiled_interior(compiled, vec3f_from(world->camera->from), 0, &hits, &world->camera_list, &on_surface);
@@ -178,7 +184,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         world->moves = world->scene->n_keys > 0;
         for (uint32_t i = 0; i < world->scene->n_media; i++) world->scatters |= world->scene->media[i].scatters;
         for (uint32_t i = 0; i < world->scene->n_objects; i++) world->has_panes |= scene_is_pane(world->scene, i);
-        world->seeks_airlight = world->scatters && world->n_choices;
+        world->seeks_airlight = world->scatters && world_lights(world)->n;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
     }
@@ -188,10 +194,13 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
 
 void world_leave_to_chance(World *world)
 {
-    world->n_choices = 0;
     world->seeks_airlight = false;
-    world->near_choice = world->environment_choice = 0;
-    for (uint32_t i = 0; i < world->scene->n_lights; i++) world->choice_of_light[i] = 0;
+    for (unsigned reach = 0; reach < REACHES; reach++) {
+        LightChoices *choices = &world->choices[reach];
+        choices->n = 0;
+        choices->near = choices->environment = 0;
+        for (uint32_t i = 0; i < world->scene->n_lights; i++) choices->of_light[i] = 0;
+    }
 }
 
 void world_clear(World *world)
@@ -201,8 +210,11 @@ void world_clear(World *world)
     free(world->portal_maps);
     free(world->portals);
     media_clear(&world->media);
-    free(world->choices);
-    free(world->choice_of_light);
+    for (unsigned reach = 0; reach < REACHES; reach++) {
+        free(world->choices[reach].items);
+        free(world->choices[reach].of_light);
+    }
+    free(world->reach);
     nest_list_clear(&world->camera_list);
     *world = (World){0};
     nest_list_init(&world->camera_list);

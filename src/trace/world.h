@@ -15,11 +15,25 @@
 #define LIGHT_ENVIRONMENT UINT32_MAX
 #define LIGHT_NEAR (UINT32_MAX - 1)
 
+/* What the radiance of light from infinity is given in, whatever it comes through: a sea may reach there, too. */
+enum { WORLD_MEDIUM = 0 };
+
 typedef struct LightChoice {
     uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT or LIGHT_NEAR */
     float probability; /* of being chosen */
     float cumulative;  /* of this and all before */
 } LightChoice;
+
+/* What there is to choose from for a place, by the kinds of light that may come straight to there; the probabilities of all
+ * are 1 together, where there is anything. */
+typedef struct LightChoices {
+    LightChoice *items;
+    uint32_t n;
+    float *of_light;         /* probability of each distant light of the scene, */
+    float environment, near; /* of the environment, and of choosing with the tree */
+    bool one;                /* choosing takes no random number */
+} LightChoices;
+enum { REACH_FAR = 1, REACH_NEAR = 2, REACHES = 4 };
 
 /* An opening that light of the environment comes in by. */
 typedef struct WorldPortal {
@@ -40,12 +54,8 @@ typedef struct World {
     const CompiledScene *compiled;
     const Scene *scene;
     const SceneCamera *camera;
-    LightChoice *choices;
-    uint32_t n_choices;
-    float *choice_of_light;   /* probability of each distant light of the scene */
-    float environment_choice; /* probability of the environment */
-    float near_choice;        /* probability of choosing with the tree */
-    bool one_light;           /* choosing takes no random number */
+    LightChoices choices[REACHES]; /* for places that these kinds of light reach */
+    uint8_t *reach;                /* of each medium: how far light may come straight into it; see light_reach.h */
     EmitterSet emitters;
     WorldPortal *portals; /* where the scene has an environment that shines */
     uint32_t n_portals;
@@ -73,5 +83,15 @@ ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, ui
 /* No light is chosen any more, so that all of them are found by scattering alone; those without size are gone. */
 void world_leave_to_chance(World *world);
 void world_clear(World *world);
+/* What there is to choose from wherever a place is. */
+static inline const LightChoices *world_lights(const World *world)
+{
+    return &world->choices[REACH_FAR | REACH_NEAR];
+}
+/* The same for a place that is in a medium. */
+static inline const LightChoices *world_lights_in(const World *world, uint32_t medium)
+{
+    return &world->choices[world->reach[medium]];
+}
 
 #endif

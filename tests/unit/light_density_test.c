@@ -56,8 +56,8 @@ static Lanes some_wavelengths(void)
 /* What light_from_infinity weighs light with, found from the weight: w / (w + pdf). */
 static double density_outside(const World *world, Vec3 from, Vec3f normal, Vec3f direction)
 {
-    Lanes all = light_from_infinity(world, from, normal, direction, -1, some_wavelengths());
-    Lanes weighted = light_from_infinity(world, from, normal, direction, 1, some_wavelengths());
+    Lanes all = light_from_infinity(world, world_lights(world), from, normal, direction, -1, some_wavelengths());
+    Lanes weighted = light_from_infinity(world, world_lights(world), from, normal, direction, 1, some_wavelengths());
     if (lanes_zero(all)) return 0;
     return (double)lanes_get(all, 0) / (double)lanes_get(weighted, 0) - 1;
 }
@@ -77,7 +77,7 @@ static double density_at(const World *world, Vec3 from, Vec3f normal, Vec3f dire
         Lanes radiance;
         if (fabs(hits->items[i].cos_normal) > grazing &&
             light_radiance_hit(world, &ray, &hits->items[i], some_wavelengths(), &radiance))
-            sum += (double)light_pdf_hit(world, from, normal, &ray, &hits->items[i]);
+            sum += (double)light_pdf_hit(world, world_lights(world), from, normal, &ray, &hits->items[i]);
     }
     return sum;
 }
@@ -98,7 +98,7 @@ static Verdict judge(const World *world, Vec3 from, Vec3f normal, const LightSam
             const Hit *hit = &hits->items[i];
             if (sample->object != RTC_NO_OBJECT && hit->object != sample->object) continue;
             if (sample->primitive != RTC_NO_OBJECT && hit->primitive != sample->primitive) continue;
-            double off = (double)light_pdf_hit(world, from, normal, &ray, hit) / (double)sample->pdf_w - 1;
+            double off = (double)light_pdf_hit(world, world_lights(world), from, normal, &ray, hit) / (double)sample->pdf_w - 1;
             if (fabs(off) >= fabs(best)) continue;
             best = off;
             cosine = fabs(hit->cos_normal);
@@ -172,7 +172,7 @@ static void run_case(const Case *c)
     int n_good = 0, n_beside = 0, n_odd = 0;
     for (int i = 0; i < SAMPLES; i++) {
         float u[2] = {(float)fmin(dice_unit(&dice), 1 - 0x1p-24), (float)fmin(dice_unit(&dice), 1 - 0x1p-24)};
-        LightSample sample = light_sample(&world, c->from, c->normal, 0, dice_unit(&dice), u, some_wavelengths());
+        LightSample sample = light_sample(&world, world_lights(&world), c->from, c->normal, 0, dice_unit(&dice), u, some_wavelengths());
         if (!(sample.pdf_w > 0)) continue;
         assert_false(sample.delta);
         assert_near((double)vec3f_length(sample.direction), 1, 1e-6);
