@@ -157,6 +157,9 @@ static void describe(const RenderRun *run, Attributes *attributes)
     if (run->noise >= 0)
         attributes->items[attributes->n++] =
             (ImageAttribute){.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = run->noise};
+    if (run->settings.spreads)
+        attributes->items[attributes->n++] =
+            (ImageAttribute){.name = "meniscus/lightSpread", .type = ATTRIBUTE_FLOAT, .number = run->stats.spread_light};
     aov_visit_attributes(run->settings.aovs, scene, add_aov_attribute, attributes);
 }
 

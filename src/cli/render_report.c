@@ -60,6 +60,7 @@ static void summarize_as_json(const RenderRun *run, double seconds)
     json_add_number(&json, "meanSamples", run->stats.mean_samples);
     json_add_number(&json, "noise", run->noise < 0 ? (double)NAN : run->noise);
     json_add_truth(&json, "stopped", run->stats.stopped);
+    json_add_number(&json, "lightSpread", run->stats.spread_light);
     json_add_whole(&json, "nestingFaults", run->stats.nesting_faults);
     json_add_number(&json, "seconds", seconds);
     talk_event_end(&json);
@@ -97,6 +98,7 @@ void render_summarize(const RenderRun *run)
         summarize_noise(run, &line);
     else
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->samples));
+    if (stats->spread_samples) buf_format(&line, ", %.2g %% of the light spread", 100 * stats->spread_light);
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
     talk_write(&line);
@@ -177,6 +179,8 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_add_whole(&json, "silentLimit", stats->silent_limit);
     json_add_whole(&json, "badSamples", stats->bad_samples);
     json_add_whole(&json, "saturatedSamples", stats->saturated_samples);
+    json_add_whole(&json, "samplesSpread", stats->spread_samples);
+    json_add_number(&json, "lightSpread", stats->spread_light);
     json_add_whole(&json, "photons", stats->guide.followed);
     json_add_whole(&json, "photonsLanded", stats->guide.landed);
     json_add_whole(&json, "guideBytes", stats->guide.bytes);
@@ -203,6 +207,9 @@ static void print_stats_text(const RenderRun *run, Buf *out)
     if (stats->guide.landed)
         buf_format(out, "caustics           %llu of %llu photons landed, %.1f MiB\n", (unsigned long long)stats->guide.landed,
                    (unsigned long long)stats->guide.followed, (double)stats->guide.bytes / (1024.0 * 1024));
+    if (stats->spread_samples)
+        buf_format(out, "fireflies          %llu sample%s that stood alone, with %.2g %% of the light, spread over their surroundings\n",
+                   (unsigned long long)stats->spread_samples, plural(stats->spread_samples), 100 * stats->spread_light);
     if (run->noise >= 0) buf_format(out, "noise              %.3g %%\n", 100 * run->noise);
     buf_format(out, "geometry           %.1f MiB\n", (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
     buf_format(out, "time               %.2f s to render, %.2f s of processors, %u thread%s\n", stats->seconds,

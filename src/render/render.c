@@ -13,6 +13,7 @@
 #include "render/aov_film.h"
 #include "render/early.h"
 #include "render/film.h"
+#include "render/spread.h"
 #include "trace/guide.h"
 #include "trace/path.h"
 
@@ -34,6 +35,7 @@ typedef struct Job {
     unsigned n_threads;
     uint64_t *saturated;
     Film film;
+    BrightFilm bright; /* without pixels: samples stay where they are */
     AovFilm aovs;
     uint32_t crop[4];
     uint32_t tiles_x, tiles_y;
@@ -126,6 +128,21 @@ static bool shows_picture(const Job *job)
     return job->events && job->events->picture;
 }
 
+/* Gives samples that stand alone to what is around them. stats may be NULL. */
+static Status spread_samples(const Job *job, Image *image, RenderStats *stats, Error *error)
+{
+    if (!job->bright.pixels) return STATUS_OK;
+    Spread spread;
+    TRY(spread_init(&spread, &job->film, &job->bright, job->crop, error));
+    spread_apply(&spread, image);
+    if (stats) {
+        stats->spread_samples = spread.samples;
+        stats->spread_light = spread.light;
+    }
+    spread_clear(&spread);
+    return STATUS_OK;
+}
+
 /* Shows the picture so far, when it is time for it. It is not missed when memory ends. */
 static void report_picture(Job *job, uint32_t step, bool due)
 {
@@ -135,11 +152,14 @@ static void report_picture(Job *job, uint32_t step, bool due)
     double now = clock_now_s(), interval = fmax(picture_interval_s, job->picture_cost / picture_share);
     if (!due && now - job->picture_at < interval) return;
     if (early_resolve(&job->film, job->crop, step, &image, &unused) != STATUS_OK) return;
+    if (job->done >= SPREAD_LEAST_SAMPLES) (void)spread_samples(job, &image, NULL, &unused);
     job->events->picture(job->events->context, &image);
     image_clear(&image);
     job->picture_at = clock_now_s();
     job->picture_cost = job->picture_at - now;
 }
+
+_Static_assert(BRIGHT_NOTHING == SCENE_NONE, "what is seen first");
 
 static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uint32_t index)
 {
@@ -151,6 +171,7 @@ static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
     if (tracer->first_sight) aov_film_add(&job->aovs, x, y, tracer->first_sight, &before, &tracer->counters);
     job->saturated[worker] += film_add(&job->film, x, y, rgb, alpha);
+    if (job->bright.pixels) bright_film_add(&job->bright, x, y, rgb, tracer->seen);
 }
 
 /* The samples that a pixel gets in this pass. */
@@ -327,6 +348,7 @@ static Status job_init(Job *job, Error *error)
         return fail_memory(error, job->n_threads * sizeof *job->tracers, "threads");
     for (unsigned i = 0; i < job->n_threads; i++) tracer_init(&job->tracers[i], job->world);
     TRY(film_init(&job->film, settings->width, settings->height, error));
+    if (settings->spreads) TRY(bright_film_init(&job->bright, settings->width, settings->height, error));
     TRY(aov_film_init(&job->aovs, settings->aovs, job->world, settings->width, settings->height, error));
     if (!aov_film_needs_sight(&job->aovs)) return STATUS_OK;
     job->sights = calloc(job->n_threads, sizeof *job->sights);
@@ -340,6 +362,7 @@ static Status forget_samples(Job *job, Error *error)
 {
     const RenderSettings *settings = job->settings;
     memset(job->film.pixels, 0, (size_t)settings->width * settings->height * sizeof *job->film.pixels);
+    bright_film_forget(&job->bright);
     aov_film_clear(&job->aovs);
     TRY(aov_film_init(&job->aovs, settings->aovs, job->world, settings->width, settings->height, error));
     for (unsigned i = 0; i < job->n_threads; i++) {
@@ -357,6 +380,7 @@ static void job_clear(Job *job)
     free(job->saturated);
     free(job->tile_done);
     film_clear(&job->film);
+    bright_film_clear(&job->bright);
     aov_film_clear(&job->aovs);
     free(job->sights);
 }
@@ -401,6 +425,12 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
     return status;
 }
 
+static Status make_picture(const Job *job, Image *image, RenderStats *stats, Error *error)
+{
+    TRY(aov_film_resolve(&job->aovs, &job->film, image, error));
+    return spread_samples(job, image, stats, error);
+}
+
 Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
                     Image *image, RenderStats *stats, Error *error)
 {
@@ -430,7 +460,7 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
         stats->noise = adapt_noise(&job.film, job.crop);
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
-        status = aov_film_resolve(&job.aovs, &job.film, image, error);
+        status = make_picture(&job, image, stats, error);
     }
     job_clear(&job);
     world_clear(&world);

@@ -23,6 +23,7 @@ typedef struct RenderSettings {
     double time_limit_s;        /* 0: none */
     uint32_t bounces, seed, camera;
     AovSet aovs;                /* further channels */
+    bool spreads;               /* samples that stand alone are given to what is around them, see spread.h */
     bool no_absorption;         /* media neither absorb nor emit: for tests */
     SceneCaustics caustics;     /* whether photons look for light behind glass first */
     bool by_chance;             /* no light is looked for, all are found by scattering alone: for tests */
@@ -49,6 +50,8 @@ typedef struct RenderStats {
     uint64_t silent_limit;      /* paths given up at the limit of silent crossings */
     uint64_t bad_samples;       /* not finite; left out */
     uint64_t saturated_samples; /* brighter than the film can hold; held at its limit */
+    uint64_t spread_samples;    /* that stood alone and were given to what is around them, */
+    double spread_light;        /* and the part of the picture's light that they brought */
     double seconds, cpu_seconds;
     uint32_t samples;           /* per pixel, done everywhere: the least that a pixel has */
     uint32_t most_samples;      /* and the most */

@@ -223,6 +223,7 @@ typedef struct SceneRender {
     uint32_t bounces;   /* real boundaries and scatterings, not silent crossings */
     NestPolicy nesting;
     uint32_t seed;
+    bool spreads; /* single bright samples, over what is around them, as render/spread.h has it */
 } SceneRender;
 
 /* What the animation node says. */

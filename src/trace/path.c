@@ -165,6 +165,15 @@ ATTR_COLD static void look_ahead(const Path *path)
     nest_list_clear(&kept);
 }
 
+/* The object that an event is at; what scatters in front of all objects is one more. */
+static uint32_t seen_first(const Scene *scene, const Event *event)
+{
+    if (event->kind == EVENT_SCATTER) return scene->n_objects;
+    if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return SCENE_NONE;
+    if (scene->objects[event->hit.object].light != SCENE_NONE) return SCENE_NONE;
+    return scene_whole(scene, event->hit.object);
+}
+
 /* Returns whether the camera's ray met anything. */
 static bool follow(Path *path)
 {
@@ -176,6 +185,7 @@ static bool follow(Path *path)
         Event event;
         path_next_event(path, &event);
         if (textured) path_reach(path, &event);
+        if (first) tracer->seen = seen_first(world->scene, &event);
         if (UNLIKELY(first && tracer->first_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;

@@ -64,6 +64,7 @@ typedef struct Tracer {
     NestPass *passes;
     size_t passes_capacity;
     PathCounters counters;
+    uint32_t seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
     FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;
 } Tracer;

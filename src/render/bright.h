@@ -1,0 +1,52 @@
+/* bright.h - the brightest samples of each pixel, kept apart, and what a pixel's samples see first.
+ * A pixel whose light came with one sample of many may be right in the mean, but not by itself; spread.h says what is done
+ * about it.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BRIGHT_H
+#define MEN_BRIGHT_H
+
+#include "render/film.h"
+
+enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
+/* What is never apart: nothing at all, and lights, which are seen as they are. */
+#define BRIGHT_NOTHING UINT32_MAX
+/* Of BrightSample's red and blue. */
+#define BRIGHT_UNIT 0x1p-10
+
+/* Nearly all of a sample, and of none of its colours more than it has: what is moved is this, and the rest stays. */
+typedef struct BrightSample {
+    float luminance;   /* 0: none */
+    int16_t red, blue; /* over the luminance */
+} BrightSample;
+
+typedef struct BrightPixel {
+    BrightSample samples[BRIGHT_KEPT];                     /* the brightest first */
+    uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
+    uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
+} BrightPixel;
+
+static inline void bright_rgb(const BrightSample *sample, double rgb[3])
+{
+    double y = (double)sample->luminance;
+    rgb[0] = y * sample->red * BRIGHT_UNIT;
+    rgb[2] = y * sample->blue * BRIGHT_UNIT;
+    rgb[1] = (y - 0.2126 * rgb[0] - 0.0722 * rgb[2]) / 0.7152;
+}
+
+static inline uint32_t bright_seen(const BrightPixel *pixel, int i)
+{
+    return pixel->seen >> 2 * i & 3;
+}
+
+typedef struct BrightFilm {
+    uint32_t width, height;
+    BrightPixel *pixels; /* NULL: nothing is kept */
+} BrightFilm;
+
+ATTR_NODISCARD Status bright_film_init(BrightFilm *film, uint32_t width, uint32_t height, Error *error);
+void bright_film_clear(BrightFilm *film);
+void bright_film_forget(BrightFilm *film); /* all samples */
+/* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. A pixel belongs to one thread at a time. */
+void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing);
+
+#endif

@@ -1,0 +1,51 @@
+/* spread.h - samples that stand alone, shared out over what is around them.
+ *
+ * Where one path in thousands finds a bright light, say the glint of a lamp in a facet, the pixels that have it are far too
+ * bright, and all others a little too dark: the picture is right in the mean, and not to be looked at. Such a sample tells
+ * what a neighbourhood has together, as large as it takes to find it some times. So it is given to that neighbourhood: the
+ * light of the picture stays the same, and none is thrown away or made dimmer, as clamping would.
+ *
+ * - A sample stands alone when it adds much to its pixel, compared with what is there and around without such samples, and
+ *   its pixel has few comparable ones. A bright thing that is well sampled has many: it stays as it is, to the bit.
+ * - It goes to the smallest neighbourhood that holds some comparable samples, or in which it is not seen any more.
+ * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Those that are
+ *   darker than their surroundings get less, so that textures and shadows keep their contrast.
+ *
+ * With more samples each adds less, and has more beside it, so that less is shared out, and in the end nothing: the picture
+ * converges to what it would without. The neighbourhood is that of a nearest-neighbour density estimate ([LQ65] D.
+ * Loftsgaarden, C. Quesenberry, "A Nonparametric Estimate of a Multivariate Density Function", 1965); energy was kept so by
+ * [RW94] H. Rushmeier, G. Ward, "Energy Preserving Non-Linear Filters", SIGGRAPH 1994, which judges whole pixels; samples are
+ * told apart by how many others are like them in [DWR10] C. DeCoro, T. Weyrich, S. Rusinkiewicz, "Density-based Outlier
+ * Rejection in Monte Carlo Rendering", 2010, and [ZHD18] T. Zirr, J. Hanika, C. Dachsbacher, "Re-weighting Firefly Samples
+ * for Improved Finite-Sample Monte Carlo Estimates", 2018, which make them dimmer.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SPREAD_H
+#define MEN_SPREAD_H
+
+#include "render/bright.h"
+
+/* Pixels with fewer keep all of theirs, but get what others give. */
+enum { SPREAD_LEAST_SAMPLES = 8 };
+
+typedef struct SpreadPixel {
+    double rgb[3];       /* to be added to the mean */
+    double taken, given; /* squares of luminances, of what went and what came: of the mean's standard error */
+} SpreadPixel;
+
+typedef struct Spread {
+    uint32_t area[4];
+    SpreadPixel *pixels; /* of the area, by rows */
+    uint64_t samples; /* that stood alone */
+    double light;     /* the part of the picture's light that they bring */
+} Spread;
+
+/* Of the pixels from x0, y0 up to but without x1, y1; a function of the two films alone, which are of one size.
+ * STATUS_NOMEM. */
+ATTR_NODISCARD Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4],
+                                  Error *error);
+void spread_clear(Spread *spread);
+/* Moves the light: in R, G and B, the first three channels of an image of the whole film; and in noise.Y, the fifth, if it
+ * has that, what is known of the error. */
+void spread_apply(const Spread *spread, Image *image);
+
+#endif
