@@ -223,9 +223,12 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench scale
 	$(BUILD)/bench rays
 	$(BUILD)/bench caustics
-	$(BUILD)/bench fireflies $(addprefix examples/,whisky-sun.mns diamond.mns light-bulb.mns glass-of-water.mns)
+	$(BUILD)/bench fireflies $(addprefix examples/,whisky-sun.mns diamond.mns candles.mns light-bulb.mns glass-of-water.mns)
 	$(BUILD)/bench noise $(BENCH_SCENES)
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns candles.mns)
+
+bench-fireflies: $(BUILD)/bench assets ## single pixels that are far too bright, in all examples; minutes
+	$(BUILD)/bench fireflies $(wildcard examples/*.mns)
 
 bench-noise: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## ways to take samples, and the stated noise over the error that is there; minutes
 	$(BUILD)/bench sampling $(BUILD)/peers/glass.mns $(addprefix examples/,whisky.mns tea.mns surfaces.mns)
@@ -239,7 +242,7 @@ bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fa
 bench-instructions: assets ## which part of all instructions the interior list takes; needs valgrind, minutes
 	$(MAKE) VARIANT=profile build/profile/meniscus build/profile/peers/glass.mns
 	sh tests/bench/instructions.sh build/profile/meniscus build/profile/peers/glass.mns examples/whisky.mns
-.PHONY: bench-objects bench-noise bench-instructions
+.PHONY: bench-objects bench-fireflies bench-noise bench-instructions
 
 # --wrap: limit.c notes the rays that a render casts
 BENCH_SOURCES := $(wildcard tests/bench/*.c)

@@ -11,12 +11,12 @@ enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
 /* What is never apart: nothing at all, and lights, which are seen as they are. */
 #define BRIGHT_NOTHING UINT32_MAX
 /* Of BrightSample's red and blue. */
-#define BRIGHT_UNIT 0x1p-10
+#define BRIGHT_UNIT 0x1p-12
 
 /* Nearly all of a sample, and of none of its colours more than it has: what is moved is this, and the rest stays. */
 typedef struct BrightSample {
-    float luminance;   /* 0: none */
-    int16_t red, blue; /* over the luminance */
+    float light;       /* mean of red, green and blue, as dots of all colours are seen; 0: none */
+    int16_t red, blue; /* over that */
 } BrightSample;
 
 typedef struct BrightPixel {
@@ -27,10 +27,10 @@ typedef struct BrightPixel {
 
 static inline void bright_rgb(const BrightSample *sample, double rgb[3])
 {
-    double y = (double)sample->luminance;
-    rgb[0] = y * sample->red * BRIGHT_UNIT;
-    rgb[2] = y * sample->blue * BRIGHT_UNIT;
-    rgb[1] = (y - 0.2126 * rgb[0] - 0.0722 * rgb[2]) / 0.7152;
+    double light = (double)sample->light;
+    rgb[0] = light * sample->red * BRIGHT_UNIT;
+    rgb[2] = light * sample->blue * BRIGHT_UNIT;
+    rgb[1] = 3 * light - rgb[0] - rgb[2];
 }
 
 static inline uint32_t bright_seen(const BrightPixel *pixel, int i)

@@ -12,11 +12,12 @@
 #endif
 TUNE double t_alike = 4;      /* samples are comparable down to this part */
 TUNE double t_stands_out = 0.25; /* v/n over reference */
-TUNE double t_enough = 16;     /* comparable samples wanted */
+TUNE double t_enough = 32;     /* comparable samples wanted */
 TUNE double t_unseen = 0.05;  /* peak addition over reference that ends growth */
 TUNE double t_floor = 0.3; /* of base weight */
+TUNE double t_slope = 4;
 TUNE double t_own = 8, t_cap = 1;
-TUNE int t_farthest = 8;
+TUNE int t_farthest = 48;
 TUNE int t_refradius = 2;
 
 /* Of an area of the film: by its rows. */
@@ -25,7 +26,7 @@ typedef struct Maps {
     const BrightFilm *bright;
     const uint32_t *area;
     uint32_t width, height;
-    float *plain;     /* luminance of each pixel without the samples that have few like them there, */
+    float *plain;     /* light, as BrightSample has it, of each pixel without the samples that have few like them there, */
     float *reference; /* and what it is compared with: that, or the mean of it around where that is more */
     SpreadPixel *pixels;
 } Maps;
@@ -43,9 +44,9 @@ static const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_t y)
 /* A sample on its way. */
 typedef struct Lone {
     uint32_t x, y, thing;
-    double luminance, rgb[3]; /* as parts of its pixel's mean */
+    double light, rgb[3];     /* as parts of its pixel's mean */
     double reference;         /* see Maps */
-    float least;              /* luminance of comparable samples */
+    float least;              /* of comparable samples */
 } Lone;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
@@ -61,17 +62,23 @@ static uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float 
 {
     uint32_t n = 0;
     if (seen == BRIGHT_THINGS) return 0;
-    for (int i = 0; i < BRIGHT_KEPT && pixel->samples[i].luminance >= least; i++) n += bright_seen(pixel, i) == seen;
+    for (int i = 0; i < BRIGHT_KEPT && pixel->samples[i].light >= least; i++) n += bright_seen(pixel, i) == seen;
     return n;
 }
 
 static bool has_few_alike(const BrightPixel *pixel, int i, uint32_t n_samples)
 {
-    float luminance = pixel->samples[i].luminance;
+    float light = pixel->samples[i].light;
     uint32_t seen = bright_seen(pixel, i);
-    if (!(luminance > 0) || seen == BRIGHT_THINGS) return false;
+    if (!(light > 0) || seen == BRIGHT_THINGS) return false;
     double few = fmin(n_samples / 4, t_own);
-    return count_comparable(pixel, seen, luminance / (float)t_alike) < few;
+    return count_comparable(pixel, seen, light / (float)t_alike) < few;
+}
+
+/* The sum of a pixel's samples. */
+static double light_of(const FilmPixel *pixel)
+{
+    return ((double)pixel->rgb[0] + (double)pixel->rgb[1] + (double)pixel->rgb[2]) * (FILM_UNIT / 3);
 }
 
 static void map_plain(Maps *maps, float *scratch)
@@ -82,9 +89,9 @@ static void map_plain(Maps *maps, float *scratch)
         for (uint32_t x = area[0]; x < area[2]; x++, at++) {
             const FilmPixel *pixel = film_pixel(maps->film, x, y);
             const BrightPixel *bright = bright_at(maps, x, y);
-            double sum = (double)pixel->luminance * FILM_UNIT;
+            double sum = light_of(pixel);
             for (int i = 0; i < BRIGHT_KEPT; i++)
-                if (has_few_alike(bright, i, pixel->n)) sum -= (double)bright->samples[i].luminance;
+                if (has_few_alike(bright, i, pixel->n)) sum -= (double)bright->samples[i].light;
             maps->plain[at] = pixel->n ? (float)fmax(sum / pixel->n, 0) : 0;
         }
     mean_around(maps->plain, maps->width, maps->height, (uint32_t)t_refradius, scratch, maps->reference);
@@ -147,18 +154,24 @@ static int find_radius(const Maps *maps, const Lone *lone)
     double unseen = t_unseen * lone->reference;
     uint32_t found = count_in_ring(maps, lone, 0);
     int radius = 0;
-    while (radius < t_farthest && found < t_enough) {
+    while (radius < t_farthest && (radius == 0 || found < fmin(t_slope * radius * radius, t_enough))) {
         found += count_in_ring(maps, lone, ++radius);
-        double most = lone->luminance * weight_at(maps, lone, lone->x, lone->y, radius);
+        double most = lone->light * weight_at(maps, lone, lone->x, lone->y, radius) * found;
         if (most <= unseen * sum_weights(maps, lone, radius)) break;
     }
     return radius;
 }
 
+static double square_of_luminance(const double rgb[3])
+{
+    double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    return luminance * luminance;
+}
+
 static void spread_sample(const Maps *maps, const Lone *lone)
 {
     int radius = find_radius(maps, lone);
-    double sum = sum_weights(maps, lone, radius), squared = lone->luminance * lone->luminance;
+    double sum = sum_weights(maps, lone, radius), squared = square_of_luminance(lone->rgb);
     uint32_t square[4];
     square_around(maps->area, lone, radius, square);
     for (uint32_t y = square[1]; y < square[3]; y++)
@@ -181,9 +194,9 @@ static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int i)
     Lone lone = {.x = x,
                  .y = y,
                  .thing = pixel->things[bright_seen(pixel, i)],
-                 .luminance = (double)sample->luminance / n,
+                 .light = (double)sample->light / n,
                  .reference = (double)maps->reference[place_in(maps->area, x, y)],
-                 .least = sample->luminance / (float)t_alike};
+                 .least = sample->light / (float)t_alike};
     bright_rgb(sample, lone.rgb);
     for (int c = 0; c < 3; c++) lone.rgb[c] /= n;
     return lone;
@@ -195,12 +208,12 @@ static void spread_pixel(Spread *spread, const Maps *maps, uint32_t x, uint32_t 
     uint32_t n = film_pixel(maps->film, x, y)->n;
     if (n < SPREAD_LEAST_SAMPLES) return;
     double much = t_stands_out * n * (double)maps->reference[place_in(maps->area, x, y)];
-    for (int i = 0; i < BRIGHT_KEPT && (double)bright->samples[i].luminance > much; i++) {
+    for (int i = 0; i < BRIGHT_KEPT && (double)bright->samples[i].light > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
         Lone lone = lone_at(maps, x, y, i);
         spread_sample(maps, &lone);
         spread->samples++;
-        spread->light += lone.luminance;
+        spread->light += lone.light;
     }
 }
 
@@ -223,7 +236,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
         for (uint32_t x = area[0]; x < area[2]; x++) {
             const FilmPixel *pixel = film_pixel(film, x, y);
             if (!pixel->n) continue;
-            light += (double)pixel->luminance * FILM_UNIT / pixel->n;
+            light += light_of(pixel) / pixel->n;
             spread_pixel(spread, &maps, x, y);
         }
     spread->light = light > 0 ? spread->light / light : 0;

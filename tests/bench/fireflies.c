@@ -1,11 +1,12 @@
 /* fireflies.c - pixels that are far brighter than what is around them, by chance.
  * A highlight is bright in every render, a firefly in one: so each scene is rendered twice, with the samples that it asks
  * for. A pixel counts when it is brighter, by a factor, than all three: the median of the pixels around it, the other
- * render there, and a little of the picture's mean.
+ * render there, and a little of the picture's mean. With `keep` in front of the scenes every sample stays where it was found.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "measure.h"
 
@@ -51,7 +52,7 @@ static void count(const double *luminance, const double *other, Size size, doubl
 }
 
 /* Renders with what the scene asks for, but for its size. */
-static RenderStats render_seed(const Made *made, Size size, uint32_t seed, Pool *pool, double *luminance)
+static RenderStats render_seed(const Made *made, Size size, uint32_t seed, bool keep, Pool *pool, double *luminance)
 {
     const SceneRender *wish = &made->scene->render;
     RenderSettings settings = {.width = size.width,
@@ -60,7 +61,8 @@ static RenderStats render_seed(const Made *made, Size size, uint32_t seed, Pool 
                                .noise = wish->noise,
                                .seed = seed,
                                .bounces = wish->bounces,
-                               .caustics = wish->caustics};
+                               .caustics = wish->caustics,
+                               .spreads = wish->spreads && !keep};
     RenderStats stats;
     Image image;
     Error error = {0};
@@ -72,27 +74,31 @@ static RenderStats render_seed(const Made *made, Size size, uint32_t seed, Pool 
     return stats;
 }
 
-static void measure(const char *path, Pool *pool)
+static void measure(const char *path, bool keep, Pool *pool)
 {
     Made made;
-    made_from_file(&made, path);
+    if (!made_from_whole_file(&made, path)) {
+        printf("%-26s parts of other scenes, without a camera\n", file_name(path));
+        return;
+    }
     double tall = (double)made.scene->film.height / made.scene->film.width;
     Size size = {WIDTH, (uint32_t)fmax(WIDTH * tall, 1)};
     uint32_t n = size.width * size.height;
-    double *pictures[2], mean = 0, cpu_s = 0, before_s = 0;
+    double *pictures[2], mean = 0, cpu_s = 0, before_s = 0, spread = 0;
     Count sum = {{0}, 0, 0};
     for (uint32_t i = 0; i < 2; i++) {
         pictures[i] = malloc(n * sizeof *pictures[i]);
         if (!pictures[i]) bench_fail("out of memory", NULL);
-        RenderStats stats = render_seed(&made, size, i + 1, pool, pictures[i]);
+        RenderStats stats = render_seed(&made, size, i + 1, keep, pool, pictures[i]);
         cpu_s += stats.cpu_seconds / 2;
         before_s += stats.guide.cpu_seconds / 2;
+        spread += stats.spread_light / 2;
         for (uint32_t p = 0; p < n; p++) mean += pictures[i][p] / n / 2;
     }
     for (int i = 0; i < 2; i++) count(pictures[i], pictures[!i], size, mean, &sum);
     double all = 2.0 * n;
-    printf("%-26s %8.2f %8.2f %10.3f %8.1f %8.1f %7.1f\n", file_name(path), 1e4 * sum.n[0] / all, 1e4 * sum.n[1] / all,
-           100 * sum.excess / (mean * all), sum.worst, cpu_s, 100 * before_s / cpu_s);
+    printf("%-26s %8.2f %8.2f %10.3f %8.1f %9.2f %8.1f %7.1f\n", file_name(path), 1e4 * sum.n[0] / all, 1e4 * sum.n[1] / all,
+           100 * sum.excess / (mean * all), sum.worst, 100 * spread, cpu_s, 100 * before_s / cpu_s);
     fflush(stdout);
     for (int i = 0; i < 2; i++) free(pictures[i]);
     made_clear(&made);
@@ -101,12 +107,14 @@ static void measure(const char *path, Pool *pool)
 void bench_fireflies(char **paths, int n)
 {
     Pool *pool = pool_of(0);
+    bool keep = strcmp(paths[0], "keep") == 0;
     printf(
         "fireflies, of renders %d pixels wide with each scene's own samples: pixels in ten thousand that are %g and %g "
         "times\nas bright as those around and as in another render; their excess over these, of all light; the worst "
-        "of them;\nseconds of the processor, and how much of that photons take\n"
-        "%-26s %8s %8s %10s %8s %8s %7s\n",
-        WIDTH, factors[0], factors[1], "", "twice", "5 times", "excess %", "worst", "cpu s", "first %");
-    for (int i = 0; i < n; i++) measure(paths[i], pool);
+        "of them;\nthe light of samples that stood alone and were spread, of all; seconds of the processor, and how much of "
+        "that photons take\n"
+        "%-26s %8s %8s %10s %8s %9s %8s %7s\n",
+        WIDTH, factors[0], factors[1], "", "twice", "5 times", "excess %", "worst", "spread %", "cpu s", "first %");
+    for (int i = keep; i < n; i++) measure(paths[i], keep, pool);
     pool_free(pool);
 }

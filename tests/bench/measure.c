@@ -62,19 +62,24 @@ static void check_made(Made *made, const char *path, Status status, const Error 
     bench_fail(path, error);
 }
 
-void made_begin(Made *made, const char *path, const char *text, Pool *pool)
+static Status build(Made *made, const char *path, const char *text, Pool *pool, Error *error)
 {
-    Error error = {0};
     *made = (Made){0};
     arena_init(&made->arena);
     made->sources.arena = &made->arena;
     diag_init(&made->diag, &made->arena, &made->sources);
     SceneOptions options = {.load_image = load_image, .pool = pool};
     double start = clock_cpu_s();
-    Status status = text ? scene_build_text(path, text, &options, &made->diag, &made->scene, NULL, &error)
-                         : scene_build(path, &options, &made->diag, &made->scene, NULL, &error);
+    Status status = text ? scene_build_text(path, text, &options, &made->diag, &made->scene, NULL, error)
+                         : scene_build(path, &options, &made->diag, &made->scene, NULL, error);
     made->build_s = clock_cpu_s() - start;
-    check_made(made, path, status, &error);
+    return status;
+}
+
+void made_begin(Made *made, const char *path, const char *text, Pool *pool)
+{
+    Error error = {0};
+    check_made(made, path, build(made, path, text, pool, &error), &error);
 }
 
 void made_compile(Made *made, const char *path, Pool *pool)
@@ -103,6 +108,28 @@ void made_with_pool(Made *made, const char *text, Pool *pool)
 void made_from_file(Made *made, const char *path)
 {
     make(made, path, NULL, NULL);
+}
+
+/* Whether all that is wrong with what was built is that it places nothing, or nothing that looks at it. */
+static bool is_only_part(const Made *made)
+{
+    for (const Diagnostic *report = made->diag.first; report; report = report->next)
+        if (report->severity == DIAG_ERROR && report->code != D_NO_CAMERA && report->code != D_NOTHING_TO_RENDER)
+            return false;
+    return made->diag.n_errors > 0;
+}
+
+bool made_from_whole_file(Made *made, const char *path)
+{
+    Error error = {0};
+    Status status = build(made, path, NULL, NULL, &error);
+    if (status == STATUS_SCENE && is_only_part(made)) {
+        arena_clear(&made->arena);
+        return false;
+    }
+    check_made(made, path, status, &error);
+    made_compile(made, path, NULL);
+    return true;
 }
 
 void made_clear(Made *made)
