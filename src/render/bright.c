@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/bright.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,21 +23,15 @@ void bright_film_forget(BrightFilm *film)
     if (film->pixels) memset(film->pixels, 0, (size_t)film->width * film->height * sizeof *film->pixels);
 }
 
-static int16_t ratio(double part, double light)
-{
-    double units = part / light / BRIGHT_UNIT;
-    return (int16_t)fmin(fmax(units, INT16_MIN), INT16_MAX); /* towards 0 */
-}
-
 ATTR_COLD static void keep(BrightPixel *pixel, const float rgb[3], uint32_t seen)
 {
-    double held[3], light = 0; /* as the film holds it */
-    for (int c = 0; c < 3; c++) light += held[c] = fmin(fmax((double)rgb[c], -FILM_LARGEST), FILM_LARGEST);
-    /* what red and blue lose, rounded towards 0, is not to make green more than it was */
-    float less = (float)(light / 3 * (1 - 0.7 * BRIGHT_UNIT));
+    float held[3], light; /* as the film holds it */
+    for (int c = 0; c < 3; c++) held[c] = fminf(fmaxf(rgb[c], -(float)FILM_LARGEST), (float)FILM_LARGEST);
+    light = bright_light(held);
     int at = BRIGHT_KEPT - 1;
-    for (; at > 0 && pixel->samples[at - 1].light < less; at--) pixel->samples[at] = pixel->samples[at - 1];
-    pixel->samples[at] = (BrightSample){less, ratio(held[0], (double)less), ratio(held[2], (double)less)};
+    for (; at > 0 && bright_light(pixel->rgb[at - 1]) < light; at--)
+        memcpy(pixel->rgb[at], pixel->rgb[at - 1], sizeof held);
+    memcpy(pixel->rgb[at], held, sizeof held);
     uint32_t below = (1U << 2 * at) - 1;
     pixel->seen = (pixel->seen & below) | seen << 2 * at | (pixel->seen & ~below) << 2;
 }
@@ -53,6 +46,5 @@ void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3
         pixel->things[seen] = thing;
         pixel->counts[seen]++;
     }
-    float light = (rgb[0] + rgb[1] + rgb[2]) * (1.0f / 3);
-    if (light > pixel->samples[BRIGHT_KEPT - 1].light) keep(pixel, rgb, seen);
+    if (bright_light(rgb) > bright_light(pixel->rgb[BRIGHT_KEPT - 1])) keep(pixel, rgb, seen);
 }

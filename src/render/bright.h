@@ -5,32 +5,23 @@
 #ifndef MEN_BRIGHT_H
 #define MEN_BRIGHT_H
 
+#include <math.h>
+
 #include "render/film.h"
 
 enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
 /* What is never apart: nothing at all, and lights, which are seen as they are. */
 #define BRIGHT_NOTHING UINT32_MAX
-/* Of BrightSample's red and blue. */
-#define BRIGHT_UNIT 0x1p-12
-
-/* Nearly all of a sample, and of none of its colours more than it has: what is moved is this, and the rest stays. */
-typedef struct BrightSample {
-    float light;       /* mean of red, green and blue, as dots of all colours are seen; 0: none */
-    int16_t red, blue; /* over that */
-} BrightSample;
-
 typedef struct BrightPixel {
-    BrightSample samples[BRIGHT_KEPT];                     /* the brightest first */
+    float rgb[BRIGHT_KEPT][3];                             /* the brightest first; black: none */
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
     uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
 } BrightPixel;
 
-static inline void bright_rgb(const BrightSample *sample, double rgb[3])
+/* How bright a sample is taken to be: as dots of all colours are seen. Samples of few wavelengths have negative parts. */
+static inline float bright_light(const float rgb[3])
 {
-    double light = (double)sample->light;
-    rgb[0] = light * sample->red * BRIGHT_UNIT;
-    rgb[2] = light * sample->blue * BRIGHT_UNIT;
-    rgb[1] = 3 * light - rgb[0] - rgb[2];
+    return (fabsf(rgb[0]) + fabsf(rgb[1]) + fabsf(rgb[2])) * (1.0f / 3);
 }
 
 static inline uint32_t bright_seen(const BrightPixel *pixel, int i)

@@ -7,18 +7,24 @@
 
 #include "render/around.h"
 
-#ifndef TUNE
-#define TUNE static const
-#endif
-TUNE double t_alike = 4;      /* samples are comparable down to this part */
-TUNE double t_stands_out = 0.25; /* v/n over reference */
-TUNE double t_enough = 32;     /* comparable samples wanted */
-TUNE double t_unseen = 0.05;  /* peak addition over reference that ends growth */
-TUNE double t_floor = 0.3; /* of base weight */
-TUNE double t_slope = 4;
-TUNE double t_own = 8, t_cap = 1;
-TUNE int t_farthest = 48;
-TUNE int t_refradius = 2;
+/* Measured on the examples, by the error against pictures of many samples, by dots that are left (bench fireflies), and by
+ * eye: what is spread too near makes discs of the same brightness; too little, dots. */
+
+/* Samples are alike down to this part of the brightest. */
+#define ALIKE 0.25f
+/* A pixel that has so many that are alike has found what it shows; of few samples a part of them is enough. */
+enum { FEW = 8, FEW_PART = 4 };
+/* What a sample adds to its pixel, over what is there without, that is not to be seen yet. */
+#define STANDS_OUT 0.25
+/* Pixels around, for what is usual there. */
+enum { AROUND = 2 };
+/* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
+ * away many, else their discs would be seen. */
+enum { NEAR = 2, NEAR_ENOUGH = 8, FAR_ENOUGH = 256, FARTHEST = 40 };
+/* What all comparable samples of a neighbourhood add, spread over it, that is not seen. */
+#define UNSEEN 0.1
+/* Of what a usual pixel gets, the part that a black one does. */
+#define TO_BLACK (1 / 6.0)
 
 /* Of an area of the film: by its rows. */
 typedef struct Maps {
@@ -26,8 +32,8 @@ typedef struct Maps {
     const BrightFilm *bright;
     const uint32_t *area;
     uint32_t width, height;
-    float *plain;     /* light, as BrightSample has it, of each pixel without the samples that have few like them there, */
-    float *reference; /* and what it is compared with: that, or the mean of it around where that is more */
+    float *plain;     /* light, as bright_light has it, of each pixel without the samples that have few like them there, */
+    float *reference; /* and what is usual there: of that pixel, the brightest one next to it, or the mean around, the most */
     SpreadPixel *pixels;
 } Maps;
 
@@ -44,9 +50,9 @@ static const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_t y)
 /* A sample on its way. */
 typedef struct Lone {
     uint32_t x, y, thing;
-    double light, rgb[3];     /* as parts of its pixel's mean */
-    double reference;         /* see Maps */
-    float least;              /* of comparable samples */
+    double light, rgb[3]; /* as parts of its pixel's mean */
+    double reference;     /* see Maps */
+    float least;          /* of comparable samples */
 } Lone;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
@@ -62,40 +68,51 @@ static uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float 
 {
     uint32_t n = 0;
     if (seen == BRIGHT_THINGS) return 0;
-    for (int i = 0; i < BRIGHT_KEPT && pixel->samples[i].light >= least; i++) n += bright_seen(pixel, i) == seen;
+    for (int i = 0; i < BRIGHT_KEPT && bright_light(pixel->rgb[i]) >= least; i++) n += bright_seen(pixel, i) == seen;
     return n;
 }
 
 static bool has_few_alike(const BrightPixel *pixel, int i, uint32_t n_samples)
 {
-    float light = pixel->samples[i].light;
-    uint32_t seen = bright_seen(pixel, i);
-    if (!(light > 0) || seen == BRIGHT_THINGS) return false;
-    double few = fmin(n_samples / 4, t_own);
-    return count_comparable(pixel, seen, light / (float)t_alike) < few;
+    float light = bright_light(pixel->rgb[i]);
+    uint32_t seen = bright_seen(pixel, i), few = n_samples / FEW_PART < FEW ? n_samples / FEW_PART : FEW;
+    return light > 0 && seen < BRIGHT_THINGS && count_comparable(pixel, seen, light * ALIKE) < few;
 }
 
-/* The sum of a pixel's samples. */
-static double light_of(const FilmPixel *pixel)
+/* What a pixel's mean is without the samples that have few like them, or with them. */
+static double light_of(const FilmPixel *pixel, const BrightPixel *without)
 {
-    return ((double)pixel->rgb[0] + (double)pixel->rgb[1] + (double)pixel->rgb[2]) * (FILM_UNIT / 3);
+    double rgb[3];
+    for (int c = 0; c < 3; c++) rgb[c] = (double)pixel->rgb[c] * FILM_UNIT;
+    for (int i = 0; without && i < BRIGHT_KEPT; i++)
+        if (has_few_alike(without, i, pixel->n))
+            for (int c = 0; c < 3; c++) rgb[c] -= (double)without->rgb[i][c];
+    return pixel->n ? (fabs(rgb[0]) + fabs(rgb[1]) + fabs(rgb[2])) / (3.0 * pixel->n) : 0;
+}
+
+/* x, y: within the area. */
+static float most_beside(const Maps *maps, uint32_t x, uint32_t y)
+{
+    float most = 0;
+    for (uint32_t v = y ? y - 1 : 0; v <= y + 1 && v < maps->height; v++)
+        for (uint32_t u = x ? x - 1 : 0; u <= x + 1 && u < maps->width; u++)
+            most = fmaxf(most, maps->plain[(size_t)v * maps->width + u]);
+    return most;
 }
 
 static void map_plain(Maps *maps, float *scratch)
 {
     const uint32_t *area = maps->area;
-    size_t at = 0;
+    size_t n = 0;
     for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++, at++) {
-            const FilmPixel *pixel = film_pixel(maps->film, x, y);
-            const BrightPixel *bright = bright_at(maps, x, y);
-            double sum = light_of(pixel);
-            for (int i = 0; i < BRIGHT_KEPT; i++)
-                if (has_few_alike(bright, i, pixel->n)) sum -= (double)bright->samples[i].light;
-            maps->plain[at] = pixel->n ? (float)fmax(sum / pixel->n, 0) : 0;
+        for (uint32_t x = area[0]; x < area[2]; x++)
+            maps->plain[n++] = (float)light_of(film_pixel(maps->film, x, y), bright_at(maps, x, y));
+    mean_around(maps->plain, maps->width, maps->height, AROUND, scratch, maps->reference);
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (uint32_t x = 0; x < maps->width; x++) {
+            float *reference = &maps->reference[(size_t)y * maps->width + x];
+            *reference = fmaxf(*reference, most_beside(maps, x, y));
         }
-    mean_around(maps->plain, maps->width, maps->height, (uint32_t)t_refradius, scratch, maps->reference);
-    for (size_t i = 0; i < at; i++) maps->reference[i] = fmaxf(maps->reference[i], maps->plain[i]);
 }
 
 /* How much of a sample a pixel gets, in relation to others: nothing beyond the radius. */
@@ -108,7 +125,7 @@ static double weight_at(const Maps *maps, const Lone *lone, uint32_t x, uint32_t
     double near = 1 - (dx * dx + dy * dy) / (reach * reach);
     double share = bright->counts[seen] / (double)film_pixel(maps->film, x, y)->n;
     double usual = lone->reference, plain = (double)maps->plain[place_in(maps->area, x, y)];
-    double light = usual > 0 ? fmin((plain + t_floor * usual) / ((1 + t_floor) * usual), t_cap) : 1;
+    double light = usual > 0 ? fmin(TO_BLACK + (1 - TO_BLACK) * plain / usual, 1) : 1;
     return near > 0 ? near * share * light : 0;
 }
 
@@ -132,32 +149,31 @@ static double sum_weights(const Maps *maps, const Lone *lone, int radius)
     return sum;
 }
 
-/* Comparable samples in the ring of pixels that far away. */
-static uint32_t count_in_ring(const Maps *maps, const Lone *lone, int radius)
+/* Comparable samples up to that far away, and not nearer than the other. */
+static uint32_t count_between(const Maps *maps, const Lone *lone, int nearest, int radius)
 {
     uint32_t square[4], n = 0;
     square_around(maps->area, lone, radius, square);
-    for (uint32_t y = square[1]; y < square[3]; y++) {
-        bool whole_row = y + (uint32_t)radius == lone->y || y == lone->y + (uint32_t)radius;
+    for (uint32_t y = square[1]; y < square[3]; y++)
         for (uint32_t x = square[0]; x < square[2]; x++) {
-            if (!whole_row && x + (uint32_t)radius != lone->x && x != lone->x + (uint32_t)radius) continue;
+            if (abs((int)x - (int)lone->x) < nearest && abs((int)y - (int)lone->y) < nearest) continue;
             const BrightPixel *bright = bright_at(maps, x, y);
             n += count_comparable(bright, find_thing(bright, lone->thing), lone->least);
         }
-    }
     return n;
 }
 
 /* How far a sample is spread. */
 static int find_radius(const Maps *maps, const Lone *lone)
 {
-    double unseen = t_unseen * lone->reference;
-    uint32_t found = count_in_ring(maps, lone, 0);
+    uint32_t found = count_between(maps, lone, 0, 0);
     int radius = 0;
-    while (radius < t_farthest && (radius == 0 || found < fmin(t_slope * radius * radius, t_enough))) {
-        found += count_in_ring(maps, lone, ++radius);
-        double most = lone->light * weight_at(maps, lone, lone->x, lone->y, radius) * found;
-        if (most <= unseen * sum_weights(maps, lone, radius)) break;
+    for (int next = 1; next <= FARTHEST; next += 1 + next / 2) {
+        found += count_between(maps, lone, radius + 1, next);
+        radius = next;
+        if (found >= (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH)) break;
+        double most = found * lone->light * weight_at(maps, lone, lone->x, lone->y, radius);
+        if (most <= UNSEEN * lone->reference * sum_weights(maps, lone, radius)) break;
     }
     return radius;
 }
@@ -183,22 +199,23 @@ static void spread_sample(const Maps *maps, const Lone *lone)
         }
     SpreadPixel *from = &maps->pixels[place_in(maps->area, lone->x, lone->y)];
     for (int c = 0; c < 3; c++) from->rgb[c] -= lone->rgb[c];
-    from->taken += squared;
+    double mean, standard_error;
+    film_luminance(film_pixel(maps->film, lone->x, lone->y), &mean, &standard_error);
+    from->taken += squared / (standard_error * standard_error);
 }
 
 static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int i)
 {
     const BrightPixel *pixel = bright_at(maps, x, y);
-    const BrightSample *sample = &pixel->samples[i];
     double n = film_pixel(maps->film, x, y)->n;
+    float light = bright_light(pixel->rgb[i]);
     Lone lone = {.x = x,
                  .y = y,
                  .thing = pixel->things[bright_seen(pixel, i)],
-                 .light = (double)sample->light / n,
+                 .light = (double)light / n,
                  .reference = (double)maps->reference[place_in(maps->area, x, y)],
-                 .least = sample->light / (float)t_alike};
-    bright_rgb(sample, lone.rgb);
-    for (int c = 0; c < 3; c++) lone.rgb[c] /= n;
+                 .least = light * ALIKE};
+    for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[i][c] / n;
     return lone;
 }
 
@@ -207,8 +224,8 @@ static void spread_pixel(Spread *spread, const Maps *maps, uint32_t x, uint32_t 
     const BrightPixel *bright = bright_at(maps, x, y);
     uint32_t n = film_pixel(maps->film, x, y)->n;
     if (n < SPREAD_LEAST_SAMPLES) return;
-    double much = t_stands_out * n * (double)maps->reference[place_in(maps->area, x, y)];
-    for (int i = 0; i < BRIGHT_KEPT && (double)bright->samples[i].light > much; i++) {
+    double much = STANDS_OUT * n * (double)maps->reference[place_in(maps->area, x, y)];
+    for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
         Lone lone = lone_at(maps, x, y, i);
         spread_sample(maps, &lone);
@@ -235,8 +252,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++) {
             const FilmPixel *pixel = film_pixel(film, x, y);
-            if (!pixel->n) continue;
-            light += light_of(pixel) / pixel->n;
+            light += light_of(pixel, NULL);
             spread_pixel(spread, &maps, x, y);
         }
     spread->light = light > 0 ? spread->light / light : 0;
@@ -261,7 +277,7 @@ void spread_apply(const Spread *spread, Image *image)
             float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
             for (int c = 0; c < 3; c++) pixel[c] = (float)((double)pixel[c] + from->rgb[c]);
             if (image->n_channels <= NOISE) continue;
-            double squared = (double)pixel[NOISE] * (double)pixel[NOISE];
-            pixel[NOISE] = (float)sqrt(fmax(squared - from->taken, 0) + from->given);
+            double squared = (double)pixel[NOISE] * (double)pixel[NOISE] * fmax(1 - from->taken, 0);
+            pixel[NOISE] = (float)sqrt(squared + from->given);
         }
 }

@@ -28,15 +28,16 @@
 enum { SPREAD_LEAST_SAMPLES = 8 };
 
 typedef struct SpreadPixel {
-    double rgb[3];       /* to be added to the mean */
-    double taken, given; /* squares of luminances, of what went and what came: of the mean's standard error */
+    double rgb[3]; /* to be added to the mean */
+    /* Of the square of the mean's standard error: the part that went, and what came. */
+    double taken, given;
 } SpreadPixel;
 
 typedef struct Spread {
     uint32_t area[4];
     SpreadPixel *pixels; /* of the area, by rows */
-    uint64_t samples; /* that stood alone */
-    double light;     /* the part of the picture's light that they bring */
+    uint64_t samples;    /* that stood alone */
+    double light;        /* the part of the picture's light that they bring */
 } Spread;
 
 /* Of the pixels from x0, y0 up to but without x1, y1; a function of the two films alone, which are of one size.

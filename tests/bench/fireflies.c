@@ -97,8 +97,9 @@ static void measure(const char *path, bool keep, Pool *pool)
     }
     for (int i = 0; i < 2; i++) count(pictures[i], pictures[!i], size, mean, &sum);
     double all = 2.0 * n;
-    printf("%-26s %8.2f %8.2f %10.3f %8.1f %9.2f %8.1f %7.1f\n", file_name(path), 1e4 * sum.n[0] / all, 1e4 * sum.n[1] / all,
-           100 * sum.excess / (mean * all), sum.worst, 100 * spread, cpu_s, 100 * before_s / cpu_s);
+    printf("%-26s %8.2f %8.2f %10.3f %8.1f %9.2f %8.1f %7.1f\n", file_name(path), 1e4 * sum.n[0] / all,
+           1e4 * sum.n[1] / all, 100 * sum.excess / (mean * all), sum.worst, 100 * spread, cpu_s,
+           100 * before_s / cpu_s);
     fflush(stdout);
     for (int i = 0; i < 2; i++) free(pictures[i]);
     made_clear(&made);
@@ -111,7 +112,8 @@ void bench_fireflies(char **paths, int n)
     printf(
         "fireflies, of renders %d pixels wide with each scene's own samples: pixels in ten thousand that are %g and %g "
         "times\nas bright as those around and as in another render; their excess over these, of all light; the worst "
-        "of them;\nthe light of samples that stood alone and were spread, of all; seconds of the processor, and how much of "
+        "of them;\nthe light of samples that stood alone and were spread, of all; seconds of the processor, and how "
+        "much of "
         "that photons take\n"
         "%-26s %8s %8s %10s %8s %9s %8s %7s\n",
         WIDTH, factors[0], factors[1], "", "twice", "5 times", "excess %", "worst", "spread %", "cpu s", "first %");

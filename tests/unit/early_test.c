@@ -80,6 +80,7 @@ static void who_looks_changes_nothing(void **state)
             settings.samples = adaptive ? 64 : 5;
             settings.noise = adaptive ? 0.05 : 0;
             settings.aovs = (AovSet)1 << AOV_DEPTH;
+            settings.spreads = true;
             RenderEvents events = {.context = &shown, .picture = note_picture};
             assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
             for (int looks = 0; looks < 2; looks++)

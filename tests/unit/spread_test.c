@@ -1,0 +1,298 @@
+/* spread_test.c - samples that stand alone: whose they are, where they go, and that no light is lost on the way.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "base/hash.h"
+#include "near.h"
+#include "render/render.h"
+#include "render/spread.h"
+#include "scene_fixture.h"
+
+enum { SIDE = 48, MIDDLE = SIDE / 2 };
+static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
+
+typedef struct Films {
+    Film film;
+    BrightFilm bright;
+    Image kept, spread;
+    Spread way;
+} Films;
+
+static void begin(Films *films)
+{
+    Error error;
+    assert_int_equal(film_init(&films->film, SIDE, SIDE, &error), STATUS_OK);
+    assert_int_equal(bright_film_init(&films->bright, SIDE, SIDE, &error), STATUS_OK);
+}
+
+static void add(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
+{
+    (void)film_add(&films->film, x, y, rgb, thing != BRIGHT_NOTHING);
+    bright_film_add(&films->bright, x, y, rgb, thing);
+}
+
+static uint32_t left_and_right(uint32_t x)
+{
+    return x < MIDDLE ? 7 : 3;
+}
+
+/* A level grey, with some noise; two things, to the left and to the right. */
+static void fill(Films *films, uint32_t samples)
+{
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++)
+            for (uint32_t i = 0; i < samples; i++) {
+                float grey = 0.1f + 0.1f * hash_to_unit_f(hash_combine(hash_combine(x, y), i));
+                add(films, x, y, (float[]){grey, grey, grey}, left_and_right(x));
+            }
+}
+
+static void resolve(Films *films, const uint32_t area[4])
+{
+    Error error;
+    assert_int_equal(film_resolve(&films->film, &films->kept, &error), STATUS_OK);
+    assert_int_equal(film_resolve(&films->film, &films->spread, &error), STATUS_OK);
+    assert_int_equal(spread_init(&films->way, &films->film, &films->bright, area, &error), STATUS_OK);
+    spread_apply(&films->way, &films->spread);
+}
+
+static void end(Films *films)
+{
+    spread_clear(&films->way);
+    image_clear(&films->kept);
+    image_clear(&films->spread);
+    film_clear(&films->film);
+    bright_film_clear(&films->bright);
+}
+
+static const float *pixel_of(const Image *image, uint32_t x, uint32_t y)
+{
+    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+}
+
+static float brightest(const Image *image)
+{
+    float most = 0;
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) most = fmaxf(most, pixel_of(image, x, y)[1]);
+    return most;
+}
+
+/* What a picture gains over another: all of it, and its right half. */
+static void gains(const Films *films, double all[3], double right[3])
+{
+    for (int c = 0; c < 3; c++) all[c] = right[c] = 0;
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++)
+            for (int c = 0; c < 3; c++) {
+                double gain = films->way.pixels[y * SIDE + x].rgb[c];
+                all[c] += gain;
+                if (x >= MIDDLE) right[c] += gain;
+            }
+}
+
+static void a_lone_sample_is_spread(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    fill(&films, 64);
+    add(&films, MIDDLE - 2, 20, (float[]){500, 90, 4}, left_and_right(0));
+    resolve(&films, whole);
+    const float *dot = pixel_of(&films.kept, MIDDLE - 2, 20), *after = pixel_of(&films.spread, MIDDLE - 2, 20);
+    assert_true(dot[0] > 7 && after[0] < 0.4f && after[1] < 0.25f);
+    assert_true(brightest(&films.spread) < 0.25f);
+    for (int c = 0; c < 3; c++) assert_true(after[c] > 0.1f);
+    assert_true(dot[4] > 0.5f && after[4] < 0.1f); /* noise.Y */
+    assert_int_equal(films.way.samples, 1);
+    assert_near(films.way.light, 594. / 3 / 65 / (SIDE * SIDE * 0.15), 0.05 * films.way.light);
+    double all[3], right[3];
+    gains(&films, all, right);
+    for (int c = 0; c < 3; c++) {
+        assert_near(all[c], 0, 1e-12); /* of 500 / 65 */
+        assert_true(right[c] == 0);    /* two pixels from it, but of something else */
+    }
+    end(&films);
+}
+
+/* A lamp in a mirror, say, that the pixel's samples have found as often as it takes; or one that its neighbours have. */
+static void what_is_bright_by_right_stays(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    fill(&films, 64);
+    for (int i = 0; i < 9; i++) add(&films, 10, 20, (float[]){500, 90, 4}, left_and_right(0));
+    for (uint32_t x = 30; x < 34; x++)
+        for (int i = 0; i < (x == 33 ? 2 : 60); i++) add(&films, x, 20, (float[]){30, 30, 30}, left_and_right(x));
+    resolve(&films, whole);
+    assert_int_equal(films.way.samples, 0);
+    assert_memory_equal(films.kept.pixels, films.spread.pixels, SIDE * SIDE * 5 * sizeof(float));
+    end(&films);
+}
+
+/* What is seen without a surface between, and what of the edge's pixels is nothing. */
+static void nothing_goes_to_nothing(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++)
+            for (uint32_t i = 0; i < 64; i++) {
+                bool there = x < MIDDLE || (x == MIDDLE && i % 4 == 0);
+                add(&films, x, y, (float[]){0.2f, 0.2f, 0.2f}, there ? 1 : BRIGHT_NOTHING);
+            }
+    add(&films, MIDDLE + 5, 9, (float[]){900, 900, 900}, BRIGHT_NOTHING);
+    add(&films, MIDDLE - 1, 30, (float[]){9, 9, 9}, 1);
+    resolve(&films, whole);
+    assert_int_equal(films.way.samples, 1);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = MIDDLE + 1; x < SIDE; x++)
+            assert_memory_equal(pixel_of(&films.kept, x, y), pixel_of(&films.spread, x, y), 5 * sizeof(float));
+    double edge = films.way.pixels[30 * SIDE + MIDDLE].rgb[0], inner = films.way.pixels[30 * SIDE + MIDDLE - 2].rgb[0];
+    assert_near(edge, inner / 4, 0.1 * inner);
+    end(&films);
+}
+
+/* One path in 200 finds a light: with more of them less is spread, and at last nothing. */
+static void more_samples_spread_less(void **state)
+{
+    (void)state;
+    double before = 1, error[2];
+    for (uint32_t samples = 16; samples <= 8192; samples *= 8) {
+        Films films;
+        begin(&films);
+        double squares[2] = {0};
+        for (uint32_t at = 0; at < SIDE * SIDE; at++)
+            for (uint32_t i = 0; i < samples; i++) {
+                float value = hash_to_unit(hash_u64((uint64_t)at << 32 | i)) < 0.005 ? 20 : 0.1f;
+                add(&films, at % SIDE, at / SIDE, (float[]){value, value, value}, 1);
+            }
+        resolve(&films, whole);
+        for (uint32_t at = 0; at < SIDE * SIDE; at++)
+            for (int k = 0; k < 2; k++) {
+                double off = (double)(k ? &films.spread : &films.kept)->pixels[5 * at] - (0.1 + 0.005 * 19.9);
+                squares[k] += off * off / (SIDE * SIDE);
+            }
+        for (int k = 0; k < 2; k++) error[k] = sqrt(squares[k]);
+        assert_true(error[1] < (samples < 1000 ? 0.5 : 1.001) * error[0]);
+        assert_true(films.way.light < 1.1 * before); /* all of it, while pixels have fewer than some */
+        before = films.way.light;
+        end(&films);
+    }
+    assert_true(before == 0);
+}
+
+/* Pixels with other numbers of samples, and values without any order: no light comes or goes. */
+static void light_is_kept(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    for (uint32_t at = 0; at < SIDE * SIDE; at++)
+        for (uint32_t i = 0, n = 1 + at % 97; i < n; i++) {
+            float rgb[3];
+            for (int c = 0; c < 3; c++) {
+                double u = hash_to_unit(hash_u64(((uint64_t)at << 32 | i) * 3 + (uint64_t)c));
+                rgb[c] = (float)(0.01 / (u * u + 1e-9) - 0.02);
+            }
+            add(&films, at % SIDE, at / SIDE, rgb, at / SIDE * 5 / SIDE);
+        }
+    resolve(&films, whole);
+    double sums[2] = {0}, all[3], right[3];
+    for (uint32_t at = 0; at < 5 * SIDE * SIDE; at++)
+        if (at % 5 < 3) {
+            sums[0] += (double)films.kept.pixels[at];
+            sums[1] += (double)films.spread.pixels[at];
+        }
+    gains(&films, all, right);
+    assert_true(films.way.samples > 200);
+    for (int c = 0; c < 3; c++) assert_near(all[c] / sums[0], 0, 1e-13);
+    assert_near(sums[1] / sums[0], 1, 1e-6);
+    end(&films);
+}
+
+/* What is kept of a pixel does not depend on the order of its samples; and what is beyond an area takes no part. */
+static void order_and_area(void **state)
+{
+    (void)state;
+    enum { N = 100 };
+    Films films;
+    begin(&films);
+    fill(&films, 64);
+    for (uint32_t i = 0; i < N; i++)
+        for (int k = 0; k < 2; k++) {
+            float value = 1 + hash_to_unit_f(hash_u32(k ? N - 1 - i : i));
+            add(&films, (uint32_t)k, 0, (float[]){value, 2 * value, 0}, 9);
+        }
+    assert_memory_equal(films.bright.pixels[0].rgb, films.bright.pixels[1].rgb, sizeof films.bright.pixels[0].rgb);
+    add(&films, 30, 30, (float[]){500, 500, 500}, left_and_right(30));
+    add(&films, 33, 30, (float[]){500, 500, 500}, left_and_right(33));
+    const uint32_t area[4] = {26, 26, 32, 34};
+    resolve(&films, area);
+    assert_int_equal(films.way.samples, 1);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            bool inside = x >= area[0] && x < area[2] && y >= area[1] && y < area[3];
+            bool same = memcmp(pixel_of(&films.kept, x, y), pixel_of(&films.spread, x, y), 5 * sizeof(float)) == 0;
+            assert_true(inside || same);
+        }
+    end(&films);
+}
+
+/* A render: the same bits by any number of threads, the same light as without, fewer dots; alpha stays. */
+static void rendered(void **state)
+{
+    (void)state;
+    enum { WIDTH = 40, HEIGHT = 30, CHANNELS = 5 };
+    Fixture scene;
+    fixture_compile(&scene,
+                    "meniscus 1.0 unit mm environment { strength = .05 } ground { surface = surface { albedo = .5 } }"
+                    "sphere { center = <0, 1, 0> radius = 1 interior = medium { ior = 1.5 } }"
+                    "light { shape = sphere from = <3, 6, 2> radius = .2 radiance = 300 }"
+                    "camera { from = <0, 3, 8> to = <0, 1, 0> fov = 30 }",
+                    1);
+    Image images[3];
+    RenderStats stats[3];
+    double sums[3] = {0};
+    float most[3] = {0};
+    for (unsigned k = 0; k < 3; k++) {
+        Error error;
+        Pool *pool;
+        RenderSettings settings = {.width = WIDTH, .height = HEIGHT, .samples = 32, .bounces = 16, .spreads = k > 0};
+        settings.caustics = CAUSTICS_OFF;
+        assert_int_equal(pool_new(k == 2 ? 3 : 1, &pool, &error), STATUS_OK);
+        assert_int_equal(render_image(scene.compiled, &settings, pool, NULL, &images[k], &stats[k], &error), STATUS_OK);
+        pool_free(pool);
+        for (uint32_t at = 0; at < WIDTH * HEIGHT; at++) {
+            const float *pixel = images[k].pixels + CHANNELS * at;
+            for (int c = 0; c < 3; c++) sums[k] += (double)pixel[c];
+            most[k] = fmaxf(most[k], pixel[1]);
+            assert_true(pixel[3] == images[0].pixels[CHANNELS * at + 3]);
+        }
+    }
+    assert_int_equal(stats[0].spread_samples, 0);
+    assert_true(stats[1].spread_samples > 0 && stats[1].spread_light > 0 && stats[1].spread_light < 1);
+    assert_memory_equal(images[1].pixels, images[2].pixels, WIDTH * HEIGHT * CHANNELS * sizeof(float));
+    assert_near(sums[1] / sums[0], 1, 1e-6);
+    assert_true(most[1] < most[0]);
+    for (int k = 0; k < 3; k++) image_clear(&images[k]);
+    fixture_clear(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_lone_sample_is_spread),
+        cmocka_unit_test(what_is_bright_by_right_stays),
+        cmocka_unit_test(nothing_goes_to_nothing),
+        cmocka_unit_test(more_samples_spread_less),
+        cmocka_unit_test(light_is_kept),
+        cmocka_unit_test(order_and_area),
+        cmocka_unit_test(rendered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
