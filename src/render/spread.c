@@ -20,7 +20,7 @@ enum { FEW = 8, FEW_PART = 4 };
 enum { AROUND = 2 };
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
  * away many, else their discs would be seen. */
-enum { NEAR = 2, NEAR_ENOUGH = 8, FAR_ENOUGH = 256, FARTHEST = 40 };
+enum { NEAR = 2, NEAR_ENOUGH = 6, FAR_ENOUGH = 256, FARTHEST = 40 };
 /* What all comparable samples of a neighbourhood add, spread over it, that is not seen. */
 #define UNSEEN 0.1
 /* Of what a usual pixel gets, the part that a black one does. */

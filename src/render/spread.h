@@ -7,17 +7,15 @@
  *
  * - A sample stands alone when it adds much to its pixel, compared with what is there and around without such samples, and
  *   its pixel has few comparable ones. A bright thing that is well sampled has many: it stays as it is, to the bit.
- * - It goes to the smallest neighbourhood that holds some comparable samples, or in which it is not seen any more.
+ * - It goes to the smallest neighbourhood that holds enough comparable samples, or in which all of these are not seen any
+ *   more: next to it few are enough, farther away many, else each neighbourhood would be seen as a disc.
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Those that are
  *   darker than their surroundings get less, so that textures and shadows keep their contrast.
  *
  * With more samples each adds less, and has more beside it, so that less is shared out, and in the end nothing: the picture
- * converges to what it would without. The neighbourhood is that of a nearest-neighbour density estimate ([LQ65] D.
- * Loftsgaarden, C. Quesenberry, "A Nonparametric Estimate of a Multivariate Density Function", 1965); energy was kept so by
- * [RW94] H. Rushmeier, G. Ward, "Energy Preserving Non-Linear Filters", SIGGRAPH 1994, which judges whole pixels; samples are
- * told apart by how many others are like them in [DWR10] C. DeCoro, T. Weyrich, S. Rusinkiewicz, "Density-based Outlier
- * Rejection in Monte Carlo Rendering", 2010, and [ZHD18] T. Zirr, J. Hanika, C. Dachsbacher, "Re-weighting Firefly Samples
- * for Improved Finite-Sample Monte Carlo Estimates", 2018, which make them dimmer.
+ * converges to what it would without. The neighbourhood is that of a nearest-neighbour density estimate [LQ65]. Energy is
+ * kept so by [RW94], which judges whole pixels; samples are told apart by how many others are like them in [DWR10] and
+ * [ZHD18], which make those that stand alone dimmer.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SPREAD_H
 #define MEN_SPREAD_H

@@ -214,3 +214,42 @@ run info c.exr
 says out "R half"
 says out "Z float"
 end
+
+begin "single bright samples: spread, or kept; the light is the same"
+cat > glints.mns <<'SCENE'
+meniscus 1.0 unit mm
+medium glass { ior = 1.5  state = solid }
+ground { surface = surface { albedo = .5 } }
+sphere { center = <0, 1, 0>  radius = 1  interior = glass }
+environment { strength = .05 }
+light { shape = sphere  from = <3, 6, 2>  radius = .2  radiance = 300 }
+camera { from = <0, 3, 8>  to = <0, 1, 0>  fov = 30 }
+film { size = <40, 30> }
+render { samples = 32  caustics = off }
+SCENE
+run render glints.mns -o spread.exr --stats=spread.json
+exits 0
+matches err '^wrote spread\.exr \(40 x 30, 32 samples, [0-9.]+ % of the light spread, 0 nesting faults\) in '
+run render glints.mns -o keep.exr --fireflies keep --stats=keep.json
+exits 0
+matches err '^wrote keep\.exr \(40 x 30, 32 samples, 0 nesting faults\) in '
+"$python" - <<'PYTHON' || flunk "the statistics"
+import json
+spread, keep = json.load(open("spread.json")), json.load(open("keep.json"))
+assert spread["samplesSpread"] > 0 and 0 < spread["lightSpread"] < 1, spread
+assert keep["samplesSpread"] == 0 and keep["lightSpread"] == 0 and keep["rays"] == spread["rays"], keep
+PYTHON
+run compare spread.exr keep.exr
+[ "$(grep '^mean of A' out | cut -c 10-)" = "$(grep '^mean of B' out | cut -c 10-)" ] || flunk "the means differ"
+says_not out "rmse                0 "
+run render glints.mns -o set.exr --set render.fireflies=keep -q
+run compare set.exr keep.exr --max-rmse 0
+exits 0
+run info spread.exr
+says out "meniscus/lightSpread"
+run info keep.exr
+says_not out "meniscus/lightSpread"
+run render glints.mns --fireflies drop
+exits 2
+says err "spread"
+end

@@ -48,8 +48,8 @@ class Meniscus:
     def render(self, picture, samples, seed=1, grey=False):
         """Renders and returns seconds of the processor."""
         scene, stats = os.path.join(self.folder, "grey" if grey else "colour", "glass.mns"), os.path.join(self.folder, "stats.json")
-        run([self.program, "render", scene, "-q", "-j1", "-s", str(samples), "--seed", str(seed), f"--stats={stats}",
-             "-o", os.path.join(self.folder, picture)])
+        run([self.program, "render", scene, "-q", "-j1", "--fireflies", "keep", "-s", str(samples), "--seed",
+             str(seed), f"--stats={stats}", "-o", os.path.join(self.folder, picture)])
         with open(stats) as file:
             return json.load(file)["cpuSeconds"]
 
