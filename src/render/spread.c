@@ -72,11 +72,24 @@ static uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float 
     return n;
 }
 
+static uint32_t few_of(uint32_t n_samples)
+{
+    return n_samples / FEW_PART < FEW ? n_samples / FEW_PART : FEW;
+}
+
 static bool has_few_alike(const BrightPixel *pixel, int i, uint32_t n_samples)
 {
     float light = bright_light(pixel->rgb[i]);
-    uint32_t seen = bright_seen(pixel, i), few = n_samples / FEW_PART < FEW ? n_samples / FEW_PART : FEW;
-    return light > 0 && seen < BRIGHT_THINGS && count_comparable(pixel, seen, light * ALIKE) < few;
+    uint32_t seen = bright_seen(pixel, i);
+    return light > 0 && seen < BRIGHT_THINGS && count_comparable(pixel, seen, light * ALIKE) < few_of(n_samples);
+}
+
+/* Whether no sample of a pixel has few alike, by a quick look: false where a close one is needed. */
+static bool is_plain(const BrightPixel *pixel, uint32_t n_samples)
+{
+    uint32_t few = few_of(n_samples);
+    return few == 0 || (!pixel->counts[1] && pixel->counts[0] >= few &&
+                        bright_light(pixel->rgb[few - 1]) >= bright_light(pixel->rgb[0]) * ALIKE);
 }
 
 /* What a pixel's mean is without the samples that have few like them, or with them. */
@@ -84,7 +97,7 @@ static double light_of(const FilmPixel *pixel, const BrightPixel *without)
 {
     double rgb[3];
     for (int c = 0; c < 3; c++) rgb[c] = (double)pixel->rgb[c] * FILM_UNIT;
-    for (int i = 0; without && i < BRIGHT_KEPT; i++)
+    for (int i = 0; without && !is_plain(without, pixel->n) && i < BRIGHT_KEPT; i++)
         if (has_few_alike(without, i, pixel->n))
             for (int c = 0; c < 3; c++) rgb[c] -= (double)without->rgb[i][c];
     return pixel->n ? (fabs(rgb[0]) + fabs(rgb[1]) + fabs(rgb[2])) / (3.0 * pixel->n) : 0;
@@ -223,7 +236,7 @@ static void spread_pixel(Spread *spread, const Maps *maps, uint32_t x, uint32_t 
 {
     const BrightPixel *bright = bright_at(maps, x, y);
     uint32_t n = film_pixel(maps->film, x, y)->n;
-    if (n < SPREAD_LEAST_SAMPLES) return;
+    if (n < SPREAD_LEAST_SAMPLES || is_plain(bright, n)) return;
     double much = STANDS_OUT * n * (double)maps->reference[place_in(maps->area, x, y)];
     for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
