@@ -218,24 +218,30 @@ static bool boxes_are_apart(const Turned *a, const Turned *b, double margin)
     return false;
 }
 
-static bool are_apart(const Finder *f, uint32_t own, uint32_t other)
+static bool balls_are_apart(const Finder *f, uint32_t own, uint32_t other)
+{
+    if (f->compiled->unbounded[own] || f->compiled->unbounded[other]) return false;
+    Ball a = ball_around(f, own), b = ball_around(f, other);
+    return vec3_length(vec3_sub(a.centre, b.centre)) > a.radius + b.radius + reach_of_gaps(f, own, other);
+}
+
+static bool turned_boxes_are_apart(const Finder *f, uint32_t own, uint32_t other)
 {
     Still a, b;
-    if (f->compiled->unbounded[own] || f->compiled->unbounded[other]) return false;
-    double margin = reach_of_gaps(f, own, other);
-    Ball ball_a = ball_around(f, own), ball_b = ball_around(f, other);
-    if (vec3_length(vec3_sub(ball_a.centre, ball_b.centre)) > ball_a.radius + ball_b.radius + margin) return true;
-    if (!stands_still(f, own, &a) || !stands_still(f, other, &b)) return false;
+    if (f->compiled->unbounded[own] || f->compiled->unbounded[other] || !stands_still(f, own, &a) ||
+        !stands_still(f, other, &b))
+        return false;
     Turned box_a = turned_box(&a), box_b = turned_box(&b);
-    return boxes_are_apart(&box_a, &box_b, margin);
+    return boxes_are_apart(&box_a, &box_b, reach_of_gaps(f, own, other));
 }
 
 static BallSide judge(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
     relation_by_size(f, candidate, &own, &other);
-    if (are_apart(f, own, other)) return BALL_OUTSIDE;
-    return side_of(f, own, other);
+    if (balls_are_apart(f, own, other)) return BALL_OUTSIDE;
+    BallSide side = side_of(f, own, other);
+    return side == BALL_NEAR && turned_boxes_are_apart(f, own, other) ? BALL_OUTSIDE : side;
 }
 
 /* ---- all pairs that wait ---- */
