@@ -152,6 +152,12 @@ static Ball ball_around(const Finder *f, uint32_t hull)
     return radius < ball.radius ? (Ball){affine_point(still.to_world, box3_centre(still.box)), radius} : ball;
 }
 
+Vec3 relation_shape_size(const Finder *f, uint32_t hull)
+{
+    Still still;
+    return stands_still(f, hull, &still) ? vec3_sub(still.box.max, still.box.min) : vec3(0, 0, 0);
+}
+
 /* ---- two ways to know ---- */
 
 /* Within this distance the two may touch, or leave a thin gap. */

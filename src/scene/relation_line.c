@@ -55,7 +55,10 @@ static void note_gap(const CompiledScene *compiled, const Probe *probe, const Li
     double widest = RELATION_GAP_PART * fmin(middle_extent(compiled->hull_bounds[facts->own]),
                                              middle_extent(compiled->hull_bounds[facts->other]));
     if (across > widest || across <= rounding_of(leave, enter) || outward_dot(leave, enter) > opposite) return;
-    if (!is_empty_at(probe, middle)) return;
+    if (!is_empty_at(probe, middle)) {
+        facts->blocked = true;
+        return;
+    }
     sums->gap += cosine(leave);
     facts->gap = fmin(facts->gap, across);
 }

@@ -87,6 +87,17 @@ Status relation_add_decided(Finder *f, const HullPair *pair, Error *error)
     return STATUS_OK;
 }
 
+Candidate relation_candidate(const Finder *f, uint32_t a, uint32_t b)
+{
+    Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
+    double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
+    Candidate candidate = {.a = a, .b = b, .region = common(widened(box_a, rounding), widened(box_b, rounding))};
+    candidate.meet = has_room(candidate.region);
+    candidate.region_small =
+        candidate.meet && half_area(candidate.region) < 0.6 * fmin(half_area(box_a), half_area(box_b));
+    return candidate;
+}
+
 /* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
 static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
 {
@@ -94,21 +105,16 @@ static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
     Box3 box_a = f->compiled->hull_bounds[a], box_b = f->compiled->hull_bounds[b];
     note_reach(f, a, b);
     if (!come_near(&box_a, &box_b, 2 * fmin(margin_of(box_a), margin_of(box_b)))) return STATUS_OK;
-    double rounding = fmax(box_rounding(box_a), box_rounding(box_b));
-    Box3 region = common(widened(box_a, rounding), widened(box_b, rounding));
-    bool meet = has_room(region);
-    bool region_small = meet && half_area(region) < 0.6 * fmin(half_area(box_a), half_area(box_b));
+    Candidate candidate = relation_candidate(f, a, b);
     if (f->radius[a] > 0 && f->radius[b] > 0) {
         HullPair pair = judge_spheres(f, a, b);
-        f->n_small_regions += region_small;
-        if (!pair.overlaps && !pair.touches) return STATUS_OK;
-        return relation_add_decided(f, &pair, error);
+        f->n_small_regions += candidate.region_small;
+        return pair.overlaps || pair.touches ? relation_add_decided(f, &pair, error) : STATUS_OK;
     }
     if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
         return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
-    f->candidates[f->n_candidates++] =
-        (Candidate){.a = a, .b = b, .region = region, .meet = meet, .region_small = region_small};
-    TRY(relation_remember_shapes(f, &f->candidates[f->n_candidates - 1], error));
+    f->candidates[f->n_candidates++] = candidate;
+    TRY(relation_remember_shapes(f, &candidate, error));
     return f->n_candidates - f->n_sifted < SIFTED_AT_ONCE ? STATUS_OK : relation_sift(f, error);
 }
 
@@ -141,7 +147,6 @@ Status relation_find_near(Finder *f, Error *error)
     TRY(box_pairs_visit(f->compiled->n_hulls, relation_neighbourhood, add_candidate, f, error));
     TRY(relation_sift(f, error));
     if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
-    if (f->n_decided) qsort(f->decided, f->n_decided, sizeof *f->decided, relation_compare_pairs);
     if (f->n_candidates > UINT32_MAX) return fail(error, STATUS_NOMEM, "too many pairs of hulls");
     return STATUS_OK;
 }

@@ -20,6 +20,7 @@ typedef struct Estimate {
 typedef struct PairFacts {
     uint32_t own, other;
     bool overlaps, touches, own_out, other_out, seen;
+    bool blocked;      /* a gap was not counted, because something else is in it */
     uint32_t n_inside; /* lines that meet own and find it inside of other */
     uint32_t n_gap;
     double gap;
@@ -65,6 +66,11 @@ typedef struct NearShape {
     uint64_t n_asked;  /* how often it was the larger one of a pair */
 } NearShape;
 
+/* A pair that lies as a candidate does. */
+typedef struct AlikePair {
+    uint32_t a, b, leader; /* the candidate's place */
+} AlikePair;
+
 typedef struct Finder {
     const CompiledScene *compiled;
     Pool *pool;
@@ -81,7 +87,9 @@ typedef struct Finder {
     uint32_t *near_shape_of; /* of each shape: 1 + its place among these, or 0 */
     Candidate *candidates;
     size_t n_candidates, candidates_capacity;
-    size_t n_sifted;   /* of these: the others may still be decided without lines */
+    size_t n_sifted; /* of these: the others may still be decided without lines */
+    AlikePair *alike;
+    size_t n_alike;
     HullPair *decided; /* that meet: two balls, and pairs where one is well inside of the other, are judged at once */
     size_t n_decided, decided_capacity;
     size_t n_small_regions; /* of all two balls whose bounds come near each other */
@@ -188,8 +196,6 @@ void relation_fit_facts(FactList *list);
 /* For qsort and bsearch: by the other hull. */
 int relation_compare_facts(const void *left, const void *right);
 
-/* ---- relation_near.c ---- */
-
 /* By which hulls are small or large. */
 static inline double relation_extent(const Finder *f, uint32_t hull)
 {
@@ -210,6 +216,17 @@ static inline void relation_by_size(const Finder *f, const Candidate *candidate,
     *other = a_first ? candidate->b : candidate->a;
 }
 
+/* ---- relations.c ---- */
+
+/* What the lines said of a pair. */
+HullPair relation_judge_candidate(const Finder *f, const Candidate *candidate);
+/* What the lines through the smaller hull said, and those through what the two share; NULL where there were none. */
+void relation_facts_known(const Finder *f, const Candidate *candidate, const PairFacts *facts[2]);
+
+/* ---- relation_near.c ---- */
+
+/* A new one. */
+Candidate relation_candidate(const Finder *f, uint32_t a, uint32_t b);
 /* Fills in radius, reach, candidates and decided. */
 ATTR_NODISCARD Status relation_find_near(Finder *f, Error *error);
 ATTR_NODISCARD Status relation_add_decided(Finder *f, const HullPair *pair, Error *error);
@@ -224,7 +241,16 @@ Box3 relation_neighbourhood(const void *finder, uint32_t hull);
 /* To be called for each new candidate. */
 ATTR_NODISCARD Status relation_remember_shapes(Finder *f, const Candidate *candidate, Error *error);
 void relation_forget_shapes(Finder *f);
+/* Of the shape of a hull that a candidate has, in its own frame. */
+Vec3 relation_shape_size(const Finder *f, uint32_t hull);
 /* Decides what can be decided of the candidates from n_sifted on; those left are sifted. */
 ATTR_NODISCARD Status relation_sift(Finder *f, Error *error);
+
+/* ---- relation_alike.c ---- */
+
+/* Leaves one candidate of those that lie alike, and moves the others to alike. */
+ATTR_NODISCARD Status relation_set_alike_aside(Finder *f, Error *error);
+/* Gives these the answers of the candidates, which are judged, where that can be; those left are to be judged themselves. */
+ATTR_NODISCARD Status relation_share(Finder *f, Error *error);
 
 #endif

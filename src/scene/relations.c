@@ -6,7 +6,8 @@
  * pair's surfaces are near each other and no overlap has been seen, lines through ever smaller boxes about the place
  * where the two are nearest. Fourth, where a pair overlaps in part, a line or two through the thickest place of what
  * they share. None of this is needed for two spheres, which are judged by formula, nor for hulls that keep away from each
- * other's surfaces (relation_apart.c), as nearly all of many bubbles do.
+ * other's surfaces (relation_apart.c), as nearly all of many bubbles do. Of pairs that lie alike one is judged
+ * (relation_alike.c).
  *
  * All lines are fixed by the scene, each task writes to its own place, and the results are put together in
  * order, so that the answer does not depend on threads.
@@ -14,7 +15,9 @@
 #include "scene/relations.h"
 
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/array.h"
 #include "base/hash.h"
 #include "scene/relation_parts.h"
 
@@ -235,16 +238,25 @@ static void relate(const Finder *f, const PairFacts *first, uint32_t n_lines, Hu
     pair->overlap_volume_error = 0;
 }
 
-static HullPair judge_candidate(const Finder *f, const Candidate *candidate)
+void relation_facts_known(const Finder *f, const Candidate *candidate, const PairFacts *facts[2])
+{
+    uint32_t own, other;
+    relation_by_size(f, candidate, &own, &other);
+    facts[0] = hull_facts_of(f, own, other);
+    facts[1] = candidate->facts.n ? candidate->facts.items : NULL;
+}
+
+HullPair relation_judge_candidate(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
     relation_by_size(f, candidate, &own, &other);
     HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL, .overlap_depth = candidate->depth};
-    const PairFacts *first = hull_facts_of(f, own, other), *second = candidate->facts.n ? candidate->facts.items : NULL;
+    const PairFacts *facts[2];
+    relation_facts_known(f, candidate, facts);
+    const PairFacts *first = facts[0], *second = facts[1];
     const FactList *along_own = facts_along(f, own);
     uint32_t n_lines = along_own ? along_own->n_lines : 0;
     const PairFacts *volume = second && (candidate->region_small || !first || !first->overlaps) ? second : first;
-    const PairFacts *facts[2] = {first, second};
     for (int i = 0; i < 2; i++) {
         if (!facts[i]) continue;
         pair.overlaps = pair.overlaps || facts[i]->overlaps;
@@ -281,7 +293,7 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
     uint32_t own, other;
     relation_by_size(f, candidate, &own, &other);
     if (!is_judged_by(f, own, other)) return;
-    HullPair pair = judge_candidate(f, candidate);
+    HullPair pair = relation_judge_candidate(f, candidate);
     if (!pair.overlaps || pair.relation != NEST_PARTIAL) return;
     const PairFacts *first = hull_facts_of(f, own, other), *best = candidate->facts.n ? candidate->facts.items : first;
     if (first && best && first->depth > best->depth) best = first;
@@ -308,25 +320,6 @@ static void task_of_depth(void *context, uint32_t number, unsigned worker)
         place = vec3_along(line.start, (shared.begin + shared.end) / 2, vec3_from_f(line.direction));
         normal = vec3_add(normal_ahead(shared.from), normal_ahead(shared.to));
     }
-}
-
-/* The pairs that meet, those decided without lines among them, in order. */
-static Status put_together(const Finder *f, HullPair **pairs, size_t *n_pairs, Error *error)
-{
-    size_t n = 0, n_others = 0, most = f->n_candidates + f->n_decided;
-    HullPair *list = malloc((most ? most : 1) * sizeof *list);
-    if (!list) return fail_memory(error, most * sizeof *list, "pairs of hulls");
-    for (size_t i = 0; i < f->n_candidates; i++) {
-        HullPair pair = judge_candidate(f, &f->candidates[i]);
-        if (!pair.overlaps && !pair.touches && !isfinite(pair.gap)) continue;
-        while (n_others < f->n_decided && relation_compare_pairs(&f->decided[n_others], &pair) < 0)
-            list[n++] = f->decided[n_others++];
-        list[n++] = pair;
-    }
-    while (n_others < f->n_decided) list[n++] = f->decided[n_others++];
-    *pairs = list;
-    *n_pairs = n;
-    return STATUS_OK;
 }
 
 static uint32_t lines_of_each(size_t n)
@@ -375,7 +368,7 @@ static Status prepare_workers(Finder *f, unsigned n_workers, Error *error)
     return STATUS_OK;
 }
 
-static Status prepare(Finder *f, unsigned n_workers, Error *error)
+static Status prepare(Finder *f, Error *error)
 {
     const CompiledScene *compiled = f->compiled;
     size_t n = compiled->n_hulls ? compiled->n_hulls : 1;
@@ -386,47 +379,98 @@ static Status prepare(Finder *f, unsigned n_workers, Error *error)
     if (!f->radius || !f->reach || !f->judge_of || !f->near_shape_of)
         return fail_memory(error, n * sizeof *f->radius, "how the hulls lie");
     TRY(relation_find_near(f, error));
-    plan(f);
-    return prepare_workers(f, n_workers, error);
+    return relation_set_alike_aside(f, error);
 }
 
-static void finder_clear(Finder *f, unsigned n_workers)
+/* What was needed to judge the candidates, and what was found out about them. */
+static void forget_judged(Finder *f)
 {
-    for (unsigned i = 0; f->workers && i < n_workers; i++) {
+    for (unsigned i = 0; f->workers && i < pool_threads(f->pool); i++) {
         probe_clear(&f->workers[i].probe);
         free(f->workers[i].fact_of);
     }
     for (uint32_t i = 0; f->judge_facts && i < f->n_judges; i++) free(f->judge_facts[i].items);
     for (size_t i = 0; i < f->n_candidates; i++) free(f->candidates[i].facts.items);
-    relation_forget_shapes(f);
     free(f->workers);
+    free(f->judges);
+    free(f->judge_facts);
+    f->workers = NULL;
+    f->judges = NULL;
+    f->judge_facts = NULL;
+    f->n_judges = 0;
+    f->n_candidates = 0;
+}
+
+static void finder_clear(Finder *f)
+{
+    forget_judged(f);
+    relation_forget_shapes(f);
     free(f->radius);
     free(f->reach);
-    free(f->judges);
     free(f->judge_of);
-    free(f->judge_facts);
     free(f->candidates);
+    free(f->alike);
     free(f->decided);
+}
+
+/* All stages, for the candidates that there are. */
+static Status judge_candidates(Finder *f, Error *error)
+{
+    Pool *pool = f->pool;
+    if (!f->n_candidates) return STATUS_OK;
+    plan(f);
+    TRY(prepare_workers(f, pool_threads(pool), error));
+    pool_run(pool, f->n_judges, task_of_judge, f);
+    pool_run(pool, (uint32_t)f->n_candidates, task_of_pair, f);
+    double n_searches = 1;
+    for (size_t i = 0; i < f->n_candidates; i++) n_searches += needs_search(f, &f->candidates[i]);
+    f->search_steps = (int)fmin(SEARCH_LINES_IN_ALL / (SEARCH_LINES * n_searches), SEARCH_STEPS_MAX);
+    if (f->search_steps >= SEARCH_STEPS_MIN) pool_run(pool, (uint32_t)f->n_candidates, task_of_search, f);
+    pool_run(pool, (uint32_t)f->n_candidates, task_of_depth, f);
+    for (unsigned i = 0; i < pool_threads(pool); i++)
+        if (f->workers[i].probe.out_of_memory)
+            return fail(error, STATUS_NOMEM, "out of memory while finding out how the hulls lie");
+    for (size_t i = 0; i < f->n_candidates; i++) {
+        HullPair pair = relation_judge_candidate(f, &f->candidates[i]);
+        if (pair.overlaps || pair.touches || isfinite(pair.gap)) TRY(relation_add_decided(f, &pair, error));
+    }
+    return STATUS_OK;
+}
+
+/* Those that lie as others do. Where the answer of one is not good for all of its like, another may be asked. */
+static Status judge_alike(Finder *f, Error *error)
+{
+    enum { ROUNDS = 4 };
+    for (int round = 1;; round++) {
+        TRY(relation_share(f, error));
+        if (!f->n_alike) return STATUS_OK;
+        forget_judged(f);
+        for (; f->n_alike; f->n_alike--) {
+            AlikePair pair = f->alike[f->n_alike - 1];
+            if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
+                return fail_memory(error, f->n_candidates * sizeof *f->candidates, "pairs of hulls");
+            f->candidates[f->n_candidates++] = relation_candidate(f, pair.a, pair.b);
+        }
+        if (round < ROUNDS) TRY(relation_set_alike_aside(f, error));
+        memset(f->judge_of, 0, f->compiled->n_hulls * sizeof *f->judge_of);
+        TRY(judge_candidates(f, error));
+    }
 }
 
 Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs, Error *error)
 {
-    unsigned n_workers = pool_threads(pool);
     Finder f = {.compiled = compiled, .pool = pool};
-    Status status = prepare(&f, n_workers, error);
-    if (status == STATUS_OK && f.n_candidates) {
-        pool_run(pool, f.n_judges, task_of_judge, &f);
-        pool_run(pool, (uint32_t)f.n_candidates, task_of_pair, &f);
-        double n_searches = 1;
-        for (size_t i = 0; i < f.n_candidates; i++) n_searches += needs_search(&f, &f.candidates[i]);
-        f.search_steps = (int)fmin(SEARCH_LINES_IN_ALL / (SEARCH_LINES * n_searches), SEARCH_STEPS_MAX);
-        if (f.search_steps >= SEARCH_STEPS_MIN) pool_run(pool, (uint32_t)f.n_candidates, task_of_search, &f);
-        pool_run(pool, (uint32_t)f.n_candidates, task_of_depth, &f);
+    Status status = prepare(&f, error);
+    if (status == STATUS_OK) status = judge_candidates(&f, error);
+    if (status == STATUS_OK) status = judge_alike(&f, error);
+    if (status == STATUS_OK && !ARRAY_ROOM(f.decided, f.decided_capacity, f.n_decided)) /* none is a list, too */
+        status = fail_memory(error, f.n_decided * sizeof *f.decided, "pairs of hulls");
+    if (status == STATUS_OK) {
+        if (f.n_decided) qsort(f.decided, f.n_decided, sizeof *f.decided, relation_compare_pairs);
+        *pairs = f.decided;
+        *n_pairs = f.n_decided;
+        f.decided = NULL;
     }
-    for (unsigned i = 0; status == STATUS_OK && i < n_workers; i++)
-        if (f.workers[i].probe.out_of_memory)
-            status = fail(error, STATUS_NOMEM, "out of memory while finding out how the hulls lie");
-    if (status == STATUS_OK) status = put_together(&f, pairs, n_pairs, error);
-    finder_clear(&f, n_workers);
+    finder_clear(&f);
     return status;
 }

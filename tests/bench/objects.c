@@ -97,6 +97,24 @@ static void bench_shells(void)
     }
 }
 
+/* Cubes of a grid, each of which touches 26 others with a face, an edge or a corner. */
+static void bench_grid(void)
+{
+    for (unsigned n = 10; n <= 40; n *= 2) {
+        char text[1000];
+        Made made;
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit cm medium glass { ior = 1.5 } camera { from = <0, 90, -240> to = <0, 45, 0> } "
+                 "environment { } let cube = box { interior = glass from = <0, 0, 0> to = <1, 1, 1> } let n = %u "
+                 "for (i in 1..n) { for (j in 1..n) { for (k in 1..n) { cube { translate(<i, j, k>) } } } }",
+                 n);
+        made_from_text(&made, text);
+        printf("%7u cubes face to face: %6.2f us each to compile, %zu pairs\n", n * n * n,
+               made.compile_s / (n * n * n) * 1e6, made.compiled->n_pairs);
+        made_clear(&made);
+    }
+}
+
 /* Memory of the program so far at its largest, in bytes. */
 static double most_memory(void)
 {
@@ -145,4 +163,5 @@ void bench_objects(void)
     bench_growth("a drink of revolution", false);
     bench_growth("a drink that is a mesh", true);
     bench_shells();
+    bench_grid();
 }

@@ -235,6 +235,76 @@ static void pairs_that_keep_apart_are_decided_at_once(void **state)
     assert_near(pair.overlap_depth, 0.05, 1e-6);
 }
 
+static size_t count_pairs(const Fixture *f, bool touching)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < f->compiled->n_pairs; i++) {
+        const HullPair *pair = &f->compiled->pairs[i];
+        if (touching ? pair->touches && pair->contact_area > 0.5 : isfinite(pair->gap)) n++;
+        if (touching && pair->touches && pair->contact_area > 0.5) /* a whole face */
+            assert_true(fabs(pair->contact_area - 1) < 6 * pair->contact_area_error + 0.02);
+    }
+    return n;
+}
+
+/* Pairs that lie alike have one answer, but not where something else has a part in it. */
+static void pairs_that_lie_alike_are_judged_once(void **state)
+{
+    (void)state;
+#define GRID(step)                                                                                                     \
+    M "let cube = box { interior = glass from = <0, 0, 0> to = <1, 1, 1> } "                                           \
+      "for (i in 1..5) { for (j in 1..5) { for (k in 1..5) { cube { translate(<i, j, k> * " step ") } } } }" V
+    Fixture f;
+    size_t n_overlaps = 0;
+    fixture_compile(&f, GRID("1"), 2);
+    assert_int_equal(count_pairs(&f, true), 3 * 4 * 25);
+    for (size_t i = 0; i < f.compiled->n_pairs; i++) {
+        const HullPair *pair = &f.compiled->pairs[i];
+        if (pair->overlaps) { /* rounding, at edges */
+            assert_true(pair->overlap_volume < 1e-8);
+            n_overlaps++;
+        }
+        assert_true(pair->a < pair->b);
+        assert_true(i == 0 || pair[-1].a < pair->a || (pair[-1].a == pair->a && pair[-1].b < pair->b));
+    }
+    assert_true(n_overlaps < 30);
+    fixture_clear(&f);
+    fixture_compile(&f, GRID("1.01"), 1);
+    assert_int_equal(count_pairs(&f, false), 3 * 4 * 25);
+    fixture_clear(&f);
+    /* the same cubes, which overlap */
+    fixture_compile(&f, GRID(".9"), 1);
+    n_overlaps = 0;
+    for (size_t i = 0; i < f.compiled->n_pairs; i++) {
+        const HullPair *pair = &f.compiled->pairs[i];
+        if (pair->overlaps && pair->overlap_volume > 0.05) {
+            assert_true(fabs(pair->overlap_volume - 0.1) < 4 * pair->overlap_volume_error + 1e-3);
+            n_overlaps++;
+        }
+    }
+    assert_int_equal(n_overlaps, 3 * 4 * 25);
+    fixture_clear(&f);
+    /* a thin gap, and the same pair with a sheet in it, whichever comes first */
+    for (int first = 0; first < 2; first++) {
+        char text[1500];
+        snprintf(text, sizeof text,
+                 "%s let plate = box { interior = glass from = <0, 0, 0> to = <10, 1, 10> } "
+                 "for (x in [0, 20]) { plate { translate(<x, 0, 0>) } plate { translate(<x, 1.015, 0>) } } "
+                 "box sheet { interior = water from = <%d, 1, -1> to = <%d, 1.015, 11> } %s",
+                 M, 20 * first - 1, 20 * first + 11, V);
+        fixture_compile(&f, text, 1);
+        size_t n = 0;
+        for (size_t i = 0; i < f.compiled->n_pairs; i++)
+            if (isfinite(f.compiled->pairs[i].gap)) {
+                assert_int_equal(f.compiled->pairs[i].a, first ? 0 : 2);
+                assert_int_equal(f.compiled->pairs[i].b, first ? 1 : 3);
+                n++;
+            }
+        assert_int_equal(n, 1);
+        fixture_clear(&f);
+    }
+}
+
 static void threads_do_not_matter(void **state)
 {
     (void)state;
@@ -501,6 +571,7 @@ int main(void)
         cmocka_unit_test(touching_and_gaps_are_told_apart),
         cmocka_unit_test(areas_and_depths_are_measured),
         cmocka_unit_test(pairs_that_keep_apart_are_decided_at_once),
+        cmocka_unit_test(pairs_that_lie_alike_are_judged_once),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(the_order_follows_the_rules),
         cmocka_unit_test(circles_are_reported),
