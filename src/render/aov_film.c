@@ -314,10 +314,10 @@ static uint32_t channel_names(AovSet set, const Image *plain, char (*names)[64])
     return n;
 }
 
-Status aov_film_resolve(const AovFilm *aovs, const Film *film, Image *image, Error *error)
+Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Image *image, Error *error)
 {
     enum { MOST_CHANNELS = 64 };
-    TRY(film_resolve(film, image, error));
+    TRY(film_resolve(film, spread, image, error));
     if (!aovs->set) return STATUS_OK;
     if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
     char names[MOST_CHANNELS][64];

@@ -4,7 +4,7 @@
 #define MEN_AOV_FILM_H
 
 #include "base/buf.h"
-#include "render/film.h"
+#include "render/spread.h"
 #include "trace/path.h"
 
 /* How many samples of a pixel saw one thing. */
@@ -40,8 +40,9 @@ static inline bool aov_film_needs_sight(const AovFilm *film)
 /* One sample; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
 void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
                   const PathCounters *after);
-/* The whole picture: the film's channels, and these. */
-ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, Image *image, Error *error);
+/* The whole picture: the film's channels, and these. spread: see film_resolve. */
+ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Image *image,
+                                       Error *error);
 
 /* The attributes of a file that holds these: name and text of each, for EXR. */
 void aov_visit_attributes(AovSet set, const Scene *scene,

@@ -32,6 +32,7 @@ ATTR_COLD static void keep(BrightPixel *pixel, const float rgb[3], uint32_t seen
     for (; at > 0 && bright_light(pixel->rgb[at - 1]) < light; at--)
         memcpy(pixel->rgb[at], pixel->rgb[at - 1], sizeof held);
     memcpy(pixel->rgb[at], held, sizeof held);
+    pixel->least = bright_light(pixel->rgb[BRIGHT_KEPT - 1]);
     uint32_t below = (1U << 2 * at) - 1;
     pixel->seen = (pixel->seen & below) | seen << 2 * at | (pixel->seen & ~below) << 2;
 }
@@ -46,5 +47,5 @@ void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3
         pixel->things[seen] = thing;
         pixel->counts[seen]++;
     }
-    if (bright_light(rgb) > bright_light(pixel->rgb[BRIGHT_KEPT - 1])) keep(pixel, rgb, seen);
+    if (UNLIKELY(bright_light(rgb) > pixel->least)) keep(pixel, rgb, seen);
 }

@@ -15,6 +15,7 @@ enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
 typedef struct BrightPixel {
     float rgb[BRIGHT_KEPT][3];                             /* the brightest first; black: none */
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
+    float least;                                           /* light of the last one of those */
     uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
 } BrightPixel;
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "render/pixel_noise.h"
+#include "render/spread.h"
 
 #define SQUARE_UNIT 0x1p-20
 #define LARGEST_SQUARE 0x1p28
@@ -100,13 +101,13 @@ void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
     for (int i = 0; i < FILM_LADDER; i++) ladder[i] = now.ladder[i];
 }
 
-Status film_resolve(const Film *film, Image *image, Error *error)
+Status film_resolve(const Film *film, const Spread *spread, Image *image, Error *error)
 {
     static const char *const names[] = {"R", "G", "B", "A", "noise.Y"};
     float *noise = malloc((size_t)film->width * film->height * sizeof *noise);
     if (!noise)
         return fail_memory(error, (size_t)film->width * film->height * sizeof *noise, "the noise of the picture");
-    Status status = pixel_noise(film, noise, error);
+    Status status = pixel_noise(film, spread, noise, error);
     if (status == STATUS_OK) status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
     for (uint32_t y = 0; status == STATUS_OK && y < film->height; y++)
         for (uint32_t x = 0; x < film->width; x++) {
@@ -118,5 +119,6 @@ Status film_resolve(const Film *film, Image *image, Error *error)
             out[4] = noise[(size_t)y * film->width + x];
         }
     free(noise);
+    if (status == STATUS_OK && spread) spread_apply(spread, image);
     return status;
 }

@@ -51,7 +51,9 @@ uint32_t film_first_part(uint32_t n);
 /* Roots of |differences| of the means of the first 2^k samples and of the next 2^k, for the largest 2^k of which there are
  * both, and for smaller ones; 0 with too few samples. */
 void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER]);
-/* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are. */
-ATTR_NODISCARD Status film_resolve(const Film *film, Image *image, Error *error);
+struct Spread;
+/* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are. spread: NULL, or where single
+ * bright samples go. */
+ATTR_NODISCARD Status film_resolve(const Film *film, const struct Spread *spread, Image *image, Error *error);
 
 #endif

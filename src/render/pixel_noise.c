@@ -44,6 +44,19 @@ static void ask_samples(Noise *noise, const Evenness *evenness)
     for (size_t i = 0; i < noise->n; i++) even[i] = noise->maps[OWN][i] > 0 ? even[i] / noise->maps[OWN][i] : 1;
 }
 
+/* What has left a pixel with the samples that it gave away, and what came. */
+static void move_variance(Noise *noise, const Spread *spread)
+{
+    size_t from = 0;
+    for (uint32_t y = spread->area[1]; y < spread->area[3]; y++)
+        for (uint32_t x = spread->area[0]; x < spread->area[2]; x++) {
+            const SpreadPixel *moved = &spread->pixels[from++];
+            size_t i = (size_t)y * noise->film->width + x;
+            double left = (double)noise->maps[VARIANCE][i] * fmax(1 - moved->taken, 0);
+            noise->maps[VARIANCE][i] = (float)(left + moved->given * noise->film->pixels[i].n);
+        }
+}
+
 static float jump_at(const float *map, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
 {
     const float *here = map + (size_t)y * width + x;
@@ -75,7 +88,7 @@ static void ask_neighbours(Noise *noise)
     }
 }
 
-Status pixel_noise(const Film *film, float *errors, Error *error)
+Status pixel_noise(const Film *film, const Spread *spread, float *errors, Error *error)
 {
     Noise noise = {.film = film, .n = (size_t)film->width * film->height};
     Evenness evenness;
@@ -84,6 +97,7 @@ Status pixel_noise(const Film *film, float *errors, Error *error)
     if (maps) {
         for (int i = 0; i < MAPS; i++) noise.maps[i] = maps + (size_t)i * noise.n;
         ask_samples(&noise, &evenness);
+        if (spread) move_variance(&noise, spread);
         ask_neighbours(&noise);
         for (size_t i = 0; i < noise.n; i++) {
             float square = noise.maps[VARIANCE][i] * noise.maps[EVENNESS][i];

@@ -8,9 +8,10 @@
 #ifndef MEN_PIXEL_NOISE_H
 #define MEN_PIXEL_NOISE_H
 
-#include "render/film.h"
+#include "render/spread.h"
 
-/* For each pixel of the film, by rows: the standard error of the luminance; 0 with fewer than 2 samples. STATUS_NOMEM. */
-ATTR_NODISCARD Status pixel_noise(const Film *film, float *noise, Error *error);
+/* For each pixel of the film, by rows: the standard error of the luminance; 0 with fewer than 2 samples. spread: NULL, or
+ * which samples are shared out. STATUS_NOMEM. */
+ATTR_NODISCARD Status pixel_noise(const Film *film, const Spread *spread, float *noise, Error *error);
 
 #endif

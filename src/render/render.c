@@ -128,19 +128,11 @@ static bool shows_picture(const Job *job)
     return job->events && job->events->picture;
 }
 
-/* Gives samples that stand alone to what is around them. stats may be NULL. */
-static Status spread_samples(const Job *job, Image *image, RenderStats *stats, Error *error)
+/* Finds samples that stand alone, and where they go, or leaves it without pixels. */
+static Status find_spread(const Job *job, Spread *spread, Error *error)
 {
-    if (!job->bright.pixels) return STATUS_OK;
-    Spread spread;
-    TRY(spread_init(&spread, &job->film, &job->bright, job->crop, error));
-    spread_apply(&spread, image);
-    if (stats) {
-        stats->spread_samples = spread.samples;
-        stats->spread_light = spread.light;
-    }
-    spread_clear(&spread);
-    return STATUS_OK;
+    *spread = (Spread){0};
+    return job->bright.pixels ? spread_init(spread, &job->film, &job->bright, job->crop, error) : STATUS_OK;
 }
 
 /* Shows the picture so far, when it is time for it. It is not missed when memory ends. */
@@ -152,7 +144,10 @@ static void report_picture(Job *job, uint32_t step, bool due)
     double now = clock_now_s(), interval = fmax(picture_interval_s, job->picture_cost / picture_share);
     if (!due && now - job->picture_at < interval) return;
     if (early_resolve(&job->film, job->crop, step, &image, &unused) != STATUS_OK) return;
-    if (job->done >= SPREAD_LEAST_SAMPLES) (void)spread_samples(job, &image, NULL, &unused);
+    Spread spread = {0};
+    if (job->done >= SPREAD_LEAST_SAMPLES && find_spread(job, &spread, &unused) == STATUS_OK && spread.pixels)
+        spread_apply(&spread, &image);
+    spread_clear(&spread);
     job->events->picture(job->events->context, &image);
     image_clear(&image);
     job->picture_at = clock_now_s();
@@ -427,8 +422,13 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
 
 static Status make_picture(const Job *job, Image *image, RenderStats *stats, Error *error)
 {
-    TRY(aov_film_resolve(&job->aovs, &job->film, image, error));
-    return spread_samples(job, image, stats, error);
+    Spread spread;
+    TRY(find_spread(job, &spread, error));
+    stats->spread_samples = spread.samples;
+    stats->spread_light = spread.light;
+    Status status = aov_film_resolve(&job->aovs, &job->film, spread.pixels ? &spread : NULL, image, error);
+    spread_clear(&spread);
+    return status;
 }
 
 Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,

@@ -32,8 +32,8 @@ typedef struct Maps {
     const BrightFilm *bright;
     const uint32_t *area;
     uint32_t width, height;
-    float *plain;     /* light, as bright_light has it, of each pixel without the samples that have few like them there, */
-    float *reference; /* and what is usual there: of that pixel, the brightest one next to it, or the mean around, the most */
+    float *plain;     /* light of each pixel, see bright_light, without the samples that have few like them there, */
+    float *reference; /* and what is usual there: the most of that, the brightest pixel next to it, the mean around */
     SpreadPixel *pixels;
 } Maps;
 
@@ -281,7 +281,6 @@ void spread_clear(Spread *spread)
 
 void spread_apply(const Spread *spread, Image *image)
 {
-    enum { NOISE = 4 };
     const uint32_t *area = spread->area;
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++) {
@@ -289,8 +288,5 @@ void spread_apply(const Spread *spread, Image *image)
             if (from->taken == 0 && from->given == 0) continue;
             float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
             for (int c = 0; c < 3; c++) pixel[c] = (float)((double)pixel[c] + from->rgb[c]);
-            if (image->n_channels <= NOISE) continue;
-            double squared = (double)pixel[NOISE] * (double)pixel[NOISE] * fmax(1 - from->taken, 0);
-            pixel[NOISE] = (float)sqrt(squared + from->given);
         }
 }

@@ -43,8 +43,7 @@ typedef struct Spread {
 ATTR_NODISCARD Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4],
                                   Error *error);
 void spread_clear(Spread *spread);
-/* Moves the light: in R, G and B, the first three channels of an image of the whole film; and in noise.Y, the fifth, if it
- * has that, what is known of the error. */
+/* Moves the light, in the first three channels, R, G and B, of an image of the whole film. */
 void spread_apply(const Spread *spread, Image *image);
 
 #endif
