@@ -99,31 +99,55 @@ static bool starts_on(const Ray *ray, uint32_t object)
     return false;
 }
 
+static bool is_stopped_by(const Query *query, uint32_t object)
+{
+    const RtcPlaced *placed = &query->scene->objects[object];
+    return placed->opaque || (UNLIKELY(placed->stops & query->ray->stops) && !starts_on(query->ray, object));
+}
+
 /* A candidate of rtc_all. Returns whether the search may end at once. */
 static bool take_any(Query *query, Hit *hit)
 {
-    const RtcPlaced *object = &query->scene->objects[hit->object];
     const Ray *ray = query->ray;
-    bool clear = !object->opaque;
-    if (!query->stop_at_opaque || (clear && (!(object->stops & ray->stops) || starts_on(ray, hit->object)))) {
+    bool clear = !query->scene->objects[hit->object].opaque;
+    if (!query->stop_at_opaque || !is_stopped_by(query, hit->object)) {
         query->hits->n++;
         return false;
     }
     bool target = is_target(ray, hit->object, hit->primitive);
     if (!target && !rtc_complete_hit(query, hit)) return false;
-    query->blocked = !target && !(clear && hit->doubtful);
-    if (UNLIKELY(clear && !query->blocked)) query->hits->n++;
+    query->blocked = !target && hit->clear;
+    if (UNLIKELY(!query->blocked && (clear || !target))) query->hits->n++; /* at an edge: to be looked at again */
     return query->blocked;
+}
+
+void rtc_shorten(Query *query, const Hit *hit)
+{
+    query->reach = double_min(query->reach, hit->t + window_behind(query, hit));
+}
+
+/* Whether a candidate is there that is computed exactly at once. In an exact search, where the exact ray misses it, its
+ * neighbours are noted that are there instead. */
+static bool is_there(Query *query, const HitList *list, Hit *hit)
+{
+    bool triangle = query->scene->objects[hit->object].mesh;
+    if (query->exact && triangle && rtc_has_hit(list, hit->object, hit->primitive)) return false;
+    if (!rtc_complete_hit(query, hit)) return false;
+    if (LIKELY(!query->exact || hit->clear) || rtc_meets(query, hit)) return true;
+    rtc_look_at(query, hit);
+    return false;
 }
 
 /* A candidate of rtc_nearest that is to be computed exactly at once. Returns whether the search may now end at
  * query->reach. */
 static bool take_exactly(Query *query, Hit *hit)
 {
-    if (!rtc_complete_hit(query, hit) || hit->t > query->reach) return false;
-    query->hits->n++;
-    query->reach = double_min(query->reach, hit->t + window_behind(query, hit));
-    return true;
+    double reach = query->reach;
+    if (is_there(query, query->hits, hit) && hit->t <= query->reach) {
+        query->hits->n++;
+        rtc_shorten(query, hit);
+    }
+    return query->reach < reach;
 }
 
 /* A candidate of rtc_nearest that is in front of the start for certain: it is put off. */
@@ -137,7 +161,7 @@ static inline bool put_off(Query *query, const Hit *hit)
 /* A candidate that the ray passes by, if it is there: it never ends the search. */
 static bool note_passed(Query *query, Hit *hit, bool certain)
 {
-    if (certain || rtc_complete_hit(query, hit)) query->passed->n++;
+    if (certain || is_there(query, query->passed, hit)) query->passed->n++;
     return false;
 }
 
@@ -361,6 +385,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->reach = HUGE_VAL;
     query->least_window = 0;
     query->all = query->stop_at_opaque = query->blocked = query->exact = false;
+    query->unsure = ray->at_edge;
     query->hits = hits;
     query->passed = passed;
     query->passes = passed && (ray->pass_level || ray->pass_alike != RTC_NO_PASS);
@@ -373,7 +398,6 @@ static void embree_ray(Query *query, struct RTCRay *ray)
 {
     Vec3 origin = vec3_add(query->origin, query->ray->nudge);
     Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction));
-    query->line = vec3_from_f(start);
     ray->org_x = start.x;
     ray->org_y = start.y;
     ray->org_z = start.z;
@@ -506,13 +530,14 @@ ATTR_COLD static size_t search_exactly(Query *query)
     query->least_window = 0;
     for (;;) {
         search_nearest(query);
+        if (query->unsure) rtc_look_closer(query);
         rtc_sort_hits(hits);
         if (query->passes) rtc_complete_hits(query, query->passed, query->reach);
         size_t n = nearest_place(query);
         if (n <= 1) return n;
         double end = chain_end(&hits->items[n - 1]);
         if (end <= query->reach) return n;
-        query->least_window = end - hits->items[0].t;
+        query->least_window = (end - hits->items[0].t) + 0x1p-48 * end; /* so that their sum comes to the end */
     }
 }
 
@@ -525,7 +550,8 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
         search_nearest(&query);
         bool good = complete_nearest(&query);
         size_t n = good ? nearest_place(&query) : 0;
-        if (UNLIKELY(!good || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach))) n = search_exactly(&query);
+        if (UNLIKELY(!good || query.unsure || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach)))
+            n = search_exactly(&query);
         if (query.passes) passed->n = rtc_drop_repeats(ray, passed->items, passed->n);
         if (n == 0) return 0;
         double behind = hits->items[n - 1].t;
@@ -557,6 +583,17 @@ void rtc_complete_hits(Query *query, HitList *hits, double end)
     if (n > 1) rtc_sort_hits(hits);
 }
 
+/* Whether one of the hits stops the ray. */
+ATTR_COLD static bool is_blocked(const Query *query)
+{
+    const HitList *hits = query->hits;
+    size_t i = 0;
+    while (i < hits->n && (!is_stopped_by(query, hits->items[i].object) ||
+                           is_target(query->ray, hits->items[i].object, hits->items[i].primitive)))
+        i++;
+    return i < hits->n;
+}
+
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits)
 {
     Query query;
@@ -571,6 +608,11 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
     rtc_complete_hits(&query, hits, HUGE_VAL);
+    if (UNLIKELY(query.unsure)) {
+        rtc_look_closer(&query);
+        rtc_sort_hits(hits);
+        if (stop_at_opaque && is_blocked(&query)) return false;
+    }
     hits->n = rtc_drop_repeats(ray, hits->items, hits->n);
     return true;
 }

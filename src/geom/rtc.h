@@ -3,7 +3,8 @@
  *
  * Embree proposes, double precision decides. Embree works in float and finds every triangle near the ray
  * (robust mode); whether a triangle is in front of the ray's start, how far it is and which way it is
- * crossed are then computed from the triangle's vertices in double. Analytic pieces are double throughout. A ray's
+ * crossed are then computed from the triangle's vertices in double, and within rounding of an edge which of its neighbours
+ * the exact ray meets (rtc_edge.c). Analytic pieces are double throughout. A ray's
  * origin is double, too, and is the very point where the ray before it ended: nothing is moved off a surface. What
  * must not be hit again is known by its identity, the surfaces that the ray starts on. So there is no epsilon that
  * could lose a surface, and none that could jump over another one.
@@ -80,6 +81,7 @@ typedef struct Ray {
     size_t n_left;
     double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
     Vec3 nudge;              /* a step of rounding's size from the origin to the side that the ray is on */
+    bool at_edge;            /* the place at t_min is within rounding of a triangle's edge: Embree may miss what is there */
 } Ray;
 
 /* A ray that starts in free space. */
@@ -105,8 +107,7 @@ struct Hit {
     double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
     float u, v;            /* barycentric of the triangle; unused for pieces */
     bool inside;           /* set by rtc_leave: whether the new ray starts inside of this hit's object */
-    bool clear;            /* of a triangle: so far from its edges that no rounding of float reaches them */
-    bool doubtful;         /* at a triangle's edge, so close that Embree's float ray is in fact outside of it */
+    bool clear;            /* so far from the triangle's edges that no rounding of float reaches them; true of pieces */
 };
 
 /* A growing list of hits, one per worker, reused from ray to ray. */
@@ -124,6 +125,18 @@ void hit_list_clear(HitList *list); /* frees */
  * increasing t: what searches that stop at each of them, one after another, would have found. One that stands at the place
  * itself is among the hits. passed may be NULL for a ray that passes by nothing. */
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed);
+
+/* Sends a ray on along its line, behind n >= 1 hits at one place. */
+static inline void rtc_pass_on(Ray *ray, const Hit *hits, size_t n)
+{
+    ray->t_min = hits[n - 1].t;
+    ray->at_edge = false;
+    for (size_t i = 0; i < n; i++) ray->at_edge = ray->at_edge || !hits[i].clear;
+}
+
+/* Whether a ray that starts on a surface starts within rounding of another object's triangles, too: the ray before, as Embree
+ * traced it, may have missed a sliver of that object which the exact one comes into just there. */
+bool rtc_starts_beside(const RtcScene *scene, const Ray *ray, uint32_t object);
 
 /* How many of n >= 1 hits in increasing t stand at one place with the first. */
 size_t rtc_cluster(const Hit *hits, size_t n);
@@ -161,11 +174,10 @@ void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3]);
 
 /* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
- * (through) or from the side that ray came from. Of several hits of one object only the first is kept (hits and *n
- * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface; only within
- * rounding of an edge of its triangle is it moved to the inside of that, so that it is on one side of both neighbours.
- * hits[i].inside says for each surface on which side of it the ray starts: by where the origin is, and by the direction
- * where it is on the surface itself. */
+ * (through) or from the side that ray came from. Of several hits of one object only the last (first) is kept (hits and *n
+ * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface. hits[i].inside
+ * says for each surface on which side of it the ray starts: by the order along the ray before, and by the direction where
+ * the origin is on the surface itself. */
 Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction);
 
 #endif

@@ -58,16 +58,6 @@ void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, do
     triangle_corners(scene, &scene->objects[object], primitive, time, corner);
 }
 
-/* Whether p, in the triangle's plane, is inside of it, edges included. */
-static bool is_inside(const Vec3 corner[3], Vec3 normal, Vec3 p)
-{
-    for (int i = 0; i < 3; i++) {
-        Vec3 edge = vec3_sub(corner[(i + 1) % 3], corner[i]);
-        if (vec3_dot(vec3_cross(edge, vec3_sub(p, corner[i])), normal) < 0) return false;
-    }
-    return true;
-}
-
 /* Whether a plane is parallel to one that the ray starts on, as far as coordinates in float can tell. */
 static bool is_parallel(const Ray *ray, Vec3 normal, double length)
 {
@@ -78,29 +68,29 @@ static bool is_parallel(const Ray *ray, Vec3 normal, double length)
     return false;
 }
 
-/* Whether Embree's own line goes through the triangle. Embree accepts what is within its rounding of the edges, on
- * either side, which at a silhouette may let a surface be entered and not left. */
-static bool line_hits(const Query *query, const Vec3 corner[3])
+/* The coordinates that Embree rounds where a triangle is met at t. */
+static inline double rounded_scale(const Query *query, const RtcPlaced *object, double t)
 {
-    Vec3 relative[3];
-    for (int i = 0; i < 3; i++) relative[i] = vec3_sub(corner[i], query->line);
-    double side[3];
-    for (int i = 0; i < 3; i++) side[i] = vec3_dot(query->direction, vec3_cross(relative[i], relative[(i + 1) % 3]));
-    return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
+    double scale = query->scale + fabs(t);
+    if (LIKELY(object->detail->baked)) return scale;
+    /* an instance is traced in its own frame: what goes into it and back is rounded, too */
+    return 4 * (scale + vec3_max_abs(object->maps ? object->maps->to_world.t : object->place));
 }
 
-/* Whether the hit is so far from the triangle's edges that no rounding of float takes it to another one. */
-static bool is_clear(const Query *query, const Hit *hit, Vec3 edge1, Vec3 edge2, double slope)
+/* Whether a hit is so far from the triangle's edges that no rounding of float takes it to another one. Embree's own weights
+ * tell it of nearly all. */
+static inline bool is_clear(const Query *query, const Hit *hit, const Vec3 corner[3], Vec3 edge1, Vec3 edge2,
+                            double slope, double scale)
 {
     float least = hit->u < hit->v ? hit->u : hit->v, third = 1 - hit->u - hit->v;
     double nearest = (double)(third < least ? third : least);
     double length = fabs(edge1.x) + fabs(edge1.y) + fabs(edge1.z) + fabs(edge2.x) + fabs(edge2.y) + fabs(edge2.z);
-    return nearest * fabs(slope) > EDGE_NOISE * length * (query->scale + hit->t);
+    return LIKELY(nearest * fabs(slope) > EDGE_NOISE * length * scale) || rtc_line_is_clear(query, corner, scale);
 }
 
 /* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
  * its float ray runs a little beside the exact one, and reaches that plane elsewhere. */
-static bool complete_triangle(const Query *query, const RtcPlaced *object, Hit *hit)
+static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
 {
     const Ray *ray = query->ray;
     Vec3 corner[3];
@@ -110,24 +100,28 @@ static bool complete_triangle(const Query *query, const RtcPlaced *object, Hit *
     double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
     double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope, cosine = slope / length;
-    if (!(t > query->t_min && t <= ray->t_max)) return false;
+    if (UNLIKELY(!(t > query->t_min && t <= ray->t_max))) {
+        if (fabs(t * cosine) <= 2 * rtc_rounding(corner[0]) &&
+            !is_clear(query, hit, corner, edge1, edge2, slope, rounded_scale(query, object, t)))
+            query->unsure = true;
+        return false;
+    }
     double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
                       double_max(vec3_max_abs(corner[0]), double_max(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
     if (ray->n_left) {
         if (is_left(query, hit->object, hit->primitive, t, cosine)) return false;
         if (UNLIKELY(t * fabs(cosine) <= 2 * rounding) && is_parallel(ray, normal, length) &&
-            !is_inside(corner, normal, vec3_along(query->origin, t, query->direction)))
+            !rtc_line_meets(query, corner, (double[3]){0}))
             return false;
     }
-    bool baked = object->detail->baked; /* an instance is traced in its own frame */
     hit->t = t;
     hit->entering = slope < 0;
     hit->normal = vec3f_from(vec3_scale(normal, 1 / length));
     hit->cos_normal = cosine;
     hit->rounding = rounding;
     hit->inside = false;
-    hit->clear = baked && is_clear(query, hit, edge1, edge2, slope);
-    hit->doubtful = baked && !hit->clear && !line_hits(query, corner);
+    hit->clear = is_clear(query, hit, corner, edge1, edge2, slope, rounded_scale(query, object, t));
+    if (UNLIKELY(!hit->clear)) query->unsure = true;
     return true;
 }
 
@@ -169,7 +163,8 @@ static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
     hit->cos_normal = cosine;
     hit->rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + hit->t);
     hit->u = hit->v = 0;
-    hit->inside = hit->clear = hit->doubtful = false;
+    hit->inside = false;
+    hit->clear = true;
     return true;
 }
 
@@ -242,75 +237,51 @@ void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurfa
         object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 
-/* p moved towards the middle of the triangle until it is `margin` away from every edge. */
-static Vec3 triangle_inset(const RtcScene *scene, const Hit *hit, double time, Vec3 p, double margin)
-{
-    Vec3 corner[3];
-    triangle_corners(scene, &scene->objects[hit->object], hit->primitive, time, corner);
-    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    double area = vec3_length(normal), blend = 0;
-    for (int i = 0; i < 3; i++) {
-        Vec3 a = corner[(i + 1) % 3], edge = vec3_sub(corner[(i + 2) % 3], a);
-        double edge_length = vec3_length(edge);
-        double distance = vec3_dot(vec3_cross(edge, vec3_sub(p, a)), normal) / (edge_length * area);
-        double middle = area / edge_length / 3; /* of the centroid from this edge */
-        if (distance >= margin) continue;
-        blend = fmax(blend, middle > margin ? (margin - distance) / (middle - distance) : 1);
-    }
-    if (!(blend > 0)) return p;
-    Vec3 centroid = vec3_scale(vec3_add(corner[0], vec3_add(corner[1], corner[2])), 1.0 / 3);
-    return vec3_along(p, fmin(blend, 1), vec3_sub(centroid, p));
-}
-
-/* Keeps the first hit of each object; returns how many. */
-static size_t one_per_object(Hit *hits, size_t n)
+/* Keeps one hit of each object, the one nearest to where the new ray starts; returns how many. */
+static size_t one_per_object(Hit *hits, size_t n, bool through)
 {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
-        size_t k = 0;
-        while (k < kept && hits[k].object != hits[i].object) k++;
-        if (k == kept) hits[kept++] = hits[i];
+        size_t other = through ? i + 1 : 0, end = through ? n : i;
+        while (other < end && hits[other].object != hits[i].object) other++;
+        if (other == end) hits[kept++] = hits[i];
     }
     return kept;
 }
 
-/* Moves the origin of a ray that leaves n surfaces to the inside of their triangles, and tells on which side of each it is. */
-static void settle_origin(const RtcScene *scene, const Ray *ray, Hit *hits, size_t n, double margin, Ray *next)
+/* Tells on which side of each of n surfaces the new ray starts, which it does on one of them: the others have all been
+ * crossed, or none has. The ray's own direction decides where it starts on them, too. */
+static void find_sides(const Ray *ray, Hit *hits, size_t n, bool through, const Hit *start, Ray *next)
 {
-    for (size_t i = 0; i < n; i++)
-        if (scene->objects[hits[i].object].mesh && !(n == 1 && hits[i].clear))
-            next->origin = triangle_inset(scene, &hits[i], ray->time, next->origin, margin);
     for (size_t i = 0; i < n; i++) {
-        Vec3 normal = vec3_from_f(hits[i].normal), from_surface = vec3_sub(next->origin, ray_point(ray, hits[i].t));
+        Hit *hit = &hits[i];
+        Vec3 normal = vec3_from_f(hit->normal), from_surface = vec3_sub(next->origin, ray_point(ray, hit->t));
         double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(next->direction));
-        bool on_surface = fabs(height) <= DOUBLE_NOISE * next->start_scale + UNIT_ROUNDING * vec3_length(from_surface);
-        hits[i].inside = on_surface ? slope < 0 : height < 0;
+        bool on_surface = hit == start || fabs(height) <= DOUBLE_NOISE * next->start_scale;
+        hit->inside = on_surface ? slope < 0 : hit->entering == through;
+        next->at_edge = next->at_edge || !hit->clear;
     }
 }
 
 Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
 {
-    if (*n > 1) *n = one_per_object(hits, *n);
+    if (*n > 1) *n = one_per_object(hits, *n, through);
     Hit *hit = through ? &hits[*n - 1] : &hits[0];
-    const bool solid = scene->objects[hit->object].solid;
     Ray next = ray_make(ray_point(ray, hit->t), direction);
     next.time = ray->time;
     next.left = hits;
     next.n_left = *n;
     next.start_scale = vec3_max_abs(ray->origin) + hit->t;
-    /* Embree's float ray runs a little off the surface that the exact ray starts on, on the right side of the triangle
-     * and of its neighbours, so that it meets what the exact ray meets. Pieces have their edges in double. */
-    double margin = 0.5 * hit->rounding;
     Vec3 normal = vec3_from_f(hit->normal);
     double slope = vec3_dot(normal, vec3_from_f(direction));
-    if (LIKELY(*n == 1 && (solid || hit->clear)))
-        hit->inside = slope < 0; /* it starts on the surface itself */
-    else
-        settle_origin(scene, ray, hits, *n, margin, &next);
+    next.at_edge = !hit->clear;
+    hit->inside = slope < 0; /* it starts on the surface itself */
+    if (UNLIKELY(*n > 1)) find_sides(ray, hits, *n, through, hit, &next);
+    double margin = 0.5 * hit->rounding;
     next.nudge = vec3_scale(normal, hit->inside ? -margin : margin);
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
-    if (solid && fabs(slope) < CREEPING_COSINE)
+    if (scene->objects[hit->object].solid && fabs(slope) < CREEPING_COSINE)
         next.origin = vec3_along(next.origin, (hit->inside ? -0.25 : 0.25) * DOUBLE_NOISE * next.start_scale, normal);
     return next;
 }

@@ -30,7 +30,6 @@ typedef struct Query {
     const RtcScene *scene;
     const Ray *ray;
     Vec3 origin, direction;
-    Vec3 line;           /* the origin of the float ray that Embree traces; the direction is the same */
     double back;         /* how far Embree's ray starts behind the true one */
     double scale;        /* coordinates of start and scene, for noise */
     double t_min;        /* the ray's, or what has been found to be no more than repetitions of the start */
@@ -40,6 +39,7 @@ typedef struct Query {
     bool exact; /* nearest query: every candidate is computed exactly as soon as it is found */
     HitList *hits, *passed;
     bool passes; /* nearest query: the ray passes by some objects */
+    bool unsure; /* the start, or a hit, is within rounding of a triangle's edge */
     LocalRay local;
 } Query;
 
@@ -85,5 +85,23 @@ static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t
 /* Computes in double what a candidate is: hit has object and primitive, u and v of a triangle, t of a piece. False when
  * it is not met between t_min and t_max, or is where the ray starts. */
 bool rtc_complete_hit(Query *query, Hit *hit);
+
+/* Whether the ray's line goes through a triangle, and the corners' weights there, up to a common factor. One of
+ * neighbours that share an edge is met, or both, or none. */
+bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3]);
+/* Whether it does, and so far from the edges that Embree's line meets the triangle, too. scale: the coordinates that Embree
+ * rounds. */
+bool rtc_line_is_clear(const Query *query, const Vec3 corner[3], double scale);
+/* Where a query is unsure, Embree's float ray may have met other triangles than the exact ray does, or missed some. Looks about
+ * the place of a hit, as far as the triangle's edges are that it is near to, and as the hit is outside of them: notes the
+ * others that the exact ray meets. */
+void rtc_look_at(Query *query, const Hit *hit);
+/* The same about the start and all hits; takes out those that the exact ray misses. Their order is lost. */
+void rtc_look_closer(Query *query);
+/* Whether the exact ray meets the triangle of a hit. */
+bool rtc_meets(const Query *query, const Hit *hit);
+bool rtc_has_hit(const HitList *list, uint32_t object, uint32_t primitive);
+/* Nearest query: no surface matters that is farther behind this one than what stands at one place with it. */
+void rtc_shorten(Query *query, const Hit *hit);
 
 #endif

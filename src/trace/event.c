@@ -15,8 +15,6 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
     for (size_t i = 0; i < n; i++) {
         uint32_t hull = compiled->hull_of_object[hits[i].object];
         if (hull == SCENE_NONE) continue;
-        if (UNLIKELY(hits[i].doubtful) && nest_list_has(list, hull) == hits[i].entering)
-            continue; /* no surface is there */
         tracer->passes[n_passes++] = (NestPass){hull, hits[i].entering};
     }
     *crossing = (NestCrossing){0};
@@ -62,20 +60,17 @@ static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
 {
     const Hit *hits = tracer->hits.items;
     event->kind = EVENT_BOUNDARY;
-    event->clear = true;
     for (size_t i = 0; i < event->n_cluster; i++) {
         if (tracer->world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
             event->kind = EVENT_OPAQUE;
             event->hit = hits[i];
-            event->clear = true;
             return true;
         }
-        event->clear = event->clear && !hits[i].doubtful;
     }
     if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
         !path_cross(tracer, &tracer->next, hits, event->n_cluster, &event->crossing))
         return false;
-    event->clear = event->clear && !event->crossing.n_faults;
+    event->clear = !event->crossing.n_faults;
     return true;
 }
 
@@ -88,7 +83,7 @@ static bool cross_passed(Tracer *tracer, NestList *list, double end, bool *clear
         NestCrossing crossing;
         cluster = rtc_cluster(hits + i, n - i);
         if (!path_cross(tracer, list, hits + i, cluster, &crossing)) return false;
-        *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to && !hits[i].doubtful;
+        *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to;
     }
     return true;
 }
@@ -135,7 +130,7 @@ static bool read_nearest(Path *path, Event *event)
         return true;
     }
     const Hit *hit = tracer->hits.items;
-    if (UNLIKELY(event->n_cluster > 1 || hit->doubtful)) return cross_cluster(tracer, before, event);
+    if (UNLIKELY(event->n_cluster > 1)) return cross_cluster(tracer, before, event);
     uint32_t hull = compiled->hull_of_object[hit->object];
     if (hull == SCENE_NONE) {
         event->kind = EVENT_OPAQUE;
@@ -151,23 +146,25 @@ static bool read_nearest(Path *path, Event *event)
     return true;
 }
 
-/* Where what was found contradicts the list, or is doubtful, Embree's float ray may have met at an edge what the exact
- * ray misses, or missed what it meets. Then the search is done again with the float ray moved by as much as rounding,
- * first onto the exact one, then to both sides of the surface; a reading that is clear and agrees with the list is
- * taken, and the float ray stays there. A contradiction in all of them is a fault, and the first reading is taken. */
-ATTR_COLD static bool read_again(Path *path, Event *event)
+/* Where what was found contradicts the list, the ray may start in a sliver of an object that is thinner than rounding, into
+ * which Embree's float ray did not come before: then the ray is in that object from its start on, or no longer in it. Returns
+ * whether the list has changed. */
+ATTR_COLD static bool mend_list(Path *path, size_t n_hits)
 {
-    enum { NUDGES = 3 };
-    const Hit *hit = path->tracer->hits.items;
-    Vec3 first = path->ray.nudge, across = vec3_scale(vec3_from_f(hit->normal), hit->rounding);
-    Vec3 nudges[NUDGES] = {vec3(0, 0, 0), across, vec3_scale(across, -1)};
-    for (int i = 0; i < NUDGES; i++) {
-        path->ray.nudge = nudges[i];
-        if (!read_nearest(path, event)) return false;
-        if (event->clear) return true;
+    Tracer *tracer = path->tracer;
+    const CompiledScene *compiled = tracer->world->compiled;
+    bool mended = false;
+    for (size_t i = 0; i < n_hits; i++) {
+        Hit sliver = tracer->hits.items[i];
+        uint32_t hull = compiled->hull_of_object[sliver.object];
+        if (hull >= compiled->order.n_hulls || nest_list_has(&tracer->list, hull) != sliver.entering ||
+            !rtc_starts_beside(compiled->rtc, &path->ray, sliver.object))
+            continue;
+        NestCrossing crossing;
+        sliver.entering = !sliver.entering;
+        mended |= path_cross(tracer, &tracer->list, &sliver, 1, &crossing);
     }
-    path->ray.nudge = first;
-    return read_nearest(path, event);
+    return mended;
 }
 
 static bool cross_nearest(Path *path, Event *event)
@@ -180,7 +177,7 @@ static bool cross_nearest(Path *path, Event *event)
         path->ray.pass_alike = RTC_NO_PASS;
         if (path->tracer->passed.n && !read_nearest(path, event)) return false;
     }
-    if (UNLIKELY(!event->clear) && !read_again(path, event)) return false;
+    if (UNLIKELY(!event->clear) && mend_list(path, event->n_cluster) && !read_nearest(path, event)) return false;
     counters->crossings += path->tracer->passed.n;
     counters->silent_crossings += path->tracer->passed.n;
     if (event->kind != EVENT_BOUNDARY) return true;
@@ -237,7 +234,7 @@ void path_next_event(Path *path, Event *event)
             return;
         }
         nest_list_swap(&tracer->list, &tracer->next);
-        path->ray.t_min = hits[n - 1].t;
+        rtc_pass_on(&path->ray, hits, n);
     }
     flight_end(path, &flight, event->kind == EVENT_SCATTER && !uneven);
 }

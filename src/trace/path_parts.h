@@ -78,7 +78,7 @@ typedef struct Event {
     Hit hit;          /* the surface to be shaded */
     size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
-    bool clear; /* of the reading of the surfaces there: it does not contradict the list, and nothing is doubtful */
+    bool clear; /* of the reading of the surfaces there: it does not contradict the list */
     double t;   /* EVENT_SCATTER: how far along the ray, */
     uint32_t medium; /* and what scatters there */
 } Event;

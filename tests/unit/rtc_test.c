@@ -16,8 +16,38 @@ static Mesh *box_mesh(Vec3 from, Vec3 to)
     Mesh *mesh;
     assert_int_equal(mesh_new(8, 12, false, false, &mesh, NULL), STATUS_OK);
     for (uint32_t i = 0; i < 8; i++)
-        mesh->positions[i] = vec3f((float)(i & 1 ? to.x : from.x), (float)(i & 2 ? to.y : from.y), (float)(i & 4 ? to.z : from.z));
+        mesh->positions[i] =
+            vec3f((float)(i & 1 ? to.x : from.x), (float)(i & 2 ? to.y : from.y), (float)(i & 4 ? to.z : from.z));
     memcpy(mesh->triangles, faces, sizeof faces);
+    return mesh;
+}
+
+/* A profile of radii and heights, turned round about the y axis in n steps; it begins and ends on the axis, and has its
+ * inside on the left. */
+static Mesh *lathe_mesh(const double (*profile)[2], uint32_t n_points, uint32_t n)
+{
+    Mesh *mesh;
+    uint32_t n_triangles = 0, rings = n_points - 2;
+    assert_int_equal(mesh_new(2 + rings * n, 2 * rings * n, false, false, &mesh, NULL), STATUS_OK);
+    mesh->positions[0] = vec3f(0, (float)profile[0][1], 0);
+    mesh->positions[1] = vec3f(0, (float)profile[n_points - 1][1], 0);
+    for (uint32_t k = 0; k < rings; k++)
+        for (uint32_t i = 0; i < n; i++) {
+            double angle = 2 * acos(-1) * i / n, r = profile[k + 1][0];
+            mesh->positions[2 + k * n + i] =
+                vec3f((float)(r * cos(angle)), (float)profile[k + 1][1], (float)(r * sin(angle)));
+        }
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t next = (i + 1) % n, last = 2 + (rings - 1) * n;
+        memcpy(mesh->triangles[n_triangles++], ((uint32_t[]){0, 2 + i, 2 + next}), 3 * sizeof(uint32_t));
+        memcpy(mesh->triangles[n_triangles++], ((uint32_t[]){1, last + next, last + i}), 3 * sizeof(uint32_t));
+        for (uint32_t k = 0; k + 1 < rings; k++) {
+            uint32_t a = 2 + k * n + i, b = 2 + k * n + next;
+            memcpy(mesh->triangles[n_triangles++], ((uint32_t[]){a, a + n, b}), 3 * sizeof(uint32_t));
+            memcpy(mesh->triangles[n_triangles++], ((uint32_t[]){b, a + n, b + n}), 3 * sizeof(uint32_t));
+        }
+    }
+    assert_int_equal(n_triangles, mesh->n_triangles);
     return mesh;
 }
 
@@ -40,6 +70,7 @@ typedef struct TestScene {
     Solid *solids[16];
     uint32_t n_solids;
     RtcScene *rtc;
+    bool at_edges; /* the rays are aimed at the edges of triangles */
 } TestScene;
 
 static void add(TestScene *s, const Mesh *mesh, const Solid *solid, Affine to_world)
@@ -94,6 +125,16 @@ static Vec3 random_direction(uint64_t *random)
     }
 }
 
+/* A place beside an edge of one of the scene's triangles, nearer than float can tell. */
+static Vec3 place_at_edge(const TestScene *s, uint64_t *random)
+{
+    uint32_t object = (uint32_t)(unit(random) * s->n), k = (uint32_t)(3 * unit(random));
+    Vec3 corner[3];
+    rtc_triangle(s->rtc, object, (uint32_t)(unit(random) * s->objects[object].mesh->n_triangles), 0, corner);
+    Vec3 place = vec3_along(corner[k], unit(random), vec3_sub(corner[(k + 1) % 3], corner[k]));
+    return vec3_along(place, vec3_max_abs(place) * 0x1p-21, random_direction(random));
+}
+
 typedef struct WalkResult {
     uint64_t crossings, faults, escapes_inside;
 } WalkResult;
@@ -116,6 +157,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         list.n = 0;
         Vec3 aim = vec3_scale(vec3(unit(&random) - 0.5, unit(&random) - 0.5, unit(&random) - 0.5), size);
         Vec3 from = vec3_scale(random_direction(&random), 4 * size);
+        if (s->at_edges) aim = place_at_edge(s, &random);
         Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
         for (int bounce = 0; bounce < 40; bounce++) {
             size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
@@ -124,7 +166,13 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
                 break;
             }
             NestPass passes[64];
-            for (size_t i = 0; i < n; i++) passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
+            for (size_t i = 0; i < n; i++) {
+                NestPass pass = passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
+                if (nest_list_has(&list, pass.hull) != pass.entering || !rtc_starts_beside(s->rtc, &ray, pass.hull))
+                    continue;
+                NestPass sliver = {pass.hull, !pass.entering};
+                assert_int_equal(nest_cross(&list, &order, &sliver, 1, &(NestCrossing){0}), STATUS_OK);
+            }
             NestCrossing crossing;
             assert_int_equal(nest_list_copy(&next, &list), STATUS_OK);
             assert_int_equal(nest_cross(&next, &order, passes, (uint32_t)n, &crossing), STATUS_OK);
@@ -137,7 +185,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
                 for (size_t k = 0; k < i; k++)
                     edge |= passes[i].hull == passes[k].hull && passes[i].entering != passes[k].entering;
             if (choice < 0.2 || edge) { /* silent: the same ray goes on */
-                ray.t_min = hits.items[n - 1].t;
+                rtc_pass_on(&ray, hits.items, n);
                 assert_int_equal(nest_list_copy(&list, &next), STATUS_OK);
                 continue;
             }
@@ -148,6 +196,8 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
                 double along = vec3_dot(direction, vec3_from_f(hit->normal));
                 direction = vec3_normalize(vec3_along(direction, -along * (1 - 1e-2), vec3_from_f(hit->normal)));
             }
+            if (s->at_edges && unit(&random) < 0.7)
+                direction = vec3_normalize(vec3_sub(place_at_edge(s, &random), ray_point(&ray, hit->t)));
             bool outward = through != hit->entering;
             if ((vec3_dot(direction, vec3_from_f(hit->normal)) > 0) != outward) direction = vec3_scale(direction, -1);
             /* no ray is so close to the surface that rounding its direction takes it to the other side */
@@ -178,8 +228,12 @@ static void expect_no_faults(TestScene *s, const char *name, double size)
     WalkResult r = walk(s, size, wanted ? strtoull(wanted, NULL, 10) : 60000, 1);
     printf("%s: %llu faults, %llu escapes from inside in %llu crossings\n", name, (unsigned long long)r.faults,
            (unsigned long long)r.escapes_inside, (unsigned long long)r.crossings);
-    assert_int_equal(r.faults, 0);
-    assert_int_equal(r.escapes_inside, 0);
+    if (s->at_edges) { /* along a face, nearer than float can tell, a ray may still miss it: one in a hundred thousand */
+        assert_true((r.faults + r.escapes_inside) * 100000 <= r.crossings);
+    } else {
+        assert_int_equal(r.faults, 0);
+        assert_int_equal(r.escapes_inside, 0);
+    }
     destroy(s);
 }
 
@@ -244,7 +298,8 @@ static void test_coincident_solids(void **state)
     add(&s, NULL, glass, turned(0, vec3(0, 1, 0), vec3(0, 0, 0)));
     add(&s, NULL, inner, turned(0, vec3(0, 1, 0), vec3(0, 2, 0))); /* fills the glass exactly */
     add(&s, NULL, outer, turned(45, vec3(0, 1, 0), vec3(0, 0, 0)));
-    add(&s, keep_mesh(&s, box_mesh(vec3(-12, -5, -12), vec3(12, 0, 12))), NULL, affine_identity()); /* a plate it stands on */
+    add(&s, keep_mesh(&s, box_mesh(vec3(-12, -5, -12), vec3(12, 0, 12))), NULL,
+        affine_identity()); /* a plate it stands on */
     expect_no_faults(&s, "glass filled to the wall, faces shared", 40);
 }
 
@@ -262,6 +317,44 @@ static void test_instances(void **state)
         add(&s, box, NULL, t);
     }
     expect_no_faults(&s, "instances, mirrored and stretched", 40);
+}
+
+/* A drink that reaches into the wall of its glass, the rim of its top on a ring of edges of the glass: as a ray is reflected
+ * or refracted there, it starts within rounding of both surfaces' edges. */
+static void test_shared_edges(void **state)
+{
+    (void)state;
+    TestScene s = {.at_edges = true};
+    static const double glass[][2] = {{0, 0},     {30, 0},  {34, 2}, {41, 80}, {38, 80},
+                                      {36.3, 50}, {35, 42}, {28, 5}, {0, 5}};
+    static const double drink[][2] = {{0, 4},     {30, 4},      {36, 41}, {37.2, 49.99},
+                                      {36.3, 50}, {36.2, 49.9}, {33, 49}, {0, 49}};
+    static const double ice[][2] = {{0, 40}, {9, 41}, {10, 49}, {9, 60}, {0, 60}};
+    Affine t = affine_identity();
+    add(&s, keep_mesh(&s, lathe_mesh(drink, COUNT_OF(drink), 48)), NULL, t);
+    add(&s, keep_mesh(&s, lathe_mesh(glass, COUNT_OF(glass), 48)), NULL, t);
+    add(&s, keep_mesh(&s, lathe_mesh(ice, COUNT_OF(ice), 12)), NULL, t);
+    expect_no_faults(&s, "a drink's rim on an edge of the glass", 120);
+}
+
+/* The same of faces and edges that lie on each other, and of instances. */
+static void test_edges(void **state)
+{
+    (void)state;
+    TestScene s = {.at_edges = true};
+    Mesh *box = keep_mesh(&s, box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2)));
+    for (int i = 0; i < 24; i++) {
+        Affine t = turned(23.0 * i, vec3(i % 5, 1, i % 3), vec3(3 * cos(i), 5 * sin(3 * i), i - 12));
+        if (i % 4 == 1)
+            for (int row = 0; row < 3; row++) t.m[row][0] = -t.m[row][0];
+        if (i % 4 == 2)
+            for (int row = 0; row < 3; row++) t.m[row][1] *= 2.5;
+        add(&s, box, NULL, t);
+    }
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(0, 10, 10))), NULL, affine_identity());
+    add(&s, keep_mesh(&s, box_mesh(vec3(0, -10, -10), vec3(10, 10, 10))), NULL, affine_identity());
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, 0, -10), vec3(10, 10, 0))), NULL, affine_identity());
+    expect_no_faults(&s, "instances and touching boxes, at their edges", 40);
 }
 
 /* Two faces 20 units in the last place apart are two; faces at one place are one cluster. */
@@ -331,9 +424,16 @@ static void test_hostile_rays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boxes), cmocka_unit_test(test_coincident_boxes), cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_coincident_solids), cmocka_unit_test(test_instances), cmocka_unit_test(test_gap_is_kept),
-        cmocka_unit_test(test_many_at_one_place), cmocka_unit_test(test_hostile_rays),
+        cmocka_unit_test(test_boxes),
+        cmocka_unit_test(test_coincident_boxes),
+        cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_coincident_solids),
+        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_gap_is_kept),
+        cmocka_unit_test(test_many_at_one_place),
+        cmocka_unit_test(test_hostile_rays),
+        cmocka_unit_test(test_shared_edges),
+        cmocka_unit_test(test_edges),
     };
     return cmocka_run_group_tests_name("rtc", tests, NULL, NULL);
 }

@@ -1,0 +1,175 @@
+/* rtc_edge.c - which triangles an exact ray meets where it comes within rounding of their edges.
+ *
+ * Embree's float ray runs a little beside the exact one, and at an edge it may meet the neighbour of the triangle that the
+ * exact one meets, or pass by both. Then all triangles about the place are asked in double. Which side of an edge a line
+ * passes on is computed alike for the two triangles that share it, but for the sign, so that the line slips
+ * through between them as little as Embree's. So each surface is entered and left in turn, and in the order in which the
+ * exact ray comes to it, also where the edges of several objects lie on each other.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "geom/rtc_query.h"
+
+/* How far Embree's line may run beside the exact one, of the coordinates: the nudge, and some roundings. */
+#define LINE_NOISE 0x1p-19
+
+bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3])
+{
+    Vec3 relative[3];
+    for (int i = 0; i < 3; i++) relative[i] = vec3_sub(corner[i], query->origin);
+    for (int i = 0; i < 3; i++) {
+        const Vec3 *a = &relative[(i + 1) % 3], *b = &relative[(i + 2) % 3];
+        weight[i] = vec3_dot(query->direction, vec3_cross(*a, *b));
+    }
+    return (weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0) || (weight[0] <= 0 && weight[1] <= 0 && weight[2] <= 0);
+}
+
+bool rtc_meets(const Query *query, const Hit *hit)
+{
+    Vec3 corner[3];
+    double weight[3];
+    rtc_triangle(query->scene, hit->object, hit->primitive, query->ray->time, corner);
+    return rtc_line_meets(query, corner, weight);
+}
+
+bool rtc_line_is_clear(const Query *query, const Vec3 corner[3], double scale)
+{
+    double weight[3];
+    if (!rtc_line_meets(query, corner, weight)) return false;
+    for (int i = 0; i < 3; i++) {
+        Vec3 edge = vec3_sub(corner[(i + 2) % 3], corner[(i + 1) % 3]);
+        double noise = LINE_NOISE * scale, across = vec3_length(vec3_cross(query->direction, edge));
+        if (fabs(weight[i]) <= noise * across) return false;
+    }
+    return true;
+}
+
+bool rtc_has_hit(const HitList *list, uint32_t object, uint32_t primitive)
+{
+    for (size_t i = 0; i < list->n; i++)
+        if (list->items[i].object == object && list->items[i].primitive == primitive) return true;
+    return false;
+}
+
+static uint32_t object_asked(const struct RTCPointQueryFunctionArguments *arguments)
+{
+    return arguments->context->instStackSize ? arguments->context->instID[0] : arguments->geomID;
+}
+
+/* A triangle near a place in doubt: noted where the exact ray meets it. */
+static bool take_neighbour(struct RTCPointQueryFunctionArguments *arguments)
+{
+    Query *query = arguments->userPtr;
+    uint32_t primitive = arguments->primID, object = object_asked(arguments);
+    if (object >= query->scene->n_objects) return false; /* a piece */
+    HitList *list = rtc_passes(query, object) ? query->passed : query->hits;
+    if (rtc_has_hit(list, object, primitive)) return false;
+    Vec3 corner[3];
+    double weight[3];
+    rtc_triangle(query->scene, object, primitive, query->ray->time, corner);
+    if (!rtc_line_meets(query, corner, weight)) return false;
+    Hit *hit = rtc_hit_place(list);
+    if (!hit) return false;
+    const RtcPlaced *placed = &query->scene->objects[object];
+    bool turned = placed->mirrored && !placed->detail->baked; /* the corners are, then; see rtc_triangle */
+    double sum = weight[0] + weight[1] + weight[2];
+    hit->object = object;
+    hit->primitive = primitive;
+    hit->u = sum != 0 ? (float)(weight[turned ? 2 : 1] / sum) : 0;
+    hit->v = sum != 0 ? (float)(weight[turned ? 1 : 2] / sum) : 0;
+    if (!rtc_complete_hit(query, hit)) return false;
+    list->n++;
+    if (list == query->hits && !query->all) rtc_shorten(query, hit);
+    return false; /* the radius stays */
+}
+
+/* Asks about all triangles whose boxes come that near to a place. */
+static void ask_around(const RtcScene *scene, Vec3 place, double time, double radius, RTCPointQueryFunction ask,
+                       void *asker)
+{
+    struct RTCPointQuery about = {
+        .x = (float)place.x, .y = (float)place.y, .z = (float)place.z, .time = (float)time, .radius = (float)radius};
+    struct RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene->world, &about, &context, ask, asker);
+}
+
+static void look_around(Query *query, Vec3 place, double radius)
+{
+    ask_around(query->scene, place, query->ray->time, radius, take_neighbour, query);
+}
+
+void rtc_look_at(Query *query, const Hit *at)
+{
+    const Hit hit = *at; /* its list may grow */
+    Vec3 corner[3], inside = {0, 0, 0}, place = ray_point(query->ray, hit.t);
+    double weight[3], sum = 0, far = 0;
+    rtc_triangle(query->scene, hit.object, hit.primitive, query->ray->time, corner);
+    rtc_line_meets(query, corner, weight);
+    double sign = weight[0] + weight[1] + weight[2] < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) weight[k] = double_max(sign * weight[k], 0), sum += weight[k];
+    for (int k = 0; k < 3; k++) inside = vec3_along(inside, sum > 0 ? weight[k] / sum : 1.0 / 3, corner[k]);
+    for (int k = 0; k < 3; k++) {
+        Vec3 a = corner[(k + 1) % 3], edge = vec3_sub(corner[(k + 2) % 3], a);
+        double across = vec3_length(vec3_cross(query->direction, edge));
+        if (weight[k] > LINE_NOISE * (query->scale + hit.t) * across) continue;
+        far = double_max(far, vec3_length(vec3_cross(vec3_sub(inside, a), edge)) / vec3_length(edge));
+    }
+    look_around(query, inside, far + 2 * vec3_length(vec3_sub(place, inside)) + 8 * hit.rounding);
+}
+
+static void look_at_all(Query *query, HitList *hits)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < hits->n; i++) /* those that are noted on the way, too */
+        if (!hits->items[i].clear) rtc_look_at(query, &hits->items[i]);
+    for (size_t i = 0; i < hits->n; i++)
+        if (hits->items[i].clear || rtc_meets(query, &hits->items[i])) hits->items[kept++] = hits->items[i];
+    hits->n = kept;
+}
+
+void rtc_look_closer(Query *query)
+{
+    Vec3 start = vec3_along(query->origin, query->t_min, query->direction);
+    look_around(query, start, 16 * rtc_rounding(start));
+    look_at_all(query, query->hits);
+    if (query->passes) look_at_all(query, query->passed);
+}
+
+typedef struct Beside {
+    const RtcScene *scene;
+    const Ray *ray;
+    uint32_t object;
+    double radius;
+    bool found;
+} Beside;
+
+/* Whether a point is within a distance of a triangle; at acute corners somewhat farther. */
+static bool is_beside(const Vec3 corner[3], Vec3 p, double distance)
+{
+    Vec3 normal = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+    if (fabs(vec3_dot(normal, vec3_sub(p, corner[0]))) > distance) return false;
+    for (int i = 0; i < 3; i++) {
+        Vec3 inward = vec3_normalize(vec3_cross(normal, vec3_sub(corner[(i + 1) % 3], corner[i])));
+        if (vec3_dot(inward, vec3_sub(p, corner[i])) < -distance) return false;
+    }
+    return true;
+}
+
+static bool find_beside(struct RTCPointQueryFunctionArguments *arguments)
+{
+    Beside *beside = arguments->userPtr;
+    if (beside->found || object_asked(arguments) != beside->object) return false;
+    Vec3 corner[3];
+    rtc_triangle(beside->scene, beside->object, arguments->primID, beside->ray->time, corner);
+    beside->found = is_beside(corner, beside->ray->origin, beside->radius);
+    return false;
+}
+
+bool rtc_starts_beside(const RtcScene *scene, const Ray *ray, uint32_t object)
+{
+    if (!ray->n_left) return false;
+    for (size_t i = 0; i < ray->n_left; i++)
+        if (ray->left[i].object == object) return false; /* on which side of it is known */
+    Beside beside = {scene, ray, object, 2 * rtc_rounding(ray->origin), false};
+    ask_around(scene, ray->origin, ray->time, beside.radius, find_beside, &beside);
+    return beside.found;
+}
