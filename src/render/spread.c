@@ -20,8 +20,8 @@ enum { FEW = 8, FEW_PART = 4 };
 enum { AROUND = 2 };
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
  * away many, else their discs would be seen. */
-enum { NEAR = 2, NEAR_ENOUGH = 6, FAR_ENOUGH = 256, FARTHEST = 40 };
-/* What all comparable samples of a neighbourhood add, spread over it, that is not seen. */
+enum { NEAR = 2, NEAR_ENOUGH = 6, FAR_ENOUGH = 256, FARTHEST = 209 };
+/* What samples add to what is usual, spread, that is not seen. */
 #define UNSEEN 0.1
 /* Of what a usual pixel gets, the part that a black one does. */
 #define TO_BLACK (1 / 6.0)
@@ -152,13 +152,19 @@ static void square_around(const uint32_t area[4], const Lone *lone, int radius, 
     square[3] = lone->y + r < area[3] ? lone->y + r + 1 : area[3];
 }
 
-static double sum_weights(const Maps *maps, const Lone *lone, int radius)
+/* What pixels get together; plain: what these have on average without it. */
+static double sum_weights(const Maps *maps, const Lone *lone, int radius, double *plain)
 {
     uint32_t square[4];
-    double sum = 0;
+    double sum = 0, light = 0;
     square_around(maps->area, lone, radius, square);
     for (uint32_t y = square[1]; y < square[3]; y++)
-        for (uint32_t x = square[0]; x < square[2]; x++) sum += weight_at(maps, lone, x, y, radius);
+        for (uint32_t x = square[0]; x < square[2]; x++) {
+            double weight = weight_at(maps, lone, x, y, radius);
+            sum += weight;
+            light += weight * (double)maps->plain[place_in(maps->area, x, y)];
+        }
+    *plain = light / sum;
     return sum;
 }
 
@@ -176,19 +182,23 @@ static uint32_t count_between(const Maps *maps, const Lone *lone, int nearest, i
     return n;
 }
 
-/* How far a sample is spread. */
+/* How far a sample is spread. One that would be seen wherever it goes, alone, makes less of a blemish where it is: 0. */
 static int find_radius(const Maps *maps, const Lone *lone)
 {
     uint32_t found = count_between(maps, lone, 0, 0);
     int radius = 0;
+    double alone = 0; /* what the sample adds where it is spread the farthest */
     for (int next = 1; next <= FARTHEST; next += 1 + next / 2) {
         found += count_between(maps, lone, radius + 1, next);
         radius = next;
-        if (found >= (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH)) break;
-        double most = found * lone->light * weight_at(maps, lone, lone->x, lone->y, radius);
-        if (most <= UNSEEN * lone->reference * sum_weights(maps, lone, radius)) break;
+        if (found >= (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH)) return radius;
+        double plain, sum = sum_weights(maps, lone, radius, &plain);
+        double most =
+            lone->light * weight_at(maps, lone, lone->x, lone->y, radius) / (sum * fmin(lone->reference, plain));
+        if (found * most <= UNSEEN) return radius;
+        alone = most;
     }
-    return radius;
+    return alone > UNSEEN ? 0 : radius;
 }
 
 static double square_of_luminance(const double rgb[3])
@@ -197,10 +207,9 @@ static double square_of_luminance(const double rgb[3])
     return luminance * luminance;
 }
 
-static void spread_sample(const Maps *maps, const Lone *lone)
+static void spread_sample(const Maps *maps, const Lone *lone, int radius)
 {
-    int radius = find_radius(maps, lone);
-    double sum = sum_weights(maps, lone, radius), squared = square_of_luminance(lone->rgb);
+    double plain, sum = sum_weights(maps, lone, radius, &plain), squared = square_of_luminance(lone->rgb);
     uint32_t square[4];
     square_around(maps->area, lone, radius, square);
     for (uint32_t y = square[1]; y < square[3]; y++)
@@ -241,7 +250,9 @@ static void spread_pixel(Spread *spread, const Maps *maps, uint32_t x, uint32_t 
     for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
         Lone lone = lone_at(maps, x, y, i);
-        spread_sample(maps, &lone);
+        int radius = find_radius(maps, &lone);
+        if (radius == 0) continue;
+        spread_sample(maps, &lone, radius);
         spread->samples++;
         spread->light += lone.light;
     }

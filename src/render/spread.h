@@ -8,7 +8,8 @@
  * - A sample stands alone when it adds much to its pixel, compared with what is there and around without such samples, and
  *   its pixel has few comparable ones. A bright thing that is well sampled has many: it stays as it is, to the bit.
  * - It goes to the smallest neighbourhood that holds enough comparable samples, or in which all of these are not seen any
- *   more: next to it few are enough, farther away many, else each neighbourhood would be seen as a disc.
+ *   more: next to it few are enough, farther away many, else each neighbourhood would be seen as a disc. One that would be seen
+ *   wherever it goes makes less of a blemish where it is, and stays.
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Those that are
  *   darker than their surroundings get less, so that textures and shadows keep their contrast.
  *
@@ -34,7 +35,7 @@ typedef struct SpreadPixel {
 typedef struct Spread {
     uint32_t area[4];
     SpreadPixel *pixels; /* of the area, by rows */
-    uint64_t samples;    /* that stood alone */
+    uint64_t samples;    /* that stood alone and were shared out */
     double light;        /* the part of the picture's light that they bring */
 } Spread;
 

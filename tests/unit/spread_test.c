@@ -133,6 +133,20 @@ static void what_is_bright_by_right_stays(void **state)
     end(&films);
 }
 
+/* So bright that it would be a haze over all that there is. */
+static void what_would_be_seen_anywhere_stays(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    fill(&films, 64);
+    add(&films, 20, 20, (float[]){60000, 60000, 60000}, left_and_right(20));
+    resolve(&films, whole);
+    assert_int_equal(films.way.samples, 0);
+    assert_memory_equal(films.kept.pixels, films.spread.pixels, SIDE * SIDE * 5 * sizeof(float));
+    end(&films);
+}
+
 /* What is seen without a surface between, and what of the edge's pixels is nothing. */
 static void nothing_goes_to_nothing(void **state)
 {
@@ -288,6 +302,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lone_sample_is_spread),
         cmocka_unit_test(what_is_bright_by_right_stays),
+        cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(nothing_goes_to_nothing),
         cmocka_unit_test(more_samples_spread_less),
         cmocka_unit_test(light_is_kept),
