@@ -243,8 +243,8 @@ static void order_and_area(void **state)
             add(&films, (uint32_t)k, 0, (float[]){value, 2 * value, 0}, 9);
         }
     assert_memory_equal(films.bright.pixels[0].rgb, films.bright.pixels[1].rgb, sizeof films.bright.pixels[0].rgb);
-    add(&films, 30, 30, (float[]){500, 500, 500}, left_and_right(30));
-    add(&films, 33, 30, (float[]){500, 500, 500}, left_and_right(33));
+    add(&films, 30, 30, (float[]){10, 10, 10}, left_and_right(30));
+    add(&films, 33, 30, (float[]){10, 10, 10}, left_and_right(33));
     const uint32_t area[4] = {26, 26, 32, 34};
     resolve(&films, area);
     assert_int_equal(films.way.samples, 1);
