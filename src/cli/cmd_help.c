@@ -15,12 +15,16 @@
 static const char *nearest_topic(const char *wrong)
 {
     const Schema *schema = scene_schema();
-    const char **names = malloc((COMMAND_COUNT + schema->n_nodes + D_COUNT + std_library.n_files) * sizeof *names);
+    const char **names =
+        malloc((COMMAND_COUNT + schema->n_nodes + builtin_count() + schema->n_terms + D_COUNT + std_library.n_files) *
+               sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
     for (Command command = 0; command < COMMAND_COUNT; command++)
         if (command_row(command)->summary) names[n++] = command_row(command)->name;
     for (size_t i = 0; i < schema->n_nodes; i++) names[n++] = schema->nodes[i].name;
+    for (size_t i = 0; i < builtin_count(); i++) names[n++] = builtin_at(i)->name;
+    for (size_t i = 0; i < schema->n_terms; i++) names[n++] = schema->terms[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
     size_t first_file = n;
     for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
@@ -47,23 +51,28 @@ static void explain_library(const char *topic, Buf *out)
         library_print_file(file, out);
 }
 
-/* A word can be a command and a node (render): then both are explained. */
+/* A word can be a command and a node (render), or a node and a function (noise): then both are explained. */
 static Status explain(const char *topic, Buf *out, Error *error)
 {
     Command command = command_named(topic);
     const NodeType *node = reference_node(topic);
     DiagCode code = reference_diagnostic(topic);
     if (command != COMMAND_COUNT && command_row(command)->summary) help_print(command, true, out);
+    const Builtin *function = builtin_find(topic);
+    const TermType *term = reference_term(topic);
     if (node) {
         if (out->length) buf_add(out, "\nIn a scene:\n\n");
         reference_print_node(node, out);
     }
+    if ((function || term) && out->length) buf_add(out, "\nAs a function:\n\n");
+    if (function) reference_print_function(function, out);
+    if (term) reference_print_term(term, out);
     if (code != D_COUNT) reference_print_diagnostic(code, out);
     explain_library(topic, out);
     if (out->length) return STATUS_OK;
     const char *near = nearest_topic(topic);
-    return fail(error, STATUS_USAGE, "there is no help for '%s'%s%s%s", topic, near ? "; did you mean '" : "", near ? near : "",
-                near ? "'?" : "");
+    return fail(error, STATUS_USAGE, "there is no help for '%s'%s%s%s", topic, near ? "; did you mean '" : "",
+                near ? near : "", near ? "'?" : "");
 }
 
 Status cmd_help(const Options *options, const Talk *talk, Error *error)

@@ -99,6 +99,14 @@ const NodeType *reference_node(const char *name)
     return NULL;
 }
 
+const TermType *reference_term(const char *name)
+{
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_terms; i++)
+        if (strcmp(schema->terms[i].name, name) == 0) return &schema->terms[i];
+    return NULL;
+}
+
 DiagCode reference_diagnostic(const char *slug)
 {
     DiagCode code = 0;
@@ -133,4 +141,26 @@ void reference_print_diagnostic(DiagCode code, Buf *out)
     help_wrap(out, diag_cause(code), 0, 0);
     help_wrap(out, diag_cure(code), 0, 0);
     buf_add(out, "\nManual: meniscus-diagnostics(7)\n");
+}
+
+/* Where the doc begins with the call, as noise(x, y, z): ..., the name is there already. */
+static void print_call(const char *name, const char *doc, const char *page, Buf *out)
+{
+    Buf text = {0};
+    size_t length = strlen(name);
+    if (strncmp(doc, name, length) != 0 || doc[length] != '(') buf_format(&text, "%s: ", name);
+    buf_add(&text, doc);
+    help_wrap(out, buf_text(&text), 0, 0);
+    buf_clear(&text);
+    buf_format(out, "\nManual: %s\n", page);
+}
+
+void reference_print_function(const Builtin *function, Buf *out)
+{
+    print_call(function->name, function->doc, "meniscus-language(5)", out);
+}
+
+void reference_print_term(const TermType *term, Buf *out)
+{
+    print_call(term->name, term->doc, "meniscus-scene(5)", out);
 }

@@ -341,7 +341,7 @@ static void run_noise(const BuiltinCall *call, Value *result)
     for (uint32_t i = 0; i < call->n; i++) {
         unsigned width = value_width(call->args[i].kind);
         if (width == 0 || n + width > 3) {
-            builtin_wrong(call, i, "1 to 3 numbers", result);
+            builtin_wrong(call, i, i ? "3 numbers at most, a vector being as many" : "1 to 3 numbers, or a vector", result);
             return;
         }
         for (unsigned k = 0; k < width; k++) point[n++] = call->args[i].as.v[k];

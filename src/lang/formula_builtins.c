@@ -221,7 +221,8 @@ static Form noise(const Call *call)
     unsigned n = 0;
     for (uint32_t i = 0; i < call->n; i++) {
         unsigned width = width_of(&call->args[i]);
-        if (width == 0 || n + width > 3) return wrong(call, i, "1 to 3 numbers");
+        if (width == 0 || n + width > 3)
+            return wrong(call, i, i ? "3 numbers at most, a vector being as many" : "1 to 3 numbers, or a vector");
         for (unsigned k = 0; k < width; k++) point[n++] = at(call, &call->args[i], k);
     }
     return form_number(step(call, ops[n - 1], point[0], point[1], point[2]));

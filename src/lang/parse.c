@@ -114,6 +114,13 @@ bool expect(Parser *parser, TokenKind kind, const char *context)
     return false;
 }
 
+/* What the elements of a vector have no room for, since '>' ends them. */
+static bool begins_comparison(TokenKind kind)
+{
+    return kind == TOKEN_LESS || kind == TOKEN_LESS_EQUAL || kind == TOKEN_GREATER_EQUAL || kind == TOKEN_EQUAL ||
+           kind == TOKEN_NOT_EQUAL || kind == TOKEN_QUESTION || kind == TOKEN_AND || kind == TOKEN_OR;
+}
+
 bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expected)
 {
     if (accept(parser, kind)) return true;
@@ -127,6 +134,8 @@ bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expe
         parser_report(parser, D_UNCLOSED_BRACKET, (Span){parser->lexer.source, end, end},
                       arena_format(parser->arena, "expected %s, found %s", expected, found_text(parser)));
     diag_note(parser->diag, report, opening, "to close this");
+    if (kind == TOKEN_GREATER && begins_comparison(parser->token.kind))
+        diag_hint(parser->diag, report, "within < > a comparison, '?', 'and' or 'or' stands in parentheses");
     return false;
 }
 

@@ -46,6 +46,7 @@ Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Spa
         Diagnostic *report =
             diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block", symbol->text);
         if (old->has_span) diag_note(resolver->diag, report, old->span, "first declared here");
+        diag_hint(resolver->diag, report, "take another name: media, objects, values and functions share them");
         old->used = true;
     }
     Binding *binding = ARENA_NEW(resolver->arena, Binding);

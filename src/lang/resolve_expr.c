@@ -95,6 +95,8 @@ Binding *resolve_path(Resolver *resolver, const Path *path)
             Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, path->span, "'%s' is no file in use",
                                              path->names[i - 1]->text);
             if (!binding) suggest_visible(resolver, report, path->names[0], false, false);
+            if (!binding && !report->hint)
+                diag_hint(resolver->diag, report, "write: use \"NAME.mns\" as %s", path->names[i - 1]->text);
             return NULL;
         }
         const Binding *found = find_export(binding->module, path->names[i]);

@@ -142,24 +142,23 @@ typedef struct Check {
 static void hint_form(const Check *check, const Value *value, Diagnostic *report)
 {
     Diag *diag = check->evaluator->diag;
-    bool number = value->kind == VALUE_NUMBER;
-    if (check->type->kind == PROP_COLOR && value->kind == VALUE_VECTOR3)
+    PropKind kind = check->type->kind;
+    bool parts = value->kind == VALUE_NUMBER || value->kind == VALUE_LIST;
+    if (kind == PROP_COLOR && value->kind == VALUE_VECTOR3)
         diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
-    if (check->type->kind == PROP_VECTOR3 && number) diag_hint(diag, report, "write: <x, y, z>");
-    if (check->type->kind == PROP_VECTOR2 && number) diag_hint(diag, report, "write: <x, y>");
+    if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
+    if ((kind == PROP_VECTOR2 || kind == PROP_VECTORS2) && parts) diag_hint(diag, report, "write: <x, y>");
 }
 
 static bool wrong_type(const Check *check, const Value *value)
 {
     Arena *arena = check->evaluator->arena;
-    const char *found = value_describe(arena, value);
-    if (check->element)
-        eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", check->type->name,
-                   kind_text(arena, check->type), check->element - 1, found);
-    else
-        hint_form(check, value,
-                  eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", check->type->name,
-                             kind_text(arena, check->type), found));
+    const char *found = value_describe(arena, value), *kind = kind_text(arena, check->type), *name = check->type->name;
+    Diagnostic *report =
+        check->element ? eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", name,
+                                    kind, check->element - 1, found)
+                       : eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", name, kind, found);
+    hint_form(check, value, report);
     return false;
 }
 

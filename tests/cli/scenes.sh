@@ -101,7 +101,7 @@ begin "a scene on standard input is confined to the current folder"
 small_scene
 sed -e 's/environment { color = 1 }/environment { image = "..\/outside.exr" }/' small.mns > inner.mns
 mkdir inner
-run render small.mns -o ../work/outside.exr
+run render small.mns -o outside.exr
 (cd inner && "$program" render - -o a.exr < ../inner.mns > ../out 2> ../err)
 status=$?
 exits 3

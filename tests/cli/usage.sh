@@ -59,6 +59,7 @@ refuses "option '-o': the value is empty" render small.mns -o ''
 refuses "display 'nowhere'" render small.mns -o a.png --display nowhere
 refuses "there is no completion for 'tcsh'" completion tcsh
 refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-mesh
+refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smothstep
 
 begin "a file without dot or slash: a hint"
 small_scene
@@ -118,6 +119,13 @@ exits 0
 matches out '^meniscus [0-9]+\.[0-9]+'
 run help cylinder
 says out radius
+run help smoothstep
+says out "smoothstep(a, b, x): 0 up to a"
+run help noise
+says out "octaves"
+says out "As a function:"
+run help cauchy
+says out "a refractive index"
 run help open-mesh
 says out interior
 end
