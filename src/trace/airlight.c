@@ -243,7 +243,7 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const Airway *way = &path->way;
-    GuideAt guide = guide_at(world->guide, ray_point(&path->ray, look->t));
+    GuideAt guide = path_guide_in_medium(path, guide_at(world->guide, ray_point(&path->ray, look->t)));
     if (!uneven) {
         const SceneMedium *m = &world->scene->media[medium];
         Lanes coefficient = spectrum_at(&m->scattering, path->wavelengths.nm);

@@ -46,6 +46,7 @@ typedef struct Path {
         cone_spread;  /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;   /* it has gone through a boundary, or off a mirror */
     GuideAt guide;    /* at the place where the path is scattered last */
+    uint32_t n_scattered; /* in media, so far */
     float steering;   /* how much denser its direction was chosen there than the surface alone would have */
     bool straight;    /* media do not scatter it: it only looks what is there */
     bool looks;       /* for light that media scatter towards it */
@@ -152,6 +153,14 @@ static inline void path_find_guide(Path *path, Vec3 place)
         path->guide = guide_find(guide, place);
         path->steering = 1;
     }
+}
+/* The guide of a place in a medium. A direction that it does not choose weighs 1 / (1 - its share), and in a dense medium
+ * there are many one after another: at equal shares their product would double with every scattering, and the picture would
+ * be dark but for a few pixels. Falling shares let it grow as slowly as a root. */
+static inline GuideAt path_guide_in_medium(const Path *path, GuideAt guide)
+{
+    if (UNLIKELY(guide.share > 0)) guide.share /= (float)(1 + path->n_scattered);
+    return guide;
 }
 /* Whether the guide is to choose the direction, and which one it chooses then. */
 bool path_ask_guide(const Path *path, Vec3f *direction);

@@ -159,6 +159,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->scatter_normal = vec3f(0, 0, 0);
     path->from = path->way;
     path_find_guide(path, position);
+    path->guide = path_guide_in_medium(path, path->guide);
     path->scatter_lights = path_lights(path, false);
     LightSample light = path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0));
     if (light.pdf_w > 0) {
@@ -178,6 +179,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     if (UNLIKELY(path->guide.share > 0)) path->beta = lanes_scale(path->beta, path_mix_guide(path, direction));
     path->ray = ray_make(position, direction);
     path->ray.time = time;
+    path->n_scattered++;
 }
 
 SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit)

@@ -107,6 +107,13 @@ static void same_mean(void **state)
                "light { shape = \"sphere\"  from = <60, 90, 0>  radius = 12  radiance = 50 }\n"
                "camera { from = <150, 120, 40>  to = <-20, 0, 0>  fov = .001deg }\n",
          600, 4000},
+        /* scattered some thirty times on its way, and at each place asked for a direction */
+        {"foam in a shell of glass",
+         MEDIA "medium foam { ior = 1  scattering = .9 / 1mm  phase = hg(.4)  state = liquid }\n"
+               "sphere { interior = glass  radius = 30  center = <0, 30, 0> } sphere { interior = foam  radius = 27  center = <0, 30, 0> }\n"
+               "light { from = <300, 400, 100>  to = <0, 30, 0>  size = <100, 300>  radiance = 7 } environment { color = .1 }\n"
+               "camera { from = <0, 60, 200>  to = <0, 28, 0>  fov = 5deg }\n",
+         300, 300},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Measured with = measure(cases[i].text, cases[i].with, CAUSTICS_ON);
