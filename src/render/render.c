@@ -135,7 +135,8 @@ static Status find_spread(const Job *job, Spread *spread, Error *error)
     return job->bright.pixels ? spread_init(spread, &job->film, &job->bright, job->crop, error) : STATUS_OK;
 }
 
-/* Shows the picture so far, when it is time for it. It is not missed when memory ends. */
+/* Shows the picture so far, when it is time for it. It is not missed when memory ends. To spread samples takes too long for
+ * all pictures but the last one. */
 static void report_picture(Job *job, uint32_t step, bool due)
 {
     Image image;
@@ -145,7 +146,7 @@ static void report_picture(Job *job, uint32_t step, bool due)
     if (!due && now - job->picture_at < interval) return;
     if (early_resolve(&job->film, job->crop, step, &image, &unused) != STATUS_OK) return;
     Spread spread = {0};
-    if (job->done >= SPREAD_LEAST_SAMPLES && find_spread(job, &spread, &unused) == STATUS_OK && spread.pixels)
+    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job, &spread, &unused) == STATUS_OK && spread.pixels)
         spread_apply(&spread, &image);
     spread_clear(&spread);
     job->events->picture(job->events->context, &image);

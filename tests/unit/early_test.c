@@ -38,7 +38,8 @@ static void a_plane_is_filled(void **state)
 
 typedef struct Shown {
     int n, black;
-    double sums[8]; /* of the first pictures */
+    double sums[8];      /* of the first pictures */
+    float last[38 * 27]; /* green, of the last one */
 } Shown;
 
 static void note_picture(void *context, const Image *image)
@@ -51,6 +52,7 @@ static void note_picture(void *context, const Image *image)
         shown->black += !(image->pixels[4 * i + 1] > 0);
         if (shown->n < 8) shown->sums[shown->n] += (double)image->pixels[4 * i + 1] / (double)n;
     }
+    for (size_t i = 0; i < n; i++) shown->last[i] = image->pixels[4 * i + 1];
     shown->n++;
 }
 
@@ -96,6 +98,9 @@ static void who_looks_changes_nothing(void **state)
             assert_true(stats[0].rays == stats[1].rays && stats[0].paths == stats[1].paths);
             assert_memory_equal(images[0].pixels, images[1].pixels,
                                 38 * 27 * images[0].n_channels * sizeof *images[0].pixels);
+            for (size_t i = 0; i < COUNT_OF(shown.last); i++)
+                assert_true(shown.last[i] == images[1].pixels[i * images[1].n_channels + 1]);
+            assert_true(k == 0 || stats[1].spread_samples > 0 || !adaptive);
             for (int i = 0; i < 2; i++) image_clear(&images[i]);
             pool_free(pool);
         }
