@@ -251,6 +251,84 @@ static void speed_is_printed(void **state)
     run_close(&run);
 }
 
+/* ---- grids ---- */
+
+#define GRID(function)                                                                                                 \
+    FIXTURE_MEDIA function " medium smoke { mixes = true scattering = .1 "                                             \
+                           "density = volume { function = f from = <-2, 0, -2> to = <2, 5, 2> cells = 60 } } "         \
+                           "box { interior = smoke from = <-2, 0, -2> to = <2, 5, 2> }" FIXTURE_VIEW
+
+static void build_with_threads(Fixture *fixture, const char *text, unsigned n)
+{
+    SceneOptions options = {.eval = {.frames = 1, .frame = 1}};
+    Error error;
+    assert_int_equal(pool_new(n, &options.pool, &error), STATUS_OK);
+    fixture_build(fixture, text, &options);
+    pool_free(options.pool);
+}
+
+/* Whether a function can be compiled or not, and whoever asks it: the grid is the same, and what it should be. */
+static void grids_of_functions(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        GRID("def f(p) = max(0, noise(p) + 2 * noise(p * 3)) + (p.y > 3 ? sqrt(p.y - 3) : 0) + abs(p.x)"),
+        GRID("def f(x, y, z) = max(0, noise(<x, y, z>) + 2 * noise(<x, y, z> * 3)) + (y > 3 ? sqrt(y - 3) : 0) + "
+             "abs(x)"),
+        GRID("def f(p) = let (a = [max(0, noise(p) + 2 * noise(p * 3)), p.y > 3 ? sqrt(p.y - 3) : 0, abs(p.x)]) "
+             "sum([for (i in 0..2) a[i]])"),
+        GRID("def f(p) = let (a = [for (c in [p.x]) if (c < 9) c]) "
+             "max(0, noise(p) + 2 * noise(p * 3)) + (p.y > 3 ? sqrt(p.y - 3) : 0) + abs(a[0])"), /* not compiled */
+    };
+    for (size_t i = 0; i < COUNT_OF(texts); i++) {
+        Fixture one, many;
+        fixture_good(&one, texts[i]);
+        build_with_threads(&many, texts[i], 3);
+        assert_int_equal(many.status, STATUS_OK);
+        const Volume *a = one.scene->volumes[0], *b = many.scene->volumes[0];
+        assert_int_equal(a->n_blocks, b->n_blocks);
+        assert_true(a->n_blocks > 50);
+        assert_memory_equal(a->values, b->values, a->n_blocks * (size_t)VOLUME_BRICK_VALUES * sizeof *a->values);
+        for (int32_t k = 0; k < a->n_points[1]; k += 5)
+            for (int32_t j = 0; j < a->n_points[0]; j += 3) {
+                Vec3 at = vec3(j, k, 7), p = vec3(4.0 * j / 48 - 2, 5.0 * k / 60, 4.0 * 7 / 48 - 2);
+                double value = noise_value((const double[3]){p.x, p.y, p.z}, 3) +
+                               2 * noise_value((const double[3]){3 * p.x, 3 * p.y, 3 * p.z}, 3);
+                value = fmax(value, 0) + (p.y > 3 ? sqrt(p.y - 3) : 0) + fabs(p.x);
+                assert_near(volume_at(a, at), value, 1e-5);
+            }
+        fixture_clear(&one);
+        fixture_clear(&many);
+    }
+}
+
+/* What has no value is reported once, at the first place without, as the evaluation has it. */
+static void grids_report_as_the_evaluation_does(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {GRID("def f(p) = sqrt(p.y - 4)"), "sqrt(-4) is no finite number"},
+        {GRID("def f(p) = 1 / (p.x * p.x + (p.y - 5) ^ 2)"), "division by zero"},
+        {GRID("def f(p) = p.y > 3 ? 1 / 0 : 1"), "division by zero"},
+        {GRID("def f(p) = p"), "gives a vector of 3, not a number, at <-2, 0, -2>"},
+        {GRID("def f(p) = p.y > 3 ? \"a\" : 1"), "gives a string, not a number, at <-2, 3.08333, -2>"},
+        {GRID("def f(p) = 1 - p.y"), "must be 0 or more"},
+        {GRID("def f(p) = nothing + p.x"), "unknown name 'nothing'"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++)
+        for (unsigned n = 1; n <= 3; n += 2) {
+            Fixture f;
+            build_with_threads(&f, cases[i][0], n);
+            assert_int_equal(f.status, STATUS_SCENE);
+            assert_int_equal(f.diag.n_errors, 1);
+            Buf out = {0};
+            diag_print(&f.diag, &out, false);
+            if (!strstr(buf_text(&out), cases[i][1])) fail_msg("%s: %s", cases[i][1], buf_text(&out));
+            buf_clear(&out);
+            fixture_clear(&f);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -258,6 +336,8 @@ int main(void)
         cmocka_unit_test(formulas_agree_with_patterns),
         cmocka_unit_test(mistakes_are_reported),
         cmocka_unit_test(any_property_takes_one),
+        cmocka_unit_test(grids_of_functions),
+        cmocka_unit_test(grids_report_as_the_evaluation_does),
         cmocka_unit_test(speed_is_printed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
