@@ -225,25 +225,21 @@ bool box_tree_any(const BoxTree *tree, const FloatBox *box, BoxTreeTest *test, v
     return false;
 }
 
-static bool ray_meets(const FloatBox *box, Vec3f p)
+typedef struct RayVisit {
+    BoxTreeItem *visit;
+    void *context;
+} RayVisit;
+
+static bool visit_and_go_on(void *context, uint32_t item)
 {
-    return box->max[0] >= p.x && box->min[1] <= p.y && p.y <= box->max[1] && box->min[2] <= p.z && p.z <= box->max[2];
+    const RayVisit *ray = context;
+    ray->visit(ray->context, item);
+    return false;
 }
 
 void box_tree_ray(const BoxTree *tree, Vec3f p, BoxTreeItem *visit, void *context)
 {
-    uint32_t stack[TREE_DEPTH + 1], n = 0;
-    stack[n++] = 1;
-    while (n) {
-        uint32_t node = stack[--n];
-        if (!ray_meets(&tree->nodes[node], p)) continue;
-        if (node < tree->n_leaves) {
-            stack[n++] = 2 * node + 1;
-            stack[n++] = 2 * node;
-            continue;
-        }
-        uint32_t leaf = node - tree->n_leaves, end = leaf_end(tree, leaf);
-        for (uint32_t i = leaf * BOX_TREE_LEAF; i < end; i++)
-            if (ray_meets(&tree->boxes[i], p)) visit(context, tree->items[i]);
-    }
+    const FloatBox ahead = {{p.x, p.y, p.z}, {INFINITY, p.y, p.z}};
+    RayVisit ray = {visit, context};
+    (void)box_tree_any(tree, &ahead, visit_and_go_on, &ray);
 }

@@ -111,3 +111,23 @@ int exact_turn(Point2 a, Point2 b, Point2 c)
     }
     return sum_sign(&sum);
 }
+
+static Point2 seen_along_x(Vec3f p)
+{
+    return (Point2){(double)p.y, (double)p.z};
+}
+
+int exact_pierce_along_x(Vec3f a, Vec3f b, Vec3f c, Vec3f p, bool *at_edge)
+{
+    const Point2 corners[3] = {seen_along_x(a), seen_along_x(b), seen_along_x(c)};
+    int turn = exact_turn(corners[0], corners[1], corners[2]), least = 1, most = -1;
+    for (int k = 0; k < 3; k++) {
+        int side = exact_turn(corners[k], corners[(k + 1) % 3], seen_along_x(p));
+        least = side < least ? side : least;
+        most = side > most ? side : most;
+    }
+    if (least < 0 && most > 0) return 0; /* beside it */
+    if (turn != 0 && least != 0 && most != 0) return turn;
+    *at_edge = true;
+    return 0;
+}

@@ -19,4 +19,9 @@ typedef struct Point2 {
  * all finite coordinates whose products neither overflow nor underflow; those of floats do not. */
 int exact_turn(Point2 a, Point2 b, Point2 c);
 
+/* Whether a line along x through p passes through the triangle abc: 1 where it faces +x, -1 where it faces away, 0 where the
+ * line is beside it. *at_edge, otherwise left as it is, is set where that cannot be said: at an edge or a corner, or where the
+ * triangle is seen from its side. */
+int exact_pierce_along_x(Vec3f a, Vec3f b, Vec3f c, Vec3f p, bool *at_edge);
+
 #endif

@@ -260,11 +260,6 @@ static void test_pair(void *context, uint32_t i, uint32_t j)
 
 /* ---- what is within what ---- */
 
-static Point2 seen_along_x(Vec3f p)
-{
-    return (Point2){(double)p.y, (double)p.z};
-}
-
 /* A triangle of another part that the ray may meet. */
 static void count_triangle(void *context, uint32_t triangle)
 {
@@ -273,19 +268,8 @@ static void count_triangle(void *context, uint32_t triangle)
     if (part == f->asked || f->unclear || is_known(f, part, f->asked)) return;
     const uint32_t *t = f->mesh->triangles[triangle];
     Vec3f a = f->mesh->positions[t[0]], b = f->mesh->positions[t[1]], c = f->mesh->positions[t[2]];
-    Point2 p = seen_along_x(f->from), corners[3] = {seen_along_x(a), seen_along_x(b), seen_along_x(c)};
-    int turn = exact_turn(corners[0], corners[1], corners[2]);
-    int least = 1, most = -1;
-    for (int k = 0; k < 3; k++) {
-        int side = exact_turn(corners[k], corners[(k + 1) % 3], p);
-        least = side < least ? side : least;
-        most = side > most ? side : most;
-    }
-    if (least < 0 && most > 0) return; /* beside it */
-    if (turn == 0 || least == 0 || most == 0) {
-        f->unclear = true;
-        return;
-    }
+    int turn = exact_pierce_along_x(a, b, c, f->from, &f->unclear);
+    if (turn == 0) return;
     Vec3 start = vec3_from_f(a);
     Vec3 normal = vec3_cross(vec3_sub(vec3_from_f(b), start), vec3_sub(vec3_from_f(c), start));
     Vec3 way = vec3_sub(vec3_from_f(f->from), start);

@@ -75,28 +75,13 @@ static bool is_near(void *context, uint32_t triangle)
     return !(squared_to_triangle(p) > asked->radius * asked->radius);
 }
 
-static Point2 seen_along_x(Vec3f p)
-{
-    return (Point2){(double)p.y, (double)p.z};
-}
-
 static void count_crossing(void *context, uint32_t triangle)
 {
     Asked *asked = context;
     Vec3f p[3];
     corners_of(asked, triangle, p);
-    Point2 corners[3] = {seen_along_x(p[0]), seen_along_x(p[1]), seen_along_x(p[2])};
-    int turn = exact_turn(corners[0], corners[1], corners[2]), least = 1, most = -1;
-    for (int k = 0; k < 3; k++) {
-        int side = exact_turn(corners[k], corners[(k + 1) % 3], seen_along_x(asked->from));
-        least = side < least ? side : least;
-        most = side > most ? side : most;
-    }
-    if (least < 0 && most > 0) return; /* beside it */
-    if (turn == 0 || least == 0 || most == 0)
-        asked->unclear = true;                                            /* through an edge */
-    else if (exact_side_of_plane(p[0], p[1], p[2], asked->from) == -turn) /* ahead */
-        asked->net += turn;
+    int turn = exact_pierce_along_x(p[0], p[1], p[2], asked->from, &asked->unclear);
+    if (turn != 0 && exact_side_of_plane(p[0], p[1], p[2], asked->from) == -turn) asked->net += turn; /* ahead */
 }
 
 BallSide mesh_ball_side(const Mesh *mesh, const BoxTree *tree, Vec3 centre, double radius)
