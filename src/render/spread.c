@@ -223,7 +223,7 @@ static void spread_sample(const Maps *maps, const Lone *lone, int radius)
     for (int c = 0; c < 3; c++) from->rgb[c] -= lone->rgb[c];
     double mean, standard_error;
     film_luminance(film_pixel(maps->film, lone->x, lone->y), &mean, &standard_error);
-    from->taken += squared / (standard_error * standard_error);
+    if (standard_error > 0) from->taken += squared / (standard_error * standard_error);
 }
 
 static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int i)
@@ -296,8 +296,8 @@ void spread_apply(const Spread *spread, Image *image)
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++) {
             const SpreadPixel *from = &spread->pixels[place_in(area, x, y)];
-            if (from->taken == 0 && from->given == 0) continue;
             float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
-            for (int c = 0; c < 3; c++) pixel[c] = (float)((double)pixel[c] + from->rgb[c]);
+            for (int c = 0; c < 3; c++)
+                if (from->rgb[c] != 0) pixel[c] = (float)((double)pixel[c] + from->rgb[c]);
         }
 }
