@@ -231,6 +231,7 @@ typedef struct ExrEncoder {
     bool is_set_up;
     exr_encode_pipeline_t pipeline;
     exr_result_t (*compress)(exr_encode_pipeline_t *pipeline); /* the library's, while ours stands in its place */
+    int *at;                                                   /* in a pixel, of each channel in the file's order */
     float *staging;                                            /* staged channels of one chunk, interleaved */
     ExrReason reason;
 } ExrEncoder;
@@ -286,7 +287,7 @@ static void point_at_pixels(ExrEncoder *encoder, uint32_t y)
     const float *lines = image->pixels + (size_t)y * image->width * image->n_channels;
     for (int c = 0; c < encoder->pipeline.channel_count; c++) {
         exr_coding_channel_info_t *channel = &encoder->pipeline.channels[c];
-        int at = image_channel(image, channel->channel_name), stage = writer->stage_of[at];
+        int at = encoder->at[c], stage = writer->stage_of[at];
         size_t n_channels = stage < 0 ? image->n_channels : writer->n_staged;
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_bytes_per_element = sizeof(float);
@@ -294,6 +295,15 @@ static void point_at_pixels(ExrEncoder *encoder, uint32_t y)
         channel->user_line_stride = (int32_t)(image->width * n_channels * sizeof(float));
         channel->encode_from_ptr = (const uint8_t *)(stage < 0 ? lines + at : encoder->staging + stage);
     }
+}
+
+static bool find_channels(ExrEncoder *encoder)
+{
+    const exr_encode_pipeline_t *pipeline = &encoder->pipeline;
+    encoder->at = malloc((size_t)pipeline->channel_count * sizeof *encoder->at);
+    for (int c = 0; c < pipeline->channel_count && encoder->at; c++)
+        encoder->at[c] = image_channel(encoder->writer->image, pipeline->channels[c].channel_name);
+    return encoder->at != NULL;
 }
 
 /* The chunk that begins with line y; the pipeline is set up by a worker's first. */
@@ -307,6 +317,7 @@ static exr_result_t encode_chunk(ExrEncoder *encoder, uint32_t y)
     result = encoder->is_set_up ? exr_encoding_update(context, 0, &chunk, pipeline)
                                 : exr_encoding_initialize(context, 0, &chunk, pipeline);
     if (result != EXR_ERR_SUCCESS) return result;
+    if (!encoder->at && !find_channels(encoder)) return EXR_ERR_OUT_OF_MEMORY;
     point_at_pixels(encoder, y);
     if (!encoder->is_set_up) {
         result = exr_encoding_choose_default_routines(context, 0, pipeline);
@@ -396,6 +407,7 @@ static exr_result_t write_pixels(ExrWriter *writer, const ExrOptions *options)
         for (unsigned i = 0; i < n_workers; i++) {
             exr_encoding_destroy(writer->context, &writer->encoders[i].pipeline);
             free(writer->encoders[i].staging);
+            free(writer->encoders[i].at);
         }
     }
     free(writer->encoders);

@@ -9,8 +9,8 @@
 #include "scene/relation_parts.h"
 
 enum {
-    BLOCK = 256, /* pairs of a task */
-    TRIANGLES_OF_A_PAIR = 50
+    BLOCK = 256,             /* pairs of a task */
+    TRIANGLES_OF_A_PAIR = 50 /* at most, for a tree of them */
 };
 
 /* ---- what is remembered of shapes ---- */
@@ -172,6 +172,7 @@ static BallSide side_of(const Finder *f, uint32_t own, uint32_t other)
     static const ProfileTree no_tree = {0};
     Still still;
     Affine inverse;
+    if (!(f->compiled->hulls[own].volume > 0)) return BALL_NEAR; /* a combination of which nothing is left */
     if (f->compiled->unbounded[own] || !stands_still(f, other, &still) || !affine_invert(still.to_world, &inverse))
         return BALL_NEAR;
     Ball ball = ball_around(f, own);

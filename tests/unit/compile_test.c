@@ -220,6 +220,12 @@ static void pairs_that_keep_apart_are_decided_at_once(void **state)
             assert_true(!pair.overlaps && !pair.touches && isinf(pair.gap));
         }
     }
+    /* a combination of which nothing is left has bounds, but is nowhere */
+    assert_false(
+        pair_in(
+            "intersection a { interior = glass sphere { radius = 1 } sphere { radius = 1 center = <1.9, 1.9, 0> } } "
+            "cylinder b { interior = water from = <0, -9, 0> to = <0, 9, 0> radius = 9 }")
+            .overlaps);
     /* boxes whose bounds share much, but nothing else: room between them, a thin gap, contact, and an overlap */
 #define LEANING(height)                                                                                                \
     "box a { interior = glass size = <10, 2, 2> rotate(z, 45) } "                                                      \
