@@ -11,13 +11,10 @@
  * s = sqrt(1 + x^2), 1 - S(|x|) = S(-|x|) = 1 / (2 s (s + |x|)). */
 static inline Lanes sigmoid(Lanes x)
 {
-    Lanes square = lanes_add(lanes_mul(x, x), lanes_all(1)), s = lanes_all(0), sum = lanes_all(0);
-    for (int i = 0; i < LANES; i++) lanes_set(&s, i, sqrtf(lanes_get(square, i)));
-    for (int i = 0; i < LANES; i++) lanes_set(&sum, i, fabsf(lanes_get(x, i)));
-    sum = lanes_mul(lanes_add(sum, s), s);
-    Lanes tail = lanes_div(lanes_all(0.5f), sum), rest = lanes_sub(lanes_all(1), tail);
-    for (int i = 0; i < LANES; i++) lanes_set(&x, i, lanes_get(x, i) < 0 ? lanes_get(tail, i) : lanes_get(rest, i));
-    return x;
+    Lanes zero = lanes_all(0), size = lanes_select_less(x, zero, lanes_sub(zero, x), x);
+    Lanes s = lanes_sqrt(lanes_add(lanes_mul(x, x), lanes_all(1)));
+    Lanes tail = lanes_div(lanes_all(0.5f), lanes_mul(lanes_add(size, s), s));
+    return lanes_select_less(x, zero, tail, lanes_rest(tail));
 }
 
 Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm)

@@ -24,11 +24,9 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
 }
 
 /* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
-static bool media_differ(const World *world, uint32_t a, uint32_t b, Lanes wavelength_nm)
+static bool media_differ(Path *path, uint32_t a, uint32_t b)
 {
-    if (a == b) return false;
-    Lanes difference = lanes_sub(medium_ior(world, a, wavelength_nm), medium_ior(world, b, wavelength_nm));
-    return !lanes_zero(difference);
+    return a != b && !lanes_equal(path_ior(path, a), path_ior(path, b));
 }
 
 /* The hit of several at one place that stands for the boundary: crossing them one after another, the one at which the
@@ -222,7 +220,7 @@ void path_next_event(Path *path, Event *event)
             event->hit = *boundary_hit(tracer, n, &event->crossing);
             break;
         }
-        if (media_differ(world, event->crossing.medium_from, event->crossing.medium_to, path->wavelengths.nm)) {
+        if (media_differ(path, event->crossing.medium_from, event->crossing.medium_to)) {
             event->hit = *boundary_hit(tracer, n, &event->crossing);
             break;
         }
@@ -293,7 +291,7 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
     if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
     const Hit *hits = tracer->shadow_hits.items;
     size_t n = tracer->shadow_hits.n;
-    Lanes depth = lanes_all(0), panes = lanes_all(1), nm = path->wavelengths.nm;
+    Lanes depth = lanes_all(0), panes = lanes_all(1);
     bool uneven = false;
     double t_done = 0;
     for (size_t begin = 0; begin < n;) {
@@ -315,7 +313,7 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
             if (!n_hulls) crossing.medium_from = crossing.medium_to = medium;
             if (lanes_zero(panes)) return false;
         }
-        if (crossing.opaque || media_differ(world, crossing.medium_from, crossing.medium_to, nm)) return false;
+        if (crossing.opaque || media_differ(path, crossing.medium_from, crossing.medium_to)) return false;
         uneven = uneven || uneven_here;
         if (LIKELY(!uneven_here)) depth = lanes_add(depth, flight_depth(path, medium, hits[begin].t - t_done));
         t_done = hits[begin].t;

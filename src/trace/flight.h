@@ -35,8 +35,10 @@ static inline Lanes flight_absorption(Path *path, uint32_t medium)
     const SceneMedium *m = &world->scene->media[medium];
     if (!m->absorbs || world->no_absorption) return lanes_all(0);
     PathMedium *kept = &path->media[medium % PATH_MEDIA];
-    if (kept->key != medium + 1)
-        *kept = (PathMedium){.absorption = spectrum_at(&m->absorption, path->wavelengths.nm), .key = medium + 1};
+    if (kept->key != medium + 1) {
+        kept->absorption = spectrum_at(&m->absorption, path->wavelengths.nm);
+        kept->key = medium + 1;
+    }
     return kept->absorption;
 }
 /* Held finite, so that a wavelength at which nothing happens stays so out to infinity. */

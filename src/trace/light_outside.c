@@ -166,7 +166,7 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
     const Scene *scene = world->scene;
     Lanes sum = lanes_all(0);
     if (scene->environment) {
-        Vec3f local = to_environment(world, direction);
+        Vec3f local = environment_width(scene->environment) > 0 ? to_environment(world, direction) : direction;
         float pdf = weight_pdf < 0 || !(choices->environment > 0)
                         ? 0
                         : choices->environment * environment_density(world, from, normal, direction, local);

@@ -9,8 +9,8 @@
 
 /* What a path has looked up of a medium at its own wavelengths, for the next time. */
 typedef struct PathMedium {
-    Lanes absorption; /* of one that absorbs */
-    uint32_t key;     /* the medium's number + 1; 0: of none yet */
+    Lanes absorption, ior;
+    uint32_t key, ior_key; /* the medium's number + 1; 0: of none yet */
 } PathMedium;
 enum { PATH_MEDIA = 4 };
 
@@ -87,6 +87,19 @@ typedef struct Event {
 static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
 {
     return spectrum_at(&world->scene->media[medium].ior, wavelength_nm);
+}
+
+/* The same of the path's own wavelengths, looked up once. */
+static inline Lanes path_ior(Path *path, uint32_t medium)
+{
+    const Spectrum *ior = &path->tracer->world->scene->media[medium].ior;
+    if (ior->kind == SPECTRUM_CONSTANT) return spectrum_at(ior, path->wavelengths.nm);
+    PathMedium *kept = &path->media[medium % PATH_MEDIA];
+    if (kept->ior_key != medium + 1) {
+        kept->ior = spectrum_at(ior, path->wavelengths.nm);
+        kept->ior_key = medium + 1;
+    }
+    return kept->ior;
 }
 
 /* ---- event.c ---- */

@@ -266,11 +266,14 @@ typedef struct BoundaryChoice {
     bool reflected;
 } BoundaryChoice;
 
-static BoundaryChoice choose_at_boundary(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, float u)
+static BoundaryChoice choose_at_boundary(const Path *path, Vec3f normal, Lanes eta_i, Lanes eta_t)
 {
     BoundaryChoice choice;
+    Vec3f direction = path->ray.direction;
     bool passes = fresnel_refract(direction, normal, eta_i, eta_t, &choice.reflectance, &choice.direction);
-    choice.reflected = !passes || u < lanes_get(choice.reflectance, 0);
+    /* what is reflected totally takes no random number */
+    choice.reflected = !passes || sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)) <
+                                      lanes_get(choice.reflectance, 0);
     if (choice.reflected) choice.direction = reflect_direction(direction, normal);
     return choice;
 }
@@ -279,8 +282,7 @@ bool path_cross_boundary(Path *path, Event *event)
 {
     const World *world = path->tracer->world;
     path->from.rarity = 0;
-    Lanes eta_i = medium_ior(world, event->crossing.medium_from, path->wavelengths.nm);
-    Lanes eta_t = medium_ior(world, event->crossing.medium_to, path->wavelengths.nm);
+    Lanes eta_i = path_ior(path, event->crossing.medium_from), eta_t = path_ior(path, event->crossing.medium_to);
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->scene->objects[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
@@ -294,12 +296,11 @@ bool path_cross_boundary(Path *path, Event *event)
         return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
     }
     if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &place);
-    float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
-    BoundaryChoice choice = choose_at_boundary(path->ray.direction, place.normal, eta_i, eta_t, u);
+    BoundaryChoice choice = choose_at_boundary(path, place.normal, eta_i, eta_t);
     /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
      * in, or a refraction out, the surface is taken as flat. */
     if ((vec3f_dot(choice.direction, place.geometric) > 0) != choice.reflected)
-        choice = choose_at_boundary(path->ray.direction, place.geometric, eta_i, eta_t, u);
+        choice = choose_at_boundary(path, place.geometric, eta_i, eta_t);
 
     float hero = lanes_get(choice.reflectance, 0);
     if (choice.reflected) {
