@@ -445,6 +445,12 @@ size_t rtc_cluster(const Hit *hits, size_t n_hits)
     return n;
 }
 
+/* Whether a hit goes the way that the ray went through a surface that it starts on, as one does that repeats it. */
+static inline bool may_repeat(const Hit *left, const Hit *hit)
+{
+    return left->object == hit->object && left->inside == hit->entering;
+}
+
 /* Whether a hit is the crossing that the ray has just made, reported again by a neighbouring triangle: Embree's
  * float ray may pass on the other side of an edge than the exact one. It is within rounding of the plane that the ray
  * starts on, or the start is within rounding of its plane, and it enters (leaves) an object that the ray is already
@@ -453,7 +459,7 @@ static bool repeats_start(const Ray *ray, const Hit *hit)
 {
     for (size_t i = 0; i < ray->n_left; i++) {
         const Hit *left = &ray->left[i];
-        if (left->object != hit->object || left->inside != hit->entering) continue;
+        if (!may_repeat(left, hit)) continue;
         double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
         if (hit->t * double_min(fabs(slope), fabs(hit->cos_normal)) <= 2 * hit->rounding) return true;
     }
@@ -554,6 +560,8 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
             n = search_exactly(&query);
         if (query.passes) passed->n = rtc_drop_repeats(ray, passed->items, passed->n);
         if (n == 0) return 0;
+        if (LIKELY(n == 1 && (ray->n_left == 0 || (ray->n_left == 1 && !may_repeat(ray->left, hits->items)))))
+            return hits->n = 1;
         double behind = hits->items[n - 1].t;
         hits->n = rtc_drop_repeats(ray, hits->items, n);
         if (LIKELY(hits->n)) return hits->n;

@@ -43,29 +43,47 @@ typedef struct NestCrossing {
 ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                                  NestCrossing *crossing);
 
-/* The same for one surface, as most are. */
+/* What crossing one surface comes to, before the list is changed. */
+typedef struct NestStep {
+    uint32_t hull, place; /* where in the list it goes, or behind which it is */
+    bool entering, apt;   /* false: the list stays */
+} NestStep;
+
+/* Decides on the crossing of one surface, as most are, under a sorted order: a hull's place shows whether it is there. */
+static inline NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
+{
+    const uint32_t *items = nest_list_items(list);
+    uint32_t n = list->n, place = n, rank = order->rank[pass.hull];
+    while (place > 0 && order->rank[items[place - 1]] > rank) place--;
+    bool inside = place > 0 && items[place - 1] == pass.hull, apt = inside != pass.entering;
+    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
+    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
+    crossing->opaque = false;
+    crossing->n_faults = !apt;
+    if (apt && place == n) { /* on top */
+        uint32_t owner = pass.entering ? pass.hull : n > 1 ? items[n - 2] : NEST_WORLD;
+        crossing->owner_to = owner;
+        crossing->medium_to = owner == NEST_WORLD ? order->world_medium : order->medium[owner];
+    }
+    return (NestStep){pass.hull, place, pass.entering, apt};
+}
+
+/* Changes the list, as it was looked at; it must have room for one more hull. */
+static inline void nest_step(NestList *list, NestStep step)
+{
+    if (UNLIKELY(!step.apt)) return;
+    if (step.entering)
+        nest_list_insert(list, step.place, step.hull);
+    else
+        nest_list_remove(list, step.place - 1);
+}
+
+/* nest_cross for one surface. */
 ATTR_NODISCARD static inline Status nest_cross_one(NestList *list, const NestOrder *order, NestPass pass,
                                                    NestCrossing *crossing)
 {
     if (UNLIKELY(!order->sorted || list->n == list->capacity)) return nest_cross(list, order, &pass, 1, crossing);
-    /* A sorted list shows by a hull's place whether the hull is there. */
-    const uint32_t *items = nest_list_items(list);
-    uint32_t n = list->n, place = n, rank = order->rank[pass.hull];
-    while (place > 0 && order->rank[items[place - 1]] > rank) place--;
-    bool on_top = place == n, inside = place > 0 && items[place - 1] == pass.hull;
-    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
-    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
-    crossing->opaque = false;
-    crossing->n_faults = inside == pass.entering;
-    if (UNLIKELY(inside == pass.entering)) return STATUS_OK;
-    if (inside)
-        nest_list_remove(list, place - 1);
-    else
-        nest_list_insert(list, place, pass.hull);
-    if (on_top) {
-        crossing->owner_to = nest_owner(order, list);
-        crossing->medium_to = nest_medium(order, list);
-    }
+    nest_step(list, nest_look(list, order, pass, crossing));
     return STATUS_OK;
 }
 

@@ -104,7 +104,7 @@ void path_turn_back(Tracer *tracer)
     tracer->aside = swap;
 }
 
-/* Finds the next surfaces along the path's ray and crosses them into tracer->next; tracer->before is the list in front of
+/* Finds the next surfaces along the path's ray and crosses them into tracer->next, or puts that off; tracer->before is the list in front of
  * them where anything was passed on the way. False when memory ends. */
 static bool read_nearest(Path *path, Event *event)
 {
@@ -114,6 +114,7 @@ static bool read_nearest(Path *path, Event *event)
     event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
     event->crossing = (NestCrossing){0};
     event->clear = true;
+    event->put_off = false;
     tracer->counters.rays++;
     if (tracer->hits.out_of_memory || tracer->passed.out_of_memory) return false;
     if (tracer->passed.n) {
@@ -137,8 +138,11 @@ static bool read_nearest(Path *path, Event *event)
     }
     event->kind = EVENT_BOUNDARY;
     NestPass pass = {hull, hit->entering};
-    if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
-        nest_cross_one(&tracer->next, &compiled->order, pass, &event->crossing) != STATUS_OK)
+    event->put_off = compiled->order.sorted && before->n < before->capacity;
+    if (LIKELY(event->put_off))
+        event->step = nest_look(before, &compiled->order, pass, &event->crossing);
+    else if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
+             nest_cross_one(&tracer->next, &compiled->order, pass, &event->crossing) != STATUS_OK)
         return false;
     event->clear = !event->crossing.n_faults;
     return true;
@@ -231,7 +235,7 @@ void path_next_event(Path *path, Event *event)
             event->kind = EVENT_GIVE_UP;
             return;
         }
-        nest_list_swap(&tracer->list, &tracer->next);
+        path_go_behind(tracer, event);
         rtc_pass_on(&path->ray, hits, n);
     }
     flight_end(path, &flight, event->kind == EVENT_SCATTER && !uneven);

@@ -79,6 +79,10 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     HitSurface at;
     rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
     const NestList *list = opaque ? &tracer->list : &tracer->next;
+    if (event->put_off) {
+        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) return;
+        nest_step(&tracer->next, event->step);
+    }
     sight->met = true;
     sight->object = scene_whole(scene, event->hit.object);
     sight->medium = nest_medium(&world->compiled->order, list);
@@ -190,9 +194,9 @@ static bool follow(Path *path)
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {
-            Lanes radiance =
-                light_from_infinity(world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
-                                    path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
+            Lanes radiance = light_from_infinity(
+                world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
+                path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
             path_add_radiance(path, lanes_all(1),
                               path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
             /* out here the ray is in nothing that is bounded, or a surface was lost */

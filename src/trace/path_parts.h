@@ -80,6 +80,8 @@ typedef struct Event {
     size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
     bool clear; /* of the reading of the surfaces there: it does not contradict the list */
+    bool put_off; /* the list behind the surface is not in tracer->next: `step` leads to it from tracer->list */
+    NestStep step;
     double t;   /* EVENT_SCATTER: how far along the ray, */
     uint32_t medium; /* and what scatters there */
 } Event;
@@ -103,6 +105,15 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
 }
 
 /* ---- event.c ---- */
+
+/* tracer->list becomes the one behind the event's surfaces. */
+static inline void path_go_behind(Tracer *tracer, const Event *event)
+{
+    if (LIKELY(event->put_off))
+        nest_step(&tracer->list, event->step);
+    else
+        nest_list_swap(&tracer->list, &tracer->next);
+}
 
 /* tracer->list is the one at a t of the path's ray, up to its next event, until path_turn_back is called; false when memory
  * ends, and then it is as before. */

@@ -66,7 +66,10 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
     tracer->left = reached;
     bool several = event->n_cluster > 1;
     if (several && !path_cross_towards(tracer, &path->ray, &tracer->next)) tracer->out_of_memory = true;
-    if (through || several) nest_list_swap(&tracer->list, &tracer->next);
+    if (several)
+        nest_list_swap(&tracer->list, &tracer->next);
+    else if (through)
+        path_go_behind(tracer, event);
 }
 
 LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal)
