@@ -39,15 +39,14 @@ static uint32_t apply(NestList *list, const NestOrder *order, NestPass pass)
     return 0;
 }
 
-/* Whether pass i is the one that counts for its hull: the first of its kind, and none goes the other way. */
+/* Whether pass i is the one that counts for its hull: the first, where the last goes the same way. */
 static bool counts(const NestPass *passes, uint32_t n, uint32_t i)
 {
-    for (uint32_t j = 0; j < n; j++) {
-        if (passes[j].hull != passes[i].hull) continue;
-        if (passes[j].entering != passes[i].entering) return false;
-        if (j < i) return false;
-    }
-    return true;
+    for (uint32_t k = 0; k < i; k++)
+        if (passes[k].hull == passes[i].hull) return false;
+    uint32_t last = n - 1;
+    while (passes[last].hull != passes[i].hull) last--;
+    return passes[last].entering == passes[i].entering;
 }
 
 /* Crosses the operands of one combination, of which pass i is the first, and says whether its hull is crossed. */

@@ -192,6 +192,12 @@ static void test_together(void **state)
             assert_int_equal(nest_cross(&list, &order, edge, 3, &crossing), STATUS_OK);
             assert_int_equal(crossing.n_faults, 0);
             assert_int_equal(list.n, 1);
+            /* a ripple that is left, entered and left again within rounding: it is left */
+            NestPass ripple[] = {{B, false}, {B, true}, {B, false}}, in_b = {B, true};
+            assert_int_equal(nest_cross(&list, &order, ripple, 3, &crossing), STATUS_OK);
+            assert_int_equal(crossing.n_faults, 0);
+            assert_int_equal(list.n, 0);
+            assert_int_equal(cross_one(&list, &order, in_b, &crossing), STATUS_OK);
             /* one edge reported by both its triangles counts once */
             NestPass twice[] = {{B, false}, {B, false}};
             assert_int_equal(nest_cross(&list, &order, twice, 2, &crossing), STATUS_OK);
