@@ -338,7 +338,7 @@ static void environment_from_sky(Builder *b, const EvalNode *node)
     double rgb[3] = {ground.x, ground.y, ground.z}, azimuth = eval_number(node, "azimuth") * degree;
     Spectrum albedo = spectrum_from_reflectance(rgb);
     SkyModel model = {eval_number(node, "elevation") * degree, eval_number(node, "turbidity"), &albedo,
-                      eval_number(node, "strength")};
+                      eval_number(node, "strength"), b->options->pool};
     if (model.strength > brightest_sky) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "strength"),
                     "a sky %g times as bright as day is beyond what can be rendered", model.strength);
