@@ -140,7 +140,7 @@ $(BUILD)/generated/stretched_table.c: $(BUILD)/stretched_gen
 	$(BUILD)/stretched_gen $@
 
 # And what layers do to what is under them, which asks those.
-LAYERED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_layer optics/bsdf_diffuse optics/bsdf_facets optics/microfacet optics/fresnel \
+LAYERED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_layer optics/bsdf_diffuse optics/bsdf_facets optics/direction_grid optics/microfacet optics/fresnel \
   optics/stretched generated/microfacet_table generated/stretched_table)
 $(BUILD)/layered_gen: src/optics/layered_gen.c $(LAYERED_OBJECTS) $(wildcard src/optics/*.h) $(BUILD)/flags
 	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -o $@ $(filter %.c %.o,$^) -lm

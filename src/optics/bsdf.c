@@ -14,7 +14,13 @@ void bsdf_begin(Bsdf *bsdf)
     bsdf->total = bsdf->opaque_share = bsdf->coat_share = bsdf->fuzz.share = 0;
     bsdf->transmits = bsdf->coating = bsdf->looked = false;
     bsdf->specular_only = true;
+    bsdf->balance = NULL;
     bsdf->opaque_albedo = bsdf->coat_albedo = lanes_all(0);
+}
+
+void bsdf_set_balance(Bsdf *bsdf, const Balance *balance)
+{
+    bsdf->balance = balance;
 }
 
 static BsdfLobe *add_lobe(Bsdf *bsdf, BsdfKind kind, float share)
@@ -25,6 +31,7 @@ static BsdfLobe *add_lobe(Bsdf *bsdf, BsdfKind kind, float share)
     lobe->share = share;
     lobe->covered = false;
     lobe->fuzz_norm = 1;
+    lobe->balance = NULL;
     bsdf->total += share;
     return lobe;
 }
@@ -49,6 +56,8 @@ void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness)
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_DIFFUSE, share);
     if (!lobe) return;
     lobe->as.diffuse = diffuse_make(albedo, roughness);
+    const Balance *balance = bsdf->balance;
+    if (bsdf->coating && balance && balance->coated_diffuse) lobe->balance = &balance->to_coated_diffuse;
     note_opaque(bsdf, lobe, lobe->as.diffuse.albedo, false);
 }
 
@@ -70,6 +79,9 @@ static void add_facets(Bsdf *bsdf, float share, const BsdfConductor *like, float
     if (!lobe) return;
     BsdfConductor *conductor = &lobe->as.conductor;
     *conductor = *like;
+    const Balance *balance = bsdf->balance;
+    conductor->balanced = balance && (bsdf->coating ? balance->coated_metal : balance->bare_metal);
+    if (conductor->balanced) lobe->balance = bsdf->coating ? &balance->to_coated_metal : &balance->to_bare_metal;
     conductor->facets = facets_make(alpha_x, alpha_y);
     if (!conductor->facets.smooth) {
         conductor->mirrors = mirrors_make(&conductor->facets);
@@ -97,7 +109,10 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float a
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_PLASTIC, share);
     if (!lobe) return;
     lobe->as.plastic.base = diffuse_make(albedo, roughness);
-    lobe->as.plastic.layer = layer_make(eta, alpha_x, alpha_y, tint);
+    const Balance *balance = bsdf->balance;
+    if (balance && balance->plastic_base) lobe->balance = &balance->to_plastic_base;
+    lobe->as.plastic.layer =
+        layer_make(eta, alpha_x, alpha_y, tint, balance && balance->skin ? &balance->skin_reflects : NULL);
     if (lobe->as.plastic.base.roughness > 0) layer_find_among(&lobe->as.plastic.layer);
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
@@ -140,6 +155,7 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     if (!lobe) return;
     BsdfBoundary *boundary = &lobe->as.boundary;
     boundary->facets = facets_make(alpha_x, alpha_y);
+    boundary->known[0] = boundary->known[1] = NULL;
     boundary->eta_i = eta_i;
     boundary->eta_t = eta_t;
     bsdf->transmits = true;
@@ -156,8 +172,14 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
             dense != through ? float_min(round.alpha, round.critical * round.critical) : round.alpha;
         boundary->spread_norm[through] = 1 / (SAMPLING_PI * logf(1 + 1 / (a * a)));
     }
-    Lanes here = facets_missing_mean(facets, &boundary->index, false);
-    Lanes there = facets_missing_mean(facets, &boundary->index, true);
+    Lanes means[2];
+    for (int side = 0; side <= 1; side++) {
+        const Balance *balance = bsdf->balance;
+        const BsdfKnown *known = balance && balance->boundary ? &balance->boundary_misses[side] : NULL;
+        boundary->known[side] = known;
+        means[side] = known ? lanes_all(known->mean) : facets_missing_mean(facets, &boundary->index, side);
+    }
+    Lanes here = means[0], there = means[1];
     /* Of diffuse light that is missing the part 1 - F (mean) should pass. With n_i^2 (1 - F_i) = n_t^2 (1 - F_t),
      * dividing by the larger of the two means makes the split reciprocal and at most that. Row 0 is the smooth
      * boundary. */
@@ -179,7 +201,8 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
 {
     bsdf->coating = true;
-    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint);
+    const Balance *balance = bsdf->balance;
+    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint, balance && balance->coat ? &balance->coat_reflects : NULL);
     layer_find_among(&bsdf->coat);
 }
 
@@ -210,7 +233,7 @@ static Covers covers_at(const Bsdf *bsdf, Vec3f w)
     return covers;
 }
 
-static const BsdfLayer *layer_over(const Bsdf *bsdf, const BsdfLobe *lobe)
+const BsdfLayer *bsdf_layer_over(const Bsdf *bsdf, const BsdfLobe *lobe)
 {
     return lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer : lobe->covered ? &bsdf->coat : NULL;
 }
@@ -221,7 +244,7 @@ static float fuzz_norm(const Bsdf *bsdf, const BsdfLobe *lobe)
     /* Gauss's six points in the cosine */
     static const float cosines[] = {0.0337652f, 0.1693953f, 0.3806904f, 0.6193096f, 0.8306047f, 0.9662348f};
     static const float weights[] = {0.0856622f, 0.1803808f, 0.2339570f, 0.2339570f, 0.1803808f, 0.0856622f};
-    const BsdfLayer *layer = layer_over(bsdf, lobe);
+    const BsdfLayer *layer = bsdf_layer_over(bsdf, lobe);
     float without = 0, with = 0;
     for (int i = 0; i < 6; i++) {
         float aside = sqrtf(0.5f * (1 - cosines[i] * cosines[i]));
@@ -289,6 +312,16 @@ static Lanes lobe_probability(const Bsdf *bsdf, const BsdfLobe *lobe, const Chan
 
 /* ---- the sum ---- */
 
+static bool is_looked_at(const Bsdf *bsdf, Vec3f view)
+{
+    return bsdf->looked && view.x == bsdf->view.x && view.y == bsdf->view.y && view.z == bsdf->view.z;
+}
+
+static float balance_of(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view)
+{
+    return is_looked_at(bsdf, view) ? lobe->balance_seen : direction_grid_at(lobe->balance, view);
+}
+
 static const BsdfFacets *facets_of(const BsdfLobe *lobe) /* NULL: none that reflect by themselves */
 {
     return lobe->kind == BSDF_CONDUCTOR ? &lobe->as.conductor.facets
@@ -296,15 +329,21 @@ static const BsdfFacets *facets_of(const BsdfLobe *lobe) /* NULL: none that refl
                                         : NULL;
 }
 
-static LobeOver fuzz_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
+/* What of a lobe's light is under fuzz, and the balance. */
+static LobeOver lobe_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
                           const Covers *l)
 {
     const BsdfFuzz *fuzz = &bsdf->fuzz;
-    if (!(fuzz->share > 0)) return (LobeOver){1, 1};
     LobeOver over = {1, lobe->fuzz_norm};
+    if (lobe->balance) {
+        float balance = balance_of(bsdf, lobe, view) * direction_grid_at(lobe->balance, light);
+        over.diffuse *= balance;
+        if (lobe->kind == BSDF_CONDUCTOR) over.mirror = balance;
+    }
+    if (!(fuzz->share > 0)) return over;
     const BsdfFacets *facets = facets_of(lobe);
     if (facets)
-        over.mirror = fuzz_to_mirrors(fuzz, facets, view, v->fuzz) * fuzz_to_mirrors(fuzz, facets, light, l->fuzz);
+        over.mirror *= fuzz_to_mirrors(fuzz, facets, view, v->fuzz) * fuzz_to_mirrors(fuzz, facets, light, l->fuzz);
     if (lobe->kind == BSDF_CONDUCTOR) {
         if (lobe->covered) over.mirror *= sqrtf(v->skin * l->skin);
         return over;
@@ -330,11 +369,27 @@ static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f 
                                   const Covers *l)
 {
     const BsdfDiffuse *diffuse = &lobe->as.diffuse;
-    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), fuzz_over(bsdf, lobe, view, light, v, l).diffuse);
+    Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), lobe_over(bsdf, lobe, view, light, v, l).diffuse);
     if (!lobe->covered) return f;
     f = lanes_mul(f, lanes_mul(v->passed, l->passed));
     f = lanes_mul(f, layer_over_rough_diffuse(&bsdf->coat, diffuse->roughness, view, light));
     return lanes_mul(f, layer_over_diffuse(&bsdf->coat, diffuse->albedo));
+}
+
+float bsdf_cover_factor(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w)
+{
+    Covers covers = covers_at(bsdf, w);
+    LobeOver over = lobe_over(bsdf, lobe, w, w, &covers, &covers);
+    if (lobe->kind == BSDF_CONDUCTOR) {
+        float coat = lobe->covered ? lanes_get(coat_over_mirrors(bsdf, lobe, w, w, &covers, &covers), 0) : 1;
+        return sqrtf(over.mirror * coat);
+    }
+    const BsdfLayer *layer = bsdf_layer_over(bsdf, lobe);
+    if (!layer) return sqrtf(over.diffuse);
+    float roughness = lobe->kind == BSDF_PLASTIC ? lobe->as.plastic.base.roughness : lobe->as.diffuse.roughness;
+    Lanes passed = layer_transmittance(layer, w, layer_reflectance(layer, w));
+    Lanes both = lanes_mul(layer_over_diffuse(layer, lanes_all(1)), layer_over_rough_diffuse(layer, roughness, w, w));
+    return lanes_get(passed, 0) * sqrtf(over.diffuse * lanes_get(both, 0));
 }
 
 static Lanes lobe_see(const BsdfLobe *lobe, Vec3f view)
@@ -347,15 +402,18 @@ static Lanes lobe_see(const BsdfLobe *lobe, Vec3f view)
 
 void bsdf_look(Bsdf *bsdf, Vec3f view)
 {
-    for (uint32_t i = 0; i < bsdf->n_lobes; i++) bsdf->lobes[i].seen = lobe_see(&bsdf->lobes[i], view);
+    for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
+        BsdfLobe *lobe = &bsdf->lobes[i];
+        lobe->seen = lobe_see(lobe, view);
+        if (lobe->balance) lobe->balance_seen = direction_grid_at(lobe->balance, view);
+    }
     bsdf->view = view;
     bsdf->looked = true;
 }
 
 static Lanes seen_by(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view)
 {
-    bool looked = bsdf->looked && view.x == bsdf->view.x && view.y == bsdf->view.y && view.z == bsdf->view.z;
-    return looked ? lobe->seen : lobe_see(lobe, view);
+    return is_looked_at(bsdf, view) ? lobe->seen : lobe_see(lobe, view);
 }
 
 static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
@@ -373,18 +431,18 @@ static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
         if (!below) return;
         *pdf_w = lanes_all(-light.z / SAMPLING_PI);
         *f_cos =
-            lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w), fuzz_over(bsdf, lobe, view, light, v, l).diffuse);
+            lanes_scale(lanes_mul(lobe->as.diffuse.albedo, *pdf_w), lobe_over(bsdf, lobe, view, light, v, l).diffuse);
         break;
     case BSDF_CONDUCTOR:
         if (below) return;
         conductor_evaluate(&lobe->as.conductor, view, light, f_cos, pdf_w);
         if (lobe->covered) *f_cos = lanes_mul(*f_cos, coat_over_mirrors(bsdf, lobe, view, light, v, l));
-        *f_cos = lanes_scale(*f_cos, fuzz_over(bsdf, lobe, view, light, v, l).mirror);
+        *f_cos = lanes_scale(*f_cos, lobe_over(bsdf, lobe, view, light, v, l).mirror);
         break;
     case BSDF_PLASTIC:
         if (below) return;
         plastic_evaluate(&lobe->as.plastic, view, light, seen_by(bsdf, lobe, view),
-                         fuzz_over(bsdf, lobe, view, light, v, l), f_cos, pdf_w);
+                         lobe_over(bsdf, lobe, view, light, v, l), f_cos, pdf_w);
         break;
     case BSDF_BOUNDARY:
         boundary_evaluate(&lobe->as.boundary, view, light, seen_by(bsdf, lobe, view), f_cos, pdf_w);

@@ -30,7 +30,8 @@ typedef struct Bsdf {
     bool coating;                     /* between bsdf_begin_coat and bsdf_end_coat */
     Lanes opaque_albedo, coat_albedo; /* about, of these lobes: the sums over their shares */
     BsdfLayer coat;
-    BsdfFuzz fuzz; /* share 0: none */
+    BsdfFuzz fuzz;          /* share 0: none */
+    const Balance *balance; /* NULL: none */
     BsdfLobe lobes[BSDF_LOBES];
 } Bsdf;
 
@@ -46,6 +47,8 @@ typedef struct BsdfSample {
 /* share: the part of the surface that is covered with the lobe, 0..1; all together at most 1, less absorbs. More than
  * BSDF_LOBES lobes and shares of 0 are left out. */
 void bsdf_begin(Bsdf *bsdf);
+/* Next, if at all: what is known of the surface; not owned, NULL: nothing. */
+void bsdf_set_balance(Bsdf *bsdf, const Balance *balance);
 /* roughness 0: Lambert; up to 1: EON, J. Portsmouth, P. Kutz, S. Hill, "EON: A Practical Energy-Preserving Rough
  * Diffuse BRDF" (2024). albedo 0..1. */
 void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness);

@@ -9,9 +9,26 @@
 #include "optics/bsdf_lobe.h"
 #include "optics/fresnel.h"
 
+/* Each wavelength as far from its critical angle as that is from its own for which it is known. */
+static Lanes known_missing(const BsdfBoundary *boundary, const BsdfKnown *known, bool behind, Vec3f w)
+{
+    Lanes eta = lanes_div(boundary->eta_t, boundary->eta_i);
+    if (known->critical < 0 || lanes_uniform(eta)) return lanes_all(direction_grid_at(&known->grid, w));
+    Lanes missing = lanes_all(0);
+    for (int i = 0; i < LANES; i++) {
+        float n = lanes_get(eta, i), critical = microfacet_critical(behind ? 1 / n : n);
+        Vec3f shifted = w; /* only the azimuth of x and y counts */
+        shifted.z = float_min(float_max(fabsf(w.z) + known->critical - critical, 0), 1);
+        lanes_set(&missing, i, direction_grid_at(&known->grid, shifted));
+    }
+    return missing;
+}
+
 Lanes boundary_missing(const BsdfBoundary *boundary, bool behind, Vec3f w)
 {
-    return facets_missing(&boundary->facets, &boundary->index, behind, w);
+    const BsdfKnown *known = boundary->known[behind];
+    return known ? known_missing(boundary, known, behind, w)
+                 : facets_missing(&boundary->facets, &boundary->index, behind, w);
 }
 
 /* What is missing falls off about as 1 / cos^2, from cos = alpha on, or from the square of the critical angle's if that

@@ -29,11 +29,30 @@ static Lanes softened_root(const BsdfLayer *layer, Vec3f w, Lanes passed, float 
     return root;
 }
 
+static float mean_alpha(const BsdfFacets *facets)
+{
+    return sqrtf(0.5f * (facets->alpha_x * facets->alpha_x + facets->alpha_y * facets->alpha_y));
+}
+
+/* t where a balance puts right the rest: about as layered.h has it, with u = 1, and the same power for all directions.
+ * Under a layer that is itself the rougher one nothing needs to be softened. */
+static Lanes passed_to_balanced(const BsdfLayer *layer, const BsdfFacets *facets, Vec3f w, Lanes passed)
+{
+    float alpha = mean_alpha(facets);
+    int quarters = layered_quarters(microfacet_place(sqrtf(alpha), LAYERED_MIRRORS).knot);
+    bool soft = mean_alpha(&layer->facets) < 2 * alpha;
+    Lanes smooth = soft ? softened_root(layer, w, passed, facets_alpha(facets, w)) : lanes_sqrt(passed);
+    if (quarters == 0) return smooth;
+    Lanes over = lanes_div(passed, lanes_add(lanes_mul(smooth, lanes_sqrt(layer->mean_passed)), lanes_all(1e-12f)));
+    return lanes_mul(smooth, quarters == 1 ? lanes_sqrt(over) : over);
+}
+
 /* t of layered.h; passed: T, without tint. */
 static Lanes passed_to_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3f w, Lanes passed)
 {
     const BsdfFacets *facets = &base->facets;
     if (facets->smooth) return lanes_sqrt(passed);
+    if (base->balanced) return passed_to_balanced(layer, facets, w, passed);
     float alpha = facets_alpha(facets, w), s = stretched_slope(alpha, w.z);
     const float angles[2] = {microfacet_angle(w.z, s),
                              layer->among.any_dense ? microfacet_angle_within(w.z, s, layer->among.critical, alpha)

@@ -13,13 +13,14 @@ Lanes layer_depth(Lanes transmittance)
     return depth;
 }
 
-BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint)
+BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known)
 {
-    BsdfLayer layer = {.facets = facets_make(alpha_x, alpha_y), .eta = eta};
+    BsdfLayer layer = {.facets = facets_make(alpha_x, alpha_y), .eta = eta, .known = known};
     layer.index = facets_index(&layer.facets, eta);
     layer.depth = lanes_scale(layer_depth(tint), 0.5f);
     layer.tinted = !lanes_zero(layer.depth);
     Lanes passed = lanes_rest(facets_reflected_mean(&layer.facets, &layer.index));
+    if (known) passed = lanes_all(1 - known->mean);
     layer.mean_passed = passed;
     /* Reciprocity. Under a layer of the smaller index it can say more than all, as what one facet misses counts as
      * passed. */
@@ -36,8 +37,23 @@ void layer_find_among(BsdfLayer *layer)
                                           LAYERED_INDICES);
 }
 
+Lanes layer_smooth_reflectance(const BsdfLayer *layer, Vec3f w)
+{
+    Lanes reflectance = fresnel_dielectric_lanes(w.z, lanes_all(1), layer->eta);
+    const MicrofacetIndex *index = facets_round_index(&layer->facets, &layer->index);
+    if (!index->any_dense) return reflectance;
+    float width = direction_edge_width(layer->facets.alpha_x, layer->facets.alpha_y, w);
+    float soft = float_min(microfacet_softened(w.z, index->critical, width), 1);
+    Lanes softened = fresnel_dielectric_lanes(soft, lanes_all(1), layer->eta);
+    return lanes_select_less(layer->eta, lanes_all(1), softened, reflectance);
+}
+
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w)
 {
+    if (layer->known) {
+        Lanes beyond = lanes_all(direction_grid_at(&layer->known->grid, w));
+        return lanes_clamp(lanes_add(layer_smooth_reflectance(layer, w), beyond), 0, 1);
+    }
     Lanes reflectance = fresnel_dielectric_lanes(w.z, lanes_all(1), layer->eta);
     if (layer->facets.smooth) return reflectance;
     const MicrofacetIndex *index = facets_round_index(&layer->facets, &layer->index);

@@ -7,6 +7,7 @@
 
 #include "base/lanes.h"
 #include "base/vec3.h"
+#include "optics/direction_grid.h"
 #include "optics/layered.h"
 #include "optics/microfacet.h"
 #include "optics/stretched.h"
@@ -22,6 +23,23 @@ typedef union BsdfIndex {
     MicrofacetIndex round;
     StretchedIndex stretched;
 } BsdfIndex;
+
+/* What one facet makes of light at one boundary, in place of tables. */
+typedef struct BsdfKnown {
+    DirectionGrid grid;
+    float critical; /* cosine of the critical angle; below 0: there is none */
+    float mean;     /* over diffuse light */
+} BsdfKnown;
+
+/* What is known of one surface between two media, made by balance.h. */
+typedef struct Balance {
+    bool skin, coat, boundary;              /* whether there are: */
+    BsdfKnown skin_reflects, coat_reflects; /* beyond layer_smooth_reflectance; the mean is of all */
+    BsdfKnown boundary_misses[2];           /* seen from in front, and from behind */
+    /* factors to what lets pass the covers of a base */
+    bool bare_metal, plastic_base, coated_metal, coated_diffuse;
+    DirectionGrid to_bare_metal, to_plastic_base, to_coated_metal, to_coated_diffuse;
+} Balance;
 
 /* Facets that are mirrors. */
 typedef struct BsdfMirrors {
@@ -42,18 +60,20 @@ typedef struct BsdfConductor {
     Lanes n, k;           /* relative to the medium in front */
     Lanes mean, multiple; /* mean reflectance; the tint of what is reflected more than once */
     bool white;           /* facets reflect all, whatever n and k */
+    bool balanced;        /* under a coat, with a balance */
 } BsdfConductor;
 
 /* A clear layer that is so thin that light leaves it where it entered, over something opaque. */
 typedef struct BsdfLayer {
     BsdfFacets facets;
     BsdfIndex index;
-    MicrofacetIndex among; /* in the tables of layered.h */
-    Lanes eta;             /* relative to the medium in front */
-    Lanes depth;           /* optical depth of one crossing along the normal */
-    Lanes returned;        /* part of diffuse light from below that comes back, absorption included */
-    Lanes mean_passed;     /* of diffuse light from above, without absorption */
-    Lanes norm;            /* what passes of diffuse light from below, over what passes from above */
+    MicrofacetIndex among;  /* in the tables of layered.h */
+    Lanes eta;              /* relative to the medium in front */
+    Lanes depth;            /* optical depth of one crossing along the normal */
+    Lanes returned;         /* part of diffuse light from below that comes back, absorption included */
+    Lanes mean_passed;      /* of diffuse light from above, without absorption */
+    Lanes norm;             /* what passes of diffuse light from below, over what passes from above */
+    const BsdfKnown *known; /* of what it reflects; NULL: nothing */
     bool tinted;
 } BsdfLayer;
 
@@ -70,6 +90,7 @@ typedef struct BsdfBoundary {
     Lanes reflected, transmitted;           /* how the light is split that one facet misses; the sum is 1 */
     Lanes reflected_norm, transmitted_norm; /* the same over pi times the mean of what is missing there */
     float spread[2], spread_norm[2];        /* of the directions that are sampled for it: reflected, transmitted */
+    const BsdfKnown *known[2];              /* of what is missing, in front and behind; NULL: nothing */
 } BsdfBoundary;
 
 typedef struct BsdfSheet {
@@ -101,9 +122,11 @@ typedef enum BsdfKind {
 
 typedef struct BsdfLobe {
     BsdfKind kind;
-    float share;     /* of the surface */
-    bool covered;    /* by the coat */
-    Lanes seen;      /* of Bsdf.view: what a plastic's skin reflects, or what facets of a boundary miss; see lobe_see */
+    float share;  /* of the surface */
+    bool covered; /* by the coat */
+    Lanes seen;   /* of Bsdf.view: what a plastic's skin reflects, or what facets of a boundary miss; see lobe_see */
+    const DirectionGrid *balance; /* factors to what is under covers; NULL: none */
+    float balance_seen;           /* of Bsdf.view */
     float fuzz_norm; /* of what is diffuse: one over the mean that layers let pass, with the fuzz over without it */
     union {
         BsdfDiffuse diffuse; /* translucent too */
@@ -202,7 +225,10 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v,
 /* ---- the layer ---- */
 /* -ln, held finite */
 Lanes layer_depth(Lanes transmittance);
-BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint);
+/* known: of what it reflects, or NULL; not owned */
+BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known);
+/* What it would reflect if it were about smooth: past the critical angle softly. */
+Lanes layer_smooth_reflectance(const BsdfLayer *layer, Vec3f w);
 /* Fills in `among`, for all that is under the layer but Lambert's law. */
 void layer_find_among(BsdfLayer *layer);
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w);
@@ -236,5 +262,13 @@ Lanes layer_over_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3
 /* What the layer reflects of light between it and a base of index eta_base (relative to the same medium), in the mean:
  * of light that came in through the layer, bent. */
 Lanes layer_inner_reflectance(Lanes eta, Lanes eta_base);
+
+/* ---- for balance.c ---- */
+
+struct Bsdf;
+/* The layer over a lobe's base; NULL: none. */
+const BsdfLayer *bsdf_layer_over(const struct Bsdf *bsdf, const BsdfLobe *lobe);
+/* A lobe's base gives k(v, l) without what is over it, if white, and with it k(v, l) g(v) g(l). This is g. */
+float bsdf_cover_factor(const struct Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w);
 
 #endif

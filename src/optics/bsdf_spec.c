@@ -33,8 +33,7 @@ Lanes bsdf_metal_of_reflectance(Lanes reflectance)
     return lanes_scale(lanes_sqrt(lanes_div(held, lanes_rest(held))), 2);
 }
 
-/* The index on the same side of 1 whose head-on reflectance is weight times as large. */
-static Lanes weakened(Lanes eta, float weight)
+Lanes bsdf_weakened(Lanes eta, float weight)
 {
     if (!(weight < 1)) return eta;
     Lanes root =
@@ -71,7 +70,7 @@ static void add_dielectric(const Making *m, float share)
 {
     const BsdfSpec *spec = m->spec;
     if (spec->specular_weight > 0) {
-        Lanes eta = weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
+        Lanes eta = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
         bsdf_add_plastic(m->bsdf, share, eta, m->alpha_x, m->alpha_y, lanes_all(1), m->base_color,
                          spec->base_diffuse_roughness);
     } else {
@@ -90,7 +89,7 @@ static void add_coated(const Making *m, float metal, float dielectric)
     bsdf_begin_coat(m->bsdf, eta, coat_x, coat_y, at(m, &spec->coat_color));
     add_metal(m, metal, coat_ior);
     if (spec->specular_weight > 0 && dielectric > 0) {
-        Lanes inner = weakened(lanes_div(at(m, &spec->specular_ior), coat_ior), spec->specular_weight);
+        Lanes inner = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), coat_ior), spec->specular_weight);
         skin = lanes_mean(layer_inner_reflectance(eta, lanes_mul(inner, eta)));
     }
     bsdf_add_mirrors(m->bsdf, dielectric * skin, m->alpha_x, m->alpha_y);
@@ -112,7 +111,8 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
                    phase);
 }
 
-void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, Bsdf *bsdf)
+void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const Balance *balance,
+                    Bsdf *bsdf)
 {
     float metal = spec->base_metalness, clear = (1 - metal) * spec->transmission_weight, opaque = 1 - metal - clear;
     float translucent = spec->thin_walled ? opaque * spec->translucency : 0, coat = spec->coat_weight;
@@ -121,6 +121,7 @@ void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lane
     bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &m.alpha_x, &m.alpha_y);
     opaque -= translucent;
     bsdf_begin(bsdf);
+    bsdf_set_balance(bsdf, balance);
     if (metal * (1 - coat) > 0) add_metal(&m, metal * (1 - coat), eta_i);
     if (opaque * (1 - coat) > 0) add_dielectric(&m, opaque * (1 - coat));
     if (coat > 0 && metal + opaque > 0) add_coated(&m, metal * coat, opaque * coat);

@@ -46,8 +46,12 @@ void bsdf_alphas(float roughness, float anisotropy, float *alpha_x, float *alpha
 /* The real index 1 and the imaginary part that reflect `reflectance` head on. */
 Lanes bsdf_metal_of_reflectance(Lanes reflectance);
 
+/* The index on the same side of 1 whose head-on reflectance is weight times as large. */
+Lanes bsdf_weakened(Lanes eta, float weight);
+
 /* eta_i: the medium that owns the point; eta_t: the one behind, for what is clear and not thin. specular_weight scales
- * the reflectance through the index: eta such that F0 = weight * F0. */
-void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, Bsdf *bsdf);
+ * the reflectance through the index: eta such that F0 = weight * F0. balance: of balance.h, or NULL; not owned. */
+void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const Balance *balance,
+                    Bsdf *bsdf);
 
 #endif

@@ -186,9 +186,11 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
 {
     const World *world = path->tracer->world;
     Lanes nm = path->wavelengths.nm;
-    Lanes around = medium_ior(world, nest_medium(&world->compiled->order, &path->tracer->list), nm);
+    uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    Lanes around = medium_ior(world, medium, nm);
+    const BalanceCase met = {.surface = surface, .spec = spec, .medium_from = medium, .medium_to = medium};
     Bsdf bsdf;
-    bsdf_from_spec(spec, nm, around, around, &bsdf);
+    bsdf_from_spec(spec, nm, around, around, balances_find(world->balances, &met), &bsdf);
     Frame frame = frame_of(path, event, surface, spec, place);
     return scatter(path, event, &bsdf, place, &frame, straight);
 }
@@ -207,7 +209,7 @@ Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t 
         Lanes around = medium_ior(world, medium, nm);
         Bsdf bsdf;
         bsdf_from_spec(&world->scene->surfaces[world->scene->objects[hit->object].surface].spec, nm, around, around,
-                       &bsdf);
+                       NULL, &bsdf);
         float cosine = float_min(-vec3f_dot(ray->direction, place.normal), 1);
         left = cosine > 0 ? lanes_mul(left, bsdf_straight(&bsdf, cosine)) : lanes_all(0);
     }
@@ -217,11 +219,18 @@ Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t 
 bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
                       const SurfacePlace *place, Lanes eta_i, Lanes eta_t)
 {
+    const BalanceCase met = {.surface = surface,
+                             .spec = spec,
+                             .medium_from = event->crossing.medium_from,
+                             .medium_to = event->crossing.medium_to,
+                             .bare = !surface->painted};
+    const Balance *balance = balances_find(path->tracer->world->balances, &met);
     Bsdf bsdf;
     if (surface->painted) {
-        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, &bsdf);
+        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, balance, &bsdf);
     } else {
         bsdf_begin(&bsdf);
+        bsdf_set_balance(&bsdf, balance);
         float alpha_x, alpha_y;
         bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
         bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);

@@ -167,6 +167,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
     world->camera = &compiled->scene->cameras[camera];
     Status status = media_find(compiled, &world->media, error);
+    if (status == STATUS_OK) status = balances_new(world->scene, &world->balances, error);
     if (status == STATUS_OK) status = emitters_find(compiled, &world->media, pool, &world->emitters, error);
     for (unsigned reach = 0; status == STATUS_OK && reach < REACHES; reach++)
         status = choose_lights(world, reach, error);
@@ -210,6 +211,7 @@ void world_clear(World *world)
     free(world->portal_maps);
     free(world->portals);
     media_clear(&world->media);
+    balances_free(world->balances);
     for (unsigned reach = 0; reach < REACHES; reach++) {
         free(world->choices[reach].items);
         free(world->choices[reach].of_light);

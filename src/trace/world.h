@@ -7,6 +7,7 @@
 #include "optics/color.h"
 #include "optics/portal.h"
 #include "scene/compile.h"
+#include "trace/balances.h"
 #include "trace/emitter.h"
 #include "trace/media.h"
 
@@ -62,6 +63,7 @@ typedef struct World {
     PortalMap **portal_maps;
     uint32_t n_portal_maps;
     WorldMedia media;
+    Balances *balances;        /* of surfaces; grows while rendering, by itself in order */
     const struct Guide *guide; /* to lights behind glass, see guide.h; NULL: none. Not owned */
     NestList camera_list;      /* the hulls around the camera's centre */
     bool moves;                /* something does while the shutter is open */
@@ -71,7 +73,7 @@ typedef struct World {
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
     Trial trial;
-    bool has_panes;         /* thin sheets that rays towards lights go through */
+    bool has_panes;   /* thin sheets that rays towards lights go through */
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */

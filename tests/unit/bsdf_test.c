@@ -12,6 +12,7 @@
 
 /* before cmocka, which makes a macro of fail */
 #include "bsdf_cases.h"
+#include "optics/balance.h"
 
 #include <cmocka.h>
 
@@ -163,8 +164,11 @@ static void any_surface_is_consistent(void **unused)
         spec.coat_roughness = 0.45f + 0.55f * spec.coat_roughness;
         spec.specular_roughness_anisotropy *= 0.7f;
         spec.coat_roughness_anisotropy *= 0.7f;
-        bsdf_from_spec(&spec, lanes(500, 550, 600, 650), lanes_all(medium), lanes_all(spec.thin_walled ? medium : 1.5f),
-                       &bsdf);
+        float behind = spec.thin_walled ? medium : 1.5f;
+        Balance *balance = NULL;
+        if (i < 60 && balance_is_wanted(&spec, medium, behind))
+            assert_int_equal(balance_new(&spec, medium, behind, &balance), STATUS_OK);
+        bsdf_from_spec(&spec, lanes(500, 550, 600, 650), lanes_all(medium), lanes_all(behind), balance, &bsdf);
         if (i < 24) {
             double off, sigmas = compare_density(&bsdf, direction_at(0.2f + 0.75f * random_unit(&state), 1),
                                                  &(SphereMap){vec3f(0, 0, 1), 0}, &state, &off);
@@ -187,6 +191,7 @@ static void any_surface_is_consistent(void **unused)
             if (apart > worst_way) worst_way_spec = spec;
             worst_way = fmax(worst_way, apart);
         }
+        free(balance);
     }
     printf("surfaces at random: worst chi-square of 24 %.1f sigmas, whole off by %.4f: ", worst, worst_total);
     spec_print(&worst_spec, 0);
@@ -195,6 +200,44 @@ static void any_surface_is_consistent(void **unused)
     assert_true(worst < 5);
     assert_true(worst_total < 0.008);
     assert_true(worst_way < 2e-3);
+}
+
+/* Balances of both sides say the same of a way through. */
+static void balanced_boundaries_are_reciprocal(void **unused)
+{
+    (void)unused;
+    uint32_t state = 3;
+    double worst = 0;
+    for (int i = 0; i < 6; i++) {
+        BsdfSpec spec;
+        bsdf_spec_init(&spec);
+        spec.transmission_weight = 1;
+        spec.specular_roughness = 0.2f + 0.8f * random_unit(&state);
+        spec.specular_roughness_anisotropy = random_unit(&state);
+        const float etas[2] = {1 + 0.1f * (float)i, 1.75f};
+        Balance *balances[2];
+        Bsdf sides[2];
+        for (int k = 0; k < 2; k++) {
+            assert_true(balance_is_wanted(&spec, etas[k], etas[1 - k]));
+            assert_int_equal(balance_new(&spec, etas[k], etas[1 - k], &balances[k]), STATUS_OK);
+            bsdf_from_spec(&spec, lanes(500, 550, 600, 650), lanes_all(etas[k]), lanes_all(etas[1 - k]), balances[k],
+                           &sides[k]);
+        }
+        for (int k = 0; k < 400; k++) {
+            Vec3f v = direction_at(0.01f + 0.99f * random_unit(&state), 6 * random_unit(&state));
+            Vec3f l = direction_at(0.01f + 0.99f * random_unit(&state), 6 * random_unit(&state));
+            Lanes f, g, pdf;
+            bsdf_evaluate(&sides[0], v, vec3f(l.x, l.y, -l.z), &f, &pdf);
+            bsdf_evaluate(&sides[1], l, vec3f(v.x, v.y, -v.z), &g, &pdf);
+            double a = (double)(lanes_get(f, 0) / (l.z * etas[1] * etas[1]));
+            double b = (double)(lanes_get(g, 0) / (v.z * etas[0] * etas[0]));
+            worst = fmax(worst, fabs(a - b) / (fmax(a, b) + 1e-3));
+        }
+        free(balances[0]);
+        free(balances[1]);
+    }
+    printf("boundaries with balances: both ways through apart by at most %.2g of the value\n", worst);
+    assert_true(worst < 2e-3);
 }
 
 static bool same(Lanes a, Lanes b, float tolerance)
@@ -466,13 +509,10 @@ static void speed_is_printed(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_follow_the_density),
-        cmocka_unit_test(any_surface_is_consistent),
-        cmocka_unit_test(weights_are_what_is_evaluated),
-        cmocka_unit_test(both_ways_are_alike),
-        cmocka_unit_test(nothing_breaks_it),
-        cmocka_unit_test(smooth_is_the_limit),
-        cmocka_unit_test(speed_is_printed),
+        cmocka_unit_test(samples_follow_the_density), cmocka_unit_test(balanced_boundaries_are_reciprocal),
+        cmocka_unit_test(any_surface_is_consistent),  cmocka_unit_test(weights_are_what_is_evaluated),
+        cmocka_unit_test(both_ways_are_alike),        cmocka_unit_test(nothing_breaks_it),
+        cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(speed_is_printed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,167 @@
+/* balances.c - keeping the balances of a scene's surfaces.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/balances.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "base/hash.h"
+
+enum { BUCKETS = 256 };
+
+/* What a balance is of. */
+typedef struct BalanceKey {
+    uint32_t surface, medium_from, medium_to;
+    uint32_t steps; /* of the numbers that textures say */
+    bool bare;
+} BalanceKey;
+
+/* Never changed once it is in a bucket. */
+typedef struct Node Node;
+struct Node {
+    BalanceKey key;
+    Balance *balance; /* NULL: none is wanted */
+    Node *next;
+};
+
+/* Of a surface. */
+typedef struct Need {
+    bool any;            /* it may want a balance */
+    uint32_t n_textured; /* numbers that textures say, of those that matter */
+} Need;
+
+struct Balances {
+    const Scene *scene;
+    Need *needs; /* of each surface */
+    pthread_mutex_t making;
+    _Atomic(Node *) buckets[BUCKETS];
+};
+
+static float index_of(const Spectrum *ior)
+{
+    const float middle_nm = 550;
+    return spectrum_at_one(ior, middle_nm);
+}
+
+static bool matters(const SurfaceTexture *texture)
+{
+    return !texture->color && texture->offset != offsetof(BsdfSpec, film_thickness_nm) &&
+           texture->offset != offsetof(BsdfSpec, mix_weight) && texture->offset != offsetof(BsdfSpec, translucency);
+}
+
+static Need need_of(const Scene *scene, const SceneSurface *surface)
+{
+    const BsdfSpec *spec = &surface->spec; /* of a number that a texture says: the largest */
+    Need need = {0};
+    for (uint32_t i = 0; i < surface->n_textures; i++) need.n_textured += matters(&surface->textures[i]);
+    float densest = 1;
+    for (uint32_t i = 0; i < scene->n_media; i++) densest = fmaxf(densest, index_of(&scene->media[i].ior));
+    bool stretched = spec->specular_roughness_anisotropy > 0 || spec->coat_roughness_anisotropy > 0;
+    bool low =
+        index_of(&spec->specular_ior) < densest || (spec->coat_weight > 0 && index_of(&spec->coat_ior) < densest);
+    const uint32_t most_textured = 3;
+    need.any = need.n_textured <= most_textured && (stretched || (surface->finished && low));
+    return need;
+}
+
+Status balances_new(const Scene *scene, Balances **balances, Error *error)
+{
+    Balances *b = *balances = calloc(1, sizeof *b);
+    Need *needs = calloc(scene->n_surfaces + 1U, sizeof *needs);
+    if (!b || !needs || pthread_mutex_init(&b->making, NULL) != 0) {
+        free(b);
+        free(needs);
+        *balances = NULL;
+        return fail_memory(error, scene->n_surfaces * sizeof *needs, "surfaces");
+    }
+    b->scene = scene;
+    b->needs = needs;
+    for (uint32_t i = 0; i < scene->n_surfaces; i++) needs[i] = need_of(scene, &scene->surfaces[i]);
+    return STATUS_OK;
+}
+
+void balances_free(Balances *balances)
+{
+    if (!balances) return;
+    for (int i = 0; i < BUCKETS; i++)
+        for (Node *node = atomic_load(&balances->buckets[i]), *next; node; node = next) {
+            next = node->next;
+            free(node->balance);
+            free(node);
+        }
+    pthread_mutex_destroy(&balances->making);
+    free(balances->needs);
+    free(balances);
+}
+
+/* Which step each number of a texture is at; *spec gets what they stand for. */
+static uint32_t step_numbers(const SceneSurface *surface, uint32_t n_textured, BsdfSpec *spec)
+{
+    static const uint32_t steps[] = {0, 32, 8, 4};
+    uint32_t all = 0;
+    for (uint32_t i = 0; i < surface->n_textures && n_textured; i++) {
+        const SurfaceTexture *texture = &surface->textures[i];
+        if (!matters(texture)) continue;
+        float *number = (float *)(void *)((char *)spec + texture->offset), n = (float)steps[n_textured];
+        float step = roundf(fminf(fmaxf(*number, 0), 1) * n);
+        *number = step / n;
+        all = all * (steps[n_textured] + 1) + (uint32_t)step;
+    }
+    return all;
+}
+
+static Node *look_up(Balances *balances, uint32_t bucket, const BalanceKey *key)
+{
+    for (Node *node = atomic_load_explicit(&balances->buckets[bucket], memory_order_acquire); node; node = node->next)
+        if (node->key.surface == key->surface && node->key.medium_from == key->medium_from &&
+            node->key.medium_to == key->medium_to && node->key.steps == key->steps && node->key.bare == key->bare)
+            return node;
+    return NULL;
+}
+
+/* NULL: there is no memory for it. */
+static Node *make(Balances *balances, uint32_t bucket, const BalanceKey *key, const BsdfSpec *spec)
+{
+    const SceneMedium *media = balances->scene->media;
+    Node *node = calloc(1, sizeof *node);
+    if (!node) return NULL;
+    float eta_i = index_of(&media[key->medium_from].ior), eta_t = index_of(&media[key->medium_to].ior);
+    if (balance_is_wanted(spec, eta_i, eta_t) && balance_new(spec, eta_i, eta_t, &node->balance) != STATUS_OK) {
+        free(node);
+        return NULL;
+    }
+    node->key = *key;
+    node->next = atomic_load_explicit(&balances->buckets[bucket], memory_order_relaxed);
+    atomic_store_explicit(&balances->buckets[bucket], node, memory_order_release);
+    return node;
+}
+
+const Balance *balances_find(Balances *balances, const BalanceCase *at)
+{
+    uint32_t number = (uint32_t)(at->surface - balances->scene->surfaces);
+    const Need *need = &balances->needs[number];
+    if (!need->any) return NULL;
+    BsdfSpec stepped;
+    BalanceKey key = {number, at->medium_from, at->medium_to, 0, at->bare};
+    if (need->n_textured) {
+        stepped = *at->spec;
+        key.steps = step_numbers(at->surface, need->n_textured, &stepped);
+    }
+    uint32_t places = hash_combine(hash_combine(number, key.medium_from), key.medium_to);
+    uint32_t bucket = hash_combine(places, key.steps) % BUCKETS;
+    Node *node = look_up(balances, bucket, &key);
+    if (node) return node->balance;
+    if (!need->n_textured) stepped = *at->spec;
+    if (at->bare) {
+        stepped.transmission_weight = 1;
+        stepped.base_metalness = stepped.coat_weight = stepped.fuzz_weight = 0;
+        stepped.thin_walled = false;
+    }
+    pthread_mutex_lock(&balances->making);
+    node = look_up(balances, bucket, &key);
+    if (!node) node = make(balances, bucket, &key, &stepped);
+    pthread_mutex_unlock(&balances->making);
+    return node ? node->balance : NULL;
+}
