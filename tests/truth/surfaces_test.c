@@ -35,6 +35,8 @@ static void white_furnaces(void **state)
         "sphere { interior = glass  surface = surface { roughness = %g  anisotropy = .8  grain = x  grain_angle = 25 } } sphere { interior = water  center = <.3, .2, 0>  radius = .9 }",
         "sphere { interior = water  radius = 1.3 } sphere { interior = gem  surface = surface { roughness = %g  anisotropy = .6 } } sphere { interior = air  radius = .6 }",
         "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g  anisotropy = .8  coat = .5  coat_roughness = .4  coat_anisotropy = .7 } }",
+        "sphere { interior = gem  radius = 1.3 } sphere { surface = surface { albedo = 1  metalness = .5  ior = 1.5  roughness = %g  anisotropy = .9  coat = .6  coat_roughness = .5  coat_anisotropy = .9  fuzz = .5 } }",
+        "sphere { surface = surface { albedo = 1  metalness = .5  roughness = noise { from = .15  to = %g }  anisotropy = .8  coat = 1  coat_roughness = .3  coat_anisotropy = .6 } }",
         "sphere { interior = glass  surface = surface { mix = [surface { transmission = 0  albedo = 1 }, surface { roughness = %g }]  weight = .6 } }",
     };
     const double roughness[] = {0.1, 0.3, 0.6, 1};
