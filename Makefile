@@ -298,7 +298,6 @@ lint: ## warnings as errors, layers, manual pages
 
 man: all ## make the generated sections of the manual pages and the editor files anew
 	sh man/refresh.sh build/meniscus
-	sh grammar/refresh.sh build/meniscus
 
 # ---- install ----
 

@@ -1,4 +1,4 @@
-" meniscus.vim - the scene language of meniscus, for Vim. Made from the tables: grammar/refresh.sh.
+" meniscus.vim - the scene language of meniscus, for Vim. Made from the tables: make man.
 " Copy it to ~/.vim/syntax/ and have: autocmd BufRead,BufNewFile *.mns setfiletype meniscus
 if exists('b:current_syntax')
   finish

@@ -1,5 +1,5 @@
 /* cmd_editor.c - the hidden command editor: files for editors and for fuzzing, from the tables of the language.
- * grammar/refresh.sh keeps what it prints.
+ * man/refresh.sh keeps what it prints.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
@@ -93,7 +93,7 @@ static void vim_keywords(const char *group, const Words *words, Buf *out)
 
 static void print_vim(const Vocabulary *all, Buf *out)
 {
-    buf_add(out, "\" meniscus.vim - the scene language of meniscus, for Vim. Made from the tables: grammar/refresh.sh.\n"
+    buf_add(out, "\" meniscus.vim - the scene language of meniscus, for Vim. Made from the tables: make man.\n"
                  "\" Copy it to ~/.vim/syntax/ and have: autocmd BufRead,BufNewFile *.mns setfiletype meniscus\n"
                  "if exists('b:current_syntax')\n  finish\nendif\n"
                  "syntax case match\n"
@@ -205,7 +205,7 @@ static void print_textmate(const Vocabulary *all, Buf *out)
 {
     JsonWriter json = json_writer(out, true);
     json_begin_object(&json);
-    json_add_text(&json, "comment", "Made from the tables: grammar/refresh.sh");
+    json_add_text(&json, "comment", "Made from the tables: make man");
     json_add_text(&json, "name", "meniscus");
     json_add_text(&json, "scopeName", "source.meniscus");
     json_key(&json, "fileTypes");
@@ -239,7 +239,7 @@ static void dictionary_words(const Words *words, Buf *out)
 static void print_dictionary(const Vocabulary *all, Buf *out)
 {
     buf_add(out, "# meniscus.dict - the words of the language, for libFuzzer and AFL. "
-                 "Made from the tables: grammar/refresh.sh.\n");
+                 "Made from the tables: make man.\n");
     for (TokenKind kind = TOKEN_BRACE_OPEN; kind < TOKEN_AND; kind++) {
         const char *quoted = token_text(kind);
         buf_format(out, "\"%.*s\"\n", (int)strlen(quoted) - 2, quoted + 1);
