@@ -302,13 +302,14 @@ man: all ## make the generated sections of the manual pages and the editor files
 # ---- install ----
 
 MAN_PAGES := $(wildcard man/*.[157])
-install: all ## install under PREFIX (default /usr/local), DESTDIR before it
-	$(INSTALL) -d $(DESTDIR)$(bindir) $(foreach s,1 5 7,$(DESTDIR)$(mandir)/man$(s)) $(DESTDIR)$(datarootdir)/meniscus/examples \
+install: all assets ## install under PREFIX (default /usr/local), DESTDIR before it
+	$(INSTALL) -d $(DESTDIR)$(bindir) $(foreach s,1 5 7,$(DESTDIR)$(mandir)/man$(s)) $(DESTDIR)$(datarootdir)/meniscus/examples/assets \
 	  $(DESTDIR)$(datarootdir)/meniscus/std
 	$(INSTALL_PROGRAM) $(BUILD)/meniscus $(DESTDIR)$(bindir)/meniscus
 	for page in $(MAN_PAGES); do $(INSTALL_DATA) $$page $(DESTDIR)$(mandir)/man$${page##*.}/; done
 	$(INSTALL_DATA) $(STD_FILES) $(DESTDIR)$(datarootdir)/meniscus/std/
 	$(INSTALL_DATA) $(wildcard examples/*.mns) examples/make-assets.py $(DESTDIR)$(datarootdir)/meniscus/examples/
+	$(INSTALL_DATA) examples/assets/* $(DESTDIR)$(datarootdir)/meniscus/examples/assets/
 
 uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(bindir)/meniscus $(foreach page,$(MAN_PAGES),$(DESTDIR)$(mandir)/man$(subst .,,$(suffix $(page)))/$(notdir $(page)))
