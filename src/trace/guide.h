@@ -17,6 +17,13 @@
  * passes, needs a walk for each of the many ways through nested objects with bubbles, and surfaces that are smooth
  * everywhere. What photons know of one place is taken for its neighbourhood to first order, and guide_new.c lays more of
  * them where that is not enough; where light goes through many facets or bumps, there are never enough. Merging vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
+ * Directions learned from paths of the camera (T. Müller, M. Gross, J. Novák, "Practical Path Guiding for Efficient Light-
+ * Transport Simulation", EGSR (2017); targets of A. Rath et al., "Variance-Aware Path Guiding", ACM TOG 39(4) (2020)) were
+ * measured on peers' glass: maps of 16 x 16 directions in a tree of cells, shares by records held back. Squared errors are
+ * less by 5 % when a twentieth of the picture's paths teach, by 17 % when five times all of them do: where light comes through
+ * the glass the noise falls to a third, but what is mirrored by its side is a strip too narrow, and behind drink, ice and
+ * bubbles it is chance within the glass that makes the noise, whatever the direction. Candles gain nothing. The lobes of
+ * photons, with the best share in each cell of some thousand such records, take 25 % there.
  * What this does not find: lights without size behind glass, which no direction meets; and images of lights in glass that
  * the camera sees straight, which are found by the pixel's own samples.
  * SPDX-License-Identifier: Apache-2.0 */
