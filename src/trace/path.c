@@ -220,9 +220,18 @@ static bool follow(Path *path)
     }
 }
 
-static Sampler make_sampler(const World *world, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+/* A pixel's samples follow each other, and have all but the last of it in common. */
+static Sampler make_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
 {
-    if (LIKELY(world->trial.pattern == PATTERN_SHARED)) return sampler_make(seed, x, y, index);
+    const World *world = tracer->world;
+    if (LIKELY(world->trial.pattern == PATTERN_SHARED)) {
+        PixelSampler *kept = &tracer->pixel;
+        if (!kept->made || kept->seed != seed || kept->x != x || kept->y != y)
+            *kept = (PixelSampler){true, seed, x, y, sampler_make(seed, x, y, 0)};
+        Sampler sampler = kept->first;
+        sampler.index_reversed = reverse_bits(index);
+        return sampler;
+    }
     return (world->trial.pattern == PATTERN_ALONE ? sampler_make_alone : sampler_make_independent)(seed, x, y, index);
 }
 
@@ -238,7 +247,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
 {
     const World *world = tracer->world;
     Path path = {.tracer = tracer,
-                 .sampler = make_sampler(world, seed, x, y, index),
+                 .sampler = make_sampler(tracer, seed, x, y, index),
                  .beta = lanes_all(1),
                  .ratio = lanes_all(1),
                  .radiance = lanes_all(0),
