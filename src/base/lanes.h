@@ -139,6 +139,21 @@ static inline Lanes lanes_clamp(Lanes a, float low, float high)
     return a;
 #endif
 }
+/* the whole part of each lane, towards 0; returns what is left. |a| < 2^31 */
+static inline Lanes lanes_split(Lanes a, int32_t whole[LANES])
+{
+#if defined(__GNUC__) && defined(__SSE2__)
+    __m128i truncated = _mm_cvttps_epi32((__m128)a.v);
+    _mm_storeu_si128((__m128i *)(void *)whole, truncated);
+    return (Lanes){a.v - (LaneVector)_mm_cvtepi32_ps(truncated)};
+#else
+    for (int i = 0; i < LANES; i++) {
+        whole[i] = (int32_t)a.v[i];
+        a.v[i] -= (float)whole[i];
+    }
+    return a;
+#endif
+}
 /* in each lane `yes` where a < b, else `no` */
 static inline Lanes lanes_select_less(Lanes a, Lanes b, Lanes yes, Lanes no)
 {

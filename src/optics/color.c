@@ -16,13 +16,9 @@ void color_matching(float wavelength_nm, float xyz[3])
 
 Lanes white_at(Lanes wavelength_nm)
 {
-    float value[LANES];
-    for (int i = 0; i < LANES; i++) {
-        float fraction;
-        int row = observer_row(lanes_get(wavelength_nm, i), 2 * SPECTRUM_STEP_NM, &fraction);
-        value[i] = (1 - fraction) * observer_d65[row] + fraction * observer_d65[row + 1];
-    }
-    return lanes_scale(lanes(value[0], value[1], value[2], value[3]), (float)OBSERVER_WHITE_SCALE);
+    int32_t row[LANES];
+    Lanes fraction = observer_rows(wavelength_nm, 2 * SPECTRUM_STEP_NM, row);
+    return lanes_scale(observer_between(observer_d65, row, fraction), (float)OBSERVER_WHITE_SCALE);
 }
 
 /* The inverse of the distribution is a table over equal steps of u, so a look-up needs no search, and
@@ -60,11 +56,12 @@ void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float
 {
     Lanes weight = lanes_div(radiance, lanes_scale(wavelengths->pdf, (float)LANES));
     Lanes sum = lanes_all(0); /* x, y, z, 0 */
+    int32_t row[LANES];
+    Lanes fractions = observer_rows(wavelengths->nm, SPECTRUM_STEP_NM, row);
     for (int i = 0; i < LANES; i++) {
-        float fraction;
-        int row = observer_row(lanes_get(wavelengths->nm, i), SPECTRUM_STEP_NM, &fraction);
-        Lanes xyz = lanes_add(lanes_scale(observer_row_lanes(observer_xyz[row]), 1 - fraction),
-                              lanes_scale(observer_row_lanes(observer_xyz[row + 1]), fraction));
+        float fraction = lanes_get(fractions, i);
+        Lanes xyz = lanes_add(lanes_scale(observer_row_lanes(observer_xyz[row[i]]), 1 - fraction),
+                              lanes_scale(observer_row_lanes(observer_xyz[row[i] + 1]), fraction));
         sum = lanes_add(sum, lanes_scale(xyz, lanes_get(weight, i)));
     }
     for (int c = 0; c < 3; c++)

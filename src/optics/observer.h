@@ -46,6 +46,20 @@ static inline int observer_row(float wavelength_nm, float step_nm, float *fracti
     return row;
 }
 
+/* The same for four wavelengths; returns the fractions. */
+static inline Lanes observer_rows(Lanes wavelength_nm, float step_nm, int32_t row[LANES])
+{
+    Lanes position = lanes_scale(lanes_sub(wavelength_nm, lanes_all(SPECTRUM_MIN_NM)), 1 / step_nm);
+    return lanes_split(lanes_clamp(position, 0, (SPECTRUM_MAX_NM - SPECTRUM_MIN_NM) / step_nm), row);
+}
+/* What a table has between the rows and those behind them. This form, and not a + f (b - a), is exact at both ends. */
+static inline Lanes observer_between(const float *table, const int32_t row[LANES], Lanes fraction)
+{
+    Lanes here = lanes(table[row[0]], table[row[1]], table[row[2]], table[row[3]]);
+    Lanes next = lanes(table[row[0] + 1], table[row[1] + 1], table[row[2] + 1], table[row[3] + 1]);
+    return lanes_add(lanes_mul(lanes_rest(fraction), here), lanes_mul(fraction, next));
+}
+
 /* The wavelength of a node of the quadrature that is used wherever a colour is integrated exactly: two
  * Gauss points in each 5 nm, each of weight 2.5 nm. It is exact where the spectrum is at most linear in
  * each interval, so for white; a smooth spectrum leaves an error of the order of 1e-8. */

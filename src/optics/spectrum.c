@@ -17,19 +17,15 @@ static Lanes square_um(Lanes wavelength_nm)
 
 static Lanes table_at(const float *table, Lanes wavelength_nm)
 {
-    float value[LANES];
+    int32_t row[LANES];
+    Lanes fraction = observer_rows(wavelength_nm, SPECTRUM_STEP_NM, row);
     for (int i = 0; i < LANES; i++) {
-        float fraction;
-        int row = observer_row(lanes_get(wavelength_nm, i), SPECTRUM_STEP_NM, &fraction);
         /* A table has no padding: at 830 nm the last interval is read at its end. */
-        if (row > SPECTRUM_SAMPLES - 2) {
-            row = SPECTRUM_SAMPLES - 2;
-            fraction = 1;
-        }
-        /* this form, and not a + f (b - a), is exact at both ends */
-        value[i] = (1 - fraction) * table[row] + fraction * table[row + 1];
+        if (LIKELY(row[i] <= SPECTRUM_SAMPLES - 2)) continue;
+        row[i] = SPECTRUM_SAMPLES - 2;
+        lanes_set(&fraction, i, 1);
     }
-    return lanes(value[0], value[1], value[2], value[3]);
+    return observer_between(table, row, fraction);
 }
 
 Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)

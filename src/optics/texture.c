@@ -127,14 +127,24 @@ static float sphere_pdf(void)
     return (float)(1 / (4 * pi));
 }
 
+static float pdf_at(const Environment *environment, const Place *place, Vec3f direction)
+{
+    float corner[4], depth = depth_by_solid_angle(environment, place->row, direction);
+    cell_corners(environment, place, corner);
+    float luminance = mix(mix(corner[0], corner[1], place->across), mix(corner[2], corner[3], place->across), depth);
+    return luminance / environment->power;
+}
+
+static bool is_even(const Environment *environment)
+{
+    return !environment->is_image || !(environment->power > 0);
+}
+
 float environment_pdf(const Environment *environment, Vec3f direction)
 {
-    if (!environment->is_image || !(environment->power > 0)) return sphere_pdf();
+    if (is_even(environment)) return sphere_pdf();
     Place place = place_of(environment, direction);
-    float corner[4], depth = depth_by_solid_angle(environment, place.row, direction);
-    cell_corners(environment, &place, corner);
-    float luminance = mix(mix(corner[0], corner[1], place.across), mix(corner[2], corner[3], place.across), depth);
-    return luminance / environment->power;
+    return pdf_at(environment, &place, direction);
 }
 
 /* The last entry that is not above u; its step is not empty. cdf[0] is 0, cdf[n] is 1, u < 1. *rest is
@@ -162,12 +172,9 @@ static float invert_linear(float a_float, float b_float, float u)
     return (float)(t < 1 ? t : 1);
 }
 
-Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w)
+/* In proportion to luminance times solid angle; of an image that is not black. */
+static Vec3f sample_cells(const Environment *environment, float u, float v)
 {
-    if (!environment->is_image || !(environment->power > 0)) {
-        *pdf_w = sphere_pdf();
-        return sampling_sphere(u, v);
-    }
     float corner[4];
     unsigned row = invert_cdf(environment->row_cdf, environment->height + 1, v, &v);
     const float *cells = environment->cell_cdf + (size_t)row * (environment->width + 1);
@@ -181,12 +188,7 @@ Vec3f environment_sample(const Environment *environment, float u, float v, float
     double radius = 2 * sqrt(half * (1 - half));
     /* turn of 0.5 is towards -z */
     double angle = 2 * pi * (((double)column + 0.5 + (double)across) / environment->width - 0.5);
-    Vec3f direction = vec3f((float)(radius * sin(angle)), (float)(1 - 2 * half), (float)(-radius * cos(angle)));
-    /* of the direction as it was rounded, which is what environment_radiance will see */
-    *pdf_w = environment_pdf(environment, direction);
-    /* Rounded over the edge into a black cell. Nothing comes from there, so any density will do. */
-    if (!(*pdf_w > 0)) *pdf_w = sphere_pdf();
-    return direction;
+    return vec3f((float)(radius * sin(angle)), (float)(1 - 2 * half), (float)(-radius * cos(angle)));
 }
 
 static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_nm)
@@ -238,19 +240,50 @@ static Lanes bands_at(const Environment *environment, const Place *place, Lanes 
     return lanes_mul(sum, spectrum_at(&light, wavelength_nm));
 }
 
+static Lanes radiance_at(const Environment *environment, const Place *place, Lanes wavelength_nm)
+{
+    if (environment->bands) return bands_at(environment, place, wavelength_nm);
+    const Texel *above = environment->texels + (size_t)place->above * environment->width;
+    const Texel *below = environment->texels + (size_t)place->below * environment->width;
+    float up = 1 - place->down, back = 1 - place->across;
+    Lanes sum = lanes_add(texel_radiance(&above[place->left], up * back, wavelength_nm),
+                          texel_radiance(&above[place->right], up * place->across, wavelength_nm));
+    sum = lanes_add(sum, texel_radiance(&below[place->left], place->down * back, wavelength_nm));
+    sum = lanes_add(sum, texel_radiance(&below[place->right], place->down * place->across, wavelength_nm));
+    return lanes_mul(sum, white_at(wavelength_nm));
+}
+
 Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm)
 {
     if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
     Place place = place_of(environment, direction);
-    if (environment->bands) return bands_at(environment, &place, wavelength_nm);
-    const Texel *above = environment->texels + (size_t)place.above * environment->width;
-    const Texel *below = environment->texels + (size_t)place.below * environment->width;
-    float up = 1 - place.down, back = 1 - place.across;
-    Lanes sum = lanes_add(texel_radiance(&above[place.left], up * back, wavelength_nm),
-                          texel_radiance(&above[place.right], up * place.across, wavelength_nm));
-    sum = lanes_add(sum, texel_radiance(&below[place.left], place.down * back, wavelength_nm));
-    sum = lanes_add(sum, texel_radiance(&below[place.right], place.down * place.across, wavelength_nm));
-    return lanes_mul(sum, white_at(wavelength_nm));
+    return radiance_at(environment, &place, wavelength_nm);
+}
+
+Lanes environment_look(const Environment *environment, Vec3f direction, Lanes wavelength_nm, float *pdf_w)
+{
+    *pdf_w = sphere_pdf();
+    if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
+    Place place = place_of(environment, direction);
+    if (!is_even(environment)) *pdf_w = pdf_at(environment, &place, direction);
+    return radiance_at(environment, &place, wavelength_nm);
+}
+
+Vec3f environment_sample_light(const Environment *environment, float u, float v, Lanes wavelength_nm, float *pdf_w,
+                               Lanes *radiance)
+{
+    Vec3f direction = is_even(environment) ? sampling_sphere(u, v) : sample_cells(environment, u, v);
+    /* of the direction as it was rounded */
+    *radiance = environment_look(environment, direction, wavelength_nm, pdf_w);
+    /* Rounded over the edge into a black cell. Nothing comes from there, so any density will do. */
+    if (!(*pdf_w > 0)) *pdf_w = sphere_pdf();
+    return direction;
+}
+
+Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w)
+{
+    Lanes radiance;
+    return environment_sample_light(environment, u, v, lanes_all(SPECTRUM_MIN_NM), pdf_w, &radiance);
 }
 
 float environment_luminance(const Environment *environment, Vec3f direction)

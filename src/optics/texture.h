@@ -33,6 +33,10 @@ unsigned environment_width(const Environment *environment); /* of the image, in 
 /* Picks a direction in proportion to luminance times solid angle; pdf_w per steradian, > 0. */
 Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w);
 float environment_pdf(const Environment *environment, Vec3f direction);
+/* Both at once take little longer than one: the radiance, and the density; and the same for a direction that is picked. */
+Lanes environment_look(const Environment *environment, Vec3f direction, Lanes wavelength_nm, float *pdf_w);
+Vec3f environment_sample_light(const Environment *environment, float u, float v, Lanes wavelength_nm, float *pdf_w,
+                               Lanes *radiance);
 /* Integral of luminance over the sphere, for choosing between lights (a coarse image's is off by a few percent
  * beside the poles). */
 float environment_power(const Environment *environment);

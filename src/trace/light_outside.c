@@ -110,8 +110,9 @@ static LightSample sample_portal(const Views *views, double share, const float u
     /* its own density as it was sampled: by the rounded direction it might be beside the opening */
     density += portals_density(views, sample.direction, chosen);
     Vec3f local = to_environment(world, sample.direction);
-    sample.radiance = environment_radiance(world->scene->environment, local, wavelength_nm);
-    sample.pdf_w = density_of_both(views, density, environment_pdf(world->scene->environment, local));
+    float by_environment;
+    sample.radiance = environment_look(world->scene->environment, local, wavelength_nm, &by_environment);
+    sample.pdf_w = density_of_both(views, density, by_environment);
     return sample;
 }
 
@@ -125,8 +126,8 @@ LightSample light_sample_environment(const World *world, Vec3 from, Vec3f normal
             return sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, wavelength_nm);
     }
     LightSample sample = {.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
-    Vec3f local = environment_sample(world->scene->environment, u[0], u[1], &sample.pdf_w);
-    sample.radiance = environment_radiance(world->scene->environment, local, wavelength_nm);
+    Vec3f local =
+        environment_sample_light(world->scene->environment, u[0], u[1], wavelength_nm, &sample.pdf_w, &sample.radiance);
     /* the map is a rotation: its transpose is its inverse */
     sample.direction =
         vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
@@ -135,10 +136,9 @@ LightSample light_sample_environment(const World *world, Vec3 from, Vec3f normal
     return sample;
 }
 
-/* The density of light_sample_environment. */
-static float environment_density(const World *world, Vec3 from, Vec3f normal, Vec3f direction, Vec3f local)
+/* The density of light_sample_environment; by_environment: the environment's own. */
+static float environment_density(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float by_environment)
 {
-    float by_environment = environment_pdf(world->scene->environment, local);
     if (!world->n_portals) return by_environment;
     Views views;
     look_at_all(&views, world, from, normal);
@@ -166,12 +166,13 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
     const Scene *scene = world->scene;
     Lanes sum = lanes_all(0);
     if (scene->environment) {
+        bool weighed = weight_pdf >= 0 && choices->environment > 0;
         Vec3f local = environment_width(scene->environment) > 0 ? to_environment(world, direction) : direction;
-        float pdf = weight_pdf < 0 || !(choices->environment > 0)
-                        ? 0
-                        : choices->environment * environment_density(world, from, normal, direction, local);
-        sum = lanes_scale(environment_radiance(scene->environment, local, wavelength_nm),
-                          weight_against(weight_pdf, pdf));
+        float pdf = 0;
+        sum = weighed ? environment_look(scene->environment, local, wavelength_nm, &pdf)
+                      : environment_radiance(scene->environment, local, wavelength_nm);
+        if (weighed) pdf = choices->environment * environment_density(world, from, normal, direction, pdf);
+        sum = lanes_scale(sum, weight_against(weight_pdf, pdf));
     }
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];

@@ -191,6 +191,12 @@ static void samples_follow_the_density(void **unused)
         for (int i = 0; i < SAMPLES; i++) {
             float u = random_unit(&state), v = random_unit(&state), pdf;
             Vec3f d = environment_sample(environment, u, v, &pdf);
+            if (i % 64 == 0) { /* both at once, and each by itself */
+                float at_once;
+                Lanes nm = lanes(450, 520, 590, 650), radiance = environment_look(environment, d, nm, &at_once);
+                assert_true(at_once == environment_pdf(environment, d));
+                assert_true(lanes_equal(radiance, environment_radiance(environment, d, nm)));
+            }
             int x = (int)((0.5 + atan2((double)d.x, -(double)d.z) / (2 * pi)) * COLUMNS);
             int y = (int)(acos(fmax(-1, fmin(1, (double)d.y))) / pi * ROWS);
             counted[y < ROWS ? y : ROWS - 1][x < COLUMNS ? x : COLUMNS - 1]++;

@@ -30,11 +30,21 @@ static void roots_and_limits(void **unused)
     assert_true(lanes_zero(lanes(0, -0.0f, 0, 0)) && !lanes_zero(lanes(0, 0, 0, 1e-45f)));
 }
 
+static void whole_parts(void **unused)
+{
+    (void)unused;
+    int32_t whole[LANES];
+    Lanes rest = lanes_split(lanes(0, 2.75f, -2.75f, 8388609), whole);
+    assert_true(lanes_equal(rest, lanes(0, 0.75f, -0.75f, 0)));
+    assert_true(whole[0] == 0 && whole[1] == 2 && whole[2] == -2 && whole[3] == 8388609);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exponential_is_exact_to_a_float),
         cmocka_unit_test(roots_and_limits),
+        cmocka_unit_test(whole_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
