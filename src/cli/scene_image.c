@@ -38,7 +38,8 @@ static Status copy_alpha(const char *path, const Image *image, float **rgb, Erro
     return STATUS_OK;
 }
 
-/* SCENE_SPACE_DATA leaves values as they are. Without a named space an EXR file is linear in the working space already, and PNG and JPEG files are sRGB. */
+/* SCENE_SPACE_DATA leaves values as they are. Without a named space an EXR file is linear in the working space already,
+ * and PNG and JPEG files are sRGB. */
 Status load_scene_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
                         uint32_t *height, Error *error)
 {

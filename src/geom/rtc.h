@@ -142,7 +142,8 @@ bool rtc_starts_beside(const RtcScene *scene, const Ray *ray, uint32_t object);
 size_t rtc_cluster(const Hit *hits, size_t n);
 
 /* Every surface along the ray in increasing t. With stop_at_opaque the search ends as soon as any opaque object, or
- * another that stops the ray, is found in the way, wherever: it returns false and the list holds nothing of use. Otherwise true. */
+ * another that stops the ray, is found in the way, wherever: it returns false and the list holds nothing of use.
+ * Otherwise true. */
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
 
 /* The distance that the coordinates of a point can be off by rounding: four units in the last place of its

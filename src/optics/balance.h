@@ -1,11 +1,11 @@
 /* balance.h - what the tables leave over of a surface's light, put right for the very surface.
  *
  * The tables of microfacet.h, stretched.h and layered.h keep the light at round facets to some per mille. Stretched ones, and
- * layers towards a smaller index, have more dimensions than tables can follow; formulas then lose or make up to some per cent. So
- * for a surface between two media all is summed once, at directions all around, and what the formulas are off is kept: what
- * is to be added to what facets reflect and miss, and factors to t of layered.h, the same for v and l, with which what is
- * under a cover gives back all that the cover lets pass (Sinkhorn's scaling, as in microfacet.h). Reciprocity and sampling
- * stay as they are. Indices are taken at 550 nm, for all wavelengths.
+ * layers towards a smaller index, have more dimensions than tables can follow; formulas then lose or make up to some
+ * per cent. So for a surface between two media all is summed once, at directions all around, and what the formulas are
+ * off is kept: what is to be added to what facets reflect and miss, and factors to t of layered.h, the same for v and
+ * l, with which what is under a cover gives back all that the cover lets pass (Sinkhorn's scaling, as in microfacet.h).
+ * Reciprocity and sampling stay as they are. Indices are taken at 550 nm, for all wavelengths.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BALANCE_H
 #define MEN_BALANCE_H

@@ -10,8 +10,8 @@
  * ([WNDWH14]).
  *
  * A Bsdf is made for one hit: bsdf_begin, then one bsdf_add_* per lobe, those under a coat between bsdf_begin_coat and
- * bsdf_end_coat, and bsdf_set_fuzz at the end if at all. It refers to nothing else. alpha is that of GGX, the square of an artist's roughness; below 1e-3 a surface counts as
- * smooth.
+ * bsdf_end_coat, and bsdf_set_fuzz at the end if at all. It refers to nothing else. alpha is that of GGX, the square of
+ * an artist's roughness; below 1e-3 a surface counts as smooth.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BSDF_H
 #define MEN_BSDF_H
@@ -58,8 +58,8 @@ void bsdf_add_translucent(Bsdf *bsdf, float share, Lanes albedo);
 void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y);
 /* Facets that reflect all. */
 void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
-/* Not under a coat. A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along the normal leaves,
- * squared, which is about the colour that a white base gets; 1: clear. */
+/* Not under a coat. A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along
+ * the normal leaves, squared, which is about the colour that a white base gets; 1: clear. */
 void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
                       float roughness);
 /* The boundary between the medium of view, eta_i, and the one behind. */

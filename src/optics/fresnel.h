@@ -17,7 +17,8 @@ Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t);
 /* The same where both cosines (above 0) of a refracted ray are known, per wavelength. */
 Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t);
 /* Reflectance of a conductor of index n + i k relative to the medium in front of it, per wavelength, at an angle of cosine
- * 0..1: exact, in the real form of "Optical Properties of Metals", M. Born, E. Wolf, "Principles of Optics", 14.2. n, k >= 0. */
+ * 0..1: exact, in the real form of "Optical Properties of Metals", M. Born, E. Wolf, "Principles of Optics", 14.2.
+ * n, k >= 0. */
 Lanes fresnel_conductor(float cos_i, Lanes n, Lanes k);
 /* Its hemispherical mean, to 0.003 where k is at least 1, as metals' are. */
 Lanes fresnel_conductor_mean(Lanes n, Lanes k);

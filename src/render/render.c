@@ -1,6 +1,7 @@
 /* render.c - passes over the whole frame, tile by tile.
  * The first passes have one sample per pixel, later ones more, so that a picture is there early and the
- * overhead is small late. With a noise to be reached, pixels stop by themselves (adapt.h). A tile belongs to one thread during a pass, and a sample depends on nothing but its number.
+ * overhead is small late. With a noise to be reached, pixels stop by themselves (adapt.h). A tile belongs to one thread
+ * during a pass, and a sample depends on nothing but its number.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/render.h"
 
@@ -73,7 +74,8 @@ static void judge_uniform(const Job *job, double done, RenderProgress *progress)
 }
 
 /* The same of one that ends with the noise: known once the first plan is there. The pixels that are left take longer than
- * those that are done, so that only the time since then counts; how many samples are missing is known to a factor of two: neighbours will find more to do. */
+ * those that are done, so that only the time since then counts; how many samples are missing is known to a factor of
+ * two: neighbours will find more to do. */
 static void judge_adaptive(const Job *job, double done, RenderProgress *progress)
 {
     if (!job->wanted) return;

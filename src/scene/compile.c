@@ -394,7 +394,8 @@ static void add_inside(const CompiledScene *compiled, NestList *list, uint32_t o
 }
 
 /* The hulls that hold the point, seen along one direction from the point outward: those that are left more often than
- * they are entered, and halves of space that it is in. They come in the order in which a ray from outside enters them: the one that is left last first. */
+ * they are entered, and halves of space that it is in. They come in the order in which a ray from outside enters them:
+ * the one that is left last first. */
 static Status interior_along(const CompiledScene *compiled, Vec3 point, double time, int direction, HitList *hits,
                              NestList *list)
 {

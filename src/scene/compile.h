@@ -73,7 +73,8 @@ static inline uint32_t compiled_stop_class(uint32_t medium)
 {
     return medium < COMPILED_STOP_CLASSES ? 1U << medium : 0;
 }
-/* Whether the indices of two media differ at every wavelength, so that no straight ray of light goes from one into the other. */
+/* Whether the indices of two media differ at every wavelength, so that no straight ray of light goes from one into the
+ * other. */
 bool compiled_indices_differ(const Scene *scene, uint32_t medium_a, uint32_t medium_b);
 /* Tells rtc which objects do, and which rays pass by them (compiled_let_pass); part of compile_scene. */
 ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error);
@@ -93,9 +94,10 @@ static inline void compiled_let_pass(const CompiledScene *compiled, const NestLi
     }
 }
 
-/* The hulls that hold a point at a time 0..1 of the shutter, found by tracing from outside of the scene to it along one direction, again along
- * another, and a third where they differ: list ends up with the owner last. *on_surface (may be NULL) is set to the
- * object whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the caller's scratch. */
+/* The hulls that hold a point at a time 0..1 of the shutter, found by tracing from outside of the scene to it along one
+ * direction, again along another, and a third where they differ: list ends up with the owner last. *on_surface (may be
+ * NULL) is set to the object whose surface the point is on (to within rounding), SCENE_NONE when on none. hits is the
+ * caller's scratch. */
 ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits,
                                         NestList *list, uint32_t *on_surface);
 

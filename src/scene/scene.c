@@ -31,8 +31,8 @@ NestState scene_mixing_state(const SceneMedium *medium, bool is_world)
     return medium->mixes || is_world || spectrum_max(&medium->ior) <= most_gaseous_ior ? NEST_GAS : NEST_STATE_UNKNOWN;
 }
 
-/* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the map's row
- * without its y column is long. */
+/* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the
+ * map's row without its y column is long. */
 static Box3 circle_bounds(const Affine *map, double r, double y)
 {
     Vec3 center = affine_point(map, vec3(0, y, 0));

@@ -328,8 +328,8 @@ static inline const Affine *scene_keys(const Scene *scene, const SceneObject *ob
 const Affine *light_keys(const Scene *scene, const SceneLight *light);
 /* The camera at a time 0..1 of the shutter. */
 SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, double time);
-/* The smallest box around an object wherever it moves, moved by `after` (NULL: not); empty for one without any surface, without end for planes. Of a
- * combination it is what follows from the boxes of its operands: there may be less of it. */
+/* The smallest box around an object wherever it moves, moved by `after` (NULL: not); empty for one without any surface,
+ * without end for planes. Of a combination it is what follows from the boxes of its operands: there may be less of it. */
 Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after);
 /* The same box without an `after`, for many objects in turn: *known, {0} at first, keeps what the next one of the same
  * shape can use. */

@@ -21,8 +21,8 @@ typedef struct BalanceCase {
 } BalanceCase;
 
 /* NULL: the surface does without one, or memory is short. Numbers that textures say are taken in steps: of 1/32 where it is one
- * of them, 1/8 of two, 1/4 of three; where there are more, there is no balance. By any thread; may take some hundredths of a second,
- * the first time. */
+ * of them, 1/8 of two, 1/4 of three; where there are more, there is no balance. By any thread; may take some hundredths
+ * of a second, the first time. */
 const Balance *balances_find(Balances *balances, const BalanceCase *at);
 
 #endif

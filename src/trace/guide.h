@@ -1,12 +1,13 @@
 /* guide.h - where to look for small bright lights that are seen through glass.
  *
  * A straight line to a light that lies behind a clear boundary is blocked, and paths that are bent there find a small
- * light once in some ten thousand tries: each find is then ten thousand times too bright. So before a picture is rendered,
- * photons are followed from the lights through the clear objects (trace/photon.h), and where they land they say from where
- * such light comes. Paths that scatter hereabouts choose some of their directions after that ([Jensen95]). The density of
- * these directions is known exactly, and mixed with the surface's own ([Veach97] 9.2.4); so the picture converges to the same whatever the photons say, no weight is above
- * that of the surface's own sampling by more than the share it leaves to it, and paths that go from the camera through
- * glass to the place are guided alike.
+ * light once in some ten thousand tries: each find is then ten thousand times too bright. So before a picture is
+ * rendered, photons are followed from the lights through the clear objects (trace/photon.h), and where they land they
+ * say from where such light comes. Paths that scatter hereabouts choose some of their directions after that
+ * ([Jensen95]). The density of these directions is known exactly, and mixed with the surface's own ([Veach97] 9.2.4);
+ * so the picture converges to the same whatever the photons say, no weight is above that of the surface's own sampling
+ * by more than the share it leaves to it, and paths that go from the camera through glass to the place are guided
+ * alike.
  *
  * Every photon carries its differentials, so that it says for the places around it in which directions the whole of its
  * light is seen by its way through the glass: lobes whose mean depends on the place. A sun of half a degree is so met
@@ -15,17 +16,19 @@
  * Why not otherwise: manifold next-event estimation (J. Hanika, M. Droske, L. Fascione, EGSR (2015); T. Zeltner, I.
  * Georgiev, W. Jakob, "Specular Manifold Sampling", SIGGRAPH (2020)) has to be told, or to guess, which surfaces a path
  * passes, needs a walk for each of the many ways through nested objects with bubbles, and surfaces that are smooth
- * everywhere. What photons know of one place is taken for its neighbourhood to first order, and guide_new.c lays more of
- * them where that is not enough; where light goes through many facets or bumps, there are never enough. Merging vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
- * Directions learned from paths of the camera (T. Müller, M. Gross, J. Novák, "Practical Path Guiding for Efficient Light-
- * Transport Simulation", EGSR (2017); targets of A. Rath et al., "Variance-Aware Path Guiding", ACM TOG 39(4) (2020)) were
- * measured on peers' glass: maps of 16 x 16 directions in a tree of cells, shares by records held back. Squared errors are
- * less by 5 % when a twentieth of the picture's paths teach, by 17 % when five times all of them do: where light comes through
- * the glass the noise falls to a third, but what is mirrored by its side is a strip too narrow, and behind drink, ice and
- * bubbles it is chance within the glass that makes the noise, whatever the direction. Candles gain nothing. The lobes of
- * photons, with the best share in each cell of some thousand such records, take 25 % there.
- * What this does not find: lights without size behind glass, which no direction meets; and images of lights in glass that
- * the camera sees straight, which are found by the pixel's own samples.
+ * everywhere. What photons know of one place is taken for its neighbourhood to first order, and guide_new.c lays more
+ * of them where that is not enough; where light goes through many facets or bumps, there are never enough. Merging
+ * vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
+ * Directions learned from paths of the camera (T. Müller, M. Gross, J. Novák, "Practical Path Guiding for Efficient
+ * Light-Transport Simulation", EGSR (2017); targets of A. Rath et al., "Variance-Aware Path Guiding", ACM TOG 39(4)
+ * (2020)) were measured on peers' glass: maps of 16 x 16 directions in a tree of cells, shares by records held back.
+ * Squared errors are less by 5 % when a twentieth of the picture's paths teach, by 17 % when five times all of them do:
+ * where light comes through the glass the noise falls to a third, but what is mirrored by its side is a strip too
+ * narrow, and behind drink, ice and bubbles it is chance within the glass that makes the noise, whatever the direction.
+ * Candles gain nothing. The lobes of photons, with the best share in each cell of some thousand such records, take 25 %
+ * there, for 35 % more time.
+ * What this does not find: lights without size behind glass, which no direction meets; and images of lights in glass
+ * that the camera sees straight, which are found by the pixel's own samples.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_GUIDE_H
 #define MEN_GUIDE_H
@@ -44,8 +47,8 @@ typedef struct GuideCell {
 
 typedef struct Guide Guide;
 
-/* What makes a guide. A photon takes 96 bytes until the guide is made, and each that becomes a lobe some 130 bytes of it
- * then. */
+/* What makes a guide. A photon takes 96 bytes until the guide is made, and each that becomes a lobe some 130 bytes of
+ * it then. */
 typedef struct GuideSettings {
     uint32_t width, height; /* of the picture */
     uint64_t paths;         /* that it will take: what the guide takes is to be a small part of that */
@@ -63,8 +66,8 @@ typedef struct GuideStats {
     double cpu_seconds; /* that it took to make */
 } GuideStats;
 
-/* Makes a guide for the world; NULL where it would be of no use: without small bright lights, without clear or mirroring
- * objects, or where hardly any light comes through these. STATUS_NOMEM. */
+/* Makes a guide for the world; NULL where it would be of no use: without small bright lights, without clear or
+ * mirroring objects, or where hardly any light comes through these. STATUS_NOMEM. */
 ATTR_NODISCARD Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, Guide **guide,
                                 GuideStats *stats, Error *error);
 void guide_free(Guide *guide); /* NULL is fine */

@@ -54,7 +54,8 @@ static Vec3 area_point(const SceneLight *light, const Affine *to_world, const fl
     return affine_point(to_world, local);
 }
 
-/* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2 from inside. */
+/* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2
+ * from inside. */
 static double sphere_cone(double radius, Vec3 to)
 {
     double sine2 = radius * radius / vec3_dot(to, to);

@@ -50,8 +50,8 @@ bool light_reach(const World *world, uint32_t emitter, double time, Vec3 origin,
 
 /* Whether the surface that the ray has hit shines, and its radiance towards there. */
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
-/* The density (per steradian, choice included) with which light_sample, given the same choices, `from` and normal, would have found
- * the place that was hit; 0 for places that are found by chance only. */
+/* The density (per steradian, choice included) with which light_sample, given the same choices, `from` and normal,
+ * would have found the place that was hit; 0 for places that are found by chance only. */
 float light_pdf_hit(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, const Ray *ray,
                     const Hit *hit);
 

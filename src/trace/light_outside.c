@@ -150,8 +150,8 @@ static float weight_against(float weight_pdf, float light_pdf)
     return weight_pdf < 0 ? 1 : sampling_balance(weight_pdf, light_pdf);
 }
 
-/* Whether a direction is within a distant light's cone. The length of a unit vector of floats is not one to the digits that tell
- * the cosines of a small cone apart. */
+/* Whether a direction is within a distant light's cone. The length of a unit vector of floats is not one to the digits
+ * that tell the cosines of a small cone apart. */
 static bool is_within(const SceneLight *light, Vec3f direction)
 {
     Vec3 d = vec3_from_f(direction);

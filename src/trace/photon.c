@@ -368,7 +368,8 @@ static bool find_neighbour(Job *job, Path *path, uint32_t number, const Start *s
 }
 
 /* Finds the photon's neighbours by following four more from starts near by: I.e., its differentials, after L. Schjoth, J.
- * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is known. */
+ * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is
+ * known. */
 static void find_neighbours(Job *job, Path *path, uint32_t number, const Start *start, uint64_t way, Photon *photon)
 {
     const double near = 5e-4; /* of the target's size */

@@ -12,8 +12,9 @@ typedef struct TextureView {
     bool mirrored;     /* that mirrors */
 } TextureView;
 
-/* Of the object that the ray has hit, for the textures of a surface of it; the object has a frame for textures. Of the hit, t, object, primitive, normal and the
- * barycentric u, v count. footprint: a length in the world that details need not be smaller than. */
+/* Of the object that the ray has hit, for the textures of a surface of it; the object has a frame for textures. Of the
+ * hit, t, object, primitive, normal and the barycentric u, v count. footprint: a length in the world that details need
+ * not be smaller than. */
 void texture_view(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit, double footprint,
                   TextureView *view);
 /* The radiance of a surface whose emission is a texture. */

@@ -2,9 +2,9 @@
  * standard error, and one form of line for every figure.
  *
  * A pixel's own samples are stratified, so that the spread among them says too much about the error of their mean
- * (the channel variance.Y gives an upper bound). Where all pixels have the same expectation, the spread from pixel to pixel says
- * more, and it is what truth_mean uses: neighbours err in opposite directions on purpose, so that it is an upper bound, too,
- * but a close one for all that takes more than a few random numbers.
+ * (the channel variance.Y gives an upper bound). Where all pixels have the same expectation, the spread from pixel to
+ * pixel says more, and it is what truth_mean uses: neighbours err in opposite directions on purpose, so that it is an
+ * upper bound, too, but a close one for all that takes more than a few random numbers.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TRUTH_H
 #define MEN_TRUTH_H
