@@ -350,7 +350,7 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_VECTORS2: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR2); break;
     case PROP_VECTORS3: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR3); break;
     case PROP_FUNCTION:
-        name = flat_function(&flat->functions, prop->as.function); /* written before, by declare_needs */
+        name = flat_function(&flat->functions, prop->as.function); /* written before, by declare_functions */
         buf_add(out, name ? name : "none");
         break;
     case PROP_NUMBER_LISTS: print_number_lists(flat, prop, VALUE_NUMBER); break;
@@ -481,6 +481,7 @@ static void print_statement(Flat *flat, const EvalNode *node)
 /* ---- what must stand before a statement ---- */
 
 static void declare_needs(Flat *flat, const EvalNode *node);
+static void declare_functions(Flat *flat, const EvalNode *node);
 
 static void declare(Flat *flat, const EvalNode *node)
 {
@@ -489,6 +490,7 @@ static void declare(Flat *flat, const EvalNode *node)
     if (shared->written) return;
     shared->written = true; /* before its own needs: nothing refers to itself */
     declare_needs(flat, node);
+    declare_functions(flat, node);
     if (!shared->name) return; /* it stands where it is needed */
     bool declares = !shared->prototype && node->type->flags & NODE_NAMED;
     if (declares)
@@ -504,7 +506,6 @@ static void declare_needs(Flat *flat, const EvalNode *node)
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
         if (is_node(prop)) declare(flat, prop->as.node);
-        if (prop->type->kind == PROP_FUNCTION) (void)flat_function(&flat->functions, prop->as.function);
         for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++) declare(flat, prop->as.list.nodes[k]);
     }
     if (node->prototype) {
@@ -512,6 +513,14 @@ static void declare_needs(Flat *flat, const EvalNode *node)
         return;
     }
     for (size_t i = 0; i < node->n_children; i++) declare_needs(flat, node->children[i]);
+}
+
+/* Once all nodes are declared that it needs: theirs come first when the text is read again, too. */
+static void declare_functions(Flat *flat, const EvalNode *node)
+{
+    for (size_t i = 0; i < node->n_props; i++)
+        if (node->props[i].type->kind == PROP_FUNCTION) (void)flat_function(&flat->functions, node->props[i].as.function);
+    for (size_t i = 0; !node->prototype && i < node->n_children; i++) declare_functions(flat, node->children[i]);
 }
 
 static void print_top(Flat *flat, const EvalNode *node)
@@ -522,6 +531,7 @@ static void print_top(Flat *flat, const EvalNode *node)
     if (shared && (shared->prototype || !placed)) declare(flat, node);
     if (!placed && shared) return; /* it only declares, and that is done */
     declare_needs(flat, node);
+    declare_functions(flat, node);
     print_statement(flat, node);
     buf_add(flat->out, "\n");
 }
@@ -530,7 +540,8 @@ static void print_top(Flat *flat, const EvalNode *node)
 
 Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *diag, Buf *out, Error *error)
 {
-    Flat flat = {.options = options, .diag = diag, .arena = diag->arena, .out = out};
+    Buf statements = {0}; /* all functions stand before them */
+    Flat flat = {.options = options, .diag = diag, .arena = diag->arena, .out = &statements};
     uint32_t n_errors = diag->n_errors;
     flat.functions = (FlatFunctions){.diag = diag, .out = out, .new_name = new_def_name, .context = &flat};
     symbol_table_init(&flat.symbols, flat.arena);
@@ -542,7 +553,10 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
     take_words(&flat);
     for (size_t i = 0; i < scene->n_nodes; i++) name_shared(&flat, scene->nodes[i]);
     buf_format(out, "meniscus 1.0 unit %s\n", unit_of_length(scene->unit_m));
-    for (size_t i = 0; i < scene->n_nodes && !flat.too_deep && !out->failed; i++) print_top(&flat, scene->nodes[i]);
+    for (size_t i = 0; i < scene->n_nodes && !flat.too_deep && !statements.failed; i++) print_top(&flat, scene->nodes[i]);
+    buf_add_bytes(out, buf_text(&statements), statements.length);
+    if (statements.failed) out->failed = true;
+    buf_clear(&statements);
     if (out->failed) return fail(error, STATUS_NOMEM, "out of memory");
     if (flat.too_deep)
         return fail(error, STATUS_SCENE, "nodes within nodes, deeper than %d levels: too deep for a text", DEEPEST_BLOCK);
