@@ -139,6 +139,40 @@ static inline Lanes lanes_clamp(Lanes a, float low, float high)
     return a;
 #endif
 }
+/* the lesser, or the greater, in each lane; b where one of both is NaN */
+static inline Lanes lanes_lesser(Lanes a, Lanes b)
+{
+#if defined(__GNUC__) && defined(__SSE2__)
+    return (Lanes){(LaneVector)_mm_min_ps((__m128)a.v, (__m128)b.v)};
+#else
+    for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
+    return a;
+#endif
+}
+static inline Lanes lanes_greater(Lanes a, Lanes b)
+{
+#if defined(__GNUC__) && defined(__SSE2__)
+    return (Lanes){(LaneVector)_mm_max_ps((__m128)a.v, (__m128)b.v)};
+#else
+    for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
+    return a;
+#endif
+}
+static inline Lanes lanes_abs(Lanes a)
+{
+    return lanes_greater(a, lanes_sub(lanes_all(0), a));
+}
+/* the lanes in which a <= b, as bits: 1 for lane 0 */
+static inline unsigned lanes_not_above(Lanes a, Lanes b)
+{
+#if defined(__GNUC__) && defined(__SSE2__)
+    return (unsigned)_mm_movemask_ps(_mm_cmple_ps((__m128)a.v, (__m128)b.v));
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < LANES; i++) bits |= (unsigned)(a.v[i] <= b.v[i]) << i;
+    return bits;
+#endif
+}
 /* the whole part of each lane, towards 0; returns what is left. |a| < 2^31 */
 static inline Lanes lanes_split(Lanes a, int32_t whole[LANES])
 {

@@ -14,6 +14,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "geom/rtc_query.h"
 
@@ -225,21 +226,13 @@ static inline uint32_t object_of(const struct RTCHit *hit)
     return hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
 }
 
-/* Whether a triangle that the ray starts on is met no more: a straight line that starts in a plane, or beyond it, does not
- * come to it again. */
-static bool is_behind(const Ray *ray, const Hit *left)
-{
-    double slope = vec3_dot(vec3_from_f(left->normal), vec3_from_f(ray->direction));
-    return left->inside == (slope < 0) && fabs(slope) > RTC_LEAST_COSINE;
-}
-
 /* A triangle that Embree has found; its t and the object that it is of. */
 static bool consider_triangle(Query *query, const struct RTCHit *found, float embree_tfar)
 {
     const Ray *ray = query->ray;
     uint32_t object = object_of(found);
     const Hit *left = rtc_find_left(ray, object, found->primID);
-    if (left && is_behind(ray, left)) return false;
+    if (left && left->behind) return false;
     double t = (double)embree_tfar - query->back;
     bool passing = rtc_passes(query, object);
     Hit *hit = next_hit(passing ? query->passed : query->hits, t, object, found->primID);
@@ -308,39 +301,88 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
     arguments->bounds_o->upper_z = (float)(box.max.z + margin);
 }
 
-/* Narrows [*near, *far] to where a ray is between two planes across one axis; a ray along them is taken to be. */
-static inline void narrow(float lower, float upper, float origin, float direction, float *near, float *far)
+/* A ray as Embree reads it: its start and least distance, its direction and time, each as four lanes. */
+typedef struct FloatRay {
+    Lanes start, direction;
+} FloatRay;
+
+static inline FloatRay float_ray(const struct RTCRay *ray)
 {
-    if (direction == 0) return;
-    float inverse = 1 / direction, a = (lower - origin) * inverse, b = (upper - origin) * inverse;
-    float first = a < b ? a : b, last = (a < b ? b : a) * (1 + 0x1p-21f);
-    *near = first > *near ? first : *near;
-    *far = last < *far ? last : *far;
+    FloatRay parts;
+    memcpy(&parts, ray, sizeof parts);
+    return parts;
 }
 
-/* Whether Embree's float ray meets the bounds of a set's only piece. */
-static bool meets_bounds(const struct RTCBounds *box, const struct RTCRay *ray)
+/* Debian's Embree aborts on rays that are not finite or very far away. */
+static inline bool is_tame(Lanes part)
 {
-    float near = ray->tnear, far = ray->tfar;
-    narrow(box->lower_x, box->upper_x, ray->org_x, ray->dir_x, &near, &far);
-    narrow(box->lower_y, box->upper_y, ray->org_y, ray->dir_y, &near, &far);
-    narrow(box->lower_z, box->upper_z, ray->org_z, ray->dir_z, &near, &far);
-    return !(near > far);
+    return lanes_not_above(lanes_abs(part), lanes_all(1e18f)) == 0xf; /* not of NaN, either */
 }
 
-/* Whether a piece that Embree asks for shortens the search, or ends it. */
-static inline bool ask_piece(const RtcPieceSet *set, uint32_t primitive, const struct RTCRay *ray, Query *query)
+/* False for a ray that Embree cannot be asked about. */
+static bool embree_ray(const Query *query, struct RTCRay *ray)
 {
-    if (set->alone && !meets_bounds(&set->bounds, ray)) return false;
-    return consider_piece(query, set->pieces[primitive]);
+    Vec3 origin = vec3_add(query->origin, query->ray->nudge);
+    Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction)), direction = query->ray->direction;
+    double near = query->t_min > 0 ? query->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
+    FloatRay parts = {lanes(start.x, start.y, start.z, near > 0 ? (float)near : 0),
+                      lanes(direction.x, direction.y, direction.z, (float)query->ray->time)};
+    memcpy(ray, &parts, sizeof parts); /* as Embree reads it: it need not wait for its parts to come together */
+    ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
+    ray->mask = 0xffffffffU;
+    ray->id = ray->flags = 0;
+    return is_tame(parts.start) && is_tame(parts.direction);
+}
+
+/* Narrows near .. far to where a ray is between two planes across one axis, of four pairs at once. */
+static inline void narrow(Lanes lower, Lanes upper, float start, float inverse, Lanes *near, Lanes *far)
+{
+    Lanes a = lanes_scale(lanes_sub(lower, lanes_all(start)), inverse),
+          b = lanes_scale(lanes_sub(upper, lanes_all(start)), inverse);
+    *near = lanes_greater(lanes_lesser(a, b), *near);
+    *far = lanes_lesser(lanes_scale(lanes_greater(a, b), 1 + 0x1p-21f), *far);
+}
+
+/* Which of four bounds Embree's float ray meets, as bits. */
+static inline unsigned meets_bounds(const RtcFour *four, const struct RTCRay *ray)
+{
+    const Lanes least = lanes_all(1e-18f); /* as Embree does it, so that infinity and NaN do not come up */
+    FloatRay parts = float_ray(ray);
+    Lanes held = lanes_select_less(lanes_abs(parts.direction), least, least, parts.direction);
+    Lanes inverse = lanes_div(lanes_all(1), held), near = lanes_all(ray->tnear), far = lanes_all(ray->tfar);
+    for (int axis = 0; axis < 3; axis++)
+        narrow(four->lower[axis], four->upper[axis], lanes_get(parts.start, axis), lanes_get(inverse, axis), &near,
+               &far);
+    return lanes_not_above(near, far);
+}
+
+/* Pieces that Embree does not know, those whose bits are set; shortens Embree's ray where the search may end sooner then. */
+static void consider_own(Query *query, const RtcPiece *pieces, uint32_t n, unsigned met, struct RTCRay *ray)
+{
+    bool shrink = false;
+    for (uint32_t i = 0; i < n && !query->blocked; i++, met >>= 1)
+        if (met & 1) shrink |= consider_piece(query, pieces[i]);
+    if (shrink) ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
+}
+
+/* All of them. */
+static inline void consider_all_own(Query *query, struct RTCRay *ray)
+{
+    const RtcScene *scene = query->scene;
+    for (uint32_t i = 0; i < scene->n_planes; i++) consider_own(query, &scene->planes[i], 1, 1, ray);
+    for (uint32_t i = 0; i < scene->n_few; i += LANES) {
+        unsigned met = meets_bounds(&scene->few[i / LANES], ray);
+        if (met) consider_own(query, scene->still.pieces + i, scene->n_few - i, met, ray);
+    }
 }
 
 void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
     if (!arguments->valid[0]) return;
-    struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
-    if (ask_piece(arguments->geometryUserPtr, arguments->primID, ray, query)) {
+    const RtcPieceSet *set = arguments->geometryUserPtr;
+    if (consider_piece(query, set->pieces[arguments->primID])) {
+        struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
         float tfar = embree_t(query, query->reach);
         ray->tfar = tfar < ray->tfar ? tfar : ray->tfar;
     } else {
@@ -352,24 +394,11 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
     if (!arguments->valid[0]) return;
-    struct RTCRay *ray = ray_of(arguments->ray);
-    if (ask_piece(arguments->geometryUserPtr, arguments->primID, ray, query))
-        ray->tfar = -INFINITY;
+    const RtcPieceSet *set = arguments->geometryUserPtr;
+    if (consider_piece(query, set->pieces[arguments->primID]))
+        ray_of(arguments->ray)->tfar = -INFINITY;
     else
         arguments->valid[0] = 0;
-}
-
-/* Debian's Embree aborts on rays that are not finite or very far away. */
-static inline bool is_tame(double x)
-{
-    return fabs(x) < 1e18; /* not of NaN, either */
-}
-
-static inline bool usable(const Ray *ray)
-{
-    return is_tame(ray->origin.x) && is_tame(ray->origin.y) && is_tame(ray->origin.z) &&
-           is_tame((double)ray->direction.x) && is_tame((double)ray->direction.y) &&
-           is_tame((double)ray->direction.z) && ray->t_min >= 0 && is_tame(ray->t_min);
 }
 
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
@@ -392,24 +421,6 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->local.object = RTC_NO_OBJECT;
     hits->n = 0;
     if (passed) passed->n = 0;
-}
-
-static void embree_ray(Query *query, struct RTCRay *ray)
-{
-    Vec3 origin = vec3_add(query->origin, query->ray->nudge);
-    Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction));
-    ray->org_x = start.x;
-    ray->org_y = start.y;
-    ray->org_z = start.z;
-    ray->dir_x = query->ray->direction.x;
-    ray->dir_y = query->ray->direction.y;
-    ray->dir_z = query->ray->direction.z;
-    double near = query->t_min > 0 ? query->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
-    ray->tnear = near > 0 ? (float)near : 0;
-    ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
-    ray->time = (float)query->ray->time;
-    ray->mask = 0xffffffffU;
-    ray->id = ray->flags = 0;
 }
 
 static int compare_hits(const void *left, const void *right)
@@ -485,17 +496,19 @@ static double chain_end(const Hit *last)
     return last->t + 2 * last->rounding / double_max(fabs(last->cos_normal), RTC_LEAST_COSINE);
 }
 
-static void search_nearest(Query *query)
+/* False where nothing can be searched. */
+static bool search_nearest(Query *query)
 {
     query->reach = HUGE_VAL;
     query->hits->n = 0;
     if (query->passes) query->passed->n = 0;
-    for (uint32_t i = 0; i < query->scene->n_planes; i++) consider_piece(query, query->scene->planes[i]);
     struct RTCRayHit embree;
-    embree_ray(query, &embree.ray);
+    if (UNLIKELY(!embree_ray(query, &embree.ray))) return false;
+    consider_all_own(query, &embree.ray);
     embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     embree_intersect(query->scene->world, &query->context, &embree);
+    return true;
 }
 
 /* Completes the hits that were put off, as far as the search went on, and sorts them all. False when that shows that it
@@ -535,7 +548,7 @@ ATTR_COLD static size_t search_exactly(Query *query)
     query->exact = true;
     query->least_window = 0;
     for (;;) {
-        search_nearest(query);
+        if (!search_nearest(query)) return 0;
         if (query->unsure) rtc_look_closer(query);
         rtc_sort_hits(hits);
         if (query->passes) rtc_complete_hits(query, query->passed, query->reach);
@@ -551,9 +564,8 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
 {
     Query query;
     query_init(&query, scene, ray, hits, passed);
-    if (!usable(ray)) return 0;
     for (;;) {
-        search_nearest(&query);
+        if (UNLIKELY(!search_nearest(&query))) return 0;
         bool good = complete_nearest(&query);
         size_t n = good ? nearest_place(&query) : 0;
         if (UNLIKELY(!good || query.unsure || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach)))
@@ -608,11 +620,10 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     query_init(&query, scene, ray, hits, NULL);
     query.all = true;
     query.stop_at_opaque = stop_at_opaque;
-    if (!usable(ray)) return true;
-    for (uint32_t i = 0; i < scene->n_planes && !query.blocked; i++) consider_piece(&query, scene->planes[i]);
-    if (query.blocked) return false;
     struct RTCRay embree;
-    embree_ray(&query, &embree);
+    if (UNLIKELY(!embree_ray(&query, &embree))) return true;
+    consider_all_own(&query, &embree);
+    if (query.blocked) return false;
     embree_occluded(scene->world, &query.context, &embree);
     if (query.blocked) return false;
     rtc_complete_hits(&query, hits, HUGE_VAL);

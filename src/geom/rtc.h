@@ -84,15 +84,28 @@ typedef struct Ray {
     bool at_edge;            /* the place at t_min is within rounding of a triangle's edge: Embree may miss what is there */
 } Ray;
 
-/* A ray that starts in free space. */
+/* A ray that starts in free space. Set field by field: a whole one would be made aside and copied. */
+static inline void ray_begin(Ray *ray, Vec3 origin, Vec3f direction)
+{
+    ray->origin = origin;
+    ray->direction = direction;
+    ray->time = ray->t_min = 0;
+    ray->t_max = HUGE_VAL;
+    ray->target = ray->target_primitive = RTC_NO_OBJECT;
+    ray->pass_level = 0;
+    ray->pass_alike = RTC_NO_PASS;
+    ray->stops = 0;
+    ray->left = NULL;
+    ray->n_left = 0;
+    ray->start_scale = 0;
+    ray->nudge = vec3(0, 0, 0);
+    ray->at_edge = false;
+}
 static inline Ray ray_make(Vec3 origin, Vec3f direction)
 {
-    return (Ray){.origin = origin,
-                 .direction = direction,
-                 .t_max = HUGE_VAL,
-                 .target = RTC_NO_OBJECT,
-                 .target_primitive = RTC_NO_OBJECT,
-                 .pass_alike = RTC_NO_PASS};
+    Ray ray;
+    ray_begin(&ray, origin, direction);
+    return ray;
 }
 static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->origin, t, vec3_from_f(ray->direction)); }
 
@@ -106,7 +119,8 @@ struct Hit {
     double cos_normal;     /* direction . normal, in double */
     double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
     float u, v;            /* barycentric of the triangle; unused for pieces */
-    bool inside;           /* set by rtc_leave: whether the new ray starts inside of this hit's object */
+    bool inside, behind;   /* set by rtc_leave: whether the new ray starts inside of this hit's object, and whether it goes away
+                            * from the surface there, and comes no more to one that is flat */
     bool clear;            /* so far from the triangle's edges that no rounding of float reaches them; true of pieces */
 };
 
@@ -178,7 +192,7 @@ void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, do
  * (through) or from the side that ray came from. Of several hits of one object only the last (first) is kept (hits and *n
  * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface. hits[i].inside
  * says for each surface on which side of it the ray starts: by the order along the ray before, and by the direction where
- * the origin is on the surface itself. */
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction);
+ * the origin is on the surface itself. The new ray may take the old one's place: next == ray. */
+void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next);
 
 #endif

@@ -305,9 +305,6 @@ static void list_pieces(RtcScene *scene)
 static void add_piece_set(RtcScene *scene, RtcPieceSet *set, uint32_t id)
 {
     if (!set->n) return;
-    set->alone = set->n == 1 && !set->moving;
-    struct RTCBoundsFunctionArguments of_first = {.geometryUserPtr = set, .bounds_o = &set->bounds};
-    if (set->alone) rtc_piece_bounds(&of_first);
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, set->n);
     if (set->moving) rtcSetGeometryTimeStepCount(geometry, scene->n_keys);
@@ -318,6 +315,29 @@ static void add_piece_set(RtcScene *scene, RtcPieceSet *set, uint32_t id)
     rtcSetGeometryOccludedFunction(geometry, rtc_piece_occluded);
     rtcCommitGeometry(geometry);
     attach(scene->world, geometry, id);
+}
+
+static struct RTCBounds piece_box(RtcPieceSet *set, uint32_t primitive)
+{
+    struct RTCBounds box;
+    struct RTCBoundsFunctionArguments asked = {.geometryUserPtr = set, .primID = primitive, .bounds_o = &box};
+    rtc_piece_bounds(&asked);
+    return box;
+}
+
+static void keep_few(RtcScene *scene)
+{
+    scene->n_few = scene->still.n;
+    for (uint32_t i = 0; i < scene->n_few; i++) {
+        struct RTCBounds box = piece_box(&scene->still, i);
+        const float lower[3] = {box.lower_x, box.lower_y, box.lower_z};
+        const float upper[3] = {box.upper_x, box.upper_y, box.upper_z};
+        RtcFour *four = &scene->few[i / LANES];
+        for (int axis = 0; axis < 3; axis++) {
+            lanes_set(&four->lower[axis], (int)(i % LANES), lower[axis]);
+            lanes_set(&four->upper[axis], (int)(i % LANES), upper[axis]);
+        }
+    }
 }
 
 static Status add_pieces(RtcScene *scene, Error *error)
@@ -332,7 +352,10 @@ static Status add_pieces(RtcScene *scene, Error *error)
     scene->moving = (RtcPieceSet){.scene = scene, .pieces = scene->pieces + n[0], .moving = true};
     scene->planes = scene->pieces + n[0] + n[1];
     list_pieces(scene);
-    add_piece_set(scene, &scene->still, scene->n_objects);
+    if (scene->still.n <= RTC_FEW)
+        keep_few(scene);
+    else
+        add_piece_set(scene, &scene->still, scene->n_objects);
     add_piece_set(scene, &scene->moving, scene->n_objects + 1);
     return STATUS_OK;
 }
@@ -403,13 +426,20 @@ static double find_reach(const RtcScene *scene)
     return reach;
 }
 
-static Box3 world_bounds(const RtcScene *scene)
+static Box3 box_of(struct RTCBounds b)
 {
-    struct RTCBounds b;
-    rtcGetSceneBounds(scene->world, &b);
     if (!(b.lower_x <= b.upper_x)) return box3_empty();
     return (Box3){vec3((double)b.lower_x, (double)b.lower_y, (double)b.lower_z),
                   vec3((double)b.upper_x, (double)b.upper_y, (double)b.upper_z)};
+}
+
+static Box3 world_bounds(RtcScene *scene)
+{
+    struct RTCBounds of_embree;
+    rtcGetSceneBounds(scene->world, &of_embree);
+    Box3 bounds = box_of(of_embree);
+    for (uint32_t i = 0; i < scene->n_few; i++) bounds = box3_union(bounds, box_of(piece_box(&scene->still, i)));
+    return bounds;
 }
 
 static Status build(RtcScene *scene, RtcDescribe *describe, const void *context, unsigned n_threads, Error *error)

@@ -15,12 +15,13 @@ double rtc_rounding(Vec3 p)
 
 /* Whether a candidate is the surface that the ray starts on: the same primitive, at the start to within the rounding of
  * double. The two crossings of a curved piece are told apart by their direction, however close they are. */
-static bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)
+static inline bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)
 {
-    for (size_t i = 0; i < query->ray->n_left; i++) {
-        const Hit *left = &query->ray->left[i];
+    const Ray *ray = query->ray;
+    if (LIKELY(fabs(t * cos_normal) > DOUBLE_NOISE * (double_max(query->scale, ray->start_scale) + t))) return false;
+    for (size_t i = 0; i < ray->n_left; i++) {
+        const Hit *left = &ray->left[i];
         if (left->object != object || left->primitive != primitive) continue;
-        if (fabs(t * cos_normal) > DOUBLE_NOISE * (fmax(query->scale, query->ray->start_scale) + t)) continue;
         if (left->inside == (cos_normal < 0)) return true; /* entering where it is inside already */
     }
     return false;
@@ -238,7 +239,7 @@ void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurfa
 }
 
 /* Keeps one hit of each object, the one nearest to where the new ray starts; returns how many. */
-static size_t one_per_object(Hit *hits, size_t n, bool through)
+ATTR_COLD static size_t one_per_object(Hit *hits, size_t n, bool through)
 {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
@@ -249,39 +250,50 @@ static size_t one_per_object(Hit *hits, size_t n, bool through)
     return kept;
 }
 
-/* Tells on which side of each of n surfaces the new ray starts, which it does on one of them: the others have all been
- * crossed, or none has. The ray's own direction decides where it starts on them, too. */
-static void find_sides(const Ray *ray, Hit *hits, size_t n, bool through, const Hit *start, Ray *next)
+/* Says of a surface on which side of it the new ray starts. slope: of its direction along the normal. */
+static inline void start_on_side(Hit *hit, bool inside, double slope)
 {
-    for (size_t i = 0; i < n; i++) {
-        Hit *hit = &hits[i];
-        Vec3 normal = vec3_from_f(hit->normal), from_surface = vec3_sub(next->origin, ray_point(ray, hit->t));
-        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, vec3_from_f(next->direction));
-        bool on_surface = hit == start || fabs(height) <= DOUBLE_NOISE * next->start_scale;
-        hit->inside = on_surface ? slope < 0 : hit->entering == through;
-        next->at_edge = next->at_edge || !hit->clear;
-    }
+    hit->inside = inside;
+    hit->behind = inside == (slope < 0) && fabs(slope) > RTC_LEAST_COSINE;
 }
 
-Ray rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction)
+/* Tells on which side of each of n surfaces the new ray starts, which it does on one of them: the others have all been
+ * crossed, or none has. The ray's own direction decides where it starts on them, too. Returns whether all are clear. */
+ATTR_COLD static bool find_sides(const Ray *ray, Hit *hits, size_t n, bool through, const Hit *start, Vec3 direction,
+                                 double start_scale)
+{
+    bool clear = true;
+    Vec3 origin = ray_point(ray, start->t);
+    for (size_t i = 0; i < n; i++) {
+        Hit *hit = &hits[i];
+        Vec3 normal = vec3_from_f(hit->normal), from_surface = vec3_sub(origin, ray_point(ray, hit->t));
+        double height = vec3_dot(from_surface, normal), slope = vec3_dot(normal, direction);
+        bool on_surface = hit == start || fabs(height) <= DOUBLE_NOISE * start_scale;
+        start_on_side(hit, on_surface ? slope < 0 : hit->entering == through, slope);
+        clear = clear && hit->clear;
+    }
+    return clear;
+}
+
+void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next)
 {
     if (*n > 1) *n = one_per_object(hits, *n, through);
     Hit *hit = through ? &hits[*n - 1] : &hits[0];
-    Ray next = ray_make(ray_point(ray, hit->t), direction);
-    next.time = ray->time;
-    next.left = hits;
-    next.n_left = *n;
-    next.start_scale = vec3_max_abs(ray->origin) + hit->t;
-    Vec3 normal = vec3_from_f(hit->normal);
-    double slope = vec3_dot(normal, vec3_from_f(direction));
-    next.at_edge = !hit->clear;
-    hit->inside = slope < 0; /* it starts on the surface itself */
-    if (UNLIKELY(*n > 1)) find_sides(ray, hits, *n, through, hit, &next);
-    double margin = 0.5 * hit->rounding;
-    next.nudge = vec3_scale(normal, hit->inside ? -margin : margin);
+    Vec3 normal = vec3_from_f(hit->normal), along = vec3_from_f(direction), origin = ray_point(ray, hit->t);
+    double slope = vec3_dot(normal, along), start_scale = vec3_max_abs(ray->origin) + hit->t, time = ray->time;
+    bool clear = hit->clear;
+    start_on_side(hit, slope < 0, slope); /* it starts on the surface itself */
+    if (UNLIKELY(*n > 1)) clear = find_sides(ray, hits, *n, through, hit, along, start_scale);
+    double outward = hit->inside ? -1 : 1;
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
-    if (scene->objects[hit->object].solid && fabs(slope) < CREEPING_COSINE)
-        next.origin = vec3_along(next.origin, (hit->inside ? -0.25 : 0.25) * DOUBLE_NOISE * next.start_scale, normal);
-    return next;
+    if (UNLIKELY(fabs(slope) < CREEPING_COSINE) && scene->objects[hit->object].solid)
+        origin = vec3_along(origin, 0.25 * outward * DOUBLE_NOISE * start_scale, normal);
+    ray_begin(next, origin, direction);
+    next->time = time;
+    next->left = hits;
+    next->n_left = *n;
+    next->start_scale = start_scale;
+    next->nudge = vec3_scale(normal, 0.5 * outward * hit->rounding);
+    next->at_edge = !clear;
 }

@@ -5,6 +5,7 @@
 
 #include <stdatomic.h>
 
+#include "base/lanes.h"
 #include "geom/embree.h"
 #include "geom/rtc.h"
 
@@ -60,9 +61,15 @@ typedef struct RtcPieceSet {
     RtcPiece *pieces; /* primitive numbers of the geometry */
     uint32_t n;
     bool moving;
-    bool alone;             /* one that stands still. Embree asks every ray of it, whether its bounds are met or not: */
-    struct RTCBounds bounds;
 } RtcPieceSet;
+
+/* The bounds of four pieces. */
+typedef struct RtcFour {
+    Lanes lower[3], upper[3];
+} RtcFour;
+/* So few pieces, a lamp over meshes, say, are not worth a hierarchy of their own, which every ray would have to go
+ * through: rays are held against all their bounds. */
+enum { RTC_FEW = 2 * LANES };
 
 struct RtcScene {
     RTCDevice device;
@@ -75,6 +82,8 @@ struct RtcScene {
     uint32_t n_keys;
     RtcPiece *pieces;          /* of the two sets, then the planes */
     RtcPieceSet still, moving; /* bounded ones */
+    uint32_t n_few;            /* of the still ones, all if they are few, which Embree then does not know; else 0 */
+    RtcFour few[RTC_FEW / LANES];
     RtcPiece *planes;          /* unbounded ones, tested by themselves */
     uint32_t n_planes;
     Box3 bounds;

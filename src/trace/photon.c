@@ -123,7 +123,7 @@ static bool leave_light(Path *path, const Start *start)
         while (i < tracer->left.n && tracer->left.items[i].object != start->light.object) i++;
         if (i == tracer->left.n) return false;
         double time = path->ray.time, distance = tracer->left.items[i].t;
-        path->ray = rtc_leave(compiled->rtc, &look, &tracer->left.items[i], &one, false, travel);
+        rtc_leave(compiled->rtc, &look, &tracer->left.items[i], &one, false, travel, &path->ray);
         path->ray.time = time;
         if (turned) { /* beside the light's point, so that it goes to the start's */
             path->ray =
@@ -135,7 +135,8 @@ static bool leave_light(Path *path, const Start *start)
         compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits, &tracer->list,
                           NULL) != STATUS_OK)
         return false;
-    return !start->light.glow || media_is_there(compiled, &tracer->world->media, start->light.glow->place, &tracer->list);
+    return !start->light.glow ||
+           media_is_there(compiled, &tracer->world->media, start->light.glow->place, &tracer->list);
 }
 
 /* ---- on the way ---- */

@@ -60,8 +60,8 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
     HitList reached = tracer->hits;
-    path->ray =
-        rtc_leave(tracer->world->compiled->rtc, &path->ray, reached.items, &event->n_cluster, through, direction);
+    Ray *ray = &path->ray;
+    rtc_leave(tracer->world->compiled->rtc, ray, reached.items, &event->n_cluster, through, direction, ray);
     tracer->hits = tracer->left; /* the ray refers to what it has left until its end */
     tracer->left = reached;
     bool several = event->n_cluster > 1;
@@ -129,8 +129,9 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
     float diffuse = diffuse_pdf(place, light.direction);
     if (!(diffuse > 0)) return;
-    Ray ray = rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster,
-                        false, light.direction);
+    Ray ray;
+    rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false,
+              light.direction, &ray);
     path_add_direct_light(path, &light, ray, lanes_scale(albedo, diffuse), diffuse);
 }
 

@@ -74,8 +74,9 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     if (lanes_zero(f_cos)) return;
     bool below = vec3f_dot(light.direction, place->geometric) < 0;
     Tracer *tracer = path->tracer;
-    Ray ray = rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below,
-                        light.direction);
+    Ray ray;
+    rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction,
+              &ray);
     path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
 }
 

@@ -22,12 +22,27 @@ static void exponential_is_exact_to_a_float(void **unused)
 static void roots_and_limits(void **unused)
 {
     (void)unused;
-    Lanes values = lanes(0, 2, 1e-40f, 3e38f), roots = lanes_sqrt(values), held = lanes_clamp(lanes(-1, NAN, 7, 2), 0, 3);
+    Lanes values = lanes(0, 2, 1e-40f, 3e38f), roots = lanes_sqrt(values),
+          held = lanes_clamp(lanes(-1, NAN, 7, 2), 0, 3);
     for (int i = 0; i < LANES; i++) assert_true(lanes_get(roots, i) == sqrtf(lanes_get(values, i)));
     assert_true(lanes_equal(held, lanes(0, 0, 3, 2)));
     assert_false(lanes_equal(values, lanes(0, 2, 1e-40f, 2)));
     assert_true(lanes_uniform(lanes_all(0.3f)) && !lanes_uniform(lanes(1, 1, 1, 2)));
     assert_true(lanes_zero(lanes(0, -0.0f, 0, 0)) && !lanes_zero(lanes(0, 0, 0, 1e-45f)));
+}
+
+static void comparisons(void **unused)
+{
+    (void)unused;
+    Lanes a = lanes(1, -2, 3, -0.0f), b = lanes(1, 2, -3, NAN);
+    assert_true(lanes_not_above(a, b) == 3);
+    assert_true(lanes_equal(lanes_abs(a), lanes(1, 2, 3, 0)) && isnan(lanes_get(lanes_abs(b), 3)));
+    Lanes lesser = lanes_lesser(a, b), greater = lanes_greater(a, b);
+    for (int i = 0; i < LANES - 1; i++) {
+        assert_true(lanes_get(lesser, i) == fminf(lanes_get(a, i), lanes_get(b, i)));
+        assert_true(lanes_get(greater, i) == fmaxf(lanes_get(a, i), lanes_get(b, i)));
+    }
+    assert_true(isnan(lanes_get(lesser, 3)) && isnan(lanes_get(greater, 3)));
 }
 
 static void whole_parts(void **unused)
@@ -44,6 +59,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exponential_is_exact_to_a_float),
         cmocka_unit_test(roots_and_limits),
+        cmocka_unit_test(comparisons),
         cmocka_unit_test(whole_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -202,7 +202,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
             if ((vec3_dot(direction, vec3_from_f(hit->normal)) > 0) != outward) direction = vec3_scale(direction, -1);
             /* no ray is so close to the surface that rounding its direction takes it to the other side */
             if (fabs(vec3_dot(direction, vec3_from_f(hit->normal))) < 1e-6) break;
-            ray = rtc_leave(s->rtc, &ray, hits.items, &n, through, vec3f_from(direction));
+            rtc_leave(s->rtc, &ray, hits.items, &n, through, vec3f_from(direction), &ray);
             for (size_t i = 0; i < n; i++) { /* each surface of the place is crossed or not by the new direction */
                 NestPass pass = {hits.items[i].object, hits.items[i].inside};
                 if (pass.entering == hits.items[i].entering)
@@ -380,6 +380,49 @@ static void test_gap_is_kept(void **state)
 }
 
 /* A thousand faces at one place are all found. */
+/* Few solids are held against rays by themselves, many are in Embree's hierarchy: the same surfaces are met in both, by
+ * rays along axes, too. Spheres far off make many of them. */
+static void test_few_as_many(void **state)
+{
+    (void)state;
+    enum { MOST = 8, RAYS = 4000 };
+    HitList few = {0}, many = {0};
+    uint64_t random = 1;
+    size_t n_met = 0;
+    for (uint32_t n = 1; n <= MOST; n++) {
+        TestScene s = {0}, with_others = {0};
+        add(&s, keep_mesh(&s, box_mesh(vec3(-3, -3, -3), vec3(3, 3, 3))), NULL, affine_identity());
+        Solid *ball = sphere(&s, 2);
+        for (uint32_t i = 0; i < n; i++) add(&s, NULL, ball, turned(0, vec3(1, 0, 0), vec3(i - 4.0, i % 3, i % 2)));
+        with_others = s;
+        for (uint32_t i = 0; i <= MOST; i++)
+            add(&with_others, NULL, ball, turned(0, vec3(1, 0, 0), vec3(0, 50 + i, 0)));
+        add(&s, NULL, ball, turned(0, vec3(1, 0, 0), vec3(0, 50 + MOST, 0))); /* as wide */
+        build(&s);
+        build(&with_others);
+        for (int i = 0; i < RAYS; i++) {
+            Vec3 from = vec3_scale(random_direction(&random), 12), to = vec3_scale(random_direction(&random), 4);
+            Vec3f direction = vec3f_from(vec3_normalize(vec3_sub(to, from)));
+            if (i % 4 == 0) direction = vec3f(i % 8 ? 1 : -1, 0, 0);
+            Ray ray = ray_make(from, direction);
+            ray.t_max = 24;
+            assert_true(rtc_all(s.rtc, &ray, false, &few) && rtc_all(with_others.rtc, &ray, false, &many));
+            assert_int_equal(few.n, many.n);
+            for (size_t k = 0; k < few.n; k++)
+                assert_true(few.items[k].t == many.items[k].t && few.items[k].object == many.items[k].object);
+            n_met += few.n;
+            size_t n_nearest = rtc_nearest(s.rtc, &ray, &few, NULL);
+            assert_int_equal(n_nearest, rtc_nearest(with_others.rtc, &ray, &many, NULL));
+            for (size_t k = 0; k < n_nearest; k++) assert_int_equal(few.items[k].object, many.items[k].object);
+        }
+        rtc_scene_free(with_others.rtc);
+        destroy(&s);
+    }
+    assert_true(n_met > MOST * RAYS);
+    hit_list_clear(&few);
+    hit_list_clear(&many);
+}
+
 static void test_many_at_one_place(void **state)
 {
     (void)state;
@@ -430,6 +473,7 @@ int main(void)
         cmocka_unit_test(test_coincident_solids),
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_gap_is_kept),
+        cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
         cmocka_unit_test(test_hostile_rays),
         cmocka_unit_test(test_shared_edges),
