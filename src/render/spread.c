@@ -11,16 +11,16 @@
  * eye: what is spread too near makes discs of the same brightness; too little, dots. */
 
 /* Samples are alike down to this part of the brightest. */
-#define ALIKE 0.25f
+#define ALIKE 0.4f
 /* A pixel that has so many that are alike has found what it shows; of few samples a part of them is enough. */
 enum { FEW = 8, FEW_PART = 4 };
 /* What a sample adds to its pixel, over what is there without, that is not to be seen yet. */
-#define STANDS_OUT 0.25
+#define STANDS_OUT 0.2
 /* Pixels around, for what is usual there. */
 enum { AROUND = 2 };
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
  * away many, else their discs would be seen. */
-enum { NEAR = 2, NEAR_ENOUGH = 6, FAR_ENOUGH = 256, FARTHEST = 209 };
+enum { NEAR = 2, NEAR_ENOUGH = 16, FAR_ENOUGH = 256, FARTHEST = 209 };
 /* What samples add to what is usual, spread, that is not seen. */
 #define UNSEEN 0.1
 /* Of what a usual pixel gets, the part that a black one does. */
@@ -53,6 +53,7 @@ typedef struct Lone {
     double light, rgb[3]; /* as parts of its pixel's mean */
     double reference;     /* see Maps */
     float least;          /* of comparable samples */
+    double crowding;      /* see find_crowding */
 } Lone;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
@@ -139,7 +140,8 @@ static double weight_at(const Maps *maps, const Lone *lone, uint32_t x, uint32_t
     double share = bright->counts[seen] / (double)film_pixel(maps->film, x, y)->n;
     double usual = lone->reference, plain = (double)maps->plain[place_in(maps->area, x, y)];
     double light = usual > 0 ? fmin(TO_BLACK + (1 - TO_BLACK) * plain / usual, 1) : 1;
-    return near > 0 ? near * share * light : 0;
+    double crowd = lone->crowding > 0 ? 1 + lone->crowding * count_comparable(bright, seen, lone->least) : 1;
+    return near > 0 ? near * share * light * crowd : 0;
 }
 
 /* The part of the square around a sample that is within the area: from x0, y0 up to but without x1, y1. */
@@ -201,6 +203,30 @@ static int find_radius(const Maps *maps, const Lone *lone)
     return alone > UNSEEN ? 0 : radius;
 }
 
+/* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
+ * their squared mean. Each pixel's rate is then to be taken for what the mean says as 1 sample and its own as this many times
+ * as many, the mean of a gamma distribution given the counts: a thin line or a point stays as sharp as it was found, and
+ * what is scattered evenly becomes even. Farther away other things than chance make counts differ. */
+static double find_crowding(const Maps *maps, const Lone *lone, int radius)
+{
+    uint32_t square[4];
+    double n = 0, sum = 0, squares = 0;
+    if (radius > NEAR) return 0;
+    square_around(maps->area, lone, radius, square);
+    for (uint32_t y = square[1]; y < square[3]; y++)
+        for (uint32_t x = square[0]; x < square[2]; x++) {
+            const BrightPixel *bright = bright_at(maps, x, y);
+            uint32_t seen = find_thing(bright, lone->thing);
+            if (seen == BRIGHT_THINGS) continue;
+            double found = count_comparable(bright, seen, lone->least);
+            n++;
+            sum += found;
+            squares += found * found;
+        }
+    double mean = sum / n, beyond_chance = squares / n - mean * mean - mean;
+    return fmax(beyond_chance, 0) / (mean * mean);
+}
+
 static double square_of_luminance(const double rgb[3])
 {
     double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
@@ -252,6 +278,7 @@ static void spread_pixel(Spread *spread, const Maps *maps, uint32_t x, uint32_t 
         Lone lone = lone_at(maps, x, y, i);
         int radius = find_radius(maps, &lone);
         if (radius == 0) continue;
+        lone.crowding = find_crowding(maps, &lone, radius);
         spread_sample(maps, &lone, radius);
         spread->samples++;
         spread->light += lone.light;

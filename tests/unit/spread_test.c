@@ -147,6 +147,25 @@ static void what_would_be_seen_anywhere_stays(void **state)
     end(&films);
 }
 
+/* A line that each of its pixels has found a few times stays a line. */
+static void what_is_thin_stays_thin(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    fill(&films, 60);
+    for (uint32_t x = 6; x < 18; x++)
+        for (int i = 0; i < 6; i++) add(&films, x, 20, (float[]){30, 30, 30}, left_and_right(x));
+    resolve(&films, whole);
+    assert_true(films.way.samples > 0);
+    for (uint32_t x = 8; x < 16; x++) {
+        float on = pixel_of(&films.spread, x, 20)[1];
+        for (uint32_t y = 18; y <= 22; y++)
+            assert_true(y == 20 || pixel_of(&films.spread, x, y)[1] < (y == 19 || y == 21 ? 0.2f : 0.1f) * on);
+    }
+    end(&films);
+}
+
 /* What is seen without a surface between, and what of the edge's pixels is nothing. */
 static void nothing_goes_to_nothing(void **state)
 {
@@ -303,6 +322,7 @@ int main(void)
         cmocka_unit_test(a_lone_sample_is_spread),
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
+        cmocka_unit_test(what_is_thin_stays_thin),
         cmocka_unit_test(nothing_goes_to_nothing),
         cmocka_unit_test(more_samples_spread_less),
         cmocka_unit_test(light_is_kept),
