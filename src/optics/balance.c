@@ -252,7 +252,7 @@ static void look_from(Work *work, int knot)
 
 static void solve(Work *work)
 {
-    const float least = 0.3f, most = 3, nothing = 1e-4f; /* what next to nothing comes of is left as it is */
+    const float least = 0.3f, most = 12, nothing = 1e-4f; /* what next to nothing comes of is left as it is */
     int n = direction_grid_knots(work->grid);
     for (int i = 0; i < n; i++) work->factors[i] = 1;
     for (int round = 0; round < ROUNDS; round++) {

@@ -94,7 +94,7 @@ void direction_grid_init(DirectionGrid *grid, const DirectionEdge edges[DIRECTIO
     const float least = 1e-4f;
     bool edged = edges[0].critical >= 0 || edges[1].critical >= 0;
     enum { PLAIN_COSINES = 41 }; /* where there is no edge */
-    int azimuths = 3 + (int)((edged ? 5.1f : 4.2f) * fabsf(log2f(ratio))),
+    int azimuths = 3 + (int)((edged ? 7.6f : 4.2f) * fabsf(log2f(ratio))),
         cosines = edged ? most_cosines : PLAIN_COSINES;
     *grid = (DirectionGrid){.n_azimuths = azimuths < most_azimuths ? azimuths : most_azimuths,
                             .n_cosines = cosines < most_cosines ? cosines : most_cosines};

@@ -8,7 +8,7 @@
 #include "base/lanes.h"
 #include "base/vec3.h"
 
-enum { DIRECTION_AZIMUTHS = 25, DIRECTION_COSINES = 57, DIRECTION_EDGES = 2 }; /* at most */
+enum { DIRECTION_AZIMUTHS = 37, DIRECTION_COSINES = 57, DIRECTION_EDGES = 2 }; /* at most */
 
 /* azimuths: |y| / (|x| + |y|), ascending; cosines: ascending, of each azimuth its own */
 typedef struct DirectionGrid {
