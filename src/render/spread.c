@@ -21,8 +21,9 @@ enum { AROUND = 2 };
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
  * away many, else their discs would be seen. */
 enum { NEAR = 2, NEAR_ENOUGH = 16, FAR_ENOUGH = 256, FARTHEST = 209 };
-/* What samples add to what is usual, spread, that is not seen. */
+/* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
+#define FAINT 0.25
 /* Of what a usual pixel gets, the part that a black one does. */
 #define TO_BLACK (1 / 6.0)
 
@@ -184,7 +185,7 @@ static uint32_t count_between(const Maps *maps, const Lone *lone, int nearest, i
     return n;
 }
 
-/* How far a sample is spread. One that would be seen wherever it goes, alone, makes less of a blemish where it is: 0. */
+/* How far a sample is spread. One that would be more than faint wherever it goes, alone, is less of a blemish where it is: 0. */
 static int find_radius(const Maps *maps, const Lone *lone)
 {
     uint32_t found = count_between(maps, lone, 0, 0);
@@ -200,7 +201,7 @@ static int find_radius(const Maps *maps, const Lone *lone)
         if (found * most <= UNSEEN) return radius;
         alone = most;
     }
-    return alone > UNSEEN ? 0 : radius;
+    return alone > FAINT ? 0 : radius;
 }
 
 /* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
