@@ -37,17 +37,17 @@ Lanes white_at(Lanes wavelength_nm)
  *     this table                                   0.026 0.015 0.028    1.87 */
 WavelengthSample wavelengths_sample(float u)
 {
-    WavelengthSample sample = {lanes_all(0), lanes_all(0)};
     float position = u * (float)OBSERVER_WAVELENGTH_CELLS;
     int cell = (int)position;
-    float fraction = position - (float)cell;
-    for (int i = 0; i < LANES; i++) {
-        int at = (cell + i * (OBSERVER_WAVELENGTH_CELLS / LANES)) & (OBSERVER_WAVELENGTH_CELLS - 1);
-        float from = observer_wavelengths[at], width = observer_wavelengths[at + 1] - from;
-        lanes_set(&sample.nm, i, from + fraction * width);
-        lanes_set(&sample.pdf, i, 1 / ((float)OBSERVER_WAVELENGTH_CELLS * width));
-    }
-    return sample;
+    Lanes fraction = lanes_all(position - (float)cell);
+    const int quarter = OBSERVER_WAVELENGTH_CELLS / LANES, all = OBSERVER_WAVELENGTH_CELLS - 1;
+    const float *at[LANES];
+    for (int i = 0; i < LANES; i++) at[i] = &observer_wavelengths[(cell + i * quarter) & all];
+    Lanes from = lanes(at[0][0], at[1][0], at[2][0], at[3][0]), to = lanes(at[0][1], at[1][1], at[2][1], at[3][1]);
+    Lanes width = lanes_sub(to, from);
+    return (WavelengthSample){
+        .nm = lanes_add(from, lanes_mul(fraction, width)),
+        .pdf = lanes_div(lanes_all(1), lanes_scale(width, (float)OBSERVER_WAVELENGTH_CELLS))};
 }
 
 static Lanes observer_row_lanes(const float row[4]) { return lanes(row[0], row[1], row[2], row[3]); }

@@ -5,10 +5,9 @@
 
 void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray)
 {
-    double width = (double)point.width, height = (double)point.height;
-    double x = (2 * point.x / width - 1) * camera->tan_half_width;
-    double y = (1 - 2 * point.y / height) * camera->tan_half_width * height / width;
-    Vec3 direction = vec3_add(camera->forward, vec3_add(vec3_scale(camera->right, x), vec3_scale(camera->up, y)));
+    double pixel = 2 * camera->tan_half_width / (double)point.width; /* its side, at distance 1 */
+    double x = (point.x - 0.5 * (double)point.width) * pixel, y = (0.5 * (double)point.height - point.y) * pixel;
+    Vec3 direction = vec3_along(vec3_along(camera->forward, x, camera->right), y, camera->up);
     Vec3 origin = camera->from;
     if (camera->lens_radius > 0) {
         float lens_x, lens_y;

@@ -34,12 +34,13 @@ static inline Lanes flight_absorption(Path *path, uint32_t medium)
     const World *world = path->tracer->world;
     const SceneMedium *m = &world->scene->media[medium];
     if (!m->absorbs || world->no_absorption) return lanes_all(0);
-    PathMedium *kept = &path->media[medium % PATH_MEDIA];
-    if (kept->key != medium + 1) {
-        kept->absorption = spectrum_at(&m->absorption, path->wavelengths.nm);
-        kept->key = medium + 1;
+    PathMedia *kept = &path->media;
+    uint32_t i = medium % PATH_MEDIA;
+    if (kept->absorption_of[i] != medium + 1) {
+        kept->absorption[i] = spectrum_at(&m->absorption, path->wavelengths.nm);
+        kept->absorption_of[i] = medium + 1;
     }
-    return kept->absorption;
+    return kept->absorption[i];
 }
 /* Held finite, so that a wavelength at which nothing happens stays so out to infinity. */
 static inline float flight_length(double length)

@@ -220,19 +220,15 @@ static bool follow(Path *path)
     }
 }
 
-/* A pixel's samples follow each other, and have all but the last of it in common. */
+/* A pixel's samples follow each other. */
 static Sampler make_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
 {
-    const World *world = tracer->world;
-    if (LIKELY(world->trial.pattern == PATTERN_SHARED)) {
-        PixelSampler *kept = &tracer->pixel;
-        if (!kept->made || kept->seed != seed || kept->x != x || kept->y != y)
-            *kept = (PixelSampler){true, seed, x, y, sampler_make(seed, x, y, 0)};
-        Sampler sampler = kept->first;
-        sampler.index_reversed = reverse_bits(index);
-        return sampler;
+    switch (tracer->world->trial.pattern) {
+    case PATTERN_ALONE: return sampler_make_alone(seed, x, y, index);
+    case PATTERN_INDEPENDENT: return sampler_make_independent(seed, x, y, index);
+    case PATTERN_SHARED:
+    default: return sampler_of_pixel(&tracer->pixel, seed, x, y, index);
     }
-    return (world->trial.pattern == PATTERN_ALONE ? sampler_make_alone : sampler_make_independent)(seed, x, y, index);
 }
 
 static WavelengthSample choose_wavelengths(const World *world, const Sampler *sampler)
@@ -246,15 +242,9 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
                   uint32_t index, float rgb[3], float *alpha)
 {
     const World *world = tracer->world;
-    Path path = {.tracer = tracer,
-                 .sampler = make_sampler(tracer, seed, x, y, index),
-                 .beta = lanes_all(1),
-                 .ratio = lanes_all(1),
-                 .radiance = lanes_all(0),
-                 .scatter_pdf = -1,
-                 .scatter_lights = world_lights(world),
-                 .steering = 1,
-                 .looks = world->seeks_airlight};
+    Path path;
+    path_init(&path, tracer, make_sampler(tracer, seed, x, y, index));
+    path.looks = world->seeks_airlight;
     float u[2], lens[2] = {0, 0};
     sampler_2d(&path.sampler, DIM_PIXEL, u);
     if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);

@@ -51,13 +51,6 @@ typedef struct FlightParts {
     uint32_t n;
 } FlightParts;
 
-/* The random numbers of the pixel that was sampled last. */
-typedef struct PixelSampler {
-    bool made;
-    uint32_t seed, x, y;
-    Sampler first;
-} PixelSampler;
-
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     const World *world;
@@ -71,7 +64,7 @@ typedef struct Tracer {
     NestPass *passes;
     size_t passes_capacity;
     PathCounters counters;
-    PixelSampler pixel;
+    SamplerPixel pixel; /* that was sampled last */
     uint32_t seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
     FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;

@@ -3,16 +3,19 @@
 #ifndef MEN_PATH_PARTS_H
 #define MEN_PATH_PARTS_H
 
+#include <stddef.h>
+#include <string.h>
+
 #include "trace/guide.h"
 #include "trace/light.h"
 #include "trace/path.h"
 
-/* What a path has looked up of a medium at its own wavelengths, for the next time. */
-typedef struct PathMedium {
-    Lanes absorption, ior;
-    uint32_t key, ior_key; /* the medium's number + 1; 0: of none yet */
-} PathMedium;
+/* What a path has looked up at its own wavelengths of media, for the next time: each at its number modulo PATH_MEDIA. */
 enum { PATH_MEDIA = 4 };
+typedef struct PathMedia {
+    uint32_t absorption_of[PATH_MEDIA], ior_of[PATH_MEDIA]; /* the medium's number + 1; 0: of none yet */
+    Lanes absorption[PATH_MEDIA], ior[PATH_MEDIA];
+} PathMedia;
 
 /* A stretch of a path's way on which light that media scatter was looked for, see airlight.h. */
 typedef struct Airway {
@@ -45,15 +48,30 @@ typedef struct Path {
     float cone_width,
         cone_spread;  /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;   /* it has gone through a boundary, or off a mirror */
-    GuideAt guide;    /* at the place where the path is scattered last */
-    uint32_t n_scattered; /* in media, so far */
-    float steering;   /* how much denser its direction was chosen there than the surface alone would have */
     bool straight;    /* media do not scatter it: it only looks what is there */
     bool looks;       /* for light that media scatter towards it */
+    GuideAt guide;    /* at the place where the path is scattered last */
+    float steering;   /* how much denser its direction was chosen there than the surface alone would have */
+    uint32_t n_scattered; /* in media, so far */
+    uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
+    PathMedia media;
     Airway way, from; /* the present stretch; and the one that the path was scattered on last, if it was in a medium */
-    PathMedium media[PATH_MEDIA]; /* by the medium's number, modulo their own */
-    uint32_t n_counted;           /* of these, the ones that the scene's limit counts: not scattering within media */
 } Path;
+
+/* A path that has not begun: it carries 1, and has no ray yet. What is not set here is written before it is read. */
+static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
+{
+    memset(path, 0, offsetof(Path, media));
+    memset(path->media.absorption_of, 0, sizeof path->media.absorption_of);
+    memset(path->media.ior_of, 0, sizeof path->media.ior_of);
+    path->way.share = path->way.rarity = path->from.rarity = 0;
+    path->tracer = tracer;
+    path->sampler = sampler;
+    path->beta = path->ratio = lanes_all(1);
+    path->scatter_pdf = -1;
+    path->scatter_lights = world_lights(tracer->world);
+    path->steering = 1;
+}
 
 /* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
  * both counts. */
@@ -96,12 +114,13 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
 {
     const Spectrum *ior = &path->tracer->world->scene->media[medium].ior;
     if (ior->kind == SPECTRUM_CONSTANT) return spectrum_at(ior, path->wavelengths.nm);
-    PathMedium *kept = &path->media[medium % PATH_MEDIA];
-    if (kept->ior_key != medium + 1) {
-        kept->ior = spectrum_at(ior, path->wavelengths.nm);
-        kept->ior_key = medium + 1;
+    PathMedia *kept = &path->media;
+    uint32_t i = medium % PATH_MEDIA;
+    if (kept->ior_of[i] != medium + 1) {
+        kept->ior[i] = spectrum_at(ior, path->wavelengths.nm);
+        kept->ior_of[i] = medium + 1;
     }
-    return kept->ior;
+    return kept->ior[i];
 }
 
 /* ---- event.c ---- */

@@ -202,14 +202,8 @@ typedef struct Job {
 
 static Path begin_photon(Tracer *tracer, uint32_t seed, uint32_t number)
 {
-    Path path = {.tracer = tracer,
-                 .sampler = sampler_make(seed, PHOTON_PIXEL_X, PHOTON_PIXEL_Y, number),
-                 .beta = lanes_all(1),
-                 .ratio = lanes_all(1),
-                 .radiance = lanes_all(0),
-                 .scatter_pdf = -1,
-                 .scatter_lights = world_lights(tracer->world),
-                 .steering = 1};
+    Path path;
+    path_init(&path, tracer, sampler_make(seed, PHOTON_PIXEL_X, PHOTON_PIXEL_Y, number));
     path.wavelengths = wavelengths_sample(sampler_1d(&path.sampler, DIM_WAVELENGTH));
     path.ray.time = tracer->world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
     return path;

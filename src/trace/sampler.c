@@ -1,4 +1,4 @@
-/* sampler.c - how the pixels of a block divide the work.
+/* sampler.c - how the pixels of a block divide the work, and what their samples have in common.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/sampler.h"
 
@@ -17,3 +17,26 @@
 
 const uint32_t sampler_shifts[64][2] = {FOUR(0),  FOUR(4),  FOUR(8),  FOUR(12), FOUR(16), FOUR(20), FOUR(24), FOUR(28),
                                         FOUR(32), FOUR(36), FOUR(40), FOUR(44), FOUR(48), FOUR(52), FOUR(56), FOUR(60)};
+
+/* scramble_reversed's seed, of which the lower bits are the block's. */
+static uint32_t mixed(uint32_t pixel, uint32_t block)
+{
+    const uint32_t shared = (1U << SAMPLER_DIGITS_SHARED) - 1;
+    return (block & shared) | (pixel & ~shared);
+}
+
+void sampler_stream(const Sampler *sampler, uint32_t dimension, SamplerStream *stream)
+{
+    uint64_t pixel = hash_u64((uint64_t)sampler->pixel << 32 | dimension);
+    uint64_t block = hash_u64((uint64_t)sampler->block << 32 | dimension);
+    uint32_t place = scramble_reversed(sampler->place, (uint32_t)(block >> 16)) >> 26;
+    stream->order = (uint32_t)(pixel >> 16);
+    uint32_t first = (uint32_t)((block * 0xd1342543de82ef95U) >> 32);
+    uint32_t start = reverse_bits(scramble_reversed(0, stream->order) ^ first);
+    for (int i = 0; i < 2; i++) {
+        uint32_t of_pixel = (uint32_t)(pixel >> 32 * i), of_block = (uint32_t)(block >> 32 * i);
+        stream->offset[i] = (i ? sobol_second_reversed(start) : start) ^ sampler_shifts[place][i];
+        stream->seed[i] = mixed(of_pixel, of_block);
+        stream->factor[i] = mixed(of_pixel >> 16, of_block >> 16) | 1;
+    }
+}

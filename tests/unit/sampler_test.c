@@ -207,12 +207,12 @@ static void costs_little(void **state)
     enum { TIMES = 2000000 };
     double start = clock_cpu_s(), sum = 0;
     for (uint32_t i = 0; i < TIMES; i++) {
-        Sampler sampler = {i, i >> 6, i << 26, i};
+        Sampler sampler = {.pixel = i, .block = i >> 6, .place = i << 26, .index_reversed = i};
         sum += (double)sampler_1d(&sampler, i & 255);
     }
     double middle = clock_cpu_s();
     for (uint32_t i = 0; i < TIMES; i++) {
-        Sampler sampler = {i, i >> 6, i << 26, i};
+        Sampler sampler = {.pixel = i, .block = i >> 6, .place = i << 26, .index_reversed = i};
         float u[2];
         sampler_2d(&sampler, i & 255, u);
         sum += (double)(u[0] + u[1]);
