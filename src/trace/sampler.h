@@ -23,12 +23,12 @@
 
 /* Named dimensions. A new one is added at the end of its group, so that the others stay as they are. */
 enum {
-    DIM_PIXEL,             /* 2: place in the pixel's filter */
-    DIM_LENS,              /* 2 */
-    DIM_WAVELENGTH,        /* 1 */
-    DIM_PATH,              /* the first bounce's group begins here */
-    DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
-    DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
+    DIM_PIXEL,                 /* 2: place in the pixel's filter */
+    DIM_LENS,                  /* 2 */
+    DIM_WAVELENGTH,            /* 1 */
+    DIM_PATH,                  /* the first bounce's group begins here */
+    DIM_TIME = 0x40000000,     /* 1: of the shutter; beyond all groups, as it came later */
+    DIM_FLIGHTS = 0x50000000,  /* keys of the many numbers of flights through media, two for each bounce */
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
@@ -49,9 +49,9 @@ static inline uint32_t sampler_dimension(uint32_t bounce, uint32_t which)
 
 /* What all samples of a pixel have in common in one dimension. */
 typedef struct SamplerStream {
-    uint32_t order;                 /* shuffles the samples; */
-    uint32_t offset[2];             /* is added, digit by digit, to both coordinates of the one that comes of it, */
-    uint32_t seed[2], factor[2];    /* and scrambles their digits */
+    uint32_t order;              /* shuffles the samples; */
+    uint32_t offset[2];          /* is added, digit by digit, to both coordinates of the one that comes of it, */
+    uint32_t seed[2], factor[2]; /* and scrambles their digits */
 } SamplerStream;
 
 /* The streams of one pixel, kept for its next samples. All 0: of none yet. */
@@ -59,8 +59,8 @@ enum { SAMPLER_KEPT = 64 };
 typedef struct SamplerPixel {
     bool made;
     uint32_t seed, x, y;
-    uint32_t pixel, block, place;       /* as a Sampler has them */
-    uint64_t known[SAMPLER_KEPT / 64];  /* one bit for each stream */
+    uint32_t pixel, block, place;        /* as a Sampler has them */
+    uint64_t known[SAMPLER_KEPT / 64];   /* one bit for each stream */
     SamplerStream streams[SAMPLER_KEPT]; /* of the first dimensions */
 } SamplerPixel;
 
