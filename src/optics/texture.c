@@ -31,6 +31,12 @@ typedef struct Texel {
     float scale;
 } Texel;
 
+/* Where in tables to look: of each table, for k = 0 .. n, the last entry that is not above k / n. */
+typedef struct Hints {
+    unsigned n; /* a power of two: k / n and n u are exact */
+    uint32_t *first;
+} Hints;
+
 struct Environment {
     bool is_image;
     Spectrum constant;
@@ -43,6 +49,7 @@ struct Environment {
     float *luminance;              /* of the texels */
     float *row_cdf;                /* height + 2: of the height + 1 rows of cells */
     float *cell_cdf;               /* (height + 1) * (width + 1): within each row */
+    Hints row_hints, cell_hints;   /* of those; of cell_cdf for one row after another */
     double *edge;                  /* height + 2: sin^2 of half the polar angle at the rows' edges */
 };
 
@@ -147,11 +154,12 @@ float environment_pdf(const Environment *environment, Vec3f direction)
     return pdf_at(environment, &place, direction);
 }
 
-/* The last entry that is not above u; its step is not empty. cdf[0] is 0, cdf[n] is 1, u < 1. *rest is
- * where in the step u lies. */
-static unsigned invert_cdf(const float *cdf, unsigned n, float u, float *rest)
+/* The last entry that is not above u; its step is not empty. cdf[0] is 0, cdf[n] is 1, u < 1; which: of the tables that
+ * there are hints of. *rest is where in the step u lies. */
+static unsigned invert_cdf(const float *cdf, const Hints *hints, size_t which, float u, float *rest)
 {
-    unsigned low = 0, high = n; /* cdf[low] <= u < cdf[high] */
+    const uint32_t *first = hints->first + which * ((size_t)hints->n + 1) + (unsigned)(u * (float)hints->n);
+    unsigned low = first[0], high = first[1] + 1; /* cdf[low] <= u < cdf[high] */
     while (high - low > 1) {
         unsigned middle = low + (high - low) / 2;
         if (cdf[middle] <= u)
@@ -176,9 +184,9 @@ static float invert_linear(float a_float, float b_float, float u)
 static Vec3f sample_cells(const Environment *environment, float u, float v)
 {
     float corner[4];
-    unsigned row = invert_cdf(environment->row_cdf, environment->height + 1, v, &v);
+    unsigned row = invert_cdf(environment->row_cdf, &environment->row_hints, 0, v, &v);
     const float *cells = environment->cell_cdf + (size_t)row * (environment->width + 1);
-    unsigned column = invert_cdf(cells, environment->width, u, &u);
+    unsigned column = invert_cdf(cells, &environment->cell_hints, row, u, &u);
     Place place = place_at(environment, row, column);
     cell_corners(environment, &place, corner);
     float depth = invert_linear(corner[0] + corner[1], corner[2] + corner[3], v);
@@ -319,6 +327,8 @@ void environment_free(Environment *environment)
     free(environment->luminance);
     free(environment->row_cdf);
     free(environment->cell_cdf);
+    free(environment->row_hints.first);
+    free(environment->cell_hints.first);
     free(environment->edge);
     free(environment);
 }
@@ -364,6 +374,16 @@ static void normalize_cdf(float *cdf, const double *sums, unsigned n)
     for (unsigned i = 0; i <= n; i++) cdf[i] = (float)(sums[n] > 0 ? sums[i] / sums[n] : (double)i / n);
 }
 
+/* Hints of one more table of n steps. The last is n - 1, so that the entry behind it is one, too. */
+static void fill_hints(const float *cdf, unsigned n, Hints *hints, size_t which)
+{
+    uint32_t *first = hints->first + which * ((size_t)hints->n + 1), at = 0;
+    for (unsigned k = 0; k <= hints->n; k++) {
+        while (at + 1 < n && cdf[at + 1] <= (float)k / (float)hints->n) at++;
+        first[k] = at;
+    }
+}
+
 /* sums: room for the larger of width + 1 and height + 2 doubles, twice. */
 static void fill_tables(Environment *environment, double *sums, double *row_sums)
 {
@@ -386,10 +406,22 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
             sums[column + 1] = sums[column] + mean * solid_angle;
         }
         row_sums[row + 1] = row_sums[row] + sums[width];
-        normalize_cdf(environment->cell_cdf + (size_t)row * (width + 1), sums, width);
+        float *cells = environment->cell_cdf + (size_t)row * (width + 1);
+        normalize_cdf(cells, sums, width);
+        fill_hints(cells, width, &environment->cell_hints, row);
     }
     normalize_cdf(environment->row_cdf, row_sums, height + 1);
+    fill_hints(environment->row_cdf, height + 1, &environment->row_hints, 0);
     environment->power = (float)row_sums[height + 1];
+}
+
+/* For tables of so many steps each: one to four of them between hints. */
+static Hints new_hints(size_t n_tables, unsigned n_steps)
+{
+    Hints hints = {.n = 1};
+    while (hints.n < n_steps / 4) hints.n *= 2;
+    hints.first = malloc(n_tables * ((size_t)hints.n + 1) * sizeof *hints.first);
+    return hints;
 }
 
 /* Without any pixels yet. *sums: room for fill_tables, the caller's to free. */
@@ -415,10 +447,12 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->luminance = malloc(n * sizeof *made->luminance);
         made->row_cdf = malloc(((size_t)height + 2) * sizeof *made->row_cdf);
         made->cell_cdf = malloc(n_cells * sizeof *made->cell_cdf);
+        made->row_hints = new_hints(1, height + 1);
+        made->cell_hints = new_hints((size_t)height + 1, width);
         made->edge = malloc(((size_t)height + 2) * sizeof *made->edge);
     }
     if (!*sums || !made || !(made->texels || made->bands) || !made->luminance || !made->row_cdf || !made->cell_cdf ||
-        !made->edge) {
+        !made->row_hints.first || !made->cell_hints.first || !made->edge) {
         environment_free(made);
         free(*sums);
         return fail_memory(error, n * (sizeof *made->texels + 2 * sizeof(float)), "an environment");
