@@ -220,22 +220,30 @@ static bool follow(Path *path)
     }
 }
 
-/* A pixel's samples follow each other. */
-static Sampler make_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+/* A pixel's samples follow each other, and have most of what their first numbers take in common. */
+static const PixelSampler *find_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
 {
-    switch (tracer->world->trial.pattern) {
-    case PATTERN_ALONE: return sampler_make_alone(seed, x, y, index);
-    case PATTERN_INDEPENDENT: return sampler_make_independent(seed, x, y, index);
-    case PATTERN_SHARED:
-    default: return sampler_of_pixel(&tracer->pixel, seed, x, y, index);
+    PixelSampler *pixel = &tracer->pixel;
+    SamplePattern pattern = tracer->world->trial.pattern;
+    bool alike = LIKELY(pattern != PATTERN_INDEPENDENT);
+    if (!alike || !pixel->made || pixel->seed != seed || pixel->x != x || pixel->y != y) {
+        Sampler first = LIKELY(pattern == PATTERN_SHARED) ? sampler_make(seed, x, y, 0)
+                        : alike                           ? sampler_make_alone(seed, x, y, 0)
+                                                          : sampler_make_independent(seed, x, y, index);
+        *pixel = (PixelSampler){.made = true, .seed = seed, .x = x, .y = y, .sampler = first};
+        pixel->place = sampler_stream(&first, DIM_PIXEL);
+        pixel->wavelength = sampler_stream(&first, DIM_WAVELENGTH);
     }
+    if (alike) pixel->sampler.index_reversed = reverse_bits(index);
+    return pixel;
 }
 
-static WavelengthSample choose_wavelengths(const World *world, const Sampler *sampler)
+static WavelengthSample choose_wavelengths(const World *world, const PixelSampler *pixel)
 {
+    const Sampler *sampler = &pixel->sampler;
     if (UNLIKELY(world->trial.wavelengths_by_chance))
         return wavelengths_sample(hash_to_unit_f(sampler_key(sampler, DIM_WAVELENGTH)));
-    return wavelengths_sample(sampler_1d(sampler, DIM_WAVELENGTH));
+    return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
 void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
@@ -243,12 +251,13 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
 {
     const World *world = tracer->world;
     Path path;
-    path_init(&path, tracer, make_sampler(tracer, seed, x, y, index));
+    const PixelSampler *pixel = find_sampler(tracer, seed, x, y, index);
+    path_init(&path, tracer, pixel->sampler);
     path.looks = world->seeks_airlight;
     float u[2], lens[2] = {0, 0};
-    sampler_2d(&path.sampler, DIM_PIXEL, u);
+    sampler_stream_2d(&pixel->place, path.sampler.index_reversed, u);
     if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);
-    path.wavelengths = choose_wavelengths(world, &path.sampler);
+    path.wavelengths = choose_wavelengths(world, pixel);
     bool box = world->scene->film.box;
     FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
     double time = world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;

@@ -51,6 +51,14 @@ typedef struct FlightParts {
     uint32_t n;
 } FlightParts;
 
+/* The pixel that was sampled last: its random numbers, and what all of its samples have in common. */
+typedef struct PixelSampler {
+    bool made;
+    uint32_t seed, x, y;
+    Sampler sampler; /* of the sample that was made last */
+    SamplerStream place, wavelength;
+} PixelSampler;
+
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     const World *world;
@@ -64,7 +72,7 @@ typedef struct Tracer {
     NestPass *passes;
     size_t passes_capacity;
     PathCounters counters;
-    SamplerPixel pixel; /* that was sampled last */
+    PixelSampler pixel;
     uint32_t seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
     FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;

@@ -16,19 +16,16 @@
 #ifndef MEN_SAMPLER_H
 #define MEN_SAMPLER_H
 
-#include <stdbool.h>
-
-#include "base/attr.h"
 #include "base/hash.h"
 
 /* Named dimensions. A new one is added at the end of its group, so that the others stay as they are. */
 enum {
-    DIM_PIXEL,                 /* 2: place in the pixel's filter */
-    DIM_LENS,                  /* 2 */
-    DIM_WAVELENGTH,            /* 1 */
-    DIM_PATH,                  /* the first bounce's group begins here */
-    DIM_TIME = 0x40000000,     /* 1: of the shutter; beyond all groups, as it came later */
-    DIM_FLIGHTS = 0x50000000,  /* keys of the many numbers of flights through media, two for each bounce */
+    DIM_PIXEL,             /* 2: place in the pixel's filter */
+    DIM_LENS,              /* 2 */
+    DIM_WAVELENGTH,        /* 1 */
+    DIM_PATH,              /* the first bounce's group begins here */
+    DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
+    DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
@@ -47,28 +44,10 @@ static inline uint32_t sampler_dimension(uint32_t bounce, uint32_t which)
     return DIM_PATH + bounce * DIM_PER_BOUNCE + which;
 }
 
-/* What all samples of a pixel have in common in one dimension. */
-typedef struct SamplerStream {
-    uint32_t order;              /* shuffles the samples; */
-    uint32_t offset[2];          /* is added, digit by digit, to both coordinates of the one that comes of it, */
-    uint32_t seed[2], factor[2]; /* and scrambles their digits */
-} SamplerStream;
-
-/* The streams of one pixel, kept for its next samples. All 0: of none yet. */
-enum { SAMPLER_KEPT = 64 };
-typedef struct SamplerPixel {
-    bool made;
-    uint32_t seed, x, y;
-    uint32_t pixel, block, place;        /* as a Sampler has them */
-    uint64_t known[SAMPLER_KEPT / 64];   /* one bit for each stream */
-    SamplerStream streams[SAMPLER_KEPT]; /* of the first dimensions */
-} SamplerPixel;
-
 typedef struct Sampler {
     uint32_t pixel, block;   /* seeds of the two */
     uint32_t place;          /* of the pixel in its block: reversed, in the upper six bits */
     uint32_t index_reversed; /* of the sample */
-    SamplerPixel *kept;      /* NULL: streams are made each time */
 } Sampler;
 
 enum { SAMPLER_DIGITS_SHARED = 10 };
@@ -83,6 +62,16 @@ static inline uint32_t reverse_bits(uint32_t x)
     x = ((x & 0xf0f0f0f0U) >> 4) | ((x & 0x0f0f0f0fU) << 4);
     x = ((x & 0xccccccccU) >> 2) | ((x & 0x33333333U) << 2);
     return ((x & 0xaaaaaaaaU) >> 1) | ((x & 0x55555555U) << 1);
+}
+
+static inline uint64_t reverse_bits_64(uint64_t x)
+{
+    x = (x >> 32) | (x << 32);
+    x = ((x & 0xffff0000ffff0000U) >> 16) | ((x & 0x0000ffff0000ffffU) << 16);
+    x = ((x & 0xff00ff00ff00ff00U) >> 8) | ((x & 0x00ff00ff00ff00ffU) << 8);
+    x = ((x & 0xf0f0f0f0f0f0f0f0U) >> 4) | ((x & 0x0f0f0f0f0f0f0f0fU) << 4);
+    x = ((x & 0xccccccccccccccccU) >> 2) | ((x & 0x3333333333333333U) << 2);
+    return ((x & 0xaaaaaaaaaaaaaaaaU) >> 1) | ((x & 0x5555555555555555U) << 1);
 }
 
 /* A hash that changes a bit by the bits below it only: Owen scrambling of bit-reversed numbers. S. Laine and
@@ -138,55 +127,40 @@ static inline Sampler sampler_make_independent(uint32_t seed, uint32_t x, uint32
     return sampler_make_alone(hash_combine(seed, ~index), x, y, 0);
 }
 
-/* The same with what is kept of the pixel, which becomes this one's. */
-static inline Sampler sampler_of_pixel(SamplerPixel *kept, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
-{
-    if (!kept->made || kept->seed != seed || kept->x != x || kept->y != y) {
-        Sampler first = sampler_make(seed, x, y, 0);
-        kept->made = true;
-        kept->seed = seed;
-        kept->x = x;
-        kept->y = y;
-        kept->pixel = first.pixel;
-        kept->block = first.block;
-        kept->place = first.place;
-        memset(kept->known, 0, sizeof kept->known);
-    }
-    return (Sampler){kept->pixel, kept->block, kept->place, reverse_bits(index), kept};
-}
+/* What the samples of a pixel have in common in one dimension. */
+typedef struct SamplerStream {
+    uint32_t order, first; /* how they are shuffled */
+    const uint32_t *shift;
+    uint64_t pixel, block; /* hashes */
+} SamplerStream;
 
 /* The order of the samples is shuffled by the pixel's hash within each of [1, 2), [2, 4), [4, 8), ..., and by the
- * block's beyond that: after 1, 2, 4, ... samples all pixels of a block have used the same stretch of the sequence.
- * The lower digits of what scrambles are the block's: a bit of the result depends on no higher ones. */
-void sampler_stream(const Sampler *sampler, uint32_t dimension, SamplerStream *stream);
-
-/* room: for a stream that is not kept. */
-static inline const SamplerStream *sampler_find(const Sampler *sampler, uint32_t dimension, SamplerStream *room)
+ * block's beyond that: after 1, 2, 4, ... samples all pixels of a block have used the same stretch of the sequence. */
+static inline SamplerStream sampler_stream(const Sampler *sampler, uint32_t dimension)
 {
-    SamplerPixel *kept = sampler->kept;
-    if (LIKELY(kept && dimension < SAMPLER_KEPT)) {
-        uint64_t *known = &kept->known[dimension >> 6], bit = (uint64_t)1 << (dimension & 63);
-        room = &kept->streams[dimension];
-        if (LIKELY(*known & bit)) return room;
-        *known |= bit;
-    }
-    sampler_stream(sampler, dimension, room);
-    return room;
+    SamplerStream stream = {.pixel = hash_u64((uint64_t)sampler->pixel << 32 | dimension),
+                            .block = hash_u64((uint64_t)sampler->block << 32 | dimension)};
+    uint32_t first = (uint32_t)((stream.block * 0xd1342543de82ef95U) >> 32);
+    stream.order = (uint32_t)(stream.pixel >> 16);
+    stream.first = scramble_reversed(0, stream.order) ^ first;
+    stream.shift = sampler_shifts[scramble_reversed(sampler->place, (uint32_t)(stream.block >> 16)) >> 26];
+    return stream;
 }
 
-/* Which point of the sequence a sample has there. */
-static inline uint32_t sampler_point(const Sampler *sampler, const SamplerStream *stream)
+/* Which point of the sequence is a sample's. */
+static inline uint32_t sampler_point(const SamplerStream *stream, uint32_t index_reversed)
 {
-    return reverse_bits(scramble_reversed(sampler->index_reversed, stream->order));
+    return reverse_bits(scramble_reversed(index_reversed, stream->order) ^ stream->first);
 }
 
-/* One coordinate of it, reversed, to its digits, reversed. */
-static inline uint32_t sampler_scramble(const SamplerStream *stream, int which, uint32_t reversed)
+/* scramble_reversed with seeds of which the lower bits are the block's: a bit of its result depends on no higher ones. */
+static inline uint32_t sampler_scramble(uint32_t reversed, uint32_t pixel, uint32_t block)
 {
-    reversed ^= stream->offset[which];
+    const uint32_t shared = (1U << SAMPLER_DIGITS_SHARED) - 1;
+    uint32_t factor = (block >> 16 & shared) | (pixel >> 16 & ~shared) | 1;
     reversed ^= reversed * 0x3d20adeaU;
-    reversed += stream->seed[which];
-    reversed *= stream->factor[which];
+    reversed += (block & shared) | (pixel & ~shared);
+    reversed *= factor;
     reversed ^= reversed * 0x05526c56U;
     return reversed ^ (reversed * 0x53a22864U);
 }
@@ -197,21 +171,34 @@ static inline uint32_t sampler_key(const Sampler *sampler, uint32_t dimension)
     return hash_combine(hash_combine(sampler->pixel, dimension), sampler->index_reversed);
 }
 
-/* uniform in [0, 1) */
+/* uniform in [0, 1): of a stream, and of a dimension */
+static inline float sampler_stream_1d(const SamplerStream *stream, uint32_t index_reversed)
+{
+    uint32_t x = sampler_point(stream, index_reversed) ^ stream->shift[0];
+    return hash_to_unit_f(reverse_bits(sampler_scramble(x, (uint32_t)stream->pixel, (uint32_t)stream->block)));
+}
+
+static inline void sampler_stream_2d(const SamplerStream *stream, uint32_t index_reversed, float u[2])
+{
+    uint32_t point = sampler_point(stream, index_reversed);
+    uint32_t x = sampler_scramble(point ^ stream->shift[0], (uint32_t)stream->pixel, (uint32_t)stream->block);
+    uint32_t y = sampler_scramble(sobol_second_reversed(point) ^ stream->shift[1], (uint32_t)(stream->pixel >> 32),
+                                  (uint32_t)(stream->block >> 32));
+    uint64_t both = reverse_bits_64((uint64_t)y << 32 | x);
+    u[0] = hash_to_unit_f((uint32_t)(both >> 32));
+    u[1] = hash_to_unit_f((uint32_t)both);
+}
+
 static inline float sampler_1d(const Sampler *sampler, uint32_t dimension)
 {
-    SamplerStream room;
-    const SamplerStream *stream = sampler_find(sampler, dimension, &room);
-    return hash_to_unit_f(reverse_bits(sampler_scramble(stream, 0, sampler_point(sampler, stream))));
+    SamplerStream stream = sampler_stream(sampler, dimension);
+    return sampler_stream_1d(&stream, sampler->index_reversed);
 }
 
 static inline void sampler_2d(const Sampler *sampler, uint32_t dimension, float u[2])
 {
-    SamplerStream room;
-    const SamplerStream *stream = sampler_find(sampler, dimension, &room);
-    uint32_t point = sampler_point(sampler, stream);
-    u[0] = hash_to_unit_f(reverse_bits(sampler_scramble(stream, 0, point)));
-    u[1] = hash_to_unit_f(reverse_bits(sampler_scramble(stream, 1, sobol_second_reversed(point))));
+    SamplerStream stream = sampler_stream(sampler, dimension);
+    sampler_stream_2d(&stream, sampler->index_reversed, u);
 }
 
 #endif
