@@ -9,6 +9,8 @@
 #define ATTR_NORETURN __attribute__((noreturn))
 /* Seldom called: kept out of the way of what is called often. */
 #define ATTR_COLD __attribute__((cold, noinline))
+/* Kept out of its callers, so that their short ways need not save registers for it. */
+#define ATTR_APART __attribute__((noinline))
 #define LIKELY(x) __builtin_expect(!!(x), 1)
 #define UNLIKELY(x) __builtin_expect(!!(x), 0)
 #else
@@ -16,6 +18,7 @@
 #define ATTR_NODISCARD
 #define ATTR_NORETURN
 #define ATTR_COLD
+#define ATTR_APART
 #define LIKELY(x) (x)
 #define UNLIKELY(x) (x)
 #endif

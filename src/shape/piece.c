@@ -135,31 +135,44 @@ static inline void add_crossing(PieceCrossings *out, double t, bool leaving, dou
     out->leaving[out->n++] = leaving;
 }
 
-static inline void cross_band(const Piece *piece, const PieceLine *line, double t_min, double t_max,
-                              PieceCrossings *out)
+/* The two crossings of a line that is farther from the axis than both ends, p and q. */
+ATTR_APART static void cross_band_twice(const Piece *piece, const PieceLine *line, double p_t, double q_t, double t_min,
+                                        double t_max, PieceCrossings *out)
 {
-    BandEnd p = band_end(piece->r0, piece->y0, line);
-    BandEnd q = band_end(piece->r1, piece->y1, line);
-    if (p.above != q.above) {
-        if (double_max(p.t, q.t) <= t_min || double_min(p.t, q.t) > t_max) return;
-        double t = keep_between(band_single(piece, line->org, line->dir, &p, &q), p.t, q.t);
-        add_crossing(out, t, p.above == (line->dir.y > 0), t_min, t_max);
-        return;
-    }
-    if (p.above || piece->y0 == piece->y1) return;
     /* F is positive at both ends; so two roots stand between them if F opens upward, falls below zero, and
      * has its least value between the ends. (Where the line lies in the surface F is nothing but rounding;
      * keeping the roots between the ends gives something sensible even then.) */
     BandQuadratic f = band_quadratic(piece, line->org, line->dir);
     if (!(f.A > 0) || !(f.root > 0)) return;
     double middle = -f.B / f.A;
-    if ((p.t < middle) == (q.t < middle)) return;
+    if ((p_t < middle) == (q_t < middle)) return;
     double near = band_root(&f, false, middle);
     double far = band_root(&f, true, middle);
     if (!(near < middle && middle < far)) return; /* grazing: not met at all */
     bool outer = piece->y1 > piece->y0;
-    add_crossing(out, keep_between(near, p.t, q.t), !outer, t_min, t_max);
-    add_crossing(out, keep_between(far, p.t, q.t), outer, t_min, t_max);
+    add_crossing(out, keep_between(near, p_t, q_t), !outer, t_min, t_max);
+    add_crossing(out, keep_between(far, p_t, q_t), outer, t_min, t_max);
+}
+
+/* The one crossing between p and q, of which one is above the line. */
+ATTR_APART static void cross_band_once(const Piece *piece, const PieceLine *line, const BandEnd *p, const BandEnd *q,
+                                       double t_min, double t_max, PieceCrossings *out)
+{
+    double t = keep_between(band_single(piece, line->org, line->dir, p, q), p->t, q->t);
+    add_crossing(out, t, p->above == (line->dir.y > 0), t_min, t_max);
+}
+
+/* Most lines that come near a band do not meet it: that is found first. */
+static inline void cross_band(const Piece *piece, const PieceLine *line, double t_min, double t_max,
+                              PieceCrossings *out)
+{
+    BandEnd p = band_end(piece->r0, piece->y0, line), q = band_end(piece->r1, piece->y1, line);
+    if (p.above != q.above) {
+        if (double_max(p.t, q.t) <= t_min || double_min(p.t, q.t) > t_max) return;
+        cross_band_once(piece, line, &p, &q, t_min, t_max, out);
+    } else if (!p.above && piece->y0 != piece->y1) {
+        cross_band_twice(piece, line, p.t, q.t, t_min, t_max, out);
+    }
 }
 
 static inline bool is_arc(const Piece *piece)
@@ -227,12 +240,11 @@ static void cross_plane(const Piece *piece, const PieceLine *line, double t_min,
         add_crossing(out, t, line->dir.y > 0, t_min, t_max);
 }
 
-void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
+/* Pieces that are no bands. */
+ATTR_APART static void cross_other(const Piece *piece, const PieceLine *line, double t_min, double t_max,
+                                   PieceCrossings *out)
 {
-    out->n = 0;
-    if (LIKELY(piece->kind == PIECE_BAND)) {
-        cross_band(piece, line, t_min, t_max, out);
-    } else if (piece->kind == PIECE_SPHERE) {
+    if (piece->kind == PIECE_SPHERE) {
         piece_cross_ball(piece->r0, line->org, line->dir, t_min, t_max, out);
     } else if (piece->kind == PIECE_TORUS || is_arc(piece)) {
         TubeCrossings crossings;
@@ -246,6 +258,15 @@ void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double
     } else {
         cross_plane(piece, line, t_min, t_max, out);
     }
+}
+
+void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
+{
+    out->n = 0;
+    if (LIKELY(piece->kind == PIECE_BAND))
+        cross_band(piece, line, t_min, t_max, out);
+    else
+        cross_other(piece, line, t_min, t_max, out);
 }
 
 int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS])
