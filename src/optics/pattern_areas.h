@@ -27,7 +27,7 @@ static inline double smooth_step(double t)
 static inline double width_along(const PatternPlace *place, Vec3 axis)
 {
     double cosine = vec3_dot(place->normal, axis);
-    return place->footprint * sqrt(fmax(0, 1 - cosine * cosine));
+    return place->footprint * sqrt(double_max(0, 1 - cosine * cosine));
 }
 
 static inline bool is_extended(double width, double x)

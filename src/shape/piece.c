@@ -196,14 +196,22 @@ static double arc_side(const Piece *piece)
 
 static void cross_curved(const Piece *piece, const PieceLine *line, double t_min, double t_max, TubeCrossings *out)
 {
-    Tube tube = tube_of(piece);
     if (piece->kind == PIECE_TORUS) {
+        Tube tube = tube_of(piece);
         tube_cross(&tube, line, NULL, t_min, t_max, out);
         return;
     }
     BandEnd p = band_end(piece->r0, piece->y0, line);
     BandEnd q = band_end(piece->r1, piece->y1, line);
     bool outer = piece->kind == PIECE_OUTER_ARC;
+    /* What is nearer to the axis than an outer arc is convex: a line that is at both ends is all the way between. And what
+     * is met is between the ends. */
+    if ((outer && p.above && q.above) || double_max(p.t, q.t) <= t_min || double_min(p.t, q.t) > t_max) {
+        out->n = 0;
+        out->first_enters = true;
+        return;
+    }
+    Tube tube = tube_of(piece);
     TubeSpan span = {p.t, q.t, p.above == outer, q.above == outer};
     if (q.t < p.t) span = (TubeSpan){q.t, p.t, q.above == outer, p.above == outer};
     tube_cross(&tube, line, &span, t_min, t_max, out);

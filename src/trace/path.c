@@ -105,8 +105,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
 static bool survives(Path *path)
 {
     if (lanes_zero(path->beta)) return false;
-    float carried = lanes_max(path->beta) / lanes_mean(path->ratio) * 0.25f;
-    carried = float_max(carried, lanes_mean(path->beta) / lanes_mean(path->ratio));
+    float carried = float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
     carried *= path->steering; /* a guided path carries little, and much when it finds its light */
     bool long_way = path->n_counted > path->tracer->world->long_way;
     float below = path->tracer->world->trial.roulette_below;
