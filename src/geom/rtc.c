@@ -226,22 +226,33 @@ static inline uint32_t object_of(const struct RTCHit *hit)
     return hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
 }
 
-/* A triangle that Embree has found; its t and the object that it is of. */
+static inline const struct RTCHit *hit_of(const struct RTCHitN *hit)
+{
+    return (const struct RTCHit *)(const void *)hit;
+}
+
+/* The same as next_hit for a triangle that Embree has found. */
+static inline Hit *next_triangle(HitList *list, double t, uint32_t object, const struct RTCHit *found)
+{
+    Hit *hit = next_hit(list, t, object, found->primID);
+    if (UNLIKELY(!hit)) return NULL;
+    hit->u = found->u;
+    hit->v = found->v;
+    return hit;
+}
+
+/* A triangle that a nearest query finds. Returns whether the search may now end at query->reach. */
 static bool consider_triangle(Query *query, const struct RTCHit *found, float embree_tfar)
 {
     const Ray *ray = query->ray;
     uint32_t object = object_of(found);
     const Hit *left = rtc_find_left(ray, object, found->primID);
     if (left && left->behind) return false;
-    double t = (double)embree_tfar - query->back;
-    bool passing = rtc_passes(query, object);
-    Hit *hit = next_hit(passing ? query->passed : query->hits, t, object, found->primID);
-    if (UNLIKELY(!hit)) return false;
-    hit->u = found->u;
-    hit->v = found->v;
-    if (query->all) return take_any(query, hit);
-    double doubt = noise_at(query, t) / USUAL_COSINE;
+    double t = (double)embree_tfar - query->back, doubt = noise_at(query, t) / USUAL_COSINE;
     bool certain = !query->exact && !left && t > query->t_min + doubt && t < ray->t_max - doubt;
+    bool passing = rtc_passes(query, object);
+    Hit *hit = next_triangle(passing ? query->passed : query->hits, t, object, found);
+    if (UNLIKELY(!hit)) return false;
     if (passing) return note_passed(query, hit, certain);
     return LIKELY(certain) ? put_off(query, hit) : take_exactly(query, hit);
 }
@@ -250,7 +261,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
     struct RTCRay *embree = ray_of(arguments->ray);
-    if (consider_triangle(query, (const struct RTCHit *)(const void *)arguments->hit, embree->tfar))
+    if (consider_triangle(query, hit_of(arguments->hit), embree->tfar))
         embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
     else
         arguments->valid[0] = 0;
@@ -259,7 +270,11 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    if (!consider_triangle(query, (const struct RTCHit *)(const void *)arguments->hit, 0)) arguments->valid[0] = 0;
+    const struct RTCHit *found = hit_of(arguments->hit);
+    uint32_t object = object_of(found);
+    const Hit *left = rtc_find_left(query->ray, object, found->primID);
+    Hit *hit = left && left->behind ? NULL : next_triangle(query->hits, 0, object, found);
+    if (!hit || !take_any(query, hit)) arguments->valid[0] = 0;
 }
 
 /* Around an eighth: the corners of its profile are extreme, as sine and cosine are monotonic in between. */

@@ -164,12 +164,8 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
  * largest coordinate in float. Surfaces nearer to each other than this stand at one place. */
 double rtc_rounding(Vec3 p);
 
-/* What shading needs beyond the hit. */
-typedef struct HitSurface {
-    Vec3 position;  /* on the surface, double */
-    Vec3f shading;  /* shading normal, unit, outward; on the geometric normal's side */
-} HitSurface;
-void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface);
+/* The shading normal: unit, outward; on the geometric normal's side. */
+Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit);
 /* A surface's own coordinates where it was met: barycentric ones of a triangle, PieceRoot's of a piece. */
 void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2]);
 

@@ -193,12 +193,10 @@ static Vec3f interpolated_normal(const Mesh *mesh, const uint32_t triangle[3], c
     return vec3f_add(vec3f_scale(a, 1 - hit->u - hit->v), vec3f_add(vec3f_scale(b, hit->u), vec3f_scale(c, hit->v)));
 }
 
-/* Corner normals of the mesh interpolated, or the geometric normal where the mesh has none or where they point to the
- * other side. */
+/* Corner normals of the mesh interpolated, or the geometric normal where they point to the other side. */
 static Vec3f mesh_shading(const RtcScene *scene, const RtcPlaced *object, double time, const Hit *hit)
 {
     const Mesh *mesh = object->mesh;
-    if (!mesh->normals) return hit->normal;
     const uint32_t *triangle = rtc_triangle_of(object, hit->primitive);
     Vec3f local = interpolated_normal(mesh, triangle, hit);
     const Mesh *mesh_end = object->detail->mesh_end;
@@ -230,12 +228,11 @@ static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const
     return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
 }
 
-void rtc_surface(const RtcScene *scene, const Ray *ray, const Hit *hit, HitSurface *surface)
+Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    surface->position = ray_point(ray, hit->t);
-    surface->shading =
-        object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
+    if (object->mesh && !object->mesh->normals) return hit->normal;
+    return object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 
 /* Keeps one hit of each object, the one nearest to where the new ray starts; returns how many. */

@@ -76,8 +76,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return;
     bool opaque = event->kind == EVENT_OPAQUE;
     const SceneObject *object = &scene->objects[event->hit.object];
-    HitSurface at;
-    rtc_surface(world->compiled->rtc, &path->ray, &event->hit, &at);
+    Vec3f shading = rtc_shading_normal(world->compiled->rtc, &path->ray, &event->hit);
     const NestList *list = opaque ? &tracer->list : &tracer->next;
     if (event->put_off) {
         if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) return;
@@ -88,8 +87,8 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     sight->medium = nest_medium(&world->compiled->order, list);
     compiled_hulls_in(world->compiled, list, &sight->n_hulls);
     sight->distance = event->hit.t;
-    sight->position = at.position;
-    sight->normal = event->hit.cos_normal < 0 ? at.shading : vec3f_negate(at.shading);
+    sight->position = ray_point(&path->ray, event->hit.t);
+    sight->normal = event->hit.cos_normal < 0 ? shading : vec3f_negate(shading);
     rtc_uv(world->compiled->rtc, &path->ray, &event->hit, sight->uv);
     for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
     if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)

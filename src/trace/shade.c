@@ -188,11 +188,10 @@ void path_scatter_in_medium(Path *path, const Event *event)
 
 SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit)
 {
-    HitSurface at;
-    rtc_surface(world->compiled->rtc, ray, hit, &at);
+    Vec3f shading = rtc_shading_normal(world->compiled->rtc, ray, hit);
     bool front = hit->entering;
-    SurfacePlace place = {.position = at.position,
-                          .normal = front ? at.shading : vec3f_negate(at.shading),
+    SurfacePlace place = {.position = ray_point(ray, hit->t),
+                          .normal = front ? shading : vec3f_negate(shading),
                           .geometric = front ? hit->normal : vec3f_negate(hit->normal)};
     if (path_is_bent(&place))
         place.normal = path_bend_normal(vec3f_negate(ray->direction), place.geometric, place.normal);
