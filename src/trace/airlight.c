@@ -226,12 +226,11 @@ static bool look_far(const Path *path, const LightChoice *chosen, double rest, c
 }
 
 /* What one medium at the place makes of the light, over the densities of all ways to find it there. */
-static Lanes scattered_by(const Path *path, const Look *look, const GuideAt *guide, const Phase *phase,
-                          Lanes coefficient, Lanes depth)
+static Lanes scattered_by(const Path *path, const Look *look, const Phase *phase, Lanes coefficient, Lanes depth)
 {
     const LightSample *light = &look->light;
     float pdf = phase_evaluate(phase, vec3f_dot(path->ray.direction, light->direction));
-    float by_direction = light->delta ? 0 : guide_mixture(guide, light->direction, pdf);
+    float by_direction = light->delta ? 0 : pdf;
     float density = look->here * light->pdf_w +
                     flight_density(&path->way, coefficient, depth) * (look->there * light->pdf_w + by_direction);
     return density > 0 ? lanes_scale(coefficient, pdf / density) : lanes_all(0);
@@ -243,13 +242,12 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const Airway *way = &path->way;
-    GuideAt guide = path_guide_in_medium(path, guide_at(world->guide, ray_point(&path->ray, look->t)));
     if (!uneven) {
         const SceneMedium *m = &world->scene->media[medium];
         Lanes coefficient = spectrum_at(&m->scattering, path->wavelengths.nm);
         Lanes depth = lanes_scale(coefficient, flight_length(look->t - way->begin));
         Lanes all = flight_depth(path, medium, look->t - way->begin);
-        return lanes_mul(scattered_by(path, look, &guide, &m->phase, coefficient, depth), flight_attenuation(all));
+        return lanes_mul(scattered_by(path, look, &m->phase, coefficient, depth), flight_attenuation(all));
     }
     uint32_t n_drawn = 1U << 30; /* numbers of its own, as the straight ray to the light draws, too */
     Lanes depth, left = flight_transmit(path, &path->ray, &tracer->list, way->begin, look->t, &n_drawn, &depth);
@@ -259,7 +257,7 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
         const FlightPart *part = &tracer->parts.items[i];
         Lanes coefficient = lanes_scale(part->scattering, flight_part_density(part, look->t));
         if (!lanes_zero(coefficient))
-            sum = lanes_add(sum, scattered_by(path, look, &guide, &part->medium->phase, coefficient, depth));
+            sum = lanes_add(sum, scattered_by(path, look, &part->medium->phase, coefficient, depth));
     }
     return lanes_mul(sum, left);
 }

@@ -192,6 +192,7 @@ static void add_light(Path *path, const FreeFlight *flight, Lanes light)
 {
     const World *world = path->tracer->world;
     uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    light = lanes_scale(light, path_found_part(path, INFINITY));
     flight_add_light(path, flight, path_basic_radiance(world, light, medium, path->wavelengths.nm));
 }
 

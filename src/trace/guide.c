@@ -36,3 +36,8 @@ float guide_pdf(const GuideAt *at, Vec3f direction)
 {
     return guide_lobes_pdf(at->guide->lobes + at->cell->first_lobe, at->cell->n_lobes, at->offset, direction);
 }
+
+float guide_threshold(const Guide *guide)
+{
+    return guide->threshold;
+}

@@ -144,6 +144,7 @@ static Status look_where_paths_go(Harvest *harvest, Error *error)
     if (survey.tracers && guide->visits) {
         uint64_t rays = 0, visits = 0;
         survey.world.guide = guide;
+        guide->threshold = harvest->source.threshold;
         for (unsigned i = 0; i < n_threads; i++) tracer_init(&survey.tracers[i], &survey.world);
         pool_run(harvest->pool, survey.n, survey_path, &survey);
         for (unsigned i = 0; i < n_threads; i++) {
@@ -275,6 +276,7 @@ Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, 
     Guide *made = *guide = harvest.guide;
     free(made->begins);
     made->begins = NULL;
+    made->threshold = harvest.source.threshold;
     stats->landed = harvest.n;
     stats->lobes = made->n_lobes;
     stats->bytes =

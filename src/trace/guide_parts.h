@@ -23,6 +23,7 @@ struct Guide {
     uint32_t n_nodes, n_cells, n_lobes;
     uint32_t *begins;    /* of each cell's photons, as guide_build has sorted them; the last is the end of all */
     atomic_uint *visits; /* how often places were looked up, for each cell; NULL: not counted */
+    float threshold;     /* see guide_threshold */
     float gain;          /* the expected ratio of variances without and with it; see guide_choose_shares */
 };
 
@@ -48,15 +49,15 @@ static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
 /* ---- guide_build.c ---- */
 
 /* A guide from the n photons that landed of those that were followed, of which at least one was looked around at; they are
- * put into another order. Directions are shared half and half until shares are chosen. STATUS_NOMEM. */
+ * put into another order. Half the places send probes until shares are chosen. STATUS_NOMEM. */
 ATTR_NODISCARD Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, Guide **out,
                                   Error *error);
-/* How many of the directions should be the guide's in each cell, by what other light there is; photons: as guide_build left
+/* How often probes are to be sent in each cell, by what other light there is; photons: as guide_build left
  * them. Sets the gain. STATUS_NOMEM. */
 ATTR_NODISCARD Status guide_choose_shares(Guide *guide, const World *world, float threshold, const Photon *photons,
                                           uint32_t followed, Pool *pool, Error *error);
-/* The radiance that a white surface would send on for a path that has found the photon's light, by the directions that are
- * chosen there: what a firefly is as bright as. */
+/* The radiance that a white surface would send on for a path that has found the photon's light, by itself or by
+ * probes: what a firefly is as bright as. */
 float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon);
 
 #endif

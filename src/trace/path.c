@@ -45,6 +45,9 @@ void tracer_clear(Tracer *tracer)
     tracer->parts = (FlightParts){0};
     free(tracer->passes);
     tracer->passes = NULL;
+    if (tracer->prober) tracer_clear(tracer->prober);
+    free(tracer->prober);
+    tracer->prober = NULL;
 }
 
 /* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
@@ -105,7 +108,7 @@ static bool survives(Path *path)
 {
     if (lanes_zero(path->beta)) return false;
     float carried = float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
-    carried *= path->steering; /* a guided path carries little, and much when it finds its light */
+    if (UNLIKELY(path->probing.is_probe)) carried *= path->probing.steering; /* it carries little, and finds much */
     bool long_way = path->n_counted > path->tracer->world->long_way;
     float below = path->tracer->world->trial.roulette_below;
     if (LIKELY(below == 0)) below = ROULETTE_BELOW;
@@ -177,13 +180,13 @@ static uint32_t seen_first(const Scene *scene, const Event *event)
 }
 
 /* Returns whether the camera's ray met anything. */
-static bool follow(Path *path)
+static bool follow(Path *path, bool first)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const bool textured = world->scene->n_textures > 0;
     if (UNLIKELY(tracer->first_sight && world->scatters)) look_ahead(path);
-    for (bool first = true;; first = false) {
+    for (;; first = false) {
         Event event;
         path_next_event(path, &event);
         if (textured) path_reach(path, &event);
@@ -195,7 +198,7 @@ static bool follow(Path *path)
             Lanes radiance = light_from_infinity(
                 world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
                 path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
-            path_add_radiance(path, lanes_all(1),
+            path_add_radiance(path, lanes_all(path_found_part(path, lanes_mean(radiance))),
                               path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
             /* out here the ray is in nothing that is bounded, or a surface was lost */
             if (world->compiled->order.policy != NEST_NONE)
@@ -206,6 +209,7 @@ static bool follow(Path *path)
             if (event.kind == EVENT_OPAQUE) path_add_emission(path, &event.hit); /* the last surface may still shine */
             return true;
         }
+        if (event.kind == EVENT_SCATTER && path->probing.is_probe) return true;
         if (event.kind == EVENT_SCATTER)
             path_scatter_in_medium(path, &event);
         else if (!(event.kind == EVENT_BOUNDARY ? path_cross_boundary(path, &event) : path_shade_opaque(path, &event)))
@@ -216,6 +220,11 @@ static bool follow(Path *path)
         path_keep_in_range(path);
         if (!survives(path)) return true;
     }
+}
+
+void path_follow(Path *path)
+{
+    follow(path, false);
 }
 
 /* A pixel's samples follow each other, and have most of what their first numbers take in common. */
@@ -271,7 +280,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     tracer->counters.paths++;
     bool met = true;
     if (start_list(&path, camera))
-        met = follow(&path);
+        met = follow(&path, true);
     else
         tracer->out_of_memory = true;
     *alpha = met || world->scene->environment ? 1 : 0;

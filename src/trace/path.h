@@ -73,6 +73,7 @@ typedef struct Tracer {
     size_t passes_capacity;
     PathCounters counters;
     PixelSampler pixel;
+    struct Tracer *prober; /* follows what guides send out, while the path waits; NULL: not yet needed */
     uint32_t seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
     FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;

@@ -34,27 +34,37 @@ typedef struct Airway {
     float rarity;           /* and 1 / the density of that; 0: there is none */
 } Airway;
 
+/* What a path is to know of the guide where it was scattered last, see probe.c. */
+typedef struct PathProbing {
+    GuideAt guide;   /* there; share 0: there is none */
+    Vec3f direction; /* that was chosen there, */
+    float density;   /* its density, as a mean of the wavelengths, */
+    float part;      /* and what light counts that it finds through glass; < 0: not known yet */
+    bool bent;       /* it has gone through a boundary since, or off a mirror */
+    bool is_probe;   /* it was sent out by the guide, and looks for such light alone */
+    float steering;  /* of a probe: how much more often such light is looked for than by the surface alone */
+} PathProbing;
+
 typedef struct Path {
     Tracer *tracer;
     Sampler sampler;
     WavelengthSample wavelengths;
     Lanes beta, ratio, radiance;
     Ray ray;
-    Vec3 scatter_point;   /* where the ray's direction was last sampled */
-    Vec3f scatter_normal; /* the surface's there, if it scatters to its one side only; else zero */
+    Vec3 scatter_point;                 /* where the ray's direction was last sampled */
+    Vec3f scatter_normal;               /* the surface's there, if it scatters to its one side only; else zero */
     const LightChoices *scatter_lights; /* what was looked for there */
-    float scatter_pdf;    /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
-    uint32_t bounce;      /* events so far: each has random numbers of its own */
+    float scatter_pdf; /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
+    uint32_t bounce;   /* events so far: each has random numbers of its own */
     float cone_width,
         cone_spread;  /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;   /* it has gone through a boundary, or off a mirror */
     bool straight;    /* media do not scatter it: it only looks what is there */
     bool looks;       /* for light that media scatter towards it */
-    GuideAt guide;    /* at the place where the path is scattered last */
-    float steering;   /* how much denser its direction was chosen there than the surface alone would have */
     uint32_t n_scattered; /* in media, so far */
     uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
     PathMedia media;
+    PathProbing probing;
     Airway way, from; /* the present stretch; and the one that the path was scattered on last, if it was in a medium */
 } Path;
 
@@ -70,7 +80,8 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->beta = path->ratio = lanes_all(1);
     path->scatter_pdf = -1;
     path->scatter_lights = world_lights(tracer->world);
-    path->steering = 1;
+    path->probing.guide.share = 0;
+    path->probing.bent = path->probing.is_probe = false;
 }
 
 /* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
@@ -97,10 +108,10 @@ typedef struct Event {
     Hit hit;          /* the surface to be shaded */
     size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
-    bool clear; /* of the reading of the surfaces there: it does not contradict the list */
+    bool clear;   /* of the reading of the surfaces there: it does not contradict the list */
     bool put_off; /* the list behind the surface is not in tracer->next: `step` leads to it from tracer->list */
     NestStep step;
-    double t;   /* EVENT_SCATTER: how far along the ray, */
+    double t;        /* EVENT_SCATTER: how far along the ray, */
     uint32_t medium; /* and what scatters there */
 } Event;
 
@@ -170,7 +181,8 @@ LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec
 static inline const LightChoices *path_lights(const Path *path, bool any)
 {
     const World *world = path->tracer->world;
-    return any ? world_lights(world) : world_lights_in(world, nest_medium(&world->compiled->order, &path->tracer->list));
+    return any ? world_lights(world)
+               : world_lights_in(world, nest_medium(&world->compiled->order, &path->tracer->list));
 }
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic);
@@ -188,28 +200,42 @@ const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t 
 Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */
 void path_scatter_in_medium(Path *path, const Event *event);
-/* Looks for a guide at a place where the path is to be scattered: into path->guide. */
-static inline void path_find_guide(Path *path, Vec3 place)
+
+/* ---- probe.c ---- */
+
+/* The guide of a place where the path is to be scattered, in a medium or not. In a dense medium there are many such places one
+ * after another, of which the first ones count most. */
+static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
 {
     const Guide *guide = path->tracer->world->guide;
-    if (UNLIKELY(guide)) {
-        path->guide = guide_find(guide, place);
-        path->steering = 1;
-    }
+    if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
+    GuideAt at = guide_find(guide, place);
+    if (in_medium) at.share /= (float)(1 + path->n_scattered);
+    return at;
 }
-/* The guide of a place in a medium. A direction that it does not choose weighs 1 / (1 - its share), and in a dense medium
- * there are many one after another: at equal shares their product would double with every scattering, and the picture would
- * be dark but for a few pixels. Falling shares let it grow as slowly as a root. */
-static inline GuideAt path_guide_in_medium(const Path *path, GuideAt guide)
+/* Whether a probe is to be sent out from there, and whereto. */
+bool path_ask_guide(const Path *path, const GuideAt *guide, Vec3f *direction);
+/* Sends it, from the event's surfaces (through them, or back) or from a place in a medium (event NULL). scattered: what is
+ * scattered from there, times the cosine; pdf_w: the density of the path's own choice, as a mean of the wavelengths. */
+void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool through, Vec3 place, Vec3f direction,
+                     Lanes scattered, float pdf_w);
+/* The path goes on from a place where it was scattered, in a direction of that density. */
+static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {
-    if (UNLIKELY(guide.share > 0)) guide.share /= (float)(1 + path->n_scattered);
-    return guide;
+    if (path->probing.is_probe) return;
+    path->probing.guide.share = guide->share;
+    if (UNLIKELY(guide->share > 0))
+        path->probing = (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1};
 }
-/* Whether the guide is to choose the direction, and which one it chooses then. */
-bool path_ask_guide(const Path *path, Vec3f *direction);
-/* A direction was chosen by the guide, or by what has the density path->scatter_pdf there: sets path->scatter_pdf to the
- * density of both together. Returns the factor by which that changes the path's weight. */
-float path_mix_guide(Path *path, Vec3f direction);
+float path_weigh_probing(Path *path, float radiance);
+/* What light of a radiance (a mean of the wavelengths) counts that the path finds by itself, not by looking at it: against
+ * finding it by a probe. */
+static inline float path_found_part(Path *path, float radiance)
+{
+    return LIKELY(path->probing.guide.share == 0) ? 1 : path_weigh_probing(path, radiance);
+}
+/* Follows a path to its end, from where it is (path.c). */
+void path_follow(Path *path);
 /* What an opaque surface that was hit shines by itself. */
 void path_add_emission(Path *path, const Hit *hit);
 /* A hit of an opaque surface. Returns whether the path goes on. */

@@ -27,6 +27,7 @@ enum {
     DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
     DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
+    DIM_PROBES = 0x70000000, /* 2 for each bounce: the direction of a probe, see probe.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
     DIM_SCATTER,      /* 2: direction */
@@ -35,7 +36,7 @@ enum {
     DIM_ROULETTE,     /* 1 */
     DIM_DISTANCE,     /* 1: to where a medium scatters */
     DIM_MIX,          /* 1: which of the surfaces of a mix */
-    DIM_GUIDE,        /* 1: whether to follow the guide, and which of its lobes */
+    DIM_GUIDE,        /* 1: whether to send a probe, and by which lobe of the guide */
     DIM_PER_BOUNCE = 8
 };
 

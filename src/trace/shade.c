@@ -105,8 +105,7 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes 
 {
     Lanes basic;
     if (!path_light_arrives(path, light, ray, &basic)) return;
-    float others =
-        (light->delta ? 0 : guide_mixture(&path->guide, light->direction, pdf_w)) + airlight_rival_sample(path, light);
+    float others = (light->delta ? 0 : pdf_w) + airlight_rival_sample(path, light);
     float weight = sampling_balance(light->pdf_w, others);
     path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
 }
@@ -135,25 +134,6 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     path_add_direct_light(path, &light, ray, lanes_scale(albedo, diffuse), diffuse);
 }
 
-bool path_ask_guide(const Path *path, Vec3f *direction)
-{
-    const GuideAt *guide = &path->guide;
-    if (LIKELY(guide->share == 0)) return false;
-    float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_GUIDE)), v[2];
-    if (u >= guide->share) return false;
-    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), v);
-    *direction = guide_sample(guide, u / guide->share, v);
-    return true;
-}
-
-float path_mix_guide(Path *path, Vec3f direction)
-{
-    float alone = path->scatter_pdf, mixture = guide_mixture(&path->guide, direction, alone);
-    path->scatter_pdf = mixture;
-    path->steering = alone > 0 ? float_max(mixture / alone, 1) : 1;
-    return mixture > 0 ? alone / mixture : 0;
-}
-
 void path_scatter_in_medium(Path *path, const Event *event)
 {
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
@@ -162,8 +142,6 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->scatter_point = position;
     path->scatter_normal = vec3f(0, 0, 0);
     path->from = path->way;
-    path_find_guide(path, position);
-    path->guide = path_guide_in_medium(path, path->guide);
     path->scatter_lights = path_lights(path, false);
     LightSample light = path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0));
     if (light.pdf_w > 0) {
@@ -175,12 +153,14 @@ void path_scatter_in_medium(Path *path, const Event *event)
     float u[2];
     double time = path->ray.time;
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    GuideAt guide = path_guide(path, position, true);
     Vec3f direction;
-    if (path_ask_guide(path, &direction))
-        path->scatter_pdf = phase_evaluate(phase, vec3f_dot(along, direction));
-    else
-        direction = phase_sample(phase, along, u, &path->scatter_pdf);
-    if (UNLIKELY(path->guide.share > 0)) path->beta = lanes_scale(path->beta, path_mix_guide(path, direction));
+    if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
+        float pdf = phase_evaluate(phase, vec3f_dot(along, direction));
+        path_send_probe(path, &guide, NULL, false, position, direction, lanes_all(pdf), pdf);
+    }
+    direction = phase_sample(phase, along, u, &path->scatter_pdf);
+    path_leave_guide(path, &guide, direction, path->scatter_pdf);
     path->ray = ray_make(position, direction);
     path->ray.time = time;
     path->n_scattered++;
@@ -210,6 +190,7 @@ void path_add_emission(Path *path, const Hit *hit)
         weight = sampling_balance(path->scatter_pdf, pdf + airlight_rival_hit(path, hit, pdf));
     }
     uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    weight *= path_found_part(path, lanes_mean(radiance));
     path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
 }
 
@@ -235,22 +216,22 @@ bool path_shade_opaque(Path *path, Event *event)
         if (UNLIKELY(straight)) path->from.rarity = rarity;
         return goes_on;
     }
+    if (UNLIKELY(path->probing.is_probe)) return false;
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
-    path_find_guide(path, place.position);
     light_diffuse(path, event, &place, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     Vec3f direction;
-    bool guided = path_ask_guide(path, &direction);
-    if (LIKELY(!guided)) {
-        direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
-        if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);
-    } else if (!(vec3f_dot(direction, place.geometric) > 0)) {
-        return false;
+    GuideAt guide = path_guide(path, place.position, false);
+    if (UNLIKELY(path_ask_guide(path, &guide, &direction)) && vec3f_dot(direction, place.geometric) > 0) {
+        float pdf_w = diffuse_pdf(&place, direction);
+        path_send_probe(path, &guide, event, false, place.position, direction, lanes_scale(albedo, pdf_w), pdf_w);
     }
+    direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
+    if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);
     path->scatter_pdf = diffuse_pdf(&place, direction);
-    if (UNLIKELY(path->guide.share > 0)) albedo = lanes_scale(albedo, path_mix_guide(path, direction));
+    path_leave_guide(path, &guide, direction, path->scatter_pdf);
     path->beta = lanes_mul(path->beta, albedo);
     path->scatter_point = place.position;
     path->scatter_normal = place.geometric;
@@ -317,6 +298,7 @@ bool path_cross_boundary(Path *path, Event *event)
         path->ratio = lanes_mul(path->ratio, hero_only);
     }
     path->scatter_pdf = -1;
+    path->probing.bent = true;
     path_leave(path, event, !choice.reflected, choice.direction);
     return true;
 }

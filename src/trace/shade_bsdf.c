@@ -62,8 +62,9 @@ static void evaluate(const Bsdf *bsdf, const SurfacePlace *place, const Frame *f
     *pdf_w = lanes_add(*pdf_w, more_pdf);
 }
 
+/* keen: this is on the way from where the path was scattered last. */
 static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
-                      Vec3f view)
+                      Vec3f view, bool keen)
 {
     if (bsdf->specular_only) return;
     const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
@@ -77,24 +78,8 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     Ray ray;
     rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction,
               &ray);
+    if (keen) f_cos = lanes_scale(f_cos, path_found_part(path, INFINITY));
     path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
-}
-
-/* Weight and densities of a direction that is the guide's, or that the surface has chosen beside a guide. */
-ATTR_COLD static void mix_guide(Path *path, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view,
-                                Vec3f direction, BsdfSample *sample)
-{
-    float share = path->guide.share;
-    if (sample->specular) { /* which the guide never finds */
-        sample->weight = lanes_scale(sample->weight, 1 / (1 - share));
-        return;
-    }
-    Lanes f_cos, pdf_w;
-    evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
-    float hero = lanes_get(pdf_w, 0), mixture = guide_mixture(&path->guide, direction, hero);
-    sample->pdf_w = lanes_add(lanes_scale(pdf_w, 1 - share), lanes_all(mixture - (1 - share) * hero));
-    sample->weight = mixture > 0 ? lanes_scale(f_cos, 1 / mixture) : lanes_all(0);
-    path->steering = hero > 0 ? float_max(mixture / hero, 1) : 1;
 }
 
 /* The hulls behind an opaque surface that light goes through, into tracer->next. */
@@ -109,30 +94,60 @@ static bool cross_opaque(Path *path, const Event *event)
     return false;
 }
 
+/* Whether it sends light on almost as a smooth surface does, whatever the direction: photons go on behind it, and so do
+ * probes. */
+static bool is_keen(const Bsdf *bsdf)
+{
+    const float keen_alpha = 0.0625f;
+    if (bsdf->specular_only) return true;
+    if (bsdf->fuzz.share > 0 || bsdf->coat_share > 0) return false;
+    for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
+        const BsdfLobe *lobe = &bsdf->lobes[i];
+        const BsdfFacets *facets = lobe->kind == BSDF_CONDUCTOR  ? &lobe->as.conductor.facets
+                                   : lobe->kind == BSDF_BOUNDARY ? &lobe->as.boundary.facets
+                                   : lobe->kind == BSDF_SHEET    ? &lobe->as.sheet.facets
+                                                                 : NULL;
+        if (!facets || (!facets->smooth && float_max(facets->alpha_x, facets->alpha_y) > keen_alpha)) return false;
+    }
+    return true;
+}
+
+/* A probe in a direction that the guide has chosen. */
+static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsdf *bsdf, const SurfacePlace *place,
+                       const Frame *frame, Vec3f view, Vec3f direction)
+{
+    Lanes f_cos, pdf_w;
+    bool through = vec3f_dot(direction, place->geometric) < 0;
+    evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
+    if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !cross_opaque(path, event))) return;
+    path_send_probe(path, guide, event, through, place->position, direction, f_cos, mean_density(path, pdf_w));
+}
+
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
 {
-    Vec3f view = to_local(frame, vec3f_negate(path->ray.direction));
+    Vec3f view = to_local(frame, vec3f_negate(path->ray.direction)), direction;
+    const bool keen = is_keen(bsdf);
     bsdf_look(bsdf, view);
-    if (!bsdf->specular_only) path_find_guide(path, place->position);
-    add_light(path, event, bsdf, place, frame, view);
+    GuideAt guide = {.share = 0};
+    if (keen) {
+        path->probing.bent |= !bsdf->specular_only;
+    } else {
+        guide = path_guide(path, place->position, false);
+        if (UNLIKELY(path_ask_guide(path, &guide, &direction)))
+            send_probe(path, &guide, event, bsdf, place, frame, view, direction);
+    }
+    if (LIKELY(keen || !path->probing.is_probe)) add_light(path, event, bsdf, place, frame, view, keen);
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    BsdfSample sample = {.specular = false};
-    Vec3f direction;
-    if (!bsdf->specular_only && path_ask_guide(path, &direction)) {
-        sample.transmitted = vec3f_dot(direction, place->geometric) < 0;
-    } else {
-        if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample))
-            return false;
-        direction = vec3f_normalize(from_local(frame, sample.direction));
-        /* which side the new ray is on is the geometry's to say */
-        if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted)
-            direction = path_mirror(place, direction);
-    }
-    bool mixed = path->guide.share > 0 && !bsdf->specular_only;
-    if (UNLIKELY(mixed)) mix_guide(path, bsdf, place, frame, view, direction, &sample);
+    BsdfSample sample;
+    if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample) ||
+        UNLIKELY(path->probing.is_probe && !keen && !sample.specular))
+        return false;
+    direction = vec3f_normalize(from_local(frame, sample.direction));
+    /* which side the new ray is on is the geometry's to say */
+    if ((vec3f_dot(direction, place->geometric) < 0) != sample.transmitted) direction = path_mirror(place, direction);
     Lanes pdf_w = sample.pdf_w;
-    if (!mixed && !sample.specular && path_is_bent(place)) {
+    if (!sample.specular && path_is_bent(place)) {
         Lanes f_cos;
         evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     }
@@ -148,6 +163,10 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
         path->scatter_point = place->position;
         path->scatter_normal = one_side(bsdf, place);
         path->scatter_lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
+        if (keen || sample.specular)
+            path->probing.bent = true;
+        else
+            path_leave_guide(path, &guide, direction, path->scatter_pdf);
     }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
