@@ -228,11 +228,11 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns candles.mns)
 
 bench-fireflies: $(BUILD)/bench assets ## single pixels that are far too bright, in all examples; minutes
-	$(BUILD)/bench fireflies $(wildcard examples/*.mns)
+	$(BUILD)/bench fireflies 96 $(wildcard examples/*.mns)
 
 bench-noise: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## ways to take samples, and the stated noise over the error that is there; minutes
 	$(BUILD)/bench sampling $(BUILD)/peers/glass.mns $(addprefix examples/,whisky.mns tea.mns surfaces.mns)
-	$(BUILD)/bench stated $(addprefix examples/,surfaces.mns snells-window.mns whisky.mns tea.mns diamond.mns candles.mns)
+	$(BUILD)/bench stated $(addprefix examples/,surfaces.mns snells-window.mns whisky.mns tea.mns diamond.mns candles.mns whisky-sun.mns)
 
 # MENISCUS_BENCH_OBJECTS=10000000 make bench-objects: that many objects instead of a million
 bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fast scene texts are read; minutes

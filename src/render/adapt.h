@@ -12,10 +12,11 @@
 #define MEN_ADAPT_H
 
 #include "render/film.h"
+#include "render/spread.h"
 
 /* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples,
- * or memory ends. */
-double adapt_noise(const Film *film, const uint32_t crop[4]);
+ * or memory ends. spread: NULL, or of the same pixels, where single bright samples go. */
+double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4]);
 
 /* Maps: the deviation of a pixel's samples; its error for one sample, as first its halves and at last its neighbours say it;
  * its luminance, as they do; and what is needed on the way. */

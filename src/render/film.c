@@ -9,7 +9,9 @@
 #include "render/spread.h"
 
 #define SQUARE_UNIT 0x1p-20
-#define LARGEST_SQUARE 0x1p28
+#define LARGEST_SQUARE 0x1p40
+/* Of sums, in their units: one more sample does not overflow. */
+#define LARGEST_SUM (INT64_C(1) << 62)
 
 Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
 {
@@ -29,6 +31,14 @@ static double held(double value, double largest, bool *saturated)
     if (fabs(value) <= largest) return value;
     *saturated = true;
     return value > 0 ? largest : -largest;
+}
+
+/* Of light, which is positive, the sum is then the same in any order. */
+static bool hold_sum(int64_t *sum)
+{
+    if (LIKELY(*sum<LARGEST_SUM && * sum> - LARGEST_SUM)) return false;
+    *sum = *sum > 0 ? LARGEST_SUM - 1 : 1 - LARGEST_SUM;
+    return true;
 }
 
 static double luminance(const double rgb[3])
@@ -61,6 +71,9 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
     pixel->luminance += llrint(y_value / FILM_UNIT);
     bool square_held = false; /* only the estimate of the noise suffers */
     pixel->squares += llrint(held(y_value * y_value, LARGEST_SQUARE, &square_held) / SQUARE_UNIT);
+    for (int i = 0; i < 3; i++) saturated |= hold_sum(&pixel->rgb[i]);
+    (void)hold_sum(&pixel->luminance);
+    (void)hold_sum(&pixel->squares);
     pixel->alpha += alpha > 0.5f;
     pixel->n++;
     return saturated;

@@ -8,14 +8,14 @@
 #include "image/image.h"
 
 #define FILM_UNIT 0x1p-30
-/* A channel of one sample is held at this: 2^17 samples of it still fit. */
-#define FILM_LARGEST 0x1p16
+/* A channel of one sample is held at this, and the sum of all at twice as much: the mean of 2^16 samples is then still 2^16. */
+#define FILM_LARGEST 0x1p31
 
 enum { FILM_LADDER = 4 };
 
 typedef struct FilmPixel {
     int64_t rgb[3];
-    int64_t squares; /* of the luminance, in units of 2^-20, each held at FILM_LARGEST^2 / 2^4 */
+    int64_t squares; /* of the luminance, in units of 2^-20, each held at 2^40 */
     int64_t luminance;
     int64_t first;  /* luminance of the first 2^k samples, the largest power of two below n */
     uint32_t alpha; /* samples that met something */
@@ -37,7 +37,7 @@ static inline const FilmPixel *film_pixel(const Film *film, uint32_t x, uint32_t
 
 ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Error *error);
 void film_clear(Film *film);
-/* Returns whether the sample was brighter than the film can hold (it is then held at its limit). */
+/* Returns whether the sample, or the sum, was brighter than the film can hold (it is then held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
 /* Mean luminance of a pixel and its standard error as if its samples were independent, an upper bound; error < 0 with fewer
  * than 2. */

@@ -120,7 +120,7 @@ static void judge_noise(Job *job)
 {
     double now = clock_now_s();
     if (!job->events || !job->events->progress || now - job->noise_at < job->noise_cost / noise_share) return;
-    job->noise = adapt_noise(&job->film, job->crop);
+    job->noise = adapt_noise(&job->film, NULL, job->crop);
     job->noise_at = clock_now_s();
     job->noise_cost = job->noise_at - now;
 }
@@ -429,6 +429,7 @@ static Status make_picture(const Job *job, Image *image, RenderStats *stats, Err
     TRY(find_spread(job, &spread, error));
     stats->spread_samples = spread.samples;
     stats->spread_light = spread.light;
+    stats->noise = adapt_noise(&job->film, spread.pixels ? &spread : NULL, job->crop);
     Status status = aov_film_resolve(&job->aovs, &job->film, spread.pixels ? &spread : NULL, image, error);
     spread_clear(&spread);
     return status;
@@ -460,7 +461,6 @@ Status render_image(const CompiledScene *compiled, const RenderSettings *setting
         sum_counters(&job, stats);
         count_samples(&job, stats);
         stats->noisy_pixels = job.plan.unmet;
-        stats->noise = adapt_noise(&job.film, job.crop);
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
         status = make_picture(&job, image, stats, error);

@@ -20,7 +20,7 @@ enum { FEW = 8, FEW_PART = 4 };
 enum { AROUND = 2 };
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
  * away many, else their discs would be seen. */
-enum { NEAR = 2, NEAR_ENOUGH = 16, FAR_ENOUGH = 256, FARTHEST = 209 };
+enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256, FARTHEST = 209 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
 #define FAINT 0.25
@@ -268,7 +268,7 @@ static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int i)
     return lone;
 }
 
-static void spread_pixel(Spread *spread, const Maps *maps, uint32_t x, uint32_t y)
+static void share_out(Spread *spread, const Maps *maps, uint32_t x, uint32_t y)
 {
     const BrightPixel *bright = bright_at(maps, x, y);
     uint32_t n = film_pixel(maps->film, x, y)->n;
@@ -305,7 +305,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
         for (uint32_t x = area[0]; x < area[2]; x++) {
             const FilmPixel *pixel = film_pixel(film, x, y);
             light += light_of(pixel, NULL);
-            spread_pixel(spread, &maps, x, y);
+            share_out(spread, &maps, x, y);
         }
     spread->light = light > 0 ? spread->light / light : 0;
     free(floats);
@@ -323,7 +323,7 @@ void spread_apply(const Spread *spread, Image *image)
     const uint32_t *area = spread->area;
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++) {
-            const SpreadPixel *from = &spread->pixels[place_in(area, x, y)];
+            const SpreadPixel *from = spread_pixel(spread, x, y);
             float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
             for (int c = 0; c < 3; c++)
                 if (from->rgb[c] != 0) pixel[c] = (float)((double)pixel[c] + from->rgb[c]);

@@ -41,6 +41,12 @@ typedef struct Spread {
     double light;        /* the part of the picture's light that they bring */
 } Spread;
 
+static inline const SpreadPixel *spread_pixel(const Spread *spread, uint32_t x, uint32_t y)
+{
+    const uint32_t *area = spread->area;
+    return &spread->pixels[(size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0])];
+}
+
 /* Of the pixels from x0, y0 up to but without x1, y1; a function of the two films alone, which are of one size.
  * STATUS_NOMEM. */
 ATTR_NODISCARD Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4],

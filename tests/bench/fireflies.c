@@ -1,7 +1,8 @@
 /* fireflies.c - pixels that are far brighter than what is around them, by chance.
  * A highlight is bright in every render, a firefly in one: so each scene is rendered twice, with the samples that it asks
  * for. A pixel counts when it is brighter, by a factor, than all three: the median of the pixels around it, the other
- * render there, and a little of the picture's mean. With `keep` in front of the scenes every sample stays where it was found.
+ * render there, and a little of the picture's mean. In front of the scenes may stand `keep`, so that every sample stays where
+ * it was found, and a width in pixels.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +11,7 @@
 
 #include "measure.h"
 
-enum { WIDTH = 160, RADIUS = 2, AROUND = (2 * RADIUS + 1) * (2 * RADIUS + 1) };
+enum { WIDTH = 160, WIDEST = 4096, RADIUS = 2, AROUND = (2 * RADIUS + 1) * (2 * RADIUS + 1) };
 #define LITTLE 0.02
 /* What is seen at once, and what would be taken for a light. */
 static const double factors[] = {2, 5};
@@ -74,7 +75,7 @@ static RenderStats render_seed(const Made *made, Size size, uint32_t seed, bool 
     return stats;
 }
 
-static void measure(const char *path, bool keep, Pool *pool)
+static void measure(const char *path, uint32_t width, bool keep, Pool *pool)
 {
     Made made;
     if (!made_from_whole_file(&made, path)) {
@@ -82,7 +83,7 @@ static void measure(const char *path, bool keep, Pool *pool)
         return;
     }
     double tall = (double)made.scene->film.height / made.scene->film.width;
-    Size size = {WIDTH, (uint32_t)fmax(WIDTH * tall, 1)};
+    Size size = {width, (uint32_t)fmax(width * tall, 1)};
     uint32_t n = size.width * size.height;
     double *pictures[2], mean = 0, cpu_s = 0, before_s = 0, spread = 0;
     Count sum = {{0}, 0, 0};
@@ -109,14 +110,22 @@ void bench_fireflies(char **paths, int n)
 {
     Pool *pool = pool_of(0);
     bool keep = strcmp(paths[0], "keep") == 0;
+    int first = keep;
+    char *end = paths[0];
+    unsigned long width = first < n ? strtoul(paths[first], &end, 10) : 0;
+    if (width > 0 && width <= WIDEST && !*end)
+        first++;
+    else
+        width = WIDTH;
     printf(
-        "fireflies, of renders %d pixels wide with each scene's own samples: pixels in ten thousand that are %g and %g "
+        "fireflies, of renders %lu pixels wide with each scene's own samples: pixels in ten thousand that are %g and "
+        "%g "
         "times\nas bright as those around and as in another render; their excess over these, of all light; the worst "
         "of them;\nthe light of samples that stood alone and were spread, of all; seconds of the processor, and how "
         "much of "
         "that photons take\n"
         "%-26s %8s %8s %10s %8s %9s %8s %7s\n",
-        WIDTH, factors[0], factors[1], "", "twice", "5 times", "excess %", "worst", "spread %", "cpu s", "first %");
-    for (int i = keep; i < n; i++) measure(paths[i], keep, pool);
+        width, factors[0], factors[1], "", "twice", "5 times", "excess %", "worst", "spread %", "cpu s", "first %");
+    for (int i = first; i < n; i++) measure(paths[i], (uint32_t)width, keep, pool);
     pool_free(pool);
 }

@@ -35,7 +35,9 @@ static void render_one(const CompiledScene *compiled, uint32_t samples, double n
                                .samples = samples,
                                .noise = noise,
                                .seed = seed,
-                               .bounces = compiled->scene->render.bounces};
+                               .bounces = compiled->scene->render.bounces,
+                               .caustics = compiled->scene->render.caustics,
+                               .spreads = compiled->scene->render.spreads};
     if (render_image(compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK)
         bench_fail("render", &error);
     for (uint32_t p = 0; p < PIXELS; p++)

@@ -44,10 +44,10 @@ static void noise_is_the_mean_error(void **state)
     Film film;
     fill(&film, 16);
     double expected = 0.5 * sqrt(2 / acos(-1)) * 0.125 / sqrt(1.01);
-    assert_near(adapt_noise(&film, whole), expected, 0.06 * expected);
+    assert_near(adapt_noise(&film, NULL, whole), expected, 0.06 * expected);
     film_clear(&film);
     fill(&film, 1);
-    assert_true(adapt_noise(&film, whole) < 0);
+    assert_true(adapt_noise(&film, NULL, whole) < 0);
     film_clear(&film);
 }
 

@@ -153,9 +153,9 @@ static void what_is_thin_stays_thin(void **state)
     (void)state;
     Films films;
     begin(&films);
-    fill(&films, 60);
+    fill(&films, 57);
     for (uint32_t x = 6; x < 18; x++)
-        for (int i = 0; i < 6; i++) add(&films, x, 20, (float[]){30, 30, 30}, left_and_right(x));
+        for (int i = 0; i < 7; i++) add(&films, x, 20, (float[]){30, 30, 30}, left_and_right(x));
     resolve(&films, whole);
     assert_true(films.way.samples > 0);
     for (uint32_t x = 8; x < 16; x++) {
@@ -163,6 +163,23 @@ static void what_is_thin_stays_thin(void **state)
         for (uint32_t y = 18; y <= 22; y++)
             assert_true(y == 20 || pixel_of(&films.spread, x, y)[1] < (y == 19 || y == 21 ? 0.2f : 0.1f) * on);
     }
+    end(&films);
+}
+
+/* A glint of the sun is held as it is; what cannot be is said, and the sum does not overflow. */
+static void the_brightest_are_held(void **state)
+{
+    (void)state;
+    enum { N = 64 };
+    Films films;
+    begin(&films);
+    const float glint[3] = {3e6f, 2e6f, 1e6f}, least[3] = {0x1p-29f, 0, 0}, most[3] = {0x1p31f, 0, 0};
+    for (int i = 0; i < N; i++) assert_false(film_add(&films.film, 3, 3, i ? least : glint, 1));
+    assert_int_equal(film_pixel(&films.film, 3, 3)->rgb[0], (INT64_C(3000000) << 30) + (N - 1) * 2);
+    assert_true(film_add(&films.film, 4, 4, (float[]){1e12f, 0, 0}, 1));
+    for (int i = 0; i < N; i++) assert_true(film_add(&films.film, 5, 5, most, 1) == (i > 0));
+    const FilmPixel *pixel = film_pixel(&films.film, 5, 5);
+    assert_true(pixel->rgb[0] > INT64_C(1) << 61 && pixel->luminance > INT64_C(1) << 61 && pixel->squares > 0);
     end(&films);
 }
 
@@ -323,6 +340,7 @@ int main(void)
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(what_is_thin_stays_thin),
+        cmocka_unit_test(the_brightest_are_held),
         cmocka_unit_test(nothing_goes_to_nothing),
         cmocka_unit_test(more_samples_spread_less),
         cmocka_unit_test(light_is_kept),
