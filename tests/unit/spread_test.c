@@ -171,16 +171,17 @@ static void the_brightest_are_held(void **state)
 {
     (void)state;
     enum { N = 64 };
-    Films films;
-    begin(&films);
+    Film film;
+    Error error;
+    assert_int_equal(film_init(&film, SIDE, SIDE, &error), STATUS_OK);
     const float glint[3] = {3e6f, 2e6f, 1e6f}, least[3] = {0x1p-29f, 0, 0}, most[3] = {0x1p31f, 0, 0};
-    for (int i = 0; i < N; i++) assert_false(film_add(&films.film, 3, 3, i ? least : glint, 1));
-    assert_int_equal(film_pixel(&films.film, 3, 3)->rgb[0], (INT64_C(3000000) << 30) + (N - 1) * 2);
-    assert_true(film_add(&films.film, 4, 4, (float[]){1e12f, 0, 0}, 1));
-    for (int i = 0; i < N; i++) assert_true(film_add(&films.film, 5, 5, most, 1) == (i > 0));
-    const FilmPixel *pixel = film_pixel(&films.film, 5, 5);
+    for (int i = 0; i < N; i++) assert_false(film_add(&film, 3, 3, i ? least : glint, 1));
+    assert_int_equal(film_pixel(&film, 3, 3)->rgb[0], (INT64_C(3000000) << 30) + (N - 1) * 2);
+    assert_true(film_add(&film, 4, 4, (float[]){1e12f, 0, 0}, 1));
+    for (int i = 0; i < N; i++) assert_true(film_add(&film, 5, 5, most, 1) == (i > 0));
+    const FilmPixel *pixel = film_pixel(&film, 5, 5);
     assert_true(pixel->rgb[0] > INT64_C(1) << 61 && pixel->luminance > INT64_C(1) << 61 && pixel->squares > 0);
-    end(&films);
+    film_clear(&film);
 }
 
 /* What is seen without a surface between, and what of the edge's pixels is nothing. */
