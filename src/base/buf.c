@@ -69,3 +69,12 @@ const char *buf_text(const Buf *buf)
 {
     return buf->text ? buf->text : "";
 }
+
+bool buf_take(BufReader *reader, void *to, size_t length)
+{
+    if (length > reader->left) return false;
+    if (length) memcpy(to, reader->at, length);
+    reader->at += length;
+    reader->left -= length;
+    return true;
+}

@@ -23,4 +23,13 @@ void buf_format(Buf *buf, const char *format, ...) ATTR_PRINTF(2, 3);
 /* The text, "" when empty. */
 const char *buf_text(const Buf *buf);
 
+/* Reads back the bytes of a buffer, in their order. */
+typedef struct BufReader {
+    const char *at;
+    size_t left;
+} BufReader;
+
+/* false, and nothing is read, when there are not as many. */
+bool buf_take(BufReader *reader, void *to, size_t length);
+
 #endif

@@ -15,7 +15,7 @@
 
 Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
 {
-    *film = (Film){width, height, calloc((size_t)width * height, sizeof(FilmPixel))};
+    *film = (Film){.width = width, .height = height, .pixels = calloc((size_t)width * height, sizeof(FilmPixel))};
     if (!film->pixels) return fail_memory(error, (size_t)width * height * sizeof(FilmPixel), "the film");
     return STATUS_OK;
 }
@@ -46,12 +46,11 @@ static double luminance(const double rgb[3])
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-/* Before sample 2^(k+1): the halves of the samples so far are complete. */
-static void climb_ladder(FilmPixel *pixel)
+/* Before sample number 2^k. */
+static void mark(FilmPixel *pixel)
 {
-    for (int i = FILM_LADDER - 1; i > 0; i--) pixel->ladder[i] = pixel->ladder[i - 1];
-    float difference = fabsf((float)(2 * pixel->first - pixel->luminance));
-    pixel->ladder[0] = sqrtf((float)FILM_UNIT * 2 * difference / (float)pixel->n);
+    for (int i = FILM_LADDER; i > 0; i--) pixel->before[i] = pixel->before[i - 1];
+    pixel->before[0] = pixel->luminance;
 }
 
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha)
@@ -64,10 +63,8 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
         pixel->rgb[i] += llrint(value[i] / FILM_UNIT);
     }
     double y_value = luminance(value);
-    if ((pixel->n & (pixel->n - 1)) == 0) {
-        if (pixel->n > 1) climb_ladder(pixel);
-        pixel->first = pixel->luminance;
-    }
+    uint32_t number = film->first_sample + pixel->n;
+    if ((number & (number - 1)) == 0 && number) mark(pixel);
     pixel->luminance += llrint(y_value / FILM_UNIT);
     bool square_held = false; /* only the estimate of the noise suffers */
     pixel->squares += llrint(held(y_value * y_value, LARGEST_SQUARE, &square_held) / SQUARE_UNIT);
@@ -102,16 +99,87 @@ double film_spread(const FilmPixel *pixel)
 {
     if (pixel->n < 2) return -1;
     uint32_t n_first = film_first_part(pixel->n);
-    double n = pixel->n, n_rest = n - n_first, first = (double)pixel->first,
-           rest = (double)(pixel->luminance - pixel->first);
+    double n = pixel->n, n_rest = n - n_first, first = (double)pixel->before[0],
+           rest = (double)pixel->luminance - first;
     return fabs(first / n_first - rest / n_rest) * FILM_UNIT / sqrt(1 / (double)n_first + 1 / n_rest);
 }
 
 void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
 {
-    FilmPixel now = *pixel;
-    if (now.n > 1 && (now.n & (now.n - 1)) == 0) climb_ladder(&now);
-    for (int i = 0; i < FILM_LADDER; i++) ladder[i] = now.ladder[i];
+    bool whole = pixel->n && (pixel->n & (pixel->n - 1)) == 0;
+    uint32_t n = whole || pixel->n < 2 ? pixel->n : film_first_part(pixel->n);
+    for (int i = 0; i < FILM_LADDER; i++, n /= 2) {
+        int64_t twice = whole ? i ? pixel->before[i - 1] : pixel->luminance : pixel->before[i];
+        int64_t once = pixel->before[whole ? i : i + 1];
+        ladder[i] = n < 2 ? 0 : sqrtf((float)FILM_UNIT * 2 * fabsf((float)(2 * (double)once - (double)twice)) / (float)n);
+    }
+}
+
+/* ---- as bytes ---- */
+
+/* No bytes are between its members. */
+_Static_assert(sizeof(FilmPixel) == 8 * (6 + FILM_LADDER) + 8, "the pixels of a film as bytes");
+
+void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
+{
+    buf_add_bytes(out, (const char *)film_pixel(film, x0, y), (x1 - x0) * sizeof(FilmPixel));
+}
+
+static bool is_within(int64_t sum, double largest)
+{
+    return fabs((double)sum) <= largest;
+}
+
+static bool can_be(const FilmPixel *pixel)
+{
+    double most = fmin(pixel->n * (FILM_LARGEST / FILM_UNIT + 1), 0x1p62);
+    bool good = pixel->n <= FILM_MOST_SAMPLES && pixel->alpha <= pixel->n && is_within(pixel->luminance, most) &&
+                pixel->squares >= 0 && is_within(pixel->squares, pixel->n * (LARGEST_SQUARE / SQUARE_UNIT + 1));
+    for (int i = 0; i < 3; i++) good = good && is_within(pixel->rgb[i], most);
+    for (int i = 0; i <= FILM_LADDER; i++) good = good && is_within(pixel->before[i], most);
+    return good;
+}
+
+bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
+{
+    FilmPixel *row = &film->pixels[(size_t)y * film->width];
+    bool good = buf_take(in, row + x0, (x1 - x0) * sizeof *row);
+    for (uint32_t x = x0; good && x < x1; x++) good = can_be(&row[x]);
+    return good;
+}
+
+/* Those of damaged files are not to overflow. */
+static int64_t add(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a + (uint64_t)b);
+}
+
+void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
+{
+    FilmPixel sum = *pixel;
+    uint32_t power = film_first_part(from + next->n);
+    for (int i = 0, own = 0; i <= FILM_LADDER; i++, power /= 2) {
+        if (power >= from)
+            sum.before[i] = add(pixel->luminance, next->before[i]);
+        else
+            sum.before[i] = power ? pixel->before[own++] : 0;
+    }
+    for (int i = 0; i < 3; i++) sum.rgb[i] = add(sum.rgb[i], next->rgb[i]);
+    sum.squares = add(sum.squares, next->squares);
+    sum.luminance = add(sum.luminance, next->luminance);
+    sum.alpha += next->alpha;
+    sum.n += next->n;
+    *pixel = sum;
+}
+
+/* Of samples that heed no other. */
+static void independent_noise(const Film *film, float *noise)
+{
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
+        double mean, standard_error;
+        film_luminance(&film->pixels[i], &mean, &standard_error);
+        noise[i] = (float)fmax(standard_error, 0);
+    }
 }
 
 Status film_resolve(const Film *film, const Spread *spread, Image *image, Error *error)
@@ -120,7 +188,11 @@ Status film_resolve(const Film *film, const Spread *spread, Image *image, Error 
     float *noise = malloc((size_t)film->width * film->height * sizeof *noise);
     if (!noise)
         return fail_memory(error, (size_t)film->width * film->height * sizeof *noise, "the noise of the picture");
-    Status status = pixel_noise(film, spread, noise, error);
+    Status status = STATUS_OK;
+    if (film->first_sample)
+        independent_noise(film, noise);
+    else
+        status = pixel_noise(film, spread, noise, error);
     if (status == STATUS_OK) status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
     for (uint32_t y = 0; status == STATUS_OK && y < film->height; y++)
         for (uint32_t x = 0; x < film->width; x++) {

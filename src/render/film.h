@@ -5,28 +5,29 @@
 #ifndef MEN_FILM_H
 #define MEN_FILM_H
 
+#include "base/buf.h"
 #include "image/image.h"
 
 #define FILM_UNIT 0x1p-30
 /* A channel of one sample is held at this, and the sum of all at twice as much: the mean of 2^16 samples is then still 2^16. */
 #define FILM_LARGEST 0x1p31
 
-enum { FILM_LADDER = 4 };
+enum { FILM_LADDER = 4, FILM_MOST_SAMPLES = 1 << 24 };
 
 typedef struct FilmPixel {
     int64_t rgb[3];
     int64_t squares; /* of the luminance, in units of 2^-20, each held at 2^40 */
     int64_t luminance;
-    int64_t first;  /* luminance of the first 2^k samples, the largest power of two below n */
+    /* Of luminance, what is of the samples before number 2^k, counted from 0 in the whole render: for the largest 2^k below the
+     * number that comes next, then for 2^(k-1), ... */
+    int64_t before[FILM_LADDER + 1];
     uint32_t alpha; /* samples that met something */
     uint32_t n;
-    /* Roots of |differences| of the sums of the first 2^k samples and of the next 2^k, over 2^k: for the largest 2^k of which
-     * both are in `first`, and for smaller ones. */
-    float ladder[FILM_LADDER];
 } FilmPixel;
 
 typedef struct Film {
     uint32_t width, height;
+    uint32_t first_sample; /* of each pixel: 0, but for slices of a render */
     FilmPixel *pixels;
 } Film;
 
@@ -37,7 +38,8 @@ static inline const FilmPixel *film_pixel(const Film *film, uint32_t x, uint32_t
 
 ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Error *error);
 void film_clear(Film *film);
-/* Returns whether the sample, or the sum, was brighter than the film can hold (it is then held at its limit). */
+/* One sample, of a pixel in their order. Returns whether the sample, or the sum, was brighter than the film can hold (it is then
+ * held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
 /* Mean luminance of a pixel and its standard error as if its samples were independent, an upper bound; error < 0 with fewer
  * than 2. */
@@ -51,8 +53,16 @@ uint32_t film_first_part(uint32_t n);
 /* Roots of |differences| of the means of the first 2^k samples and of the next 2^k, for the largest 2^k of which there are
  * both, and for smaller ones; 0 with too few samples. */
 void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER]);
+/* Rows of films as bytes: the pixels from column x0 up to but without x1. What was loaded is checked: false where it cannot be
+ * of samples. */
+void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
+bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
+/* Adds the samples that come right behind a pixel's own, as if they had been added one by one. from: the number of the first of
+ * them in the whole render; they are one or more. */
+void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from);
 struct Spread;
-/* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are. spread: NULL, or where single
+/* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are; of a film that does not begin
+ * with the first sample as if they were independent, an upper bound. spread: NULL, or where single
  * bright samples go. */
 ATTR_NODISCARD Status film_resolve(const Film *film, const struct Spread *spread, Image *image, Error *error);
 
