@@ -61,6 +61,7 @@ double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4
     double sum = 0;
     uint64_t n = 0;
     Evenness evenness;
+    if (film->first_sample) return -1;
     Error unused;
     if (evenness_init(&evenness, film, crop, &unused) != STATUS_OK) return -1; /* the picture is not to suffer */
     for (uint32_t y = crop[1]; y < crop[3] && sum >= 0; y++)

@@ -15,7 +15,8 @@
 #include "render/spread.h"
 
 /* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples,
- * or memory ends. spread: NULL, or of the same pixels, where single bright samples go. */
+ * the film does not begin with the first sample, or memory ends. spread: NULL, or of the same pixels, where single bright samples
+ * go. */
 double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4]);
 
 /* Maps: the deviation of a pixel's samples; its error for one sample, as first its halves and at last its neighbours say it;

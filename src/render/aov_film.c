@@ -67,12 +67,16 @@ static uint32_t plain_hash(const char *name)
     return exponent == 0 || exponent == 255 ? hash ^ 1U << 23 : hash;
 }
 
-float aov_hash_float(const char *name)
+static float hash_as_float(uint32_t hash)
 {
-    uint32_t hash = plain_hash(name);
     float value;
     memcpy(&value, &hash, sizeof value);
     return value;
+}
+
+float aov_hash_float(const char *name)
+{
+    return hash_as_float(plain_hash(name));
 }
 
 static void id_color(const char *name, float rgb[3])
@@ -104,9 +108,19 @@ static const char *material_name(const Scene *scene, uint32_t material)
 
 /* ---- adding up ---- */
 
-Status aov_film_init(AovFilm *film, AovSet set, const World *world, uint32_t width, uint32_t height, Error *error)
+double aov_film_unit(const World *world)
 {
-    *film = (AovFilm){.set = set, .world = world, .width = width, .height = height};
+    /* 2^-36 of the scene's size, so that 2^19 samples of up to 2^8 times that size can be added up */
+    Box3 box = box3_add_point(rtc_scene_bounds(world->compiled->rtc), world->camera->from);
+    double size = fmax(fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)), 1e-30);
+    int exponent;
+    (void)frexp(size, &exponent);
+    return ldexp(1, exponent - 36);
+}
+
+Status aov_film_init(AovFilm *film, AovSet set, double unit, uint32_t width, uint32_t height, Error *error)
+{
+    *film = (AovFilm){.set = set, .unit = unit, .width = width, .height = height};
     size_t n = (size_t)width * height;
     if (!(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE))) return STATUS_OK; /* the film has these */
     film->sums = calloc(n * AOV_SUMS, sizeof *film->sums);
@@ -117,46 +131,16 @@ Status aov_film_init(AovFilm *film, AovSet set, const World *world, uint32_t wid
         ready = film->objects && film->materials;
     }
     if (!ready) return fail_memory(error, n * AOV_SUMS * sizeof *film->sums, "the film's further channels");
-    /* 2^-36 of the scene's size, so that 2^19 samples of up to 2^8 times that size can be added up */
-    Box3 box = box3_add_point(rtc_scene_bounds(world->compiled->rtc), world->camera->from);
-    double size = fmax(fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)), 1e-30);
-    int exponent;
-    (void)frexp(size, &exponent);
-    film->unit = ldexp(1, exponent - 36);
     return STATUS_OK;
-}
-
-static void counts_clear(AovCounts *counts, size_t n)
-{
-    for (size_t i = 0; counts && i < n; i++) free(counts[i].items);
-    free(counts);
 }
 
 void aov_film_clear(AovFilm *film)
 {
     size_t n = (size_t)film->width * film->height;
-    counts_clear(film->objects, n);
-    counts_clear(film->materials, n);
+    tallies_free(film->objects, n);
+    tallies_free(film->materials, n);
     free(film->sums);
     *film = (AovFilm){0};
-}
-
-static bool count(AovCounts *counts, uint32_t id)
-{
-    for (uint32_t i = 0; i < counts->n; i++)
-        if (counts->items[i].id == id) {
-            counts->items[i].n++;
-            return true;
-        }
-    if (counts->n == counts->capacity) {
-        uint32_t capacity = counts->capacity ? 2 * counts->capacity : 2;
-        AovCount *grown = realloc(counts->items, capacity * sizeof *grown);
-        if (!grown) return false;
-        counts->items = grown;
-        counts->capacity = capacity;
-    }
-    counts->items[counts->n++] = (AovCount){id, 1};
-    return true;
 }
 
 static int64_t whole(double value, double unit)
@@ -200,59 +184,78 @@ void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight
     if (!sight->met) return;
     add_sight(film, sums, sight);
     if (!film->objects) return;
-    uint32_t material = material_of(film->world->scene, sight->object);
-    bool kept = count(&film->objects[pixel], sight->object);
-    if (material != SCENE_NONE) kept = count(&film->materials[pixel], material) && kept;
+    const Scene *scene = film->world->scene;
+    uint32_t material = material_of(scene, sight->object);
+    bool kept = tally_add(&film->objects[pixel], plain_hash(object_name(scene, sight->object)), 1);
+    if (material != SCENE_NONE)
+        kept = tally_add(&film->materials[pixel], plain_hash(material_name(scene, material)), 1) && kept;
     if (!kept) film->out_of_memory = true;
 }
 
-/* ---- what it means ---- */
+/* ---- as bytes ---- */
 
-typedef struct Ranked {
-    float hash;
-    uint32_t n;
-} Ranked;
-
-static int compare_hashes(const void *left, const void *right)
+static int64_t *sums_at(const AovFilm *film, uint32_t x, uint32_t y)
 {
-    const Ranked *a = left, *b = right;
-    return a->hash < b->hash ? -1 : a->hash > b->hash;
+    return film->sums + ((size_t)y * film->width + x) * AOV_SUMS;
 }
 
-static int compare_ranked(const void *left, const void *right)
+void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
-    const Ranked *a = left, *b = right;
-    if (a->n != b->n) return a->n > b->n ? -1 : 1;
-    return compare_hashes(left, right);
+    if (!film->sums) return;
+    buf_add_bytes(out, (const char *)sums_at(film, x0, y), (x1 - x0) * AOV_SUMS * sizeof *film->sums);
+    for (size_t x = x0; film->objects && x < x1; x++) {
+        tally_save(&film->objects[(size_t)y * film->width + x], out);
+        tally_save(&film->materials[(size_t)y * film->width + x], out);
+    }
 }
 
-/* Things of one name are one. Returns how many are left. */
-static uint32_t join_alike(Ranked *ranked, uint32_t n)
+bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
 {
-    uint32_t kept = 0;
-    if (n > 1) qsort(ranked, n, sizeof *ranked, compare_hashes);
-    for (uint32_t i = 0; i < n; i++) {
-        if (kept && ranked[kept - 1].hash == ranked[i].hash)
-            ranked[kept - 1].n += ranked[i].n;
-        else
-            ranked[kept++] = ranked[i];
+    if (!film->sums) return true;
+    bool good = buf_take(in, sums_at(film, x0, y), (x1 - x0) * AOV_SUMS * sizeof *film->sums);
+    for (size_t x = x0; good && film->objects && x < x1; x++)
+        good = tally_load(&film->objects[(size_t)y * film->width + x], in) &&
+               tally_load(&film->materials[(size_t)y * film->width + x], in);
+    return good;
+}
+
+bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y)
+{
+    if (!film->sums) return true;
+    int64_t *sums = sums_at(film, x0, y);
+    const int64_t *others = sums_at(next, x0, next_y);
+    /* those of damaged files are not to overflow */
+    for (size_t i = 0; i < (size_t)(x1 - x0) * AOV_SUMS; i++) sums[i] = (int64_t)((uint64_t)sums[i] + (uint64_t)others[i]);
+    bool kept = true;
+    for (size_t x = x0; kept && film->objects && x < x1; x++) {
+        size_t to = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;
+        kept = tally_join(&film->objects[to], &next->objects[from]) &&
+               tally_join(&film->materials[to], &next->materials[from]);
     }
     return kept;
 }
 
-/* Pairs of hash and coverage, the largest coverage first. */
-static void put_ranks(const AovCounts *counts, const Scene *scene, const char *(*name_of)(const Scene *, uint32_t),
-                      uint32_t n_samples, float *out)
+/* ---- what it means ---- */
+
+/* The largest first; of two alike the one whose hash is the smaller float. */
+static int compare_ranked(const void *left, const void *right)
 {
-    Ranked few[16], *ranked = counts->n <= COUNT_OF(few) ? few : malloc(counts->n * sizeof *ranked);
-    uint32_t n = 0;
-    for (; ranked && n < counts->n; n++)
-        ranked[n] = (Ranked){aov_hash_float(name_of(scene, counts->items[n].id)), counts->items[n].n};
-    n = join_alike(ranked, n);
+    const TallyItem *a = left, *b = right;
+    if (a->n != b->n) return a->n > b->n ? -1 : 1;
+    float x = hash_as_float(a->id), y = hash_as_float(b->id);
+    return x < y ? -1 : x > y;
+}
+
+/* Pairs of hash and coverage, the largest coverage first. */
+static void put_ranks(const Tally *tally, uint32_t n_samples, float *out)
+{
+    TallyItem few[16], *ranked = tally->n <= COUNT_OF(few) ? few : malloc(tally->n * sizeof *ranked);
+    uint32_t n = ranked ? tally->n : 0;
+    if (n) memcpy(ranked, tally->items, n * sizeof *ranked);
     if (n > 1) qsort(ranked, n, sizeof *ranked, compare_ranked);
     for (uint32_t i = 0; i < RANKS; i++) {
         bool there = i < n && n_samples;
-        out[2 * i] = there ? ranked[i].hash : 0;
+        out[2 * i] = there ? hash_as_float(ranked[i].id) : 0;
         out[2 * i + 1] = there ? (float)((double)ranked[i].n / n_samples) : 0;
     }
     if (ranked != few) free(ranked);
@@ -270,7 +273,6 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
     const FilmPixel *p = &film->pixels[pixel];
     const int64_t *sums = aovs->sums ? aovs->sums + pixel * AOV_SUMS : NULL;
     double n = p->n, met = sums ? (double)sums[SUM_MET] : 0, mean, standard_error;
-    const Scene *scene = aovs->world->scene;
     switch (aov) {
     case AOV_ALBEDO: return put_means(sums + SUM_ALBEDO, 3, FILM_UNIT, n, out);
     case AOV_NORMAL: return put_means(sums + SUM_NORMAL, 3, FILM_UNIT, met, out);
@@ -289,8 +291,8 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
         *out = standard_error > 0 ? (float)(standard_error * standard_error * n) : 0;
         return out + 1;
     case AOV_CRYPTOMATTE:
-        put_ranks(&aovs->objects[pixel], scene, object_name, p->n, out);
-        put_ranks(&aovs->materials[pixel], scene, material_name, p->n, out + 2 * RANKS);
+        put_ranks(&aovs->objects[pixel], p->n, out);
+        put_ranks(&aovs->materials[pixel], p->n, out + 2 * RANKS);
         return out + 4 * RANKS;
     case AOV_COUNT: break;
     }

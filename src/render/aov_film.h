@@ -3,34 +3,25 @@
 #ifndef MEN_AOV_FILM_H
 #define MEN_AOV_FILM_H
 
-#include "base/buf.h"
 #include "render/spread.h"
+#include "render/tally.h"
 #include "trace/path.h"
-
-/* How many samples of a pixel saw one thing. */
-typedef struct AovCount {
-    uint32_t id, n;
-} AovCount;
-
-/* The things that a pixel's samples saw first. */
-typedef struct AovCounts {
-    AovCount *items;
-    uint32_t n, capacity;
-} AovCounts;
 
 typedef struct AovFilm {
     AovSet set;
-    const World *world;
+    const World *world; /* for aov_film_add; the others do not need it */
     uint32_t width, height;
-    double unit;                    /* of lengths: fine against the size of the scene, and a power of two */
-    int64_t *sums;                  /* for each pixel AOV_SUMS of them, see aov_film.c; NULL when nothing is needed */
-    AovCounts *objects, *materials; /* for each pixel, or NULL */
+    double unit;                /* of lengths: fine against the size of the scene, and a power of two */
+    int64_t *sums;              /* for each pixel AOV_SUMS of them, see aov_film.c; NULL when nothing is needed */
+    Tally *objects, *materials; /* what the samples of each pixel saw first, by the hashes of names; or NULL */
     bool out_of_memory;
 } AovFilm;
 
-/* With an empty set nothing is allocated, and the other functions do next to nothing. */
-ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, const World *world, uint32_t width, uint32_t height,
+/* With an empty set nothing is allocated, and the other functions do next to nothing. unit: see aov_film_unit. */
+ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, double unit, uint32_t width, uint32_t height,
                                     Error *error);
+/* In which the lengths of a scene are added up. */
+double aov_film_unit(const World *world);
 void aov_film_clear(AovFilm *film);
 /* Whether tracers must fill in what is met first. */
 static inline bool aov_film_needs_sight(const AovFilm *film)
@@ -40,6 +31,11 @@ static inline bool aov_film_needs_sight(const AovFilm *film)
 /* One sample; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
 void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
                   const PathCounters *after);
+/* Rows as bytes, and joining two, as film_save_row and its like have it. Those of films of one set and unit. false from joining
+ * when memory ends. */
+void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
+bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
+bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y);
 /* The whole picture: the film's channels, and these. spread: see film_resolve. */
 ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Image *image,
                                        Error *error);

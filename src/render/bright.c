@@ -5,29 +5,41 @@
 #include <stdlib.h>
 #include <string.h>
 
-Status bright_film_init(BrightFilm *film, uint32_t width, uint32_t height, Error *error)
+Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error)
 {
-    *film = (BrightFilm){width, height, calloc((size_t)width * height, sizeof(BrightPixel))};
-    if (film->pixels) return STATUS_OK;
-    return fail_memory(error, (size_t)width * height * sizeof(BrightPixel), "the brightest samples");
+    size_t n = (size_t)width * height, size = n * (sizeof(BrightPixel) + (slice ? sizeof(BrightSlice) : 0));
+    *film = (BrightFilm){.width = width, .height = height, .pixels = calloc(n, sizeof(BrightPixel))};
+    if (slice) film->slices = calloc(n, sizeof(BrightSlice));
+    if (film->pixels && (film->slices || !slice)) return STATUS_OK;
+    bright_film_clear(film);
+    return fail_memory(error, size, "the brightest samples");
 }
 
 void bright_film_clear(BrightFilm *film)
 {
+    for (size_t i = 0; film->slices && i < (size_t)film->width * film->height; i++) tally_clear(&film->slices[i].things);
+    free(film->slices);
     free(film->pixels);
     *film = (BrightFilm){0};
 }
 
 void bright_film_forget(BrightFilm *film)
 {
-    if (film->pixels) memset(film->pixels, 0, (size_t)film->width * film->height * sizeof *film->pixels);
+    size_t n = (size_t)film->width * film->height;
+    if (film->pixels) memset(film->pixels, 0, n * sizeof *film->pixels);
+    for (size_t i = 0; film->slices && i < n; i++) {
+        tally_clear(&film->slices[i].things);
+        film->slices[i] = (BrightSlice){0};
+    }
 }
 
-ATTR_COLD static void keep(BrightPixel *pixel, const float rgb[3], uint32_t seen)
+/* Returns its place among the others; < 0: it has none. */
+ATTR_COLD static int keep(BrightPixel *pixel, const float rgb[3], uint32_t seen)
 {
     float held[3], light; /* as the film holds it */
     for (int c = 0; c < 3; c++) held[c] = fminf(fmaxf(rgb[c], -(float)FILM_LARGEST), (float)FILM_LARGEST);
     light = bright_light(held);
+    if (!(light > pixel->least)) return -1;
     int at = BRIGHT_KEPT - 1;
     for (; at > 0 && bright_light(pixel->rgb[at - 1]) < light; at--)
         memcpy(pixel->rgb[at], pixel->rgb[at - 1], sizeof held);
@@ -35,17 +47,105 @@ ATTR_COLD static void keep(BrightPixel *pixel, const float rgb[3], uint32_t seen
     pixel->least = bright_light(pixel->rgb[BRIGHT_KEPT - 1]);
     uint32_t below = (1U << 2 * at) - 1;
     pixel->seen = (pixel->seen & below) | seen << 2 * at | (pixel->seen & ~below) << 2;
+    return at;
+}
+
+/* Samples that saw the thing: which of the pixel's things it is. */
+static uint32_t count_seen(BrightPixel *pixel, uint32_t thing, uint32_t n)
+{
+    uint32_t seen = 0;
+    while (seen < BRIGHT_THINGS && pixel->counts[seen] && pixel->things[seen] != thing) seen++;
+    if (seen < BRIGHT_THINGS) {
+        pixel->things[seen] = thing;
+        pixel->counts[seen] += n;
+    }
+    return seen;
+}
+
+static void insert(uint32_t *items, int at, uint32_t item)
+{
+    memmove(items + at + 1, items + at, (size_t)(BRIGHT_KEPT - 1 - at) * sizeof *items);
+    items[at] = item;
 }
 
 void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
 {
     if (thing == BRIGHT_NOTHING) return;
-    BrightPixel *pixel = &film->pixels[(size_t)y * film->width + x];
-    uint32_t seen = 0;
-    while (seen < BRIGHT_THINGS && pixel->counts[seen] && pixel->things[seen] != thing) seen++;
-    if (seen < BRIGHT_THINGS) {
-        pixel->things[seen] = thing;
-        pixel->counts[seen]++;
+    size_t i = (size_t)y * film->width + x;
+    BrightPixel *pixel = &film->pixels[i];
+    uint32_t seen = count_seen(pixel, thing, 1);
+    if (UNLIKELY(film->slices != NULL) && !tally_add(&film->slices[i].things, thing, 1)) film->out_of_memory = true;
+    if (LIKELY(!(bright_light(rgb) > pixel->least))) return;
+    int at = keep(pixel, rgb, seen);
+    if (film->slices && at >= 0) insert(film->slices[i].kept, at, thing);
+}
+
+/* ---- as bytes ---- */
+
+void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
+{
+    if (!film->pixels) return;
+    size_t row = (size_t)y * film->width;
+    buf_add_bytes(out, (const char *)&film->pixels[row + x0], (x1 - x0) * sizeof *film->pixels);
+    for (size_t i = row + x0; film->slices && i < row + x1; i++) {
+        buf_add_bytes(out, (const char *)film->slices[i].kept, sizeof film->slices[i].kept);
+        tally_save(&film->slices[i].things, out);
     }
-    if (UNLIKELY(bright_light(rgb) > pixel->least)) keep(pixel, rgb, seen);
+}
+
+static bool can_be(const BrightPixel *pixel)
+{
+    bool good = true;
+    for (int i = 0; i < BRIGHT_KEPT; i++) good = good && bright_light(pixel->rgb[i]) <= (float)FILM_LARGEST;
+    return good;
+}
+
+bool bright_film_load_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
+{
+    if (!film->pixels) return true;
+    size_t row = (size_t)y * film->width;
+    bool good = buf_take(in, &film->pixels[row + x0], (x1 - x0) * sizeof *film->pixels);
+    for (size_t i = row + x0; good && i < row + x1; i++) good = can_be(&film->pixels[i]);
+    for (size_t i = row + x0; good && film->slices && i < row + x1; i++)
+        good = buf_take(in, film->slices[i].kept, sizeof film->slices[i].kept) && tally_load(&film->slices[i].things, in);
+    return good;
+}
+
+/* Both lists are sorted; of samples as bright as each other the earlier one stands first, as if they had come one by one. */
+static void join_kept(BrightPixel *pixel, uint32_t *things, const BrightPixel *next, const uint32_t *next_things)
+{
+    BrightPixel own = *pixel;
+    uint32_t own_things[BRIGHT_KEPT] = {0};
+    if (things) memcpy(own_things, things, sizeof own_things);
+    pixel->seen = 0;
+    for (int k = 0, i = 0, j = 0; k < BRIGHT_KEPT; k++) {
+        bool is_own = bright_light(own.rgb[i]) >= bright_light(next->rgb[j]);
+        uint32_t seen = 0;
+        if (is_own)
+            seen = bright_seen(&own, i);
+        else
+            while (seen < BRIGHT_THINGS && !(pixel->counts[seen] && pixel->things[seen] == next_things[j])) seen++;
+        memcpy(pixel->rgb[k], is_own ? own.rgb[i] : next->rgb[j], sizeof pixel->rgb[k]);
+        pixel->seen |= seen << 2 * k;
+        if (things) things[k] = is_own ? own_things[i] : next_things[j];
+        if (is_own)
+            i++;
+        else
+            j++;
+    }
+    pixel->least = bright_light(pixel->rgb[BRIGHT_KEPT - 1]);
+}
+
+bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next, uint32_t next_y)
+{
+    for (size_t x = x0; film->pixels && x < x1; x++) {
+        size_t i = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;
+        const BrightSlice *slice = &next->slices[from];
+        BrightSlice *own = film->slices ? &film->slices[i] : NULL;
+        for (uint32_t k = 0; k < slice->things.n; k++)
+            (void)count_seen(&film->pixels[i], slice->things.items[k].id, slice->things.items[k].n);
+        join_kept(&film->pixels[i], own ? own->kept : NULL, &next->pixels[from], slice->kept);
+        if (own && !tally_join(&own->things, &slice->things)) return false;
+    }
+    return true;
 }

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "render/film.h"
+#include "render/tally.h"
 
 enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
 /* What is never apart: nothing at all, and lights, which are seen as they are. */
@@ -30,15 +31,28 @@ static inline uint32_t bright_seen(const BrightPixel *pixel, int i)
     return pixel->seen >> 2 * i & 3;
 }
 
+/* What else has to be known of the samples of a pixel that others come before. */
+typedef struct BrightSlice {
+    Tally things;            /* all that samples saw first */
+    uint32_t kept[BRIGHT_KEPT]; /* what the brightest saw */
+} BrightSlice;
+
 typedef struct BrightFilm {
     uint32_t width, height;
     BrightPixel *pixels; /* NULL: nothing is kept */
+    BrightSlice *slices; /* for each pixel of a film that does not begin with the first sample; else NULL */
+    bool out_of_memory;
 } BrightFilm;
 
-ATTR_NODISCARD Status bright_film_init(BrightFilm *film, uint32_t width, uint32_t height, Error *error);
+ATTR_NODISCARD Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error);
 void bright_film_clear(BrightFilm *film);
 void bright_film_forget(BrightFilm *film); /* all samples */
 /* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. A pixel belongs to one thread at a time. */
 void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing);
+/* Rows as bytes, and joining two, as film_save_row and its like have it; also of films without pixels. next: of a film that
+ * does not begin with the first sample. false from joining when memory ends. */
+void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
+bool bright_film_load_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
+bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next, uint32_t next_y);
 
 #endif

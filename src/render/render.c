@@ -6,6 +6,7 @@
 #include "render/render.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,7 @@ enum { COARSEST = 4 };
 static const double picture_interval_s = 1, picture_share = 0.05;
 /* What is said of the noise on the way takes this part of the time at most. */
 static const double noise_share = 0.02;
+static const double save_share = 0.01;
 
 typedef struct Job {
     const RenderSettings *settings;
@@ -35,15 +37,16 @@ typedef struct Job {
     FirstSight *sights; /* one per thread, or NULL */
     unsigned n_threads;
     uint64_t *saturated;
-    Film film;
-    BrightFilm bright; /* without pixels: samples stay where they are */
-    AovFilm aovs;
-    uint32_t crop[4];
+    RenderState *state;
+    RenderState before;     /* its counters before this render */
     uint32_t tiles_x, tiles_y;
-    uint32_t n;             /* samples of this pass, for each pixel that it is about */
-    uint32_t done;          /* samples that every pixel has by now, */
+    uint32_t wish;          /* how many samples each pixel is to have in the end, */
+    uint32_t n;             /* how many this pass gives to each, or those that pixels have not yet, */
+    uint32_t done;          /* and how many every pixel has by now */
+    uint32_t most;          /* that a pixel had before this render */
+    bool even;              /* all pixels have as many as every one */
     uint64_t n_pixels, samples, pass_samples; /* of the crop; what they have together, and what the pass adds */
-    const uint32_t *wanted; /* what each pixel of the crop is to have; NULL: n more, all of them */
+    const uint32_t *wanted; /* what each pixel of the crop is to have; NULL: done + n, all of them */
     uint32_t step;          /* not 0: the first sample of every step-th pixel each way, where it has none */
     AdaptPlan plan;
     double planned_at_samples;        /* all pixels' together */
@@ -52,22 +55,44 @@ typedef struct Job {
     double picture_at, picture_cost; /* when the last one was shown, and how long that took */
     double noise_at, noise_cost;     /* the same of the noise */
     bool *tile_done;   /* of this pass */
+    atomic_bool pause; /* the pass waits until the state is saved */
+    double saved_at, save_cost;
+    uint64_t first_samples; /* that were there before this render */
 } Job;
+
+static bool is_stopped(const Job *job)
+{
+    return job->events && job->events->stop && *job->events->stop;
+}
 
 /* A person's wish ends the render at once; a time limit leaves at least one sample in every pixel. */
 static bool asked_to_stop(const Job *job)
 {
-    if (job->events && job->events->stop && *job->events->stop) return true;
+    if (is_stopped(job)) return true;
     double limit = job->settings->time_limit_s;
     return limit > 0 && job->done > 0 && clock_now_s() - job->start > limit;
+}
+
+static bool asked_to_save(const Job *job)
+{
+    return job->events && job->events->save && job->events->wish && *job->events->wish;
+}
+
+/* So that saving takes a small part of the time. */
+static bool save_is_due(const Job *job)
+{
+    if (asked_to_save(job)) return true;
+    if (!job->events || !job->events->save || !(job->events->save_interval_s > 0)) return false;
+    return clock_now_s() - job->saved_at > fmax(job->events->save_interval_s, job->save_cost / save_share);
 }
 
 /* How much is done, and how long the rest takes, of a render that ends after so many samples of each pixel. */
 static void judge_uniform(const Job *job, double done, RenderProgress *progress)
 {
-    progress->fraction = done / ((double)job->settings->samples * (double)job->n_pixels);
-    if (!(progress->fraction > 0) || progress->seconds <= 0.5) return;
-    double left = progress->seconds * (1 - progress->fraction) / progress->fraction;
+    double all = job->wish * (double)job->n_pixels, here = done - (double)job->first_samples;
+    progress->fraction = done / all;
+    if (!(here > 0) || progress->seconds <= 0.5) return;
+    double left = progress->seconds * (all - done) / here;
     double doubt = 0.05 + 0.25 * (1 - progress->fraction); /* early passes say less of the later ones */
     progress->seconds_left_low = left * (1 - doubt);
     progress->seconds_left_high = left * (1 + doubt);
@@ -93,11 +118,11 @@ static void report_progress(Job *job, double fraction_of_pass)
     if (!job->events || !job->events->progress) return;
     const RenderSettings *settings = job->settings;
     double now = clock_now_s(), limit = settings->time_limit_s;
-    bool last = job->done == settings->samples;
+    bool last = job->done >= job->wish;
     if (!last && now - job->last_progress < 0.1) return;
     job->last_progress = now;
     double done = (double)job->samples + (last ? 0 : fraction_of_pass * (double)job->pass_samples);
-    RenderProgress progress = {.samples_done = (uint32_t)(done / (double)job->n_pixels), .samples_total = settings->samples,
+    RenderProgress progress = {.samples_done = (uint32_t)(done / (double)job->n_pixels), .samples_total = job->wish,
                                .seconds = now - job->start, .photons = -1, .noise = job->noise, .noise_wanted = settings->noise,
                                .seconds_left_low = -1, .seconds_left_high = -1};
     (settings->noise > 0 && !last ? judge_adaptive : judge_uniform)(job, done, &progress);
@@ -120,7 +145,7 @@ static void judge_noise(Job *job)
 {
     double now = clock_now_s();
     if (!job->events || !job->events->progress || now - job->noise_at < job->noise_cost / noise_share) return;
-    job->noise = adapt_noise(&job->film, NULL, job->crop);
+    job->noise = adapt_noise(&job->state->film, NULL, job->state->crop);
     job->noise_at = clock_now_s();
     job->noise_cost = job->noise_at - now;
 }
@@ -131,10 +156,11 @@ static bool shows_picture(const Job *job)
 }
 
 /* Finds samples that stand alone, and where they go, or leaves it without pixels. */
-static Status find_spread(const Job *job, Spread *spread, Error *error)
+static Status find_spread(const RenderState *state, Spread *spread, Error *error)
 {
     *spread = (Spread){0};
-    return job->bright.pixels ? spread_init(spread, &job->film, &job->bright, job->crop, error) : STATUS_OK;
+    if (state->bright.out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the brightest samples");
+    return state->bright.pixels ? spread_init(spread, &state->film, &state->bright, state->crop, error) : STATUS_OK;
 }
 
 /* Shows the picture so far, when it is time for it. It is not missed when memory ends. To spread samples takes too long for
@@ -146,9 +172,9 @@ static void report_picture(Job *job, uint32_t step, bool due)
     if (!shows_picture(job)) return;
     double now = clock_now_s(), interval = fmax(picture_interval_s, job->picture_cost / picture_share);
     if (!due && now - job->picture_at < interval) return;
-    if (early_resolve(&job->film, job->crop, step, &image, &unused) != STATUS_OK) return;
+    if (early_resolve(&job->state->film, job->state->crop, step, &image, &unused) != STATUS_OK) return;
     Spread spread = {0};
-    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job, &spread, &unused) == STATUS_OK && spread.pixels)
+    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job->state, &spread, &unused) == STATUS_OK && spread.pixels)
         spread_apply(&spread, &image);
     spread_clear(&spread);
     job->events->picture(job->events->context, &image);
@@ -167,33 +193,34 @@ static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     float rgb[3], alpha;
     if (tracer->first_sight) before = tracer->counters;
     trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
-    if (tracer->first_sight) aov_film_add(&job->aovs, x, y, tracer->first_sight, &before, &tracer->counters);
-    job->saturated[worker] += film_add(&job->film, x, y, rgb, alpha);
-    if (job->bright.pixels) bright_film_add(&job->bright, x, y, rgb, tracer->seen);
+    if (tracer->first_sight) aov_film_add(&job->state->aovs, x, y, tracer->first_sight, &before, &tracer->counters);
+    job->saturated[worker] += film_add(&job->state->film, x, y, rgb, alpha);
+    if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen);
 }
 
 /* The samples that a pixel gets in this pass. */
 static uint32_t pass_of_pixel(const Job *job, uint32_t x, uint32_t y)
 {
-    if (job->step)
-        return (x - job->crop[0]) % job->step == 0 && (y - job->crop[1]) % job->step == 0 &&
-               film_pixel(&job->film, x, y)->n == 0;
-    if (!job->wanted) return job->n;
-    uint32_t wanted = job->wanted[(size_t)(y - job->crop[1]) * (job->crop[2] - job->crop[0]) + (x - job->crop[0])];
-    uint32_t left = wanted - film_pixel(&job->film, x, y)->n;
-    return left < job->n ? left : job->n;
+    const uint32_t *crop = job->state->crop;
+    uint32_t n = film_pixel(&job->state->film, x, y)->n;
+    if (job->step) return (x - crop[0]) % job->step == 0 && (y - crop[1]) % job->step == 0 && n == 0;
+    uint32_t wanted = job->wanted ? job->wanted[(size_t)(y - crop[1]) * (crop[2] - crop[0]) + (x - crop[0])] : job->done + job->n;
+    uint32_t left = wanted > n ? wanted - n : 0;
+    return left < job->n || !job->wanted ? left : job->n;
 }
 
 static void render_tile(void *context, uint32_t index, unsigned worker)
 {
     Job *job = context;
+    const uint32_t *crop = job->state->crop;
+    if (worker == 0 && save_is_due(job)) atomic_store(&job->pause, true);
     if (asked_to_stop(job)) return;
-    uint32_t x0 = job->crop[0] + index % job->tiles_x * TILE, y0 = job->crop[1] + index / job->tiles_x * TILE;
-    uint32_t x1 = x0 + TILE < job->crop[2] ? x0 + TILE : job->crop[2];
-    uint32_t y1 = y0 + TILE < job->crop[3] ? y0 + TILE : job->crop[3];
+    uint32_t x0 = crop[0] + index % job->tiles_x * TILE, y0 = crop[1] + index / job->tiles_x * TILE;
+    uint32_t x1 = x0 + TILE < crop[2] ? x0 + TILE : crop[2], y1 = y0 + TILE < crop[3] ? y0 + TILE : crop[3];
     for (uint32_t y = y0; y < y1; y++)
         for (uint32_t x = x0; x < x1; x++) {
-            uint32_t n = pass_of_pixel(job, x, y), first = job->settings->first_sample + film_pixel(&job->film, x, y)->n;
+            if (is_stopped(job) || atomic_load_explicit(&job->pause, memory_order_relaxed)) return;
+            uint32_t n = pass_of_pixel(job, x, y), first = job->state->film.first_sample + film_pixel(&job->state->film, x, y)->n;
             for (uint32_t i = 0; i < n; i++) render_sample(job, worker, x, y, first + i);
         }
     job->tile_done[index] = true;
@@ -206,17 +233,59 @@ static uint32_t pass_size(uint32_t done)
     return n < LARGEST_PASS ? n : LARGEST_PASS;
 }
 
+/* What this render counted, and those before it. */
+static void sum_counters(const Job *job, RenderState *state)
+{
+    state->counters = job->before.counters;
+    state->saturated_samples = job->before.saturated_samples;
+    for (unsigned i = 0; i < job->n_threads; i++) {
+        const PathCounters *c = &job->tracers[i].counters;
+        state->counters.paths += c->paths;
+        state->counters.rays += c->rays;
+        state->counters.crossings += c->crossings;
+        state->counters.silent_crossings += c->silent_crossings;
+        state->counters.nesting_faults += c->nesting_faults;
+        state->counters.silent_limit += c->silent_limit;
+        state->counters.bad_samples += c->bad_samples;
+        state->saturated_samples += job->saturated[i];
+    }
+}
+
+static void save(Job *job)
+{
+    double now = clock_now_s();
+    bool asked = asked_to_save(job);
+    if (asked) *job->events->wish = 0;
+    sum_counters(job, job->state);
+    job->events->save(job->events->context, job->state, asked);
+    job->saved_at = clock_now_s();
+    job->save_cost = job->saved_at - now;
+}
+
+/* Goes over all tiles; what is left of them when the state was saved in between, again. */
+static void run_tiles(Job *job, Pool *pool)
+{
+    uint32_t n_tiles = job->tiles_x * job->tiles_y;
+    bool again = true;
+    while (again) {
+        for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
+        pool_run(pool, n_tiles, render_tile, job);
+        again = atomic_exchange(&job->pause, false) && !asked_to_stop(job);
+        if (save_is_due(job) && !is_stopped(job)) save(job);
+    }
+}
+
 /* One pass over all tiles, unless it is stopped. */
 static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *error)
 {
+    const uint32_t *crop = job->state->crop;
     uint32_t n_tiles = job->tiles_x * job->tiles_y;
     job->n = n;
-    bool same = !job->wanted && !job->step;
+    bool same = !job->wanted && !job->step && job->even;
     job->pass_samples = same ? job->n_pixels * n : 0;
-    for (uint32_t y = job->crop[1]; !same && y < job->crop[3]; y++)
-        for (uint32_t x = job->crop[0]; x < job->crop[2]; x++) job->pass_samples += pass_of_pixel(job, x, y);
-    for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
-    pool_run(pool, n_tiles, render_tile, job);
+    for (uint32_t y = crop[1]; !same && y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++) job->pass_samples += pass_of_pixel(job, x, y);
+    run_tiles(job, pool);
     for (unsigned i = 0; i < job->n_threads; i++)
         if (job->tracers[i].out_of_memory) return fail(error, STATUS_NOMEM, "out of memory while rendering");
     for (uint32_t i = 0; i < n_tiles; i++)
@@ -240,104 +309,157 @@ static Status run_uniform(Job *job, Pool *pool, uint32_t samples, bool *stopped,
 {
     for (uint32_t step = COARSEST; shows_picture(job) && step > 0 && !*stopped; step /= 2)
         TRY(run_coarse(job, pool, step, stopped, error));
-    job->done = shows_picture(job) && !*stopped; /* one sample */
+    if (shows_picture(job) && !*stopped && job->done == 0) job->done = 1;
     while (job->done < samples && !*stopped) {
         uint32_t n = pass_size(job->done);
         if (n > samples - job->done) n = samples - job->done;
         TRY(run_pass(job, pool, n, stopped, error));
         if (*stopped) break;
         job->done += n;
+        job->even = job->done >= job->most;
         report_picture(job, 1, false);
         if (job->done >= NOISE_FLOOR) judge_noise(job);
         report_progress(job, 0);
-        if (job->done < job->settings->samples && asked_to_stop(job)) *stopped = true;
+        if (job->done < job->wish && asked_to_stop(job)) *stopped = true;
     }
     return STATUS_OK;
 }
 
+/* The most samples that a pixel lacks of those it is wanted to have. */
+static uint32_t most_wanted(const Job *job, const uint32_t *wanted)
+{
+    const uint32_t *crop = job->state->crop;
+    uint32_t most = 0;
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++, wanted++) {
+            uint32_t n = film_pixel(&job->state->film, x, y)->n;
+            if (*wanted > n && *wanted - n > most) most = *wanted - n;
+        }
+    return most;
+}
+
 /* Samples where the noise is too large, until it is nowhere so. A pass is no longer than elsewhere, so that a wish to stop is
- * heard; plans are made when all pixels have what they wanted. */
+ * heard; plans are made when all pixels have what they wanted, of a plan before this render, too. */
 static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Error *error)
 {
     job->adapted_at = clock_now_s() - job->start;
     job->adapted_from = (double)job->samples;
     job->wanted = adapt->wanted;
+    uint32_t left = most_wanted(job, adapt->wanted);
     while (!*stopped) {
-        TRY(adapt_plan(adapt, &job->film, job->settings->noise, job->settings->samples, &job->plan, error));
-        job->planned_at_samples = (double)job->samples;
-        judge_noise(job);
-        uint32_t left = job->plan.next;
-        if (!left) break;
+        if (!left) {
+            TRY(adapt_plan(adapt, &job->state->film, job->settings->noise, job->wish, &job->plan, error));
+            job->planned_at_samples = (double)job->samples;
+            judge_noise(job);
+            left = job->plan.next;
+            if (!left) break;
+        }
         while (left && !*stopped) {
-            uint32_t n = left < LARGEST_PASS ? left : LARGEST_PASS;
-            TRY(run_pass(job, pool, n, stopped, error));
+            TRY(run_pass(job, pool, left < LARGEST_PASS ? left : LARGEST_PASS, stopped, error));
             report_progress(job, 0);
             report_picture(job, 1, false);
+            left = most_wanted(job, adapt->wanted);
             if (asked_to_stop(job)) *stopped = true;
-            left -= n;
         }
     }
     return STATUS_OK;
 }
 
-/* Runs passes until all samples are there, the noise is low enough, or a stop is asked for. */
-static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
+/* What pixels want is part of the state. */
+static Status adapt_pixels(Job *job, Pool *pool, bool *stopped, Error *error)
 {
-    const RenderSettings *settings = job->settings;
-    bool adapts = settings->noise > 0 && settings->samples > NOISE_FLOOR;
-    TRY(run_uniform(job, pool, adapts ? NOISE_FLOOR : settings->samples, stopped, error));
-    if (!adapts || *stopped) return STATUS_OK;
     Adapt adapt;
-    TRY(adapt_init(&adapt, job->crop, error));
+    RenderState *state = job->state;
+    TRY(adapt_init(&adapt, state->crop, error));
+    if (state->wanted) {
+        free(adapt.wanted);
+        adapt.wanted = state->wanted;
+    }
+    state->wanted = adapt.wanted;
     Status status = run_adaptive(job, pool, &adapt, stopped, error);
     job->wanted = NULL;
+    if (!*stopped) state->wanted = NULL;
+    if (state->wanted) adapt.wanted = NULL;
     adapt_clear(&adapt);
     return status;
 }
 
-/* How many samples the pixels have. */
-static void count_samples(const Job *job, RenderStats *stats)
+/* Runs passes until all samples are there, the noise is low enough, or a stop is asked for. */
+static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
 {
+    bool adapts = job->settings->noise > 0 && job->wish > NOISE_FLOOR;
+    TRY(run_uniform(job, pool, adapts ? NOISE_FLOOR : job->wish, stopped, error));
+    return adapts && !*stopped ? adapt_pixels(job, pool, stopped, error) : STATUS_OK;
+}
+
+/* How many samples the pixels have. */
+static void count_samples(const RenderState *state, RenderStats *stats)
+{
+    const uint32_t *crop = state->crop;
     double sum = 0;
     stats->samples = UINT32_MAX;
-    for (uint32_t y = job->crop[1]; y < job->crop[3]; y++)
-        for (uint32_t x = job->crop[0]; x < job->crop[2]; x++) {
-            uint32_t n = film_pixel(&job->film, x, y)->n;
+    stats->most_samples = 0;
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++) {
+            uint32_t n = film_pixel(&state->film, x, y)->n;
             if (n < stats->samples) stats->samples = n;
             if (n > stats->most_samples) stats->most_samples = n;
             sum += n;
         }
-    stats->mean_samples = sum / (double)job->n_pixels;
+    stats->mean_samples = sum / ((double)(crop[2] - crop[0]) * (crop[3] - crop[1]));
 }
 
-static void sum_counters(const Job *job, RenderStats *stats)
+/* What was there before this render. */
+static void count_before(Job *job)
 {
-    for (unsigned i = 0; i < job->n_threads; i++) {
-        const PathCounters *c = &job->tracers[i].counters;
-        stats->paths += c->paths;
-        stats->rays += c->rays;
-        stats->crossings += c->crossings;
-        stats->silent_crossings += c->silent_crossings;
-        stats->nesting_faults += c->nesting_faults;
-        stats->silent_limit += c->silent_limit;
-        stats->bad_samples += c->bad_samples;
-        stats->saturated_samples += job->saturated[i];
-    }
+    RenderStats stats;
+    count_samples(job->state, &stats);
+    job->before.counters = job->state->counters;
+    job->before.saturated_samples = job->state->saturated_samples;
+    job->done = stats.samples;
+    job->most = stats.most_samples;
+    job->even = job->most == job->done;
+    job->first_samples = job->samples = (uint64_t)(stats.mean_samples * (double)job->n_pixels + 0.5);
+}
+
+/* What this render's samples come to; nothing so far. */
+static Status state_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
+{
+    uint32_t width = settings->width, height = settings->height;
+    TRY(film_init(&state->film, width, height, error));
+    state->film.first_sample = settings->first_sample;
+    if (settings->spreads) TRY(bright_film_init(&state->bright, settings->first_sample > 0, width, height, error));
+    return aov_film_init(&state->aovs, settings->aovs, aov_film_unit(world), width, height, error);
+}
+
+void render_state_clear(RenderState *state)
+{
+    film_clear(&state->film);
+    bright_film_clear(&state->bright);
+    aov_film_clear(&state->aovs);
+    free(state->wanted);
+    *state = (RenderState){0};
+}
+
+static Status choose_crop(const RenderSettings *settings, uint32_t crop[4], Error *error)
+{
+    bool cropped = settings->crop[0] || settings->crop[1] || settings->crop[2] || settings->crop[3];
+    uint32_t frame[4] = {0, 0, settings->width, settings->height};
+    memcpy(crop, cropped ? settings->crop : frame, sizeof frame);
+    if (crop[0] < crop[2] && crop[1] < crop[3] && crop[2] <= settings->width && crop[3] <= settings->height) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "the crop %u,%u,%u,%u is not inside the picture of %u x %u", crop[0], crop[1], crop[2],
+                crop[3], settings->width, settings->height);
 }
 
 static Status job_init(Job *job, Error *error)
 {
     const RenderSettings *settings = job->settings;
-    bool cropped = settings->crop[0] || settings->crop[1] || settings->crop[2] || settings->crop[3];
-    uint32_t frame[4] = {0, 0, settings->width, settings->height};
-    for (int i = 0; i < 4; i++) job->crop[i] = cropped ? settings->crop[i] : frame[i];
-    if (job->crop[0] >= job->crop[2] || job->crop[1] >= job->crop[3] || job->crop[2] > settings->width ||
-        job->crop[3] > settings->height)
-        return fail(error, STATUS_USAGE, "the crop %u,%u,%u,%u is not inside the picture of %u x %u", job->crop[0],
-                    job->crop[1], job->crop[2], job->crop[3], settings->width, settings->height);
-    job->tiles_x = (job->crop[2] - job->crop[0] + TILE - 1) / TILE;
-    job->tiles_y = (job->crop[3] - job->crop[1] + TILE - 1) / TILE;
-    job->n_pixels = (uint64_t)(job->crop[2] - job->crop[0]) * (job->crop[3] - job->crop[1]);
+    uint32_t *crop = job->state->crop;
+    TRY(choose_crop(settings, crop, error));
+    job->wish = (settings->end_sample ? settings->end_sample : settings->samples) - settings->first_sample;
+    job->tiles_x = (crop[2] - crop[0] + TILE - 1) / TILE;
+    job->tiles_y = (crop[3] - crop[1] + TILE - 1) / TILE;
+    job->n_pixels = (uint64_t)(crop[2] - crop[0]) * (crop[3] - crop[1]);
     job->noise = -1;
     job->tracers = calloc(job->n_threads, sizeof *job->tracers);
     job->saturated = calloc(job->n_threads, sizeof *job->saturated);
@@ -345,10 +467,10 @@ static Status job_init(Job *job, Error *error)
     if (!job->tracers || !job->saturated || !job->tile_done)
         return fail_memory(error, job->n_threads * sizeof *job->tracers, "threads");
     for (unsigned i = 0; i < job->n_threads; i++) tracer_init(&job->tracers[i], job->world);
-    TRY(film_init(&job->film, settings->width, settings->height, error));
-    if (settings->spreads) TRY(bright_film_init(&job->bright, settings->width, settings->height, error));
-    TRY(aov_film_init(&job->aovs, settings->aovs, job->world, settings->width, settings->height, error));
-    if (!aov_film_needs_sight(&job->aovs)) return STATUS_OK;
+    if (!job->state->film.pixels) TRY(state_init(job->state, settings, job->world, error));
+    job->state->aovs.world = job->world;
+    count_before(job);
+    if (!aov_film_needs_sight(&job->state->aovs)) return STATUS_OK;
     job->sights = calloc(job->n_threads, sizeof *job->sights);
     if (!job->sights) return fail_memory(error, job->n_threads * sizeof *job->sights, "threads");
     for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].first_sight = &job->sights[i];
@@ -358,11 +480,12 @@ static Status job_init(Job *job, Error *error)
 /* Samples that were taken without the guide are not those of the picture: they were only shown while photons were followed. */
 static Status forget_samples(Job *job, Error *error)
 {
-    const RenderSettings *settings = job->settings;
-    memset(job->film.pixels, 0, (size_t)settings->width * settings->height * sizeof *job->film.pixels);
-    bright_film_forget(&job->bright);
-    aov_film_clear(&job->aovs);
-    TRY(aov_film_init(&job->aovs, settings->aovs, job->world, settings->width, settings->height, error));
+    RenderState *state = job->state;
+    memset(state->film.pixels, 0, (size_t)state->film.width * state->film.height * sizeof *state->film.pixels);
+    bright_film_forget(&state->bright);
+    aov_film_clear(&state->aovs);
+    TRY(aov_film_init(&state->aovs, job->settings->aovs, aov_film_unit(job->world), state->film.width, state->film.height, error));
+    state->aovs.world = job->world;
     for (unsigned i = 0; i < job->n_threads; i++) {
         job->tracers[i].counters = (PathCounters){0};
         job->saturated[i] = 0;
@@ -377,10 +500,8 @@ static void job_clear(Job *job)
     free(job->tracers);
     free(job->saturated);
     free(job->tile_done);
-    film_clear(&job->film);
-    bright_film_clear(&job->bright);
-    aov_film_clear(&job->aovs);
     free(job->sights);
+    job->state->aovs.world = NULL;
 }
 
 /* While photons are followed, before there are any samples. */
@@ -391,7 +512,7 @@ static void report_photons(void *context, double fraction)
     double now = clock_now_s();
     if (!job->events || !job->events->progress || now - job->last_progress < 0.1) return;
     job->last_progress = now;
-    RenderProgress progress = {.samples_total = settings->samples,
+    RenderProgress progress = {.samples_total = job->wish,
                                .seconds = now - job->start,
                                .photons = fraction,
                                .noise = -1,
@@ -408,11 +529,12 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
     const uint32_t uncertain = 256;
     bool certain = !(settings->noise > 0) && !(settings->time_limit_s > 0);
     uint32_t samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
+    if (settings->guide_samples) samples = settings->guide_samples;
     GuideSettings wish = {.width = settings->width,
                           .height = settings->height,
                           .paths = (uint64_t)settings->width * settings->height * samples,
                           .seed = settings->seed,
-                          .time_limit_s = settings->time_limit_s,
+                          .time_limit_s = settings->guide_samples ? 0 : settings->time_limit_s,
                           .always = settings->caustics == CAUSTICS_ON,
                           .stop = job->events ? job->events->stop : NULL,
                           .progress = report_photons,
@@ -423,50 +545,77 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
     return status;
 }
 
-static Status make_picture(const Job *job, Image *image, RenderStats *stats, Error *error)
+Status render_state_resolve(const RenderState *state, Image *image, RenderStats *stats, Error *error)
 {
+    const PathCounters *counters = &state->counters;
+    stats->paths = counters->paths;
+    stats->rays = counters->rays;
+    stats->crossings = counters->crossings;
+    stats->silent_crossings = counters->silent_crossings;
+    stats->nesting_faults = counters->nesting_faults;
+    stats->silent_limit = counters->silent_limit;
+    stats->bad_samples = counters->bad_samples;
+    stats->saturated_samples = state->saturated_samples;
+    count_samples(state, stats);
     Spread spread;
-    TRY(find_spread(job, &spread, error));
+    TRY(find_spread(state, &spread, error));
     stats->spread_samples = spread.samples;
     stats->spread_light = spread.light;
-    stats->noise = adapt_noise(&job->film, spread.pixels ? &spread : NULL, job->crop);
-    Status status = aov_film_resolve(&job->aovs, &job->film, spread.pixels ? &spread : NULL, image, error);
+    stats->noise = adapt_noise(&state->film, spread.pixels ? &spread : NULL, state->crop);
+    Status status = aov_film_resolve(&state->aovs, &state->film, spread.pixels ? &spread : NULL, image, error);
     spread_clear(&spread);
     return status;
 }
 
-Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
-                    Image *image, RenderStats *stats, Error *error)
+/* Looks for caustics first. What a picture shows meanwhile was not led by the guide: its samples do not stay. */
+static Status prepare(Job *job, World *world, Pool *pool, Guide **guide, RenderStats *stats, Error *error)
+{
+    bool shows = shows_picture(job) && job->samples == 0;
+    if (job->settings->caustics == CAUSTICS_OFF) return STATUS_OK;
+    if (shows) TRY(run_coarse(job, pool, COARSEST, &stats->stopped, error));
+    TRY(make_guide(job, pool, guide, &stats->guide, error));
+    world->guide = *guide;
+    return shows && *guide ? forget_samples(job, error) : STATUS_OK;
+}
+
+Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
+                    RenderState *state, Image *image, RenderStats *stats, Error *error)
 {
     *stats = (RenderStats){0};
     *image = (Image){0};
     World world;
     TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, pool, error));
     world.trial = settings->trial;
-    double cpu = clock_cpu_s();
+    double cpu = clock_cpu_s(), now = clock_now_s();
     if (settings->by_chance) world_leave_to_chance(&world);
     if (settings->no_airlight) world.seeks_airlight = false;
-    Job job = {.settings = settings, .events = events, .world = &world, .n_threads = pool_threads(pool), .start = clock_now_s()};
+    Job job = {.settings = settings, .events = events, .state = state, .world = &world, .n_threads = pool_threads(pool),
+               .start = now, .saved_at = now};
     Guide *guide = NULL;
     Status status = job_init(&job, error);
-    if (status == STATUS_OK && settings->caustics != CAUSTICS_OFF) {
-        if (shows_picture(&job)) status = run_coarse(&job, pool, COARSEST, &stats->stopped, error);
-        if (status == STATUS_OK) status = make_guide(&job, pool, &guide, &stats->guide, error);
-        world.guide = guide;
-        if (status == STATUS_OK && guide && shows_picture(&job)) status = forget_samples(&job, error);
-    }
+    if (status == STATUS_OK) status = prepare(&job, &world, pool, &guide, stats, error);
+    bool too_early = is_stopped(&job) && job.first_samples == 0;
     if (status == STATUS_OK) status = run_passes(&job, pool, &stats->stopped, error);
     if (status == STATUS_OK) {
         report_picture(&job, COARSEST, true);
-        sum_counters(&job, stats);
-        count_samples(&job, stats);
+        sum_counters(&job, state);
         stats->noisy_pixels = job.plan.unmet;
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
-        status = make_picture(&job, image, stats, error);
+        status = render_state_resolve(state, image, stats, error);
+        if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     }
     job_clear(&job);
     world_clear(&world);
     guide_free(guide);
+    return status;
+}
+
+Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
+                    Image *image, RenderStats *stats, Error *error)
+{
+    RenderState state = {0};
+    Status status = render_go_on(compiled, settings, pool, events, &state, image, stats, error);
+    render_state_clear(&state);
     return status;
 }

@@ -7,9 +7,11 @@
 #include <signal.h>
 
 #include "base/pool.h"
-#include "image/image.h"
+#include "render/aov_film.h"
 #include "scene/compile.h"
 #include "trace/guide.h"
+
+struct RenderState;
 
 /* Of a pixel when there is a noise to be reached and nobody says how many. */
 enum { RENDER_MOST_SAMPLES = 4096 };
@@ -18,7 +20,10 @@ typedef struct RenderSettings {
     uint32_t width, height;
     uint32_t crop[4];           /* x0, y0, x1, y1; all 0: the whole frame */
     uint32_t samples;           /* per pixel; with a noise: at most */
-    uint32_t first_sample;      /* for slices; 0 */
+    uint32_t first_sample, end_sample; /* for slices, without a noise: only these, without the last; both 0: all */
+    /* How many samples of each pixel the search for caustics is for. 0: as many as there will be, as far as that is known, and
+     * it takes its part of the time limit, too; then the picture depends on how fast it went. */
+    uint32_t guide_samples;
     double noise;               /* each pixel stops at this error, as adapt.h has it; 0: none does */
     double time_limit_s;        /* 0: none */
     uint32_t bounces, seed, camera;
@@ -70,11 +75,39 @@ typedef struct RenderEvents {
      * between filled in, then between passes, about once a second, and at the end. On the calling thread, while the others
      * wait. May be NULL; what is rendered does not depend on it. */
     void (*picture)(void *context, const Image *image);
+    /* What there is so far, to be kept: about every save_interval_s, but for at most a hundredth of the time, and soon after
+     * *wish is not 0, which becomes 0 then (asked). On the calling thread, while the others wait. save and wish may be NULL,
+     * save_interval_s 0: only when asked. What is rendered does not depend on it. */
+    void (*save)(void *context, const struct RenderState *state, bool asked);
+    volatile sig_atomic_t *wish;
+    double save_interval_s;
 } RenderEvents;
+
+/* All that the samples of a render, or of a slice of it, have come to: with the scene, the settings and this it goes on as if it
+ * had never ended. */
+typedef struct RenderState {
+    Film film;
+    BrightFilm bright; /* without pixels: single bright samples stay where they are */
+    AovFilm aovs;
+    uint32_t crop[4];       /* the pixels that are rendered, as in the settings, never all 0 */
+    uint32_t *wanted;       /* of those by rows, as adapt.h has it, where it is being done; else NULL */
+    PathCounters counters;
+    uint64_t saturated_samples;
+} RenderState;
+
+void render_state_clear(RenderState *state);
+/* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). STATUS_NOMEM. */
+ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Image *image, RenderStats *stats, Error *error);
 
 /* Renders. *image gets channels R G B A, "noise.Y" (standard error of the luminance), and those of the AOVs, by
  * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */
 ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error);
+/* The same, and *state is what it came to. When it has a film on entry, of the same scene and settings (only the number of
+ * samples, the noise and the time limit may be others), the render goes on from there. It is clear, or good for as much, in any
+ * case; with no sample in its film where a stop came too early. */
+ATTR_NODISCARD Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
+                                   const RenderEvents *events, RenderState *state, Image *image, RenderStats *stats,
+                                   Error *error);
 
 #endif

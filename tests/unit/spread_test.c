@@ -24,7 +24,7 @@ static void begin(Films *films)
 {
     Error error;
     assert_int_equal(film_init(&films->film, SIDE, SIDE, &error), STATUS_OK);
-    assert_int_equal(bright_film_init(&films->bright, SIDE, SIDE, &error), STATUS_OK);
+    assert_int_equal(bright_film_init(&films->bright, false, SIDE, SIDE, &error), STATUS_OK);
 }
 
 static void add(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
