@@ -10,9 +10,6 @@
 #include "cli/commands.h"
 #include "cli/render_run.h"
 #include "cli/signals.h"
-#include "render/aov_film.h"
-
-enum { MOST_ATTRIBUTES = 32, NUMBER_SIZE = 32 };
 
 const char *render_display(const RenderRun *run)
 {
@@ -40,12 +37,14 @@ static Status probe_view(RenderRun *run, Error *error)
 static Status prepare(RenderRun *run, Error *error)
 {
     const Options *options = run->options;
+    TRY(render_plan_checkpoints(run, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     run->input.scene_options.pool = run->pool;
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
     TRY(render_plan_frames(run, error));
     TRY(render_plan_preview(run, error));
+    signals_take_wishes();
     if (run->plan.has_png || run->preview.png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
     return STATUS_OK;
@@ -84,131 +83,76 @@ static void show_picture(void *context, const Image *image)
     render_write_preview(context, image);
 }
 
+static void save_state(void *context, const RenderState *state, bool asked)
+{
+    render_save(context, state, asked);
+}
+
 static Status render(RenderRun *run, Error *error)
 {
     const RenderSettings *settings = &run->settings;
     RenderEvents events = {.context = run, .progress = show_progress, .stop = signals_flag()};
     if (run->preview.path) events.picture = show_picture;
-    Status status =
-        render_image(run->input.compiled, settings, run->pool, &events, &run->image, &run->stats, error);
+    events.save = save_state;
+    events.wish = signals_wish();
+    events.save_interval_s = run->checkpoint.interval_s;
+    Status status = render_go_on(run->input.compiled, settings, run->pool, &events, &run->state, &run->image, &run->stats, error);
     progress_end(&run->progress, status == STATUS_OK && !run->stats.stopped);
     if (status == STATUS_OK) run->noise = run->stats.noise;
     return status;
 }
 
-/* ---- writing ---- */
-
-typedef struct Attributes {
-    ImageAttribute items[MOST_ATTRIBUTES];
-    size_t n;
-    char *owned[2 * MOST_ATTRIBUTES];
-    size_t n_owned;
-    char hash[NUMBER_SIZE], seed[NUMBER_SIZE], crossings[NUMBER_SIZE], faults[NUMBER_SIZE];
-} Attributes;
-
-static void add_text(Attributes *attributes, const char *name, const char *text)
+/* The files that a second signal leaves no part of. */
+static Status begin_signals(const RenderRun *run, Error *error)
 {
-    if (text) attributes->items[attributes->n++] = (ImageAttribute){.name = name, .type = ATTRIBUTE_TEXT, .text = text};
+    size_t n = run->outputs.n;
+    const char **paths = malloc((n + 3) * sizeof *paths);
+    if (!paths) return fail_memory(error, (n + 3) * sizeof *paths, "the names of outputs");
+    for (size_t i = 0; i < n; i++) paths[i] = run->outputs.items[i].path;
+    if (run->stats_path) paths[n++] = run->stats_path;
+    if (run->preview.path) paths[n++] = run->preview.path;
+    if (run->checkpoint.path) paths[n++] = run->checkpoint.path;
+    SignalsKeep keep = !render_has_frames(run) ? SIGNALS_KEEP_PICTURE : run->checkpoint.path ? SIGNALS_KEEP_CHECKPOINT : SIGNALS_KEEP_NOTHING;
+    Status status = signals_begin(paths, n, run->talk->json, keep, error);
+    free(paths);
+    return status;
 }
 
-static void attributes_clear(Attributes *attributes)
+/* What was rendered: its checkpoint first, and none when all is done and written. */
+static Status keep(RenderRun *run, Error *error)
 {
-    for (size_t i = 0; i < attributes->n_owned; i++) free(attributes->owned[i]);
-}
-
-/* Of the further channels; left out when memory ends. */
-static void add_aov_attribute(void *context, const char *name, const char *text)
-{
-    Attributes *attributes = context;
-    if (attributes->n == MOST_ATTRIBUTES) return;
-    char *own_name = strdup(name), *own_text = strdup(text);
-    attributes->owned[attributes->n_owned++] = own_name;
-    attributes->owned[attributes->n_owned++] = own_text;
-    if (own_name) add_text(attributes, own_name, own_text);
-}
-
-/* Counts that can be beyond the format's 32-bit integers are text. No times: two renders of one scene are one file,
- * byte for byte; --stats has the times. */
-static void describe(const RenderRun *run, Attributes *attributes)
-{
-    const Scene *scene = run->input.scene;
-    *attributes = (Attributes){0};
-    snprintf(attributes->hash, NUMBER_SIZE, "%016llx", (unsigned long long)scene->hash);
-    snprintf(attributes->seed, NUMBER_SIZE, "%u", run->settings.seed);
-    snprintf(attributes->crossings, NUMBER_SIZE, "%llu", (unsigned long long)run->stats.crossings);
-    snprintf(attributes->faults, NUMBER_SIZE, "%llu", (unsigned long long)run->stats.nesting_faults);
-    add_text(attributes, "software", "meniscus " MEN_VERSION);
-    add_text(attributes, "meniscus/version", MEN_VERSION);
-    add_text(attributes, "meniscus/scene", run->input.path);
-    add_text(attributes, "meniscus/sceneHash", attributes->hash);
-    if (run->plan.numbered)
-        attributes->items[attributes->n++] =
-            (ImageAttribute){.name = "meniscus/frame", .type = ATTRIBUTE_INT, .whole = (int)scene->frame};
-    add_text(attributes, "meniscus/camera", scene->cameras[run->settings.camera].name);
-    add_text(attributes, "meniscus/nesting", nest_policy_text(run->input.compiled->order.policy));
-    add_text(attributes, "meniscus/seed", attributes->seed);
-    add_text(attributes, "meniscus/crossings", attributes->crossings);
-    add_text(attributes, "meniscus/nestingFaults", attributes->faults);
-    attributes->items[attributes->n++] =
-        (ImageAttribute){.name = "meniscus/samples", .type = ATTRIBUTE_INT, .whole = (int)run->stats.samples};
-    if (run->settings.noise > 0)
-        attributes->items[attributes->n++] = (ImageAttribute){
-            .name = "meniscus/meanSamples", .type = ATTRIBUTE_FLOAT, .number = run->stats.mean_samples};
-    if (run->noise >= 0)
-        attributes->items[attributes->n++] =
-            (ImageAttribute){.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = run->noise};
-    if (run->settings.spreads)
-        attributes->items[attributes->n++] =
-            (ImageAttribute){.name = "meniscus/lightSpread", .type = ATTRIBUTE_FLOAT, .number = run->stats.spread_light};
-    aov_visit_attributes(run->settings.aovs, scene, add_aov_attribute, attributes);
-}
-
-/* Writes every output, also when one of them fails: each is worth the time that the render took. */
-static Status write_outputs(const RenderRun *run, Error *error)
-{
-    Attributes attributes;
-    describe(run, &attributes);
-    unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {
-        .half = half > full, .attributes = attributes.items, .n_attributes = attributes.n, .pool = run->pool};
-    Status first = STATUS_OK;
-    for (size_t i = 0; i < run->outputs.n; i++) {
-        Error own = {0};
-        Status status = output_write(&run->outputs.items[i], &run->image, &exr, run->input.color.config, render_display(run),
-                                     render_view(run), &own);
-        if (status == STATUS_OK) continue;
-        if (first == STATUS_OK)
-            *error = own;
-        else
-            talk_error(run->talk, &own);
-        first = first == STATUS_OK ? status : first;
+    bool stopped = run->stats.stopped;
+    run->stopped_early = run->stopped_early || (stopped && run->checkpoint.path);
+    Status status = stopped ? render_write_checkpoint(run, error) : STATUS_OK;
+    if (render_has_frames(run) && *signals_flag()) return status;
+    if (status != STATUS_OK) talk_error(run->talk, error);
+    render_warn(run);
+    Status written = render_write_outputs(run, false, error);
+    if (written == STATUS_OK) written = render_print_stats(run, error);
+    if (written == STATUS_OK) {
+        render_summarize(run);
+        run->n_rendered++;
     }
-    attributes_clear(&attributes);
-    return first;
+    if (status != STATUS_OK) { /* that was said */
+        if (written == STATUS_OK) error->text[0] = 0;
+        return status;
+    }
+    if (stopped) return written;
+    if (written == STATUS_OK) {
+        render_drop_checkpoint(run);
+    } else {
+        Error own = {0};
+        if (render_write_checkpoint(run, &own) != STATUS_OK) talk_error(run->talk, &own);
+    }
+    return written;
 }
 
 static Status render_and_write(RenderRun *run, Error *error)
 {
-    size_t n = run->outputs.n;
-    const char **paths = malloc((n + 2) * sizeof *paths);
-    if (!paths) return fail_memory(error, (n + 2) * sizeof *paths, "the names of outputs");
-    for (size_t i = 0; i < n; i++) paths[i] = run->outputs.items[i].path;
-    if (run->stats_path) paths[n++] = run->stats_path;
-    if (run->preview.path) paths[n++] = run->preview.path;
-    bool keeps = !render_has_frames(run);
-    Status status = signals_begin(paths, n, run->talk->json, keeps, error);
-    free(paths);
+    TRY(render_resume(run, error));
+    Status status = begin_signals(run, error);
     if (status == STATUS_OK) status = render(run, error);
-    bool writes = status == STATUS_OK && (keeps || !*signals_flag());
-    if (writes) {
-        render_warn(run);
-        status = write_outputs(run, error);
-    }
-    if (writes && status == STATUS_OK) status = render_print_stats(run, error);
-    if (writes && status == STATUS_OK) {
-        render_summarize(run);
-        run->n_rendered++;
-    }
+    if (status == STATUS_OK) status = keep(run, error);
     signals_end();
     return status;
 }
@@ -230,6 +174,7 @@ static Status render_frame(RenderRun *run, Error *error)
     note_scene(run);
     status = render_and_write(run, error);
     image_clear(&run->image);
+    render_state_clear(&run->state);
     return status;
 }
 
@@ -246,9 +191,15 @@ Status cmd_render(const Options *options, const Talk *talk, Error *error)
     status = print_findings(&run, status, error);
     if (run.begun && render_has_frames(&run)) render_summarize_frames(&run);
     image_clear(&run.image);
+    render_state_clear(&run.state);
+    free(run.checkpoint.path);
     render_frames_clear(&run);
     free(run.preview.path);
     scene_input_close(&run.input);
     pool_free(run.pool);
+    if (status == STATUS_OK && run.stopped_early) { /* which the closing line says */
+        error->text[0] = 0;
+        status = STATUS_STOPPED;
+    }
     return status;
 }

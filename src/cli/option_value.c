@@ -155,6 +155,18 @@ static Status read_shard(const char *spelled, const char *text, OptionValue *val
     return fail(error, STATUS_USAGE, "option '%s': %s: shards are counted from 1 to their number", spelled, text);
 }
 
+static Status read_range(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    const char *rest = read_behind(text, "", &value->whole[0]);
+    rest = rest ? read_behind(rest, "..", &value->whole[1]) : NULL;
+    if (!rest || *rest)
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not two whole numbers, such as 1..64", spelled, text);
+    if (value->whole[0] > value->whole[1])
+        return fail(error, STATUS_USAGE, "option '%s': %s holds nothing: the last one comes before the first", spelled, text);
+    if (in_range(row, value->whole[0]) && in_range(row, value->whole[1])) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '%s': %s is outside of %.0f..%.0f", spelled, text, row->low, row->high);
+}
+
 const char *choice_next(const char **rest, char *word, size_t size)
 {
     if (!*rest) return NULL;
@@ -204,6 +216,7 @@ Status option_value_read(const OptionRow *row, const char *spelled, const char *
     case KIND_CROP: return read_crop(spelled, text, value, error);
     case KIND_FRAMES: return read_frames(spelled, text, value, error);
     case KIND_SHARD: return read_shard(spelled, text, value, error);
+    case KIND_RANGE: return read_range(row, spelled, text, value, error);
     case KIND_CHOICE: return read_choice(row, spelled, text, value, error);
     case KIND_TEXT:
     case KIND_FILE:

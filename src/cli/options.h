@@ -42,7 +42,8 @@ typedef enum OptionKind {
     KIND_SIZE,          /* WxH */
     KIND_CROP,          /* X0,Y0,X1,Y1 */
     KIND_FRAMES,        /* N, A..B, A..B/STEP: whole holds first, last, step; or all: step is 0 */
-    KIND_SHARD          /* I/N */
+    KIND_SHARD,         /* I/N */
+    KIND_RANGE          /* A..B */
 } OptionKind;
 
 /* What the shell offers for operands. */

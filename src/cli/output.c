@@ -55,12 +55,17 @@ static bool is_device(const char *path)
     return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
 }
 
+bool output_is_stream(const char *path)
+{
+    return strcmp(path, "-") == 0 || is_device(path);
+}
+
 Status output_choose_format(const char *path, bool *png, Error *error)
 {
     const char *extension = file_extension(path);
     *png = strcasecmp(extension, "png") == 0;
     if (*png || strcasecmp(extension, "exr") == 0) return STATUS_OK;
-    if (strcmp(path, "-") == 0 || is_device(path)) return STATUS_OK; /* as EXR */
+    if (output_is_stream(path)) return STATUS_OK; /* as EXR */
     return fail(error, STATUS_USAGE, "output '%s' must end in .exr or .png", path);
 }
 
@@ -70,7 +75,7 @@ static Status add_name(OutputPlan *plan, const char *name, bool numbered, uint32
     if (!*name) return fail(error, STATUS_USAGE, "the name of an output is empty");
     TRY(output_choose_format(name, &png, error));
     plan->has_png = plan->has_png || png;
-    bool stream = strcmp(name, "-") == 0 || is_device(name);
+    bool stream = output_is_stream(name);
     if (strcmp(name, "-") == 0 && isatty(STDOUT_FILENO))
         return fail(error, STATUS_USAGE, "standard output is a terminal; a picture would only confuse it");
     char *own = numbered && !stream ? output_numbered(name, last_frame) : strdup(name);

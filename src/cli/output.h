@@ -39,6 +39,8 @@ ATTR_NODISCARD Status outputs_of_frame(OutputList *list, const OutputPlan *plan,
 void outputs_clear(OutputList *list);
 /* Tries each one as writing it will, and leaves no trace. STATUS_OUTPUT. */
 ATTR_NODISCARD Status outputs_probe(const OutputList *list, Error *error);
+/* Standard output or a device: it takes a picture once. */
+bool output_is_stream(const char *path);
 /* Are all of them there, as files? */
 bool outputs_exist(const OutputList *list);
 /* What a file's extension says of it; devices take EXR. STATUS_USAGE. */

@@ -38,6 +38,8 @@ static Status probe_frame(RenderRun *run, uint32_t frame, Error *error)
     OutputList list;
     Status status = outputs_of_frame(&list, &run->plan, frame, error);
     if (status == STATUS_OK) status = outputs_probe(&list, error);
+    bool done = option_given(run->options, OPTION_SKIP_EXISTING) && outputs_exist(&list);
+    if (status == STATUS_OK && !done) status = render_name_checkpoint(run, &list, true, error);
     outputs_clear(&list);
     if (status == STATUS_OK) status = name_stats(run, frame, error);
     return status == STATUS_OK && run->stats_path ? output_probe(run->stats_path, error) : status;
@@ -143,6 +145,7 @@ static Status render_one(RenderRun *run, uint32_t i, bool *fresh, Status (*rende
         return STATUS_OK;
     }
     TRY(name_stats(run, frame, error));
+    TRY(render_name_checkpoint(run, &run->outputs, false, error));
     TRY(go_to(run, frame, fresh, error));
     progress_begin_frame(&run->progress, frame, i);
     TRY(render(run, error));

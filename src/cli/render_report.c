@@ -90,7 +90,9 @@ void render_summarize(const RenderRun *run)
     Buf line = {0};
     char time[32], total[32] = "";
     seconds_print(seconds, time);
-    if (stats->stopped) snprintf(total, sizeof total, " of %u", run->settings.samples);
+    const RenderSettings *settings = &run->settings;
+    uint32_t wanted = (settings->end_sample ? settings->end_sample : settings->samples) - settings->first_sample;
+    if (stats->stopped) snprintf(total, sizeof total, " of %u", wanted);
     buf_add(&line, "wrote ");
     list_outputs(&run->outputs, &line);
     buf_format(&line, " (%u x %u, ", run->settings.width, run->settings.height);
@@ -98,9 +100,11 @@ void render_summarize(const RenderRun *run)
         summarize_noise(run, &line);
     else
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->samples));
+    if (run->slices) buf_format(&line, ", %u to %u of %u", settings->first_sample + 1, settings->end_sample, settings->samples);
     if (stats->spread_samples) buf_format(&line, ", %.2g %% of the light spread", 100 * stats->spread_light);
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
+    if (stats->stopped && run->checkpoint.path) buf_format(&line, "%s is there to go on from with --resume\n", run->checkpoint.path);
     talk_write(&line);
     buf_clear(&line);
 }

@@ -5,7 +5,19 @@
 
 #include "cli/output.h"
 #include "cli/progress.h"
-#include "render/render.h"
+#include "render/checkpoint.h"
+
+/* Checkpoints of the frame's render (render_checkpoint.c). */
+typedef struct RenderKeeping {
+    bool wanted;
+    double interval_s;
+    char *path; /* of the present frame; NULL: not wanted */
+} RenderKeeping;
+
+/* What the texts of facts point into. */
+typedef struct CheckpointTexts {
+    char items[CHECKPOINT_MOST_FACTS][256];
+} CheckpointTexts;
 
 typedef struct RenderRun {
     const Options *options;
@@ -22,7 +34,11 @@ typedef struct RenderRun {
     Progress progress;
     bool begun;                     /* the frames */
     uint32_t n_rendered, n_skipped; /* so far */
+    RenderKeeping checkpoint;
+    bool slices;        /* outputs are slices of the picture */
+    bool stopped_early; /* by the time limit, with a checkpoint */
     RenderSettings settings;
+    RenderState state;
     Image image;
     RenderStats stats;
     double noise;   /* that was reached, as render/adapt.h has it; < 0: not known */
@@ -47,6 +63,23 @@ ATTR_NODISCARD Status render_settings_merge(RenderRun *run, Error *error);
 ATTR_NODISCARD Status render_plan_preview(RenderRun *run, Error *error);
 /* Writes the picture so far there. */
 void render_write_preview(RenderRun *run, const Image *image);
+
+/* Whether checkpoints are wanted, and whether the options for it agree (render_checkpoint.c). */
+ATTR_NODISCARD Status render_plan_checkpoints(RenderRun *run, Error *error);
+/* Names the checkpoint of a frame, whose outputs are known, and tries it. may_resume: one that is there needs a word. */
+ATTR_NODISCARD Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, bool check, Error *error);
+/* Reads the state of the present frame, where it is to go on from one. */
+ATTR_NODISCARD Status render_resume(RenderRun *run, Error *error);
+/* For RenderEvents: writes a checkpoint, and, when a person asked, the outputs as they are. */
+void render_save(RenderRun *run, const RenderState *state, bool asked);
+/* Of run->state, where it is wanted and there is something to keep. */
+ATTR_NODISCARD Status render_write_checkpoint(RenderRun *run, Error *error);
+void render_drop_checkpoint(const RenderRun *run);
+/* What has to be the same to go on, or to be merged. */
+void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *texts);
+
+/* Writes every output, and in them what the render was (render_write.c). again: those that can be written more than once. */
+ATTR_NODISCARD Status render_write_outputs(const RenderRun *run, bool again, Error *error);
 
 /* The display and the view of PNG files; NULL: the first. */
 const char *render_display(const RenderRun *run);

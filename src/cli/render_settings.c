@@ -107,6 +107,26 @@ static Status merge_aovs(RenderRun *run, Error *error)
     return STATUS_OK;
 }
 
+/* Samples are counted from 1 on the command line. */
+static Status merge_range(RenderRun *run, Error *error)
+{
+    RenderSettings *settings = &run->settings;
+    const uint32_t *range = run->options->values[OPTION_SAMPLE_RANGE].whole;
+    run->slices = option_given(run->options, OPTION_SAMPLE_RANGE);
+    settings->repeatable = run->slices || run->checkpoint.wanted;
+    if (!run->slices) return STATUS_OK;
+    if (settings->noise > 0)
+        return fail(error, STATUS_USAGE,
+                    "'--sample-range' takes the same samples of every pixel, and with a noise it depends on those before how many "
+                    "a pixel has; '--noise 0' gives all of them as many");
+    if (range[1] > settings->samples)
+        return fail(error, STATUS_USAGE, "option '--sample-range': sample %u is beyond the %u of the picture; '--spp' says how many it has",
+                    range[1], settings->samples);
+    settings->first_sample = range[0] - 1;
+    settings->end_sample = range[1];
+    return STATUS_OK;
+}
+
 Status render_settings_merge(RenderRun *run, Error *error)
 {
     const Options *options = run->options;
@@ -127,6 +147,7 @@ Status render_settings_merge(RenderRun *run, Error *error)
     const char *caustics = option_text(options, OPTION_CAUSTICS, NULL);
     if (caustics && !scene_caustics_from_text(caustics, &run->settings.caustics))
         return fail(error, STATUS_USAGE, "option '--caustics': there is no choice '%s'", caustics);
+    TRY(merge_range(run, error));
     TRY(merge_aovs(run, error));
     TRY(merge_size(run, error));
     TRY(merge_crop(run, error));

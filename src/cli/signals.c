@@ -17,7 +17,7 @@ static const double one_signal_s = 0.1;
 
 static const int handled[] = {SIGINT, SIGTERM, SIGHUP};
 
-static volatile sig_atomic_t received;
+static volatile sig_atomic_t received, wish;
 static struct timespec received_at;
 static struct sigaction before[COUNT_OF(handled)];
 static bool begun;
@@ -79,14 +79,16 @@ static void remember_temporaries(const char *output)
     free(target);
 }
 
-Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, bool keeps, Error *error)
+Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, SignalsKeep keep, Error *error)
 {
-    static const char *const announcements[2][2] = {
+    static const char *const announcements[2][3] = {
         {"\nmeniscus: stopping; this frame is not written (again to stop at once)\n",
+         "\nmeniscus: stopping; of this frame a checkpoint is kept (again to stop at once)\n",
          "\nmeniscus: stopping; writing what there is (again to stop at once)\n"},
         {"{\"event\": \"stopping\", \"message\": \"this frame is not written; again to stop at once\"}\n",
+         "{\"event\": \"stopping\", \"message\": \"of this frame a checkpoint is kept; again to stop at once\"}\n",
          "{\"event\": \"stopping\", \"message\": \"writing what there is; again to stop at once\"}\n"}};
-    announcement = announcements[json][keeps];
+    announcement = announcements[json][keep];
     size_t size = (n_outputs * TEMPORARY_TRIES + 1) * sizeof *temporaries;
     temporaries = malloc(size);
     if (!temporaries) return fail_memory(error, size, "the names of outputs");
@@ -104,6 +106,24 @@ Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, bo
 const volatile sig_atomic_t *signals_flag(void)
 {
     return &received;
+}
+
+static void take_wish(int number)
+{
+    (void)number;
+    wish = 1;
+}
+
+void signals_take_wishes(void)
+{
+    struct sigaction action = {.sa_handler = take_wish, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGUSR1, &action, NULL);
+}
+
+volatile sig_atomic_t *signals_wish(void)
+{
+    return &wish;
 }
 
 void signals_end(void)

@@ -91,6 +91,23 @@ static void say(const Talk *talk, const char *event, const char *color, int exit
     buf_clear(&line);
 }
 
+void talk_event(const Talk *talk, const char *event, const char *format, ...)
+{
+    char message[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    if (talk->json) {
+        say(talk, event, "", -1, message);
+        return;
+    }
+    Buf line = {0};
+    buf_format(&line, "%s\n", message);
+    talk_write(&line);
+    buf_clear(&line);
+}
+
 static void say_formatted(const Talk *talk, const char *event, const char *color, const char *format, va_list args)
     ATTR_PRINTF(4, 0);
 static void say_formatted(const Talk *talk, const char *event, const char *color, const char *format, va_list args)

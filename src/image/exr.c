@@ -430,7 +430,10 @@ static Status write_stream(const char *path, const Image *image, const ExrOption
         if (result == EXR_ERR_SUCCESS) result = finished;
     }
     reporting = NULL;
-    return result == EXR_ERR_SUCCESS ? STATUS_OK : fail_write(path, &bytes, result, error);
+    if (result != EXR_ERR_SUCCESS) return fail_write(path, &bytes, result, error);
+    if (!options->append) return STATUS_OK;
+    if (fseeko(stream, 0, SEEK_END) != 0) return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(errno));
+    return options->append(options->append_context, stream, error);
 }
 
 static Status copy_stream(const char *path, FILE *from, FILE *to, Error *error)

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "base/pool.h"
 #include "base/status.h"
@@ -32,6 +33,9 @@ typedef struct ExrOptions {
     const ImageAttribute *attributes; /* the render's settings: "meniscus/samples", ... */
     size_t n_attributes;
     float pixel_aspect;               /* 0: 1 */
+    /* Writes more bytes behind the picture, which readers of EXR files do not look at; NULL: none. */
+    Status (*append)(void *context, FILE *stream, Error *error);
+    void *append_context;
     Pool *pool;                       /* compresses; the file is the same for any number of threads. NULL: one thread */
 } ExrOptions;
 

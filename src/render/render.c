@@ -389,6 +389,10 @@ static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
 {
     bool adapts = job->settings->noise > 0 && job->wish > NOISE_FLOOR;
     TRY(run_uniform(job, pool, adapts ? NOISE_FLOOR : job->wish, stopped, error));
+    if (!adapts) { /* others may have been, before */
+        free(job->state->wanted);
+        job->state->wanted = NULL;
+    }
     return adapts && !*stopped ? adapt_pixels(job, pool, stopped, error) : STATUS_OK;
 }
 
@@ -439,6 +443,14 @@ void render_state_clear(RenderState *state)
     aov_film_clear(&state->aovs);
     free(state->wanted);
     *state = (RenderState){0};
+}
+
+bool render_state_is_empty(const RenderState *state)
+{
+    RenderStats stats;
+    if (!state->film.pixels) return true;
+    count_samples(state, &stats);
+    return stats.most_samples == 0;
 }
 
 static Status choose_crop(const RenderSettings *settings, uint32_t crop[4], Error *error)
@@ -527,14 +539,15 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
     const RenderSettings *settings = job->settings;
     /* where pixels stop by themselves, or by the clock, it is not known how many there will be */
     const uint32_t uncertain = 256;
-    bool certain = !(settings->noise > 0) && !(settings->time_limit_s > 0);
-    uint32_t samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
-    if (settings->guide_samples) samples = settings->guide_samples;
+    double limit = settings->repeatable ? 0 : settings->time_limit_s;
+    bool certain = !(settings->noise > 0) && !(limit > 0);
+    uint32_t *samples = &job->state->guide_samples;
+    if (!*samples) *samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
     GuideSettings wish = {.width = settings->width,
                           .height = settings->height,
-                          .paths = (uint64_t)settings->width * settings->height * samples,
+                          .paths = (uint64_t)settings->width * settings->height * *samples,
                           .seed = settings->seed,
-                          .time_limit_s = settings->guide_samples ? 0 : settings->time_limit_s,
+                          .time_limit_s = limit,
                           .always = settings->caustics == CAUSTICS_ON,
                           .stop = job->events ? job->events->stop : NULL,
                           .progress = report_photons,

@@ -21,9 +21,8 @@ typedef struct RenderSettings {
     uint32_t crop[4];           /* x0, y0, x1, y1; all 0: the whole frame */
     uint32_t samples;           /* per pixel; with a noise: at most */
     uint32_t first_sample, end_sample; /* for slices, without a noise: only these, without the last; both 0: all */
-    /* How many samples of each pixel the search for caustics is for. 0: as many as there will be, as far as that is known, and
-     * it takes its part of the time limit, too; then the picture depends on how fast it went. */
-    uint32_t guide_samples;
+    bool repeatable;            /* the search for caustics does not heed the time limit: the picture of so many samples is
+                                 * the same however fast it goes */
     double noise;               /* each pixel stops at this error, as adapt.h has it; 0: none does */
     double time_limit_s;        /* 0: none */
     uint32_t bounces, seed, camera;
@@ -93,9 +92,11 @@ typedef struct RenderState {
     uint32_t *wanted;       /* of those by rows, as adapt.h has it, where it is being done; else NULL */
     PathCounters counters;
     uint64_t saturated_samples;
+    uint32_t guide_samples; /* of each pixel, that caustics were looked for for; 0: they were not, yet */
 } RenderState;
 
 void render_state_clear(RenderState *state);
+bool render_state_is_empty(const RenderState *state); /* without any sample */
 /* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). STATUS_NOMEM. */
 ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Image *image, RenderStats *stats, Error *error);
 
@@ -104,7 +105,7 @@ ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Image *imag
 ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error);
 /* The same, and *state is what it came to. When it has a film on entry, of the same scene and settings (only the number of
- * samples, the noise and the time limit may be others), the render goes on from there. It is clear, or good for as much, in any
+ * samples, the noise and the time limit may be others), the render goes on from there, with the guide that it had. It is clear, or good for as much, in any
  * case; with no sample in its film where a stop came too early. */
 ATTR_NODISCARD Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, RenderState *state, Image *image, RenderStats *stats,

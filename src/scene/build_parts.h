@@ -305,6 +305,7 @@ void build_render(Builder *b, const EvalNode *node);
 /* scene->hash, and all that moves while the shutter is open. */
 uint64_t scene_hash_with_motion(const Scene *scene);
 uint64_t scene_shape_hash(const SceneShape *shape);
-uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch);
+/* Sets the hashes of the scene's parts, too. */
+uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch);
 
 #endif

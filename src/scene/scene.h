@@ -233,6 +233,9 @@ typedef struct SceneAnimation {
     bool cyclic;
 } SceneAnimation;
 
+enum { SCENE_PART_OBJECTS, SCENE_PART_MEDIA, SCENE_PART_SURFACES, SCENE_PART_LIGHTS, SCENE_PART_CAMERAS,
+       SCENE_PART_ENVIRONMENT, SCENE_PARTS };
+
 typedef struct Scene {
     Arena
         arena; /* holds everything but objects, meshes, solids, images and the environment, which scene_free frees too */
@@ -279,6 +282,7 @@ typedef struct Scene {
     const char *const *files; /* everything that was read: scene files, meshes, images */
     uint32_t n_files;
     uint64_t hash; /* of the meaning: equal for scenes that render the same */
+    uint64_t part_hashes[SCENE_PARTS]; /* the same of parts, to say where two differ; what moves is not in them */
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */

@@ -58,6 +58,7 @@ static void add_mesh(Hasher *h, const Mesh *mesh)
     add_bytes(h, mesh->positions, mesh->n_vertices * sizeof *mesh->positions);
     add_bytes(h, mesh->triangles, mesh->n_triangles * sizeof *mesh->triangles);
     if (mesh->normals) add_bytes(h, mesh->normals, mesh->n_vertices * sizeof *mesh->normals);
+    if (mesh->uvs) add_bytes(h, mesh->uvs, mesh->n_vertices * 2 * sizeof *mesh->uvs);
 }
 
 static void add_solid(Hasher *h, const Solid *solid)
@@ -372,10 +373,39 @@ static void add_frames(Hasher *h, const Scene *scene)
     }
 }
 
-uint64_t scene_hash(const Scene *scene, uint64_t environment_hash, Arena *scratch)
+static uint64_t hash_of_rows(const uint64_t *rows, uint32_t n)
+{
+    return hash_bulk(rows, n * sizeof *rows, n);
+}
+
+static void hash_parts(Scene *scene, const Rows *rows, uint64_t environment_hash)
+{
+    Hasher objects = {hash_of_rows(rows->shapes, scene->n_shapes)}, lights = {0}, cameras = {0}, sky = {environment_hash};
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        add_integer(&objects, object->shape);
+        add_integer(&objects, object->medium);
+        add_integer(&objects, (uint32_t)object->priority);
+        if (object->shape != SCENE_NONE) add_map(&objects, &object->to_world);
+    }
+    if (scene->n_trees) add_trees(&objects, scene);
+    add_frames(&objects, scene);
+    add_lights(&lights, scene);
+    add_cameras(&cameras, scene);
+    if (scene->environment) add_map(&sky, &scene->world_to_environment);
+    scene->part_hashes[SCENE_PART_OBJECTS] = objects.state;
+    scene->part_hashes[SCENE_PART_MEDIA] = hash_of_rows(rows->media, scene->n_media);
+    scene->part_hashes[SCENE_PART_SURFACES] = hash_of_rows(rows->surfaces, scene->n_surfaces);
+    scene->part_hashes[SCENE_PART_LIGHTS] = lights.state;
+    scene->part_hashes[SCENE_PART_CAMERAS] = cameras.state;
+    scene->part_hashes[SCENE_PART_ENVIRONMENT] = sky.state;
+}
+
+uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch)
 {
     Hasher h = {0};
     Rows rows = hash_rows(scene, scratch);
+    hash_parts(scene, &rows, environment_hash);
     add_integer(&h, rows.media[0]);
     add_objects(&h, scene, &rows, scratch);
     if (scene->n_trees) add_trees(&h, scene);

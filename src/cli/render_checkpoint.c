@@ -1,0 +1,229 @@
+/* render_checkpoint.c - checkpoints: their names, when they are written, and going on from one.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "cli/render_run.h"
+#include "cli/signals.h"
+#include "render/early.h"
+
+static const double usual_interval_s = 300;
+
+/* ---- before the first frame ---- */
+
+Status render_plan_checkpoints(RenderRun *run, Error *error)
+{
+    const Options *options = run->options;
+    bool resumes = option_given(options, OPTION_RESUME), restarts = option_given(options, OPTION_RESTART);
+    bool timed = option_given(options, OPTION_CHECKPOINT);
+    if (resumes && restarts)
+        return fail(error, STATUS_USAGE, "'--resume' goes on from a checkpoint, '--restart' begins at the start: give one of them");
+    run->checkpoint.wanted = timed || resumes || restarts;
+    run->checkpoint.interval_s = timed ? options->values[OPTION_CHECKPOINT].number : run->checkpoint.wanted ? usual_interval_s : 0;
+    return STATUS_OK;
+}
+
+/* As the first output that is a file, else as the scene. */
+static char *name_beside(const RenderRun *run, const OutputList *outputs)
+{
+    const char *name = NULL;
+    for (size_t i = 0; i < outputs->n && !name; i++)
+        if (!output_is_stream(outputs->items[i].path)) name = outputs->items[i].path;
+    if (!name) {
+        const char *path = strcmp(run->input.path, "-") == 0 ? "scene" : run->input.path, *slash = strrchr(path, '/');
+        name = slash ? slash + 1 : path;
+    }
+    const char *extension = file_extension(name);
+    Buf path = {0};
+    buf_add_bytes(&path, name, strlen(name) - (*extension ? strlen(extension) + 1 : 0));
+    buf_add(&path, ".checkpoint.exr");
+    if (path.failed) buf_clear(&path);
+    return path.text;
+}
+
+Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, bool check, Error *error)
+{
+    RenderKeeping *checkpoint = &run->checkpoint;
+    free(checkpoint->path);
+    checkpoint->path = NULL;
+    if (!checkpoint->wanted) return STATUS_OK;
+    checkpoint->path = name_beside(run, outputs);
+    if (!checkpoint->path) return fail_memory(error, 1, "the name of the checkpoint");
+    if (!check) return STATUS_OK;
+    for (size_t i = 0; i < outputs->n; i++)
+        if (strcmp(outputs->items[i].path, checkpoint->path) == 0)
+            return fail(error, STATUS_USAGE, "'%s' is both an output and the checkpoint; let the output have another name",
+                        checkpoint->path);
+    if (file_exists(checkpoint->path) && !option_given(run->options, OPTION_RESUME) && !option_given(run->options, OPTION_RESTART))
+        return fail(error, STATUS_USAGE,
+                    "there is a checkpoint '%s' of a render that was not finished: '--resume' goes on from it, '--restart' begins anew",
+                    checkpoint->path);
+    return output_probe(checkpoint->path, error);
+}
+
+/* ---- what a checkpoint is of ---- */
+
+static void add_fact(CheckpointNotes *notes, CheckpointTexts *texts, const char *name, const char *format, ...) ATTR_PRINTF(4, 5);
+static void add_fact(CheckpointNotes *notes, CheckpointTexts *texts, const char *name, const char *format, ...)
+{
+    va_list arguments;
+    char *text = texts->items[notes->n_facts];
+    va_start(arguments, format);
+    vsnprintf(text, sizeof *texts->items, format, arguments);
+    va_end(arguments);
+    notes->facts[notes->n_facts++] = (CheckpointFact){name, text};
+}
+
+static void add_scene(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *texts)
+{
+    static const char *const names[SCENE_PARTS] = {
+        [SCENE_PART_OBJECTS] = "the objects of the scene",   [SCENE_PART_MEDIA] = "its media",
+        [SCENE_PART_SURFACES] = "its surfaces",              [SCENE_PART_LIGHTS] = "its lights",
+        [SCENE_PART_CAMERAS] = "its cameras",                [SCENE_PART_ENVIRONMENT] = "its environment"};
+    const Scene *scene = run->input.scene;
+    for (int i = 0; i < SCENE_PARTS; i++)
+        add_fact(notes, texts, names[i], "#%016llx", (unsigned long long)scene->part_hashes[i]);
+    /* "##": said only where none of them is */
+    add_fact(notes, texts, "something in the scene", "##%016llx", (unsigned long long)scene->hash);
+}
+
+static void list_aovs(AovSet set, char *text, size_t size)
+{
+    snprintf(text, size, "%s", set ? "" : "none");
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) {
+        size_t used = strlen(text);
+        if (set >> aov & 1) snprintf(text + used, size - used, "%s%s", used ? "," : "", aov_name(aov));
+    }
+}
+
+void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *texts)
+{
+    const RenderSettings *settings = &run->settings;
+    const Scene *scene = run->input.scene;
+    const char *camera = scene->cameras[settings->camera].name;
+    const uint32_t *crop = settings->crop;
+    static const char *const caustics[] = {[CAUSTICS_AUTOMATIC] = "automatic", [CAUSTICS_ON] = "on", [CAUSTICS_OFF] = "off"};
+    char aovs[sizeof *texts->items];
+    *notes = (CheckpointNotes){.samples = settings->samples,
+                               .first_sample = settings->first_sample,
+                               .end_sample = settings->end_sample ? settings->end_sample : settings->samples};
+    list_aovs(settings->aovs, aovs, sizeof aovs);
+    add_fact(notes, texts, "meniscus", "%s", MEN_VERSION);
+    add_scene(run, notes, texts);
+    add_fact(notes, texts, "frame", "%u", scene->frame);
+    if (camera) add_fact(notes, texts, "camera", "%s", camera);
+    add_fact(notes, texts, "number of the camera", "%u", settings->camera + 1);
+    add_fact(notes, texts, "size", "%u x %u", settings->width, settings->height);
+    add_fact(notes, texts, "crop", "%u,%u,%u,%u", crop[0], crop[1], crop[2], crop[3]);
+    add_fact(notes, texts, "seed", "%u", settings->seed);
+    add_fact(notes, texts, "nesting", "%s", nest_policy_text(run->input.compiled->order.policy));
+    add_fact(notes, texts, "bounces", "%u", settings->bounces);
+    add_fact(notes, texts, "caustics", "%s", caustics[settings->caustics]);
+    add_fact(notes, texts, "fireflies", "%s", settings->spreads ? "spread" : "keep");
+    add_fact(notes, texts, "AOVs", "%s", aovs);
+    if (settings->no_absorption) add_fact(notes, texts, "absorption", "off");
+}
+
+/* ---- going on ---- */
+
+/* A slice's own file serves, where it was stopped. */
+static const char *find_source(const RenderRun *run)
+{
+    if (file_exists(run->checkpoint.path)) return run->checkpoint.path;
+    for (size_t i = 0; run->slices && i < run->outputs.n; i++)
+        if (!run->outputs.items[i].png && file_exists(run->outputs.items[i].path)) return run->outputs.items[i].path;
+    return NULL;
+}
+
+static Status check_source(const RenderRun *run, const Checkpoint *file, Error *error)
+{
+    CheckpointTexts texts;
+    CheckpointNotes notes;
+    Buf text = {0};
+    render_note(run, &notes, &texts);
+    checkpoint_compare(&notes, "this render", &file->notes, "the checkpoint", &text);
+    bool sliced = notes.first_sample > 0 || notes.end_sample < notes.samples ||
+                  file->notes.first_sample > 0 || file->notes.end_sample < file->notes.samples;
+    if (sliced && (notes.first_sample != file->notes.first_sample || notes.end_sample != file->notes.end_sample ||
+                   notes.samples != file->notes.samples))
+        buf_format(&text, "%ssamples: %u..%u of %u in this render, %u..%u of %u in the checkpoint", text.length ? "; " : "",
+                   notes.first_sample + 1, notes.end_sample, notes.samples, file->notes.first_sample + 1, file->notes.end_sample,
+                   file->notes.samples);
+    Status status = STATUS_OK;
+    if (text.failed)
+        status = fail_memory(error, text.capacity, "what has changed");
+    else if (text.length)
+        status = fail(error, STATUS_INPUT, "cannot go on from '%s', as there has changed: %s ('--restart' begins anew)", file->path,
+                      text.text);
+    buf_clear(&text);
+    return status;
+}
+
+Status render_resume(RenderRun *run, Error *error)
+{
+    render_state_clear(&run->state);
+    const char *path = option_given(run->options, OPTION_RESUME) ? find_source(run) : NULL;
+    if (!path) return STATUS_OK;
+    Checkpoint file;
+    Status status = checkpoint_open(path, &file, error);
+    if (status == STATUS_OK) status = check_source(run, &file, error);
+    if (status == STATUS_OK) status = checkpoint_read(&file, &run->state, error);
+    if (status == STATUS_OK && !run->talk->quiet)
+        talk_event(run->talk, "resumed", "going on from %s: %u samples of each pixel are there", path, file.least_samples);
+    checkpoint_close(&file);
+    return status;
+}
+
+/* ---- keeping ---- */
+
+Status render_write_checkpoint(RenderRun *run, Error *error)
+{
+    const RenderState *state = &run->state;
+    if (!run->checkpoint.path || render_state_is_empty(state)) return STATUS_OK;
+    CheckpointTexts texts;
+    CheckpointNotes notes;
+    Image image;
+    render_note(run, &notes, &texts);
+    TRY(early_resolve(&state->film, state->crop, 1, &image, error));
+    ImageAttribute software = {.name = "software", .type = ATTRIBUTE_TEXT, .text = "meniscus " MEN_VERSION};
+    ExrOptions exr = {.half = true, .attributes = &software, .n_attributes = 1, .pool = run->pool};
+    Status status = checkpoint_write(run->checkpoint.path, state, &notes, &image, &exr, error);
+    image_clear(&image);
+    return status;
+}
+
+void render_drop_checkpoint(const RenderRun *run)
+{
+    if (run->checkpoint.path) unlink(run->checkpoint.path);
+}
+
+/* The outputs, as far as the picture is. Those of frames bear their names only when these are done. */
+static void write_snapshot(RenderRun *run)
+{
+    Error error = {0};
+    RenderStats stats = {.seconds = 0};
+    if (render_has_frames(run)) return;
+    Status status = render_state_resolve(&run->state, &run->image, &stats, &error);
+    run->stats = stats;
+    run->noise = stats.noise;
+    if (status == STATUS_OK) status = render_write_outputs(run, true, &error);
+    image_clear(&run->image);
+    if (status != STATUS_OK)
+        talk_warning(run->talk, "%s; the render goes on", error.text);
+    else if (!run->talk->quiet)
+        talk_event(run->talk, "snapshot", "wrote the picture so far, of %u samples", stats.samples);
+}
+
+void render_save(RenderRun *run, const RenderState *state, bool asked)
+{
+    Error error = {0};
+    (void)state; /* is the run's */
+    if (asked) progress_end(&run->progress, false);
+    if (render_write_checkpoint(run, &error) != STATUS_OK)
+        talk_warning(run->talk, "%s; the render goes on without this checkpoint", error.text);
+    if (asked) write_snapshot(run);
+}
