@@ -1,5 +1,7 @@
 /* cmd_info.c - the command info: what a picture, a mesh or a file of grids holds.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -9,6 +11,7 @@
 #include "mesh/mesh_file.h"
 #include "image/image.h"
 #include "optics/nanovdb.h"
+#include "render/checkpoint.h"
 
 /* Facts go out as "name  text" or as members of one JSON object. */
 typedef struct Facts {
@@ -164,12 +167,43 @@ static Status describe_grids(const char *path, Facts *facts, Error *error)
     return status;
 }
 
+/* What a checkpoint or a slice adds to its picture. */
+static Status describe_state(const char *path, Facts *facts, Error *error)
+{
+    char *mark, text[64];
+    TRY(exr_read_attribute(path, CHECKPOINT_ATTRIBUTE, &mark, error));
+    bool has_state = mark != NULL;
+    free(mark);
+    if (!has_state) return STATUS_OK;
+    Checkpoint file;
+    Status status = checkpoint_open(path, &file, error);
+    if (status == STATUS_OK) {
+        const CheckpointNotes *notes = &file.notes;
+        snprintf(text, sizeof text, "%u..%u of %u", notes->first_sample + 1, notes->end_sample, notes->samples);
+        add_fact(facts, "state: samples", text);
+        add_number(facts, "state: done, at least", file.least_samples);
+        add_number(facts, "state: done, at most", file.most_samples);
+        for (uint32_t i = 0; i < notes->n_facts; i++) {
+            snprintf(text, sizeof text, "state: %s", notes->facts[i].name);
+            if (notes->facts[i].text[0] != '#') add_fact(facts, text, notes->facts[i].text);
+        }
+    }
+    checkpoint_close(&file);
+    return status;
+}
+
+static Status describe_exr(const char *path, Facts *facts, Error *error)
+{
+    TRY(exr_visit_attributes(path, add_fact, facts, error));
+    return strcmp(path, "-") == 0 ? STATUS_OK : describe_state(path, facts, error);
+}
+
 static Status describe(const char *path, Facts *facts, Error *error)
 {
     const char *extension = file_extension(path);
     if (mesh_has_reader(extension)) return describe_mesh(path, facts, error);
     if (strcasecmp(extension, "nvdb") == 0) return describe_grids(path, facts, error);
-    if (strcasecmp(extension, "exr") == 0) return exr_visit_attributes(path, add_fact, facts, error);
+    if (strcasecmp(extension, "exr") == 0) return describe_exr(path, facts, error);
     return describe_picture(path, facts, error);
 }
 

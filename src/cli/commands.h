@@ -12,6 +12,7 @@ ATTR_NODISCARD Status cmd_editor(const Options *options, const Talk *talk, Error
 ATTR_NODISCARD Status cmd_dump(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_fmt(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_params(const Options *options, const Talk *talk, Error *error);
+ATTR_NODISCARD Status cmd_merge(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_view(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_compare(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_info(const Options *options, const Talk *talk, Error *error);

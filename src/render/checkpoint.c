@@ -401,18 +401,24 @@ static const char *text_of(const CheckpointNotes *notes, const char *name)
     return "none";
 }
 
-static void add_difference(const char *name, const char *a, const char *name_a, const char *b, const char *name_b, Buf *text)
+/* A hash that begins with "##" is said only where no other differs. */
+static void add_difference(const CheckpointFact *a, const char *name_a, const char *b, const char *name_b, bool *some_hash,
+                           Buf *text)
 {
-    if (strcmp(a, b) == 0) return;
+    if (strcmp(a->text, b) == 0) return;
+    bool is_hash = *a->text == '#' || *b == '#', is_last = strncmp(a->text, "##", 2) == 0;
+    if (is_last && *some_hash) return;
+    *some_hash = *some_hash || is_hash;
     buf_add(text, text->length ? "; " : "");
-    if (*a == '#' || *b == '#')
-        buf_add(text, name);
+    if (is_hash)
+        buf_add(text, a->name);
     else
-        buf_format(text, "%s: %s in %s, %s in %s", name, a, name_a, b, name_b);
+        buf_format(text, "%s: %s in %s, %s in %s", a->name, a->text, name_a, b, name_b);
 }
 
 void checkpoint_compare(const CheckpointNotes *a, const char *name_a, const CheckpointNotes *b, const char *name_b, Buf *text)
 {
+    bool some_hash = false;
     for (uint32_t i = 0; i < a->n_facts; i++)
-        add_difference(a->facts[i].name, a->facts[i].text, name_a, text_of(b, a->facts[i].name), name_b, text);
+        add_difference(&a->facts[i], name_a, text_of(b, a->facts[i].name), name_b, &some_hash, text);
 }

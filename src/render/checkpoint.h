@@ -16,7 +16,7 @@
 #define CHECKPOINT_ATTRIBUTE "meniscus/state"
 
 /* Something that has to be the same for a render to go on, or for slices to be of one render. A text that begins with '#' is
- * a hash that tells people nothing. */
+ * a hash that tells people nothing; one with "##" is of all that others are of, too. */
 typedef struct CheckpointFact {
     const char *name, *text;
 } CheckpointFact;

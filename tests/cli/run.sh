@@ -75,6 +75,22 @@ long_scene() {
     small_scene
     sed -e 's/samples = 4/samples = 16777216/' small.mns > long.mns
 }
+# one that takes a second or two, for checkpoints and slices: caustics, several things in a pixel, single bright samples
+kept_scene() {
+    cat > kept.mns <<'SCENE'
+meniscus 1.0 unit cm
+medium glass { ior = 1.5  state = solid }
+medium water { ior = 1.333  state = liquid  tint = rgb(.7, .9, .9)  depth = 5cm }
+sphere ball { center = <0, 5, 0>  radius = 4  interior = glass }
+sphere drop { center = <0, 5, 0>  radius = 3  interior = water }
+for (i in 1..12) { sphere { interior = air  radius = .3  center = <4 * rnd(i, 0) - 2, 3 + 4 * rnd(i, 1), 4 * rnd(i, 2) - 2> } }
+ground { surface = surface { albedo = .5 } }
+sphere lamp { center = <9, 20, -6>  radius = .3  surface = surface { emission = 800  albedo = 0 } }
+camera { from = <0, 10, -30>  to = <0, 4, 0>  fov = 30  aperture = 1mm  focus = <0, 5, -4> }
+film { size = <40, 30> }
+render { samples = 200 }
+SCENE
+}
 # the scenes there are, beside their meshes
 all_scenes() {
     cp "$root"/examples/*.mns .

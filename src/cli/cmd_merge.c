@@ -1,0 +1,132 @@
+/* cmd_merge.c - the command merge: slices of one render into its picture.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <string.h>
+
+#include "cli/commands.h"
+#include "cli/output.h"
+#include "render/merge.h"
+
+enum { NUMBER_SIZE = 32, MOST_OUTPUTS = 16 };
+
+typedef struct MergeRun {
+    const Options *options;
+    const Talk *talk;
+    Pool *pool;
+    ColorSource color;
+    Output outputs[MOST_OUTPUTS];
+    size_t n_outputs;
+    Merge merge;
+    RenderState state;
+    Image image;
+    RenderStats stats;
+} MergeRun;
+
+static const char *text_option(const MergeRun *run, OptionKey key)
+{
+    return option_text(run->options, key, NULL);
+}
+
+static Status plan_outputs(MergeRun *run, Error *error)
+{
+    const OptionValue *given = &run->options->values[OPTION_MERGE_OUTPUT];
+    if (!given->n_items) return fail(error, STATUS_USAGE, "where to? '-o FILE' names the picture, .exr or .png");
+    if (given->n_items > MOST_OUTPUTS) return fail(error, STATUS_USAGE, "more than %d outputs", MOST_OUTPUTS);
+    for (size_t i = 0; i < given->n_items; i++) {
+        Output *output = &run->outputs[run->n_outputs++];
+        TRY(output_choose_format(given->items[i], &output->png, error));
+        for (size_t k = 0; k < run->options->n_operands; k++)
+            if (strcmp(run->options->operands[k], given->items[i]) == 0)
+                return fail(error, STATUS_USAGE, "'%s' is both a slice and the output", given->items[i]);
+        output->path = (char *)(uintptr_t)given->items[i]; /* not freed here */
+        TRY(output_probe(output->path, error));
+        if (output->png) TRY(color_source_open(&run->color, error));
+    }
+    return STATUS_OK;
+}
+
+/* The attributes of a slice are those of the picture, but for what was counted. */
+typedef struct Described {
+    ImageAttribute items[CHECKPOINT_MOST_ATTRIBUTES];
+    size_t n;
+    char crossings[NUMBER_SIZE], faults[NUMBER_SIZE];
+} Described;
+
+static void describe(const MergeRun *run, Described *described)
+{
+    const CheckpointNotes *notes = &run->merge.parts[0].notes;
+    const RenderStats *stats = &run->stats;
+    described->n = 0;
+    snprintf(described->crossings, NUMBER_SIZE, "%llu", (unsigned long long)stats->crossings);
+    snprintf(described->faults, NUMBER_SIZE, "%llu", (unsigned long long)stats->nesting_faults);
+    for (uint32_t i = 0; i < notes->n_attributes; i++) {
+        ImageAttribute attribute = notes->attributes[i];
+        if (strcmp(attribute.name, "meniscus/noise") == 0 && stats->noise < 0) continue;
+        if (strcmp(attribute.name, "meniscus/noise") == 0) attribute.number = stats->noise;
+        if (strcmp(attribute.name, "meniscus/lightSpread") == 0) attribute.number = stats->spread_light;
+        if (strcmp(attribute.name, "meniscus/samples") == 0) attribute.whole = (int)stats->samples;
+        if (strcmp(attribute.name, "meniscus/crossings") == 0) attribute.text = described->crossings;
+        if (strcmp(attribute.name, "meniscus/nestingFaults") == 0) attribute.text = described->faults;
+        described->items[described->n++] = attribute;
+    }
+}
+
+static Status write_outputs(const MergeRun *run, Error *error)
+{
+    Described described;
+    describe(run, &described);
+    unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
+    ExrOptions exr = {.half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
+    for (size_t i = 0; i < run->n_outputs; i++)
+        TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, text_option(run, OPTION_DISPLAY),
+                         text_option(run, OPTION_VIEW), error));
+    return STATUS_OK;
+}
+
+/* Returns how many samples are missing. */
+static uint32_t warn_of_gaps(const MergeRun *run)
+{
+    uint32_t first = 0, end, missing = 0, total = run->merge.parts[0].notes.samples;
+    for (; merge_find_gap(&run->merge, &first, &end); first = end) {
+        talk_warning(run->talk, "the samples %u..%u of %u are missing: render them with '--sample-range %u..%u', and merge again",
+                     first + 1, end, total, first + 1, end);
+        missing += end - first;
+    }
+    return missing;
+}
+
+static void summarize(const MergeRun *run)
+{
+    const RenderStats *stats = &run->stats;
+    uint32_t total = run->merge.parts[0].notes.samples;
+    for (size_t i = 0; i < run->n_outputs; i++)
+        talk_event(run->talk, "done", "wrote %s (%u x %u, %u of %u samples, from %zu slice%s)",
+                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, run->image.width,
+                   run->image.height, stats->samples, total, run->merge.n, run->merge.n == 1 ? "" : "s");
+}
+
+static Status merge(MergeRun *run, Error *error)
+{
+    const Options *options = run->options;
+    TRY(plan_outputs(run, error));
+    TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
+    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
+    TRY(merge_read(&run->merge, &run->state, error));
+    TRY(render_state_resolve(&run->state, &run->image, &run->stats, error));
+    TRY(write_outputs(run, error));
+    summarize(run);
+    error->text[0] = 0;
+    return warn_of_gaps(run) ? STATUS_STOPPED : STATUS_OK;
+}
+
+Status cmd_merge(const Options *options, const Talk *talk, Error *error)
+{
+    MergeRun run = {.options = options, .talk = talk, .color = {.path = option_text(options, OPTION_OCIO, NULL)}};
+    Status status = merge(&run, error);
+    image_clear(&run.image);
+    render_state_clear(&run.state);
+    merge_clear(&run.merge);
+    color_config_close(run.color.config);
+    pool_free(run.pool);
+    return status;
+}

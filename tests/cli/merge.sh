@@ -1,0 +1,127 @@
+# merge.sh - slices of a render, and the picture that they make.
+# SPDX-License-Identifier: Apache-2.0
+
+# slices RANGE...: the files RANGE.exr, with the options in $options
+slices() {
+    for range; do
+        run render kept.mns --sample-range "$range" -o "$range.exr" -q $options
+        exits 0
+    done
+}
+
+begin "slices of any kind, in any order: the picture of one render, byte for byte"
+kept_scene
+options='--aov all'
+run render kept.mns $options -o whole.exr -q
+slices 1..3 4..64 65..130 131..200
+run merge -o merged.exr 131..200.exr 4..64.exr 1..3.exr 65..130.exr
+exits 0
+says err 'wrote merged.exr (40 x 30, 200 of 200 samples, from 4 slices)'
+cmp -s whole.exr merged.exr || flunk "the pictures differ"
+slices 1..1 2..200
+run merge -o merged.exr -o merged.png 1..1.exr 2..200.exr -j 1
+exits 0
+cmp -s whole.exr merged.exr || flunk "the pictures of two slices differ"
+run render kept.mns $options -o whole.png -q
+cmp -s whole.png merged.png || flunk "the PNG pictures differ"
+run merge -o - 1..1.exr 2..200.exr
+cmp -s out whole.exr || flunk "standard output differs"
+run view 4..64.exr -o slice.png
+exits 0
+run info 4..64.exr
+exits 0
+matches out '^state: samples +4\.\.64 of 200$'
+options='--crop 8,8,30,23 --half'
+run render kept.mns $options -o whole.exr -q
+slices 1..100 101..200
+run merge --half -o merged.exr 1..100.exr 101..200.exr
+cmp -s whole.exr merged.exr || flunk "the cropped pictures differ"
+no_leftovers
+end
+
+begin "gaps are said, and what fills them; overlaps are refused"
+kept_scene
+options='-s 100'
+slices 1..10 21..50 41..90
+run merge -o merged.exr 1..10.exr 21..50.exr
+exits 75
+says err "the samples 11..20 of 100 are missing: render them with '--sample-range 11..20'"
+says err "the samples 51..100 of 100 are missing"
+there merged.exr
+rm merged.exr
+run merge -o merged.exr 1..10.exr 41..90.exr 21..50.exr
+exits 4
+says err "'21..50.exr' and '41..90.exr' both hold the samples 41..50"
+gone merged.exr
+run merge -o merged.exr 1..10.exr 1..10.exr
+exits 4
+says err 'both hold the samples 1..10'
+end
+
+begin "slices of other renders: what differs"
+kept_scene
+options='-s 100'
+slices 1..50
+run render kept.mns -s 100 --sample-range 51..100 --seed 3 -o seed.exr -q
+run merge -o merged.exr 1..50.exr seed.exr
+exits 4
+says err 'seed: 0 in 1..50.exr, 3 in seed.exr'
+run render kept.mns -s 200 --sample-range 51..100 -o total.exr -q
+run merge -o merged.exr 1..50.exr total.exr
+exits 4
+says err 'samples of the whole: 100 in 1..50.exr, 200 in total.exr'
+run render kept.mns -s 100 --sample-range 51..100 --set glass.ior=1.6 -o glass.exr -q
+run merge -o merged.exr 1..50.exr glass.exr
+exits 4
+says err 'there differs: its media'
+run render kept.mns -s 4 -o picture.exr -q
+run merge -o merged.exr 1..50.exr picture.exr
+exits 4
+says err 'without the state of a render'
+head -c 5000 1..50.exr > cut.exr
+run merge -o merged.exr cut.exr
+exits 4
+says err "cannot read 'cut.exr'"
+run merge 1..50.exr
+exits 2
+run merge -o 1..50.exr 1..50.exr
+exits 2
+says err 'both a slice and the output'
+gone merged.exr
+end
+
+begin "a slice that was stopped goes on, from its own file or a checkpoint"
+kept_scene
+run render kept.mns -s 600 -o whole.exr -q
+exits 0
+run render kept.mns -s 600 --sample-range 301..600 -o b.exr -t 0.3 -q
+exits 0
+run merge -o merged.exr b.exr
+exits 4
+says err "render it to its end, with '--sample-range 301..600 --resume'"
+run render kept.mns -s 600 --sample-range 301..600 -o b.exr --resume
+exits 0
+says err 'going on from b.exr'
+run render kept.mns -s 600 --sample-range 1..300 -o a.exr --checkpoint 1h -t 0.3
+exits 75
+run render kept.mns -s 600 --sample-range 1..300 -o a.exr --resume
+exits 0
+gone a.checkpoint.exr
+run merge -o merged.exr a.exr b.exr
+exits 0
+cmp -s whole.exr merged.exr || flunk "the pictures differ"
+end
+
+begin "ranges that there are not"
+kept_scene
+for wrong in 0..4 5..4 5 a..b 1..2..3 1..; do
+    run render kept.mns --sample-range $wrong
+    exits 2
+done
+run render kept.mns --sample-range 100..201
+exits 2
+says err 'sample 201 is beyond the 200'
+run render kept.mns --sample-range 1..10 --noise 1%
+exits 2
+says err "'--noise 0'"
+end
