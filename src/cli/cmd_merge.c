@@ -76,7 +76,8 @@ static Status write_outputs(const MergeRun *run, Error *error)
     Described described;
     describe(run, &described);
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {.half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
+    ExrOptions exr = {
+        .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
     for (size_t i = 0; i < run->n_outputs; i++)
         TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, text_option(run, OPTION_DISPLAY),
                          text_option(run, OPTION_VIEW), error));
@@ -88,7 +89,8 @@ static uint32_t warn_of_gaps(const MergeRun *run)
 {
     uint32_t first = 0, end, missing = 0, total = run->merge.parts[0].notes.samples;
     for (; merge_find_gap(&run->merge, &first, &end); first = end) {
-        talk_warning(run->talk, "the samples %u..%u of %u are missing: render them with '--sample-range %u..%u', and merge again",
+        talk_warning(run->talk,
+                     "the samples %u..%u of %u are missing: render them with '--sample-range %u..%u', and merge again",
                      first + 1, end, total, first + 1, end);
         missing += end - first;
     }

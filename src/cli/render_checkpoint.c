@@ -21,9 +21,12 @@ Status render_plan_checkpoints(RenderRun *run, Error *error)
     bool resumes = option_given(options, OPTION_RESUME), restarts = option_given(options, OPTION_RESTART);
     bool timed = option_given(options, OPTION_CHECKPOINT);
     if (resumes && restarts)
-        return fail(error, STATUS_USAGE, "'--resume' goes on from a checkpoint, '--restart' begins at the start: give one of them");
+        return fail(error, STATUS_USAGE,
+                    "'--resume' goes on from a checkpoint, '--restart' begins at the start: give one of them");
     run->checkpoint.wanted = timed || resumes || restarts;
-    run->checkpoint.interval_s = timed ? options->values[OPTION_CHECKPOINT].number : run->checkpoint.wanted ? usual_interval_s : 0;
+    run->checkpoint.interval_s = timed                    ? options->values[OPTION_CHECKPOINT].number
+                                 : run->checkpoint.wanted ? usual_interval_s
+                                                          : 0;
     return STATUS_OK;
 }
 
@@ -56,18 +59,22 @@ Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, bool ch
     if (!check) return STATUS_OK;
     for (size_t i = 0; i < outputs->n; i++)
         if (strcmp(outputs->items[i].path, checkpoint->path) == 0)
-            return fail(error, STATUS_USAGE, "'%s' is both an output and the checkpoint; let the output have another name",
+            return fail(error, STATUS_USAGE,
+                        "'%s' is both an output and the checkpoint; let the output have another name",
                         checkpoint->path);
-    if (file_exists(checkpoint->path) && !option_given(run->options, OPTION_RESUME) && !option_given(run->options, OPTION_RESTART))
+    if (file_exists(checkpoint->path) && !option_given(run->options, OPTION_RESUME) &&
+        !option_given(run->options, OPTION_RESTART))
         return fail(error, STATUS_USAGE,
-                    "there is a checkpoint '%s' of a render that was not finished: '--resume' goes on from it, '--restart' begins anew",
+                    "there is a checkpoint '%s' of a render that was not finished: '--resume' goes on from it, "
+                    "'--restart' begins anew",
                     checkpoint->path);
     return output_probe(checkpoint->path, error);
 }
 
 /* ---- what a checkpoint is of ---- */
 
-static void add_fact(CheckpointNotes *notes, CheckpointTexts *texts, const char *name, const char *format, ...) ATTR_PRINTF(4, 5);
+static void add_fact(CheckpointNotes *notes, CheckpointTexts *texts, const char *name, const char *format, ...)
+    ATTR_PRINTF(4, 5);
 static void add_fact(CheckpointNotes *notes, CheckpointTexts *texts, const char *name, const char *format, ...)
 {
     va_list arguments;
@@ -80,10 +87,12 @@ static void add_fact(CheckpointNotes *notes, CheckpointTexts *texts, const char 
 
 static void add_scene(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *texts)
 {
-    static const char *const names[SCENE_PARTS] = {
-        [SCENE_PART_OBJECTS] = "the objects of the scene",   [SCENE_PART_MEDIA] = "its media",
-        [SCENE_PART_SURFACES] = "its surfaces",              [SCENE_PART_LIGHTS] = "its lights",
-        [SCENE_PART_CAMERAS] = "its cameras",                [SCENE_PART_ENVIRONMENT] = "its environment"};
+    static const char *const names[SCENE_PARTS] = {[SCENE_PART_OBJECTS] = "the objects of the scene",
+                                                   [SCENE_PART_MEDIA] = "its media",
+                                                   [SCENE_PART_SURFACES] = "its surfaces",
+                                                   [SCENE_PART_LIGHTS] = "its lights",
+                                                   [SCENE_PART_CAMERAS] = "its cameras",
+                                                   [SCENE_PART_ENVIRONMENT] = "its environment"};
     const Scene *scene = run->input.scene;
     for (int i = 0; i < SCENE_PARTS; i++)
         add_fact(notes, texts, names[i], "#%016llx", (unsigned long long)scene->part_hashes[i]);
@@ -106,7 +115,8 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
     const Scene *scene = run->input.scene;
     const char *camera = scene->cameras[settings->camera].name;
     const uint32_t *crop = settings->crop;
-    static const char *const caustics[] = {[CAUSTICS_AUTOMATIC] = "automatic", [CAUSTICS_ON] = "on", [CAUSTICS_OFF] = "off"};
+    static const char *const caustics[] = {
+        [CAUSTICS_AUTOMATIC] = "automatic", [CAUSTICS_ON] = "on", [CAUSTICS_OFF] = "off"};
     char aovs[sizeof *texts->items];
     *notes = (CheckpointNotes){.samples = settings->samples,
                                .first_sample = settings->first_sample,
@@ -146,19 +156,19 @@ static Status check_source(const RenderRun *run, const Checkpoint *file, Error *
     Buf text = {0};
     render_note(run, &notes, &texts);
     checkpoint_compare(&notes, "this render", &file->notes, "the checkpoint", &text);
-    bool sliced = notes.first_sample > 0 || notes.end_sample < notes.samples ||
-                  file->notes.first_sample > 0 || file->notes.end_sample < file->notes.samples;
+    bool sliced = notes.first_sample > 0 || notes.end_sample < notes.samples || file->notes.first_sample > 0 ||
+                  file->notes.end_sample < file->notes.samples;
     if (sliced && (notes.first_sample != file->notes.first_sample || notes.end_sample != file->notes.end_sample ||
                    notes.samples != file->notes.samples))
-        buf_format(&text, "%ssamples: %u..%u of %u in this render, %u..%u of %u in the checkpoint", text.length ? "; " : "",
-                   notes.first_sample + 1, notes.end_sample, notes.samples, file->notes.first_sample + 1, file->notes.end_sample,
-                   file->notes.samples);
+        buf_format(&text, "%ssamples: %u..%u of %u in this render, %u..%u of %u in the checkpoint",
+                   text.length ? "; " : "", notes.first_sample + 1, notes.end_sample, notes.samples,
+                   file->notes.first_sample + 1, file->notes.end_sample, file->notes.samples);
     Status status = STATUS_OK;
     if (text.failed)
         status = fail_memory(error, text.capacity, "what has changed");
     else if (text.length)
-        status = fail(error, STATUS_INPUT, "cannot go on from '%s', as there has changed: %s ('--restart' begins anew)", file->path,
-                      text.text);
+        status = fail(error, STATUS_INPUT, "cannot go on from '%s', as there has changed: %s ('--restart' begins anew)",
+                      file->path, text.text);
     buf_clear(&text);
     return status;
 }
@@ -173,7 +183,8 @@ Status render_resume(RenderRun *run, Error *error)
     if (status == STATUS_OK) status = check_source(run, &file, error);
     if (status == STATUS_OK) status = checkpoint_read(&file, &run->state, error);
     if (status == STATUS_OK && !run->talk->quiet)
-        talk_event(run->talk, "resumed", "going on from %s: %u samples of each pixel are there", path, file.least_samples);
+        talk_event(run->talk, "resumed", "going on from %s: %u samples of each pixel are there", path,
+                   file.least_samples);
     checkpoint_close(&file);
     return status;
 }

@@ -68,8 +68,8 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
         attributes->items[attributes->n++] =
             (ImageAttribute){.name = "meniscus/noise", .type = ATTRIBUTE_FLOAT, .number = run->noise};
     if (run->settings.spreads)
-        attributes->items[attributes->n++] =
-            (ImageAttribute){.name = "meniscus/lightSpread", .type = ATTRIBUTE_FLOAT, .number = run->stats.spread_light};
+        attributes->items[attributes->n++] = (ImageAttribute){
+            .name = "meniscus/lightSpread", .type = ATTRIBUTE_FLOAT, .number = run->stats.spread_light};
     aov_visit_attributes(run->settings.aovs, scene, add_aov_attribute, attributes);
 }
 
@@ -77,7 +77,8 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
 static Status write_output(const RenderRun *run, const Output *output, const ExrOptions *exr, Error *error)
 {
     if (!run->slices || output->png)
-        return output_write(output, &run->image, exr, run->input.color.config, render_display(run), render_view(run), error);
+        return output_write(output, &run->image, exr, run->input.color.config, render_display(run), render_view(run),
+                            error);
     Attributes merged;
     CheckpointTexts texts;
     CheckpointNotes notes;

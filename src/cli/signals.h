@@ -18,7 +18,8 @@ typedef enum SignalsKeep { SIGNALS_KEEP_NOTHING, SIGNALS_KEEP_CHECKPOINT, SIGNAL
 
 /* From here on signals are held. outputs: paths that will be written; not needed afterwards. json: the form of
  * what is said. */
-ATTR_NODISCARD Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, SignalsKeep keep, Error *error);
+ATTR_NODISCARD Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, SignalsKeep keep,
+                                    Error *error);
 /* Not 0 after the first signal: its number. */
 const volatile sig_atomic_t *signals_flag(void);
 /* From here on, to the end of the process, USR1 sets signals_wish. */

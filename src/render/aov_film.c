@@ -225,7 +225,8 @@ bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, cons
     int64_t *sums = sums_at(film, x0, y);
     const int64_t *others = sums_at(next, x0, next_y);
     /* those of damaged files are not to overflow */
-    for (size_t i = 0; i < (size_t)(x1 - x0) * AOV_SUMS; i++) sums[i] = (int64_t)((uint64_t)sums[i] + (uint64_t)others[i]);
+    for (size_t i = 0; i < (size_t)(x1 - x0) * AOV_SUMS; i++)
+        sums[i] = (int64_t)((uint64_t)sums[i] + (uint64_t)others[i]);
     bool kept = true;
     for (size_t x = x0; kept && film->objects && x < x1; x++) {
         size_t to = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;

@@ -17,7 +17,8 @@ Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t h
 
 void bright_film_clear(BrightFilm *film)
 {
-    for (size_t i = 0; film->slices && i < (size_t)film->width * film->height; i++) tally_clear(&film->slices[i].things);
+    for (size_t i = 0; film->slices && i < (size_t)film->width * film->height; i++)
+        tally_clear(&film->slices[i].things);
     free(film->slices);
     free(film->pixels);
     *film = (BrightFilm){0};
@@ -107,7 +108,8 @@ bool bright_film_load_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y
     bool good = buf_take(in, &film->pixels[row + x0], (x1 - x0) * sizeof *film->pixels);
     for (size_t i = row + x0; good && i < row + x1; i++) good = can_be(&film->pixels[i]);
     for (size_t i = row + x0; good && film->slices && i < row + x1; i++)
-        good = buf_take(in, film->slices[i].kept, sizeof film->slices[i].kept) && tally_load(&film->slices[i].things, in);
+        good =
+            buf_take(in, film->slices[i].kept, sizeof film->slices[i].kept) && tally_load(&film->slices[i].things, in);
     return good;
 }
 
@@ -136,7 +138,8 @@ static void join_kept(BrightPixel *pixel, uint32_t *things, const BrightPixel *n
     pixel->least = bright_light(pixel->rgb[BRIGHT_KEPT - 1]);
 }
 
-bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next, uint32_t next_y)
+bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next,
+                          uint32_t next_y)
 {
     for (size_t x = x0; film->pixels && x < x1; x++) {
         size_t i = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;

@@ -33,7 +33,7 @@ static inline uint32_t bright_seen(const BrightPixel *pixel, int i)
 
 /* What else has to be known of the samples of a pixel that others come before. */
 typedef struct BrightSlice {
-    Tally things;            /* all that samples saw first */
+    Tally things;               /* all that samples saw first */
     uint32_t kept[BRIGHT_KEPT]; /* what the brightest saw */
 } BrightSlice;
 
@@ -53,6 +53,7 @@ void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3
  * does not begin with the first sample. false from joining when memory ends. */
 void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
 bool bright_film_load_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
-bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next, uint32_t next_y);
+bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next,
+                          uint32_t next_y);
 
 #endif

@@ -52,7 +52,8 @@ static Status write_block(const Writing *writing, const Buf *block, FILE *stream
     if (block->failed) return fail(error, STATUS_NOMEM, "out of memory for the checkpoint '%s'", writing->path);
     Prefix prefix = {block->length, hash_bulk(block->text, block->length, 0)};
     errno = 0;
-    if (fwrite(&prefix, sizeof prefix, 1, stream) == 1 && fwrite(block->text, 1, block->length, stream) == block->length)
+    if (fwrite(&prefix, sizeof prefix, 1, stream) == 1 &&
+        fwrite(block->text, 1, block->length, stream) == block->length)
         return STATUS_OK;
     return fail_write(writing, error);
 }
@@ -183,10 +184,12 @@ static Status fail_foreign(const char *path, Error *error)
     free(text);
     if (had)
         return fail(error, STATUS_INPUT,
-                    "cannot read '%s': the file is cut short, or another program wrote it anew and left the state of the render out",
+                    "cannot read '%s': the file is cut short, or another program wrote it anew and left the state of "
+                    "the render out",
                     path);
     return fail(error, STATUS_INPUT,
-                "cannot read '%s': it is a picture without the state of a render, neither a checkpoint nor a slice", path);
+                "cannot read '%s': it is a picture without the state of a render, neither a checkpoint nor a slice",
+                path);
 }
 
 static Status fail_damaged(const Checkpoint *file, Error *error)
@@ -198,7 +201,8 @@ static Status fail_damaged(const Checkpoint *file, Error *error)
 static Status read_block(Checkpoint *file, char **bytes, uint64_t *capacity, uint64_t *length, Error *error)
 {
     Prefix prefix;
-    if (file->left < sizeof prefix || fread(&prefix, sizeof prefix, 1, file->stream) != 1) return fail_damaged(file, error);
+    if (file->left < sizeof prefix || fread(&prefix, sizeof prefix, 1, file->stream) != 1)
+        return fail_damaged(file, error);
     file->left -= sizeof prefix;
     if (prefix.length > file->left) return fail_damaged(file, error);
     if (prefix.length + 1 > *capacity) {
@@ -224,7 +228,8 @@ static Status find_blocks(Checkpoint *file, Error *error)
         return fail(error, STATUS_INPUT, "cannot read '%s': a checkpoint has to be a file, not a pipe", file->path);
     off_t size = ftello(file->stream);
     bool there = size >= (off_t)sizeof footer && fseeko(file->stream, size - (off_t)sizeof footer, SEEK_SET) == 0 &&
-                 fread(&footer, sizeof footer, 1, file->stream) == 1 && memcmp(footer.magic, MAGIC, sizeof footer.magic) == 0;
+                 fread(&footer, sizeof footer, 1, file->stream) == 1 &&
+                 memcmp(footer.magic, MAGIC, sizeof footer.magic) == 0;
     if (!there) return fail_foreign(file->path, error);
     if (footer.end != (uint64_t)size - sizeof footer || footer.begin > footer.end ||
         fseeko(file->stream, (off_t)footer.begin, SEEK_SET) != 0)
@@ -272,10 +277,11 @@ static bool head_can_be(const Head *head)
 {
     return head->width >= 1 && head->width <= LARGEST_SIDE && head->height >= 1 && head->height <= LARGEST_SIDE &&
            head->crop[0] < head->crop[2] && head->crop[2] <= head->width && head->crop[1] < head->crop[3] &&
-           head->crop[3] <= head->height && head->first_sample < head->end_sample && head->end_sample <= head->samples &&
-           head->samples <= FILM_MOST_SAMPLES && head->least_samples <= head->most_samples &&
-           head->most_samples <= FILM_MOST_SAMPLES && (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->unit >= 0 &&
-           head->n_facts <= CHECKPOINT_MOST_FACTS && head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
+           head->crop[3] <= head->height && head->first_sample < head->end_sample &&
+           head->end_sample <= head->samples && head->samples <= FILM_MOST_SAMPLES &&
+           head->least_samples <= head->most_samples && head->most_samples <= FILM_MOST_SAMPLES &&
+           (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->unit >= 0 && head->n_facts <= CHECKPOINT_MOST_FACTS &&
+           head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
 }
 
 /* Before memory is asked for. A file can hold a small part of a large frame, whose picture, nearly all black, compresses well. */
@@ -295,11 +301,12 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     Head head;
     CheckpointNotes *notes = &file->notes;
     if (!buf_take(&in, &head, sizeof head)) return fail_damaged(file, error);
-    if (head.byte_order != BYTE_ORDER_MARK || head.head_size != sizeof head || head.film_pixel_size != sizeof(FilmPixel) ||
-        head.bright_pixel_size != sizeof(BrightPixel))
-        return fail(error, STATUS_INPUT,
-                    "cannot read '%s': another version of meniscus, or one for another machine, wrote the state of the render",
-                    file->path);
+    if (head.byte_order != BYTE_ORDER_MARK || head.head_size != sizeof head ||
+        head.film_pixel_size != sizeof(FilmPixel) || head.bright_pixel_size != sizeof(BrightPixel))
+        return fail(
+            error, STATUS_INPUT,
+            "cannot read '%s': another version of meniscus, or one for another machine, wrote the state of the render",
+            file->path);
     if (!head_can_be(&head)) return fail_damaged(file, error);
     *notes = (CheckpointNotes){.samples = head.samples,
                                .first_sample = head.first_sample,
@@ -342,15 +349,15 @@ void checkpoint_close(Checkpoint *file)
 
 Status checkpoint_make_state(const Checkpoint *file, uint32_t height, RenderState *state, Error *error)
 {
-    *state = (RenderState){.counters = file->counters,
-                           .saturated_samples = file->saturated_samples,
-                           .guide_samples = file->guide_samples};
+    *state = (RenderState){
+        .counters = file->counters, .saturated_samples = file->saturated_samples, .guide_samples = file->guide_samples};
     memcpy(state->crop, file->crop, sizeof state->crop);
     bool slice = file->notes.first_sample > 0;
     if (height == 0) height = file->height;
     Status status = film_init(&state->film, file->width, height, error);
     state->film.first_sample = file->notes.first_sample;
-    if (status == STATUS_OK && file->spreads) status = bright_film_init(&state->bright, slice, file->width, height, error);
+    if (status == STATUS_OK && file->spreads)
+        status = bright_film_init(&state->bright, slice, file->width, height, error);
     if (status == STATUS_OK) status = aov_film_init(&state->aovs, file->aovs, file->unit, file->width, height, error);
     size_t n = (size_t)(file->crop[2] - file->crop[0]) * (file->crop[3] - file->crop[1]);
     if (status == STATUS_OK && file->wants) {
@@ -372,7 +379,8 @@ Status checkpoint_read_row(Checkpoint *file, RenderState *state, uint32_t y, Err
         uint32_t n = film_pixel(&state->film, x, y)->n;
         good = n >= file->least_samples && n <= file->most_samples;
     }
-    good = good && bright_film_load_row(&state->bright, x0, x1, y, &in) && aov_film_load_row(&state->aovs, x0, x1, y, &in);
+    good =
+        good && bright_film_load_row(&state->bright, x0, x1, y, &in) && aov_film_load_row(&state->aovs, x0, x1, y, &in);
     if (good && file->wants) {
         uint32_t *wanted = state->wanted + (size_t)(y - file->crop[1]) * (x1 - x0);
         good = buf_take(&in, wanted, (x1 - x0) * sizeof *wanted);
@@ -402,8 +410,8 @@ static const char *text_of(const CheckpointNotes *notes, const char *name)
 }
 
 /* A hash that begins with "##" is said only where no other differs. */
-static void add_difference(const CheckpointFact *a, const char *name_a, const char *b, const char *name_b, bool *some_hash,
-                           Buf *text)
+static void add_difference(const CheckpointFact *a, const char *name_a, const char *b, const char *name_b,
+                           bool *some_hash, Buf *text)
 {
     if (strcmp(a->text, b) == 0) return;
     bool is_hash = *a->text == '#' || *b == '#', is_last = strncmp(a->text, "##", 2) == 0;
@@ -416,7 +424,8 @@ static void add_difference(const CheckpointFact *a, const char *name_a, const ch
         buf_format(text, "%s: %s in %s, %s in %s", a->name, a->text, name_a, b, name_b);
 }
 
-void checkpoint_compare(const CheckpointNotes *a, const char *name_a, const CheckpointNotes *b, const char *name_b, Buf *text)
+void checkpoint_compare(const CheckpointNotes *a, const char *name_a, const CheckpointNotes *b, const char *name_b,
+                        Buf *text)
 {
     bool some_hash = false;
     for (uint32_t i = 0; i < a->n_facts; i++)

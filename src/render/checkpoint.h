@@ -40,13 +40,13 @@ ATTR_NODISCARD Status checkpoint_write(const char *path, const RenderState *stat
 typedef struct Checkpoint {
     const char *path;
     FILE *stream;
-    uint64_t left;         /* bytes before the footer */
-    char *head;            /* owned: what notes point into */
+    uint64_t left; /* bytes before the footer */
+    char *head;    /* owned: what notes point into */
     CheckpointNotes notes;
     uint32_t width, height, crop[4];
     uint32_t least_samples, most_samples; /* that pixels have */
     AovSet aovs;
-    double unit; /* of the AOVs' lengths */
+    double unit;         /* of the AOVs' lengths */
     bool spreads, wants; /* holds bright samples; is amid a plan of adapt.h */
     PathCounters counters;
     uint64_t saturated_samples;
@@ -67,6 +67,7 @@ ATTR_NODISCARD Status checkpoint_read_row(Checkpoint *file, RenderState *state, 
 ATTR_NODISCARD Status checkpoint_read(Checkpoint *file, RenderState *state, Error *error);
 
 /* What differs between two lists, as "seed: 7 in a, 0 in b; the lights"; an empty text: nothing. */
-void checkpoint_compare(const CheckpointNotes *a, const char *name_a, const CheckpointNotes *b, const char *name_b, Buf *text);
+void checkpoint_compare(const CheckpointNotes *a, const char *name_a, const CheckpointNotes *b, const char *name_b,
+                        Buf *text);
 
 #endif

@@ -111,7 +111,8 @@ void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
     for (int i = 0; i < FILM_LADDER; i++, n /= 2) {
         int64_t twice = whole ? i ? pixel->before[i - 1] : pixel->luminance : pixel->before[i];
         int64_t once = pixel->before[whole ? i : i + 1];
-        ladder[i] = n < 2 ? 0 : sqrtf((float)FILM_UNIT * 2 * fabsf((float)(2 * (double)once - (double)twice)) / (float)n);
+        ladder[i] =
+            n < 2 ? 0 : sqrtf((float)FILM_UNIT * 2 * fabsf((float)(2 * (double)once - (double)twice)) / (float)n);
     }
 }
 

@@ -17,16 +17,17 @@ static Status check_part(const Checkpoint *first, const Checkpoint *part, Error 
     Buf text = {0};
     checkpoint_compare(others, first->path, notes, part->path, &text);
     if (notes->samples != others->samples)
-        buf_format(&text, "%ssamples of the whole: %u in %s, %u in %s", text.length ? "; " : "", others->samples, first->path,
-                   notes->samples, part->path);
+        buf_format(&text, "%ssamples of the whole: %u in %s, %u in %s", text.length ? "; " : "", others->samples,
+                   first->path, notes->samples, part->path);
     if (text.failed) return fail_memory(error, text.capacity, "what differs");
     Status status = STATUS_OK;
     if (text.length)
-        status = fail(error, STATUS_INPUT, "'%s' and '%s' are not of one render, as there differs: %s", first->path, part->path,
-                      text.text);
+        status = fail(error, STATUS_INPUT, "'%s' and '%s' are not of one render, as there differs: %s", first->path,
+                      part->path, text.text);
     buf_clear(&text);
     if (status == STATUS_OK && (part->least_samples != wanted || part->most_samples != wanted))
-        status = fail(error, STATUS_INPUT, "'%s' has only %u of its %u samples: render it to its end, with '--sample-range %u..%u --resume'",
+        status = fail(error, STATUS_INPUT,
+                      "'%s' has only %u of its %u samples: render it to its end, with '--sample-range %u..%u --resume'",
                       part->path, part->least_samples, wanted, notes->first_sample + 1, notes->end_sample);
     return status;
 }
@@ -37,8 +38,8 @@ static Status check_overlaps(const Merge *merge, Error *error)
         const Checkpoint *a = &merge->parts[i - 1], *b = &merge->parts[i];
         if (b->notes.first_sample >= a->notes.end_sample) continue;
         uint32_t end = b->notes.end_sample < a->notes.end_sample ? b->notes.end_sample : a->notes.end_sample;
-        return fail(error, STATUS_INPUT, "'%s' and '%s' both hold the samples %u..%u; leave one of them out", a->path, b->path,
-                    b->notes.first_sample + 1, end);
+        return fail(error, STATUS_INPUT, "'%s' and '%s' both hold the samples %u..%u; leave one of them out", a->path,
+                    b->path, b->notes.first_sample + 1, end);
     }
     return STATUS_OK;
 }
@@ -144,7 +145,8 @@ Status merge_read(Merge *merge, RenderState *state, Error *error)
     }
     uint32_t first = 0, end;
     /* what is known of the evenness of samples is of those from the first on */
-    if (status == STATUS_OK && merge_find_gap(merge, &first, &end) && !state->film.first_sample) state->film.first_sample = 1;
+    if (status == STATUS_OK && merge_find_gap(merge, &first, &end) && !state->film.first_sample)
+        state->film.first_sample = 1;
     if (status != STATUS_OK) render_state_clear(state);
     return status;
 }

@@ -33,29 +33,29 @@ typedef struct Job {
     const RenderSettings *settings;
     const RenderEvents *events;
     const World *world;
-    Tracer *tracers; /* one per thread */
+    Tracer *tracers;    /* one per thread */
     FirstSight *sights; /* one per thread, or NULL */
     unsigned n_threads;
     uint64_t *saturated;
     RenderState *state;
-    RenderState before;     /* its counters before this render */
+    RenderState before; /* its counters before this render */
     uint32_t tiles_x, tiles_y;
-    uint32_t wish;          /* how many samples each pixel is to have in the end, */
-    uint32_t n;             /* how many this pass gives to each, or those that pixels have not yet, */
-    uint32_t done;          /* and how many every pixel has by now */
-    uint32_t most;          /* that a pixel had before this render */
-    bool even;              /* all pixels have as many as every one */
+    uint32_t wish;                            /* how many samples each pixel is to have in the end, */
+    uint32_t n;                               /* how many this pass gives to each, or those that pixels have not yet, */
+    uint32_t done;                            /* and how many every pixel has by now */
+    uint32_t most;                            /* that a pixel had before this render */
+    bool even;                                /* all pixels have as many as every one */
     uint64_t n_pixels, samples, pass_samples; /* of the crop; what they have together, and what the pass adds */
-    const uint32_t *wanted; /* what each pixel of the crop is to have; NULL: done + n, all of them */
-    uint32_t step;          /* not 0: the first sample of every step-th pixel each way, where it has none */
+    const uint32_t *wanted;                   /* what each pixel of the crop is to have; NULL: done + n, all of them */
+    uint32_t step; /* not 0: the first sample of every step-th pixel each way, where it has none */
     AdaptPlan plan;
-    double planned_at_samples;        /* all pixels' together */
-    double adapted_at, adapted_from;  /* seconds and samples when the first plan was made */
+    double planned_at_samples;       /* all pixels' together */
+    double adapted_at, adapted_from; /* seconds and samples when the first plan was made */
     double start, last_progress, noise, fraction;
     double picture_at, picture_cost; /* when the last one was shown, and how long that took */
     double noise_at, noise_cost;     /* the same of the noise */
-    bool *tile_done;   /* of this pass */
-    atomic_bool pause; /* the pass waits until the state is saved */
+    bool *tile_done;                 /* of this pass */
+    atomic_bool pause;               /* the pass waits until the state is saved */
     double saved_at, save_cost;
     uint64_t first_samples; /* that were there before this render */
 } Job;
@@ -122,9 +122,14 @@ static void report_progress(Job *job, double fraction_of_pass)
     if (!last && now - job->last_progress < 0.1) return;
     job->last_progress = now;
     double done = (double)job->samples + (last ? 0 : fraction_of_pass * (double)job->pass_samples);
-    RenderProgress progress = {.samples_done = (uint32_t)(done / (double)job->n_pixels), .samples_total = job->wish,
-                               .seconds = now - job->start, .photons = -1, .noise = job->noise, .noise_wanted = settings->noise,
-                               .seconds_left_low = -1, .seconds_left_high = -1};
+    RenderProgress progress = {.samples_done = (uint32_t)(done / (double)job->n_pixels),
+                               .samples_total = job->wish,
+                               .seconds = now - job->start,
+                               .photons = -1,
+                               .noise = job->noise,
+                               .noise_wanted = settings->noise,
+                               .seconds_left_low = -1,
+                               .seconds_left_high = -1};
     (settings->noise > 0 && !last ? judge_adaptive : judge_uniform)(job, done, &progress);
     if (limit > 0) {
         double left = fmax(limit - progress.seconds, 0);
@@ -174,7 +179,8 @@ static void report_picture(Job *job, uint32_t step, bool due)
     if (!due && now - job->picture_at < interval) return;
     if (early_resolve(&job->state->film, job->state->crop, step, &image, &unused) != STATUS_OK) return;
     Spread spread = {0};
-    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job->state, &spread, &unused) == STATUS_OK && spread.pixels)
+    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job->state, &spread, &unused) == STATUS_OK &&
+        spread.pixels)
         spread_apply(&spread, &image);
     spread_clear(&spread);
     job->events->picture(job->events->context, &image);
@@ -204,7 +210,8 @@ static uint32_t pass_of_pixel(const Job *job, uint32_t x, uint32_t y)
     const uint32_t *crop = job->state->crop;
     uint32_t n = film_pixel(&job->state->film, x, y)->n;
     if (job->step) return (x - crop[0]) % job->step == 0 && (y - crop[1]) % job->step == 0 && n == 0;
-    uint32_t wanted = job->wanted ? job->wanted[(size_t)(y - crop[1]) * (crop[2] - crop[0]) + (x - crop[0])] : job->done + job->n;
+    uint32_t wanted =
+        job->wanted ? job->wanted[(size_t)(y - crop[1]) * (crop[2] - crop[0]) + (x - crop[0])] : job->done + job->n;
     uint32_t left = wanted > n ? wanted - n : 0;
     return left < job->n || !job->wanted ? left : job->n;
 }
@@ -220,7 +227,8 @@ static void render_tile(void *context, uint32_t index, unsigned worker)
     for (uint32_t y = y0; y < y1; y++)
         for (uint32_t x = x0; x < x1; x++) {
             if (is_stopped(job) || atomic_load_explicit(&job->pause, memory_order_relaxed)) return;
-            uint32_t n = pass_of_pixel(job, x, y), first = job->state->film.first_sample + film_pixel(&job->state->film, x, y)->n;
+            uint32_t n = pass_of_pixel(job, x, y),
+                     first = job->state->film.first_sample + film_pixel(&job->state->film, x, y)->n;
             for (uint32_t i = 0; i < n; i++) render_sample(job, worker, x, y, first + i);
         }
     job->tile_done[index] = true;
@@ -458,9 +466,10 @@ static Status choose_crop(const RenderSettings *settings, uint32_t crop[4], Erro
     bool cropped = settings->crop[0] || settings->crop[1] || settings->crop[2] || settings->crop[3];
     uint32_t frame[4] = {0, 0, settings->width, settings->height};
     memcpy(crop, cropped ? settings->crop : frame, sizeof frame);
-    if (crop[0] < crop[2] && crop[1] < crop[3] && crop[2] <= settings->width && crop[3] <= settings->height) return STATUS_OK;
-    return fail(error, STATUS_USAGE, "the crop %u,%u,%u,%u is not inside the picture of %u x %u", crop[0], crop[1], crop[2],
-                crop[3], settings->width, settings->height);
+    if (crop[0] < crop[2] && crop[1] < crop[3] && crop[2] <= settings->width && crop[3] <= settings->height)
+        return STATUS_OK;
+    return fail(error, STATUS_USAGE, "the crop %u,%u,%u,%u is not inside the picture of %u x %u", crop[0], crop[1],
+                crop[2], crop[3], settings->width, settings->height);
 }
 
 static Status job_init(Job *job, Error *error)
@@ -496,7 +505,8 @@ static Status forget_samples(Job *job, Error *error)
     memset(state->film.pixels, 0, (size_t)state->film.width * state->film.height * sizeof *state->film.pixels);
     bright_film_forget(&state->bright);
     aov_film_clear(&state->aovs);
-    TRY(aov_film_init(&state->aovs, job->settings->aovs, aov_film_unit(job->world), state->film.width, state->film.height, error));
+    TRY(aov_film_init(&state->aovs, job->settings->aovs, aov_film_unit(job->world), state->film.width,
+                      state->film.height, error));
     state->aovs.world = job->world;
     for (unsigned i = 0; i < job->n_threads; i++) {
         job->tracers[i].counters = (PathCounters){0};
@@ -591,8 +601,8 @@ static Status prepare(Job *job, World *world, Pool *pool, Guide **guide, RenderS
     return shows && *guide ? forget_samples(job, error) : STATUS_OK;
 }
 
-Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
-                    RenderState *state, Image *image, RenderStats *stats, Error *error)
+Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
+                    const RenderEvents *events, RenderState *state, Image *image, RenderStats *stats, Error *error)
 {
     *stats = (RenderStats){0};
     *image = (Image){0};
@@ -602,8 +612,13 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     double cpu = clock_cpu_s(), now = clock_now_s();
     if (settings->by_chance) world_leave_to_chance(&world);
     if (settings->no_airlight) world.seeks_airlight = false;
-    Job job = {.settings = settings, .events = events, .state = state, .world = &world, .n_threads = pool_threads(pool),
-               .start = now, .saved_at = now};
+    Job job = {.settings = settings,
+               .events = events,
+               .state = state,
+               .world = &world,
+               .n_threads = pool_threads(pool),
+               .start = now,
+               .saved_at = now};
     Guide *guide = NULL;
     Status status = job_init(&job, error);
     if (status == STATUS_OK) status = prepare(&job, &world, pool, &guide, stats, error);
@@ -624,8 +639,8 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     return status;
 }
 
-Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool, const RenderEvents *events,
-                    Image *image, RenderStats *stats, Error *error)
+Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
+                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error)
 {
     RenderState state = {0};
     Status status = render_go_on(compiled, settings, pool, events, &state, image, stats, error);

@@ -18,37 +18,37 @@ enum { RENDER_MOST_SAMPLES = 4096 };
 
 typedef struct RenderSettings {
     uint32_t width, height;
-    uint32_t crop[4];           /* x0, y0, x1, y1; all 0: the whole frame */
-    uint32_t samples;           /* per pixel; with a noise: at most */
+    uint32_t crop[4];                  /* x0, y0, x1, y1; all 0: the whole frame */
+    uint32_t samples;                  /* per pixel; with a noise: at most */
     uint32_t first_sample, end_sample; /* for slices, without a noise: only these, without the last; both 0: all */
-    bool repeatable;            /* the search for caustics does not heed the time limit: the picture of so many samples is
+    bool repeatable;     /* the search for caustics does not heed the time limit: the picture of so many samples is
                                  * the same however fast it goes */
-    double noise;               /* each pixel stops at this error, as adapt.h has it; 0: none does */
-    double time_limit_s;        /* 0: none */
+    double noise;        /* each pixel stops at this error, as adapt.h has it; 0: none does */
+    double time_limit_s; /* 0: none */
     uint32_t bounces, seed, camera;
-    AovSet aovs;                /* further channels */
-    bool spreads;               /* samples that stand alone are given to what is around them, see spread.h */
-    bool no_absorption;         /* media neither absorb nor emit: for tests */
-    SceneCaustics caustics;     /* whether photons look for light behind glass first */
-    bool by_chance;             /* no light is looked for, all are found by scattering alone: for tests */
-    bool no_airlight;           /* within media light is looked for only where paths are scattered: for tests */
-    Trial trial;                /* other ways to take samples: for tests */
+    AovSet aovs;            /* further channels */
+    bool spreads;           /* samples that stand alone are given to what is around them, see spread.h */
+    bool no_absorption;     /* media neither absorb nor emit: for tests */
+    SceneCaustics caustics; /* whether photons look for light behind glass first */
+    bool by_chance;         /* no light is looked for, all are found by scattering alone: for tests */
+    bool no_airlight;       /* within media light is looked for only where paths are scattered: for tests */
+    Trial trial;            /* other ways to take samples: for tests */
 } RenderSettings;
 
 typedef struct RenderProgress {
-    uint32_t samples_done, samples_total; /* per pixel */
-    double fraction;                      /* 0..1 of the work */
-    double seconds;                       /* since the start */
+    uint32_t samples_done, samples_total;       /* per pixel */
+    double fraction;                            /* 0..1 of the work */
+    double seconds;                             /* since the start */
     double seconds_left_low, seconds_left_high; /* negative: not known yet */
-    double photons;                       /* 0..1 of those that are followed first; < 0: these are done, or none */
-    double noise;                         /* of the picture so far, as adapt.h has it; < 0: not known */
-    double noise_wanted;                  /* of each pixel; 0: none */
+    double photons;      /* 0..1 of those that are followed first; < 0: these are done, or none */
+    double noise;        /* of the picture so far, as adapt.h has it; < 0: not known */
+    double noise_wanted; /* of each pixel; 0: none */
     uint64_t paths, rays;
 } RenderProgress;
 
 typedef struct RenderStats {
-    uint64_t paths, rays;       /* rays: calls of the ray tracer, closest and shadow */
-    uint64_t crossings;         /* surfaces of hulls crossed, silent ones included */
+    uint64_t paths, rays; /* rays: calls of the ray tracer, closest and shadow */
+    uint64_t crossings;   /* surfaces of hulls crossed, silent ones included */
     uint64_t silent_crossings;
     uint64_t nesting_faults;    /* direction and list disagreed */
     uint64_t silent_limit;      /* paths given up at the limit of silent crossings */
@@ -57,13 +57,13 @@ typedef struct RenderStats {
     uint64_t spread_samples;    /* that stood alone and were given to what is around them, */
     double spread_light;        /* and the part of the picture's light that they brought */
     double seconds, cpu_seconds;
-    uint32_t samples;           /* per pixel, done everywhere: the least that a pixel has */
-    uint32_t most_samples;      /* and the most */
+    uint32_t samples;      /* per pixel, done everywhere: the least that a pixel has */
+    uint32_t most_samples; /* and the most */
     double mean_samples;
-    double noise;               /* of the picture, as adapt.h has it; < 0: not known */
-    uint64_t noisy_pixels;      /* that are above the noise that was wanted, with the most samples that they may have */
-    GuideStats guide;           /* photons that looked for light behind glass, and what they have found */
-    bool stopped;               /* by the stop flag or the time limit, before all samples */
+    double noise;          /* of the picture, as adapt.h has it; < 0: not known */
+    uint64_t noisy_pixels; /* that are above the noise that was wanted, with the most samples that they may have */
+    GuideStats guide;      /* photons that looked for light behind glass, and what they have found */
+    bool stopped;          /* by the stop flag or the time limit, before all samples */
 } RenderStats;
 
 typedef struct RenderEvents {
@@ -88,8 +88,8 @@ typedef struct RenderState {
     Film film;
     BrightFilm bright; /* without pixels: single bright samples stay where they are */
     AovFilm aovs;
-    uint32_t crop[4];       /* the pixels that are rendered, as in the settings, never all 0 */
-    uint32_t *wanted;       /* of those by rows, as adapt.h has it, where it is being done; else NULL */
+    uint32_t crop[4]; /* the pixels that are rendered, as in the settings, never all 0 */
+    uint32_t *wanted; /* of those by rows, as adapt.h has it, where it is being done; else NULL */
     PathCounters counters;
     uint64_t saturated_samples;
     uint32_t guide_samples; /* of each pixel, that caustics were looked for for; 0: they were not, yet */

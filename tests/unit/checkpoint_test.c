@@ -51,7 +51,8 @@ static void state_make(RenderState *state, uint32_t first, uint32_t end)
 static Status state_write(const char *path, const RenderState *state, uint32_t first, uint32_t end, const char *seed)
 {
     static const char *const names[] = {"R", "G", "B", "A"};
-    CheckpointNotes notes = {.samples = SAMPLES, .first_sample = first, .end_sample = end, .n_facts = 2, .n_attributes = 1};
+    CheckpointNotes notes = {
+        .samples = SAMPLES, .first_sample = first, .end_sample = end, .n_facts = 2, .n_attributes = 1};
     notes.facts[0] = (CheckpointFact){"seed", seed};
     notes.facts[1] = (CheckpointFact){"the lights", "#17"};
     notes.attributes[0] = (ImageAttribute){.name = "one", .type = ATTRIBUTE_FLOAT, .number = 0.1};
@@ -113,8 +114,16 @@ static void what_was_written_is_read(void **context)
 static void slices_join_to_the_whole(void **context)
 {
     (void)context;
-    static const uint32_t ends[][6] = {{75},          {1, 2, 3, 4, 5, 75}, {8, 16, 32, 64, 75}, {7, 9, 31, 65, 75}, {33, 75},
-                                       {64, 75},      {63, 64, 75},        {1, 75},             {74, 75},           {2, 40, 66, 75}};
+    static const uint32_t ends[][6] = {{75},
+                                       {1, 2, 3, 4, 5, 75},
+                                       {8, 16, 32, 64, 75},
+                                       {7, 9, 31, 65, 75},
+                                       {33, 75},
+                                       {64, 75},
+                                       {63, 64, 75},
+                                       {1, 75},
+                                       {74, 75},
+                                       {2, 40, 66, 75}};
     char paths[6][256];
     Error error = {0};
     RenderState whole;
@@ -204,7 +213,8 @@ static void differences_are_named(void **context)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_was_written_is_read), cmocka_unit_test(slices_join_to_the_whole),
-                                       cmocka_unit_test(damage_is_refused), cmocka_unit_test(differences_are_named)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_was_written_is_read),
+                                       cmocka_unit_test(slices_join_to_the_whole), cmocka_unit_test(damage_is_refused),
+                                       cmocka_unit_test(differences_are_named)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
