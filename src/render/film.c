@@ -128,12 +128,12 @@ void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *
 
 static bool is_within(int64_t sum, double largest)
 {
-    return fabs((double)sum) <= largest;
+    return sum < LARGEST_SUM && sum > -LARGEST_SUM && fabs((double)sum) <= largest;
 }
 
 static bool can_be(const FilmPixel *pixel)
 {
-    double most = fmin(pixel->n * (FILM_LARGEST / FILM_UNIT + 1), 0x1p62);
+    double most = pixel->n * (FILM_LARGEST / FILM_UNIT + 1);
     bool good = pixel->n <= FILM_MOST_SAMPLES && pixel->alpha <= pixel->n && is_within(pixel->luminance, most) &&
                 pixel->squares >= 0 && is_within(pixel->squares, pixel->n * (LARGEST_SQUARE / SQUARE_UNIT + 1));
     for (int i = 0; i < 3; i++) good = good && is_within(pixel->rgb[i], most);
@@ -149,10 +149,12 @@ bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *
     return good;
 }
 
-/* Those of damaged files are not to overflow. */
+/* Neither is beyond the limit. */
 static int64_t add(int64_t a, int64_t b)
 {
-    return (int64_t)((uint64_t)a + (uint64_t)b);
+    int64_t sum = a + b;
+    (void)hold_sum(&sum);
+    return sum;
 }
 
 void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
