@@ -285,7 +285,7 @@ static void limit_of(const char *path, RTCDevice device, Pool *pools[2])
             rate[1][run] = paths / seconds;
             rate[2][run] = paths / packets_cast(packets, replay.scene);
         }
-    Spread one = spread_of(ratio[0], RUNS), two = spread_of(ratio[1], RUNS);
+    Quartiles one = spread_of(ratio[0], RUNS), two = spread_of(ratio[1], RUNS);
     printf("%-24s %-9s %6.2f (%.2f .. %.2f) %6.2f (%.2f .. %.2f) %6.2f %7.0f %7.1f %% %6.2f %6.2f %6.2f\n",
            file_name(path), soup.pieces ? "pieces" : "triangles", one.median, one.low, one.high, two.median, two.low,
            two.high, (double)noted.n / (double)stats.paths, spread_of(ray_ns, RUNS).median, 100 * agreed,
@@ -327,7 +327,7 @@ void bench_paths(char **paths, int n)
             stats = render_at(made.compiled, film->width, film->height, 4, one);
             rate[run] = (double)stats.paths / stats.cpu_seconds * 1e-6;
         }
-        Spread spread = spread_of(rate, RUNS);
+        Quartiles spread = spread_of(rate, RUNS);
         printf("%-24s %6.3f million (%.3f .. %.3f), %.2f rays a path\n", file_name(paths[i]), spread.median, spread.low,
                spread.high, (double)stats.rays / (double)stats.paths);
         made_clear(&made);

@@ -20,16 +20,16 @@ static int compare_double(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-Spread spread_of(double *values, int n)
+Quartiles spread_of(double *values, int n)
 {
     qsort(values, (size_t)n, sizeof *values, compare_double);
     int quarter = n < 5 ? 0 : n / 4;
-    return (Spread){values[n / 2], values[quarter], values[n - 1 - quarter]};
+    return (Quartiles){values[n / 2], values[quarter], values[n - 1 - quarter]};
 }
 
 void print_figure(const char *what, double *values, int n, const char *unit)
 {
-    Spread spread = spread_of(values, n);
+    Quartiles spread = spread_of(values, n);
     printf("%-58s %8.3f %-6s (%.3f .. %.3f)\n", what, spread.median, unit, spread.low, spread.high);
 }
 

@@ -12,10 +12,10 @@ enum { RUNS = 7 };
 ATTR_NORETURN void bench_fail(const char *what, const Error *error);
 
 /* Median and quartiles of n values, which are sorted. */
-typedef struct Spread {
+typedef struct Quartiles {
     double median, low, high; /* quartiles; of fewer than 5 values the extremes */
-} Spread;
-Spread spread_of(double *values, int n);
+} Quartiles;
+Quartiles spread_of(double *values, int n);
 /* The median of n values, and how far they spread. */
 void print_figure(const char *what, double *values, int n, const char *unit);
 

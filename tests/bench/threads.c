@@ -104,7 +104,7 @@ static Watched watch_end(void)
 
 static void print_spread(double *values, int n)
 {
-    Spread spread = spread_of(values, n);
+    Quartiles spread = spread_of(values, n);
     printf("  %5.2f (%.2f .. %.2f)", spread.median, spread.low, spread.high);
 }
 
