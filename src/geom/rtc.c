@@ -380,7 +380,7 @@ static void consider_own(Query *query, const RtcPiece *pieces, uint32_t n, unsig
     if (shrink) ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
 }
 
-/* All of them. */
+/* All such: planes, which have no bounds, and pieces that are few. */
 static inline void consider_all_own(Query *query, struct RTCRay *ray)
 {
     const RtcScene *scene = query->scene;
