@@ -40,7 +40,7 @@ typedef struct TubeLine {
 /* A place on the line. `inside` is what counts; f may differ from it by rounding at the ends of a span. */
 typedef struct Stop {
     double u, f, slope;
-    double r; /* from the axis */
+    double near; /* 1 / its distance from the axis */
     bool inside;
 } Stop;
 
@@ -53,11 +53,11 @@ static inline Stop stop_at(const TubeLine *line, double u)
     double away = r - line->tube->centre_r;
     if (line->tube->part == TUBE_OUTER) away = double_max(away, 0);
     if (line->tube->part == TUBE_INNER) away = double_min(away, 0);
-    double outward = r > 0 ? (x * line->dir.x + z * line->dir.z) / r : 0;
+    double near = 1 / r, outward = r > 0 ? (x * line->dir.x + z * line->dir.z) * near : 0;
     double f = away * away + (y * y - line->squared);
     bool beyond =
         line->tube->part != TUBE_WHOLE && away == 0; /* what f knows only to rounding, at the top and the bottom */
-    return (Stop){u, f, 2 * (away * outward + y * line->dir.y), r, f < 0 || beyond};
+    return (Stop){u, f, 2 * (away * outward + y * line->dir.y), near, f < 0 || beyond};
 }
 
 static inline double time_of(const TubeLine *line, double u)
@@ -85,7 +85,7 @@ typedef struct Step {
 static inline Step step_from(const TubeLine *line, const Stop *stop)
 {
     double inverse = 1 / stop->slope, step = stop->f * inverse;
-    double c = line->tube->centre_r, near = 1 / stop->r;
+    double c = line->tube->centre_r, near = stop->near;
     double bend = line->length - c * line->moment * (near * near * near);
     double further = step * (1 + bend * inverse * step); /* Chebyshev's method */
     double third = fabs(c) * near * near * line->length * line->speed;
