@@ -212,6 +212,10 @@ check-quick: check-program ## the tests without the renders that hold it to phys
 check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUILD)/fuzz/%) assets
 .PHONY: check-quick check-program
 
+check-farm: $(BUILD)/meniscus ## the jobs of examples/farm under a Slurm of one node; needs root and Slurm's packages; minutes
+	sh tests/farm.sh $(BUILD)/meniscus
+.PHONY: check-farm
+
 # About four minutes on two idle cores. Each part by itself: build/release/bench NAME [SCENE...]; without words it lists them.
 BENCH_SCENES ?= $(BUILD)/peers/glass.mns $(addprefix examples/,$(addsuffix .mns,whisky aquarium glass-of-water half-submerged \
   snells-window soda cold-glass cut-glass diamond still-life tea light-bulb))
@@ -310,6 +314,8 @@ install: all assets ## install under PREFIX (default /usr/local), DESTDIR before
 	$(INSTALL_DATA) $(STD_FILES) $(DESTDIR)$(datarootdir)/meniscus/std/
 	$(INSTALL_DATA) $(wildcard examples/*.mns) examples/make-assets.py $(DESTDIR)$(datarootdir)/meniscus/examples/
 	$(INSTALL_DATA) examples/assets/* $(DESTDIR)$(datarootdir)/meniscus/examples/assets/
+	$(INSTALL) -d $(DESTDIR)$(datarootdir)/meniscus/examples/farm
+	$(INSTALL_PROGRAM) examples/farm/* $(DESTDIR)$(datarootdir)/meniscus/examples/farm/
 
 uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(bindir)/meniscus $(foreach page,$(MAN_PAGES),$(DESTDIR)$(mandir)/man$(subst .,,$(suffix $(page)))/$(notdir $(page)))

@@ -48,11 +48,19 @@ static char *name_beside(const RenderRun *run, const OutputList *outputs)
     return path.text;
 }
 
+static Status check_slices(const RenderRun *run, const OutputList *outputs, Error *error)
+{
+    for (size_t i = 0; i < outputs->n; i++)
+        if (!run->slices || !outputs->items[i].png) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "what '--sample-range' makes is merged from EXR files: name one with '-o'");
+}
+
 Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, bool check, Error *error)
 {
     RenderKeeping *checkpoint = &run->checkpoint;
     free(checkpoint->path);
     checkpoint->path = NULL;
+    TRY(check_slices(run, outputs, error));
     if (!checkpoint->wanted) return STATUS_OK;
     checkpoint->path = name_beside(run, outputs);
     if (!checkpoint->path) return fail_memory(error, 1, "the name of the checkpoint");

@@ -76,7 +76,7 @@ changed 'nesting: entered' kept.mns --nesting entered
 changed 'fireflies: keep' kept.mns --fireflies keep
 changed 'caustics: off' kept.mns --caustics off
 changed ': its media (' kept.mns --set glass.ior=1.6
-changed ': its lights' kept.mns --set lamp.radius=.4
+changed ': the objects of the scene (' kept.mns --set lamp.radius=.4
 sed 's/albedo = .5/albedo = .6/' kept.mns > other.mns
 changed ': its surfaces (' other.mns
 sed 's/radius = .3  center = <4/radius = .31  center = <4/' kept.mns > other.mns

@@ -121,6 +121,9 @@ done
 run render kept.mns --sample-range 100..201
 exits 2
 says err 'sample 201 is beyond the 200'
+run render kept.mns --sample-range 1..10 -o a.png
+exits 2
+says err 'name one with'
 run render kept.mns --sample-range 1..10 --noise 1%
 exits 2
 says err "'--noise 0'"
