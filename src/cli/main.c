@@ -102,9 +102,12 @@ static Status dispatch(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    /* A closed pipe is an output that cannot be written, and not a reason to lose the other outputs. */
+    /* A closed pipe, or a file beyond a limit, is an output that cannot be written, and not a reason to lose the others. */
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGPIPE, &ignore, NULL);
+#ifdef SIGXFSZ
+    sigaction(SIGXFSZ, &ignore, NULL);
+#endif
     Status status = dispatch(argc, argv);
     signals_raise_again();
     return status_exit_code(status);
