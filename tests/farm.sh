@@ -85,9 +85,9 @@ verdict "a slice that is stopped goes on" "$(if grep -q 'going on from' out.3.lo
 verdict "the picture of slices is the whole" "$(same out.exr whole.exr)"
 
 echo 'animation { frames = 5 }' >> kept.mns
-"$MENISCUS" render kept.mns -s 20 -o 'whole.#.exr' -q
-sh "$root/examples/farm/frames.sh" kept.mns 'out.#.exr' 2 -s 20
+"$MENISCUS" render kept.mns -s 20 -o 'frame-whole.#.exr' -q
+sh "$root/examples/farm/frames.sh" kept.mns 'frame.#.exr' 2 -s 20
 wait_for 200 queue_is_empty
-for i in 1 2 3 4 5; do verdict "frame $i" "$(same out.$i.exr whole.$i.exr)"; done
+for i in 1 2 3 4 5; do verdict "frame $i" "$(same frame.$i.exr frame-whole.$i.exr)"; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]
