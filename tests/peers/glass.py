@@ -354,7 +354,7 @@ def write_scene(folder):
     text += f"environment {{ color = rgb({listed(SKY)}) }}\n"
     text += f'camera {{ from = <{listed(CAMERA["from"])}>  to = <{listed(CAMERA["to"])}>  fov = {CAMERA["fov"]} }}\n'
     text += f"film {{ size = <{SIZE}, {SIZE}>  filter = box  output = [\"glass.exr\", \"glass.png\"] }}\n"
-    text += f"render {{ samples = 64  bounces = {BOUNCES}  caustics = off }}\n"
+    text += f"render {{ samples = 64  bounces = {BOUNCES} }}\n"
     with open(os.path.join(folder, "glass.mns"), "w") as file:
         file.write(text)
 

@@ -4,7 +4,9 @@
 usage: run.py MENISCUS FOLDER [SECONDS [REFERENCE]]
 
 Needs Debian's packages blender and povray; what is not there is left out. One thread each, 240 x 240, 64 bounces, no
-clamping, a box filter; all times are of the processor. Paths per second: from renders with few and with more samples,
+clamping, a box filter; all times are of the processor. meniscus is measured twice: as plain as Cycles, without photons
+and with single bright samples kept in their pixels, and with its defaults, which spread these over what is around them
+and lose no light; where a guide of photons pays, they make one. Paths per second: from renders with few and with more samples,
 by the difference, so that start and building do not count; meniscus and Cycles take turns. Error: after SECONDS (16)
 of rendering, the mean squared error in ratio to the reference (`meniscus compare`), against each renderer's own
 picture with REFERENCE (1024) samples a pixel: meniscus renders by wavelengths and Cycles by three colours, and in deep
@@ -40,16 +42,14 @@ def spread(values, form):
 
 
 class Meniscus:
-    name = "meniscus"
-
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
+    def __init__(self, program, folder, name, *options):
+        self.program, self.folder, self.name, self.options = program, folder, name, options
 
     def render(self, picture, samples, seed=1, grey=False):
         """Renders and returns seconds of the processor."""
         scene, stats = os.path.join(self.folder, "grey" if grey else "colour", "glass.mns"), os.path.join(self.folder, "stats.json")
-        run([self.program, "render", scene, "-q", "-j1", "--fireflies", "keep", "-s", str(samples), "--seed",
-             str(seed), f"--stats={stats}", "-o", os.path.join(self.folder, picture)])
+        run([self.program, "render", scene, "-q", "-j1", *self.options, "-s", str(samples), "--seed", str(seed),
+             f"--stats={stats}", "-o", os.path.join(self.folder, picture)])
         with open(stats) as file:
             return json.load(file)["cpuSeconds"]
 
@@ -79,7 +79,7 @@ def compare(program, folder, a, b):
 
 
 def paths_per_second(renderers):
-    """Millions, of each in turn."""
+    """Millions, of each in turn, by what more samples cost."""
     rates = {r.name: [] for r in renderers}
     for turn in range(TURNS):
         for r in renderers:
@@ -89,14 +89,18 @@ def paths_per_second(renderers):
 
 
 def errors(renderers, rates, seconds, reference, program, folder):
+    """Samples taken, and errors as they would be after just these seconds: they fall with time."""
     found = {}
     for r in renderers:
-        r.render(f"{r.name}-reference.exr", reference, 100)
+        of = f"{r.name.split()[0]}-reference.exr"
+        if not r.name.startswith("meniscus "):
+            r.render(of, reference, 100)
         samples = max(1, round(seconds * median(rates[r.name]) * 1e6 / PIXELS))
         values = []
         for seed in (1, 2, 3):
-            r.render(f"{r.name}.exr", samples, seed)
-            values.append(compare(program, folder, f"{r.name}.exr", f"{r.name}-reference.exr")["relative"])
+            taken = r.render("turn.exr", samples, seed)
+            values.append(compare(program, folder, "turn.exr", of)["relative"] * taken / seconds)
+        os.replace(os.path.join(folder, "turn.exr"), os.path.join(folder, f"{r.name}.exr"))
         found[r.name] = (samples, values)
     return found
 
@@ -123,7 +127,8 @@ def main():
     for name in ("colour", "grey"):
         run([sys.executable, os.path.join(HERE, "glass.py"), os.path.join(folder, name)],
             env=dict(os.environ, PEERS_GREY="1" if name == "grey" else ""))
-    renderers = [Meniscus(program, folder)]
+    plain = Meniscus(program, folder, "meniscus", "--caustics", "off", "--fireflies", "keep")
+    renderers = [plain, Meniscus(program, folder, "meniscus with its defaults")]
     blender, povray = shutil.which("blender"), shutil.which("povray")
     if blender:
         renderers.append(Cycles(blender, folder))
@@ -131,16 +136,16 @@ def main():
         print("no blender here: Cycles is left out")
     start = time.time()
     rates = paths_per_second(renderers)
-    print(f"{'':10} {'million paths a second':34} {'samples in %g s' % seconds:>16}  relative mean squared error", flush=True)
+    print(f"{'':26} {'million paths a second':34} {'samples in %g s' % seconds:>16}  relative mean squared error", flush=True)
     found = errors(renderers, rates, seconds, reference, program, folder)
     for r in renderers:
         samples, values = found[r.name]
-        print(f"{r.name:10} {spread(rates[r.name], '%.3f'):34} {samples:16}  {spread(values, '%.5f')}")
-    if len(renderers) == 2:
-        ours, theirs = (found[r.name][1] for r in renderers)
-        print(f"speed, over Cycles {renderers[1].version}: {median(rates['meniscus']) / median(rates['Cycles']):.2f} x; "
-              f"error at equal time, over its: {median(ours) / median(theirs):.2f} x")
-        grey = grey_agreement(renderers, program, folder)
+        print(f"{r.name:26} {spread(rates[r.name], '%.3f'):34} {samples:16}  {spread(values, '%.5f')}")
+    if blender:
+        plainly, ours, theirs = (median(found[r.name][1]) for r in renderers)
+        print(f"speed, over Cycles {renderers[-1].version}: {median(rates['meniscus']) / median(rates['Cycles']):.2f} x; "
+              f"error at equal time, over its: {plainly / theirs:.2f} x, with the defaults {ours / theirs:.2f} x")
+        grey = grey_agreement((plain, renderers[-1]), program, folder)
         print(f"in grey both make one picture: means {grey['a'][1]:.4f} and {grey['b'][1]:.4f}, "
               f"relative mean squared difference {grey['relative']:.4f} at 256 samples")
     if povray:
