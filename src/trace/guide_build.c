@@ -119,13 +119,13 @@ static Status make_tree(Builder *b, uint32_t n, Error *error)
 
 /* ---- cells ---- */
 
-/* The area that a cell's photons are spread over. */
+/* The area that a cell's photons are spread over; 0 of one, or of a row. */
 static float cell_area(const Photon *photons, uint32_t n)
 {
     Vec3f low, high;
     bounds_of(photons, n, &low, &high);
     Vec3f size = vec3f_along(high, -1, low);
-    return float_max(float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x)), 1e-30f);
+    return float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x));
 }
 
 static void fit_cell(void *context, uint32_t i, unsigned worker)
@@ -148,7 +148,8 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     cell->high = vec3f_add(cell->high, more);
     cell->share = 0.5f;
     for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
-    cell->radiance = flux / cell_area(photons, n) / SAMPLING_PI;
+    float area = cell_area(photons, n);
+    cell->radiance = area > 0 ? flux / area / SAMPLING_PI : 0;
     cell->n_lobes = guide_fit(b->known + b->knowns[i], b->knowns[i + 1] - b->knowns[i], photons, n,
                               guide_cell_origin(cell), b->lobes + (size_t)i * GUIDE_CELL_LOBES);
 }
@@ -246,8 +247,8 @@ static void choose_share(void *context, uint32_t number, unsigned worker)
     GuideCell *cell = &b->guide->cells[number];
     const Photon *photons = b->photons + b->guide->begins[number];
     uint32_t n = b->guide->begins[number + 1] - b->guide->begins[number];
-    if (n == 0) return;
-    float sums[COUNT_OF(shares)] = {0}, area = cell_area(photons, n), found = 0, missed = 0;
+    float sums[COUNT_OF(shares)] = {0}, area = n ? cell_area(photons, n) : 0, found = 0, missed = 0;
+    if (!(area > 0)) return; /* one photon, or a row of them, does not tell how bright the place is */
     bool in_medium = false;
     for (uint32_t i = 0; i < n; i++) {
         const Photon *photon = &photons[i];

@@ -168,12 +168,31 @@ static void any_threads_and_idle_scenes(void **state)
         assert_int_equal(measure(idle[i], 4, CAUSTICS_AUTOMATIC).guide.landed, 0);
 }
 
+/* Scenes of small lights behind glass get a guide unasked; in these, some cells hold one photon, or a row of them. */
+static void guides_unasked(void **state)
+{
+    (void)state;
+    const char *const files[] = {"examples/light-bulb.mns", "examples/candles.mns", "examples/whisky-sun.mns"};
+    for (size_t i = 0; i < COUNT_OF(files); i++) {
+        Fixture scene;
+        Picture picture;
+        truth_open(&scene, (TruthInput){.file = files[i], .policy = NEST_AUTOMATIC});
+        RenderSettings settings = truth_settings(40, 1);
+        settings.caustics = CAUSTICS_AUTOMATIC;
+        truth_render(&scene, &settings, 0, &picture);
+        if (!picture.stats.guide.landed) fail_msg("%s has no guide", files[i]);
+        truth_clear(&picture);
+        fixture_clear(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_forms),
         cmocka_unit_test(same_mean),
         cmocka_unit_test(any_threads_and_idle_scenes),
+        cmocka_unit_test(guides_unasked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
