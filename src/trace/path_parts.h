@@ -203,13 +203,14 @@ void path_scatter_in_medium(Path *path, const Event *event);
 
 /* ---- probe.c ---- */
 
-/* The guide of a place where the path is to be scattered, in a medium or not. In a dense medium there are many such places one
- * after another, of which the first ones count most. */
+/* The guide of a place where the path is to be scattered, in a medium or not: probes are worth as much as the path carries. In a
+ * dense medium there are many such places one after another, of which the first ones count most. */
 static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
 {
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
     GuideAt at = guide_find(guide, place);
+    at.share *= float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1); /* the same for any hero */
     if (in_medium) at.share /= (float)(1 + path->n_scattered);
     return at;
 }

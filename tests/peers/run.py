@@ -5,8 +5,8 @@ usage: run.py MENISCUS FOLDER [SECONDS [REFERENCE]]
 
 Needs Debian's packages blender and povray; what is not there is left out. One thread each, 240 x 240, 64 bounces, no
 clamping, a box filter; all times are of the processor. meniscus is measured twice: as plain as Cycles, without photons
-and with single bright samples kept in their pixels, and with its defaults, which spread these over what is around them
-and lose no light; where a guide of photons pays, they make one. Paths per second: from renders with few and with more samples,
+and with single bright samples kept in their pixels, and in full, with photons that say where to look for light behind
+glass, and with such samples spread over what is around them, which loses no light. Paths per second: from renders with few and with more samples,
 by the difference, so that start and building do not count; meniscus and Cycles take turns. Error: after SECONDS (16)
 of rendering, the mean squared error in ratio to the reference (`meniscus compare`), against each renderer's own
 picture with REFERENCE (1024) samples a pixel: meniscus renders by wavelengths and Cycles by three colours, and in deep
@@ -128,7 +128,7 @@ def main():
         run([sys.executable, os.path.join(HERE, "glass.py"), os.path.join(folder, name)],
             env=dict(os.environ, PEERS_GREY="1" if name == "grey" else ""))
     plain = Meniscus(program, folder, "meniscus", "--caustics", "off", "--fireflies", "keep")
-    renderers = [plain, Meniscus(program, folder, "meniscus with its defaults")]
+    renderers = [plain, Meniscus(program, folder, "meniscus in full", "--caustics", "on")]
     blender, povray = shutil.which("blender"), shutil.which("povray")
     if blender:
         renderers.append(Cycles(blender, folder))
@@ -136,15 +136,15 @@ def main():
         print("no blender here: Cycles is left out")
     start = time.time()
     rates = paths_per_second(renderers)
-    print(f"{'':26} {'million paths a second':34} {'samples in %g s' % seconds:>16}  relative mean squared error", flush=True)
+    print(f"{'':16} {'million paths a second':34} {'samples in %g s' % seconds:>16}  relative mean squared error", flush=True)
     found = errors(renderers, rates, seconds, reference, program, folder)
     for r in renderers:
         samples, values = found[r.name]
-        print(f"{r.name:26} {spread(rates[r.name], '%.3f'):34} {samples:16}  {spread(values, '%.5f')}")
+        print(f"{r.name:16} {spread(rates[r.name], '%.3f'):34} {samples:16}  {spread(values, '%.5f')}")
     if blender:
         plainly, ours, theirs = (median(found[r.name][1]) for r in renderers)
         print(f"speed, over Cycles {renderers[-1].version}: {median(rates['meniscus']) / median(rates['Cycles']):.2f} x; "
-              f"error at equal time, over its: {plainly / theirs:.2f} x, with the defaults {ours / theirs:.2f} x")
+              f"error at equal time, over its: {plainly / theirs:.2f} x, in full {ours / theirs:.2f} x")
         grey = grey_agreement((plain, renderers[-1]), program, folder)
         print(f"in grey both make one picture: means {grey['a'][1]:.4f} and {grey['b'][1]:.4f}, "
               f"relative mean squared difference {grey['relative']:.4f} at 256 samples")
