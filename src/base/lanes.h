@@ -129,16 +129,6 @@ static inline Lanes lanes_sqrt(Lanes a)
     return lanes(sqrtf(a.v[0]), sqrtf(a.v[1]), sqrtf(a.v[2]), sqrtf(a.v[3]));
 #endif
 }
-/* each lane within low .. high; NaN becomes low */
-static inline Lanes lanes_clamp(Lanes a, float low, float high)
-{
-#if defined(__GNUC__) && defined(__SSE2__)
-    return (Lanes){(LaneVector)_mm_min_ps(_mm_max_ps((__m128)a.v, _mm_set1_ps(low)), _mm_set1_ps(high))};
-#else
-    for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] > low ? (a.v[i] < high ? a.v[i] : high) : low;
-    return a;
-#endif
-}
 /* the lesser, or the greater, in each lane; b where one of both is NaN */
 static inline Lanes lanes_lesser(Lanes a, Lanes b)
 {
@@ -157,6 +147,11 @@ static inline Lanes lanes_greater(Lanes a, Lanes b)
     for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
     return a;
 #endif
+}
+/* each lane within low .. high; NaN becomes low */
+static inline Lanes lanes_clamp(Lanes a, float low, float high)
+{
+    return lanes_lesser(lanes_greater(a, lanes_all(low)), lanes_all(high));
 }
 static inline Lanes lanes_abs(Lanes a)
 {

@@ -36,8 +36,9 @@ static double held(double value, double largest, bool *saturated)
 /* Of light, which is positive, the sum is then the same in any order. */
 static bool hold_sum(int64_t *sum)
 {
-    if (LIKELY(*sum<LARGEST_SUM && * sum> - LARGEST_SUM)) return false;
-    *sum = *sum > 0 ? LARGEST_SUM - 1 : 1 - LARGEST_SUM;
+    const int64_t value = *sum;
+    if (LIKELY(value > -LARGEST_SUM && value < LARGEST_SUM)) return false;
+    *sum = value > 0 ? LARGEST_SUM - 1 : 1 - LARGEST_SUM;
     return true;
 }
 

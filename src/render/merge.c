@@ -86,19 +86,6 @@ bool merge_find_gap(const Merge *merge, uint32_t *first, uint32_t *end)
     return *first < *end;
 }
 
-static void add_counters(RenderState *state, const Checkpoint *part)
-{
-    const PathCounters *c = &part->counters;
-    state->counters.paths += c->paths;
-    state->counters.rays += c->rays;
-    state->counters.crossings += c->crossings;
-    state->counters.silent_crossings += c->silent_crossings;
-    state->counters.nesting_faults += c->nesting_faults;
-    state->counters.silent_limit += c->silent_limit;
-    state->counters.bad_samples += c->bad_samples;
-    state->saturated_samples += part->saturated_samples;
-}
-
 /* One row of the part has room in `row`. */
 static Status join_rows(Checkpoint *part, RenderState *row, RenderState *state, Error *error)
 {
@@ -121,8 +108,10 @@ static Status join_part(Checkpoint *part, RenderState *state, Error *error)
     TRY(checkpoint_make_state(part, 1, &row, error));
     Status status = join_rows(part, &row, state, error);
     render_state_clear(&row);
-    if (status == STATUS_OK) add_counters(state, part);
-    return status;
+    if (status != STATUS_OK) return status;
+    path_counters_add(&state->counters, &part->counters);
+    state->saturated_samples += part->saturated_samples;
+    return STATUS_OK;
 }
 
 static Status open_again(Checkpoint *part, Error *error)

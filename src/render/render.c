@@ -247,14 +247,7 @@ static void sum_counters(const Job *job, RenderState *state)
     state->counters = job->before.counters;
     state->saturated_samples = job->before.saturated_samples;
     for (unsigned i = 0; i < job->n_threads; i++) {
-        const PathCounters *c = &job->tracers[i].counters;
-        state->counters.paths += c->paths;
-        state->counters.rays += c->rays;
-        state->counters.crossings += c->crossings;
-        state->counters.silent_crossings += c->silent_crossings;
-        state->counters.nesting_faults += c->nesting_faults;
-        state->counters.silent_limit += c->silent_limit;
-        state->counters.bad_samples += c->bad_samples;
+        path_counters_add(&state->counters, &job->tracers[i].counters);
         state->saturated_samples += job->saturated[i];
     }
 }

@@ -16,6 +16,17 @@ typedef struct PathCounters {
     uint64_t paths, rays, crossings, silent_crossings, nesting_faults, silent_limit, bad_samples;
 } PathCounters;
 
+static inline void path_counters_add(PathCounters *sum, const PathCounters *more)
+{
+    sum->paths += more->paths;
+    sum->rays += more->rays;
+    sum->crossings += more->crossings;
+    sum->silent_crossings += more->silent_crossings;
+    sum->nesting_faults += more->nesting_faults;
+    sum->silent_limit += more->silent_limit;
+    sum->bad_samples += more->bad_samples;
+}
+
 /* What a camera's ray meets first: the first surface that is there, behind silent ones. */
 typedef struct FirstSight {
     bool met;
@@ -63,7 +74,7 @@ typedef struct PixelSampler {
 typedef struct Tracer {
     const World *world;
     HitList hits, shadow_hits;
-    HitList left; /* the surfaces that the path's ray starts on */
+    HitList left;   /* the surfaces that the path's ray starts on */
     HitList passed; /* silent crossings in front of those hits, found in the same search */
     NestList list, next, shadow_list;
     NestList before; /* behind what was passed */
@@ -74,7 +85,8 @@ typedef struct Tracer {
     PathCounters counters;
     PixelSampler pixel;
     struct Tracer *prober; /* follows what guides send out, while the path waits; NULL: not yet needed */
-    uint32_t seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
+    uint32_t
+        seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
     FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;
 } Tracer;
