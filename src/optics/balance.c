@@ -4,29 +4,13 @@
 
 #include <stdlib.h>
 
-#include "optics/fresnel.h"
+#include "optics/facet_sums.h"
 
-/* A lattice: FACETS and STRIDE are neighbours in Fibonacci's sequence; the same for what is under covers. FINE: steps of a
- * knot's distance in which covers are looked up. */
-enum {
-    FACETS = 987,
-    STRIDE = 610,
-    WAYS = 987,
-    WAY_STRIDE = 610,
-    FEW_WAYS = 377,
-    FEW_STRIDE = 233,
-    FINE = 8,
-    ROUNDS = 16
-};
+/* Lattices of ways under covers. FINE: steps of a knot's distance in which covers are looked up. */
+enum { WAYS = 987, WAY_STRIDE = 610, FEW_WAYS = 377, FEW_STRIDE = 233, FINE = 8, ROUNDS = 16 };
 /* Knots for what is under covers, at most. */
 enum { AZIMUTHS = 13, COSINES = 33, KNOTS = AZIMUTHS * COSINES };
 static const float middle_nm = 550;
-
-static void lattice(int i, int n, int stride, float u[2])
-{
-    u[0] = ((float)i + 0.5f) / (float)n;
-    u[1] = ((float)((i * stride) % n) + 0.5f) / (float)n;
-}
 
 static DirectionEdge edge_of(const BsdfFacets *facets, float eta)
 {
@@ -43,28 +27,6 @@ static float stretch_of(const BsdfFacets *facets)
 }
 
 /* ---- facets ---- */
-
-/* What one facet reflects and misses of light from v. eta: eta_t / eta_i. */
-static void sum_facets(const BsdfFacets *facets, float eta, Vec3f v, float *reflected, float *missed)
-{
-    float alpha_x = facets->alpha_x, alpha_y = facets->alpha_y, s_v = microfacet_slope(alpha_x, alpha_y, v);
-    Vec3f in = vec3f_negate(v), l;
-    double back = 0, through = 0;
-    for (int i = 0; i < FACETS; i++) {
-        float u[2];
-        lattice(i, FACETS, STRIDE, u);
-        Vec3f h = microfacet_visible(alpha_x, alpha_y, v, u);
-        float reflectance = fresnel_dielectric(vec3f_dot(v, h), 1, eta);
-        l = reflect_direction(in, h);
-        if (l.z > 0)
-            back += (double)(reflectance * microfacet_shadowing(v.z, s_v, l.z, microfacet_slope(alpha_x, alpha_y, l)));
-        if (missed && reflectance < 1 && refract_direction(in, h, 1, eta, &l) && l.z < 0)
-            through += (double)((1 - reflectance) *
-                                microfacet_shadowing_through(v.z, s_v, -l.z, microfacet_slope(alpha_x, alpha_y, l)));
-    }
-    *reflected = (float)(back / FACETS);
-    if (missed) *missed = float_max(0, 1 - *reflected - (float)(through / FACETS));
-}
 
 /* Over the diffuse light from a quarter of the hemisphere. */
 static float mean_over_directions(float (*function)(const void *, Vec3f), const void *context)
@@ -100,7 +62,7 @@ static void find_reflected(const BsdfFacets *facets, float eta, BsdfKnown *known
     for (int i = 0; i < direction_grid_knots(&known->grid); i++) {
         Vec3f v = direction_grid_knot(&known->grid, i);
         float reflected;
-        sum_facets(facets, eta, v, &reflected, NULL);
+        facet_sums(facets->alpha_x, facets->alpha_y, eta, v, &reflected, NULL);
         *direction_grid_value(&known->grid, i) = reflected - lanes_get(layer_smooth_reflectance(&layer, v), 0);
     }
     layer.known = known;
@@ -114,7 +76,7 @@ static void find_missing(const BsdfFacets *facets, float eta, BsdfKnown *known)
     direction_grid_init(&known->grid, edges, stretch_of(facets), DIRECTION_AZIMUTHS, DIRECTION_COSINES);
     for (int i = 0; i < direction_grid_knots(&known->grid); i++) {
         float reflected;
-        sum_facets(facets, eta, direction_grid_knot(&known->grid, i), &reflected,
+        facet_sums(facets->alpha_x, facets->alpha_y, eta, direction_grid_knot(&known->grid, i), &reflected,
                    direction_grid_value(&known->grid, i));
     }
     known->mean = mean_over_directions(grid_says, &known->grid);
@@ -184,7 +146,7 @@ static float reflected_under_fuzz(const Work *work, const BsdfLayer *layer, Fine
     for (int i = 0; i < FEW_WAYS; i++) {
         float u[2];
         Vec3f l;
-        lattice(i, FEW_WAYS, FEW_STRIDE, u);
+        facet_lattice(i, FEW_WAYS, FEW_STRIDE, u);
         if (!facets_sample_reflection(&layer->facets, v, u, &l)) continue;
         FacetReflection r = facets_reflect(&layer->facets, v, l);
         DirectionPlace place = direction_grid_place(work->grid, l);
@@ -236,7 +198,7 @@ static void look_from(Work *work, int knot)
     memset(row, 0, sizeof work->weights[knot]);
     for (int i = 0; i < n_ways; i++) {
         float u[2];
-        lattice(i, n_ways, stride, u);
+        facet_lattice(i, n_ways, stride, u);
         float weight = base_sends(work->lobe, v, u, &l) * at_v;
         if (!(weight > 0)) continue;
         DirectionPlace place = direction_grid_place(work->grid, l);

@@ -7,12 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "optics/fresnel.h"
-#include "optics/microfacet.h"
+#include "optics/facet_sums.h"
 #include "optics/table_writer.h"
 
-/* A lattice of facets: FACETS and STRIDE are neighbours in Fibonacci's sequence. */
-enum { FACETS = 987, STRIDE = 610, ROUNDS = 400 };
+enum { ROUNDS = 400 };
 
 /* Light that a facet sends to a place between two angles, with a weight. */
 typedef struct Way {
@@ -64,38 +62,12 @@ static float cosine_of(int angle, float alpha, float critical)
     return angle == 0 ? 0 : angle == MICROFACET_ANGLES - 1 ? 1 : 0.5f * (low + high);
 }
 
-static Vec3f facet(float alpha, Vec3f v, int i)
-{
-    float u[2] = {((float)i + 0.5f) / FACETS, ((float)((i * STRIDE) % FACETS) + 0.5f) / FACETS};
-    return microfacet_visible(alpha, alpha, v, u);
-}
-
-/* What one facet reflects and transmits of light from a direction of cosine z. eta: eta_t / eta_i. */
-static void sum_facets(float alpha, float eta, float z, float *reflected, float *transmitted)
-{
-    Vec3f v = direction_of(z), in = vec3f_negate(v), l;
-    float s_v = microfacet_slope(alpha, alpha, v);
-    double back = 0, through = 0;
-    for (int i = 0; i < FACETS; i++) {
-        Vec3f h = facet(alpha, v, i);
-        float reflectance = fresnel_dielectric(vec3f_dot(v, h), 1, eta);
-        l = reflect_direction(in, h);
-        if (l.z > 0)
-            back += (double)(reflectance * microfacet_shadowing(z, s_v, l.z, microfacet_slope(alpha, alpha, l)));
-        if (reflectance < 1 && refract_direction(in, h, 1, eta, &l) && l.z < 0)
-            through += (double)((1 - reflectance) *
-                                microfacet_shadowing_through(z, s_v, -l.z, microfacet_slope(alpha, alpha, l)));
-    }
-    *reflected = (float)(back / FACETS);
-    *transmitted = (float)(through / FACETS);
-}
-
 static void look_at_mirrors(Way ways[FACETS], float alpha, float z)
 {
     Vec3f v = direction_of(z);
     float s_v = microfacet_slope(alpha, alpha, v);
     for (int i = 0; i < FACETS; i++) {
-        Vec3f l = reflect_direction(vec3f_negate(v), facet(alpha, v, i));
+        Vec3f l = reflect_direction(vec3f_negate(v), facet_visible(alpha, alpha, v, i));
         ways[i] = (Way){0};
         if (!(l.z > 0)) continue;
         float s_l = microfacet_slope(alpha, alpha, l);
@@ -170,10 +142,10 @@ static void sum_boundary(int index, int roughness, Tables *tables)
         float missing[MICROFACET_ANGLES], excess[MICROFACET_ANGLES];
         float relative = side ? 1 / eta : eta, critical = side ? microfacet_critical(relative) : 0;
         for (int i = 0; i < MICROFACET_ANGLES; i++) {
-            float z = cosine_of(i, alpha, critical), reflected, transmitted;
-            sum_facets(alpha, relative, z, &reflected, &transmitted);
+            float z = cosine_of(i, alpha, critical), reflected, missed;
+            facet_sums(alpha, alpha, relative, direction_of(z), &reflected, &missed);
             /* between equal indices all goes straight on, at grazing angles, too, where rounding decides on the side */
-            missing[i] = index == 0 ? 0 : fmaxf(0, 1 - reflected - transmitted);
+            missing[i] = index == 0 ? 0 : missed;
             float soft = side ? fminf(microfacet_softened(z, critical, alpha), 1) : z;
             excess[i] = index == 0 ? 0 : reflected - fresnel_dielectric(soft, 1, relative);
             tables->missing[side][index][roughness][i] = packed(missing[i]);

@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "optics/bsdf_lobe.h"
-#include "optics/fresnel.h"
+#include "optics/facet_sums.h"
 #include "optics/stretched.h"
 #include "optics/table_writer.h"
 
-/* A lattice of facets: FACETS and STRIDE are neighbours in Fibonacci's sequence; the same for mirrors. */
-enum { FACETS = 987, STRIDE = 610, WAYS = 610, WAY_STRIDE = 377 };
+/* A lattice of facets that are mirrors. */
+enum { WAYS = 610, WAY_STRIDE = 377 };
 /* Between more nearly equal indices next to nothing is missed, and less than rounding would make of it. */
 enum { LEAST_INDEX = 3 };
 enum { DIRECTIONS = STRETCHED_AZIMUTHS * STRETCHED_ANGLES };
@@ -46,12 +46,6 @@ static Vec3f direction_at(int azimuth, float z)
 {
     float t = (float)azimuth / (STRETCHED_AZIMUTHS - 1), r = sqrtf(fmaxf(0, (1 - z * z) / (t * t + (1 - t) * (1 - t))));
     return vec3f((1 - t) * r, t * r, z);
-}
-
-static void lattice(int i, int n, int stride, float u[2])
-{
-    u[0] = ((float)i + 0.5f) / (float)n;
-    u[1] = ((float)((i * stride) % n) + 0.5f) / (float)n;
 }
 
 /* ---- mirrors ---- */
@@ -95,7 +89,7 @@ static void solve_mirrors(int roughness, int ratio)
         Vec3f v = mirror_direction(i / STRETCHED_ANGLES, i % STRETCHED_ANGLES, facets.alpha_x, facets.alpha_y);
         for (int n = 0; n < WAYS; n++) {
             float u[2];
-            lattice(n, WAYS, WAY_STRIDE, u);
+            facet_lattice(n, WAYS, WAY_STRIDE, u);
             add_reflection(&facets, round, v, u, sums[i]);
         }
         k[i] = 1;
@@ -112,28 +106,6 @@ static void solve_mirrors(int roughness, int ratio)
 }
 
 /* ---- boundaries ---- */
-
-/* What one facet reflects and misses of light from v. eta: eta_t / eta_i. */
-static void sum_facets(float alpha_x, float alpha_y, float eta, Vec3f v, float *reflected, float *missed)
-{
-    Vec3f in = vec3f_negate(v), l;
-    float s_v = microfacet_slope(alpha_x, alpha_y, v);
-    double back = 0, through = 0;
-    for (int i = 0; i < FACETS; i++) {
-        float u[2];
-        lattice(i, FACETS, STRIDE, u);
-        Vec3f h = microfacet_visible(alpha_x, alpha_y, v, u);
-        float reflectance = fresnel_dielectric(vec3f_dot(v, h), 1, eta);
-        l = reflect_direction(in, h);
-        if (l.z > 0)
-            back += (double)(reflectance * microfacet_shadowing(v.z, s_v, l.z, microfacet_slope(alpha_x, alpha_y, l)));
-        if (reflectance < 1 && refract_direction(in, h, 1, eta, &l) && l.z < 0)
-            through += (double)((1 - reflectance) *
-                                microfacet_shadowing_through(v.z, s_v, -l.z, microfacet_slope(alpha_x, alpha_y, l)));
-    }
-    *reflected = (float)(back / FACETS);
-    *missed = fmaxf(0, 1 - *reflected - (float)(through / FACETS));
-}
 
 static float lookup_round(const MicrofacetTable table, float eta, float z, float alpha)
 {
@@ -177,7 +149,7 @@ static void sum_boundary(int side, int knot, int roughness, int ratio)
             if (knot >= LEAST_INDEX && ratio > 0) {
                 Vec3f v = boundary_direction(azimuth, step, alpha_x, alpha_y, eta);
                 float alpha = stretched_alpha(alpha_x, alpha_y, v), reflected, missed;
-                sum_facets(alpha_x, alpha_y, eta, v, &reflected, &missed);
+                facet_sums(alpha_x, alpha_y, eta, v, &reflected, &missed);
                 more_missed = missed - lookup_round(microfacet_missing, eta, v.z, alpha);
                 more_reflected =
                     reflected - below_excess(eta, v.z, alpha) - lookup_round(microfacet_excess, eta, v.z, alpha);
