@@ -114,7 +114,7 @@ static Status merge(MergeRun *run, Error *error)
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     TRY(merge_read(&run->merge, &run->state, error));
-    TRY(render_state_resolve(&run->state, &run->image, &run->stats, error));
+    TRY(render_state_resolve(&run->state, run->pool, &run->image, &run->stats, error));
     TRY(write_outputs(run, error));
     summarize(run);
     error->text[0] = 0;

@@ -226,7 +226,7 @@ static void write_snapshot(RenderRun *run)
     Error error = {0};
     RenderStats stats = {.seconds = 0};
     if (render_has_frames(run)) return;
-    Status status = render_state_resolve(&run->state, &run->image, &stats, &error);
+    Status status = render_state_resolve(&run->state, run->pool, &run->image, &stats, &error);
     run->stats = stats;
     run->noise = stats.noise;
     if (status == STATUS_OK) status = render_write_outputs(run, true, &error);

@@ -33,6 +33,7 @@ typedef struct Job {
     const RenderSettings *settings;
     const RenderEvents *events;
     const World *world;
+    Pool *pool;
     Tracer *tracers;    /* one per thread */
     FirstSight *sights; /* one per thread, or NULL */
     unsigned n_threads;
@@ -161,11 +162,12 @@ static bool shows_picture(const Job *job)
 }
 
 /* Finds samples that stand alone, and where they go, or leaves it without pixels. */
-static Status find_spread(const RenderState *state, Spread *spread, Error *error)
+static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, Error *error)
 {
     *spread = (Spread){0};
     if (state->bright.out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the brightest samples");
-    return state->bright.pixels ? spread_init(spread, &state->film, &state->bright, state->crop, error) : STATUS_OK;
+    if (!state->bright.pixels) return STATUS_OK;
+    return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
 }
 
 /* Shows the picture so far, when it is time for it. It is not missed when memory ends. To spread samples takes too long for
@@ -179,7 +181,7 @@ static void report_picture(Job *job, uint32_t step, bool due)
     if (!due && now - job->picture_at < interval) return;
     if (early_resolve(&job->state->film, job->state->crop, step, &image, &unused) != STATUS_OK) return;
     Spread spread = {0};
-    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job->state, &spread, &unused) == STATUS_OK &&
+    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job->state, job->pool, &spread, &unused) == STATUS_OK &&
         spread.pixels)
         spread_apply(&spread, &image);
     spread_clear(&spread);
@@ -561,7 +563,7 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
     return status;
 }
 
-Status render_state_resolve(const RenderState *state, Image *image, RenderStats *stats, Error *error)
+Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
 {
     const PathCounters *counters = &state->counters;
     stats->paths = counters->paths;
@@ -574,7 +576,7 @@ Status render_state_resolve(const RenderState *state, Image *image, RenderStats 
     stats->saturated_samples = state->saturated_samples;
     count_samples(state, stats);
     Spread spread;
-    TRY(find_spread(state, &spread, error));
+    TRY(find_spread(state, pool, &spread, error));
     stats->spread_samples = spread.samples;
     stats->spread_light = spread.light;
     stats->noise = adapt_noise(&state->film, spread.pixels ? &spread : NULL, state->crop);
@@ -609,6 +611,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .events = events,
                .state = state,
                .world = &world,
+               .pool = pool,
                .n_threads = pool_threads(pool),
                .start = now,
                .saved_at = now};
@@ -623,7 +626,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
         stats->noisy_pixels = job.plan.unmet;
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
-        status = render_state_resolve(state, image, stats, error);
+        status = render_state_resolve(state, pool, image, stats, error);
         if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     }
     job_clear(&job);

@@ -97,8 +97,10 @@ typedef struct RenderState {
 
 void render_state_clear(RenderState *state);
 bool render_state_is_empty(const RenderState *state); /* without any sample */
-/* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). STATUS_NOMEM. */
-ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Image *image, RenderStats *stats, Error *error);
+/* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). pool: NULL is fine.
+ * STATUS_NOMEM. */
+ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats,
+                                           Error *error);
 
 /* Renders. *image gets channels R G B A, "noise.Y" (standard error of the luminance), and those of the AOVs, by
  * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */

@@ -1,10 +1,13 @@
 /* spread.c - which samples stand alone, and where they go.
+ * First it is found for each row of pixels, by whichever thread, where its samples go; then each band of rows takes what is
+ * for it, in the order of the rows that it comes from: the same sums for any number of threads.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/spread.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "render/around.h"
 
 /* Measured on the examples, by the error against pictures of many samples, by dots that are left (bench fireflies), and by
@@ -26,6 +29,34 @@ enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256, FARTHEST = 209 };
 #define FAINT 0.25
 /* Of what a usual pixel gets, the part that a black one does. */
 #define TO_BLACK (1 / 6.0)
+/* Rows that a thread gathers at a time. */
+enum { BAND = 16 };
+
+/* What is asked of a pixel again and again. */
+typedef struct Look {
+    uint32_t things[BRIGHT_THINGS];
+    float shares[BRIGHT_THINGS]; /* of its samples, those that saw each; 0: no such thing */
+    float plain;                 /* its light, see bright_light, without the samples that have few like them there */
+    float brightest;             /* of its samples, as far as they are kept */
+} Look;
+
+/* Where a sample goes. */
+typedef struct Way {
+    uint32_t x;
+    uint8_t kept, radius;   /* which of its pixel's it is */
+    double crowding, usual; /* see find_crowding */
+    double weights;         /* of all pixels together */
+} Way;
+
+/* A row of pixels: what is found of it. */
+typedef struct Row {
+    Way *ways;
+    size_t n, capacity;
+    int farthest; /* of their radii */
+    double light; /* of the picture, in sum, */
+    double moved; /* and of these samples */
+    bool out_of_memory;
+} Row;
 
 /* Of an area of the film: by its rows. */
 typedef struct Maps {
@@ -33,8 +64,9 @@ typedef struct Maps {
     const BrightFilm *bright;
     const uint32_t *area;
     uint32_t width, height;
-    float *plain;     /* light of each pixel, see bright_light, without the samples that have few like them there, */
-    float *reference; /* and what is usual there: the most of that, the brightest pixel next to it, the mean around */
+    Look *looks;
+    float *plain, *around; /* of the looks, and its mean around each */
+    Row *rows;
     SpreadPixel *pixels;
 } Maps;
 
@@ -52,9 +84,10 @@ static const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_t y)
 typedef struct Lone {
     uint32_t x, y, thing;
     double light, rgb[3]; /* as parts of its pixel's mean */
-    double reference;     /* see Maps */
-    float least;          /* of comparable samples */
-    double crowding;      /* see find_crowding */
+    double
+        reference; /* what is usual there: the most of what is plain: the brightest pixel next to it, the mean around */
+    double black, slope; /* what a pixel gets by its own light: black + slope * light, but 1 at most */
+    float least;         /* of comparable samples */
 } Lone;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
@@ -105,127 +138,248 @@ static double light_of(const FilmPixel *pixel, const BrightPixel *without)
     return pixel->n ? (fabs(rgb[0]) + fabs(rgb[1]) + fabs(rgb[2])) / (3.0 * pixel->n) : 0;
 }
 
-/* x, y: within the area. */
-static float most_beside(const Maps *maps, uint32_t x, uint32_t y)
-{
-    float most = 0;
-    for (uint32_t v = y ? y - 1 : 0; v <= y + 1 && v < maps->height; v++)
-        for (uint32_t u = x ? x - 1 : 0; u <= x + 1 && u < maps->width; u++)
-            most = fmaxf(most, maps->plain[(size_t)v * maps->width + u]);
-    return most;
-}
-
-static void map_plain(Maps *maps, float *scratch)
+static double reference_at(const Maps *maps, uint32_t x, uint32_t y)
 {
     const uint32_t *area = maps->area;
-    size_t n = 0;
-    for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++)
-            maps->plain[n++] = (float)light_of(film_pixel(maps->film, x, y), bright_at(maps, x, y));
-    mean_around(maps->plain, maps->width, maps->height, AROUND, scratch, maps->reference);
-    for (uint32_t y = 0; y < maps->height; y++)
-        for (uint32_t x = 0; x < maps->width; x++) {
-            float *reference = &maps->reference[(size_t)y * maps->width + x];
-            *reference = fmaxf(*reference, most_beside(maps, x, y));
-        }
+    float most = maps->around[place_in(area, x, y)];
+    for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
+        for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++)
+            most = fmaxf(most, maps->plain[place_in(area, u, v)]);
+    return (double)most;
 }
 
-/* How much of a sample a pixel gets, in relation to others: nothing beyond the radius. */
-static double weight_at(const Maps *maps, const Lone *lone, uint32_t x, uint32_t y, int radius)
+static void look_at_row(void *context, uint32_t index, unsigned worker)
 {
-    const BrightPixel *bright = bright_at(maps, x, y);
-    uint32_t seen = find_thing(bright, lone->thing);
-    if (seen == BRIGHT_THINGS) return 0;
-    double dx = (double)x - lone->x, dy = (double)y - lone->y, reach = radius + 0.5;
-    double near = 1 - (dx * dx + dy * dy) / (reach * reach);
-    double share = bright->counts[seen] / (double)film_pixel(maps->film, x, y)->n;
-    double usual = lone->reference, plain = (double)maps->plain[place_in(maps->area, x, y)];
-    double light = usual > 0 ? fmin(TO_BLACK + (1 - TO_BLACK) * plain / usual, 1) : 1;
-    double crowd = lone->crowding > 0 ? 1 + lone->crowding * count_comparable(bright, seen, lone->least) : 1;
-    return near > 0 ? near * share * light * crowd : 0;
+    Maps *maps = context;
+    uint32_t y = maps->area[1] + index;
+    (void)worker;
+    for (uint32_t x = maps->area[0]; x < maps->area[2]; x++) {
+        size_t i = place_in(maps->area, x, y);
+        const FilmPixel *pixel = film_pixel(maps->film, x, y);
+        const BrightPixel *bright = bright_at(maps, x, y);
+        Look look = {.plain = (float)light_of(pixel, bright), .brightest = bright_light(bright->rgb[0])};
+        for (int k = 0; k < BRIGHT_THINGS && bright->counts[k]; k++) {
+            look.things[k] = bright->things[k];
+            look.shares[k] = (float)bright->counts[k] / (float)pixel->n;
+        }
+        maps->looks[i] = look;
+        maps->plain[i] = look.plain;
+        maps->rows[index].light += light_of(pixel, NULL);
+    }
 }
 
-/* The part of the square around a sample that is within the area: from x0, y0 up to but without x1, y1. */
-static void square_around(const uint32_t area[4], const Lone *lone, int radius, uint32_t square[4])
+/* How much of a sample a pixel gets, in relation to others, were it beside it. */
+static double weight_of(const Look *look, const Lone *lone)
+{
+    uint32_t seen = 0;
+    while (seen < BRIGHT_THINGS && look->things[seen] != lone->thing) seen++;
+    if (seen == BRIGHT_THINGS) return 0;
+    double light = lone->black + lone->slope * (double)look->plain;
+    return (double)look->shares[seen] * (light < 1 ? light : 1);
+}
+
+/* By how much that is less farther away: of the way to where nothing is left, which is half a pixel beyond the radius. */
+static double nearness(double distance_squared, int radius)
+{
+    double reach = radius + 0.5;
+    return 1 - distance_squared / (reach * reach);
+}
+
+/* The pixel's samples that are comparable to it, as far as they are kept. */
+static uint32_t count_alike(const Maps *maps, const Look *look, const Lone *lone, uint32_t x, uint32_t y)
+{
+    if (look->brightest < lone->least) return 0;
+    const BrightPixel *bright = bright_at(maps, x, y);
+    return count_comparable(bright, find_thing(bright, lone->thing), lone->least);
+}
+
+/* A part of the area: from x0, y0 up to but without x1, y1. */
+typedef struct Square {
+    uint32_t x0, y0, x1, y1;
+} Square;
+
+static Square square_around(const uint32_t area[4], const Lone *lone, int radius)
 {
     uint32_t r = (uint32_t)radius;
-    square[0] = lone->x > area[0] + r ? lone->x - r : area[0];
-    square[1] = lone->y > area[1] + r ? lone->y - r : area[1];
-    square[2] = lone->x + r < area[2] ? lone->x + r + 1 : area[2];
-    square[3] = lone->y + r < area[3] ? lone->y + r + 1 : area[3];
+    return (Square){lone->x > area[0] + r ? lone->x - r : area[0], lone->y > area[1] + r ? lone->y - r : area[1],
+                    lone->x + r < area[2] ? lone->x + r + 1 : area[2],
+                    lone->y + r < area[3] ? lone->y + r + 1 : area[3]};
 }
 
-/* What pixels get together; plain: what these have on average without it. */
-static double sum_weights(const Maps *maps, const Lone *lone, int radius, double *plain)
+static double distance_squared(const Lone *lone, uint32_t x, uint32_t y)
 {
-    uint32_t square[4];
-    double sum = 0, light = 0;
-    square_around(maps->area, lone, radius, square);
-    for (uint32_t y = square[1]; y < square[3]; y++)
-        for (uint32_t x = square[0]; x < square[2]; x++) {
-            double weight = weight_at(maps, lone, x, y, radius);
-            sum += weight;
-            light += weight * (double)maps->plain[place_in(maps->area, x, y)];
+    double dx = (double)x - lone->x, dy = (double)y - lone->y;
+    return dx * dx + dy * dy;
+}
+
+/* What is found around a sample: sums over the pixels of a disc, such that they grow with it. */
+typedef struct Around {
+    double weights, light;                         /* of weights, and by these of what pixels have without it */
+    double weights_by_distance, light_by_distance; /* the same, times the distance squared */
+    uint32_t alike;                                /* comparable samples in the square */
+} Around;
+
+/* The square of the distance where nearness ends; none before the first disc. */
+static double end_of(int radius)
+{
+    return radius < 0 ? -1 : (radius + 0.5) * (radius + 0.5);
+}
+
+/* Columns to both sides of a sample that a disc and its square hold in a row of pixels; < 0: none. */
+static int half_width(int dy, int radius)
+{
+    double left = end_of(radius) - (double)dy * dy;
+    return left < 0 ? -1 : (int)sqrt(left);
+}
+
+/* From one disc, and its square, to a larger one. inner -1: there is none. */
+static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, Around *sums)
+{
+    Square square = square_around(maps->area, lone, outer);
+    double begin = end_of(inner), end = end_of(outer);
+    for (uint32_t y = square.y0; y < square.y1; y++) {
+        int dy = abs((int)y - (int)lone->y), done = half_width(dy, inner);
+        const Look *look = &maps->looks[place_in(maps->area, square.x0, y)];
+        for (uint32_t x = square.x0; x < square.x1; x++, look++) {
+            int dx = abs((int)x - (int)lone->x);
+            if (dx <= done) { /* to the other side */
+                uint32_t skipped = lone->x + (uint32_t)done - x;
+                x += skipped;
+                look += skipped;
+                continue;
+            }
+            if (dx > inner || dy > inner) sums->alike += count_alike(maps, look, lone, x, y);
+            double distance = (double)dx * dx + (double)dy * dy;
+            if (distance < begin || distance > end) continue;
+            double weight = weight_of(look, lone), light = weight * (double)look->plain;
+            sums->weights += weight;
+            sums->light += light;
+            sums->weights_by_distance += weight * distance;
+            sums->light_by_distance += light * distance;
         }
-    *plain = light / sum;
-    return sum;
+    }
 }
 
-/* Comparable samples up to that far away, and not nearer than the other. */
-static uint32_t count_between(const Maps *maps, const Lone *lone, int nearest, int radius)
+/* How far a sample is spread, and what pixels get together. One that would be more than faint wherever it goes, alone, is less of
+ * a blemish where it is: 0. */
+static int find_radius(const Maps *maps, const Lone *lone, double *weights)
 {
-    uint32_t square[4], n = 0;
-    square_around(maps->area, lone, radius, square);
-    for (uint32_t y = square[1]; y < square[3]; y++)
-        for (uint32_t x = square[0]; x < square[2]; x++) {
-            if (abs((int)x - (int)lone->x) < nearest && abs((int)y - (int)lone->y) < nearest) continue;
-            const BrightPixel *bright = bright_at(maps, x, y);
-            n += count_comparable(bright, find_thing(bright, lone->thing), lone->least);
-        }
-    return n;
-}
-
-/* How far a sample is spread. One that would be more than faint wherever it goes, alone, is less of a blemish where it is: 0. */
-static int find_radius(const Maps *maps, const Lone *lone)
-{
-    uint32_t found = count_between(maps, lone, 0, 0);
-    int radius = 0;
-    double alone = 0; /* what the sample adds where it is spread the farthest */
+    Around sums = {0};
+    int radius = -1;
+    double alone = 0, own = weight_of(&maps->looks[place_in(maps->area, lone->x, lone->y)], lone);
     for (int next = 1; next <= FARTHEST; next += 1 + next / 2) {
-        found += count_between(maps, lone, radius + 1, next);
+        look_farther(maps, lone, radius, next, &sums);
         radius = next;
-        if (found >= (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH)) return radius;
-        double plain, sum = sum_weights(maps, lone, radius, &plain);
-        double most =
-            lone->light * weight_at(maps, lone, lone->x, lone->y, radius) / (sum * fmin(lone->reference, plain));
-        if (found * most <= UNSEEN) return radius;
-        alone = most;
+        double end = end_of(radius);
+        *weights = sums.weights - sums.weights_by_distance / end;
+        if (sums.alike >= (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH)) return radius;
+        double plain = (sums.light - sums.light_by_distance / end) / *weights;
+        alone = lone->light * own / (*weights * fmin(lone->reference, plain)); /* what the sample adds where it is */
+        if (sums.alike * alone <= UNSEEN) return radius;
     }
     return alone > FAINT ? 0 : radius;
 }
 
 /* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
- * their squared mean. Each pixel's rate is then to be taken for what the mean says as 1 sample and its own as this many times
- * as many, the mean of a gamma distribution given the counts: a thin line or a point stays as sharp as it was found, and
- * what is scattered evenly becomes even. Farther away other things than chance make counts differ. */
-static double find_crowding(const Maps *maps, const Lone *lone, int radius)
+ * their squared mean, which is the usual rate. Each pixel's rate is then to be taken for the mean of a gamma distribution given
+ * its count, see crowd: a thin line or a point stays as sharp as it was found, and what is scattered evenly becomes even.
+ * Farther away other things than chance make counts differ. */
+static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
 {
-    uint32_t square[4];
-    double n = 0, sum = 0, squares = 0;
-    if (radius > NEAR) return 0;
-    square_around(maps->area, lone, radius, square);
-    for (uint32_t y = square[1]; y < square[3]; y++)
-        for (uint32_t x = square[0]; x < square[2]; x++) {
-            const BrightPixel *bright = bright_at(maps, x, y);
-            uint32_t seen = find_thing(bright, lone->thing);
-            if (seen == BRIGHT_THINGS) continue;
-            double found = count_comparable(bright, seen, lone->least);
-            n++;
-            sum += found;
-            squares += found * found;
+    double n = 0, n_squared = 0, found = 0, products = 0, squares = 0;
+    Square square = square_around(maps->area, lone, way->radius);
+    for (uint32_t y = square.y0; y < square.y1; y++)
+        for (uint32_t x = square.x0; x < square.x1; x++) {
+            const Look *look = &maps->looks[place_in(maps->area, x, y)];
+            if (!(weight_of(look, lone) > 0)) continue;
+            double samples = film_pixel(maps->film, x, y)->n, alike = count_alike(maps, look, lone, x, y);
+            n += samples;
+            n_squared += samples * samples;
+            found += alike;
+            products += samples * alike;
+            squares += alike * alike;
         }
-    double mean = sum / n, beyond_chance = squares / n - mean * mean - mean;
-    return fmax(beyond_chance, 0) / (mean * mean);
+    /* of (alike - usual * samples)^2 over pixels, what is beyond the variance of chance, usual * samples */
+    way->usual = found / n;
+    double beyond = squares - 2 * way->usual * products + way->usual * way->usual * n_squared - found;
+    way->crowding = fmax(beyond, 0) / (way->usual * way->usual * n_squared);
+}
+
+/* The rate of a pixel in relation to the usual one. */
+static double crowd(const Maps *maps, const Lone *lone, const Way *way, const Look *look, uint32_t x, uint32_t y)
+{
+    double expected = way->usual * film_pixel(maps->film, x, y)->n;
+    return (1 + way->crowding * count_alike(maps, look, lone, x, y)) / (1 + way->crowding * expected);
+}
+
+/* What a pixel gets of a sample. */
+static double weight_at(const Maps *maps, const Lone *lone, const Way *way, uint32_t x, uint32_t y)
+{
+    double near = nearness(distance_squared(lone, x, y), way->radius);
+    if (!(near > 0)) return 0;
+    const Look *look = &maps->looks[place_in(maps->area, x, y)];
+    double weight = near * weight_of(look, lone);
+    return way->crowding > 0 && weight > 0 ? weight * crowd(maps, lone, way, look, x, y) : weight;
+}
+
+static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
+{
+    const BrightPixel *pixel = bright_at(maps, x, y);
+    double n = film_pixel(maps->film, x, y)->n, reference = reference_at(maps, x, y);
+    float light = bright_light(pixel->rgb[kept]);
+    Lone lone = {.x = x,
+                 .y = y,
+                 .thing = pixel->things[bright_seen(pixel, kept)],
+                 .light = (double)light / n,
+                 .reference = reference,
+                 .black = reference > 0 ? TO_BLACK : 1,
+                 .slope = reference > 0 ? (1 - TO_BLACK) / reference : 0,
+                 .least = light * ALIKE};
+    for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
+    return lone;
+}
+
+/* Where a sample goes, if it does. */
+static bool find_way(const Maps *maps, const Lone *lone, Way *way)
+{
+    int radius = find_radius(maps, lone, &way->weights);
+    way->radius = (uint8_t)radius;
+    if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
+    if (!(way->crowding > 0)) return radius > 0;
+    way->weights = 0;
+    Square square = square_around(maps->area, lone, radius);
+    for (uint32_t y = square.y0; y < square.y1; y++)
+        for (uint32_t x = square.x0; x < square.x1; x++) way->weights += weight_at(maps, lone, way, x, y);
+    return true;
+}
+
+static void find_ways_of_pixel(const Maps *maps, uint32_t x, uint32_t y, Row *row)
+{
+    const BrightPixel *bright = bright_at(maps, x, y);
+    uint32_t n = film_pixel(maps->film, x, y)->n;
+    if (n < SPREAD_LEAST_SAMPLES || is_plain(bright, n)) return;
+    double much = STANDS_OUT * n * reference_at(maps, x, y);
+    for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
+        if (!has_few_alike(bright, i, n)) continue;
+        Lone lone = lone_at(maps, x, y, i);
+        Way way = {.x = x, .kept = (uint8_t)i};
+        if (!find_way(maps, &lone, &way)) continue;
+        if (!ARRAY_ROOM(row->ways, row->capacity, row->n)) {
+            row->out_of_memory = true;
+            return;
+        }
+        row->ways[row->n++] = way;
+        row->moved += lone.light;
+        if (way.radius > row->farthest) row->farthest = way.radius;
+    }
+}
+
+static void find_ways_of_row(void *context, uint32_t index, unsigned worker)
+{
+    const Maps *maps = context;
+    (void)worker;
+    for (uint32_t x = maps->area[0]; x < maps->area[2]; x++)
+        find_ways_of_pixel(maps, x, maps->area[1] + index, &maps->rows[index]);
 }
 
 static double square_of_luminance(const double rgb[3])
@@ -234,18 +388,8 @@ static double square_of_luminance(const double rgb[3])
     return luminance * luminance;
 }
 
-static void spread_sample(const Maps *maps, const Lone *lone, int radius)
+static void take_from(const Maps *maps, const Lone *lone, double squared)
 {
-    double plain, sum = sum_weights(maps, lone, radius, &plain), squared = square_of_luminance(lone->rgb);
-    uint32_t square[4];
-    square_around(maps->area, lone, radius, square);
-    for (uint32_t y = square[1]; y < square[3]; y++)
-        for (uint32_t x = square[0]; x < square[2]; x++) {
-            SpreadPixel *to = &maps->pixels[place_in(maps->area, x, y)];
-            double part = weight_at(maps, lone, x, y, radius) / sum;
-            for (int c = 0; c < 3; c++) to->rgb[c] += part * lone->rgb[c];
-            to->given += part * part * squared;
-        }
     SpreadPixel *from = &maps->pixels[place_in(maps->area, lone->x, lone->y)];
     for (int c = 0; c < 3; c++) from->rgb[c] -= lone->rgb[c];
     double mean, standard_error;
@@ -253,63 +397,93 @@ static void spread_sample(const Maps *maps, const Lone *lone, int radius)
     if (standard_error > 0) from->taken += squared / (standard_error * standard_error);
 }
 
-static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int i)
+/* What a sample that is taken from row y brings to rows from y0 up to but without y1. */
+static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, uint32_t y1)
 {
-    const BrightPixel *pixel = bright_at(maps, x, y);
-    double n = film_pixel(maps->film, x, y)->n;
-    float light = bright_light(pixel->rgb[i]);
-    Lone lone = {.x = x,
-                 .y = y,
-                 .thing = pixel->things[bright_seen(pixel, i)],
-                 .light = (double)light / n,
-                 .reference = (double)maps->reference[place_in(maps->area, x, y)],
-                 .least = light * ALIKE};
-    for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[i][c] / n;
-    return lone;
+    Lone lone = lone_at(maps, way->x, y, way->kept);
+    double squared = square_of_luminance(lone.rgb);
+    Square square = square_around(maps->area, &lone, way->radius);
+    for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++)
+        for (uint32_t u = square.x0; u < square.x1; u++) {
+            double part = weight_at(maps, &lone, way, u, v) / way->weights;
+            if (!(part > 0)) continue;
+            SpreadPixel *to = &maps->pixels[place_in(maps->area, u, v)];
+            for (int c = 0; c < 3; c++) to->rgb[c] += part * lone.rgb[c];
+            to->given += part * part * squared;
+        }
+    if (y >= y0 && y < y1) take_from(maps, &lone, squared);
 }
 
-static void share_out(Spread *spread, const Maps *maps, uint32_t x, uint32_t y)
+/* Some rows of what samples bring, from all rows around. */
+static void gather_band(void *context, uint32_t index, unsigned worker)
 {
-    const BrightPixel *bright = bright_at(maps, x, y);
-    uint32_t n = film_pixel(maps->film, x, y)->n;
-    if (n < SPREAD_LEAST_SAMPLES || is_plain(bright, n)) return;
-    double much = STANDS_OUT * n * (double)maps->reference[place_in(maps->area, x, y)];
-    for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
-        if (!has_few_alike(bright, i, n)) continue;
-        Lone lone = lone_at(maps, x, y, i);
-        int radius = find_radius(maps, &lone);
-        if (radius == 0) continue;
-        lone.crowding = find_crowding(maps, &lone, radius);
-        spread_sample(maps, &lone, radius);
-        spread->samples++;
-        spread->light += lone.light;
+    const Maps *maps = context;
+    uint32_t y0 = index * BAND, y1 = y0 + BAND < maps->height ? y0 + BAND : maps->height;
+    (void)worker;
+    for (uint32_t y = y0 > FARTHEST ? y0 - FARTHEST : 0; y < y1 + FARTHEST && y < maps->height; y++) {
+        const Row *row = &maps->rows[y];
+        uint32_t farthest = (uint32_t)row->farthest, top = maps->area[1];
+        if (y + farthest < y0 || y >= y1 + farthest) continue;
+        for (size_t i = 0; i < row->n; i++) go_way(maps, top + y, &row->ways[i], top + y0, top + y1);
     }
 }
 
-Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4], Error *error)
+static bool maps_init(Maps *maps)
+{
+    size_t n = (size_t)maps->width * maps->height;
+    maps->looks = calloc(n, sizeof *maps->looks);
+    maps->plain = calloc(n, sizeof *maps->plain);
+    maps->around = calloc(n, sizeof *maps->around);
+    maps->rows = calloc(maps->height, sizeof *maps->rows);
+    return maps->looks && maps->plain && maps->around && maps->rows;
+}
+
+static void maps_clear(Maps *maps)
+{
+    for (uint32_t y = 0; maps->rows && y < maps->height; y++) free(maps->rows[y].ways);
+    free(maps->rows);
+    free(maps->around);
+    free(maps->plain);
+    free(maps->looks);
+}
+
+/* false when memory ends. */
+static bool find_and_go(Maps *maps, Pool *pool, Spread *spread)
+{
+    size_t n = (size_t)maps->width * maps->height;
+    float *scratch = calloc(n, sizeof *scratch);
+    if (!scratch) return false;
+    pool_run(pool, maps->height, look_at_row, maps);
+    mean_around(maps->plain, maps->width, maps->height, AROUND, scratch, maps->around);
+    free(scratch);
+    pool_run(pool, maps->height, find_ways_of_row, maps);
+    double light = 0, moved = 0;
+    for (uint32_t y = 0; y < maps->height; y++) {
+        const Row *row = &maps->rows[y];
+        if (row->out_of_memory) return false;
+        spread->samples += row->n;
+        light += row->light;
+        moved += row->moved;
+    }
+    if (spread->samples) pool_run(pool, (maps->height + BAND - 1) / BAND, gather_band, maps);
+    spread->light = light > 0 ? moved / light : 0;
+    return true;
+}
+
+Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4], Pool *pool,
+                   Error *error)
 {
     *spread = (Spread){.area = {area[0], area[1], area[2], area[3]}};
     uint32_t width = area[2] - area[0], height = area[3] - area[1];
     size_t n = (size_t)width * height;
     spread->pixels = calloc(n, sizeof *spread->pixels);
-    float *floats = calloc(n, 3 * sizeof *floats);
-    if (!spread->pixels || !floats) {
-        free(floats);
-        spread_clear(spread);
-        return fail_memory(error, n * (sizeof *spread->pixels + 3 * sizeof *floats), "single bright samples");
-    }
-    Maps maps = {film, bright, area, width, height, floats, floats + n, spread->pixels};
-    map_plain(&maps, floats + 2 * n);
-    double light = 0;
-    for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++) {
-            const FilmPixel *pixel = film_pixel(film, x, y);
-            light += light_of(pixel, NULL);
-            share_out(spread, &maps, x, y);
-        }
-    spread->light = light > 0 ? spread->light / light : 0;
-    free(floats);
-    return STATUS_OK;
+    Maps maps = {
+        .film = film, .bright = bright, .area = area, .width = width, .height = height, .pixels = spread->pixels};
+    bool good = spread->pixels && maps_init(&maps) && find_and_go(&maps, pool, spread);
+    maps_clear(&maps);
+    if (good) return STATUS_OK;
+    spread_clear(spread);
+    return fail_memory(error, n * (sizeof *spread->pixels + sizeof(Look) + 3 * sizeof(float)), "single bright samples");
 }
 
 void spread_clear(Spread *spread)

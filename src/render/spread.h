@@ -23,6 +23,7 @@
 #ifndef MEN_SPREAD_H
 #define MEN_SPREAD_H
 
+#include "base/pool.h"
 #include "render/bright.h"
 
 /* Pixels with fewer keep all of theirs, but get what others give. */
@@ -47,10 +48,10 @@ static inline const SpreadPixel *spread_pixel(const Spread *spread, uint32_t x, 
     return &spread->pixels[(size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0])];
 }
 
-/* Of the pixels from x0, y0 up to but without x1, y1; a function of the two films alone, which are of one size.
- * STATUS_NOMEM. */
+/* Of the pixels from x0, y0 up to but without x1, y1; a function of the two films alone, which are of one size, with the same
+ * bits for any number of threads. pool: NULL is fine. STATUS_NOMEM. */
 ATTR_NODISCARD Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4],
-                                  Error *error);
+                                  Pool *pool, Error *error);
 void spread_clear(Spread *spread);
 /* Moves the light, in the first three channels, R, G and B, of an image of the whole film. */
 void spread_apply(const Spread *spread, Image *image);

@@ -16,7 +16,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                  (double)merge.parts[0].width * merge.parts[0].height < 1e5; /* resolving takes its time */
     if (status == STATUS_OK) status = merge_read(&merge, &state, &error);
     if (status == STATUS_OK && small) {
-        Status resolved = render_state_resolve(&state, &image, &stats, &error);
+        Status resolved = render_state_resolve(&state, NULL, &image, &stats, &error);
         FUZZ_HOLDS(resolved == STATUS_OK ? image.pixels != NULL : error.text[0]);
     }
     FUZZ_HOLDS(status == STATUS_OK || error.text[0]);

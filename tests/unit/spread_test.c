@@ -49,11 +49,22 @@ static void fill(Films *films, uint32_t samples)
             }
 }
 
+/* With three threads, and the same bits with one. */
 static void resolve(Films *films, const uint32_t area[4])
 {
     Error error;
+    Pool *pool;
+    Spread alone;
+    size_t n = (size_t)(area[2] - area[0]) * (area[3] - area[1]);
     assert_int_equal(film_resolve(&films->film, NULL, &films->kept, &error), STATUS_OK);
-    assert_int_equal(spread_init(&films->way, &films->film, &films->bright, area, &error), STATUS_OK);
+    assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
+    assert_int_equal(spread_init(&films->way, &films->film, &films->bright, area, pool, &error), STATUS_OK);
+    pool_free(pool);
+    assert_int_equal(spread_init(&alone, &films->film, &films->bright, area, NULL, &error), STATUS_OK);
+    assert_memory_equal(alone.pixels, films->way.pixels, n * sizeof *alone.pixels);
+    assert_int_equal(alone.samples, films->way.samples);
+    assert_true(alone.light == films->way.light);
+    spread_clear(&alone);
     assert_int_equal(film_resolve(&films->film, &films->way, &films->spread, &error), STATUS_OK);
 }
 
@@ -237,6 +248,27 @@ static void more_samples_spread_less(void **state)
     assert_true(before == 0);
 }
 
+/* Where each second column has eight times as many samples, it has so many more of the bright ones, and not more light. */
+static void numbers_of_samples_are_not_light(void **state)
+{
+    (void)state;
+    Films films;
+    double sums[2] = {0};
+    begin(&films);
+    for (uint32_t at = 0; at < SIDE * SIDE; at++)
+        for (uint32_t i = 0, n = at % 2 ? 128 : 16; i < n; i++) {
+            float value = hash_to_unit(hash_u64((uint64_t)at << 32 | i)) < 0.03 ? 20 : 0.1f;
+            add(&films, at % SIDE, at / SIDE, (float[]){value, value, value}, 1);
+        }
+    resolve(&films, whole);
+    assert_true(films.way.samples > 1000);
+    for (uint32_t at = 0; at < SIDE * SIDE; at++)
+        sums[at % 2] += (double)films.spread.pixels[5 * at] / (SIDE * SIDE / 2);
+    for (int k = 0; k < 2; k++) assert_near(sums[k], 0.1 + 0.03 * 19.9, 0.06);
+    assert_near(sums[0], sums[1], 0.06);
+    end(&films);
+}
+
 /* Pixels with other numbers of samples, and values without any order: no light comes or goes. */
 static void light_is_kept(void **state)
 {
@@ -344,6 +376,7 @@ int main(void)
         cmocka_unit_test(the_brightest_are_held),
         cmocka_unit_test(nothing_goes_to_nothing),
         cmocka_unit_test(more_samples_spread_less),
+        cmocka_unit_test(numbers_of_samples_are_not_light),
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(order_and_area),
         cmocka_unit_test(rendered),
