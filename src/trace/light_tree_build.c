@@ -6,79 +6,94 @@
 
 static const float pi_f = 3.14159265358979f;
 
-typedef struct Cone {
-    Vec3f axis;
-    float cos_o;
-} Cone;
+/* A LightBounds side by side, of one light or of several: what is least of two stands together, and what is greatest. */
+typedef struct Bounds {
+    Lanes least; /* low, and cos_e */
+    Lanes most;  /* high, and two_sided: 1 or 0 */
+    Lanes cone;  /* axis, and cos_o */
+    float power; /* 0: nothing so far */
+    uint32_t light;
+} Bounds;
 
-/* [CK18] algorithm 1: the smallest cone around two cones. */
-static Cone cone_union(Cone a, Cone b)
+static Bounds bounds_of_light(const LightBounds *b, uint32_t light)
 {
-    if (b.cos_o > a.cos_o) {
-        Cone swap = a;
-        a = b;
-        b = swap;
-    }
-    /* now b is the wider one */
-    if (b.cos_o <= -1) return b;
-    float cosine = vec3f_dot(a.axis, b.axis);
-    cosine = cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
-    /* inside already: the angle is no more than the difference of the two; without an arc cosine, as it is the usual
-     * case */
-    if (cosine >= b.cos_o * a.cos_o + sqrtf((1 - b.cos_o * b.cos_o) * (1 - a.cos_o * a.cos_o))) return b;
-    float angle = acosf(cosine), narrow = acosf(a.cos_o), wide = acosf(b.cos_o);
+    return (Bounds){.least = lanes(b->low.x, b->low.y, b->low.z, b->cos_e),
+                    .most = lanes(b->high.x, b->high.y, b->high.z, b->two_sided ? 1 : 0),
+                    .cone = lanes(b->axis.x, b->axis.y, b->axis.z, b->cos_o),
+                    .power = b->power,
+                    .light = light};
+}
+
+static Lanes middle(const Bounds *b)
+{
+    return lanes_scale(lanes_add(b->least, b->most), 0.5f);
+}
+
+static bool is_two_sided(const Bounds *b)
+{
+    return lanes_get(b->most, 3) > 0;
+}
+
+/* A single direction is the usual case. */
+static float half_angle(float cos_o)
+{
+    return cos_o == 1 ? 0 : acosf(cos_o);
+}
+
+/* [CK18] algorithm 1: the smallest cone around two cones, of which b is the wider one. `cosine` of the angle between
+ * their axes. */
+static Lanes cone_around(Lanes a, Lanes b, float cosine)
+{
+    float angle = acosf(cosine), narrow = half_angle(lanes_get(a, 3)), wide = half_angle(lanes_get(b, 3));
     float half = 0.5f * (wide + angle + narrow);
-    if (half >= pi_f) return (Cone){b.axis, -1};
+    if (half >= pi_f) return lanes(lanes_get(b, 0), lanes_get(b, 1), lanes_get(b, 2), -1);
     /* the axis turned from b's towards a's */
     float turn = half - wide, sine = sinf(angle);
-    if (sine < 1e-6f) return cosine > 0 ? (Cone){b.axis, cosf(half + 1e-3f)} : (Cone){b.axis, -1};
-    Vec3f axis = vec3f_along(vec3f_scale(b.axis, sinf(angle - turn) / sine), sinf(turn) / sine, a.axis);
+    if (sine < 1e-6f) {
+        lanes_set(&b, 3, cosine > 0 ? cosf(half + 1e-3f) : -1);
+        return b;
+    }
+    Lanes both = lanes_add(lanes_scale(b, sinf(angle - turn) / sine), lanes_scale(a, sinf(turn) / sine));
+    Vec3f axis = vec3f_normalize(vec3f(lanes_get(both, 0), lanes_get(both, 1), lanes_get(both, 2)));
     /* wider by what rounding may take */
-    return (Cone){vec3f_normalize(axis), cosf(half < pi_f - 1e-4f ? half + 1e-4f : pi_f)};
+    return lanes(axis.x, axis.y, axis.z, cosf(half < pi_f - 1e-4f ? half + 1e-4f : pi_f));
 }
 
-static Vec3f vec3f_least(Vec3f a, Vec3f b)
+static Lanes cone_union(Lanes a, Lanes b)
 {
-    return vec3f(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
-}
-static Vec3f vec3f_most(Vec3f a, Vec3f b)
-{
-    return vec3f(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
-}
-static Cone cone_of(const LightBounds *b)
-{
-    return (Cone){b->axis, b->cos_o};
-}
-static Vec3f middle(const LightBounds *b)
-{
-    return vec3f_scale(vec3f_add(b->low, b->high), 0.5f);
-}
-static float component(Vec3f v, int axis)
-{
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+    float cos_a = lanes_get(a, 3), cos_b = lanes_get(b, 3);
+    if (cos_b <= -1) return b;
+    if (cos_a <= -1) return a;
+    Lanes product = lanes_mul(a, b);
+    float cosine = lanes_get(product, 0) + lanes_get(product, 1) + lanes_get(product, 2);
+    cosine = float_max(float_min(cosine, 1), -1);
+    /* inside already: the angle is no more than the difference of the two; without an arc cosine, as it is the usual
+     * case */
+    float least = lanes_get(product, 3) + sqrtf((1 - cos_a * cos_a) * (1 - cos_b * cos_b));
+    if (cosine >= least) return cos_b > cos_a ? a : b;
+    return cos_b > cos_a ? cone_around(b, a, cosine) : cone_around(a, b, cosine);
 }
 
-/* power 0: nothing so far */
-static LightBounds bounds_union(const LightBounds *a, const LightBounds *b)
+static void bounds_add(Bounds *sum, const Bounds *b)
 {
-    if (!(a->power > 0)) return *b;
-    if (!(b->power > 0)) return *a;
-    Cone cone = cone_union(cone_of(a), cone_of(b));
-    return (LightBounds){.low = vec3f_least(a->low, b->low),
-                         .high = vec3f_most(a->high, b->high),
-                         .axis = cone.axis,
-                         .cos_o = cone.cos_o,
-                         .cos_e = a->cos_e < b->cos_e ? a->cos_e : b->cos_e,
-                         .power = a->power + b->power,
-                         .two_sided = a->two_sided || b->two_sided};
+    if (!(sum->power > 0)) {
+        *sum = *b;
+        return;
+    }
+    sum->least = lanes_lesser(sum->least, b->least);
+    sum->most = lanes_greater(sum->most, b->most);
+    sum->cone = cone_union(sum->cone, b->cone);
+    sum->power += b->power;
 }
 
 /* [CK18] eq. 1 and 2: power, times the measure of directions, times the area of the box. The measure is
  * 1 - cos(o) + (2 w sin(o) - cos(o - 2 w) - 2 o sin(o) + cos(o)) / 4 with w = o + e or pi. */
-static double cost_of(const LightBounds *b)
+static double cost_of(const Bounds *b)
 {
     const double pi = 3.14159265358979323846;
-    double cos_o = b->two_sided ? -1 : (double)b->cos_o, cos_e = (double)b->cos_e,
+    Lanes d = lanes_sub(b->most, b->least);
+    double x = (double)lanes_get(d, 0), y = (double)lanes_get(d, 1), z = (double)lanes_get(d, 2);
+    double cos_o = is_two_sided(b) ? -1 : (double)lanes_get(b->cone, 3), cos_e = (double)lanes_get(b->least, 3),
            sin_o = sqrt(fmax(1 - cos_o * cos_o, 0));
     double omega = 1 - cos_o;
     if (cos_o > -cos_e) {
@@ -88,23 +103,16 @@ static double cost_of(const LightBounds *b)
     } else if (cos_o > -1) {
         omega += 0.5 * (pi - acos(cos_o)) * sin_o;
     }
-    Vec3f d = vec3f_sub(b->high, b->low);
-    double x = (double)d.x, y = (double)d.y, z = (double)d.z, diagonal2 = x * x + y * y + z * z;
+    double diagonal2 = x * x + y * y + z * z;
     /* lights in a line or at a point have no area; the square of what extent there is stands in */
     return (double)b->power * omega * (x * y + y * z + z * x + 1e-3 * diagonal2);
 }
 
 enum { N_BINS = 12 };
 
-/* A light on its way to its place; they are sorted into the tree's order as it grows. */
-typedef struct Item {
-    LightBounds bounds;
-    uint32_t light;
-} Item;
-
 typedef struct Builder {
     LightTree *tree;
-    Item *items;
+    Bounds *items; /* lights on their way to their places: they are sorted into the tree's order as it grows */
 } Builder;
 
 /* A stretch of the items that becomes a part of a node. */
@@ -123,34 +131,36 @@ static uint32_t most_nodes(uint32_t n_lights)
     return n_lights < 2 ? 0 : (uint32_t)((2 * (uint64_t)n_lights - 1) / 3);
 }
 
-static int bin_of(const LightBounds *light, int axis, float low, float scale)
+static int bin_of(const Bounds *light, int axis, float low, float scale)
 {
-    int bin = (int)((component(middle(light), axis) - low) * scale);
+    int bin = (int)(((lanes_get(light->least, axis) + lanes_get(light->most, axis)) * 0.5f - low) * scale);
     return bin < 0 ? 0 : bin >= N_BINS ? N_BINS - 1 : bin;
 }
 
 /* Where to cut along one axis: the last bin of the first half. Returns the cost. */
 static double best_cut(const Builder *b, Stretch s, int axis, float low, float scale, int *cut)
 {
-    LightBounds bins[N_BINS] = {0};
+    Bounds bins[N_BINS], sum;
+    for (int i = 0; i < N_BINS; i++) bins[i].power = 0;
     for (uint32_t i = s.begin; i < s.end; i++) {
-        const LightBounds *light = &b->items[i].bounds;
-        LightBounds *bin = &bins[bin_of(light, axis, low, scale)];
-        *bin = bounds_union(bin, light);
+        const Bounds *light = &b->items[i];
+        bounds_add(&bins[bin_of(light, axis, low, scale)], light);
     }
-    double behind[N_BINS];
-    LightBounds sum = {0};
-    for (int i = N_BINS - 1; i > 0; i--) { /* an empty bin changes nothing */
-        bool empty = !(bins[i].power > 0);
-        sum = bounds_union(&sum, &bins[i]);
-        behind[i] = !(sum.power > 0) ? -1 : empty ? behind[i + 1] : cost_of(&sum);
+    double behind[N_BINS], cost = -1;
+    sum.power = 0;
+    for (int i = N_BINS - 1; i > 0; i--) {
+        if (bins[i].power > 0) {
+            bounds_add(&sum, &bins[i]);
+            cost = cost_of(&sum);
+        }
+        behind[i] = cost;
     }
     double best = HUGE_VAL;
-    sum = (LightBounds){0};
+    sum.power = 0;
     for (int i = 0; i + 1 < N_BINS; i++) {
         if (!(bins[i].power > 0) || behind[i + 1] < 0) continue;
-        sum = bounds_union(&sum, &bins[i]);
-        double cost = cost_of(&sum) + behind[i + 1];
+        bounds_add(&sum, &bins[i]);
+        cost = cost_of(&sum) + behind[i + 1];
         if (cost >= best) continue;
         best = cost;
         *cut = i;
@@ -163,36 +173,37 @@ static double best_cut(const Builder *b, Stretch s, int axis, float low, float s
 static uint32_t split(const Builder *b, Stretch s)
 {
     enum { ALL_AXES_BELOW = 4096 };
-    Item *items = b->items;
-    Vec3f low = middle(&items[s.begin].bounds), high = low;
-    for (uint32_t i = s.begin + 1; i < s.end; i++) {
-        Vec3f at = middle(&items[i].bounds);
-        low = vec3f_least(low, at);
-        high = vec3f_most(high, at);
-    }
-    Vec3f extent = vec3f_sub(high, low);
-    int longest = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    Bounds *items = b->items;
     uint32_t n = length_of(s), half = s.begin + n / 2;
+    if (n == 2) return half;
+    Lanes low = middle(&items[s.begin]), high = low;
+    for (uint32_t i = s.begin + 1; i < s.end; i++) {
+        Lanes at = middle(&items[i]);
+        low = lanes_lesser(low, at);
+        high = lanes_greater(high, at);
+    }
+    Lanes extent = lanes_sub(high, low);
+    float x = lanes_get(extent, 0), y = lanes_get(extent, 1), z = lanes_get(extent, 2),
+          most = float_max(float_max(x, y), z);
+    int longest = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
     double best = HUGE_VAL;
     int axis = longest, cut = 0;
-    for (int i = 0; i < 3 && n > 2; i++) {
-        float length = component(extent, i);
+    for (int i = 0; i < 3; i++) {
+        float length = lanes_get(extent, i);
         int at = 0;
-        if (!(length > 0) || (i != longest && (n >= ALL_AXES_BELOW || length < 0.1f * component(extent, longest))))
-            continue;
-        double cost =
-            best_cut(b, s, i, component(low, i), N_BINS / length, &at) * (double)(component(extent, longest) / length);
+        if (!(length > 0) || (i != longest && (n >= ALL_AXES_BELOW || length < 0.1f * most))) continue;
+        double cost = best_cut(b, s, i, lanes_get(low, i), N_BINS / length, &at) * (double)(most / length);
         if (cost >= best) continue;
         best = cost;
         axis = i;
         cut = at;
     }
     if (!(best < HUGE_VAL)) return half;
-    float start = component(low, axis), scale = N_BINS / component(extent, axis);
+    float start = lanes_get(low, axis), scale = N_BINS / lanes_get(extent, axis);
     uint32_t first = s.begin;
     for (uint32_t i = s.begin; i < s.end; i++) {
-        if (bin_of(&items[i].bounds, axis, start, scale) > cut) continue;
-        Item item = items[i];
+        if (bin_of(&items[i], axis, start, scale) > cut) continue;
+        Bounds item = items[i];
         items[i] = items[first];
         items[first++] = item;
     }
@@ -219,19 +230,19 @@ static int split_in_parts(const Builder *b, Stretch s, int depth, Stretch parts[
     return n;
 }
 
-static void fill_part(TreeNode *node, int part, const LightBounds *b)
+static void fill_part(TreeNode *node, int part, const Bounds *b)
 {
-    Vec3f half = vec3f_scale(vec3f_sub(b->high, b->low), 0.5f), centre = middle(b);
-    lanes_set(&node->x, part, centre.x);
-    lanes_set(&node->y, part, centre.y);
-    lanes_set(&node->z, part, centre.z);
-    lanes_set(&node->radius2, part, vec3f_dot(half, half) * 1.00001f);
-    lanes_set(&node->axis_x, part, b->axis.x);
-    lanes_set(&node->axis_y, part, b->axis.y);
-    lanes_set(&node->axis_z, part, b->axis.z);
-    lanes_set(&node->cos_o, part, b->cos_o);
-    lanes_set(&node->cos_e, part, b->cos_e);
-    lanes_set(&node->two_sided, part, b->two_sided ? 1 : 0);
+    Lanes half = lanes_scale(lanes_sub(b->most, b->least), 0.5f), centre = middle(b), squares = lanes_mul(half, half);
+    lanes_set(&node->x, part, lanes_get(centre, 0));
+    lanes_set(&node->y, part, lanes_get(centre, 1));
+    lanes_set(&node->z, part, lanes_get(centre, 2));
+    lanes_set(&node->radius2, part, (lanes_get(squares, 0) + lanes_get(squares, 1) + lanes_get(squares, 2)) * 1.00001f);
+    lanes_set(&node->axis_x, part, lanes_get(b->cone, 0));
+    lanes_set(&node->axis_y, part, lanes_get(b->cone, 1));
+    lanes_set(&node->axis_z, part, lanes_get(b->cone, 2));
+    lanes_set(&node->cos_o, part, lanes_get(b->cone, 3));
+    lanes_set(&node->cos_e, part, lanes_get(b->least, 3));
+    lanes_set(&node->two_sided, part, lanes_get(b->most, 3));
     lanes_set(&node->power, part, b->power);
 }
 
@@ -254,17 +265,17 @@ static void link_parts(const Builder *b, uint32_t node, const Stretch *parts, in
 }
 
 /* Builds a node and all below it. Returns the bounds of its lights. */
-static LightBounds build(const Builder *b, uint32_t node, Stretch s, int depth)
+static Bounds build(const Builder *b, uint32_t node, Stretch s, int depth)
 {
     Stretch parts[PARTS];
     int n = split_in_parts(b, s, depth, parts);
     link_parts(b, node, parts, n);
-    LightBounds all = {0};
+    Bounds all = {.power = 0};
     for (int i = 0; i < n; i++) {
-        LightBounds bounds = length_of(parts[i]) == 1 ? b->items[parts[i].begin].bounds
-                                                      : build(b, b->tree->nodes[node].child[i], parts[i], depth + 1);
+        Bounds bounds = length_of(parts[i]) == 1 ? b->items[parts[i].begin]
+                                                 : build(b, b->tree->nodes[node].child[i], parts[i], depth + 1);
         fill_part(&b->tree->nodes[node], i, &bounds);
-        all = bounds_union(&all, &bounds);
+        bounds_add(&all, &bounds);
     }
     return all;
 }
@@ -279,7 +290,7 @@ typedef struct Branch {
     Stretch lights;
     uint32_t node;
     int n_parts; /* 0: built whole, or of one light */
-    LightBounds bounds;
+    Bounds bounds;
 } Branch;
 
 typedef struct UpperTree {
@@ -299,7 +310,7 @@ static void grow_branch(void *context, uint32_t index, unsigned worker)
     uint32_t n = length_of(branch->lights);
     if (!n) return;
     if (n == 1 && number) {
-        branch->bounds = b->items[branch->lights.begin].bounds;
+        branch->bounds = b->items[branch->lights.begin];
         return;
     }
     if (number >= N_UPPER || n < WHOLE_BELOW) {
@@ -329,9 +340,9 @@ static void build_all(const Builder *b, uint32_t n, Pool *pool)
     for (uint32_t number = N_UPPER; number-- > 0;) {
         Branch *branch = &upper.branches[number];
         for (int i = 0; i < branch->n_parts; i++) {
-            const LightBounds *bounds = &upper.branches[PARTS * number + 1 + (uint32_t)i].bounds;
+            const Bounds *bounds = &upper.branches[PARTS * number + 1 + (uint32_t)i].bounds;
             fill_part(&b->tree->nodes[branch->node], i, bounds);
-            branch->bounds = bounds_union(&branch->bounds, bounds);
+            bounds_add(&branch->bounds, bounds);
         }
     }
 }
@@ -342,7 +353,7 @@ Status light_tree_new(const LightBounds *lights, uint32_t n, Pool *pool, LightTr
     if (!made) return fail_memory(error, sizeof *made, "a tree of lights");
     for (uint32_t i = 0; i < n; i++) made->n_lights += lights[i].power > 0;
     size_t n_nodes = most_nodes(made->n_lights) + 1UL;
-    Item *items = malloc((made->n_lights + 1UL) * sizeof *items);
+    Bounds *items = malloc((made->n_lights + 1UL) * sizeof *items);
     made->leaf_of = malloc((n + 1UL) * sizeof *made->leaf_of);
     made->parent = malloc(n_nodes * sizeof *made->parent);
     made->nodes = calloc(n_nodes, sizeof *made->nodes);
@@ -355,7 +366,7 @@ Status light_tree_new(const LightBounds *lights, uint32_t n, Pool *pool, LightTr
     for (uint32_t i = 0; i < n; i++) {
         made->leaf_of[i] = LIGHT_TREE_NONE;
         if (!(lights[i].power > 0)) continue;
-        items[n_items++] = (Item){lights[i], i};
+        items[n_items++] = bounds_of_light(&lights[i], i);
         made->power += (double)lights[i].power;
     }
     Builder b = {made, items};
