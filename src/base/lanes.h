@@ -73,6 +73,16 @@ static inline void lanes_set(Lanes *a, int lane, float x)
 {
     a->v[lane] = x;
 }
+static inline Lanes lanes_load(const float values[LANES])
+{
+    Lanes a;
+    memcpy(&a, values, sizeof a);
+    return a;
+}
+static inline void lanes_store(Lanes a, float values[LANES])
+{
+    memcpy(values, &a, sizeof a);
+}
 static inline float lanes_sum(Lanes a)
 {
     return (a.v[0] + a.v[1]) + (a.v[2] + a.v[3]);

@@ -19,9 +19,9 @@ typedef struct Sky {
     float *values; /* the picture */
 } Sky;
 
-static Vec3 texel_direction(int row, int column)
+static Vec3 texel_direction(double polar, int column)
 {
-    double polar = pi * (row + 0.5) / HEIGHT, turn = 2 * pi * ((column + 0.5) / WIDTH - 0.5);
+    double turn = 2 * pi * ((column + 0.5) / WIDTH - 0.5);
     return vec3(sin(polar) * sin(turn), cos(polar), -sin(polar) * cos(turn));
 }
 
@@ -31,12 +31,12 @@ static void fill_row(void *context, uint32_t row, unsigned worker)
     (void)worker;
     const Sky *sky = context;
     float *values = sky->values + (size_t)row * WIDTH * BANDS;
-    for (int column = 0; column < WIDTH / 2; column++) {
-        float *texel = values + (size_t)column * BANDS;
-        sky_field_radiance(sky->field, vec3(0, air_ground + eye_height, 0), texel_direction((int)row, column), sky->sun,
-                           texel);
-        memcpy(values + (size_t)(WIDTH - 1 - column) * BANDS, texel, BANDS * sizeof *texel);
-    }
+    double polar = pi * (row + 0.5) / HEIGHT;
+    Vec3 directions[WIDTH / 2];
+    for (int column = 0; column < WIDTH / 2; column++) directions[column] = texel_direction(polar, column);
+    sky_field_radiance(sky->field, eye_height, cos(polar), sky->sun, directions, WIDTH / 2, values);
+    for (int column = 0; column < WIDTH / 2; column++)
+        memcpy(values + (WIDTH - 1 - column) * BANDS, values + column * BANDS, BANDS * sizeof *values);
 }
 
 /* What falls from the sky on level ground. */

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lanes.h"
+
 enum {
     BANDS = AIR_BANDS,
     HEIGHTS = 16,
@@ -21,7 +23,8 @@ enum {
     AROUND = 11,
     LOOKED_UP = UP_DOWN * AROUND,
     MOST_ORDERS = 60,
-    PARTS = 4 /* of a cell, along each side, to take means over */
+    MOST_STEPS = 128, /* of a line: twice what the longest one takes */
+    PARTS = 4         /* of a cell, along each side, to take means over */
 };
 
 static const double pi = 3.14159265358979323846, degree = 3.14159265358979323846 / 180;
@@ -37,14 +40,37 @@ typedef struct Scattered {
     float radiance[PLACES][LOOKED_UP][BANDS];
 } Scattered;
 
+/* Neighbours on an even grid. */
+typedef struct Between {
+    int low;
+    float part;
+} Between;
+
+/* What is the same for any sun and any azimuth along a straight line. */
+typedef struct LineStep {
+    double at, radius;     /* along it, and from the middle of the earth */
+    Between height, polar; /* where to look up what is scattered there */
+    float molecules[BANDS],
+        aerosol[BANDS]; /* of light there, what they send along the line, over their phase functions */
+} LineStep;
+
+typedef struct Line {
+    double radius, cosine, length; /* where it begins, against the vertical */
+    bool ground;                   /* it ends there, */
+    float through[BANDS];          /* and so much of it is seen */
+    int n;
+    LineStep steps[MOST_STEPS];
+} Line;
+
 struct SkyField {
     const Air *air;
-    float ground[BANDS];          /* albedo */
+    float ground[BANDS]; /* albedo */
     int n_suns;
     double suns_first, suns_step; /* warped angles from the vertical */
     Scattered all, last;
     float level[SUNS][BANDS];                /* the last order's irradiance of the ground */
     float gathered[PLACES][GATHERED][BANDS]; /* and its radiance */
+    Line lines[HEIGHTS][POLAR];              /* along which it is gathered */
     /* Phase functions, of light from cells, times their solid angle. */
     float of_molecules[LOOKED_UP][GATHERED], of_aerosol[LOOKED_UP][GATHERED];
 };
@@ -150,12 +176,6 @@ static double zenith_of(const SkyField *field, int sun)
     return unwarped(field->suns_first + sun * field->suns_step) * degree;
 }
 
-/* Neighbours on an even grid. */
-typedef struct Between {
-    int low;
-    float part;
-} Between;
-
 static Between between(double at, int n)
 {
     int low = at > 0 ? (int)fmin(at, n - 2) : 0;
@@ -168,26 +188,26 @@ static Between between_suns(const SkyField *field, double sun_cosine)
     return between((warped(angle) - field->suns_first) / field->suns_step, field->n_suns);
 }
 
-static void look_up(const SkyField *field, const Scattered *scattered, double height, double sun_cosine, double cosine,
-                    double toward, float values[BANDS])
+/* toward: the cosine of the angle between the line and the sun. */
+static void look_up(const SkyField *field, const Scattered *scattered, const LineStep *step, double cosine,
+                    double sun_cosine, double toward, Lanes values[BANDS / LANES])
 {
     double sines = sqrt(fmax((1 - cosine * cosine) * (1 - sun_cosine * sun_cosine), 1e-12));
     double azimuth = acos(fmin(fmax((toward - cosine * sun_cosine) / sines, -1), 1));
-    double polar = acos(fmin(fmax(cosine, -1), 1));
-    Between in[] = {between(cbrt(fmax(height, 0) / (air_top - air_ground)) * (HEIGHTS - 1), HEIGHTS),
-                    between_suns(field, sun_cosine), between(polar / pi * (UP_DOWN - 1), UP_DOWN),
-                    between(azimuth / pi * (AROUND - 1), AROUND)};
-    memset(values, 0, BANDS * sizeof *values);
-    for (int corner = 0; corner < 16; corner++) {
-        float weight = 1;
-        int at[4];
-        for (int i = 0; i < 4; i++) {
-            int next = corner >> i & 1;
-            at[i] = in[i].low + next;
-            weight *= next ? in[i].part : 1 - in[i].part;
+    Between sun = between_suns(field, sun_cosine), around = between(azimuth / pi * (AROUND - 1), AROUND);
+    for (int k = 0; k < BANDS / LANES; k++) values[k] = lanes_all(0);
+    for (int corner = 0; corner < 8; corner++) {
+        int h = corner & 1, s = corner >> 1 & 1, p = corner >> 2;
+        float weight = (h ? step->height.part : 1 - step->height.part) * (s ? sun.part : 1 - sun.part) *
+                       (p ? step->polar.part : 1 - step->polar.part);
+        const float(*there)[BANDS] =
+            &scattered
+                 ->radiance[(step->height.low + h) * SUNS + sun.low + s][(step->polar.low + p) * AROUND + around.low];
+        Lanes first = lanes_all(weight * (1 - around.part)), second = lanes_all(weight * around.part);
+        for (int k = 0; k < BANDS / LANES; k++) {
+            Lanes sum = lanes_mul(first, lanes_load(there[0] + k * LANES));
+            values[k] = lanes_add(values[k], lanes_add(sum, lanes_mul(second, lanes_load(there[1] + k * LANES))));
         }
-        const float *there = scattered->radiance[at[0] * SUNS + at[1]][at[2] * AROUND + at[3]];
-        for (int k = 0; k < BANDS; k++) values[k] += weight * there[k];
     }
 }
 
@@ -251,45 +271,78 @@ static void add_ground(const SkyField *field, Gather gather, double sun_cosine, 
     for (int k = 0; k < BANDS; k++) radiance[k] += through[k] * light[k] * field->ground[k] / (float)pi;
 }
 
-/* phases: of the sun's light. */
-static void gather_along(const SkyField *field, Gather gather, Vec3 from, Vec3 direction, Vec3 sun, Phases phases,
-                         float radiance[BANDS])
+static void make_line(const Air *air, double radius, double cosine, double precision, Line *line)
 {
     const float whole = (float)air_aerosol_albedo;
-    double length, radius = vec3_length(from), along = vec3_dot(from, direction), toward = vec3_dot(direction, sun);
-    bool ground = air_line(radius, along / radius, &length);
-    double height = radius - air_ground, cosine = along / radius;
-    float through[BANDS], light[BANDS] = {0}, again[BANDS] = {0};
-    for (int k = 0; k < BANDS; k++) through[k] = 1, radiance[k] = 0;
-    for (double at = 0; at < length;) {
-        double step = fmin(step_at(height, cosine, gather == ALL ? fine : coarse), length - at),
-               middle = at + 0.5 * step;
+    double along = radius * cosine, height = radius - air_ground;
+    *line = (Line){.radius = radius, .cosine = cosine};
+    line->ground = air_line(radius, cosine, &line->length);
+    for (int k = 0; k < BANDS; k++) line->through[k] = 1;
+    for (double at = 0; at < line->length; line->n++) {
+        double length = fmin(step_at(height, cosine, precision), line->length - at), middle = at + 0.5 * length;
+        if (line->n == MOST_STEPS - 1) length = line->length - at;
         double here = sqrt(radius * radius + middle * middle + 2 * middle * along);
-        double sun_cosine = (vec3_dot(from, sun) + middle * toward) / here;
         Columns density = air_density(here - air_ground);
-        if (gather != FURTHER) sunlight(field, here, sun_cosine, light);
-        if (gather != FIRST)
-            look_up(field, gather == ALL ? &field->all : &field->last, here - air_ground, sun_cosine,
-                    (along + middle) / here, toward, again);
+        LineStep *step = &line->steps[line->n];
+        step->at = middle;
+        step->radius = here;
+        step->height = between(cbrt(fmax(here - air_ground, 0) / (air_top - air_ground)) * (HEIGHTS - 1), HEIGHTS);
+        double polar = acos(fmin(fmax((along + middle) / here, -1), 1));
+        step->polar = between(polar / pi * (UP_DOWN - 1), UP_DOWN);
         for (int k = 0; k < BANDS; k++) {
-            float molecules = field->air->rayleigh[k] * density.rayleigh;
-            float aerosol = field->air->aerosol[k] * density.aerosol;
-            float extinction = molecules + aerosol + field->air->ozone[k] * density.ozone + 1e-12f;
-            float source = (molecules * phases.molecules + whole * aerosol * phases.aerosol) * light[k] +
-                           (molecules + whole * aerosol) * again[k];
-            float kept = exp_falling(-extinction * (float)step);
-            radiance[k] += through[k] * source * ((1 - kept) / extinction);
-            through[k] *= kept;
+            float molecules = air->rayleigh[k] * density.rayleigh, aerosol = air->aerosol[k] * density.aerosol;
+            float extinction = molecules + aerosol + air->ozone[k] * density.ozone + 1e-12f;
+            float kept = exp_falling(-extinction * (float)length);
+            float reaches = line->through[k] * ((1 - kept) / extinction);
+            step->molecules[k] = molecules * reaches;
+            step->aerosol[k] = whole * aerosol * reaches;
+            line->through[k] *= kept;
         }
-        at += step;
+        at += length;
         height = sqrt(radius * radius + at * at + 2 * at * along) - air_ground;
         cosine = (along + at) / (height + air_ground);
     }
-    Vec3 end = vec3_along(from, length, direction);
-    if (ground) add_ground(field, gather, vec3_dot(end, sun) / vec3_length(end), through, radiance);
+}
+
+/* What arrives along a line. sun_cosine: the sun's against the vertical at its beginning; toward: against the line; phases:
+ * of the sun's light. */
+static void gather_along(const SkyField *field, Gather gather, const Line *line, double sun_cosine, double toward,
+                         Phases phases, float radiance[BANDS])
+{
+    const Scattered *scattered = gather == ALL ? &field->all : &field->last;
+    float light[BANDS];
+    memset(radiance, 0, BANDS * sizeof *radiance);
+    for (int i = 0; i < line->n; i++) {
+        const LineStep *step = &line->steps[i];
+        double sun = (line->radius * sun_cosine + step->at * toward) / step->radius;
+        if (gather != FURTHER) {
+            sunlight(field, step->radius, sun, light);
+            for (int k = 0; k < BANDS; k++)
+                radiance[k] += (step->molecules[k] * phases.molecules + step->aerosol[k] * phases.aerosol) * light[k];
+        }
+        if (gather == FIRST) continue;
+        Lanes again[BANDS / LANES];
+        look_up(field, scattered, step, (line->radius * line->cosine + step->at) / step->radius, sun, toward, again);
+        for (int k = 0; k < BANDS; k += LANES) {
+            Lanes part = lanes_add(lanes_load(step->molecules + k), lanes_load(step->aerosol + k));
+            lanes_store(lanes_add(lanes_load(radiance + k), lanes_mul(part, again[k / LANES])), radiance + k);
+        }
+    }
+    double end = sqrt(line->radius * line->radius + line->length * line->length +
+                      2 * line->length * line->radius * line->cosine);
+    if (line->ground)
+        add_ground(field, gather, (line->radius * sun_cosine + line->length * toward) / end, line->through, radiance);
 }
 
 /* ---- orders ---- */
+
+static void prepare_lines(SkyField *field)
+{
+    for (int h = 0; h < HEIGHTS; h++)
+        for (int polar = 0; polar < POLAR; polar++)
+            make_line(field->air, air_ground + fmin(fmax(height_of(h), 1e-3), air_top - air_ground - 1e-3),
+                      cell_cosine(polar), coarse, &field->lines[h][polar]);
+}
 
 typedef struct Order {
     SkyField *field;
@@ -302,12 +355,12 @@ static void gather_place(void *context, uint32_t place, unsigned worker)
     Order *order = context;
     SkyField *field = order->field;
     if ((int)place % SUNS >= field->n_suns) return;
-    double radius = air_ground + fmin(fmax(height_of((int)place / SUNS), 1e-3), air_top - air_ground - 1e-3);
     Vec3 sun = direction_at(cos(zenith_of(field, (int)place % SUNS)), 0);
     for (int cell = 0; cell < GATHERED; cell++) {
-        Vec3 direction = direction_at(cell_cosine(cell / AZIMUTHS), pi * (cell % AZIMUTHS + 0.5) / AZIMUTHS);
+        const Line *line = &field->lines[place / SUNS][cell / AZIMUTHS];
+        Vec3 direction = direction_at(line->cosine, pi * (cell % AZIMUTHS + 0.5) / AZIMUTHS);
         Phases phases = order->gather == FIRST ? phases_of_cell(cell, sun) : (Phases){0, 0};
-        gather_along(field, order->gather, vec3(0, radius, 0), direction, sun, phases, field->gathered[place][cell]);
+        gather_along(field, order->gather, line, sun.y, vec3_dot(direction, sun), phases, field->gathered[place][cell]);
     }
 }
 
@@ -326,15 +379,22 @@ static void scatter_place(void *context, uint32_t place, unsigned worker)
         part[k] = aerosol / (molecules + aerosol + 1e-30f);
     }
     for (int i = 0; i < LOOKED_UP; i++) {
-        float molecules[BANDS] = {0}, aerosol[BANDS] = {0};
-        for (int cell = 0; cell < GATHERED; cell++)
-            for (int k = 0; k < BANDS; k++) {
-                float light = field->gathered[place][cell][k];
-                molecules[k] += field->of_molecules[i][cell] * light;
-                aerosol[k] += field->of_aerosol[i][cell] * light;
+        Lanes molecules[BANDS / LANES], aerosol[BANDS / LANES];
+        for (int k = 0; k < BANDS / LANES; k++) molecules[k] = aerosol[k] = lanes_all(0);
+        for (int cell = 0; cell < GATHERED; cell++) {
+            const float *light = field->gathered[place][cell];
+            Lanes to_molecules = lanes_all(field->of_molecules[i][cell]),
+                  to_aerosol = lanes_all(field->of_aerosol[i][cell]);
+            for (int k = 0; k < BANDS / LANES; k++) {
+                Lanes band = lanes_load(light + k * LANES);
+                molecules[k] = lanes_add(molecules[k], lanes_mul(to_molecules, band));
+                aerosol[k] = lanes_add(aerosol[k], lanes_mul(to_aerosol, band));
             }
-        for (int k = 0; k < BANDS; k++)
-            field->last.radiance[place][i][k] = molecules[k] + part[k] * (aerosol[k] - molecules[k]);
+        }
+        for (int k = 0; k < BANDS / LANES; k++) {
+            Lanes more = lanes_mul(lanes_load(part + k * LANES), lanes_sub(aerosol[k], molecules[k]));
+            lanes_store(lanes_add(molecules[k], more), field->last.radiance[place][i] + k * LANES);
+        }
     }
 }
 
@@ -417,6 +477,7 @@ Status sky_field_new(const Air *air, const float ground[AIR_BANDS], double eleva
     field->n_suns = zenith + reach < dusk ? FEW_SUNS : SUNS;
     field->suns_step = (warped(zenith + reach) - field->suns_first) / (field->n_suns - 1);
     prepare_phases(field);
+    prepare_lines(field);
     follow_orders(field, fall, pool);
     free(fall);
     *result = field;
@@ -428,8 +489,14 @@ void sky_field_free(SkyField *field)
     free(field);
 }
 
-void sky_field_radiance(const SkyField *field, Vec3 from, Vec3 direction, Vec3 sun, float radiance[AIR_BANDS])
+void sky_field_radiance(const SkyField *field, double height, double cosine, Vec3 sun, const Vec3 *directions, size_t n,
+                        float *radiance)
 {
-    float toward = (float)vec3_dot(direction, sun);
-    gather_along(field, ALL, from, direction, sun, (Phases){rayleigh_phase(toward), aerosol_phase(toward)}, radiance);
+    Line line;
+    make_line(field->air, air_ground + height, cosine, fine, &line);
+    for (size_t i = 0; i < n; i++) {
+        double toward = vec3_dot(directions[i], sun);
+        Phases phases = {rayleigh_phase((float)toward), aerosol_phase((float)toward)};
+        gather_along(field, ALL, &line, sun.y, toward, phases, radiance + i * BANDS);
+    }
 }

@@ -18,7 +18,9 @@ typedef struct SkyField SkyField;
 ATTR_NODISCARD Status sky_field_new(const Air *air, const float ground[AIR_BANDS], double elevation_rad, Pool *pool,
                                     SkyField **field, Error *error);
 void sky_field_free(SkyField *field);
-/* The radiance that arrives at a place (from the middle of the earth) from a unit direction above the horizon. */
-void sky_field_radiance(const SkyField *field, Vec3 from, Vec3 direction, Vec3 sun, float radiance[AIR_BANDS]);
+/* The radiance that arrives at a height above the ground from n directions above the horizon, unit, that all have that
+ * cosine against the vertical, which is y: n * AIR_BANDS values. */
+void sky_field_radiance(const SkyField *field, double height, double cosine, Vec3 sun, const Vec3 *directions, size_t n,
+                        float *radiance);
 
 #endif
