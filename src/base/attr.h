@@ -13,6 +13,8 @@
 #define ATTR_APART __attribute__((noinline))
 #define LIKELY(x) __builtin_expect(!!(x), 1)
 #define UNLIKELY(x) __builtin_expect(!!(x), 0)
+/* The number of the highest bit that is set of 64, of which one is. */
+#define HIGHEST_BIT(x) (63U - (unsigned)__builtin_clzll(x))
 #else
 #define ATTR_PRINTF(text, first)
 #define ATTR_NODISCARD
@@ -21,6 +23,13 @@
 #define ATTR_APART
 #define LIKELY(x) (x)
 #define UNLIKELY(x) (x)
+static inline unsigned attr_highest_bit(unsigned long long x)
+{
+    unsigned n = 0;
+    while (x >>= 1) n++;
+    return n;
+}
+#define HIGHEST_BIT(x) attr_highest_bit(x)
 #endif
 
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))

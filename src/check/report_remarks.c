@@ -233,7 +233,8 @@ static void remark_enclosed(Remarks *r)
     for (uint32_t h = 0; h < n; h++) places[h] = (Place){r->compiled->hull_bounds[h].min.x, h};
     qsort(places, n, sizeof *places, compare_places);
     for (uint32_t i = 0; i < r->scene->n_objects; i++)
-        if (r->compiled->hull_of_object[i] == SCENE_NONE && !scene_is_thin(r->scene, i) && encloses(r->scene, &r->scene->objects[i]))
+        if (r->compiled->hull_of_object[i] == SCENE_NONE && !scene_is_thin(r->scene, i) &&
+            encloses(r->scene, &r->scene->objects[i]))
             remark_enclosed_in(r, i, places, &tally);
     tally_end(r, &tally);
     free(places);
@@ -383,10 +384,11 @@ static void remark_cameras(Remarks *r)
                                          camera->name, object->name, r->scene->media[medium].name);
         diag_note(r->diag, report, object->span, "%s is here", object->name);
         Buf expect = {0};
-        uint32_t n;
-        const uint32_t *hulls = compiled_hulls_in(compiled, &list, &n);
-        for (uint32_t k = 0; k < n; k++)
-            buf_format(&expect, "%s%s", k ? ", " : "", r->scene->media[compiled->hulls[hulls[k]].medium].name);
+        uint32_t n = nest_list_count(&list), first = compiled_operands_in(compiled, &list);
+        for (uint32_t k = first; k < n; k++) {
+            const NestHull *hull = &compiled->hulls[nest_item(&compiled->order, &list, k)];
+            buf_format(&expect, "%s%s", k > first ? ", " : "", r->scene->media[hull->medium].name);
+        }
         diag_hint(r->diag, report, "if that is meant, say so: expect = [%s]", buf_text(&expect));
         buf_clear(&expect);
     }

@@ -39,6 +39,22 @@ static uint32_t apply(NestList *list, const NestOrder *order, NestPass pass)
     return 0;
 }
 
+NestStep nest_look_in_row(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
+{
+    const uint32_t *items = nest_list_items(list);
+    uint32_t n = list->n, place = n, level = order->level[pass.hull];
+    while (place > 0 && order->level[items[place - 1]] > level) place--;
+    bool inside = place > 0 && items[place - 1] == pass.hull;
+    NestStep step = {1, list->level, n, pass.hull, place};
+    crossing->n_faults = inside == pass.entering;
+    if (UNLIKELY(inside == pass.entering)) return step;
+    if (place == n) step.level = pass.entering ? level : n > 1 ? order->level[items[n - 2]] : 0; /* on top */
+    crossing->medium_to = order->medium_at[step.level];
+    step.n = pass.entering ? n + 1 : n - 1;
+    step.place = pass.entering ? place : place - 1;
+    return step;
+}
+
 /* Whether pass i is the one that counts for its hull: the first, where the last goes the same way. */
 static bool counts(const NestPass *passes, uint32_t n, uint32_t i)
 {
@@ -134,21 +150,49 @@ static void cross_several(NestList *list, const NestOrder *order, const NestPass
         }
 }
 
-Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n, NestCrossing *crossing)
+/* All passes, where lists keep hulls as bits. */
+static void cross_narrow(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
+                         NestCrossing *crossing)
 {
-    crossing->n_faults = 0;
-    crossing->opaque = false;
-    TRY(nest_list_reserve(list, order->csg ? 2 * n : n)); /* an operand may bring its combination's hull */
-    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
-    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
-    if (UNLIKELY(order->policy == NEST_NONE)) {
-        cross_without_nesting(list, order, passes, n, crossing);
-        return STATUS_OK;
+    for (uint32_t i = 0; i < n; i++) {
+        if (!counts(passes, n, i)) continue;
+        uint32_t level = order->level[passes[i].hull];
+        if ((list->mask >> level & 1) == passes[i].entering)
+            crossing->n_faults++;
+        else
+            list->mask ^= 1ULL << level;
     }
+    list->level = HIGHEST_BIT(list->mask);
+}
+
+/* The same in a row. */
+static void cross_in_row(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
+                         NestCrossing *crossing)
+{
     if (LIKELY(n == 1 && passes[0].hull < order->n_hulls))
         crossing->n_faults = apply(list, order, passes[0]);
     else
         cross_several(list, order, passes, n, crossing);
+    nest_order_settle(order, list);
+}
+
+Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n, NestCrossing *crossing)
+{
+    crossing->n_faults = 0;
+    crossing->opaque = false;
+    if (!order->narrow)
+        TRY(nest_list_reserve(list, order->csg ? 2 * n : n)); /* an operand may bring its combination's hull */
+    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
+    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
+    if (UNLIKELY(order->policy == NEST_NONE)) {
+        cross_without_nesting(list, order, passes, n, crossing);
+        nest_order_settle(order, list);
+        return STATUS_OK;
+    }
+    if (LIKELY(order->narrow))
+        cross_narrow(list, order, passes, n, crossing);
+    else
+        cross_in_row(list, order, passes, n, crossing);
     crossing->owner_to = nest_owner(order, list);
     crossing->medium_to = nest_medium(order, list);
     return STATUS_OK;

@@ -8,18 +8,15 @@
 #include "nest/list.h"
 #include "nest/order.h"
 
-#define NEST_WORLD UINT32_MAX /* "owner" of a point that no hull holds */
-
 /* The hull that owns the point: the top of the list, NEST_WORLD when there is none. */
 static inline uint32_t nest_owner(const NestOrder *order, const NestList *list)
 {
-    uint32_t top = list->n ? nest_list_items(list)[list->n - 1] : NEST_WORLD;
-    return top < order->n_hulls && !nest_mixes(order, top) ? top : NEST_WORLD; /* operands alone are nothing */
+    return order->hull_at[list->level];
 }
 /* The medium there. */
 static inline uint32_t nest_medium(const NestOrder *order, const NestList *list)
 {
-    return list->n ? order->medium[nest_list_items(list)[list->n - 1]] : order->world_medium;
+    return order->medium_at[list->level];
 }
 
 /* One crossing of the surface of one hull, or of one operand of a combination. */
@@ -30,9 +27,9 @@ typedef struct NestPass {
 
 typedef struct NestCrossing {
     uint32_t medium_from, medium_to; /* equal: the surface is not there, go on with the new list */
-    uint32_t owner_from, owner_to;   /* hulls, or NEST_WORLD */
     uint32_t n_faults;               /* passes whose direction disagreed with the list; the list was healed */
     bool opaque;                     /* the surface of an opaque combination is here */
+    uint32_t owner_from, owner_to;   /* hulls, or NEST_WORLD; told by nest_cross alone */
 } NestCrossing;
 
 /* Crosses all n surfaces that stand at one distance, together, and leaves the list as it is behind them.
@@ -45,45 +42,66 @@ ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const N
 
 /* What crossing one surface comes to, before the list is changed. */
 typedef struct NestStep {
-    uint32_t hull, place; /* where in the list it goes, or behind which it is */
-    bool entering, apt;   /* false: the list stays */
+    uint64_t mask; /* the list's, behind it, */
+    uint32_t level;
+    uint32_t n, hull, place; /* and of a row: where n changes, where the hull goes, or stands */
 } NestStep;
 
-/* Decides on the crossing of one surface, as most are, under a sorted order: a hull's place shows whether it is there. */
+/* nest_look in a row of hulls. */
+NestStep nest_look_in_row(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing);
+
+/* Decides on the crossing of one surface, as most are, under a sorted order. crossing: at first nest_stay; its owners are not
+ * told. */
 static inline NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
 {
-    const uint32_t *items = nest_list_items(list);
-    uint32_t n = list->n, place = n, rank = order->rank[pass.hull];
-    while (place > 0 && order->rank[items[place - 1]] > rank) place--;
-    bool inside = place > 0 && items[place - 1] == pass.hull, apt = inside != pass.entering;
-    crossing->owner_from = crossing->owner_to = nest_owner(order, list);
-    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
-    crossing->opaque = false;
-    crossing->n_faults = !apt;
-    if (apt && place == n) { /* on top */
-        uint32_t owner = pass.entering ? pass.hull : n > 1 ? items[n - 2] : NEST_WORLD;
-        crossing->owner_to = owner;
-        crossing->medium_to = owner == NEST_WORLD ? order->world_medium : order->medium[owner];
+    if (UNLIKELY(!order->narrow)) return nest_look_in_row(list, order, pass, crossing);
+    NestStep step;
+    uint64_t bit = 1ULL << order->level[pass.hull];
+    if (UNLIKELY(((list->mask & bit) != 0) == pass.entering)) {
+        step.mask = list->mask;
+        step.level = list->level;
+        crossing->n_faults = 1;
+        return step;
     }
-    return (NestStep){pass.hull, place, pass.entering, apt};
+    step.mask = list->mask ^ bit;
+    step.level = HIGHEST_BIT(step.mask);
+    crossing->medium_to = order->medium_at[step.level];
+    return step;
 }
 
 /* Changes the list, as it was looked at; it must have room for one more hull. */
-static inline void nest_step(NestList *list, NestStep step)
+static inline void nest_step(NestList *list, const NestOrder *order, const NestStep *step)
 {
-    if (UNLIKELY(!step.apt)) return;
-    if (step.entering)
-        nest_list_insert(list, step.place, step.hull);
-    else
-        nest_list_remove(list, step.place - 1);
+    if (UNLIKELY(!order->narrow) && step->n != list->n) {
+        if (step->n > list->n)
+            nest_list_insert(list, step->place, step->hull);
+        else
+            nest_list_remove(list, step->place);
+    }
+    list->mask = step->mask;
+    list->level = step->level;
+}
+/* Whether nest_look and nest_step will do. */
+static inline bool nest_may_look(const NestList *list, const NestOrder *order)
+{
+    return LIKELY(order->narrow) || (order->sorted && list->n < list->capacity);
+}
+
+/* Where nothing is crossed. */
+static inline NestCrossing nest_stay(const NestOrder *order, const NestList *list)
+{
+    uint32_t medium = nest_medium(order, list);
+    return (NestCrossing){.medium_from = medium, .medium_to = medium};
 }
 
 /* nest_cross for one surface. */
 ATTR_NODISCARD static inline Status nest_cross_one(NestList *list, const NestOrder *order, NestPass pass,
                                                    NestCrossing *crossing)
 {
-    if (UNLIKELY(!order->sorted || list->n == list->capacity)) return nest_cross(list, order, &pass, 1, crossing);
-    nest_step(list, nest_look(list, order, pass, crossing));
+    if (UNLIKELY(!nest_may_look(list, order))) return nest_cross(list, order, &pass, 1, crossing);
+    *crossing = nest_stay(order, list);
+    NestStep step = nest_look(list, order, pass, crossing);
+    nest_step(list, order, &step);
     return STATUS_OK;
 }
 

@@ -29,8 +29,10 @@ Status nest_list_grow(NestList *list, uint32_t more)
 
 Status nest_list_copy_grown(NestList *to, const NestList *from)
 {
-    to->n = 0;
+    nest_list_empty(to);
     TRY(nest_list_reserve(to, from->n));
+    to->mask = from->mask;
+    to->level = from->level;
     to->n = from->n;
     const uint32_t *items = nest_list_items(from);
     uint32_t *copies = nest_list_hulls(to);

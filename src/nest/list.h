@@ -1,5 +1,6 @@
 /* list.h - the interior list: the set of hulls that a ray is inside, the owner of the point last.
- * Up to NEST_INLINE hulls cost no allocation; beyond that the list grows on the heap.
+ * Where an order (order.h) has few hulls, bits of a word say which of them are in, and nothing else is kept. Else they are
+ * numbers in a row: up to NEST_INLINE cost no allocation; beyond that the list grows on the heap.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_LIST_H
 #define MEN_LIST_H
@@ -14,20 +15,41 @@
 #define NEST_INLINE 12 /* a hostile build sets 1, so that every list grows */
 #endif
 
+/* At most so many hulls are kept as bits, one each behind the lowest bit, which stands for the world. */
+#define NEST_NARROW (NEST_INLINE > 1 ? 63 : 0)
+
 typedef struct NestList {
-    uint32_t n, capacity;
+    uint64_t mask;  /* bit 0, and the levels (order.h) of those that are kept as bits */
+    uint32_t level; /* of the owner */
+    uint32_t n;     /* how many are kept in a row */
+    uint32_t capacity;
     uint32_t *grown; /* NULL while inline */
     uint32_t hulls_inline[NEST_INLINE];
 } NestList;
 
 static inline void nest_list_init(NestList *list)
 {
-    list->n = 0;
+    list->mask = 1;
+    list->level = list->n = 0;
     list->capacity = NEST_INLINE;
     list->grown = NULL;
 }
+/* Takes all hulls out. */
+static inline void nest_list_empty(NestList *list)
+{
+    list->mask = 1;
+    list->level = list->n = 0;
+}
 /* Frees what has grown; the list is empty and usable afterwards. */
 void nest_list_clear(NestList *list);
+/* How many hulls there are. */
+static inline uint32_t nest_list_count(const NestList *list)
+{
+    uint32_t n = list->n;
+    for (uint64_t bits = list->mask & (list->mask - 1); bits; bits &= bits - 1) n++;
+    return n;
+}
+/* Those that are kept in a row. */
 static inline uint32_t *nest_list_hulls(NestList *list)
 {
     return list->grown ? list->grown : list->hulls_inline;
@@ -46,10 +68,26 @@ Status nest_list_copy_grown(NestList *to, const NestList *from);
 /* Makes *to equal to *from (each branch of a path has its own list). STATUS_NOMEM leaves *to empty. */
 ATTR_NODISCARD static inline Status nest_list_copy(NestList *to, const NestList *from)
 {
-    if (UNLIKELY(from->grown || to->grown)) return nest_list_copy_grown(to, from);
+    to->mask = from->mask;
+    to->level = from->level;
     to->n = from->n;
+    if (LIKELY(!from->n)) return STATUS_OK;
+    if (UNLIKELY(from->grown || to->grown)) return nest_list_copy_grown(to, from);
     memcpy(to->hulls_inline, from->hulls_inline, sizeof to->hulls_inline); /* all at once is faster than those in use */
     return STATUS_OK;
+}
+/* Makes *to equal to *from, which may then be anything. */
+static inline void nest_list_take(NestList *to, NestList *from)
+{
+    if (LIKELY(!from->n)) {
+        to->mask = from->mask;
+        to->level = from->level;
+        to->n = 0;
+        return;
+    }
+    NestList swap = *to;
+    *to = *from;
+    *from = swap;
 }
 static inline void nest_list_swap(NestList *a, NestList *b)
 {
@@ -57,8 +95,9 @@ static inline void nest_list_swap(NestList *a, NestList *b)
     *a = *b;
     *b = swap;
 }
+/* Whether a hull is in the row. */
 bool nest_list_has(const NestList *list, uint32_t hull);
-/* There must be room. place 0 .. n; what stands there moves up. */
+/* Into the row. There must be room. place 0 .. n; what stands there moves up. */
 static inline void nest_list_insert(NestList *list, uint32_t place, uint32_t hull)
 {
     uint32_t *items = nest_list_hulls(list);

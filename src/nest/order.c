@@ -11,7 +11,8 @@
 #include <string.h>
 
 static const char *const policy_texts[] = {"automatic", "entered", "priority", "none"};
-static const char *const rule_texts[] = {"priority", "containment", "state of matter", "volume", "order of declaration"};
+static const char *const rule_texts[] = {"priority", "containment", "state of matter", "volume",
+                                         "order of declaration"};
 
 const char *nest_rule_text(NestRule rule)
 {
@@ -65,11 +66,11 @@ typedef struct Sorter {
     uint32_t *arrow;       /* to the hull below */
     uint32_t *component;   /* number of the strongly connected component */
     uint32_t n_components;
-    uint32_t *component_size, *n_above; /* per component: members, arrows into it not yet sorted away */
+    uint32_t *component_size, *n_above;                /* per component: members, arrows into it not yet sorted away */
     uint32_t *index, *low, *stack, *path, *next_arrow; /* Tarjan's */
     bool *on_stack;
-    uint32_t *by_volume; /* hulls, top first within equal claims: smaller volume, then later declaration */
-    uint32_t *heap;      /* components that are free to be placed, the smallest of their hulls on top */
+    uint32_t *by_volume;          /* hulls, top first within equal claims: smaller volume, then later declaration */
+    uint32_t *heap;               /* components that are free to be placed, the smallest of their hulls on top */
     uint32_t *first_of_component; /* place in by_volume of its first hull */
     void *memory;
 } Sorter;
@@ -77,8 +78,18 @@ typedef struct Sorter {
 static Status sorter_init(Sorter *s, const NestHull *hulls, uint32_t n, size_t n_arrows, Error *error)
 {
     *s = (Sorter){.hulls = hulls, .n = n};
-    uint32_t **arrays[] = {&s->component, &s->component_size, &s->n_above, &s->index, &s->low, &s->stack, &s->path,
-                           &s->next_arrow, &s->by_volume, &s->heap, &s->first_of_component, &s->first_arrow};
+    uint32_t **arrays[] = {&s->component,
+                           &s->component_size,
+                           &s->n_above,
+                           &s->index,
+                           &s->low,
+                           &s->stack,
+                           &s->path,
+                           &s->next_arrow,
+                           &s->by_volume,
+                           &s->heap,
+                           &s->first_of_component,
+                           &s->first_arrow};
     size_t stride = (size_t)n + 1;
     size_t bytes = (COUNT_OF(arrays) * stride + n_arrows) * sizeof(uint32_t) + stride * sizeof(bool);
     uint32_t *memory = calloc(1, bytes);
@@ -188,7 +199,8 @@ static uint32_t heap_pop(Sorter *s, uint32_t *n)
     for (;;) {
         uint32_t child = 2 * i + 1;
         if (child >= *n) break;
-        if (child + 1 < *n && s->first_of_component[s->heap[child + 1]] < s->first_of_component[s->heap[child]]) child++;
+        if (child + 1 < *n && s->first_of_component[s->heap[child + 1]] < s->first_of_component[s->heap[child]])
+            child++;
         if (s->first_of_component[s->heap[child]] >= s->first_of_component[last]) break;
         s->heap[i] = s->heap[child];
         i = child;
@@ -233,7 +245,8 @@ static Status order_automatic(NestOrder *order, const NestHull *hulls, const Nes
                               Error *error)
 {
     Sorter sorter;
-    if (n_overlaps > UINT32_MAX) return fail(error, STATUS_NOMEM, "%zu pairs of overlapping hulls are too many", n_overlaps);
+    if (n_overlaps > UINT32_MAX)
+        return fail(error, STATUS_NOMEM, "%zu pairs of overlapping hulls are too many", n_overlaps);
     TRY(sorter_init(&sorter, hulls, order->n_hulls, n_overlaps, error));
     add_arrows(&sorter, overlaps, n_overlaps);
     find_components(&sorter);
@@ -289,15 +302,38 @@ static Status sink_mixing(NestOrder *order, const NestHull *hulls, Error *error)
     return STATUS_OK;
 }
 
+/* Room for tables of n hulls and operands, of n_hulls and the world, all in one. */
+static Status make_tables(NestOrder *order, size_t n, Error *error)
+{
+    size_t n_levels = order->n_hulls + (size_t)1, size = 4 * n + 2 * n_levels;
+    order->rank = calloc(size, sizeof *order->rank);
+    if (!order->rank) return fail_memory(error, size * sizeof *order->rank, "the order of the hulls");
+    order->medium = order->rank + n;
+    order->circle = order->medium + n;
+    order->level = order->circle + n;
+    order->medium_at = order->level + n;
+    order->hull_at = order->medium_at + n_levels;
+    return STATUS_OK;
+}
+
+/* Levels, from ranks and media. */
+static void give_levels(NestOrder *order)
+{
+    order->medium_at[0] = order->world_medium;
+    order->hull_at[0] = NEST_WORLD;
+    for (uint32_t h = 0; h < order->n_hulls; h++) {
+        uint32_t level = order->rank[h] + 1;
+        order->level[h] = nest_mixes(order, h) ? 0 : level;
+        order->medium_at[level] = order->medium[h];
+        order->hull_at[level] = h;
+    }
+}
+
 Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
                         uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error)
 {
     *order = (NestOrder){.policy = policy, .n_hulls = n_hulls, .world_medium = world_medium};
-    size_t n = n_hulls ? n_hulls : 1;
-    order->rank = calloc(3 * n, sizeof *order->rank);
-    if (!order->rank) return fail_memory(error, 3 * n * sizeof *order->rank, "the order of the hulls");
-    order->medium = order->rank + n;
-    order->circle = order->medium + n;
+    TRY(make_tables(order, n_hulls ? n_hulls : 1, error));
     for (uint32_t h = 0; h < n_hulls; h++) {
         order->medium[h] = hulls[h].mixes ? world_medium : hulls[h].medium;
         order->rank[h] = h;
@@ -306,29 +342,30 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medi
     if (policy == NEST_AUTOMATIC) status = order_automatic(order, hulls, overlaps, n_overlaps, error);
     if (policy == NEST_PRIORITY) status = order_priority(order, hulls, error);
     if (status == STATUS_OK) status = sink_mixing(order, hulls, error);
+    if (status == STATUS_OK) give_levels(order);
     order->sorted = (policy == NEST_AUTOMATIC || policy == NEST_PRIORITY) && !order->n_mixing;
+    order->narrow = order->sorted && n_hulls <= NEST_NARROW;
     if (status != STATUS_OK) nest_order_clear(order);
     return status;
 }
 
 Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error)
 {
+    NestOrder combined = *order;
     size_t n_hulls = order->n_hulls, n = n_hulls + csg->n_operands + 1;
-    uint32_t *block = calloc(3 * n, sizeof *block);
-    if (!block) return fail_memory(error, 3 * n * sizeof *block, "the order of the hulls");
+    TRY(make_tables(&combined, n, error));
     for (size_t h = 0; h < n_hulls; h++) {
-        block[h] = order->rank[h];
-        block[n + h] = order->medium[h];
-        block[2 * n + h] = order->circle[h];
+        combined.rank[h] = order->rank[h];
+        combined.medium[h] = order->medium[h];
+        combined.circle[h] = order->circle[h];
     }
     /* operands stand below all hulls, rank 0, and where no hull is there is the world */
-    for (size_t h = n_hulls; h < n; h++) block[n + h] = order->world_medium;
+    for (size_t h = n_hulls; h < n; h++) combined.medium[h] = order->world_medium;
     free(order->rank);
-    order->rank = block;
-    order->medium = block + n;
-    order->circle = block + 2 * n;
-    order->csg = csg;
-    order->sorted = false;
+    give_levels(&combined);
+    combined.csg = csg;
+    combined.sorted = combined.narrow = false;
+    *order = combined;
     return STATUS_OK;
 }
 
@@ -336,4 +373,30 @@ void nest_order_clear(NestOrder *order)
 {
     free(order->rank);
     *order = (NestOrder){0};
+}
+
+void nest_order_settle(const NestOrder *order, NestList *list)
+{
+    const uint32_t *items = nest_list_items(list);
+    list->mask = 1;
+    list->level = list->n ? order->level[items[list->n - 1]] : 0;
+    if (!order->narrow) return;
+    for (uint32_t i = 0; i < list->n; i++) list->mask |= 1ULL << order->level[items[i]];
+    list->level = HIGHEST_BIT(list->mask);
+    list->n = 0;
+}
+
+bool nest_has(const NestOrder *order, const NestList *list, uint32_t hull)
+{
+    return order->narrow ? list->mask >> order->level[hull] & 1 : nest_list_has(list, hull);
+}
+
+uint32_t nest_item(const NestOrder *order, const NestList *list, uint32_t i)
+{
+    if (!order->narrow) return nest_list_items(list)[i];
+    uint32_t level = 0;
+    for (uint32_t k = 0; k <= i; k++) do
+            level++;
+        while (!(list->mask >> level & 1));
+    return order->hull_at[level];
 }

@@ -13,6 +13,8 @@
 #include "base/status.h"
 #include "nest/csg.h"
 
+#define NEST_WORLD UINT32_MAX /* "owner" of a point that no hull holds */
+
 typedef enum NestPolicy {
     NEST_AUTOMATIC, /* an order computed from the scene: the same from every direction, no work for the artist */
     NEST_ENTERED,   /* [WR19]: the hull entered last is on top */
@@ -27,8 +29,8 @@ typedef struct NestHull {
     uint32_t medium;
     int32_t priority; /* 0 unless stated; larger is on top */
     NestState state;
-    double volume;    /* enclosed; INFINITY for a half-space */
-    bool mixes;       /* never owns a point, but adds to whatever does: its crossings are silent */
+    double volume; /* enclosed; INFINITY for a half-space */
+    bool mixes;    /* never owns a point, but adds to whatever does: its crossings are silent */
 } NestHull;
 
 typedef enum NestRelation { NEST_PARTIAL, NEST_A_IN_B, NEST_B_IN_A } NestRelation;
@@ -55,7 +57,7 @@ typedef struct NestDecision {
 
 /* The rules (a) to (e) applied to one pair. */
 NestDecision nest_decide(const NestHull *hulls, const NestOverlap *overlap);
-const char *nest_rule_text(NestRule rule);     /* "priority", "containment", ... */
+const char *nest_rule_text(NestRule rule); /* "priority", "containment", ... */
 const char *nest_policy_text(NestPolicy policy);
 /* false when the word names no policy */
 bool nest_policy_from_text(const char *text, NestPolicy *policy);
@@ -64,21 +66,32 @@ bool nest_policy_from_text(const char *text, NestPolicy *policy);
 typedef struct NestOrder {
     NestPolicy policy;
     uint32_t n_hulls, world_medium;
-    uint32_t *rank;   /* of each hull, 0 .. n - 1, larger on top; a permutation */
-    uint32_t *medium; /* of each hull; of one that mixes the world's */
-    uint32_t n_mixing; /* hulls that mix: the lowest ranks are theirs */
-    uint32_t n_circles;      /* groups of hulls whose pairwise answers ran in a circle */
-    uint32_t *circle;        /* of each hull: 0, or the number of its circle from 1 */
-    const NestCsg *csg;      /* how hulls are combined from operands; NULL: none is */
+    uint32_t *rank;     /* of each hull, 0 .. n - 1, larger on top; a permutation */
+    uint32_t *medium;   /* of each hull; of one that mixes the world's */
+    uint32_t n_mixing;  /* hulls that mix: the lowest ranks are theirs */
+    uint32_t n_circles; /* groups of hulls whose pairwise answers ran in a circle */
+    uint32_t *circle;   /* of each hull: 0, or the number of its circle from 1 */
+    uint32_t
+        *level; /* of each hull: its rank + 1; 0 of one that mixes and of operands of combinations, which own nothing */
+    uint32_t *medium_at; /* of each level 0 .. n: whose it is; at 0 the world's */
+    uint32_t *hull_at;   /* of each level; NEST_WORLD at 0 */
+    const NestCsg *csg;  /* how hulls are combined from operands; NULL: none is */
     bool sorted; /* every list is sorted by rank, of hulls that neither mix nor are combined: what most scenes are */
+    bool narrow; /* and so few that lists keep them as bits: NEST_NARROW at most */
 } NestOrder;
 
 /* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by
  * volume, then declaration); inside a circle the smaller volume, then the later declaration, is on top.
  * Under NEST_PRIORITY it is priority, then declaration; ENTERED and NONE need no ranks, which are then by
  * declaration. overlaps may name a pair twice. O((n + m) log n). STATUS_NOMEM. */
-ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
-                                       uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error);
+ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium,
+                                       const NestHull *hulls, uint32_t n_hulls, const NestOverlap *overlaps,
+                                       size_t n_overlaps, Error *error);
+/* Takes a list that was made up of hulls in a row, the owner last, to how the order keeps it. */
+void nest_order_settle(const NestOrder *order, NestList *list);
+/* Whether a hull, or an operand, is in a list; and the one of number i < nest_list_count in it, the owner last. */
+bool nest_has(const NestOrder *order, const NestList *list, uint32_t hull);
+uint32_t nest_item(const NestOrder *order, const NestList *list, uint32_t i);
 /* Whether a hull mixes; false for operands of combinations. */
 static inline bool nest_mixes(const NestOrder *order, uint32_t hull)
 {

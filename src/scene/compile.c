@@ -80,7 +80,8 @@ static RtcObject describe_object(const void *context, uint32_t i)
     const CompiledScene *compiled = context;
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[i];
-    RtcObject described = {.to_world = object->to_world, .opaque = compiled->hull_of_object[i] == SCENE_NONE && !scene_is_pane(scene, i)};
+    RtcObject described = {.to_world = object->to_world,
+                           .opaque = compiled->hull_of_object[i] == SCENE_NONE && !scene_is_pane(scene, i)};
     if (object->shape == SCENE_NONE) return described; /* a combination: its operands have the geometry */
     described.mesh = scene->shapes[object->shape].mesh;
     described.solid = scene->shapes[object->shape].solid;
@@ -125,7 +126,10 @@ static Status find_unbounded(CompiledScene *compiled, Error *error)
 }
 
 /* The measuring of a combination, in tasks that are always the same. */
-enum { MEASURE_LINES = 6000 /* of each direction; the error is about 1e-3 of the volume for plain shapes */, MEASURE_TASKS = 8 };
+enum {
+    MEASURE_LINES = 6000 /* of each direction; the error is about 1e-3 of the volume for plain shapes */,
+    MEASURE_TASKS = 8
+};
 typedef struct Measure {
     const CompiledScene *compiled;
     Probe *probes; /* of each worker */
@@ -217,8 +221,7 @@ static Status measure_combinations(CompiledScene *compiled, Pool *pool, Error *e
         if (mesh != SCENE_NONE) of_mesh[mesh] = volume / scale;
         compiled->hulls[hull].volume = volume;
     }
-    if (!measure_clear(&measure) && status == STATUS_OK)
-        status = fail_memory(error, 0, "the volumes of combinations");
+    if (!measure_clear(&measure) && status == STATUS_OK) status = fail_memory(error, 0, "the volumes of combinations");
     free(of_mesh);
     return status;
 }
@@ -229,7 +232,8 @@ static void report_empty_combinations(const CompiledScene *compiled, Diag *diag)
         uint32_t hull = compiled->csg.trees[t].hull;
         const SceneObject *object = &compiled->scene->objects[compiled->scene->trees[t].object];
         if (hull == NEST_OPAQUE || compiled->hulls[hull].volume > 0) continue;
-        Diagnostic *report = diag_report(diag, D_EMPTY_COMBINATION, object->span, "nothing is left of %s", object->name);
+        Diagnostic *report =
+            diag_report(diag, D_EMPTY_COMBINATION, object->span, "nothing is left of %s", object->name);
         diag_hint(diag, report, "do its operands meet?");
     }
 }
@@ -422,10 +426,11 @@ static Status interior_along(const CompiledScene *compiled, Vec3 point, double t
         }
     }
     if (n_inside > 1) qsort(hits->items, n_inside, sizeof *hits->items, compare_farthest_first);
-    list->n = 0;
+    nest_list_empty(list);
     TRY(nest_list_reserve(list, 2 * ((uint32_t)n_inside + compiled->n_planes)));
     for (uint32_t i = 0; i < compiled->n_planes; i++)
-        if (rtc_below_plane(compiled->rtc, compiled->planes[i], point, time)) add_inside(compiled, list, compiled->planes[i]);
+        if (rtc_below_plane(compiled->rtc, compiled->planes[i], point, time))
+            add_inside(compiled, list, compiled->planes[i]);
     for (size_t i = 0; i < n_inside; i++) add_inside(compiled, list, hits->items[i].object);
     add_combinations(compiled, list);
     return STATUS_OK;
@@ -442,7 +447,7 @@ static bool same_set(const NestList *a, const NestList *b)
 /* Members of at least two of three lists, in the order of the first that has them; operands first. */
 static Status majority(const CompiledScene *compiled, const NestList *lists, NestList *out)
 {
-    out->n = 0;
+    nest_list_empty(out);
     for (int i = 0; i < 2; i++)
         for (uint32_t k = 0; k < lists[i].n; k++) {
             uint32_t hull = nest_list_items(&lists[i])[k];
@@ -533,6 +538,7 @@ Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time
     for (int i = 0; i < 3; i++) nest_list_clear(&lists[i]);
     if (status != STATUS_OK) return status;
     sort_list(compiled, list);
+    nest_order_settle(&compiled->order, list);
     if (on_surface) *on_surface = surface_at(compiled, at, time, hits);
     return hits->out_of_memory ? STATUS_NOMEM : STATUS_OK;
 }
@@ -544,27 +550,28 @@ static void add_medium(Buf *buf, const CompiledScene *compiled, uint32_t medium)
     buf_format(buf, "%s%s", buf->length ? ", " : "", compiled->scene->media[medium].name);
 }
 
-const uint32_t *compiled_hulls_in(const CompiledScene *compiled, const NestList *list, uint32_t *n)
+uint32_t compiled_operands_in(const CompiledScene *compiled, const NestList *list)
 {
-    const uint32_t *items = nest_list_items(list);
-    uint32_t n_operands = 0;
-    while (n_operands < list->n && items[n_operands] >= compiled->n_hulls) n_operands++;
-    *n = list->n - n_operands;
-    return items + n_operands;
+    uint32_t n = nest_list_count(list), n_operands = 0;
+    if (!compiled->order.csg) return 0;
+    while (n_operands < n && nest_item(&compiled->order, list, n_operands) >= compiled->n_hulls) n_operands++;
+    return n_operands;
 }
 
 /* The media from the outside in, the world's own left out: a camera in the air may expect [air] or []. */
 static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list)
 {
-    uint32_t n_hulls, n = camera->n_expect;
-    const uint32_t *expect = camera->expect, *hulls = compiled_hulls_in(compiled, list, &n_hulls);
-    if (n && expect[0] == 0 && (n_hulls == 0 || compiled->hulls[hulls[0]].medium != 0)) {
+    const NestOrder *order = &compiled->order;
+    uint32_t n = camera->n_expect, first = compiled_operands_in(compiled, list),
+             n_hulls = nest_list_count(list) - first;
+    const uint32_t *expect = camera->expect;
+    if (n && expect[0] == 0 && (n_hulls == 0 || compiled->hulls[nest_item(order, list, first)].medium != 0)) {
         expect++;
         n--;
     }
     if (n != n_hulls) return false;
     for (uint32_t i = 0; i < n; i++)
-        if (expect[i] != compiled->hulls[hulls[i]].medium) return false;
+        if (expect[i] != compiled->hulls[nest_item(order, list, first + i)].medium) return false;
     return true;
 }
 
@@ -572,11 +579,11 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
                                  Diag *diag, Error *error)
 {
     Buf is = {0}, expected = {0};
-    uint32_t n;
-    const uint32_t *hulls = compiled_hulls_in(compiled, list, &n);
-    for (uint32_t i = 0; i < n; i++) add_medium(&is, compiled, compiled->hulls[hulls[i]].medium);
+    const NestOrder *order = &compiled->order;
+    uint32_t n = nest_list_count(list), first = compiled_operands_in(compiled, list);
+    for (uint32_t i = first; i < n; i++) add_medium(&is, compiled, compiled->hulls[nest_item(order, list, i)].medium);
     for (uint32_t i = 0; i < camera->n_expect; i++) add_medium(&expected, compiled, camera->expect[i]);
-    if (!n) buf_format(&is, "only the world's %s", compiled->scene->media[0].name);
+    if (first == n) buf_format(&is, "only the world's %s", compiled->scene->media[0].name);
     if (is.failed || expected.failed) {
         buf_clear(&is);
         buf_clear(&expected);
@@ -584,8 +591,9 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
     }
     Diagnostic *report = diag_report(diag, D_CAMERA_EXPECTATION, camera->expect_span, "%s is in %s, not in [%s]",
                                      camera->name, buf_text(&is), buf_text(&expected));
-    for (uint32_t i = 0; i < n; i++) {
-        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[hulls[i]]];
+    for (uint32_t i = first; i < n; i++) {
+        uint32_t hull = nest_item(order, list, i);
+        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[hull]];
         diag_note(diag, report, object->span, "it is inside of %s", object->name);
     }
     buf_clear(&is);

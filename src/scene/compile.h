@@ -26,6 +26,11 @@ typedef struct HullPair {
     double gap_area, gap_area_error; /* estimate of the gap's area, and its standard error */
 } HullPair;
 
+/* See Ray.pass_level and Ray.pass_alike. */
+typedef struct CompiledPassing {
+    uint32_t level, alike;
+} CompiledPassing;
+
 typedef struct CompiledScene {
     const Scene *scene;
     RtcScene *rtc;
@@ -42,10 +47,8 @@ typedef struct CompiledScene {
     HullPair *pairs; /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
     NestOrder order;
-    uint32_t *passing; /* of each hull: 0, or its rank + 1 where a ray inside may pass by others; see compiled_let_pass.
-                            * NULL: no ray passes by anything */
-    uint32_t passes_world; /* the world's medium where a hull is of it, too, else RTC_NO_PASS */
-    NestCsg csg;           /* the combinations, numbered with hulls and operands */
+    CompiledPassing *passing; /* by what a ray passes where a hull owns its start, or the world: by level */
+    NestCsg csg;              /* the combinations, numbered with hulls and operands */
 } CompiledScene;
 
 /* The hull that an object is, or is an operand of; SCENE_NONE for what is opaque. */
@@ -53,12 +56,13 @@ uint32_t compiled_hull(const CompiledScene *compiled, uint32_t object);
 /* How many members of a list do not reach to infinity. */
 static inline uint32_t compiled_bounded_in(const CompiledScene *compiled, const NestList *list)
 {
-    uint32_t n = list->n;
-    for (uint32_t i = 0; compiled->n_planes && i < list->n; i++) n -= compiled->unbounded[nest_list_items(list)[i]];
-    return n;
+    uint32_t n = nest_list_count(list), bounded = n;
+    for (uint32_t i = 0; compiled->n_planes && i < n; i++)
+        bounded -= compiled->unbounded[nest_item(&compiled->order, list, i)];
+    return bounded;
 }
-/* The hulls of an interior list, outermost first, without the operands of combinations that it holds too. */
-const uint32_t *compiled_hulls_in(const CompiledScene *compiled, const NestList *list, uint32_t *n);
+/* How many operands of combinations an interior list holds, in front of its hulls. */
+uint32_t compiled_operands_in(const CompiledScene *compiled, const NestList *list);
 
 /* Builds geometry and order. Reports go to diag (may be NULL): circles in the order, and cameras that
  * compile_check_camera refuses; these do not make it fail, so look at diag->n_errors. The scene must outlive it. */
@@ -82,16 +86,9 @@ ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error)
  * or are of its medium, as long as it does not leave the owner. To cross them is silent, whatever the list says of them. */
 static inline void compiled_let_pass(const CompiledScene *compiled, const NestList *list, Ray *ray)
 {
-    uint32_t owner = nest_owner(&compiled->order, list);
-    ray->pass_level = 0;
-    ray->pass_alike = RTC_NO_PASS;
-    if (!compiled->passing) return;
-    if (owner == NEST_WORLD) {
-        ray->pass_alike = compiled->passes_world;
-    } else if (compiled->passing[owner]) {
-        ray->pass_level = compiled->passing[owner];
-        ray->pass_alike = compiled->order.medium[owner];
-    }
+    const CompiledPassing *passing = &compiled->passing[list->level];
+    ray->pass_level = passing->level;
+    ray->pass_alike = passing->alike;
 }
 
 /* The hulls that hold a point at a time 0..1 of the shutter, found by tracing from outside of the scene to it along one

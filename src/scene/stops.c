@@ -54,41 +54,48 @@ static void find_alike(const CompiledScene *compiled, const uint32_t *of_medium,
     }
 }
 
+/* Rays in a hull pass by what is below it, and by what is like it. */
+static void let_pass(CompiledScene *compiled, uint32_t hull)
+{
+    uint32_t level = compiled->order.level[hull];
+    if (level) compiled->passing[level] = (CompiledPassing){level, compiled->order.medium[hull]};
+}
+
 /* Where a path is in hull O, and O is on top, crossing hulls of lower rank changes nothing but the list, in whatever order
  * they come; and so does crossing hulls of O's own medium, which may get on top of it. Where no such hull is known to meet
  * O, rays are not asked to look for them: that is not needed to be right, only to be quick. */
-static Status mark_passing(CompiledScene *compiled, Error *error)
+static void mark_passing(CompiledScene *compiled)
 {
     const Scene *scene = compiled->scene;
     const NestOrder *order = &compiled->order;
-    compiled->passing = calloc(compiled->n_hulls, sizeof *compiled->passing);
-    if (!compiled->passing) return fail_memory(error, compiled->n_hulls * sizeof *compiled->passing, "the hulls");
-    compiled->passes_world = RTC_NO_PASS;
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         uint32_t object = compiled->object_of_hull[h], medium = order->medium[h];
         if (nest_mixes(order, h) || scene->objects[object].shape == SCENE_NONE) continue;
         /* the volumes of a medium that varies are each hull's own */
         bool own = scene->media[medium].density || scene->media[medium].emits;
         rtc_set_passing(compiled->rtc, object, order->rank[h] + 1, own ? RTC_NO_PASS : medium);
-        if (!own && medium == order->world_medium) compiled->passes_world = medium;
+        if (!own && medium == order->world_medium) compiled->passing[0].alike = medium;
     }
     for (size_t i = 0; i < compiled->n_pairs; i++) {
         uint32_t a = compiled_hull(compiled, compiled->pairs[i].a), b = compiled_hull(compiled, compiled->pairs[i].b);
         if (a >= compiled->n_hulls || b >= compiled->n_hulls) continue;
         bool alike = order->medium[a] == order->medium[b], a_on_top = order->rank[a] > order->rank[b];
         NestRelation relation = compiled->pairs[i].relation; /* from within, a hull all around is not met */
-        if ((alike || a_on_top) && relation != NEST_A_IN_B) compiled->passing[a] = order->rank[a] + 1;
-        if ((alike || !a_on_top) && relation != NEST_B_IN_A) compiled->passing[b] = order->rank[b] + 1;
+        if ((alike || a_on_top) && relation != NEST_A_IN_B) let_pass(compiled, a);
+        if ((alike || !a_on_top) && relation != NEST_B_IN_A) let_pass(compiled, b);
     }
-    return STATUS_OK;
 }
 
 Status compiled_mark_stops(CompiledScene *compiled, Error *error)
 {
     const Scene *scene = compiled->scene;
     NestPolicy policy = compiled->order.policy;
+    size_t n_levels = compiled->n_hulls + (size_t)1;
+    compiled->passing = malloc(n_levels * sizeof *compiled->passing);
+    if (!compiled->passing) return fail_memory(error, n_levels * sizeof *compiled->passing, "the hulls");
+    for (size_t i = 0; i < n_levels; i++) compiled->passing[i] = (CompiledPassing){0, RTC_NO_PASS};
     if ((policy != NEST_AUTOMATIC && policy != NEST_PRIORITY) || !compiled->n_hulls) return STATUS_OK;
-    TRY(mark_passing(compiled, error));
+    mark_passing(compiled);
     if (scene->n_keys) return STATUS_OK;
     uint32_t n_classes = scene->n_media < COMPILED_STOP_CLASSES ? scene->n_media : COMPILED_STOP_CLASSES;
     uint32_t *of_medium = malloc(((size_t)scene->n_media + compiled->n_hulls) * sizeof *of_medium);

@@ -7,7 +7,8 @@
 /* A straight line that crosses more surfaces than this without any event is given up, and counted. */
 enum { SILENT_LIMIT = 100000 };
 
-bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing)
+/* path_cross for several surfaces. */
+ATTR_APART static bool cross_several(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing)
 {
     const CompiledScene *compiled = tracer->world->compiled;
     if (UNLIKELY(!array_reserve(&tracer->passes, &tracer->passes_capacity, n, sizeof *tracer->passes))) return false;
@@ -18,9 +19,18 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
         tracer->passes[n_passes++] = (NestPass){hull, hits[i].entering};
     }
     *crossing = (NestCrossing){0};
-    if (!n_passes) return true;
-    if (n_passes == 1) return nest_cross_one(list, &compiled->order, tracer->passes[0], crossing) == STATUS_OK;
-    return nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) == STATUS_OK;
+    return !n_passes || nest_cross(list, &compiled->order, tracer->passes, n_passes, crossing) == STATUS_OK;
+}
+
+bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    if (UNLIKELY(n != 1)) return cross_several(tracer, list, hits, n, crossing);
+    uint32_t hull = compiled->hull_of_object[hits->object];
+    if (LIKELY(hull != SCENE_NONE))
+        return nest_cross_one(list, &compiled->order, (NestPass){hull, hits->entering}, crossing) == STATUS_OK;
+    *crossing = (NestCrossing){0};
+    return true;
 }
 
 /* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
@@ -75,12 +85,21 @@ static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
 /* Crosses what the ray has passed up to there, place by place. *clear: all of it was silent, and agrees with the list. */
 static bool cross_passed(Tracer *tracer, NestList *list, double end, bool *clear)
 {
+    const CompiledScene *compiled = tracer->world->compiled;
     const Hit *hits = tracer->passed.items;
     size_t n = tracer->passed.n, cluster;
+    NestCrossing crossing = nest_stay(&compiled->order, list);
     for (size_t i = 0; i < n && hits[i].t < end; i += cluster) {
-        NestCrossing crossing;
         cluster = rtc_cluster(hits + i, n - i);
-        if (!path_cross(tracer, list, hits + i, cluster, &crossing)) return false;
+        if (LIKELY(cluster == 1 && nest_may_look(list, &compiled->order))) { /* all that is passed is of hulls */
+            crossing.medium_from = crossing.medium_to;
+            crossing.n_faults = 0;
+            NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
+            NestStep step = nest_look(list, &compiled->order, pass, &crossing);
+            nest_step(list, &compiled->order, &step);
+        } else if (!path_cross(tracer, list, hits + i, cluster, &crossing)) {
+            return false;
+        }
         *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to;
     }
     return true;
@@ -112,7 +131,8 @@ static bool read_nearest(Path *path, Event *event)
     const CompiledScene *compiled = tracer->world->compiled;
     const NestList *before = &tracer->list;
     event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
-    event->crossing = (NestCrossing){0};
+    event->crossing = nest_stay(&compiled->order, before);
+    event->medium = event->crossing.medium_from;
     event->clear = true;
     event->put_off = false;
     tracer->counters.rays++;
@@ -138,7 +158,7 @@ static bool read_nearest(Path *path, Event *event)
     }
     event->kind = EVENT_BOUNDARY;
     NestPass pass = {hull, hit->entering};
-    event->put_off = compiled->order.sorted && before->n < before->capacity;
+    event->put_off = nest_may_look(before, &compiled->order);
     if (LIKELY(event->put_off))
         event->step = nest_look(before, &compiled->order, pass, &event->crossing);
     else if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
@@ -159,7 +179,7 @@ ATTR_COLD static bool mend_list(Path *path, size_t n_hits)
     for (size_t i = 0; i < n_hits; i++) {
         Hit sliver = tracer->hits.items[i];
         uint32_t hull = compiled->hull_of_object[sliver.object];
-        if (hull >= compiled->order.n_hulls || nest_list_has(&tracer->list, hull) != sliver.entering ||
+        if (hull >= compiled->order.n_hulls || nest_has(&compiled->order, &tracer->list, hull) != sliver.entering ||
             !rtc_starts_beside(compiled->rtc, &path->ray, sliver.object))
             continue;
         NestCrossing crossing;
@@ -203,7 +223,7 @@ void path_next_event(Path *path, Event *event)
         }
         const Hit *hits = tracer->hits.items;
         size_t n = event->n_cluster;
-        uint32_t medium = nest_medium(&world->compiled->order, &tracer->list);
+        uint32_t medium = event->medium;
         double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
         uneven = flight_is_uneven(world, &tracer->list, medium);
         if (UNLIKELY(path->looks)) airlight_look(path, &flight, medium, uneven, t_done, length, silent);
@@ -216,7 +236,7 @@ void path_next_event(Path *path, Event *event)
             if (!cross_passed(tracer, &tracer->list, event->t, &clear)) event->kind = EVENT_LOST;
             break;
         }
-        if (tracer->passed.n) nest_list_swap(&tracer->list, &tracer->before);
+        if (tracer->passed.n) nest_list_take(&tracer->list, &tracer->before);
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {

@@ -83,12 +83,12 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     const NestList *list = opaque ? &tracer->list : &tracer->next;
     if (event->put_off) {
         if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) return;
-        nest_step(&tracer->next, event->step);
+        nest_step(&tracer->next, &world->compiled->order, &event->step);
     }
     sight->met = true;
     sight->object = scene_whole(scene, event->hit.object);
     sight->medium = nest_medium(&world->compiled->order, list);
-    compiled_hulls_in(world->compiled, list, &sight->n_hulls);
+    sight->n_hulls = nest_list_count(list) - compiled_operands_in(world->compiled, list);
     sight->distance = event->hit.t;
     sight->position = ray_point(&path->ray, event->hit.t);
     sight->normal = event->hit.cos_normal < 0 ? shading : vec3f_negate(shading);

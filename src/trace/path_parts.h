@@ -57,10 +57,10 @@ typedef struct Path {
     float scatter_pdf; /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
     uint32_t bounce;   /* events so far: each has random numbers of its own */
     float cone_width,
-        cone_spread;  /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
-    bool cone_bent;   /* it has gone through a boundary, or off a mirror */
-    bool straight;    /* media do not scatter it: it only looks what is there */
-    bool looks;       /* for light that media scatter towards it */
+        cone_spread;      /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
+    bool cone_bent;       /* it has gone through a boundary, or off a mirror */
+    bool straight;        /* media do not scatter it: it only looks what is there */
+    bool looks;           /* for light that media scatter towards it */
     uint32_t n_scattered; /* in media, so far */
     uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
     PathMedia media;
@@ -112,7 +112,7 @@ typedef struct Event {
     bool put_off; /* the list behind the surface is not in tracer->next: `step` leads to it from tracer->list */
     NestStep step;
     double t;        /* EVENT_SCATTER: how far along the ray, */
-    uint32_t medium; /* and what scatters there */
+    uint32_t medium; /* and what scatters there; else what fills the way to the surfaces */
 } Event;
 
 static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
@@ -140,7 +140,7 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
 static inline void path_go_behind(Tracer *tracer, const Event *event)
 {
     if (LIKELY(event->put_off))
-        nest_step(&tracer->list, event->step);
+        nest_step(&tracer->list, &tracer->world->compiled->order, &event->step);
     else
         nest_list_swap(&tracer->list, &tracer->next);
 }

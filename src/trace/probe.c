@@ -52,7 +52,7 @@ static Status start_list(const Path *path, const Event *event, bool through, con
     if (!event || !through) return nest_list_copy(list, &tracer->list);
     if (!event->put_off) return nest_list_copy(list, &tracer->next);
     Status status = nest_list_copy(list, &tracer->list);
-    if (status == STATUS_OK) nest_step(list, event->step);
+    if (status == STATUS_OK) nest_step(list, &tracer->world->compiled->order, &event->step);
     return status;
 }
 

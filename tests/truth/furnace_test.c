@@ -92,7 +92,7 @@ static void step_outside(Fixture *scene)
     SceneCamera *camera = &scene->scene->cameras[0];
     nest_list_init(&list);
     assert_int_equal(compiled_interior(scene->compiled, vec3f_from(camera->from), 0, &hits, &list, NULL), STATUS_OK);
-    bool inside = list.n > 0;
+    bool inside = nest_list_count(&list) > 0;
     nest_list_clear(&list);
     hit_list_clear(&hits);
     if (!inside) return;

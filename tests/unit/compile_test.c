@@ -412,9 +412,9 @@ static void assert_inside(const Fixture *f, Vec3f point, const char *expected)
     uint32_t on_surface;
     char names[500] = "";
     assert_int_equal(compiled_interior(f->compiled, point, 0, &hits, &list, &on_surface), STATUS_OK);
-    for (uint32_t i = 0; i < list.n; i++) {
+    for (uint32_t i = 0; i < nest_list_count(&list); i++) {
         strcat(names, i ? " " : "");
-        strcat(names, f->scene->objects[f->compiled->object_of_hull[nest_list_items(&list)[i]]].name);
+        strcat(names, f->scene->objects[f->compiled->object_of_hull[nest_item(&f->compiled->order, &list, i)]].name);
     }
     assert_string_equal(names, expected);
     assert_int_equal(on_surface, SCENE_NONE);
@@ -461,10 +461,11 @@ static void hulls_are_found_through_a_thousand_shells(void **state)
     NestList list;
     nest_list_init(&list);
     assert_int_equal(compiled_interior(f.compiled, vec3f(0, 0, 0), 0, &hits, &list, NULL), STATUS_OK);
-    assert_int_equal(list.n, 1000);
-    for (uint32_t i = 0; i < list.n; i++) assert_int_equal(nest_list_items(&list)[i], 999 - i);
+    assert_int_equal(nest_list_count(&list), 1000);
+    for (uint32_t i = 0; i < nest_list_count(&list); i++)
+        assert_int_equal(nest_item(&f.compiled->order, &list, i), 999 - i);
     assert_int_equal(compiled_interior(f.compiled, vec3f(500.5f, 0, 0), 0, &hits, &list, NULL), STATUS_OK);
-    assert_int_equal(list.n, 500);
+    assert_int_equal(nest_list_count(&list), 500);
     nest_list_clear(&list);
     hit_list_clear(&hits);
     fixture_clear(&f);
@@ -494,10 +495,11 @@ static void random_points_agree_with_formulas(void **state)
         Vec3 p = vec3((double)x[0], (double)x[1], (double)x[2]), q = affine_point(&inverse, p);
         bool in_a = vec3_length(p)<2, in_b = p.x> - 1 && p.x < 3 && p.y > -3 && p.y < 1 && fabs(p.z) < 1;
         assert_int_equal(compiled_interior(f.compiled, vec3f(x[0], x[1], x[2]), 0, &hits, &list, NULL), STATUS_OK);
-        assert_int_equal(nest_list_has(&list, 0), in_a);
-        assert_int_equal(nest_list_has(&list, 1), in_b);
+        assert_int_equal(nest_has(&f.compiled->order, &list, 0), in_a);
+        assert_int_equal(nest_has(&f.compiled->order, &list, 1), in_b);
         double most = vec3_max_abs(q);
-        if (most < 1.4 || most > 1.5) assert_int_equal(nest_list_has(&list, 2), most < 1.4); /* away from the bevels */
+        if (most < 1.4 || most > 1.5)
+            assert_int_equal(nest_has(&f.compiled->order, &list, 2), most < 1.4); /* away from the bevels */
     }
     nest_list_clear(&list);
     hit_list_clear(&hits);

@@ -23,21 +23,71 @@ static void make_order(NestOrder *order, NestPolicy policy, const Fixture *f)
                      STATUS_OK);
 }
 
-/* One crossing both ways: as one of many, and as the one that it is. They must agree. */
+static void assert_same_list(const NestOrder *order, const NestList *list, const NestOrder *other_order,
+                             const NestList *other)
+{
+    uint32_t n = nest_list_count(list);
+    assert_int_equal(nest_list_count(other), n);
+    assert_int_equal(other->level, list->level);
+    for (uint32_t i = 0; i < n; i++) assert_int_equal(nest_item(other_order, other, i), nest_item(order, list, i));
+}
+
+/* The list as one in a row. */
+static void spell_out(const NestOrder *order, const NestList *list, const NestOrder *in_a_row, NestList *row)
+{
+    assert_int_equal(nest_list_reserve(row, nest_list_count(list)), STATUS_OK);
+    for (uint32_t i = 0; i < nest_list_count(list); i++) nest_list_insert(row, i, nest_item(order, list, i));
+    nest_order_settle(in_a_row, row);
+}
+
+/* But for the owners. */
+static void assert_same_crossing(const NestCrossing *a, const NestCrossing *b)
+{
+    assert_true(a->medium_from == b->medium_from && a->medium_to == b->medium_to);
+    assert_true(a->n_faults == b->n_faults && a->opaque == b->opaque);
+}
+
+/* Crossings of one place both ways where there are two: with lists as bits, and in a row. They must agree. */
+static Status cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n, NestCrossing *crossing)
+{
+    if (!order->narrow) return nest_cross(list, order, passes, n, crossing);
+    NestOrder in_a_row = *order;
+    NestList row;
+    NestCrossing other;
+    in_a_row.narrow = false;
+    nest_list_init(&row);
+    spell_out(order, list, &in_a_row, &row);
+    Status status = nest_cross(list, order, passes, n, crossing);
+    assert_int_equal(nest_cross(&row, &in_a_row, passes, n, &other), status);
+    assert_same_list(order, list, &in_a_row, &row);
+    assert_same_crossing(crossing, &other);
+    assert_true(other.owner_from == crossing->owner_from && other.owner_to == crossing->owner_to);
+    nest_list_clear(&row);
+    return status;
+}
+
+/* One crossing as one of many, and as the one that it is; each with lists as bits and in a row, where there are both. They
+ * must agree. */
 static Status cross_one(NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
 {
-    NestList other;
-    NestCrossing alone;
+    NestOrder in_a_row = *order;
+    NestList other, row;
+    NestCrossing alone, alone_in_row;
+    in_a_row.narrow = false;
     nest_list_init(&other);
+    nest_list_init(&row);
+    spell_out(order, list, &in_a_row, &row);
     assert_int_equal(nest_list_copy(&other, list), STATUS_OK);
-    Status status = nest_cross(list, order, &pass, 1, crossing);
+    Status status = cross(list, order, &pass, 1, crossing);
     assert_int_equal(nest_cross_one(&other, order, pass, &alone), status);
-    assert_int_equal(other.n, list->n);
-    assert_memory_equal(nest_list_items(&other), nest_list_items(list), list->n * sizeof *list->hulls_inline);
-    assert_true(alone.medium_from == crossing->medium_from && alone.medium_to == crossing->medium_to);
-    assert_true(alone.owner_from == crossing->owner_from && alone.owner_to == crossing->owner_to);
-    assert_true(alone.n_faults == crossing->n_faults && alone.opaque == crossing->opaque);
+    assert_int_equal(nest_cross_one(&row, &in_a_row, pass, &alone_in_row), status);
+    assert_same_list(order, list, order, &other);
+    assert_same_list(order, list, &in_a_row, &row);
+    assert_int_equal(nest_owner(order, list), crossing->owner_to);
+    assert_same_crossing(crossing, &alone);
+    assert_same_crossing(crossing, &alone_in_row);
     nest_list_clear(&other);
+    nest_list_clear(&row);
     return status;
 }
 
@@ -182,25 +232,25 @@ static void test_together(void **state)
             }
             NestCrossing crossing;
             assert_int_equal(cross_one(&list, &order, in_a, &crossing), STATUS_OK);
-            assert_int_equal(nest_cross(&list, &order, both, 2, &crossing), STATUS_OK);
+            assert_int_equal(cross(&list, &order, both, 2, &crossing), STATUS_OK);
             assert_int_equal(crossing.medium_from, 1);
             assert_int_equal(crossing.medium_to, 2);
             assert_int_equal(crossing.n_faults, 0);
-            assert_int_equal(list.n, 1);
+            assert_int_equal(nest_list_count(&list), 1);
             /* through an edge of A, in and out at once, twice reported: nothing happens */
             NestPass edge[] = {{A, false}, {A, true}, {A, true}};
-            assert_int_equal(nest_cross(&list, &order, edge, 3, &crossing), STATUS_OK);
+            assert_int_equal(cross(&list, &order, edge, 3, &crossing), STATUS_OK);
             assert_int_equal(crossing.n_faults, 0);
-            assert_int_equal(list.n, 1);
+            assert_int_equal(nest_list_count(&list), 1);
             /* a ripple that is left, entered and left again within rounding: it is left */
             NestPass ripple[] = {{B, false}, {B, true}, {B, false}}, in_b = {B, true};
-            assert_int_equal(nest_cross(&list, &order, ripple, 3, &crossing), STATUS_OK);
+            assert_int_equal(cross(&list, &order, ripple, 3, &crossing), STATUS_OK);
             assert_int_equal(crossing.n_faults, 0);
-            assert_int_equal(list.n, 0);
+            assert_int_equal(nest_list_count(&list), 0);
             assert_int_equal(cross_one(&list, &order, in_b, &crossing), STATUS_OK);
             /* one edge reported by both its triangles counts once */
             NestPass twice[] = {{B, false}, {B, false}};
-            assert_int_equal(nest_cross(&list, &order, twice, 2, &crossing), STATUS_OK);
+            assert_int_equal(cross(&list, &order, twice, 2, &crossing), STATUS_OK);
             assert_int_equal(crossing.n_faults, 0);
             assert_int_equal(crossing.medium_to, WORLD);
             nest_list_clear(&list);
@@ -220,11 +270,11 @@ static void test_faults_heal(void **state)
     NestCrossing crossing;
     assert_int_equal(cross_one(&list, &order, leave, &crossing), STATUS_OK);
     assert_int_equal(crossing.n_faults, 1);
-    assert_int_equal(list.n, 0);
+    assert_int_equal(nest_list_count(&list), 0);
     assert_int_equal(cross_one(&list, &order, enter, &crossing), STATUS_OK);
     assert_int_equal(cross_one(&list, &order, enter, &crossing), STATUS_OK);
     assert_int_equal(crossing.n_faults, 1);
-    assert_int_equal(list.n, 1);
+    assert_int_equal(nest_list_count(&list), 1);
     nest_list_clear(&list);
     nest_order_clear(&order);
 }
@@ -295,14 +345,14 @@ static void test_entered_is_the_printed_stack(void **state)
         for (int i = 0; i < LENGTH; i++) {
             random = hash_u64(random);
             uint32_t hull = (uint32_t)(random % HULLS), incident, outgoing;
-            NestPass pass = {hull, !nest_list_has(&list, hull)};
+            NestPass pass = {hull, !nest_has(&order, &list, hull)};
             NestCrossing crossing;
             if (cross_one(&list, &order, pass, &crossing) != STATUS_OK) fail();
             printed_cross(&stack, hull, medium, &incident, &outgoing);
             crossings++;
             bool visible = crossing.medium_from != crossing.medium_to;
             if (visible != (incident != outgoing) || crossing.medium_to != outgoing ||
-                (visible && crossing.medium_from != incident) || list.n != (uint32_t)(stack.top + 1))
+                (visible && crossing.medium_from != incident) || nest_list_count(&list) != (uint32_t)(stack.top + 1))
                 fail_msg("sequence %u differs at crossing %d", s, i);
         }
         nest_list_clear(&list);
@@ -420,7 +470,7 @@ static void test_thousand_shells(void **state)
             assert_int_equal(crossing.medium_from, i < N ? outer : hull);
             assert_int_equal(crossing.medium_to, i < N ? hull : outer);
         }
-        assert_int_equal(list.n, 0);
+        assert_int_equal(nest_list_count(&list), 0);
         nest_list_clear(&list);
         nest_list_clear(&copy);
         nest_order_clear(&order);
@@ -554,7 +604,7 @@ static void test_mixing_owns_nothing(void **state)
             } else {
                 assert_int_equal(crossing.medium_from, crossing.medium_to);
                 assert_int_equal(crossing.n_faults, 0);
-                assert_int_equal(nest_list_has(&list, hull), inside[hull]);
+                assert_int_equal(nest_has(&order, &list, hull), inside[hull]);
             }
             assert_int_equal(nest_owner(&order, &list), nest_owner(&without, &plain));
             assert_int_equal(nest_medium(&order, &list), nest_medium(&without, &plain));
@@ -568,9 +618,52 @@ static void test_mixing_owns_nothing(void **state)
     }
 }
 
+/* As many hulls as lists keep as bits, and one more: random surfaces, one or several at a place, some of them twice and
+ * some against what the list says. */
+static void test_bits_and_rows(void **state)
+{
+    (void)state;
+    enum { MOST = NEST_NARROW + 1, STEPS = 60000 };
+    NestHull hulls[MOST];
+    uint64_t random = 5, n_faults = 0;
+    for (uint32_t h = 0; h < MOST; h++) {
+        random = hash_u64(random);
+        hulls[h] =
+            (NestHull){(uint32_t)(random % 5), (int32_t)(random >> 8 & 3), NEST_STATE_UNKNOWN, 1 + (double)h, false};
+    }
+    for (uint32_t n = MOST - 1; n <= MOST; n++) {
+        NestOrder order;
+        NestList list;
+        assert_int_equal(nest_order_build(&order, NEST_PRIORITY, WORLD, hulls, n, NULL, 0, NULL), STATUS_OK);
+        assert_true(order.sorted && order.narrow == (n <= NEST_NARROW));
+        nest_list_init(&list);
+        for (int i = 0; i < STEPS && n; i++) {
+            NestPass passes[3];
+            NestCrossing crossing;
+            uint32_t n_passes = 1 + (uint32_t)(i % 3);
+            for (uint32_t k = 0; k < n_passes; k++) {
+                random = hash_u64(random);
+                uint32_t hull = k && random >> 60 == 0 ? passes[0].hull : (uint32_t)(random % n);
+                passes[k] = (NestPass){hull, nest_has(&order, &list, hull) == ((random >> 32 & 31) == 0)};
+            }
+            assert_int_equal(n_passes > 1 ? cross(&list, &order, passes, n_passes, &crossing)
+                                          : cross_one(&list, &order, passes[0], &crossing),
+                             STATUS_OK);
+            n_faults += crossing.n_faults;
+            assert_int_equal(crossing.medium_to, nest_medium(&order, &list));
+            uint32_t count = nest_list_count(&list);
+            assert_int_equal(nest_owner(&order, &list), count ? nest_item(&order, &list, count - 1) : NEST_WORLD);
+        }
+        nest_list_clear(&list);
+        nest_order_clear(&order);
+    }
+    assert_true(n_faults > 1000 || NEST_NARROW == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bits_and_rows),
         cmocka_unit_test(test_table_partial_overlap),
         cmocka_unit_test(test_table_nested),
         cmocka_unit_test(test_table_three),

@@ -246,7 +246,7 @@ static void expect_no_faults(const Fixture *f, uint64_t n_crossings, Vec3 center
             n_faults += crossing.n_faults;
         }
         n += hits.n;
-        assert_int_equal(list.n, 0); /* outside again */
+        assert_int_equal(nest_list_count(&list), 0); /* outside again */
     }
     assert_int_equal(n_faults, 0);
     nest_list_clear(&list);

@@ -42,7 +42,7 @@ static void cross(Walker *walker, const Hit *hits, size_t n, Met *met, int *n_me
 static int walk(Walker *walker, Ray ray, bool passing, Met *met)
 {
     int n_met = 0;
-    walker->list.n = 0;
+    nest_list_empty(&walker->list);
     for (size_t n = 1; n;) {
         if (passing) compiled_let_pass(walker->compiled, &walker->list, &ray);
         n = rtc_nearest(walker->compiled->rtc, &ray, &walker->hits, &walker->passed);
@@ -84,7 +84,7 @@ static double compare(const char *text, int n_rays)
                 met[k].silent != met_other[k].silent || fabs(met[k].t - met_other[k].t) > 1e-9 * met[k].t)
                 fail_msg("surface %d of ray %d of '%s' is of object %u at %.17g, or %u at %.17g", k, i, text,
                          met[k].object, met[k].t, met_other[k].object, met_other[k].t);
-        assert_int_equal(walker.list.n, 0);
+        assert_int_equal(nest_list_count(&walker.list), 0);
         total += n;
     }
     double ratio = (double)walker.searches / other.searches;

@@ -154,7 +154,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
     nest_list_init(&next);
     for (uint64_t w = 0; w < n_walks; w++) {
         uint64_t random = hash_u64(seed + w);
-        list.n = 0;
+        nest_list_empty(&list);
         Vec3 aim = vec3_scale(vec3(unit(&random) - 0.5, unit(&random) - 0.5, unit(&random) - 0.5), size);
         Vec3 from = vec3_scale(random_direction(&random), 4 * size);
         if (s->at_edges) aim = place_at_edge(s, &random);
@@ -162,13 +162,13 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         for (int bounce = 0; bounce < 40; bounce++) {
             size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
             if (!n) {
-                result.escapes_inside += list.n != 0;
+                result.escapes_inside += nest_list_count(&list) != 0;
                 break;
             }
             NestPass passes[64];
             for (size_t i = 0; i < n; i++) {
                 NestPass pass = passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
-                if (nest_list_has(&list, pass.hull) != pass.entering || !rtc_starts_beside(s->rtc, &ray, pass.hull))
+                if (nest_has(&order, &list, pass.hull) != pass.entering || !rtc_starts_beside(s->rtc, &ray, pass.hull))
                     continue;
                 NestPass sliver = {pass.hull, !pass.entering};
                 assert_int_equal(nest_cross(&list, &order, &sliver, 1, &(NestCrossing){0}), STATUS_OK);
