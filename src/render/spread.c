@@ -158,7 +158,7 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
         const FilmPixel *pixel = film_pixel(maps->film, x, y);
         const BrightPixel *bright = bright_at(maps, x, y);
         Look look = {.plain = (float)light_of(pixel, bright), .brightest = bright_light(bright->rgb[0])};
-        for (int k = 0; k < BRIGHT_THINGS && bright->counts[k]; k++) {
+        for (int k = 0; k < BRIGHT_THINGS && bright->counts[k] && pixel->n; k++) {
             look.things[k] = bright->things[k];
             look.shares[k] = (float)bright->counts[k] / (float)pixel->n;
         }
