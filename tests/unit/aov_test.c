@@ -146,7 +146,7 @@ static void names_are_hashed_as_others_do(void **state)
     assert_int_equal(aov_hash("hello, world"), 0x149bbb7f);
     assert_int_equal(aov_hash("The quick brown fox jumps over the lazy dog"), 0x2e4ff723);
     for (int i = 0; i < 10000; i++) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "bubble %d", i);
         assert_true(isnormal(aov_hash_float(name)));
     }
