@@ -82,6 +82,13 @@ static void remark_close_order(Remarks *r)
     tally_end(r, &tally);
 }
 
+/* What coordinates tell apart at the corner of a box that is farthest out. */
+static double rounding_in(const Box3 *box)
+{
+    return rtc_rounding(
+        vec3(fmax(-box->min.x, box->max.x), fmax(-box->min.y, box->max.y), fmax(-box->min.z, box->max.z)));
+}
+
 /* Beyond what storing coordinates as floats does by itself: half of a unit in the last place on each side, a quarter of
  * the rounding at most. */
 static void remark_near_coincidence(Remarks *r)
@@ -90,10 +97,7 @@ static void remark_near_coincidence(Remarks *r)
     for (size_t i = 0; i < r->compiled->n_pairs; i++) {
         const HullPair *pair = &r->compiled->pairs[i];
         const SceneObject *a = &r->scene->objects[pair->a], *b = &r->scene->objects[pair->b];
-        const Box3 *box = &r->bounds[pair->a];
-        double rounding = rtc_rounding(
-            vec3(fmax(-box->min.x, box->max.x), fmax(-box->min.y, box->max.y), fmax(-box->min.z, box->max.z)));
-        if (!pair->touches || pair->contact_offset <= 0.3 * rounding) continue;
+        if (!pair->touches || pair->contact_offset <= 0.3 * rounding_in(&r->bounds[pair->a])) continue;
         if (!(pair->contact_area > 2 * pair->contact_area_error) || !tally_next(&tally)) continue;
         Buf offset = {0};
         report_add_length(&offset, r->scene, pair->contact_offset);
@@ -332,6 +336,30 @@ static void remark_odd_size(Remarks *r)
     free(sizes);
 }
 
+/* Where two surfaces of an object are taken to be at one place along more than a few rays in a million, these lose count. */
+static void remark_far_away(Remarks *r)
+{
+    const double few = 256;
+    Tally tally = {.code = D_FAR_AWAY};
+    for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
+        const SceneObject *object = report_object(r->compiled, h);
+        const Box3 *box = &r->bounds[r->compiled->object_of_hull[h]];
+        double thin = fmin(box->max.x - box->min.x, fmin(box->max.y - box->min.y, box->max.z - box->min.z));
+        if (!(thin > 0) || !isfinite(size_of(box)) || thin >= few * rounding_in(box) || !tally_next(&tally)) continue;
+        Buf size = {0}, rounding = {0};
+        report_add_length(&size, r->scene, thin);
+        report_add_length(&rounding, r->scene, rounding_in(box));
+        Diagnostic *report =
+            diag_report(r->diag, D_FAR_AWAY, object->span,
+                        "%s is %s thick, so far from the origin that coordinates tell surfaces apart only down to %s",
+                        object->name, buf_text(&size), buf_text(&rounding));
+        diag_hint(r->diag, report, "move the scene, with its cameras, nearer to the origin");
+        buf_clear(&size);
+        buf_clear(&rounding);
+    }
+    tally_end(r, &tally);
+}
+
 static bool meets_anything(const Remarks *r, uint32_t object)
 {
     for (size_t i = 0; i < r->compiled->n_pairs; i++)
@@ -460,6 +488,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_enclosed(&r);
         remark_behind_ground(&r);
         remark_odd_size(&r);
+        remark_far_away(&r);
         remark_loose_liquid(&r);
         remark_cameras(&r);
         remark_unused_media(&r);
