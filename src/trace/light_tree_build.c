@@ -133,8 +133,8 @@ static uint32_t most_nodes(uint32_t n_lights)
 
 static int bin_of(const Bounds *light, int axis, float low, float scale)
 {
-    int bin = (int)(((lanes_get(light->least, axis) + lanes_get(light->most, axis)) * 0.5f - low) * scale);
-    return bin < 0 ? 0 : bin >= N_BINS ? N_BINS - 1 : bin;
+    float bin = ((lanes_get(light->least, axis) + lanes_get(light->most, axis)) * 0.5f - low) * scale;
+    return bin >= N_BINS ? N_BINS - 1 : bin > 0 ? (int)bin : 0; /* the scale of an extent near 0 is infinite */
 }
 
 /* Where to cut along one axis: the last bin of the first half. Returns the cost. */
