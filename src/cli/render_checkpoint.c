@@ -141,6 +141,7 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
     add_fact(notes, texts, "nesting", "%s", nest_policy_text(run->input.compiled->order.policy));
     add_fact(notes, texts, "bounces", "%u", settings->bounces);
     add_fact(notes, texts, "caustics", "%s", caustics[settings->caustics]);
+    add_fact(notes, texts, "adaptive", "%s", settings->adaptive ? "on" : "off");
     add_fact(notes, texts, "fireflies", "%s", settings->spreads ? "spread" : "keep");
     add_fact(notes, texts, "AOVs", "%s", aovs);
     if (settings->no_absorption) add_fact(notes, texts, "absorption", "off");

@@ -25,8 +25,8 @@ static Status merge_size(RenderRun *run, Error *error)
     for (int i = 0; i < 2; i++) {
         double side = fmax(1, floor(wanted[i] * scale + 0.5));
         if (side > LARGEST_SIDE)
-            return fail(error, STATUS_USAGE, "option '--scale': a %s of %.0f pixels is beyond %d", i ? "height" : "width", side,
-                        LARGEST_SIDE);
+            return fail(error, STATUS_USAGE, "option '--scale': a %s of %.0f pixels is beyond %d",
+                        i ? "height" : "width", side, LARGEST_SIDE);
         *sides[i] = (uint32_t)side;
     }
     return STATUS_OK;
@@ -83,7 +83,11 @@ static void list_aovs(char *text, size_t size)
     *text = 0;
     for (Aov aov = 0; aov < AOV_COUNT; aov++) {
         size_t used = strlen(text);
-        snprintf(text + used, size - used, "%s%s", aov == 0 ? "" : aov + 1 == AOV_COUNT ? " and " : ", ", aov_name(aov));
+        snprintf(text + used, size - used, "%s%s",
+                 aov == 0               ? ""
+                 : aov + 1 == AOV_COUNT ? " and "
+                                        : ", ",
+                 aov_name(aov));
     }
 }
 
@@ -101,7 +105,8 @@ static Status merge_aovs(RenderRun *run, Error *error)
         else if (aov < AOV_COUNT)
             run->settings.aovs |= (AovSet)1 << aov;
         else
-            return fail(error, STATUS_USAGE, "option '--aov': there is no '%.*s'; there are %s", (int)length, rest, known);
+            return fail(error, STATUS_USAGE, "option '--aov': there is no '%.*s'; there are %s", (int)length, rest,
+                        known);
         rest = rest[length] ? rest + length + 1 : NULL;
     }
     return STATUS_OK;
@@ -117,10 +122,17 @@ static Status merge_range(RenderRun *run, Error *error)
     if (!run->slices) return STATUS_OK;
     if (settings->noise > 0)
         return fail(error, STATUS_USAGE,
-                    "'--sample-range' takes the same samples of every pixel, and with a noise it depends on those before how many "
+                    "'--sample-range' takes the same samples of every pixel, and with a noise it depends on those "
+                    "before how many "
                     "a pixel has; '--noise 0' gives all of them as many");
+    if (settings->adaptive)
+        return fail(error, STATUS_USAGE,
+                    "'--sample-range' takes the same samples of every pixel, and in an adaptive render it depends on "
+                    "those before how "
+                    "many a pixel has; '--adaptive off' gives all of them as many");
     if (range[1] > settings->samples)
-        return fail(error, STATUS_USAGE, "option '--sample-range': sample %u is beyond the %u of the picture; '--spp' says how many it has",
+        return fail(error, STATUS_USAGE,
+                    "option '--sample-range': sample %u is beyond the %u of the picture; '--spp' says how many it has",
                     range[1], settings->samples);
     settings->first_sample = range[0] - 1;
     settings->end_sample = range[1];
@@ -135,6 +147,7 @@ Status render_settings_merge(RenderRun *run, Error *error)
     run->settings = (RenderSettings){
         .samples = count_of(options, OPTION_SPP, render->samples),
         .noise = option_given(options, OPTION_NOISE) ? values[OPTION_NOISE].number : render->noise,
+        .adaptive = strcmp(option_text(options, OPTION_ADAPTIVE, render->adaptive ? "on" : "off"), "on") == 0,
         .time_limit_s = values[OPTION_TIME_LIMIT].number,
         .bounces = render->bounces,
         .seed = count_of(options, OPTION_SEED, render->seed),

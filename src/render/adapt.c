@@ -14,6 +14,10 @@
  * that what is rare is, of which two answers the worse counts; and how the error of a mean compares with the deviation of
  * its samples, which are spread evenly and may be anything but normal. */
 enum { NEXT = 1, NEAR = 2, WIDE = 4, FAR = 8 };
+/* Where the mean number of samples is given: what a sample costs besides its rays, in rays; and a pixel gets no less than this
+ * part of the mean, for what its neighbours have not met yet, and no more than so many times what it has, until it is asked again. */
+#define COST_OF_PATH 1
+enum { LEAST_PART = 4, MOST_GROWTH = 4 };
 
 static double relative(double error, double luminance)
 {
@@ -158,6 +162,86 @@ Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, A
             plan.left += (last < most ? last : most) - n;
             if (adapt->wanted[i] - n > plan.next) plan.next = adapt->wanted[i] - n;
         }
+    *result = plan;
+    return STATUS_OK;
+}
+
+/* Of a pixel that has n samples, when the mean of all is to be `mean` and its need is scaled so. */
+static double share_of(double n, double need, double scale, double mean)
+{
+    return fmin(fmax(fmax(n, mean / LEAST_PART), fmin(scale * need, MOST_GROWTH * n)), FILM_MOST_SAMPLES);
+}
+
+/* The scale by which all shares come to the mean, or as near below it as they do. */
+static double find_scale(const float *have, const float *need, size_t pixels, double mean)
+{
+    double low = 0, high = 0;
+    for (size_t i = 0; i < pixels; i++)
+        if (need[i] > 0) high = fmax(high, MOST_GROWTH * (double)have[i] / (double)need[i]);
+    for (int round = 0; round < 48; round++) {
+        double scale = 0.5 * (low + high), sum = 0;
+        for (size_t i = 0; i < pixels; i++) sum += share_of((double)have[i], (double)need[i], scale, mean);
+        *(sum < mean * (double)pixels ? &low : &high) = scale;
+    }
+    return low;
+}
+
+/* A number of samples that fills strata, next to `samples` on either side, so that the mean over pixels is kept. */
+static uint32_t step_near(uint32_t n, double samples, uint32_t x, uint32_t y)
+{
+    if (samples <= n) return n;
+    uint32_t upper = next_step(2, samples), lower = upper & (upper - 1) ? upper / 3 * 2 : upper / 4 * 3;
+    if (lower < n) lower = n;
+    double even =
+        x * 0.7548776662466927 + y * 0.5698402909980533; /* the R2 sequence: its values are even in any region */
+    return lower + (even - floor(even)) * (upper - lower) < samples ? upper : lower;
+}
+
+/* Squared errors fall as 1 / n, so that for their sum and the cost of all samples together the best numbers are in proportion to
+ * the error of one sample over the root of what it costs. */
+static void find_need(Adapt *adapt, const Film *film)
+{
+    uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
+    float **maps = adapt->maps, *cost = maps[ADAPT_FAR_ERROR];
+    size_t i = 0;
+    for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
+        for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
+            const FilmPixel *pixel = film_pixel(film, x, y);
+            maps[ADAPT_DEVIATION][i] = (float)((double)pixel->rays / pixel->n);
+        }
+    mean_around(maps[ADAPT_DEVIATION], width, height, NEAR, maps[ADAPT_SCRATCH], cost);
+    for (size_t j = 0; j < i; j++) {
+        double error = relative((double)maps[ADAPT_ERROR][j], (double)maps[ADAPT_LUMINANCE][j]);
+        maps[ADAPT_NEAR][j] = (float)(error / sqrt(fmax((double)cost[j], 0) + COST_OF_PATH));
+    }
+}
+
+Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *result, Error *error)
+{
+    AdaptPlan plan = {0};
+    TRY(make_maps(adapt, film, error));
+    find_need(adapt, film);
+    float *have = adapt->maps[ADAPT_DEVIATION], *need = adapt->maps[ADAPT_NEAR];
+    uint32_t width = adapt->crop[2] - adapt->crop[0];
+    size_t pixels = (size_t)width * (adapt->crop[3] - adapt->crop[1]);
+    double sum = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        adapt->wanted[i] =
+            film_pixel(film, adapt->crop[0] + (uint32_t)(i % width), adapt->crop[1] + (uint32_t)(i / width))->n;
+        have[i] = (float)adapt->wanted[i];
+        sum += (double)have[i];
+    }
+    double all = (double)samples * (double)pixels, mean = fmin(2 * sum, all) / (double)pixels;
+    *result = plan;
+    if (sum > 0.99 * all) return STATUS_OK;
+    double scale = find_scale(have, need, pixels, mean);
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t n = adapt->wanted[i];
+        double share = share_of(n, (double)need[i], scale, mean);
+        adapt->wanted[i] = step_near(n, share, (uint32_t)(i % width), (uint32_t)(i / width));
+        if (adapt->wanted[i] - n > plan.next) plan.next = adapt->wanted[i] - n;
+    }
+    plan.left = plan.next ? (uint64_t)(all - sum) : 0;
     *result = plan;
     return STATUS_OK;
 }

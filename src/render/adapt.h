@@ -29,7 +29,7 @@ typedef struct Adapt {
     float *maps[ADAPT_MAPS]; /* of the same size */
 } Adapt;
 
-/* What is left to do for a noise. */
+/* What is left to do. */
 typedef struct AdaptPlan {
     uint32_t next;    /* the most samples that any pixel wants more, now; 0: all are done */
     uint64_t left;    /* samples of all pixels, as it looks now, until all are done */
@@ -44,5 +44,9 @@ void adapt_clear(Adapt *adapt);
  * STATUS_NOMEM. */
 ATTR_NODISCARD Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, AdaptPlan *plan,
                                  Error *error);
+/* The same where not the noise is given but the number of samples: `samples` is to be the mean of all pixels, and each gets the more
+ * the larger its error is and the fewer rays its samples take, and at least a quarter of the mean. From plan to plan the samples of all pixels together double, up to
+ * that number, which is met to a hundredth. plan->at_most and unmet are 0. */
+ATTR_NODISCARD Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *plan, Error *error);
 
 #endif

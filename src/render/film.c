@@ -120,7 +120,7 @@ void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
 /* ---- as bytes ---- */
 
 /* No bytes are between its members. */
-_Static_assert(sizeof(FilmPixel) == 8 * (6 + FILM_LADDER) + 8, "the pixels of a film as bytes");
+_Static_assert(sizeof(FilmPixel) == 8 * (7 + FILM_LADDER) + 8, "the pixels of a film as bytes");
 
 void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
@@ -173,6 +173,7 @@ void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
     sum.luminance = add(sum.luminance, next->luminance);
     sum.alpha += next->alpha;
     sum.n += next->n;
+    sum.rays += next->rays;
     *pixel = sum;
 }
 

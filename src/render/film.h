@@ -23,6 +23,7 @@ typedef struct FilmPixel {
     int64_t before[FILM_LADDER + 1];
     uint32_t alpha; /* samples that met something */
     uint32_t n;
+    uint64_t rays; /* that the samples took: what they cost */
 } FilmPixel;
 
 typedef struct Film {
@@ -41,6 +42,10 @@ void film_clear(Film *film);
 /* One sample, of a pixel in their order. Returns whether the sample, or the sum, was brighter than the film can hold (it is then
  * held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
+static inline void film_add_rays(Film *film, uint32_t x, uint32_t y, uint64_t rays)
+{
+    film->pixels[(size_t)y * film->width + x].rays += rays;
+}
 /* Mean luminance of a pixel and its standard error as if its samples were independent, an upper bound; error < 0 with fewer
  * than 2. */
 void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error);

@@ -1,6 +1,7 @@
 /* render.c - passes over the whole frame, tile by tile.
  * The first passes have one sample per pixel, later ones more, so that a picture is there early and the
- * overhead is small late. With a noise to be reached, pixels stop by themselves (adapt.h). A tile belongs to one thread
+ * overhead is small late. With a noise to be reached, pixels stop by themselves, and they may have shares of a number of
+ * samples for all (adapt.h). A tile belongs to one thread
  * during a pass, and a sample depends on nothing but its number.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/render.h"
@@ -22,6 +23,8 @@
 enum { TILE = 16, LARGEST_PASS = 16 };
 /* Noise is not judged before this many samples per pixel: fewer say too little about themselves. */
 enum { NOISE_FLOOR = 16 };
+/* Shares of samples are first given out after this part of them, between these bounds; with fewer than the lower one each pixel gets as many. */
+enum { EVEN_PART = 4, EVEN_LEAST = 4, EVEN_MOST = 16 };
 /* A picture that is shown begins with every fourth pixel each way. Later ones take this part of the time at most. */
 enum { COARSEST = 4 };
 static const double picture_interval_s = 1, picture_share = 0.05;
@@ -199,10 +202,12 @@ static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     const RenderSettings *settings = job->settings;
     PathCounters before = {0};
     float rgb[3], alpha;
+    uint64_t rays = tracer->counters.rays;
     if (tracer->first_sight) before = tracer->counters;
     trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
     if (tracer->first_sight) aov_film_add(&job->state->aovs, x, y, tracer->first_sight, &before, &tracer->counters);
     job->saturated[worker] += film_add(&job->state->film, x, y, rgb, alpha);
+    film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
     if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen);
 }
 
@@ -341,7 +346,14 @@ static uint32_t most_wanted(const Job *job, const uint32_t *wanted)
     return most;
 }
 
-/* Samples where the noise is too large, until it is nowhere so. A pass is no longer than elsewhere, so that a wish to stop is
+static Status plan_samples(Job *job, Adapt *adapt, Error *error)
+{
+    const Film *film = &job->state->film;
+    if (!(job->settings->noise > 0)) return adapt_share(adapt, film, job->wish, &job->plan, error);
+    return adapt_plan(adapt, film, job->settings->noise, job->wish, &job->plan, error);
+}
+
+/* Samples where the noise is too large, until it is nowhere so, or until all are given out. A pass is no longer than elsewhere, so that a wish to stop is
  * heard; plans are made when all pixels have what they wanted, of a plan before this render, too. */
 static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Error *error)
 {
@@ -351,7 +363,7 @@ static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Er
     uint32_t left = most_wanted(job, adapt->wanted);
     while (!*stopped) {
         if (!left) {
-            TRY(adapt_plan(adapt, &job->state->film, job->settings->noise, job->wish, &job->plan, error));
+            TRY(plan_samples(job, adapt, error));
             job->planned_at_samples = (double)job->samples;
             judge_noise(job);
             left = job->plan.next;
@@ -387,11 +399,24 @@ static Status adapt_pixels(Job *job, Pool *pool, bool *stopped, Error *error)
     return status;
 }
 
+/* How many samples all pixels have before it is asked where more are needed; as many as there are to be: it never is. */
+static uint32_t even_samples(const Job *job)
+{
+    uint32_t first = NOISE_FLOOR;
+    if (!(job->settings->noise > 0)) {
+        if (!job->settings->adaptive) return job->wish;
+        first = job->wish / EVEN_PART;
+        first = first < EVEN_LEAST ? EVEN_LEAST : first < EVEN_MOST ? first : EVEN_MOST;
+    }
+    return first < job->wish ? first : job->wish;
+}
+
 /* Runs passes until all samples are there, the noise is low enough, or a stop is asked for. */
 static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
 {
-    bool adapts = job->settings->noise > 0 && job->wish > NOISE_FLOOR;
-    TRY(run_uniform(job, pool, adapts ? NOISE_FLOOR : job->wish, stopped, error));
+    uint32_t even = even_samples(job);
+    bool adapts = even < job->wish;
+    TRY(run_uniform(job, pool, even, stopped, error));
     if (!adapts) { /* others may have been, before */
         free(job->state->wanted);
         job->state->wanted = NULL;

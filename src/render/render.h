@@ -18,12 +18,14 @@ enum { RENDER_MOST_SAMPLES = 4096 };
 
 typedef struct RenderSettings {
     uint32_t width, height;
-    uint32_t crop[4];                  /* x0, y0, x1, y1; all 0: the whole frame */
-    uint32_t samples;                  /* per pixel; with a noise: at most */
-    uint32_t first_sample, end_sample; /* for slices, without a noise: only these, without the last; both 0: all */
+    uint32_t crop[4]; /* x0, y0, x1, y1; all 0: the whole frame */
+    uint32_t samples; /* per pixel; with a noise: at most; adaptive: in the mean */
+    uint32_t first_sample,
+        end_sample;      /* for slices, neither with a noise nor adaptive: only these, without the last; both 0: all */
     bool repeatable;     /* the search for caustics does not heed the time limit: the picture of so many samples is
                                  * the same however fast it goes */
     double noise;        /* each pixel stops at this error, as adapt.h has it; 0: none does */
+    bool adaptive;       /* without a noise: pixels get samples as their errors need them, as adapt.h has it */
     double time_limit_s; /* 0: none */
     uint32_t bounces, seed, camera;
     AovSet aovs;            /* further channels */

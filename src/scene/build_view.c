@@ -158,6 +158,7 @@ void build_render(Builder *b, const EvalNode *node)
     SceneRender *render = &b->scene->render;
     render->samples = (uint32_t)eval_number(node, "samples");
     render->samples_given = eval_prop(node, "samples") != NULL;
+    render->adaptive = eval_truth(node, "adaptive");
     render->noise = eval_number(node, "noise");
     render->bounces = (uint32_t)eval_number(node, "bounces");
     render->seed = (uint32_t)eval_number(node, "seed");

@@ -217,8 +217,9 @@ bool scene_caustics_from_text(const char *text, SceneCaustics *caustics);
 
 typedef struct SceneRender {
     SceneCaustics caustics;
-    uint32_t samples;   /* per pixel, at most when there is a noise */
+    uint32_t samples;   /* per pixel; in the mean when it is adaptive, at most when there is a noise */
     bool samples_given; /* by the scene */
+    bool adaptive;      /* pixels get samples as their errors need them */
     double noise;       /* error at which a pixel stops, as render/adapt.h has it; 0: none does */
     uint32_t bounces;   /* real boundaries and scatterings, not silent crossings */
     NestPolicy nesting;

@@ -103,29 +103,43 @@ static void compare_shared(const CompiledScene *compiled, RenderSettings setting
     }
 }
 
-/* The plain one has as many samples as took the adaptive one its time, or nearly, and its errors are set in relation by the
- * root of the times. */
-static void compare_adaptive(const CompiledScene *compiled, RenderSettings settings, Pool *pool)
+/* Errors, of all and of the worst places, in relation by the root of the times: as they would be after equal time. */
+static void print_after_equal_time(const Renders *with, const Renders *without)
+{
+    double with_rms, with_twentieth, rms, twentieth;
+    pixel_errors(with, &with_rms, &with_twentieth);
+    pixel_errors(without, &rms, &twentieth);
+    double time = sqrt(with->cpu_s / without->cpu_s);
+    printf(" %8.2f %8.2f", time * with_rms / rms, time * with_twentieth / twentieth);
+}
+
+/* The plain one has as many samples as the one whose pixels stop by themselves, or nearly. */
+static void compare_stopping(const CompiledScene *compiled, RenderSettings settings, Pool *pool)
 {
     static Renders with, without;
-    double with_rms, with_twentieth, rms, twentieth;
     settings.noise = 0.12;
     settings.samples = 1024;
     render_all(compiled, settings, pool, &with);
     settings.noise = 0;
     settings.samples = (uint32_t)lround(with.mean_samples);
     render_all(compiled, settings, pool, &without);
-    pixel_errors(&with, &with_rms, &with_twentieth);
-    pixel_errors(&without, &rms, &twentieth);
-    double time = sqrt(with.cpu_s / without.cpu_s);
-    printf(" %9.1f %8.2f %8.2f", with.mean_samples, time * with_rms / rms, time * with_twentieth / twentieth);
+    printf(" %9.1f", with.mean_samples);
+    print_after_equal_time(&with, &without);
 }
 
-/* As many samples each; the errors are set in relation by the root of the times. */
+static void compare_sharing(const CompiledScene *compiled, RenderSettings settings, Pool *pool)
+{
+    static Renders with, without;
+    settings.samples = 64;
+    render_all(compiled, settings, pool, &without);
+    settings.adaptive = true;
+    render_all(compiled, settings, pool, &with);
+    print_after_equal_time(&with, &without);
+}
+
 static void compare_airlight(const CompiledScene *compiled, RenderSettings settings, Pool *pool)
 {
     static Renders with, without;
-    double with_rms, with_twentieth, rms, twentieth;
     bool scatters = false;
     for (uint32_t i = 0; i < compiled->scene->n_media; i++) scatters = scatters || compiled->scene->media[i].scatters;
     if (!scatters) return;
@@ -133,31 +147,29 @@ static void compare_airlight(const CompiledScene *compiled, RenderSettings setti
     render_all(compiled, settings, pool, &with);
     settings.no_airlight = true;
     render_all(compiled, settings, pool, &without);
-    pixel_errors(&with, &with_rms, &with_twentieth);
-    pixel_errors(&without, &rms, &twentieth);
-    double time = sqrt(with.cpu_s / without.cpu_s);
-    printf(" %8.2f %8.2f", time * with_rms / rms, time * with_twentieth / twentieth);
+    print_after_equal_time(&with, &without);
 }
 
 void bench_techniques(char **paths, int n)
 {
     Pool *one = pool_of(1);
-    printf(
-        "errors with against without, below 1 is better. Neighbours share out the work: low frequencies of the squared "
-        "error at\n1, 4 and 16 samples. Pixels stop by themselves at 12 %%: samples, then after equal time the error "
-        "of all "
-        "pixels, and\nwhat one square of 4 x 4 pixels in twenty is above. Light is looked for within haze, not only "
-        "where "
-        "paths are\nscattered in it: the same errors after equal time.\n");
-    printf("%-24s %8s %8s %8s %9s %8s %8s %8s %8s\n", "scene", "1", "4", "16", "samples", "all", "worst", "haze",
-           "worst");
+    printf("errors with against without, below 1 is better. Neighbours share out the work: low frequencies of the "
+           "squared error\n"
+           "at 1, 4 and 16 samples. Pixels stop by themselves at 12 %%: samples, then after equal time the error of "
+           "all pixels,\n"
+           "and what one square of 4 x 4 pixels in twenty is above. 64 samples a pixel are shared out by need: the "
+           "same errors\n"
+           "after equal time. Light is looked for within haze, not only where paths are scattered in it: the same.\n");
+    printf("%-24s %8s %8s %8s %9s %8s %8s %8s %8s %8s %8s\n", "scene", "1", "4", "16", "samples", "all", "worst",
+           "shared", "worst", "haze", "worst");
     for (int i = 0; i < n; i++) {
         Made made;
         made_from_file(&made, paths[i]);
         RenderSettings settings = {.width = WIDTH, .height = HEIGHT, .bounces = made.scene->render.bounces};
         printf("%-24s", file_name(paths[i]));
         compare_shared(made.compiled, settings, one);
-        compare_adaptive(made.compiled, settings, one);
+        compare_stopping(made.compiled, settings, one);
+        compare_sharing(made.compiled, settings, one);
         compare_airlight(made.compiled, settings, one);
         printf("\n");
         fflush(stdout);

@@ -127,4 +127,7 @@ says err 'name one with'
 run render kept.mns --sample-range 1..10 --noise 1%
 exits 2
 says err "'--noise 0'"
+run render kept.mns --sample-range 1..10 --adaptive on
+exits 2
+says err "'--adaptive off'"
 end

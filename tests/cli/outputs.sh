@@ -187,6 +187,29 @@ exits 0
 there a.exr
 end
 
+begin "adaptive renders: the samples of noisy and of quiet pixels, and their mean"
+small_scene
+run render small.mns -o a.exr -s 64 --adaptive on --aov samples --stats=a.json --progress none
+exits 0
+matches err '^wrote a\.exr \(16 x 16, [0-9]+ to [0-9]+ samples, 6[345](\.[0-9])? on average, noise '
+run info a.exr
+says out "samples float"
+matches out '^meniscus/meanSamples +6[345]'
+run render small.mns -o b.exr --set render.adaptive=true -s 64 --aov samples -j 1 -q
+cmp -s a.exr b.exr || flunk "it depends on the threads, or on who says it"
+run render small.mns -o c.exr --set render.adaptive=true --adaptive off -s 64 --aov samples -q
+run render small.mns -o d.exr -s 64 --aov samples -q
+cmp -s c.exr d.exr || flunk "it is not off"
+run render small.mns -o c.exr -s 8 --adaptive on --progress none
+exits 0
+run render small.mns -o c.exr -s 3 --adaptive on --progress none
+exits 0
+matches err '3 to 3 samples, 3 on average'
+run render small.mns --adaptive sometimes
+exits 2
+says err "'sometimes' is not one of on or off"
+end
+
 begin "aov: further channels"
 small_scene
 run render small.mns -o plain.exr

@@ -4,14 +4,14 @@
 usage: run.py MENISCUS FOLDER [SECONDS [REFERENCE]]
 
 Needs Debian's packages blender and povray; what is not there is left out. One thread each, 240 x 240, 64 bounces, no
-clamping, a box filter; all times are of the processor. meniscus is measured twice: as plain as Cycles, without photons
-and with single bright samples kept in their pixels, and in full, with photons that say where to look for light behind
-glass, and with such samples spread over what is around them, which loses no light. Paths per second: from renders with few and with more samples,
-by the difference, so that start and building do not count; meniscus and Cycles take turns. Error: after SECONDS (16)
-of rendering, the mean squared error in ratio to the reference (`meniscus compare`), against each renderer's own
-picture with REFERENCE (1024) samples a pixel: meniscus renders by wavelengths and Cycles by three colours, and in deep
-colours these differ by right. That they render the same scene is shown by a grey variant, in which they must agree.
-The pictures stay in FOLDER.
+clamping, a box filter; all times are of the processor. meniscus is measured twice: as plain as Cycles, without photons,
+with as many samples in all pixels, and single bright ones kept where they fall; and in full, with photons that say where
+to look for light behind glass, with samples where they are needed, and single bright ones spread over what is around
+them, which loses no light. Paths per second: from renders with few and with more samples, by the difference, so that
+start and building do not count; meniscus and Cycles take turns. Error: after SECONDS (16) of rendering, the mean squared
+error in ratio to the reference (`meniscus compare`), against each renderer's own picture with REFERENCE (1024) samples a
+pixel: meniscus renders by wavelengths and Cycles by three colours, and in deep colours these differ by right. That they
+render the same scene is shown by a grey variant, in which they must agree. The pictures stay in FOLDER.
 SPDX-License-Identifier: Apache-2.0
 """
 import json
@@ -128,7 +128,7 @@ def main():
         run([sys.executable, os.path.join(HERE, "glass.py"), os.path.join(folder, name)],
             env=dict(os.environ, PEERS_GREY="1" if name == "grey" else ""))
     plain = Meniscus(program, folder, "meniscus", "--caustics", "off", "--fireflies", "keep")
-    renderers = [plain, Meniscus(program, folder, "meniscus in full", "--caustics", "on")]
+    renderers = [plain, Meniscus(program, folder, "meniscus in full", "--caustics", "on", "--adaptive", "on")]
     blender, povray = shutil.which("blender"), shutil.which("povray")
     if blender:
         renderers.append(Cycles(blender, folder))

@@ -33,14 +33,16 @@ static void render(const Fixture *scene, const RenderSettings *settings, unsigne
     pool_free(pool);
 }
 
-static void render_series(const Fixture *scene, double noise, uint32_t samples, uint32_t seed, Series *series)
+/* wish: the noise, the samples, whether they are shared out, and the first seed. */
+static void render_series(const Fixture *scene, RenderSettings wish, Series *series)
 {
     series->mean_samples = 0;
     series->least = INFINITY;
     series->most = 0;
     for (uint32_t i = 0; i < RENDERS; i++) {
         Picture picture;
-        RenderSettings settings = settings_of(scene, noise, samples, seed + i);
+        RenderSettings settings = settings_of(scene, wish.noise, wish.samples, wish.seed + i);
+        settings.adaptive = wish.adaptive;
         render(scene, &settings, 0, &picture);
         for (uint32_t p = 0; p < PIXELS; p++) {
             series->luminance[i][p] = truth_luminance(&picture, p % WIDTH, p / WIDTH);
@@ -143,7 +145,16 @@ static void expect_within_a_quarter(const char *what, const Series *series, bool
     for (int bin = 0; bin < BINS && !fireflies; bin++) assert_true(is_within(errors.film[bin], 0.8, 1.4));
 }
 
-/* At two targets, and with as many samples everywhere. */
+static void expect_same_mean(const Series *adaptive, const Series *plain)
+{
+    Estimate one = mean_of(adaptive), other = mean_of(plain);
+    double error = hypot(one.error, other.error);
+    print_message("    its mean %.6f, of plain pictures %.6f: %+.2f standard errors of %.2g\n", one.mean, other.mean,
+                  (one.mean - other.mean) / error, error);
+    assert_true(fabs(one.mean - other.mean) < 4 * error);
+}
+
+/* With as many samples everywhere, shared out, and at two targets. */
 static void stated_is_measured(TruthInput input, bool fireflies, const double targets[2])
 {
     static Series plain, adaptive;
@@ -151,21 +162,22 @@ static void stated_is_measured(TruthInput input, bool fireflies, const double ta
     input.policy = NEST_AUTOMATIC;
     truth_open(&scene, input);
     print_message("%s\n", input.file ? input.file : "a scene of its own");
-    render_series(&scene, 0, 16, 201, &plain);
+    render_series(&scene, (RenderSettings){.samples = 16, .seed = 201}, &plain);
     expect_within_a_quarter("16 everywhere", &plain, fireflies);
-    render_series(&scene, 0, 64, 101, &plain);
+    render_series(&scene, (RenderSettings){.samples = 64, .seed = 101}, &plain);
     expect_within_a_quarter("64 everywhere", &plain, fireflies);
+    render_series(&scene, (RenderSettings){.samples = 64, .adaptive = true, .seed = 301}, &adaptive);
+    expect_within_a_quarter("64 shared out", &adaptive, fireflies);
+    expect_same_mean(&adaptive, &plain);
+    assert_near(adaptive.mean_samples, 64, 0.02 * 64);
+    assert_true(adaptive.least >= 16);
     for (uint32_t i = 0; i < 2; i++) {
         char what[40];
-        render_series(&scene, targets[i], MOST, 1 + 20 * i, &adaptive);
+        render_series(&scene, (RenderSettings){.noise = targets[i], .samples = MOST, .seed = 1 + 20 * i}, &adaptive);
         snprintf(what, sizeof what, "each pixel to %g %%", 100 * targets[i]);
         expect_within_a_quarter(what, &adaptive, fireflies);
         if (adaptive.most < MOST) assert_true(errors_of(&adaptive).noise < 1.05 * targets[i]);
-        Estimate one = mean_of(&adaptive), other = mean_of(&plain);
-        double error = hypot(one.error, other.error);
-        print_message("    its mean %.6f, of plain pictures %.6f: %+.2f standard errors of %.2g\n", one.mean,
-                      other.mean, (one.mean - other.mean) / error, error);
-        assert_true(fabs(one.mean - other.mean) < 4 * error);
+        expect_same_mean(&adaptive, &plain);
     }
     fixture_clear(&scene);
 }
@@ -246,7 +258,7 @@ static void rare_light_is_not_lost(void **state)
         assert_true(picture.stats.mean_samples > 30);
         truth_clear(&picture);
     }
-    render_series(&scene, 0, 16, 100, &series);
+    render_series(&scene, (RenderSettings){.samples = 16, .seed = 100}, &series);
     truth_expect("a rare light, by adaptive renders, and looked for", mean_of(&series).mean,
                  truth_estimate(means, RENDERS), 4, 0.005);
     fixture_clear(&scene);

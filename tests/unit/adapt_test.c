@@ -95,12 +95,78 @@ static void no_pixel_judges_itself(void **state)
     film_clear(&film);
 }
 
+static AdaptPlan shares_of(const Film *film, uint32_t samples, uint32_t *wanted, double *mean)
+{
+    Error error;
+    Adapt adapt;
+    AdaptPlan plan;
+    assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
+    assert_int_equal(adapt_share(&adapt, film, samples, &plan, &error), STATUS_OK);
+    double sum = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) sum += wanted[i] = adapt.wanted[i];
+    *mean = sum / (SIDE * SIDE);
+    adapt_clear(&adapt);
+    return plan;
+}
+
+static void a_number_of_samples_is_shared_out_by_need(void **state)
+{
+    (void)state;
+    static uint32_t wanted[SIDE * SIDE];
+    double mean;
+    Film film;
+    fill(&film, 16);
+    AdaptPlan plan = shares_of(&film, 1000, wanted, &mean); /* twice as many, as far as it can be said now */
+    assert_near(mean, 32, 0.4);
+    assert_true(plan.left == SIDE * SIDE * 984 && plan.next >= 32);
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        if (i % SIDE + 9 < MIDDLE) assert_int_equal(wanted[i], 16);
+        if (i % SIDE >= MIDDLE + 4) assert_true(wanted[i] >= 32 && wanted[i] <= 64);
+    }
+    (void)shares_of(&film, 20, wanted, &mean);
+    assert_near(mean, 20, 0.2);
+    plan = shares_of(&film, 16, wanted, &mean);
+    assert_true(plan.next == 0 && plan.left == 0 && mean == 16);
+    film_clear(&film);
+    fill(&film, 16); /* what takes eight times as many rays gets fewer samples */
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) film_add_rays(&film, i % SIDE, i / SIDE, i / SIDE < SIDE / 2 ? 16 : 240);
+    (void)shares_of(&film, 32, wanted, &mean);
+    double above = 0, below = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) *(i / SIDE < SIDE / 2 ? &above : &below) += wanted[i] - 16;
+    assert_true(above > 2 * below && below > 0);
+    assert_near(mean, 32, 0.4);
+    film_clear(&film);
+    fill(&film, 1024); /* no pixel has less than a quarter of the mean, however quiet it is */
+    FilmPixel *quiet = &film.pixels[MIDDLE * SIDE];
+    *quiet = (FilmPixel){0};
+    for (int i = 0; i < 16; i++) (void)film_add(&film, 0, MIDDLE, (float[]){1, 1, 1}, 1);
+    (void)shares_of(&film, 2048, wanted, &mean);
+    assert_in_range(wanted[MIDDLE * SIDE], 512, 768);
+    film_clear(&film);
+}
+
+/* Where nothing is noisy there is nobody to give the rest to. */
+static void without_noise_a_render_ends(void **state)
+{
+    (void)state;
+    static uint32_t wanted[SIDE * SIDE];
+    double mean;
+    Film film;
+    Error error;
+    assert_int_equal(film_init(&film, SIDE, SIDE, &error), STATUS_OK);
+    for (uint32_t i = 0; i < SIDE * SIDE * 16; i++)
+        (void)film_add(&film, i % SIDE, i / SIDE % SIDE, (float[]){1, 1, 1}, 1);
+    assert_int_equal(shares_of(&film, 64, wanted, &mean).next, 0);
+    assert_true(mean == 16);
+    film_clear(&film);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(noise_is_the_mean_error),
-        cmocka_unit_test(samples_go_where_the_noise_is),
-        cmocka_unit_test(no_pixel_judges_itself),
+        cmocka_unit_test(noise_is_the_mean_error),     cmocka_unit_test(samples_go_where_the_noise_is),
+        cmocka_unit_test(no_pixel_judges_itself),      cmocka_unit_test(a_number_of_samples_is_shared_out_by_need),
+        cmocka_unit_test(without_noise_a_render_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
