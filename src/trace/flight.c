@@ -185,7 +185,9 @@ void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic)
           beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
     float mean_ratio = lanes_mean(lanes_mul(path->ratio, factor));
     if (!(mean_ratio > 0)) return;
-    path->radiance = lanes_add(path->radiance, lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio));
+    Lanes more = lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio);
+    path->radiance = lanes_add(path->radiance, more);
+    if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
 }
 
 static void add_light(Path *path, const FreeFlight *flight, Lanes light)

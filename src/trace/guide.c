@@ -18,12 +18,10 @@ void guide_free(Guide *guide)
 GuideAt guide_find(const Guide *guide, Vec3 place)
 {
     Vec3f p = vec3f_from(place);
-    uint32_t number = guide_leaf(guide, p);
-    const GuideCell *cell = &guide->cells[number];
+    const GuideCell *cell = &guide->cells[guide_leaf(guide, p)];
     if (p.x < cell->low.x || p.y < cell->low.y || p.z < cell->low.z || p.x > cell->high.x || p.y > cell->high.y ||
         p.z > cell->high.z)
         return (GuideAt){.share = 0};
-    if (UNLIKELY(guide->visits)) atomic_fetch_add_explicit(&guide->visits[number], 1, memory_order_relaxed);
     return (GuideAt){guide, cell, vec3f_along(p, -1, guide_cell_origin(cell)), cell->share};
 }
 

@@ -66,7 +66,8 @@ typedef struct GuideStats {
 } GuideStats;
 
 /* Makes a guide for the world; NULL where it would be of no use: without small bright lights, without clear or
- * mirroring objects, or where hardly any light comes through these. STATUS_NOMEM. */
+ * mirroring objects, where hardly any light comes through these, or where it gains less than the time that it takes (which
+ * guide_try.c finds out by paths of the camera). STATUS_NOMEM. */
 ATTR_NODISCARD Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, Guide **guide,
                                 GuideStats *stats, Error *error);
 void guide_free(Guide *guide); /* NULL is fine */
@@ -85,5 +86,12 @@ Vec3f guide_sample(const GuideAt *at, float u, const float v[2]);
 float guide_pdf(const GuideAt *at, Vec3f direction);
 /* Lights of a lesser radiance, as a mean of the wavelengths, are left to chance. */
 float guide_threshold(const Guide *guide);
+
+/* What paths note of a guide that is tried out (see guide_try.c): that they came to a place (amount: the part of its share
+ * that counts there, ratio: what the path carries), that a probe was sent (amount: its rays), and what was found of the
+ * light that probes look for (amount: luminance; ratio: of the densities by which probes and the path itself find it). */
+typedef enum GuideRecordKind { GUIDE_VISIT, GUIDE_SENT, GUIDE_FOUND } GuideRecordKind;
+typedef struct GuideLedger GuideLedger;
+void guide_note(GuideLedger *ledger, const GuideAt *at, GuideRecordKind kind, float amount, float ratio);
 
 #endif

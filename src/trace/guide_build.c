@@ -188,7 +188,7 @@ Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, G
     return status;
 }
 
-/* ---- how much a guide is to be heard ---- */
+/* ---- what is foreseen ---- */
 
 static float surface_pdf(const Photon *photon)
 {
@@ -206,94 +206,4 @@ float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Phot
 {
     float surface = surface_pdf(photon), pdf = cell_pdf(guide, &guide->cells[cell], photon);
     return photon->radiance * surface / (share * pdf + surface);
-}
-
-typedef struct Sharing {
-    Guide *guide;
-    const Photon *photons;
-    float *noise; /* relative variance of a cell's sample that is expected without the guide, and with it */
-    float threshold, scale;
-    Tracer *tracers; /* one per thread */
-} Sharing;
-
-/* What the cell's place gets from other lights than those that the guide is for, as irradiance. */
-static float other_light(const Sharing *b, Tracer *tracer, const Photon *photons, uint32_t n, uint32_t number)
-{
-    enum { LOOKS = 8 };
-    float sum = 0;
-    for (uint32_t i = 0; i < LOOKS; i++) {
-        const Photon *photon = &photons[(size_t)n * i / LOOKS];
-        sum += photon_other_light(tracer, photon->position, photon->normal, b->threshold, LOOKS * number + i);
-    }
-    return sum / LOOKS;
-}
-
-/* Photons that lobes are made of are described better than others. */
-#define ITSELF 0.3f
-/* Of other light part is found by looking for it, whatever the directions are. */
-#define REST 0.3f
-/* Of the guide's light, what comes from things near by that it lights. */
-#define AROUND 0.25f
-/* What a probe takes, in what a path does that comes to a place and goes on: measured, 0.1 (light-bulb) to 1.3 (a pool). */
-#define COST 1.0f
-
-/* How often a probe is to be sent: so that the variance by the work is least. The square of what is found of the photons'
- * light has the expectation of their radiance times the flux of all of them, by the density with which their directions
- * are chosen; of other light the probes find nothing, so that it is as noisy as without. */
-static void choose_share(void *context, uint32_t number, unsigned worker)
-{
-    const float shares[] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1};
-    const Sharing *b = context;
-    GuideCell *cell = &b->guide->cells[number];
-    const Photon *photons = b->photons + b->guide->begins[number];
-    uint32_t n = b->guide->begins[number + 1] - b->guide->begins[number];
-    float sums[COUNT_OF(shares)] = {0}, area = n ? cell_area(photons, n) : 0, found = 0, missed = 0;
-    if (!(area > 0)) return; /* one photon, or a row of them, does not tell how bright the place is */
-    bool in_medium = false;
-    for (uint32_t i = 0; i < n; i++) {
-        const Photon *photon = &photons[i];
-        float surface = surface_pdf(photon), guide = cell_pdf(b->guide, cell, photon) * (photon->lobe ? ITSELF : 1);
-        float square = photon->flux * b->scale * photon->radiance * surface / (area * SAMPLING_PI);
-        in_medium |= vec3f_dot(photon->normal, photon->normal) == 0;
-        if (guide < surface) { /* what the guide does not know no probe will find */
-            missed += square / surface;
-            continue;
-        }
-        found += photon->flux * b->scale / (area * SAMPLING_PI);
-        for (size_t k = 0; k < COUNT_OF(shares); k++) sums[k] += square / (shares[k] * guide + surface);
-    }
-    float other = in_medium ? 0 : other_light(b, &b->tracers[worker], photons, n, number) / SAMPLING_PI;
-    float mean = cell->radiance + other, spread = other + AROUND * cell->radiance, best = INFINITY;
-    for (size_t k = 0; k < COUNT_OF(shares); k++) {
-        float rest = REST * spread * spread,
-              noise = (float_max(sums[k] - found * found, 0) + rest) * (1 + COST * shares[k]);
-        float all = (noise + missed) / float_max(mean * mean, 1e-30f);
-        if (k == 0) b->noise[2 * number] = all;
-        if (noise < best) b->noise[2 * number + 1] = all, best = noise, cell->share = shares[k];
-    }
-    if (in_medium) cell->share = 0.5f; /* where little is known of the rest */
-}
-
-Status guide_choose_shares(Guide *guide, const World *world, float threshold, const Photon *photons, uint32_t followed,
-                           Pool *pool, Error *error)
-{
-    unsigned n_threads = pool_threads(pool);
-    Sharing job = {.guide = guide, .photons = photons, .threshold = threshold, .scale = 1 / (float)followed};
-    job.noise = calloc(guide->n_cells, 2 * sizeof *job.noise);
-    job.tracers = calloc(n_threads, sizeof *job.tracers);
-    Status status = STATUS_OK;
-    if (job.noise && job.tracers) {
-        double before = 0, after = 0;
-        for (unsigned i = 0; i < n_threads; i++) tracer_init(&job.tracers[i], world);
-        pool_run(pool, guide->n_cells, choose_share, &job);
-        for (unsigned i = 0; i < n_threads; i++) tracer_clear(&job.tracers[i]);
-        for (uint32_t i = 0; i < guide->n_cells; i++)
-            before += (double)job.noise[2 * i], after += (double)job.noise[2 * i + 1];
-        guide->gain = after > 0 ? (float)(before / after) : 0;
-    } else {
-        status = fail_memory(error, guide->n_cells * 2 * sizeof *job.noise, "caustics");
-    }
-    free(job.noise);
-    free(job.tracers);
-    return status;
 }

@@ -19,11 +19,18 @@
  * targets, landed behind them, is left to chance too. */
 #define BRIGHTER 12.0f
 #define LEAST_PART 0.002f
-/* The expected ratio of variances without and with the guide that is worth its time. */
-#define LEAST_GAIN 2.0f
+/* The gain for which a guide is used; and the promise of the first photons for which more are followed, although as many as
+ * there are do not show it yet. */
+#define LEAST_GAIN 1.05
+#define LEAST_PROMISE 10.0
+/* How often probes are sent at least: few are enough to keep what was not met on trial from making fireflies. */
+#define LEAST_SHARE 0.03f
 /* Rays for the guide, as a part of the picture's; and what it may take of the smallest picture. */
 #define RAYS_PART 0.06
 #define FEWEST_RAYS 200000.0
+/* Of that, what is granted on a promise; all of it if the promise is as great as that. */
+#define UNSURE_PART 0.2
+#define GREAT_PROMISE 1000.0
 /* And of a limit of time. */
 #define TIME_PART 0.1
 /* A sample so many times as bright as the mean is not foreseen. */
@@ -35,7 +42,10 @@ enum {
     FIRST_LOBES = 1 << 10,
     LEAST_ROUND = 1 << 10,
     MOST_PHOTONS = 1 << 23,
-    MOST_LANDED = 1 << 20
+    MOST_LANDED = 1 << 20,
+    TRIED_PART = 64, /* of the picture's paths one in so many is followed to try a guide out, which is done twice */
+    FEWEST_TRIED = 1 << 12,
+    MOST_TRIED = 1 << 15
 };
 
 /* Photons as they are followed, round by round. */
@@ -48,7 +58,10 @@ typedef struct Harvest {
     uint32_t followed;
     double flux; /* of all, times those followed */
     uint64_t rays;
+    uint32_t tried; /* how often it was tried out what they are worth */
     double rays_granted, start_s;
+    double unforeseen; /* of the last round's flux */
+    GuideWorth worth;
     float other;   /* radiance of a white surface by all other light, on the mean of where photons landed */
     Guide *guide;  /* of the rounds so far */
     Guide *survey; /* counts how often paths come to places; NULL: not yet */
@@ -75,7 +88,7 @@ static bool is_unforeseen(const Harvest *harvest, const Photon *photon)
 {
     if (!harvest->guide) return true;
     if (harvest->survey) {
-        uint32_t visits = atomic_load(&harvest->survey->visits[guide_leaf(harvest->survey, photon->position)]);
+        uint32_t visits = harvest->survey->visits[guide_leaf(harvest->survey, photon->position)];
         if ((double)visits < 0.05 * harvest->mean_visits) return false;
     }
     uint32_t cell = guide_leaf(harvest->guide, photon->position);
@@ -107,61 +120,17 @@ static Status learn(Harvest *harvest, size_t begin, uint32_t most, double *flux,
     return guide_build(harvest->landed, (uint32_t)harvest->n, harvest->followed, harvest->pool, &harvest->guide, error);
 }
 
-/* ---- what paths of the camera do ---- */
-
-typedef struct Survey {
-    World world;
-    const GuideSettings *settings;
-    uint32_t n;
-    Tracer *tracers;
-} Survey;
-
-static void survey_path(void *context, uint32_t i, unsigned worker)
-{
-    const Survey *survey = context;
-    const GuideSettings *settings = survey->settings;
-    uint64_t pixels = (uint64_t)settings->width * settings->height,
-             pixel = ((uint64_t)i * pixels + pixels / 2) / survey->n;
-    float rgb[3], alpha;
-    uint32_t x = (uint32_t)(pixel % settings->width), y = (uint32_t)(pixel / settings->width);
-    trace_sample(&survey->tracers[worker], x, y, settings->width, settings->height, ~settings->seed, i, rgb, &alpha);
-}
-
-/* Follows some of the camera's paths: how many rays they take, and where they come to. */
-static Status look_where_paths_go(Harvest *harvest, Error *error)
+/* Tries the guide out on some paths of the camera: one in so many as the picture has. */
+static Status try_out(Harvest *harvest, uint64_t one_in, Error *error)
 {
     const GuideSettings *settings = harvest->settings;
-    uint64_t pixels = (uint64_t)settings->width * settings->height, wish = settings->paths / 64;
-    unsigned n_threads = pool_threads(harvest->pool);
-    wish = wish > 16384 ? 16384 : wish < 256 ? 256 : wish;
-    Survey survey = {.world = *harvest->source.world,
-                     .settings = settings,
-                     .n = (uint32_t)(wish < pixels ? wish : pixels),
-                     .tracers = calloc(n_threads, sizeof *survey.tracers)};
-    Guide *guide = harvest->guide;
-    guide->visits = calloc(guide->n_cells, sizeof *guide->visits);
-    Status status = STATUS_OK;
-    if (survey.tracers && guide->visits) {
-        uint64_t rays = 0, visits = 0;
-        survey.world.guide = guide;
-        guide->threshold = harvest->source.threshold;
-        for (unsigned i = 0; i < n_threads; i++) tracer_init(&survey.tracers[i], &survey.world);
-        pool_run(harvest->pool, survey.n, survey_path, &survey);
-        for (unsigned i = 0; i < n_threads; i++) {
-            rays += survey.tracers[i].counters.rays;
-            tracer_clear(&survey.tracers[i]);
-        }
-        for (uint32_t i = 0; i < guide->n_cells; i++) visits += atomic_load(&guide->visits[i]);
-        harvest->mean_visits = (double)visits / guide->n_cells;
-        harvest->rays += rays;
-        harvest->rays_granted = fmax(RAYS_PART * (double)rays / survey.n * (double)settings->paths, FEWEST_RAYS);
-        harvest->survey = guide;
-        harvest->guide = NULL;
-    } else {
-        status = fail_memory(error, guide->n_cells * sizeof *guide->visits, "caustics");
-    }
-    free(survey.tracers);
-    return status;
+    uint64_t paths = settings->paths / one_in;
+    paths = paths > MOST_TRIED ? MOST_TRIED : paths < FEWEST_TRIED ? FEWEST_TRIED : paths;
+    harvest->guide->threshold = harvest->source.threshold;
+    TRY(guide_try(harvest->guide, harvest->source.world, settings, (uint32_t)paths, harvest->landed, harvest->followed,
+                  harvest->pool, &harvest->worth, error));
+    harvest->tried++;
+    return STATUS_OK;
 }
 
 /* ---- rounds ---- */
@@ -200,30 +169,46 @@ static void look_for_other_light(Harvest *harvest)
     harvest->other = sum / LOOKS / SAMPLING_PI;
 }
 
+/* How many rays photons may take: the fewer, the less is gained, or promised. */
+static void grant(Harvest *harvest)
+{
+    const GuideSettings *settings = harvest->settings;
+    double hope = harvest->tried > 1 ? 0 : harvest->worth.promise / GREAT_PROMISE;
+    double part = fmin(fmax(fmax(harvest->worth.gain - 1, hope), UNSURE_PART), 1);
+    if (settings->always) part = 1;
+    harvest->rays_granted =
+        part * fmax(RAYS_PART * harvest->worth.rays_per_path * (double)settings->paths, FEWEST_RAYS);
+}
+
 /* The first round, and whether it promises anything. */
 static Status begin(Harvest *harvest, float flux, bool *worth, Error *error)
 {
-    double part;
+    double part, mean_visits = 0;
+    bool always = harvest->settings->always;
     TRY(follow_round(harvest, FIRST_ROUND, error));
     *worth = harvest->n > 0;
-    if (!harvest->settings->always) *worth = harvest->flux > (double)(LEAST_PART * flux) * harvest->followed;
+    if (!always) *worth = harvest->flux > (double)(LEAST_PART * flux) * harvest->followed;
     if (!*worth) return STATUS_OK;
     TRY(learn(harvest, 0, FIRST_LOBES, &part, error));
-    if (harvest->settings->always) return STATUS_OK;
-    TRY(guide_choose_shares(harvest->guide, harvest->source.world, harvest->source.threshold, harvest->landed,
-                            harvest->followed, harvest->pool, error));
-    *worth = harvest->guide->gain > LEAST_GAIN;
-    return STATUS_OK;
+    TRY(try_out(harvest, 2 * TRIED_PART, error));
+    *worth = always || harvest->worth.gain > LEAST_GAIN || harvest->worth.promise > LEAST_PROMISE;
+    if (!*worth) return STATUS_OK;
+    grant(harvest);
+    for (uint32_t i = 0; i < harvest->guide->n_cells; i++) mean_visits += harvest->guide->visits[i];
+    harvest->mean_visits = mean_visits / harvest->guide->n_cells;
+    harvest->survey = harvest->guide;
+    harvest->guide = NULL;
+    look_for_other_light(harvest);
+    return guide_build(harvest->landed, (uint32_t)harvest->n, harvest->followed, harvest->pool, &harvest->guide, error);
 }
 
+/* More rounds, as far as rays are granted. */
 static Status go_on(Harvest *harvest, Error *error)
 {
-    look_for_other_light(harvest);
     uint32_t n = FIRST_ROUND;
-    double unforeseen = 1, cost = (double)harvest->rays / harvest->followed; /* rays for a photon */
-    TRY(look_where_paths_go(harvest, error));
-    TRY(guide_build(harvest->landed, (uint32_t)harvest->n, harvest->followed, harvest->pool, &harvest->guide, error));
-    while (unforeseen > FORESEEN && harvest->n < MOST_LANDED && harvest->followed < MOST_PHOTONS && !is_over(harvest)) {
+    double cost = (double)harvest->rays / harvest->followed; /* rays for a photon */
+    while (harvest->unforeseen > FORESEEN && harvest->n < MOST_LANDED && harvest->followed < MOST_PHOTONS &&
+           !is_over(harvest)) {
         double left = (harvest->rays_granted - (double)harvest->rays) / cost;
         if (left < LEAST_ROUND) break;
         if (n < harvest->followed) n = harvest->followed;
@@ -232,12 +217,28 @@ static Status go_on(Harvest *harvest, Error *error)
         uint64_t before = harvest->rays;
         size_t begin = harvest->n;
         TRY(follow_round(harvest, n, error));
-        TRY(learn(harvest, begin, UINT32_MAX, &unforeseen, error));
+        TRY(learn(harvest, begin, UINT32_MAX, &harvest->unforeseen, error));
         cost = (double)(harvest->rays - before) / n;
         report(harvest);
     }
-    return guide_choose_shares(harvest->guide, harvest->source.world, harvest->source.threshold, harvest->landed,
-                               harvest->followed, harvest->pool, error);
+    return STATUS_OK;
+}
+
+/* All rounds after the first, and whether what has come of them is worth its use. */
+static Status finish(Harvest *harvest, bool *worth, Error *error)
+{
+    bool always = harvest->settings->always;
+    for (double granted = 0; harvest->rays_granted > 1.5 * granted; grant(harvest)) {
+        granted = harvest->rays_granted;
+        TRY(go_on(harvest, error));
+        TRY(try_out(harvest, TRIED_PART, error));
+    }
+    *worth = always || harvest->worth.gain > LEAST_GAIN;
+    for (uint32_t i = 0; i < harvest->guide->n_cells; i++) {
+        float *share = &harvest->guide->cells[i].share;
+        *share = float_max(*share, LEAST_SHARE);
+    }
+    return STATUS_OK;
 }
 
 static Status gather(Harvest *harvest, bool *worth, Error *error)
@@ -250,7 +251,7 @@ static Status gather(Harvest *harvest, bool *worth, Error *error)
     if (!(flux > 0) || !(area > 0)) return STATUS_OK;
     harvest->source.threshold = (harvest->settings->always ? 1 : BRIGHTER) * flux / (area * SAMPLING_PI);
     TRY(begin(harvest, flux, worth, error));
-    if (*worth) TRY(go_on(harvest, error));
+    if (*worth) TRY(finish(harvest, worth, error));
     if (is_stopped(harvest)) *worth = false;
     return STATUS_OK;
 }
@@ -262,8 +263,11 @@ Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, 
     *stats = (GuideStats){0};
     PhotonTargets targets;
     photon_targets(world, &targets);
-    Harvest harvest = {
-        .settings = settings, .source = {world, &targets, 0, settings->seed}, .pool = pool, .start_s = clock_now_s()};
+    Harvest harvest = {.settings = settings,
+                       .source = {world, &targets, 0, settings->seed},
+                       .pool = pool,
+                       .start_s = clock_now_s(),
+                       .unforeseen = 1};
     bool worth = false;
     Status status = gather(&harvest, &worth, error);
     free(harvest.landed);
@@ -275,8 +279,9 @@ Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, 
     }
     Guide *made = *guide = harvest.guide;
     free(made->begins);
+    free(made->visits);
     made->begins = NULL;
-    made->threshold = harvest.source.threshold;
+    made->visits = NULL;
     stats->landed = harvest.n;
     stats->lobes = made->n_lobes;
     stats->bytes =

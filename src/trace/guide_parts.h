@@ -3,8 +3,6 @@
 #ifndef MEN_GUIDE_PARTS_H
 #define MEN_GUIDE_PARTS_H
 
-#include <stdatomic.h>
-
 #include "trace/guide.h"
 #include "trace/guide_fit.h"
 
@@ -21,10 +19,9 @@ struct Guide {
     GuideCell *cells;
     GuideLobe *lobes;
     uint32_t n_nodes, n_cells, n_lobes;
-    uint32_t *begins;    /* of each cell's photons, as guide_build has sorted them; the last is the end of all */
-    atomic_uint *visits; /* how often places were looked up, for each cell; NULL: not counted */
-    float threshold;     /* see guide_threshold */
-    float gain;          /* the expected ratio of variances without and with it; see guide_choose_shares */
+    uint32_t *begins; /* of each cell's photons, as guide_build has sorted them; the last is the end of all */
+    uint32_t *visits; /* how often paths came to each cell while it was tried out; NULL: it was not */
+    float threshold;  /* see guide_threshold */
 };
 
 static inline Vec3f guide_cell_origin(const GuideCell *cell)
@@ -46,16 +43,28 @@ static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
     return node->first;
 }
 
+/* ---- guide_try.c ---- */
+
+typedef struct GuideWorth {
+    double gain; /* expected: variance times work without it, over that with it */
+    double
+        promise; /* what photons say of the variance that it could take away, roughly and at most: of that without it */
+    double rays_per_path; /* without it */
+    uint64_t rays;        /* that this took */
+} GuideWorth;
+
+/* Follows about so many of the camera's paths with the guide, of which the threshold is set, and throws them away. Sets the cells'
+ * shares so that variance times work is least, and how often paths came to them; photons: as guide_build left them.
+ * STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_try(Guide *guide, const World *world, const GuideSettings *settings, uint32_t paths,
+                                const Photon *photons, uint32_t followed, Pool *pool, GuideWorth *worth, Error *error);
+
 /* ---- guide_build.c ---- */
 
 /* A guide from the n photons that landed of those that were followed, of which at least one was looked around at; they are
  * put into another order. Half the places send probes until shares are chosen. STATUS_NOMEM. */
 ATTR_NODISCARD Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, Guide **out,
                                   Error *error);
-/* How often probes are to be sent in each cell, by what other light there is; photons: as guide_build left
- * them. Sets the gain. STATUS_NOMEM. */
-ATTR_NODISCARD Status guide_choose_shares(Guide *guide, const World *world, float threshold, const Photon *photons,
-                                          uint32_t followed, Pool *pool, Error *error);
 /* The radiance that a white surface would send on for a path that has found the photon's light, by itself or by
  * probes: what a firefly is as bright as. */
 float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon);

@@ -108,7 +108,6 @@ static bool survives(Path *path)
 {
     if (lanes_zero(path->beta)) return false;
     float carried = float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
-    if (UNLIKELY(path->probing.is_probe)) carried *= path->probing.steering; /* it carries little, and finds much */
     bool long_way = path->n_counted > path->tracer->world->long_way;
     float below = path->tracer->world->trial.roulette_below;
     if (LIKELY(below == 0)) below = ROULETTE_BELOW;

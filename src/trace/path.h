@@ -84,6 +84,7 @@ typedef struct Tracer {
     size_t passes_capacity;
     PathCounters counters;
     PixelSampler pixel;
+    struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
     struct Tracer *prober; /* follows what guides send out, while the path waits; NULL: not yet needed */
     uint32_t
         seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */

@@ -40,9 +40,9 @@ typedef struct PathProbing {
     Vec3f direction; /* that was chosen there, */
     float density;   /* its density, as a mean of the wavelengths, */
     float part;      /* and what light counts that it finds through glass; < 0: not known yet */
+    bool found;      /* what it adds next is such light */
     bool bent;       /* it has gone through a boundary since, or off a mirror */
     bool is_probe;   /* it was sent out by the guide, and looks for such light alone */
-    float steering;  /* of a probe: how much more often such light is looked for than by the surface alone */
 } PathProbing;
 
 typedef struct Path {
@@ -81,7 +81,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->scatter_pdf = -1;
     path->scatter_lights = world_lights(tracer->world);
     path->probing.guide.share = 0;
-    path->probing.bent = path->probing.is_probe = false;
+    path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }
 
 /* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of
@@ -210,8 +210,11 @@ static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
     GuideAt at = guide_find(guide, place);
-    at.share *= float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1); /* the same for any hero */
-    if (in_medium) at.share /= (float)(1 + path->n_scattered);
+    float part = float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1); /* the same for any hero */
+    if (in_medium) part /= (float)(1 + path->n_scattered);
+    if (UNLIKELY(path->tracer->ledger) && at.share > 0)
+        guide_note(path->tracer->ledger, &at, GUIDE_VISIT, part, lanes_mean(path->beta) / lanes_mean(path->ratio));
+    at.share *= part;
     return at;
 }
 /* Whether a probe is to be sent out from there, and whereto. */
@@ -229,6 +232,7 @@ static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f dire
         path->probing = (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1};
 }
 float path_weigh_probing(Path *path, float radiance);
+void path_note_found(Path *path, Lanes light);
 /* What light of a radiance (a mean of the wavelengths) counts that the path finds by itself, not by looking at it: against
  * finding it by a probe. */
 static inline float path_found_part(Path *path, float radiance)

@@ -16,6 +16,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
+#include "optics/color.h"
 #include "optics/sampling.h"
 #include "trace/path_parts.h"
 
@@ -37,11 +38,22 @@ float path_weigh_probing(Path *path, float radiance)
     PathProbing *probing = &path->probing;
     /* behind a nearly smooth surface the radiance is a weighted one */
     bool bright = path->scatter_pdf >= 0 || radiance > guide_threshold(probing->guide.guide);
-    if (!probing->bent || !bright) return probing->is_probe ? 0 : 1;
+    probing->found = probing->bent && bright;
+    if (!probing->found) return probing->is_probe ? 0 : 1;
     if (probing->part < 0)
         probing->part =
             sampling_balance(probing->density, probing->guide.share * guide_pdf(&probing->guide, probing->direction));
     return probing->part;
+}
+
+void path_note_found(Path *path, Lanes light)
+{
+    PathProbing *probing = &path->probing;
+    if (!probing->found) return;
+    probing->found = false;
+    float rgb[3], ratio = 1 / probing->part - 1;
+    color_from_lanes(light, &path->wavelengths, rgb);
+    guide_note(path->tracer->ledger, &probing->guide, GUIDE_FOUND, color_luminance(rgb), ratio);
 }
 
 /* The list of hulls where the probe starts. */
@@ -60,8 +72,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
                      Lanes scattered, float pdf_w)
 {
     Tracer *tracer = path->tracer, *prober = tracer->prober;
-    float density = pdf_w + guide->share * guide_pdf(guide, direction);
-    if (!(pdf_w > 0) || !(density > 0)) return;
+    if (!(pdf_w > 0)) return;
     if (UNLIKELY(!prober)) {
         prober = tracer->prober = calloc(1, sizeof *prober);
         if (prober) tracer_init(prober, tracer->world);
@@ -82,17 +93,22 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
         tracer->out_of_memory = true;
         return;
     }
-    probe.beta = lanes_mul(path->beta, lanes_scale(scattered, 1 / density));
+    probe.beta = lanes_mul(path->beta, lanes_scale(scattered, 1 / pdf_w));
     probe.radiance = lanes_all(0);
     probe.scatter_pdf = -1;
     probe.from.rarity = 0;
     probe.looks = false;
-    probe.probing = (PathProbing){.guide = *guide, .part = 1, .is_probe = true, .steering = density / pdf_w};
+    probe.probing =
+        (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1, .is_probe = true};
     probe.bounce += FIRST_BOUNCE;
     probe.n_counted += event != NULL;
     prober->counters = tracer->counters;
     if (tracer->world->scene->n_textures > 0) path_widen(&probe);
+    uint64_t rays = prober->counters.rays;
+    prober->ledger = tracer->ledger;
     path_follow(&probe);
+    if (UNLIKELY(tracer->ledger))
+        guide_note(tracer->ledger, guide, GUIDE_SENT, (float)(prober->counters.rays - rays), 0);
     tracer->counters = prober->counters;
     tracer->out_of_memory |= prober->out_of_memory;
     path->radiance = lanes_add(path->radiance, probe.radiance);

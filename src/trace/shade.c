@@ -13,8 +13,9 @@ Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, L
 void path_add_radiance(Path *path, Lanes factor, Lanes basic)
 {
     float mean_ratio = lanes_mean(path->ratio);
-    path->radiance =
-        lanes_add(path->radiance, lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio));
+    Lanes more = lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio);
+    path->radiance = lanes_add(path->radiance, more);
+    if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
 }
 
 static float mix_weight(const Path *path, const Event *event, const SceneSurface *surface)

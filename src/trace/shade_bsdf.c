@@ -80,6 +80,7 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
               &ray);
     if (keen) f_cos = lanes_scale(f_cos, path_found_part(path, INFINITY));
     path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
+    path->probing.found = false;
 }
 
 /* The hulls behind an opaque surface that light goes through, into tracer->next. */

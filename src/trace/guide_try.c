@@ -1,0 +1,404 @@
+/* guide_try.c - what a guide is worth, and where: some of the camera's paths are followed with it, and thrown away.
+ *
+ * Where light is found that probes look for, the path's own direction and the probe's may both find it, and each counts as
+ * f / (p + s g): f what is sent on, p the density of the path's own directions, g the guide's, s how often probes are sent.
+ * The expected sum of these squares, each times (p + s g) / (p + t g), is what the squares would be if probes were sent t
+ * times; for t = 0 it is the square that the path has without probes. So paths with probes tell what all is like
+ * without, with little noise where the guide knows better: no firefly has to be met to be counted. That difference, of
+ * the relative variance of pixels, is held against the work of the probes.
+ *
+ * That is not much in most scenes, whatever the photons say of the places where they land: the camera sees few of these, or they are
+ * bright by other light, or the pixels are noisy for other reasons. (An estimate from photons alone, cell by cell, was
+ * wrong by factors of 1.5 to 6: light-bulb 5.4, measured 0.85; surfaces 3.1, 0.75; peers' glass 2.0, 1.2.)
+ *
+ * All is summed up in the order of the paths: the choice is the same for any number of threads.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "optics/color.h"
+#include "optics/sampling.h"
+#include "trace/guide_parts.h"
+
+enum { SPOT_PATHS = 16, N_SHARES = 7, HALVES = 2 };
+static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1};
+#define TRIED 0.5f /* of these, in all cells, while it is tried out */
+
+/* What a probe takes besides its rays, and looking up a place: in rays. */
+#define PROBE_COST 2.0
+#define VISIT_COST 0.05
+/* Where less is known of a part of the guide, it does as the larger one that it lies in. */
+#define LEAST_FOUND 24
+/* A single path's relative square is not counted higher: lone bright samples are spread in the picture. */
+#define MOST_SQUARE 1e4
+/* A share for all cells, and the part of its gain that is trusted. */
+#define EVEN 0.25f
+#define EVEN_TRUST 0.5
+/* As adapt_noise has it: absolute errors where it is darker than this. */
+#define DARK 0.1
+
+typedef struct Record {
+    uint32_t path, cell;
+    GuideRecordKind kind;
+    float amount, ratio;
+} Record;
+
+/* What paths do in a part of the guide. */
+typedef struct Tally {
+    uint32_t cell, n_found, visits;
+    double weight, sent, rays; /* how often probes would be sent if all shares were 1; those sent, and their rays */
+    double carried;            /* squares of what the paths carried there */
+    double saved[N_SHARES];    /* of the squares, over having no guide */
+} Tally;
+
+struct GuideLedger {
+    Record *records; /* of the present spot */
+    size_t n, capacity;
+    Tally *tallies; /* of all spots, each with the cells that it has met */
+    size_t n_tallies, tallies_capacity;
+    uint32_t path, *last; /* of each cell, its tally */
+    bool out_of_memory;
+};
+
+typedef struct Spot {
+    unsigned worker;
+    size_t first, end; /* of the worker's tallies */
+    double variance;   /* relative, the sum of that of its paths */
+} Spot;
+
+typedef struct Tryout {
+    World world;
+    const GuideSettings *settings;
+    Guide *guide;
+    uint32_t n_spots;
+    Spot *spots;
+    Tracer *tracers;
+    GuideLedger *ledgers;
+    Tally *cells[HALVES]; /* sums of the spots of even numbers, and of odd ones */
+    Tally *nodes;         /* sums, for each of the tree's */
+    float *chosen;        /* share of each cell */
+    double paths, variance, rays;
+} Tryout;
+
+void guide_note(GuideLedger *ledger, const GuideAt *at, GuideRecordKind kind, float amount, float ratio)
+{
+    if (!array_reserve(&ledger->records, &ledger->capacity, ledger->n + 1, sizeof *ledger->records)) {
+        ledger->out_of_memory = true;
+        return;
+    }
+    ledger->records[ledger->n++] = (Record){ledger->path, (uint32_t)(at->cell - at->guide->cells), kind, amount, ratio};
+}
+
+/* ---- paths ---- */
+
+/* The tally of a cell among those from number `first` on. */
+static Tally *tally_of(GuideLedger *ledger, size_t first, uint32_t cell)
+{
+    uint32_t last = ledger->last[cell];
+    if (last >= first && last < ledger->n_tallies && ledger->tallies[last].cell == cell) return &ledger->tallies[last];
+    if (ledger->n_tallies == UINT32_MAX ||
+        !array_reserve(&ledger->tallies, &ledger->tallies_capacity, ledger->n_tallies + 1, sizeof *ledger->tallies)) {
+        ledger->out_of_memory = true;
+        return NULL;
+    }
+    ledger->last[cell] = (uint32_t)ledger->n_tallies;
+    ledger->tallies[ledger->n_tallies] = (Tally){.cell = cell};
+    return &ledger->tallies[ledger->n_tallies++];
+}
+
+static void tally_record(Tally *tally, const Record *record, double by_brightness)
+{
+    double amount = (double)record->amount, ratio = (double)record->ratio;
+    switch (record->kind) {
+    case GUIDE_VISIT:
+        tally->visits++;
+        tally->weight += amount;
+        tally->carried += ratio * ratio * by_brightness;
+        break;
+    case GUIDE_SENT:
+        tally->sent++;
+        tally->rays += amount;
+        break;
+    case GUIDE_FOUND:
+        tally->n_found++;
+        for (int k = 1; k < N_SHARES; k++) {
+            double r = ratio * (double)shares[k] / (double)TRIED;
+            tally->saved[k] += amount * amount * by_brightness * (1 + ratio) * r / (1 + r);
+        }
+        break;
+    }
+}
+
+static void look_at_spot(void *context, uint32_t i, unsigned worker)
+{
+    Tryout *trial = context;
+    const GuideSettings *settings = trial->settings;
+    GuideLedger *ledger = &trial->ledgers[worker];
+    Spot *spot = &trial->spots[i];
+    uint64_t pixels = (uint64_t)settings->width * settings->height,
+             pixel = ((uint64_t)i * pixels + pixels / 2) / trial->n_spots;
+    uint32_t x = (uint32_t)(pixel % settings->width), y = (uint32_t)(pixel / settings->width);
+    double luminance[SPOT_PATHS], by_brightness[SPOT_PATHS], sum = 0;
+    ledger->n = 0;
+    for (uint32_t k = 0; k < SPOT_PATHS; k++) {
+        float rgb[3], alpha;
+        ledger->path = k;
+        trace_sample(&trial->tracers[worker], x, y, settings->width, settings->height, ~settings->seed, k, rgb, &alpha);
+        sum += luminance[k] = (double)color_luminance(rgb);
+    }
+    *spot = (Spot){.worker = worker, .first = ledger->n_tallies};
+    for (uint32_t k = 0; k < SPOT_PATHS; k++) { /* each by the brightness that the others say */
+        double mean = (sum - luminance[k]) / (SPOT_PATHS - 1), off = luminance[k] - mean;
+        by_brightness[k] = 1 / (mean * mean + DARK * DARK);
+        spot->variance += fmin(off * off * by_brightness[k], MOST_SQUARE) * (SPOT_PATHS - 1) / SPOT_PATHS;
+    }
+    for (size_t k = 0; k < ledger->n; k++) {
+        const Record *record = &ledger->records[k];
+        Tally *tally = tally_of(ledger, spot->first, record->cell);
+        if (tally) tally_record(tally, record, by_brightness[record->path]);
+    }
+    spot->end = ledger->n_tallies;
+}
+
+/* ---- sums ---- */
+
+static void tally_add(Tally *sum, const Tally *more)
+{
+    sum->n_found += more->n_found;
+    sum->visits += more->visits;
+    sum->weight += more->weight;
+    sum->sent += more->sent;
+    sum->rays += more->rays;
+    sum->carried += more->carried;
+    for (int k = 0; k < N_SHARES; k++) sum->saved[k] += more->saved[k];
+}
+
+static void sum_spots(Tryout *trial)
+{
+    for (uint32_t i = 0; i < trial->n_spots; i++) {
+        const Spot *spot = &trial->spots[i];
+        trial->variance += spot->variance;
+        for (size_t k = spot->first; k < spot->end; k++) {
+            const Tally *tally = &trial->ledgers[spot->worker].tallies[k];
+            tally_add(&trial->cells[i % HALVES][tally->cell], tally);
+        }
+    }
+}
+
+/* Sums the halves that are wanted up the tree. */
+static Tally sum_node(Tryout *trial, uint32_t number, const bool wanted[HALVES])
+{
+    const GuideNode *node = &trial->guide->nodes[number];
+    Tally sum = {.cell = 0};
+    if (node->axis == GUIDE_LEAF) {
+        for (int h = 0; h < HALVES; h++)
+            if (wanted[h]) tally_add(&sum, &trial->cells[h][node->first]);
+    } else {
+        for (uint32_t child = 0; child < 2; child++) {
+            Tally part = sum_node(trial, node->first + child, wanted);
+            tally_add(&sum, &part);
+        }
+    }
+    return trial->nodes[number] = sum;
+}
+
+/* What a probe takes, in rays. */
+static double probe_cost(const Tally *tally)
+{
+    return PROBE_COST + (tally->sent > 0 ? tally->rays / tally->sent : 0);
+}
+
+/* ---- shares ---- */
+
+/* How variance and work change for all. */
+typedef struct Toll {
+    double variance, work;
+} Toll;
+
+/* The share that makes the product of variance and work least, so far as they change by little. */
+static float best_share(const Tally *tally, Toll toll)
+{
+    int best = 0;
+    double most = 0;
+    for (int k = 1; k < N_SHARES; k++) {
+        double worth =
+            tally->saved[k] / toll.variance - tally->weight * (double)shares[k] * probe_cost(tally) / toll.work;
+        if (worth > most) most = worth, best = k;
+    }
+    return shares[best];
+}
+
+static void choose_below(Tryout *trial, uint32_t number, float share, Toll toll)
+{
+    const GuideNode *node = &trial->guide->nodes[number];
+    if (trial->nodes[number].n_found >= LEAST_FOUND || number == 0) share = best_share(&trial->nodes[number], toll);
+    if (node->axis == GUIDE_LEAF) {
+        trial->chosen[node->first] = share;
+        return;
+    }
+    choose_below(trial, node->first, share, toll);
+    choose_below(trial, node->first + 1, share, toll);
+}
+
+static int number_of_share(float share)
+{
+    int k = 0;
+    while (k < N_SHARES - 1 && shares[k] < share) k++;
+    return k;
+}
+
+/* What the chosen shares do to the paths of one half. */
+static Toll change_of(const Tryout *trial, int half)
+{
+    Toll change = {0, 0};
+    double cost = probe_cost(&trial->nodes[0]);
+    for (uint32_t i = 0; i < trial->guide->n_cells; i++) {
+        const Tally *tally = &trial->cells[half][i];
+        change.variance -= tally->saved[number_of_share(trial->chosen[i])];
+        change.work += tally->weight * (double)trial->chosen[i] * cost + VISIT_COST * tally->visits;
+    }
+    return change;
+}
+
+/* Without the guide, as the halves say that are wanted, scaled to all paths. */
+static Toll balance_without(const Tryout *trial, const Tally *all, double scale)
+{
+    return (Toll){trial->variance + scale * all->saved[number_of_share(TRIED)], trial->rays - scale * all->rays};
+}
+
+/* Chooses by some of the paths. */
+static void choose_shares(Tryout *trial, const bool wanted[HALVES])
+{
+    double scale = wanted[0] && wanted[1] ? 1 : HALVES;
+    Tally all = sum_node(trial, 0, wanted);
+    Toll without = balance_without(trial, &all, scale), toll = without;
+    for (int round = 0; round < 6; round++) { /* changes are not small: the balance is that after them */
+        choose_below(trial, 0, 0, (Toll){toll.variance / scale, toll.work / scale});
+        toll = without;
+        for (int h = 0; h < HALVES; h++) {
+            if (!wanted[h]) continue;
+            Toll change = change_of(trial, h);
+            toll.variance = fmax(toll.variance + scale * change.variance, 1e-6 * without.variance);
+            toll.work += scale * change.work;
+        }
+    }
+}
+
+/* The variance that photons promise to take away, roughly and at most: as if all surfaces were white, and each place in
+ * a cell got as much as the others. */
+static double promised(const Tryout *trial, const Photon *photons, uint32_t followed)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < trial->guide->n_cells; i++) {
+        const GuideCell *cell = &trial->guide->cells[i];
+        Vec3f size = vec3f_along(cell->high, -1, cell->low);
+        float area = float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x));
+        double square = 0;
+        for (uint32_t k = trial->guide->begins[i]; k < trial->guide->begins[i + 1]; k++)
+            square += (double)photons[k].flux * (double)photons[k].radiance;
+        if (area > 0)
+            sum += square / ((double)followed * (double)(area * SAMPLING_PI)) *
+                   (trial->cells[0][i].carried + trial->cells[1][i].carried);
+    }
+    return sum;
+}
+
+/* ---- all of it ---- */
+
+/* By how much the product of variance and work falls. */
+static double gain_of(Toll without, Toll first, Toll second)
+{
+    double variance = without.variance + first.variance + second.variance,
+           work = without.work + first.work + second.work;
+    return without.variance * without.work / (fmax(variance, 1e-6 * without.variance) * work);
+}
+
+static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, GuideWorth *worth)
+{
+    const bool first[HALVES] = {true, false}, second[HALVES] = {false, true}, both[HALVES] = {true, true};
+    Guide *guide = trial->guide;
+    sum_spots(trial);
+    /* one share for all takes no luck for a gain; but in part, where it is little that was found of great brightness */
+    for (uint32_t i = 0; i < guide->n_cells; i++) trial->chosen[i] = EVEN;
+    Tally all = sum_node(trial, 0, both);
+    Toll without = balance_without(trial, &all, 1);
+    double even = gain_of(without, change_of(trial, 0), change_of(trial, 1));
+    /* nor do shares of which one half chooses what the other one judges */
+    choose_shares(trial, first);
+    Toll change = change_of(trial, 1);
+    choose_shares(trial, second);
+    worth->gain = fmax(EVEN_TRUST * even, gain_of(without, change_of(trial, 0), change));
+    choose_shares(trial, both);
+    worth->promise = promised(trial, photons, followed) / fmax(without.variance, 1e-30);
+    worth->rays_per_path = without.work / trial->paths;
+    for (uint32_t i = 0; i < guide->n_cells; i++) {
+        guide->cells[i].share = trial->chosen[i];
+        guide->visits[i] = trial->cells[0][i].visits + trial->cells[1][i].visits;
+    }
+}
+
+static bool prepare(Tryout *trial, unsigned n_threads)
+{
+    Guide *guide = trial->guide;
+    trial->spots = calloc(trial->n_spots, sizeof *trial->spots);
+    trial->tracers = calloc(n_threads, sizeof *trial->tracers);
+    trial->ledgers = calloc(n_threads, sizeof *trial->ledgers);
+    trial->nodes = calloc(guide->n_nodes, sizeof *trial->nodes);
+    trial->chosen = calloc(guide->n_cells, sizeof *trial->chosen);
+    for (int h = 0; h < HALVES; h++) trial->cells[h] = calloc(guide->n_cells, sizeof *trial->cells[h]);
+    if (!guide->visits) guide->visits = calloc(guide->n_cells, sizeof *guide->visits);
+    if (!trial->spots || !trial->tracers || !trial->ledgers || !trial->nodes || !trial->chosen || !trial->cells[0] ||
+        !trial->cells[1] || !guide->visits)
+        return false;
+    for (unsigned i = 0; i < n_threads; i++) {
+        trial->ledgers[i].last = calloc(guide->n_cells, sizeof *trial->ledgers[i].last);
+        if (!trial->ledgers[i].last) return false;
+    }
+    return true;
+}
+
+static void trial_clear(Tryout *trial, unsigned n_threads)
+{
+    for (unsigned i = 0; trial->ledgers && i < n_threads; i++) {
+        free(trial->ledgers[i].records);
+        free(trial->ledgers[i].tallies);
+        free(trial->ledgers[i].last);
+    }
+    for (int h = 0; h < HALVES; h++) free(trial->cells[h]);
+    free(trial->spots);
+    free(trial->tracers);
+    free(trial->ledgers);
+    free(trial->nodes);
+    free(trial->chosen);
+}
+
+Status guide_try(Guide *guide, const World *world, const GuideSettings *settings, uint32_t paths, const Photon *photons,
+                 uint32_t followed, Pool *pool, GuideWorth *worth, Error *error)
+{
+    unsigned n_threads = pool_threads(pool);
+    Tryout trial = {.world = *world, .settings = settings, .guide = guide};
+    uint64_t pixels = (uint64_t)settings->width * settings->height, spots = paths / SPOT_PATHS + 1;
+    trial.n_spots = (uint32_t)(spots < pixels ? spots : pixels);
+    trial.paths = (double)trial.n_spots * SPOT_PATHS;
+    *worth = (GuideWorth){.gain = 1};
+    bool out_of_memory = !prepare(&trial, n_threads);
+    if (!out_of_memory) {
+        trial.world.guide = guide;
+        for (uint32_t i = 0; i < guide->n_cells; i++) guide->cells[i].share = TRIED;
+        for (unsigned i = 0; i < n_threads; i++) {
+            tracer_init(&trial.tracers[i], &trial.world);
+            trial.tracers[i].ledger = &trial.ledgers[i];
+        }
+        pool_run(pool, trial.n_spots, look_at_spot, &trial);
+        for (unsigned i = 0; i < n_threads; i++) {
+            out_of_memory |= trial.ledgers[i].out_of_memory || trial.tracers[i].out_of_memory;
+            worth->rays += trial.tracers[i].counters.rays;
+            tracer_clear(&trial.tracers[i]);
+        }
+        trial.rays = (double)worth->rays;
+        if (!out_of_memory) conclude(&trial, photons, followed, worth);
+    }
+    trial_clear(&trial, n_threads);
+    return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory while trying what photons are worth") : STATUS_OK;
+}
