@@ -40,10 +40,10 @@ ATTR_COLD static bool hit_list_grow(HitList *list)
     return true;
 }
 
-/* What rounding makes of distances about t, along a normal. */
-static inline double noise_at(const Query *query, double t)
+/* What rounding makes of distances about t along a ray, at a usual cosine. */
+static inline double doubt_at(const Query *query, double t)
 {
-    return (4 * TRUSTED_ULPS * UNIT_ROUNDING + EMBREE_NOISE) * (query->scale + t);
+    return (4 * TRUSTED_ULPS * UNIT_ROUNDING + EMBREE_NOISE) / USUAL_COSINE * (query->scale + t);
 }
 
 /* How far behind a surface at distance t and cosine c another one can be and still be proposed by
@@ -80,16 +80,20 @@ Hit *rtc_hit_place(HitList *list)
     return &list->items[list->n];
 }
 
-/* The place of the next hit of the list; NULL when memory ends. Of a hit that is put off no more than these fields is
- * set: a cosine of 0 says so. */
-static inline Hit *next_hit(HitList *list, double t, uint32_t object, uint32_t primitive)
+/* Of a hit that is put off no more than these fields is set: a cosine of 0 says so. */
+static inline void set_hit(Hit *hit, double t, uint32_t object, uint32_t primitive)
 {
-    Hit *hit = rtc_hit_place(list);
-    if (UNLIKELY(!hit)) return NULL;
     hit->t = t;
     hit->object = object;
     hit->primitive = primitive;
     hit->cos_normal = 0;
+}
+
+/* The place of the next hit of the list; NULL when memory ends. */
+static inline Hit *next_hit(HitList *list, double t, uint32_t object, uint32_t primitive)
+{
+    Hit *hit = rtc_hit_place(list);
+    if (LIKELY(hit)) set_hit(hit, t, object, primitive);
     return hit;
 }
 
@@ -155,7 +159,7 @@ static bool take_exactly(Query *query, Hit *hit)
 static inline bool put_off(Query *query, const Hit *hit)
 {
     query->hits->n++;
-    query->reach = double_min(query->reach, hit->t + noise_at(query, hit->t) / USUAL_COSINE);
+    query->reach = double_min(query->reach, hit->t + doubt_at(query, hit->t));
     return true;
 }
 
@@ -231,40 +235,68 @@ static inline const struct RTCHit *hit_of(const struct RTCHitN *hit)
     return (const struct RTCHit *)(const void *)hit;
 }
 
-/* The same as next_hit for a triangle that Embree has found. */
-static inline Hit *next_triangle(HitList *list, double t, uint32_t object, const struct RTCHit *found)
+/* The same for a triangle that Embree has found. */
+static inline void set_triangle(Hit *hit, double t, uint32_t object, const struct RTCHit *found)
 {
-    Hit *hit = next_hit(list, t, object, found->primID);
-    if (UNLIKELY(!hit)) return NULL;
+    set_hit(hit, t, object, found->primID);
     hit->u = found->u;
     hit->v = found->v;
+}
+static inline Hit *next_triangle(HitList *list, double t, uint32_t object, const struct RTCHit *found)
+{
+    Hit *hit = rtc_hit_place(list);
+    if (LIKELY(hit)) set_triangle(hit, t, object, found);
     return hit;
 }
 
-/* A triangle that a nearest query finds. Returns whether the search may now end at query->reach. */
-static bool consider_triangle(Query *query, const struct RTCHit *found, float embree_tfar)
+/* A triangle that a nearest query finds, and that is not put off at once. Returns whether the search may now end at
+ * query->reach. */
+static bool consider_triangle(Query *query, const struct RTCHit *found, double t, bool certain)
 {
-    const Ray *ray = query->ray;
     uint32_t object = object_of(found);
-    const Hit *left = rtc_find_left(ray, object, found->primID);
+    const Hit *left = rtc_find_left(query->ray, object, found->primID);
     if (left && left->behind) return false;
-    double t = (double)embree_tfar - query->back, doubt = noise_at(query, t) / USUAL_COSINE;
-    bool certain = !query->exact && !left && t > query->t_min + doubt && t < ray->t_max - doubt;
     bool passing = rtc_passes(query, object);
     Hit *hit = next_triangle(passing ? query->passed : query->hits, t, object, found);
     if (UNLIKELY(!hit)) return false;
-    if (passing) return note_passed(query, hit, certain);
-    return LIKELY(certain) ? put_off(query, hit) : take_exactly(query, hit);
+    if (passing) return note_passed(query, hit, certain && !left);
+    return certain && !left ? put_off(query, hit) : take_exactly(query, hit);
 }
 
+ATTR_APART static void filter_at_length(const struct RTCFilterFunctionNArguments *arguments, double t, bool certain)
+{
+    Query *query = (Query *)(void *)arguments->context;
+    if (consider_triangle(query, hit_of(arguments->hit), t, certain))
+        ray_of(arguments->ray)->tfar = embree_t(query, query->reach);
+    else
+        arguments->valid[0] = 0;
+}
+
+/* Most are in front of the start for certain: these are put off without a call, and so without a frame. */
 void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
+    const Ray *ray = query->ray;
     struct RTCRay *embree = ray_of(arguments->ray);
-    if (consider_triangle(query, hit_of(arguments->hit), embree->tfar))
-        embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
-    else
+    const struct RTCHit *found = hit_of(arguments->hit);
+    uint32_t object = object_of(found);
+    double t = (double)embree->tfar - query->back, doubt = doubt_at(query, t);
+    if (UNLIKELY(query->exact || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
+        filter_at_length(arguments, t, false);
+        return;
+    }
+    HitList *list = rtc_passes(query, object) ? query->passed : query->hits;
+    if (UNLIKELY(list->n == list->capacity || rtc_find_left(ray, object, found->primID))) {
+        filter_at_length(arguments, t, true);
+        return;
+    }
+    set_triangle(&list->items[list->n++], t, object, found);
+    if (list != query->hits) {
         arguments->valid[0] = 0;
+        return;
+    }
+    query->reach = double_min(query->reach, t + doubt);
+    embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
 }
 
 void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
@@ -358,17 +390,32 @@ static inline void narrow(Lanes lower, Lanes upper, float start, float inverse, 
     *far = lanes_lesser(lanes_scale(lanes_greater(a, b), 1 + 0x1p-21f), *far);
 }
 
+/* One over the direction. */
+static inline Lanes inverse_of(Lanes direction)
+{
+    const Lanes least = lanes_all(1e-18f); /* as Embree does it, so that infinity and NaN do not come up */
+    return lanes_div(lanes_all(1), lanes_select_less(lanes_abs(direction), least, least, direction));
+}
+
 /* Which of four bounds Embree's float ray meets, as bits. */
 static inline unsigned meets_bounds(const RtcFour *four, const struct RTCRay *ray)
 {
-    const Lanes least = lanes_all(1e-18f); /* as Embree does it, so that infinity and NaN do not come up */
     FloatRay parts = float_ray(ray);
-    Lanes held = lanes_select_less(lanes_abs(parts.direction), least, least, parts.direction);
-    Lanes inverse = lanes_div(lanes_all(1), held), near = lanes_all(ray->tnear), far = lanes_all(ray->tfar);
+    Lanes inverse = inverse_of(parts.direction), near = lanes_all(ray->tnear), far = lanes_all(ray->tfar);
     for (int axis = 0; axis < 3; axis++)
         narrow(four->lower[axis], four->upper[axis], lanes_get(parts.start, axis), lanes_get(inverse, axis), &near,
                &far);
     return lanes_not_above(near, far);
+}
+
+/* Whether it meets one. */
+static inline bool meets_one(const RtcOne *one, const struct RTCRay *ray)
+{
+    FloatRay parts = float_ray(ray);
+    Lanes inverse = inverse_of(parts.direction), a = lanes_mul(lanes_sub(one->lower, parts.start), inverse),
+          b = lanes_mul(lanes_sub(one->upper, parts.start), inverse);
+    float near = lanes_max(lanes_lesser(a, b)), far = lanes_min(lanes_greater(a, b)) * (1 + 0x1p-21f);
+    return float_max(near, ray->tnear) <= float_min(far, ray->tfar);
 }
 
 /* Pieces that Embree does not know, those whose bits are set; shortens Embree's ray where the search may end sooner then. */
@@ -385,6 +432,11 @@ static inline void consider_all_own(Query *query, struct RTCRay *ray)
 {
     const RtcScene *scene = query->scene;
     for (uint32_t i = 0; i < scene->n_planes; i++) consider_own(query, &scene->planes[i], 1, 1, ray);
+    if (LIKELY(scene->n_few <= RTC_ALONE)) {
+        for (uint32_t i = 0; i < scene->n_few; i++)
+            if (meets_one(&scene->alone[i], ray)) consider_own(query, scene->still.pieces + i, 1, 1, ray);
+        return;
+    }
     for (uint32_t i = 0; i < scene->n_few; i += LANES) {
         unsigned met = meets_bounds(&scene->few[i / LANES], ray);
         if (met) consider_own(query, scene->still.pieces + i, scene->n_few - i, met, ray);
@@ -532,7 +584,7 @@ static bool search_nearest(Query *query)
 static bool complete_nearest(Query *query)
 {
     HitList *hits = query->hits;
-    double end = query->reach + noise_at(query, query->reach) / USUAL_COSINE;
+    double end = query->reach + doubt_at(query, query->reach);
     size_t n = 0;
     for (size_t i = 0; i < hits->n; i++) {
         Hit *hit = &hits->items[i];

@@ -332,6 +332,10 @@ static void keep_few(RtcScene *scene)
         struct RTCBounds box = piece_box(&scene->still, i);
         const float lower[3] = {box.lower_x, box.lower_y, box.lower_z};
         const float upper[3] = {box.upper_x, box.upper_y, box.upper_z};
+        if (scene->n_few <= RTC_ALONE) {
+            scene->alone[i].lower = lanes(box.lower_x, box.lower_y, box.lower_z, -INFINITY);
+            scene->alone[i].upper = lanes(box.upper_x, box.upper_y, box.upper_z, INFINITY);
+        }
         RtcFour *four = &scene->few[i / LANES];
         for (int axis = 0; axis < 3; axis++) {
             lanes_set(&four->lower[axis], (int)(i % LANES), lower[axis]);

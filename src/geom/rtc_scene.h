@@ -70,6 +70,11 @@ typedef struct RtcFour {
 /* So few pieces, a lamp over meshes, say, are not worth a hierarchy of their own, which every ray would have to go
  * through: rays are held against all their bounds. */
 enum { RTC_FEW = 2 * LANES };
+/* The bounds of one piece, without end in the last lane; where there are so few, that is quicker than four at once. */
+typedef struct RtcOne {
+    Lanes lower, upper;
+} RtcOne;
+enum { RTC_ALONE = 2 };
 
 struct RtcScene {
     RTCDevice device;
@@ -84,6 +89,7 @@ struct RtcScene {
     RtcPieceSet still, moving; /* bounded ones */
     uint32_t n_few;            /* of the still ones, all if they are few, which Embree then does not know; else 0 */
     RtcFour few[RTC_FEW / LANES];
+    RtcOne alone[RTC_ALONE]; /* the same bounds, where they are no more */
     RtcPiece *planes;          /* unbounded ones, tested by themselves */
     uint32_t n_planes;
     Box3 bounds;
