@@ -13,6 +13,8 @@
 #define ATTR_APART __attribute__((noinline))
 #define LIKELY(x) __builtin_expect(!!(x), 1)
 #define UNLIKELY(x) __builtin_expect(!!(x), 0)
+/* What is read soon: brought near meanwhile. Nothing is read there. */
+#define PREFETCH(address) __builtin_prefetch(address)
 /* The number of the highest bit that is set of 64, of which one is. */
 #define HIGHEST_BIT(x) (63U - (unsigned)__builtin_clzll(x))
 #else
@@ -23,6 +25,7 @@
 #define ATTR_APART
 #define LIKELY(x) (x)
 #define UNLIKELY(x) (x)
+#define PREFETCH(address) ((void)(address))
 static inline unsigned attr_highest_bit(unsigned long long x)
 {
     unsigned n = 0;

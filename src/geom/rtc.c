@@ -249,6 +249,15 @@ static inline Hit *next_triangle(HitList *list, double t, uint32_t object, const
     return hit;
 }
 
+/* Brings the corners of a triangle near that is to be computed when the search is over. */
+static inline void fetch_corners(const RtcPlaced *object, uint32_t primitive)
+{
+    const Vec3f *baked = object->detail->baked;
+    if (!baked) return;
+    const uint32_t *triangle = rtc_triangle_of(object, primitive);
+    for (int i = 0; i < 3; i++) PREFETCH(&baked[triangle[i]]);
+}
+
 /* A triangle that a nearest query finds, and that is not put off at once. Returns whether the search may now end at
  * query->reach. */
 static bool consider_triangle(Query *query, const struct RTCHit *found, double t, bool certain)
@@ -290,6 +299,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
         filter_at_length(arguments, t, true);
         return;
     }
+    fetch_corners(&query->scene->objects[object], found->primID);
     set_triangle(&list->items[list->n++], t, object, found);
     if (list != query->hits) {
         arguments->valid[0] = 0;
