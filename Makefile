@@ -271,7 +271,7 @@ fuzz: ## run each fuzzer for SECONDS (default 60); needs clang and libclang-rt-1
 	$(MAKE) VARIANT=fuzz CC=clang CXX=clang++ $(FUZZERS:%=build/fuzz/fuzz/%)
 	$(PYTHON) tests/fuzz/seeds.py build/fuzz/seeds
 	@mkdir -p build/fuzz/found
-	@for name in $(FUZZERS); do mkdir -p build/fuzz/corpus/$$name tests/fuzz/corpus/$$name; echo "fuzz: $$name, $(SECONDS) s"; \
+	@for name in $(FUZZERS); do mkdir -p build/fuzz/corpus/$$name build/fuzz/seeds/$$name tests/fuzz/corpus/$$name; echo "fuzz: $$name, $(SECONDS) s"; \
 	  ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 build/fuzz/fuzz/$$name build/fuzz/corpus/$$name tests/fuzz/corpus/$$name \
 	    build/fuzz/seeds/$$name -dict=grammar/meniscus.dict -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=3000 \
 	    -artifact_prefix=build/fuzz/found/$$name- -print_final_stats=1 > build/fuzz/$$name.log 2>&1 || \

@@ -67,8 +67,8 @@ static const char *habit_of(const char *word)
     size_t most = 0;
     for (size_t i = 0; i < sizeof habits / sizeof *habits; i++) {
         size_t n = strlen(habits[i].letters);
-        bool whole = !letters[n] || strchr("=.0123456789", letters[n]) || *word == '+';
-        if (n > most && strncmp(letters, habits[i].letters, n) == 0 && whole) {
+        if (n <= most || strncmp(letters, habits[i].letters, n) != 0) continue;
+        if (!letters[n] || strchr("=.0123456789", letters[n]) || *word == '+') {
             most = n;
             found = habits[i].instead;
         }
