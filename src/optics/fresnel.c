@@ -12,66 +12,69 @@
 
 #include <float.h>
 
-/* b^2 above. Reflection is total where it is not above zero and d is not zero; fresnel_* and
- * refract_direction both decide by this and so never disagree. In double: the products of floats are
- * exact, and b is right up to the critical angle, where a^2 and d cancel. */
-static inline double transmitted_square(float cos_i, float eta_i, float eta_t)
-{
-    double a = (double)eta_i * (double)cos_i;
-    return a * a + ((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
-}
-
 /* A cosine from rounded vectors may lie outside 0..1. Comparisons, here and below, because fmaxf is a
  * call with gcc. */
 static inline float clamp_cosine(float cos_i) { return cos_i < 1 ? (cos_i > 0 ? cos_i : 0) : 1; }
 
 /* The quantities above, for cos_i already in 0..1. */
 typedef struct Crossing {
-    float a, b, d;
-    float per_sum; /* 1 / (a + b) */
-    bool total;
+    Lanes eta_i, eta_t, a, b, d; /* b is 0 where reflection is total */
+    Lanes per_sum;               /* 1 / (a + b) */
 } Crossing;
 
-static inline Crossing crossing(float cos_i, float eta_i, float eta_t)
+/* b^2 above. Reflection is total where it is not above zero and d is not zero; fresnel_* and
+ * refract_direction both decide by this and so never disagree. In double: the products of floats are
+ * exact, and b is right up to the critical angle, where a^2 and d cancel. */
+static inline void squares(float cos_i, float eta_i, float eta_t, float *b_square, float *d)
 {
-    double b_square = transmitted_square(cos_i, eta_i, eta_t);
-    Crossing c = {.a = eta_i * cos_i, .b = sqrtf((float)(b_square > 0 ? b_square : 0))};
-    c.d = (float)((double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i);
-    c.per_sum = 1 / (c.a + c.b + FLT_MIN); /* both vanish at a grazing ray between equal indices */
-    c.total = !(b_square > 0) && c.d != 0;
+    double a = (double)eta_i * (double)cos_i, d_exact = (double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i;
+    double square = a * a + d_exact;
+    *b_square = (float)(square > 0 ? square : 0);
+    *d = (float)d_exact;
+}
+
+static inline Crossing crossing(float cos_i, Lanes eta_i, Lanes eta_t)
+{
+    Crossing c = {.eta_i = eta_i, .eta_t = eta_t, .a = lanes_scale(eta_i, cos_i)};
+    float b_square[LANES], d[LANES];
+    squares(cos_i, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &b_square[0], &d[0]);
+    c.b = lanes_all(b_square[0]);
+    c.d = lanes_all(d[0]);
+    if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) { /* media without dispersion are the rule */
+        for (int i = 1; i < LANES; i++) squares(cos_i, lanes_get(eta_i, i), lanes_get(eta_t, i), &b_square[i], &d[i]);
+        c.b = lanes_load(b_square);
+        c.d = lanes_load(d);
+    }
+    c.b = lanes_sqrt(c.b);
+    /* both vanish at a grazing ray between equal indices */
+    c.per_sum = lanes_div(lanes_all(1), lanes_add(lanes_add(c.a, c.b), lanes_all(FLT_MIN)));
     return c;
 }
 
-/* Branch-free: both outcomes are made and one is chosen. */
-static inline float crossing_reflectance(const Crossing *c, float cos_i, float eta_i, float eta_t)
+/* Branch-free: all outcomes are made and one is chosen. */
+static inline Lanes crossing_reflectance(const Crossing *c, float cos_i)
 {
-    float square_i = eta_i * eta_i, square_t = eta_t * eta_t, share = c->d * c->per_sum;
-    float r_s = share * c->per_sum;
-    float brewster = c->a * c->b - square_i * ((1 - cos_i) * (1 + cos_i));
-    float r_p = share * brewster / (square_t * c->a + square_i * c->b + FLT_MIN);
-    float partial = 0.5f * (r_s * r_s + r_p * r_p);
-    bool passes = !c->total && partial < 1;
-    return c->d == 0 ? 0.0f : passes ? partial : 1.0f;
+    const Lanes zero = lanes_all(0), one = lanes_all(1);
+    Lanes square_i = lanes_mul(c->eta_i, c->eta_i), square_t = lanes_mul(c->eta_t, c->eta_t);
+    Lanes share = lanes_mul(c->d, c->per_sum), r_s = lanes_mul(share, c->per_sum);
+    Lanes brewster = lanes_sub(lanes_mul(c->a, c->b), lanes_scale(square_i, (1 - cos_i) * (1 + cos_i)));
+    Lanes below = lanes_add(lanes_mul(square_t, c->a), lanes_mul(square_i, c->b));
+    Lanes r_p = lanes_div(lanes_mul(share, brewster), lanes_add(below, lanes_all(FLT_MIN)));
+    Lanes partial = lanes_scale(lanes_add(lanes_mul(r_s, r_s), lanes_mul(r_p, r_p)), 0.5f);
+    Lanes reflectance = lanes_select_less(zero, c->b, lanes_lesser(partial, one), one);
+    return lanes_select_less(zero, lanes_abs(c->d), reflectance, zero);
 }
 
-static inline float reflectance(float cos_i, float eta_i, float eta_t)
+float fresnel_dielectric(float cos_i, float eta_i, float eta_t)
 {
-    Crossing c = crossing(cos_i, eta_i, eta_t);
-    return crossing_reflectance(&c, cos_i, eta_i, eta_t);
+    return lanes_get(fresnel_dielectric_lanes(cos_i, lanes_all(eta_i), lanes_all(eta_t)), 0);
 }
-
-float fresnel_dielectric(float cos_i, float eta_i, float eta_t) { return reflectance(clamp_cosine(cos_i), eta_i, eta_t); }
 
 Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t)
 {
     cos_i = clamp_cosine(cos_i);
-    /* Media without dispersion are the rule. */
-    if (lanes_uniform(eta_i) && lanes_uniform(eta_t))
-        return lanes_all(reflectance(cos_i, lanes_get(eta_i, 0), lanes_get(eta_t, 0)));
-    Lanes result = lanes_all(0);
-    for (int i = 0; i < LANES; i++)
-        lanes_set(&result, i, reflectance(cos_i, lanes_get(eta_i, i), lanes_get(eta_t, i)));
-    return result;
+    Crossing c = crossing(cos_i, eta_i, eta_t);
+    return crossing_reflectance(&c, cos_i);
 }
 
 Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t)
@@ -138,31 +141,30 @@ float fresnel_dielectric_mean(float eta_i, float eta_t)
 
 /* Snell: eta_t t = eta_i d + (a - b) n, with a - b = -d / (a + b). The length of that is eta_t but for rounding, most of
  * which one step of Newton's root takes off. */
-static inline Vec3f crossing_refract(const Crossing *c, Vec3f direction, Vec3f normal, float eta_i, float eta_t)
+static inline bool crossing_refract(const Crossing *c, Vec3f direction, Vec3f normal, Vec3f *refracted)
 {
-    if (c->d == 0) return direction;
-    float per_t = 1 / eta_t;
-    Vec3f t = vec3f_along(vec3f_scale(direction, eta_i * per_t), -c->d * c->per_sum * per_t, normal);
-    return vec3f_scale(t, 1.5f - 0.5f * vec3f_dot(t, t));
+    float d = lanes_get(c->d, 0), per_t = 1 / lanes_get(c->eta_t, 0);
+    if (d == 0) {
+        *refracted = direction;
+        return true;
+    }
+    if (!(lanes_get(c->b, 0) > 0)) return false;
+    Vec3f t = vec3f_along(vec3f_scale(direction, lanes_get(c->eta_i, 0) * per_t), -d * lanes_get(c->per_sum, 0) * per_t,
+                          normal);
+    *refracted = vec3f_scale(t, 1.5f - 0.5f * vec3f_dot(t, t));
+    return true;
 }
 
 bool refract_direction(Vec3f direction, Vec3f normal, float eta_i, float eta_t, Vec3f *refracted)
 {
-    Crossing c = crossing(clamp_cosine(-vec3f_dot(direction, normal)), eta_i, eta_t);
-    if (c.total) return false;
-    *refracted = crossing_refract(&c, direction, normal, eta_i, eta_t);
-    return true;
+    Crossing c = crossing(clamp_cosine(-vec3f_dot(direction, normal)), lanes_all(eta_i), lanes_all(eta_t));
+    return crossing_refract(&c, direction, normal, refracted);
 }
 
-bool fresnel_refract(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, Lanes *reflectance_of, Vec3f *refracted)
+bool fresnel_refract(Vec3f direction, Vec3f normal, Lanes eta_i, Lanes eta_t, Lanes *reflectance, Vec3f *refracted)
 {
-    float cos_i = clamp_cosine(-vec3f_dot(direction, normal)), hero_i = lanes_get(eta_i, 0), hero_t = lanes_get(eta_t, 0);
-    Crossing c = crossing(cos_i, hero_i, hero_t);
-    *reflectance_of = lanes_all(crossing_reflectance(&c, cos_i, hero_i, hero_t));
-    if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) /* media without dispersion are the rule */
-        for (int i = 1; i < LANES; i++)
-            lanes_set(reflectance_of, i, reflectance(cos_i, lanes_get(eta_i, i), lanes_get(eta_t, i)));
-    if (c.total) return false;
-    *refracted = crossing_refract(&c, direction, normal, hero_i, hero_t);
-    return true;
+    float cos_i = clamp_cosine(-vec3f_dot(direction, normal));
+    Crossing c = crossing(cos_i, eta_i, eta_t);
+    *reflectance = crossing_reflectance(&c, cos_i);
+    return crossing_refract(&c, direction, normal, refracted);
 }

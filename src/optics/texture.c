@@ -206,21 +206,16 @@ static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_n
 
 /* Where each lane's wavelength lies between two bands. */
 typedef struct BandPlaces {
-    unsigned band[LANES];
-    float part[LANES];
+    int32_t band[LANES];
+    Lanes part;
 } BandPlaces;
 
 static BandPlaces band_places(Lanes wavelength_nm)
 {
+    const float per_nm = (ENVIRONMENT_BANDS - 1) / (SPECTRUM_MAX_NM - SPECTRUM_MIN_NM);
+    Lanes at = lanes_scale(lanes_sub(wavelength_nm, lanes_all(SPECTRUM_MIN_NM)), per_nm);
     BandPlaces places;
-    for (int i = 0; i < LANES; i++) {
-        float at = (lanes_get(wavelength_nm, i) - SPECTRUM_MIN_NM) *
-                   ((ENVIRONMENT_BANDS - 1) / (SPECTRUM_MAX_NM - SPECTRUM_MIN_NM));
-        if (!(at > 0)) at = 0;
-        unsigned band = at < ENVIRONMENT_BANDS - 2 ? (unsigned)at : ENVIRONMENT_BANDS - 2;
-        places.band[i] = band;
-        places.part[i] = at - (float)band;
-    }
+    places.part = lanes_split(lanes_clamp(at, 0, ENVIRONMENT_BANDS - 1 - 1e-6f), places.band); /* below the last one */
     return places;
 }
 
@@ -228,12 +223,10 @@ static Lanes band_radiance(const Environment *environment, unsigned row, unsigne
                            const BandPlaces *places)
 {
     const float *values = environment->bands + ((size_t)row * environment->width + column) * ENVIRONMENT_BANDS;
-    Lanes radiance;
-    for (int i = 0; i < LANES; i++) {
-        const float *pair = values + places->band[i];
-        lanes_set(&radiance, i, weight * mix(pair[0], pair[1], places->part[i]));
-    }
-    return radiance;
+    const int32_t *band = places->band;
+    Lanes low = lanes(values[band[0]], values[band[1]], values[band[2]], values[band[3]]);
+    Lanes high = lanes(values[band[0] + 1], values[band[1] + 1], values[band[2] + 1], values[band[3] + 1]);
+    return lanes_scale(lanes_add(lanes_mul(lanes_rest(places->part), low), lanes_mul(places->part, high)), weight);
 }
 
 static Lanes bands_at(const Environment *environment, const Place *place, Lanes wavelength_nm)

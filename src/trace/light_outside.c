@@ -174,7 +174,7 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
         if (weighed) pdf = choices->environment * environment_density(world, from, normal, direction, pdf);
         sum = lanes_scale(sum, weight_against(weight_pdf, pdf));
     }
-    for (uint32_t i = 0; i < scene->n_lights; i++) {
+    for (uint32_t i = 0; world->has_distant && i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
         if (light->kind != LIGHT_DISTANT || !is_within(light, direction)) continue;
         float pdf = choices->of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));

@@ -49,8 +49,9 @@ typedef struct Path {
     Tracer *tracer;
     Sampler sampler;
     WavelengthSample wavelengths;
-    Lanes beta, ratio, radiance;
+    Lanes beta, ratio;
     Ray ray;
+    Lanes radiance;                     /* from here on to `media` all is 0 at first */
     Vec3 scatter_point;                 /* where the ray's direction was last sampled */
     Vec3f scatter_normal;               /* the surface's there, if it scatters to its one side only; else zero */
     const LightChoices *scatter_lights; /* what was looked for there */
@@ -71,7 +72,7 @@ typedef struct Path {
 /* A path that has not begun: it carries 1, and has no ray yet. What is not set here is written before it is read. */
 static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
 {
-    memset(path, 0, offsetof(Path, media));
+    memset(&path->radiance, 0, offsetof(Path, media) - offsetof(Path, radiance));
     memset(path->media.absorption_of, 0, sizeof path->media.absorption_of);
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
     path->way.share = path->way.rarity = path->from.rarity = 0;

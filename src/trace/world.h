@@ -69,6 +69,7 @@ typedef struct World {
     bool moves;                /* something does while the shutter is open */
     bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
     bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool has_distant;          /* a light that is infinitely far */
     bool scatters;             /* some medium does */
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
