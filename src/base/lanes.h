@@ -209,6 +209,27 @@ static inline Lanes lanes_rest(Lanes a)
 {
     return lanes_sub(lanes_all(1), a);
 }
+/* The angle of the point x, y against the x axis, -pi to pi, to 4e-7, and to 3e-7 of small ones; finite numbers, 0 where both
+ * are 0. By the angle's distance from the nearest eighth of a turn, whose tangent is a series. */
+static inline Lanes lanes_atan2(Lanes y, Lanes x)
+{
+    const Lanes zero = lanes_all(0);
+    Lanes across = lanes_abs(y), along = lanes_abs(x);
+    Lanes less = lanes_lesser(across, along), more = lanes_greater(across, along);
+    Lanes far = lanes_scale(more, 0.414213562f); /* the tangent of a sixteenth */
+    Lanes top = lanes_select_less(far, less, lanes_sub(less, more), less);
+    Lanes bottom = lanes_add(more, lanes_select_less(far, less, less, lanes_all(1e-37f)));
+    Lanes t = lanes_div(top, bottom), z = lanes_mul(t, t);
+    Lanes p = lanes_add(lanes_scale(z, -0.0645171887f), lanes_all(0.107436683f));
+    p = lanes_add(lanes_mul(p, z), lanes_all(-0.142639498f));
+    p = lanes_add(lanes_mul(p, z), lanes_all(0.199995403f));
+    p = lanes_add(lanes_mul(p, z), lanes_all(-0.333333318f));
+    Lanes angle = lanes_add(t, lanes_mul(lanes_mul(t, z), p));
+    angle = lanes_add(angle, lanes_select_less(far, less, lanes_all(0.785398163f), zero));
+    angle = lanes_select_less(along, across, lanes_sub(lanes_all(1.57079633f), angle), angle);
+    angle = lanes_select_less(x, zero, lanes_sub(lanes_all(3.14159265f), angle), angle);
+    return lanes_select_less(y, zero, lanes_sub(zero, angle), angle);
+}
 /* What lanes_exp needs: 2^n e^r by its two factors, where `shifted` is n + LANES_SHIFT, whose last bits are n's, moved to
  * where exponents stand; and 0 where a is less than low. */
 #define LANES_SHIFT 12582912.0f /* 1.5 * 2^23 */

@@ -43,9 +43,9 @@ static float missing_density(const BsdfBoundary *boundary, bool through, float c
 static Vec3f sample_missing(const BsdfBoundary *boundary, bool through, const float u[2])
 {
     float square = boundary->spread[through] * boundary->spread[through];
-    float z = sqrtf(float_min(square * (powf(1 + 1 / square, 1 - u[0]) - 1), 1)), angle = 2 * SAMPLING_PI * u[1];
-    float radius = sqrtf(1 - z * z);
-    return vec3f(radius * cosf(angle), radius * sinf(angle), through ? -z : z);
+    float z = sqrtf(float_min(square * (powf(1 + 1 / square, 1 - u[0]) - 1), 1)), radius = sqrtf(1 - z * z), x, y;
+    sampling_circle(u[1], &x, &y);
+    return vec3f(radius * x, radius * y, through ? -z : z);
 }
 
 /* How often that is sampled rather than facets, which are never left out: tables have errors. */

@@ -24,23 +24,27 @@ MicrofacetIndex microfacet_index(float alpha_x, float alpha_y, Lanes eta)
 
 MicrofacetIndex microfacet_index_among(float alpha_x, float alpha_y, Lanes eta, int n_roughnesses, int n_indices)
 {
+    const Lanes one = lanes_all(1), last = lanes_all((float)(n_indices - 2));
     float alpha = sqrtf(0.5f * (alpha_x * alpha_x + alpha_y * alpha_y));
-    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(alpha), n_roughnesses),
-                             .alpha = alpha,
-                             .one_cell = true,
-                             .fraction = lanes_all(0)};
-    float mean = 0; /* of the indices, each the way around that is below 1 */
+    MicrofacetIndex index = {.roughness = microfacet_place(sqrtf(alpha), n_roughnesses), .alpha = alpha};
+    Lanes part = lanes_scale(lanes_lesser(eta, lanes_div(one, eta)), 1.0f / LANES);
+    /* a mean of the indices, each the way around that is below 1 */
+    index.critical =
+        microfacet_critical(lanes_get(part, 0) + lanes_get(part, 1) + lanes_get(part, 2) + lanes_get(part, 3));
+    Lanes contrast = lanes_div(lanes_scale(lanes_abs(lanes_sub(eta, one)), 2), lanes_add(eta, one));
+    Lanes position = lanes_scale(lanes_sqrt(lanes_sqrt(contrast)), (float)(n_indices - 1));
+    position = lanes_greater(position, lanes_all(0)); /* NaN gives 0 */
+    Lanes held = lanes_lesser(position, last);
+    int32_t cell[LANES];
+    index.fraction = lanes_lesser(lanes_add(lanes_split(held, cell), lanes_sub(position, held)), one);
+    unsigned dense = ~lanes_not_above(one, eta);
+    index.any_dense = (dense & 0xf) != 0;
+    index.one_cell = true;
     for (int i = 0; i < LANES; i++) {
-        float n = lanes_get(eta, i);
-        mean += float_min(n, 1 / n) / LANES;
-        MicrofacetPlace place = microfacet_place(sqrtf(sqrtf(2 * fabsf(n - 1) / (n + 1))), n_indices);
-        index.side[i] = n < 1;
-        if (n < 1) index.any_dense = true;
-        index.cell[i] = (unsigned char)place.knot;
-        lanes_set(&index.fraction, i, place.fraction);
-        if (index.side[i] != index.side[0] || index.cell[i] != index.cell[0]) index.one_cell = false;
+        index.side[i] = dense >> i & 1;
+        index.cell[i] = (unsigned char)cell[i];
+        index.one_cell = index.one_cell && index.side[i] == index.side[0] && cell[i] == cell[0];
     }
-    index.critical = microfacet_critical(mean);
     return index;
 }
 

@@ -44,9 +44,10 @@ static inline Vec3f microfacet_visible(float alpha_x, float alpha_y, Vec3f v, co
 {
     Vec3f stretched = vec3f_normalize(vec3f(alpha_x * v.x, alpha_y * v.y, v.z));
     float up = (1 - u[0]) * (1 + stretched.z); /* z of the sum; kept apart, as it may be small */
-    float z = up - stretched.z, radius = sqrtf(float_max(1 - z * z, 0)), angle = 2 * SAMPLING_PI * u[1];
-    float x = stretched.x + radius * cosf(angle), y = stretched.y + radius * sinf(angle);
-    return vec3f_normalize(vec3f(alpha_x * x, alpha_y * y, float_max(up, 1e-12f)));
+    float z = up - stretched.z, radius = sqrtf(float_max(1 - z * z, 0)), x, y;
+    sampling_circle(u[1], &x, &y);
+    return vec3f_normalize(vec3f(alpha_x * (stretched.x + radius * x), alpha_y * (stretched.y + radius * y),
+                                 float_max(up, 1e-12f)));
 }
 
 /* G2(v, l) / G1(v) of two directions given by |z| and s: reflected, transmitted. */

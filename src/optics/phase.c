@@ -114,7 +114,8 @@ Vec3f phase_sample(const Phase *phase, Vec3f along, const float u[2], float *pdf
     bool second = share >= phase->weight;
     share = second ? (share - phase->weight) / (1 - phase->weight) : share / phase->weight;
     float cosine = (float)lobe_invert(phase->lobes[second], share);
-    float sine = sqrtf(fmaxf(0, 1 - cosine * cosine)), angle = 2 * SAMPLING_PI * u[1];
+    float sine = sqrtf(fmaxf(0, 1 - cosine * cosine)), x, y;
+    sampling_circle(u[1], &x, &y);
     *pdf_w = phase_evaluate(phase, cosine);
-    return sampling_to_world(vec3f(sine * cosf(angle), sine * sinf(angle), cosine), along);
+    return sampling_to_world(vec3f(sine * x, sine * y, cosine), along);
 }

@@ -38,6 +38,16 @@ static inline void sampling_eighth(float t, float *sine, float *cosine)
     *cosine = 1 + z * (-0.308425135f + z * (0.0158543252f + z * (-0.000325938586f + z * 3.52979713e-6f)));
 }
 
+/* The point of the circle of radius 1 that is u of a turn from x on, 0 <= u < 2: u times 2 pi, but the same on every machine. */
+static inline void sampling_circle(float u, float *x, float *y)
+{
+    int quarter = (int)(4 * u + 0.5f), odd = quarter & 1;
+    float near[2]; /* as if it were in the quarter about x */
+    sampling_eighth(8 * u - 2 * (float)quarter, &near[1], &near[0]);
+    *x = (quarter + 1) & 2 ? -near[odd] : near[odd];
+    *y = quarter & 2 ? -near[!odd] : near[!odd];
+}
+
 /* Uniform on the disc of radius 1: P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square",
  * JGT 2(3), 1997, in the two-branch form of D. Cline. pdf 1/pi. */
 static inline void sampling_disc(float u, float v, float *x, float *y)
@@ -65,8 +75,9 @@ static inline Vec3f sampling_cosine_hemisphere(float u, float v, Vec3f normal, f
 
 static inline Vec3f sampling_sphere(float u, float v)
 {
-    float z = 1 - 2 * u, radius = 2 * sqrtf(float_max(0.0f, u * (1 - u))), angle = 2 * SAMPLING_PI * v;
-    return vec3f(radius * cosf(angle), radius * sinf(angle), z);
+    float z = 1 - 2 * u, radius = 2 * sqrtf(float_max(0.0f, u * (1 - u))), x, y;
+    sampling_circle(v, &x, &y);
+    return vec3f(radius * x, radius * y, z);
 }
 
 /* Uniform in the cone about the unit axis. one_minus_cos: of the half angle, 0..2; taken so, and not as

@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "optics/observer.h"
 #include "optics/sampling.h"
 
 static const double pi = 3.14159265358979323846;
@@ -76,8 +77,8 @@ static Place place_of(const Environment *environment, Vec3f direction)
     float width = (float)environment->width, height = (float)environment->height;
     float radius = sqrtf(direction.x * direction.x + direction.z * direction.z);
     /* atan2 and not acos, which knows nothing near the poles */
-    float polar = atan2f(radius, direction.y) / (float)pi;
-    float turn = 0.5f + atan2f(direction.x, -direction.z) / (float)(2 * pi);
+    Lanes angles = lanes_atan2(lanes(radius, direction.x, 0, 0), lanes(direction.y, -direction.z, 1, 1));
+    float polar = lanes_get(angles, 0) * (float)(1 / pi), turn = 0.5f + lanes_get(angles, 1) * (float)(0.5 / pi);
     float y = polar * height + 0.5f, x = turn * width - 0.5f;
     if (x < 0) x += width;
     if (!(x >= 0)) x = 0; /* no direction at all */
@@ -193,10 +194,9 @@ static Vec3f sample_cells(const Environment *environment, float u, float v)
     float across = invert_linear(mix(corner[0], corner[2], depth), mix(corner[1], corner[3], depth), u);
 
     double half = environment->edge[row] + (double)depth * (environment->edge[row + 1] - environment->edge[row]);
-    double radius = 2 * sqrt(half * (1 - half));
-    /* turn of 0.5 is towards -z */
-    double angle = 2 * pi * (((double)column + 0.5 + (double)across) / environment->width - 0.5);
-    return vec3f((float)(radius * sin(angle)), (float)(1 - 2 * half), (float)(-radius * cos(angle)));
+    float radius = (float)(2 * sqrt(half * (1 - half))), x, y;
+    sampling_circle(((float)column + 0.5f + across) / (float)environment->width, &x, &y);
+    return vec3f(-radius * y, (float)(1 - 2 * half), radius * x); /* half a turn is towards -z */
 }
 
 static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_nm)
@@ -223,10 +223,7 @@ static Lanes band_radiance(const Environment *environment, unsigned row, unsigne
                            const BandPlaces *places)
 {
     const float *values = environment->bands + ((size_t)row * environment->width + column) * ENVIRONMENT_BANDS;
-    const int32_t *band = places->band;
-    Lanes low = lanes(values[band[0]], values[band[1]], values[band[2]], values[band[3]]);
-    Lanes high = lanes(values[band[0] + 1], values[band[1] + 1], values[band[2] + 1], values[band[3] + 1]);
-    return lanes_scale(lanes_add(lanes_mul(lanes_rest(places->part), low), lanes_mul(places->part, high)), weight);
+    return lanes_scale(observer_between(values, places->band, places->part), weight);
 }
 
 static Lanes bands_at(const Environment *environment, const Place *place, Lanes wavelength_nm)

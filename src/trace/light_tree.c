@@ -21,7 +21,7 @@ static inline Lanes sin_difference(Lanes sin_a, Lanes cos_a, Lanes sin_b, Lanes 
 }
 static inline Lanes at_least(Lanes a, float low)
 {
-    return lanes_select_less(lanes_all(low), a, a, lanes_all(low));
+    return lanes_greater(a, lanes_all(low));
 }
 static inline Lanes sine_of(Lanes cosine)
 {
@@ -38,7 +38,7 @@ static inline Lanes sent(const TreeNode *node, Lanes x, Lanes y, Lanes z, Lanes 
 {
     Lanes cos_w = lanes_mul(dot(node->axis_x, node->axis_y, node->axis_z, x, y, z), lanes_sub(lanes_all(0), inverse));
     Lanes other = lanes_mul(cos_w, lanes_sub(lanes_all(1), lanes_add(node->two_sided, node->two_sided)));
-    cos_w = lanes_select_less(cos_w, other, other, cos_w);
+    cos_w = lanes_greater(other, cos_w);
     Lanes sin_w = sine_of(cos_w), sin_o = sine_of(node->cos_o);
     Lanes cos_x = cos_difference(sin_w, cos_w, sin_o, node->cos_o);
     Lanes sin_x = sin_difference(sin_w, cos_w, sin_o, node->cos_o);
@@ -55,7 +55,7 @@ static inline Lanes importance(const TreeNode *node, Vec3f place, Vec3f normal, 
     Lanes x = lanes_sub(node->x, lanes_all(place.x)), y = lanes_sub(node->y, lanes_all(place.y)),
           z = lanes_sub(node->z, lanes_all(place.z));
     Lanes distance2 = dot(x, y, z, x, y, z);
-    Lanes nearest2 = lanes_select_less(distance2, node->radius2, node->radius2, distance2);
+    Lanes nearest2 = lanes_greater(node->radius2, distance2);
     Lanes value = lanes_div(node->power, at_least(nearest2, FLT_MIN));
     Lanes inverse2 = lanes_div(lanes_all(1), distance2), inverse = lanes_sqrt(inverse2);
     Lanes sin_b2 = lanes_mul(node->radius2, inverse2);
@@ -99,8 +99,7 @@ static inline Lanes importance_along(const TreeNode *node, const LightLine *line
     Lanes distance2 =
         lanes_add(at_least(lanes_sub(to2, lanes_mul(beyond, beyond)), 0), at_least(node->radius2, FLT_MIN));
     Lanes distance = lanes_sqrt(distance2), across = lanes_mul(distance, lanes_sub(end, begin));
-    Lanes angle = lanes_add(distance2, lanes_mul(end, begin));
-    for (int i = 0; i < LANES; i++) lanes_set(&angle, i, atan2f(lanes_get(across, i), lanes_get(angle, i)));
+    Lanes angle = lanes_atan2(across, lanes_add(distance2, lanes_mul(end, begin)));
     Lanes inverse = lanes_sqrt(lanes_div(lanes_all(1), at_least(to2, FLT_MIN)));
     Lanes part = at_least(sent(node, at.x, at.y, at.z, inverse, lanes_all(0), lanes_all(1)), least);
     return lanes_mul(lanes_div(lanes_mul(node->power, angle), distance), part);

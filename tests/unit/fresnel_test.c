@@ -223,9 +223,23 @@ static void samples_are_where_they_should(void **unused)
     assert_float_equal(sampling_power(1e30f, 1e30f) + sampling_power(1, 1e30f), 0.5f, 1e-7f);
 }
 
+static void circle_is_even(void **unused)
+{
+    (void)unused;
+    const int n = 4096;
+    for (int i = 0; i <= 2 * n; i++) {
+        float u = (float)i / (float)n, x, y;
+        sampling_circle(u, &x, &y);
+        double angle = 2 * 3.14159265358979323846 * (double)u;
+        assert_true(fabs((double)x - cos(angle)) < 2e-7 && fabs((double)y - sin(angle)) < 2e-7);
+        assert_true(fabsf(x) <= 1 && fabsf(y) <= 1);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(circle_is_even),
         cmocka_unit_test(known_values),
         cmocka_unit_test(exact_at_random),
         cmocka_unit_test(lanes_agree_with_one),

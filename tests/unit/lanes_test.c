@@ -54,6 +54,22 @@ static void whole_parts(void **unused)
     assert_true(whole[0] == 0 && whole[1] == 2 && whole[2] == -2 && whole[3] == 8388609);
 }
 
+static void angles_all_around(void **unused)
+{
+    (void)unused;
+    for (int i = -40000; i <= 40000; i++) {
+        double angle = i * 3.14159265358979 / 40000, radius = pow(10, i % 7);
+        float x = (float)(radius * cos(angle)), y = (float)(radius * sin(angle));
+        Lanes found = lanes_atan2(lanes(y, 1e-3f * y, 0, 0), lanes(x, 1e3f * fabsf(x), 1, 0));
+        assert_true(fabs((double)lanes_get(found, 0) - atan2((double)y, (double)x)) < 4e-7);
+        double small = atan2((double)(1e-3f * y), (double)(1e3f * fabsf(x)));
+        if (fabs(small) < 1) assert_true(fabs((double)lanes_get(found, 1) - small) <= 3e-7 * fabs(small));
+        assert_true(lanes_get(found, 2) == 0 && lanes_get(found, 3) == 0);
+    }
+    assert_true(lanes_equal(lanes_atan2(lanes(0, 2, 0, -2), lanes(3, 0, -3, 0)),
+                            lanes(0, 1.57079633f, 3.14159265f, -1.57079633f)));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -61,6 +77,7 @@ int main(void)
         cmocka_unit_test(roots_and_limits),
         cmocka_unit_test(comparisons),
         cmocka_unit_test(whole_parts),
+        cmocka_unit_test(angles_all_around),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
