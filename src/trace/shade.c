@@ -241,26 +241,76 @@ bool path_shade_opaque(Path *path, Event *event)
 }
 
 /* Reflection or refraction about one normal, which is on the side that the ray comes from. One of them is chosen, reflection
- * as often as it reflects: what lies in even light is then without noise. Measured, squared error after equal time over this
- * way: following both at the first boundary 1.00 (whisky), 1.08 (glass-of-water), 0.95 (peers' glass); reflection more often by
- * 0.4 R (1 - R)^2 0.93, 0.93, 0.88 there and 0.97 (cold-glass, tea), but 1.03 to 1.04 where water is seen from below or from
- * both sides (snells-window, half-submerged, aquarium). */
+ * as often as it reflects, but where a lamp lies in one of both directions: see beacons.h. So what lies in even light is without noise.
+ * Measured, squared error after equal time over this way, without beacons: following both at the first boundary 1.00
+ * (whisky), 1.08 (glass-of-water), 0.95 (peers' glass); reflection more often by 0.4 R (1 - R)^2 0.93, 0.93, 0.88 there and
+ * 0.97 (cold-glass, tea), but 1.03 to 1.04 where water is seen from below or from both sides (snells-window,
+ * half-submerged, aquarium). */
 typedef struct BoundaryChoice {
     Vec3f direction;
-    Lanes reflectance;
-    bool reflected;
+    Lanes reflectance, chosen; /* as often reflection is chosen, per wavelength */
+    bool reflected, straight;  /* straight: as often as it reflects */
 } BoundaryChoice;
 
-static BoundaryChoice choose_at_boundary(const Path *path, Vec3f normal, Lanes eta_i, Lanes eta_t)
+/* How bright it is where light would come from: mirrored at a boundary, and refracted by it. It is taken that what the light then
+ * leaves by is parallel to the boundary, and leads to the world's own medium. The same whatever wavelength is the hero.
+ * False: no difference between the two is known. */
+static bool look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2])
 {
+    Vec3f direction = path->ray.direction, normal = place->normal;
+    float index = lanes_mean(eta_i) / lanes_mean(path_ior(path, WORLD_MEDIUM)), cosine = vec3f_dot(direction, normal);
+    Vec3f along = vec3f_scale(vec3f_along(direction, -cosine, normal), index);
+    float rest = 1 - vec3f_dot(along, along);
+    if (!(rest > 0)) return false; /* neither leaves */
+    beacons_look(&path->tracer->world->beacons, vec3f_from(place->position), along, vec3f_scale(normal, sqrtf(rest)),
+                 brightness);
+    return brightness[0] != brightness[1];
+}
+
+/* Whether both ways of a choice are on the sides of the surface that they should be on. */
+static bool keeps_sides(const SurfacePlace *place, Vec3f back, bool passes, Vec3f on)
+{
+    return vec3f_dot(back, place->geometric) > 0 && (!passes || vec3f_dot(on, place->geometric) < 0);
+}
+
+static BoundaryChoice choose_at_boundary(Path *path, const SurfacePlace *place, bool flat, Lanes eta_i, Lanes eta_t)
+{
+    const World *world = path->tracer->world;
     BoundaryChoice choice;
-    Vec3f direction = path->ray.direction;
+    Vec3f direction = path->ray.direction, normal = flat ? place->geometric : place->normal;
     bool passes = fresnel_refract(direction, normal, eta_i, eta_t, &choice.reflectance, &choice.direction);
+    Vec3f back = reflect_direction(direction, normal);
+    choice.chosen = choice.reflectance;
+    choice.straight = true;
+    float brightness[2];
+    if (world->beacons.any && !flat && (passes || !lanes_uniform(choice.reflectance)) &&
+        LIKELY(!world->trial.fresnel_alone) && look_ahead(path, place, eta_i, brightness) &&
+        keeps_sides(place, back, passes, choice.direction)) {
+        choice.straight = false;
+        choice.chosen = beacons_choice(choice.reflectance, brightness[0], brightness[1]);
+    }
     /* what is reflected totally takes no random number */
-    choice.reflected = !passes || sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)) <
-                                      lanes_get(choice.reflectance, 0);
-    if (choice.reflected) choice.direction = reflect_direction(direction, normal);
+    choice.reflected =
+        !passes || sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)) < lanes_get(choice.chosen, 0);
+    if (choice.reflected) choice.direction = back;
     return choice;
+}
+
+/* What the choice does to a path: the hero is carried on by what it is over how often it is chosen, and others besides. */
+static void weigh_choice(Path *path, const BoundaryChoice *choice, bool bends_alike)
+{
+    float hero = lanes_get(choice->reflectance, 0), chosen = lanes_get(choice->chosen, 0);
+    if (choice->reflected) {
+        Lanes factor = hero > 0 ? lanes_scale(choice->reflectance, 1 / chosen) : lanes_all(1);
+        path->beta = lanes_mul(path->beta, factor);
+        path->ratio = lanes_mul(path->ratio, choice->straight ? factor : lanes_scale(choice->chosen, 1 / chosen));
+        return;
+    }
+    /* where each wavelength is bent another way, this path goes on for the hero alone */
+    Lanes carried = bends_alike ? lanes_all(1) : lanes(1, 0, 0, 0);
+    if (!bends_alike) path->ratio = lanes_mul(path->ratio, carried);
+    if (!choice->straight) carried = lanes_scale(carried, (1 - hero) / (1 - chosen));
+    if (!bends_alike || !choice->straight) path->beta = lanes_mul(path->beta, carried);
 }
 
 bool path_cross_boundary(Path *path, Event *event)
@@ -281,23 +331,12 @@ bool path_cross_boundary(Path *path, Event *event)
         return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
     }
     if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &place);
-    BoundaryChoice choice = choose_at_boundary(path, place.normal, eta_i, eta_t);
+    BoundaryChoice choice = choose_at_boundary(path, &place, false, eta_i, eta_t);
     /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
      * in, or a refraction out, the surface is taken as flat. */
     if ((vec3f_dot(choice.direction, place.geometric) > 0) != choice.reflected)
-        choice = choose_at_boundary(path, place.geometric, eta_i, eta_t);
-
-    float hero = lanes_get(choice.reflectance, 0);
-    if (choice.reflected) {
-        Lanes factor = hero > 0 ? lanes_scale(choice.reflectance, 1 / hero) : lanes_all(1);
-        path->beta = lanes_mul(path->beta, factor);
-        path->ratio = lanes_mul(path->ratio, factor);
-    } else if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) {
-        /* each wavelength is bent another way: this path goes on for the hero alone */
-        Lanes hero_only = lanes(1, 0, 0, 0);
-        path->beta = lanes_mul(path->beta, hero_only);
-        path->ratio = lanes_mul(path->ratio, hero_only);
-    }
+        choice = choose_at_boundary(path, &place, true, eta_i, eta_t);
+    weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
     path->scatter_pdf = -1;
     path->probing.bent = true;
     path_leave(path, event, !choice.reflected, choice.direction);

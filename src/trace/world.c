@@ -190,6 +190,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         world->seeks_airlight = world->scatters && world_lights(world)->n;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
+        beacons_find(compiled, &world->beacons);
     }
     if (status != STATUS_OK) world_clear(world);
     return status;

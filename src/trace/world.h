@@ -8,6 +8,7 @@
 #include "optics/portal.h"
 #include "scene/compile.h"
 #include "trace/balances.h"
+#include "trace/beacons.h"
 #include "trace/emitter.h"
 #include "trace/media.h"
 
@@ -48,6 +49,7 @@ typedef enum SamplePattern { PATTERN_SHARED, PATTERN_ALONE, PATTERN_INDEPENDENT 
 typedef struct Trial {
     SamplePattern pattern;      /* pixels do not share out the work: white noise; nor do the samples of one pixel */
     bool wavelengths_by_chance; /* those of one pixel are not evenly spread */
+    bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
     float roulette_below;       /* what paths carry that are left to chance */
 } Trial;
 
@@ -63,6 +65,7 @@ typedef struct World {
     PortalMap **portal_maps;
     uint32_t n_portal_maps;
     WorldMedia media;
+    Beacons beacons;
     Balances *balances;        /* of surfaces; grows while rendering, by itself in order */
     const struct Guide *guide; /* to lights behind glass, see guide.h; NULL: none. Not owned */
     NestList camera_list;      /* the hulls around the camera's centre */
