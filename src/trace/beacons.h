@@ -1,10 +1,10 @@
 /* beacons.h - what stands out in a scene by its light: lamps, and the bright parts of an environment.
  *
- * At a smooth boundary a path is reflected or refracted. Chosen as often as the boundary reflects, a lamp that is mirrored by
- * four parts in a hundred is met by four paths in a hundred, each of them twenty-five times too bright. Where one of the two
- * ways leads to a lamp, that way is better chosen in proportion to the light that it brings ([Veach97] 2.5.4: a density
- * like the integrand). What lies behind further boundaries is not known; but walls of glass are mostly as thick on one
- * side as on the other, and through such a wall light goes on in the direction in which it came.
+ * At a smooth boundary a path is reflected or refracted. Chosen as often as the boundary reflects, a lamp that is mirrored
+ * by four parts in a hundred is met by four paths in a hundred, each of them twenty-five times too bright. Where one of
+ * the two ways leads to a lamp, that way is better chosen in proportion to the light that it brings ([Veach97] 2.4.2).
+ * What lies behind further boundaries is not known; but walls of glass are mostly as thick on one side as on the other,
+ * and through such a wall light goes on in the direction in which it came.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BEACONS_H
 #define MEN_BEACONS_H
@@ -12,8 +12,8 @@
 #include "base/lanes.h"
 #include "scene/compile.h"
 
-/* Four lamps that are flat, or round; brightness 1: none. Those that are infinitely far are as round ones at distance 1 of which
- * a path's place takes nothing away. */
+/* Four lamps that are flat, or round; brightness 1: none. Those that are infinitely far are as round ones at distance 1
+ * from wherever a path is. */
 typedef struct FlatBeacons {
     Lanes normal[3], height;     /* of the plane: a place on it, times the normal */
     Lanes side[2][3], middle[2]; /* coordinates on the lamp, -1 .. 1 */
@@ -25,8 +25,8 @@ typedef struct RoundBeacons {
 
 enum { BEACON_GROUPS = 4, BEACON_MAP = 32 };
 
-/* Of what shines, the lamps that give most light to the middle of the scene's clear objects: 4 BEACON_GROUPS flat ones, and as many round ones. All that is
- * left out is found as before. */
+/* The lamps that give most light to the middle of the scene's clear objects: 4 BEACON_GROUPS flat ones, and as many round
+ * ones. Left out, and found as often as boundaries reflect: others, lamps that move, objects whose surface shines. */
 typedef struct Beacons {
     bool any;
     uint32_t n_flat, n_round; /* groups */
@@ -43,9 +43,9 @@ void beacons_find(const CompiledScene *compiled, Beacons *beacons);
  * objects in the mean: at least 1. Whatever stands in between. */
 void beacons_look(const Beacons *beacons, Vec3f place, Vec3f along, Vec3f up, float brightness[2]);
 
-/* How often a boundary of that reflectance is to reflect, where it is so bright in the two directions; per wavelength. Between equals,
- * as often as it reflects. Reflection that leads to light is not chosen more often than every second time, nor that which leads
- * away from it less than a fifth as often: something may be in between. */
+/* How often a boundary of that reflectance is to reflect, where it is so bright in the two directions; per wavelength.
+ * Between equals, as often as it reflects. Reflection that leads to light is not chosen more often than every second
+ * time, nor that which leads away from it less than a fifth as often: something may be in between. */
 static inline Lanes beacons_choice(Lanes reflectance, float mirrored, float refracted)
 {
     const float most = 0.5f, least = 0.2f;

@@ -1,0 +1,111 @@
+/* beacons_test.c - boundaries that choose their way by what lies there: the light is what it was, and less noise.
+ *
+ * A plate that does not absorb, under one angle, mirrors 2 R / (1 + R) of what is before it and shows the rest of what
+ * is behind it, R being the reflectance of one of its sides.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+static const double around = 0.2, angle = 50 * TRUTH_PI / 180;
+
+/* A plate seen under the angle, in even light, with lamps of these radiances where the camera looks by mirroring, and
+ * through it. */
+static void write_plate(Buf *text, const char *ior, double mirrored, double behind)
+{
+    const double along = sin(angle), up = cos(angle);
+    buf_format(text,
+               "meniscus 1.0 unit mm medium glass { ior = %s }\n"
+               "box { interior = glass  from = <-1000, -5, -1000>  to = <1000, 0, 1000> }\n"
+               "camera { from = <0, %g, %g>  to = <0, 0, 0>  fov = .05deg }\n"
+               "environment { color = %g }\n",
+               ior, 100 * up, -100 * along, around);
+    if (mirrored > 0)
+        buf_format(text, "light { from = <0, %g, %g>  to = <0, 0, 0>  size = <60, 60>  radiance = %g }\n", 300 * up,
+                   300 * along, mirrored);
+    if (behind > 0)
+        buf_format(text, "light { from = <0, %g, %g>  to = <0, 0, 0>  size = <60, 60>  radiance = %g }\n", -300 * up,
+                   300 * along, behind);
+}
+
+static Estimate measure(const Buf *text, bool fresnel_alone)
+{
+    RenderSettings settings = truth_small(256);
+    settings.trial.fresnel_alone = fresnel_alone;
+    return truth_measure_as(buf_text(text), NULL, &settings);
+}
+
+/* Lamps that are seen mirrored, through the plate, and both; brighter than all around them and hardly brighter. */
+static void plates_have_their_closed_form(void **state)
+{
+    (void)state;
+    static const double lamps[][2] = {{20, 0}, {0, 20}, {20, 3}, {3, 20}, {2000, 0}, {0.3, 0}};
+    double r = truth_fresnel(cos(angle), 1, 1.5), part = 2 * r / (1 + r);
+    for (size_t i = 0; i < COUNT_OF(lamps); i++) {
+        char what[100];
+        Buf text = {0};
+        double mirrored = lamps[i][0] > 0 ? lamps[i][0] : around, behind = lamps[i][1] > 0 ? lamps[i][1] : around;
+        write_plate(&text, "1.5", lamps[i][0], lamps[i][1]);
+        snprintf(what, sizeof what, "a plate, %g mirrored, %g behind", mirrored, behind);
+        truth_expect(what, part * mirrored + (1 - part) * behind, measure(&text, false), 4, 0.01);
+        buf_clear(&text);
+    }
+}
+
+/* A lamp that is mirrored is most of a pixel's noise. */
+static void mirrored_lamps_are_less_noisy(void **state)
+{
+    (void)state;
+    static const char *const iors[] = {"1.5", "cauchy(1.5, .01)"};
+    for (size_t i = 0; i < COUNT_OF(iors); i++) {
+        Buf text = {0};
+        write_plate(&text, iors[i], 4, 0);
+        Estimate aware = measure(&text, false), alone = measure(&text, true);
+        double both = hypot(aware.error, alone.error);
+        printf("  %s: %.6f +- %.2g by light, %.6f +- %.2g by Fresnel alone\n", iors[i], aware.mean, aware.error,
+               alone.mean, alone.error);
+        assert_true(fabs(aware.mean - alone.mean) <= 4 * both);
+        assert_true(aware.error < 0.6 * alone.error);
+        buf_clear(&text);
+    }
+}
+
+/* Bodies that bend light anywhere, with shading normals, dispersion, absorption and other bodies within: what is
+ * predicted is mostly wrong there, and the sum of the light must be the same. */
+static void wrong_guesses_cost_nothing_but_noise(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "meniscus 1.0 unit mm medium glass { ior = cauchy(1.5, .008)  absorption = .01 / 1mm } medium water { ior = "
+        "1.33 }\n"
+        "blob { interior = glass  threshold = .4  sphere { radius = 14 }  sphere { center = <13, 1, 3>  radius = 11 } "
+        "}\n"
+        "sphere { interior = water  radius = 5 }\n"
+        "ground { y = -20  surface = surface { albedo = .5 } }\n"
+        "light { from = <-60, 70, 20>  to = <0, 0, 0>  size = <60, 60>  radiance = 12 }\n"
+        "light { shape = sphere  from = <70, 30, 30>  radius = 12  radiance = 20 }\n"
+        "light { shape = \"distant\"  from = <.3, 1, 1>  to = <0, 0, 0>  angle = 20deg  power = 1 }\n"
+        "camera { from = <0, 20, 120>  to = <3, 0, 0>  fov = 22deg }\n" TRUTH_SKY;
+    Estimate seen[2];
+    for (int alone = 0; alone < 2; alone++) {
+        Fixture scene;
+        Picture picture;
+        truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
+        RenderSettings settings = truth_settings(32, 512);
+        settings.trial.fresnel_alone = alone;
+        truth_render(&scene, &settings, 0, &picture);
+        seen[alone] = truth_total(&picture);
+        truth_clear(&picture);
+        fixture_clear(&scene);
+    }
+    truth_expect("a blob: by light, and by Fresnel alone", seen[1].mean,
+                 (Estimate){seen[0].mean, hypot(seen[0].error, seen[1].error)}, 4, 0.003);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plates_have_their_closed_form),
+        cmocka_unit_test(mirrored_lamps_are_less_noisy),
+        cmocka_unit_test(wrong_guesses_cost_nothing_but_noise),
+    };
+    return cmocka_run_group_tests_name("beacons", tests, NULL, NULL);
+}
