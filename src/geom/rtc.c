@@ -258,24 +258,15 @@ static inline void fetch_corners(const RtcPlaced *object, uint32_t primitive)
     for (int i = 0; i < 3; i++) PREFETCH(&baked[triangle[i]]);
 }
 
-/* A triangle that a nearest query finds, and that is not put off at once. Returns whether the search may now end at
- * query->reach. */
-static bool consider_triangle(Query *query, const struct RTCHit *found, double t, bool certain)
-{
-    uint32_t object = object_of(found);
-    const Hit *left = rtc_find_left(query->ray, object, found->primID);
-    if (left && left->behind) return false;
-    bool passing = rtc_passes(query, object);
-    Hit *hit = next_triangle(passing ? query->passed : query->hits, t, object, found);
-    if (UNLIKELY(!hit)) return false;
-    if (passing) return note_passed(query, hit, certain && !left);
-    return certain && !left ? put_off(query, hit) : take_exactly(query, hit);
-}
-
-ATTR_APART static void filter_at_length(const struct RTCFilterFunctionNArguments *arguments, double t, bool certain)
+/* A triangle that a nearest query finds, and that cannot be put off. */
+ATTR_APART static void consider_at_once(const struct RTCFilterFunctionNArguments *arguments, double t)
 {
     Query *query = (Query *)(void *)arguments->context;
-    if (consider_triangle(query, hit_of(arguments->hit), t, certain))
+    const struct RTCHit *found = hit_of(arguments->hit);
+    uint32_t object = object_of(found);
+    bool passing = rtc_passes(query, object);
+    Hit *hit = next_triangle(passing ? query->passed : query->hits, t, object, found);
+    if (LIKELY(hit) && (passing ? note_passed(query, hit, false) : take_exactly(query, hit)))
         ray_of(arguments->ray)->tfar = embree_t(query, query->reach);
     else
         arguments->valid[0] = 0;
@@ -289,14 +280,19 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
     struct RTCRay *embree = ray_of(arguments->ray);
     const struct RTCHit *found = hit_of(arguments->hit);
     uint32_t object = object_of(found);
+    const Hit *left = rtc_find_left(ray, object, found->primID);
+    if (left && left->behind) {
+        arguments->valid[0] = 0;
+        return;
+    }
     double t = (double)embree->tfar - query->back, doubt = doubt_at(query, t);
-    if (UNLIKELY(query->exact || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
-        filter_at_length(arguments, t, false);
+    if (UNLIKELY(left || query->exact || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
+        consider_at_once(arguments, t);
         return;
     }
     HitList *list = rtc_passes(query, object) ? query->passed : query->hits;
-    if (UNLIKELY(list->n == list->capacity || rtc_find_left(ray, object, found->primID))) {
-        filter_at_length(arguments, t, true);
+    if (UNLIKELY(list->n == list->capacity)) {
+        consider_at_once(arguments, t);
         return;
     }
     fetch_corners(&query->scene->objects[object], found->primID);
@@ -606,7 +602,7 @@ static bool complete_nearest(Query *query)
     }
     hits->n = n;
     if (n > 1) rtc_sort_hits(hits);
-    if (query->passes) rtc_complete_hits(query, query->passed, end);
+    if (query->passes && query->passed->n) rtc_complete_hits(query, query->passed, end);
     return n == 0 || reaches_behind(query, &hits->items[0]);
 }
 
@@ -647,7 +643,7 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
         size_t n = good ? nearest_place(&query) : 0;
         if (UNLIKELY(!good || query.unsure || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach)))
             n = search_exactly(&query);
-        if (query.passes) passed->n = rtc_drop_repeats(ray, passed->items, passed->n);
+        if (query.passes && passed->n) passed->n = rtc_drop_repeats(ray, passed->items, passed->n);
         if (n == 0) return 0;
         if (LIKELY(n == 1 && (ray->n_left == 0 || (ray->n_left == 1 && !may_repeat(ray->left, hits->items)))))
             return hits->n = 1;
