@@ -272,15 +272,15 @@ ATTR_COLD static bool find_sides(const Ray *ray, Hit *hits, size_t n, bool throu
     return clear;
 }
 
-void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next)
+/* rtc_leave from a hit of n; several: n > 1. */
+static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, Hit *hits, size_t n, bool several,
+                              bool through, Vec3f direction, Ray *next)
 {
-    if (*n > 1) *n = one_per_object(hits, *n, through);
-    Hit *hit = through ? &hits[*n - 1] : &hits[0];
     Vec3 normal = vec3_from_f(hit->normal), along = vec3_from_f(direction), origin = ray_point(ray, hit->t);
     double slope = vec3_dot(normal, along), start_scale = vec3_max_abs(ray->origin) + hit->t, time = ray->time;
     bool clear = hit->clear;
     start_on_side(hit, slope < 0, slope); /* it starts on the surface itself */
-    if (UNLIKELY(*n > 1)) clear = find_sides(ray, hits, *n, through, hit, along, start_scale);
+    if (several) clear = find_sides(ray, hits, n, through, hit, along, start_scale);
     double outward = hit->inside ? -1 : 1;
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
@@ -289,8 +289,23 @@ void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool
     ray_begin(next, origin, direction);
     next->time = time;
     next->left = hits;
-    next->n_left = *n;
+    next->n_left = n;
     next->start_scale = start_scale;
     next->nudge = vec3_scale(normal, 0.5 * outward * hit->rounding);
     next->at_edge = !clear;
+}
+
+ATTR_COLD static void leave_several(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through,
+                                    Vec3f direction, Ray *next)
+{
+    *n = one_per_object(hits, *n, through);
+    leave_from(scene, ray, through ? &hits[*n - 1] : &hits[0], hits, *n, *n > 1, through, direction, next);
+}
+
+void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next)
+{
+    if (UNLIKELY(*n > 1))
+        leave_several(scene, ray, hits, n, through, direction, next);
+    else
+        leave_from(scene, ray, hits, hits, 1, false, through, direction, next);
 }
