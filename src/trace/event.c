@@ -125,7 +125,7 @@ void path_turn_back(Tracer *tracer)
 
 /* Finds the next surfaces along the path's ray and crosses them into tracer->next, or puts that off; tracer->before is the list in front of
  * them where anything was passed on the way. False when memory ends. */
-static bool read_nearest(Path *path, Event *event)
+static inline bool read_nearest(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
@@ -189,17 +189,21 @@ ATTR_COLD static bool mend_list(Path *path, size_t n_hits)
     return mended;
 }
 
-static bool cross_nearest(Path *path, Event *event)
+/* What was found contradicts the list: place by place, then. */
+ATTR_COLD static bool read_again(Path *path, Event *event)
+{
+    path->ray.pass_level = 0;
+    path->ray.pass_alike = RTC_NO_PASS;
+    if (path->tracer->passed.n && !read_nearest(path, event)) return false;
+    return event->clear || !mend_list(path, event->n_cluster) || read_nearest(path, event);
+}
+
+static inline bool cross_nearest(Path *path, Event *event)
 {
     PathCounters *counters = &path->tracer->counters;
     compiled_let_pass(path->tracer->world->compiled, &path->tracer->list, &path->ray);
     if (!read_nearest(path, event)) return false;
-    if (UNLIKELY(!event->clear)) { /* place by place, then */
-        path->ray.pass_level = 0;
-        path->ray.pass_alike = RTC_NO_PASS;
-        if (path->tracer->passed.n && !read_nearest(path, event)) return false;
-    }
-    if (UNLIKELY(!event->clear) && mend_list(path, event->n_cluster) && !read_nearest(path, event)) return false;
+    if (UNLIKELY(!event->clear) && !read_again(path, event)) return false;
     counters->crossings += path->tracer->passed.n;
     counters->silent_crossings += path->tracer->passed.n;
     if (event->kind != EVENT_BOUNDARY) return true;
