@@ -337,10 +337,10 @@ static void remark_odd_size(Remarks *r)
 }
 
 /* Where two surfaces of an object are taken to be at one place along more than a few rays in a million, these lose count. */
-static void remark_far_away(Remarks *r)
+static void remark_coarse_places(Remarks *r)
 {
     const double few = 256;
-    Tally tally = {.code = D_FAR_AWAY};
+    Tally tally = {.code = D_COARSE_PLACE};
     for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
         const SceneObject *object = report_object(r->compiled, h);
         const Box3 *box = &r->bounds[r->compiled->object_of_hull[h]];
@@ -349,11 +349,10 @@ static void remark_far_away(Remarks *r)
         Buf size = {0}, rounding = {0};
         report_add_length(&size, r->scene, thin);
         report_add_length(&rounding, r->scene, rounding_in(box));
-        Diagnostic *report =
-            diag_report(r->diag, D_FAR_AWAY, object->span,
-                        "%s is %s thick, so far from the origin that coordinates tell surfaces apart only down to %s",
-                        object->name, buf_text(&size), buf_text(&rounding));
-        diag_hint(r->diag, report, "move the scene, with its cameras, nearer to the origin");
+        Diagnostic *report = diag_report(r->diag, D_COARSE_PLACE, object->span,
+                                         "%s is %s thick where coordinates tell surfaces apart only down to %s",
+                                         object->name, buf_text(&size), buf_text(&rounding));
+        diag_hint(r->diag, report, "make it thicker, or move the scene, with its cameras, nearer to the origin");
         buf_clear(&size);
         buf_clear(&rounding);
     }
@@ -488,7 +487,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_enclosed(&r);
         remark_behind_ground(&r);
         remark_odd_size(&r);
-        remark_far_away(&r);
+        remark_coarse_places(&r);
         remark_loose_liquid(&r);
         remark_cameras(&r);
         remark_unused_media(&r);
