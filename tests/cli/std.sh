@@ -11,47 +11,47 @@ use "std/lights.mns" as lights
 use "std/media.mns" as media
 use "std/shapes.mns" as shapes
 use "std/studio.mns" as studio
-group { glassware.tumbler { drink = media.whisky }  translate(<-5m, 0, 0>) }
-group { glassware.highball { drink = media.cola }  translate(<-4m, 0, 0>) }
-group { glassware.shot_glass { drink = media.ethanol }  translate(<-3m, 0, 0>) }
-group { glassware.wine_glass { drink = media.red_wine }  translate(<-2m, 0, 0>) }
-group { glassware.champagne_flute { drink = media.white_wine }  translate(<-1m, 0, 0>) }
+group { glassware.tumbler { drink = media.whisky }  translate(<-5 * 30cm, 0, 0>) }
+group { glassware.highball { drink = media.cola }  translate(<-4 * 30cm, 0, 0>) }
+group { glassware.shot_glass { drink = media.ethanol }  translate(<-3 * 30cm, 0, 0>) }
+group { glassware.wine_glass { drink = media.red_wine }  translate(<-2 * 30cm, 0, 0>) }
+group { glassware.champagne_flute { drink = media.white_wine }  translate(<-1 * 30cm, 0, 0>) }
 group { glassware.cocktail_glass { drink = media.curacao } }
-group { glassware.coupe { drink = media.white_wine }  translate(<1m, 0, 0>) }
-group { glassware.beer_mug { drink = media.beer }  translate(<2m, 0, 0>) }
-group { glassware.carafe { drink = media.water }  translate(<3m, 0, 0>) }
-group { glassware.bottle { drink = media.olive_oil }  translate(<4m, 0, 0>) }
-group { glassware.bowl { drink = media.tea }  translate(<5m, 0, 0>) }
-group { glassware.vase { drink = media.pond_water  interior = media.lead_crystal }  translate(<6m, 0, 0>) }
-group { glassware.beaker { drink = media.honey }  translate(<7m, 0, 0>) }
-group { glassware.flask { drink = media.glycerol }  translate(<8m, 0, 0>) }
-group { glassware.test_tube { drink = media.coffee }  translate(<9m, 0, 0>) }
+group { glassware.coupe { drink = media.white_wine }  translate(<1 * 30cm, 0, 0>) }
+group { glassware.beer_mug { drink = media.beer }  translate(<2 * 30cm, 0, 0>) }
+group { glassware.carafe { drink = media.water }  translate(<3 * 30cm, 0, 0>) }
+group { glassware.bottle { drink = media.olive_oil }  translate(<4 * 30cm, 0, 0>) }
+group { glassware.bowl { drink = media.tea }  translate(<5 * 30cm, 0, 0>) }
+group { glassware.vase { drink = media.pond_water  interior = media.lead_crystal }  translate(<6 * 30cm, 0, 0>) }
+group { glassware.beaker { drink = media.honey }  translate(<7 * 30cm, 0, 0>) }
+group { glassware.flask { drink = media.glycerol }  translate(<8 * 30cm, 0, 0>) }
+group { glassware.test_tube { drink = media.coffee }  translate(<9 * 30cm, 0, 0>) }
 let inside = shapes.round_corners([<0, 5mm, 0>, <30mm, 5mm, 4mm>, <30mm, 50mm, 0>])
 group {
   glassware.vessel([<0, 0, 0>, <34mm, 0, 2mm>, <34mm, 50mm, 0>], inside)
   glassware.pour(inside, 30mm, media.water)
-  translate(<10m, 0, 0>)
+  translate(<10 * 30cm, 0, 0>)
 }
-group { glassware.stemware([for (p in shapes.offset(inside, 1mm)) p + <0, 80mm>])  translate(<11m, 0, 0>) }
+group { glassware.stemware([for (p in shapes.offset(inside, 1mm)) p + <0, 80mm>])  translate(<11 * 30cm, 0, 0>) }
 assert(abs(glassware.radius_at(inside, 40mm) - 30mm) < 1e-6mm and glassware.radius_at(inside, 60mm) == 0)
-group { gems.round_brilliant()  translate(<-5m, 0, 1m>) }
-group { gems.rose()  translate(<-4m, 0, 1m>) }
-group { gems.cabochon()  translate(<-3m, 0, 1m>) }
-group { gems.emerald_cut()  translate(<-2m, 0, 1m>) }
-group { gems.princess()  translate(<-1m, 0, 1m>) }
-group { shapes.bubbles(5)  translate(<0, 0, 1m>) }
-group { shapes.bubble_chain(5)  translate(<1m, 0, 1m>) }
-group { shapes.drop { interior = media.water }  translate(<2m, 0, 1m>) }
-group { shapes.droplets { n = 5  interior = media.water }  translate(<3m, 0, 1m>) }
-group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4m, 0, 1m>) }
-group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5m, 0, 1m>) }
+group { gems.round_brilliant()  translate(<-5 * 30cm, 0, 40cm>) }
+group { gems.rose()  translate(<-4 * 30cm, 0, 40cm>) }
+group { gems.cabochon()  translate(<-3 * 30cm, 0, 40cm>) }
+group { gems.emerald_cut()  translate(<-2 * 30cm, 0, 40cm>) }
+group { gems.princess()  translate(<-1 * 30cm, 0, 40cm>) }
+group { shapes.bubbles(5)  translate(<0, 0, 40cm>) }
+group { shapes.bubble_chain(5)  translate(<1 * 30cm, 0, 40cm>) }
+group { shapes.drop { interior = media.water }  translate(<2 * 30cm, 0, 40cm>) }
+group { shapes.droplets { n = 5  interior = media.water }  translate(<3 * 30cm, 0, 40cm>) }
+group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4 * 30cm, 0, 40cm>) }
+group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5 * 30cm, 0, 40cm>) }
 assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
 assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
-group { shapes.ring(4, 20mm) { ball { } }  translate(<6m, 0, 1m>) }
-group { shapes.row(4, 20mm * z) { ball { } }  translate(<7m, 0, 1m>) }
-group { shapes.grid(2, 2, <20mm, 0, 20mm>) { ball { } }  translate(<8m, 0, 1m>) }
-group { shapes.scatter(3, 90mm, 4) { ball { } }  translate(<9m, 0, 1m>) }
+group { shapes.ring(4, 20mm) { ball { } }  translate(<6 * 30cm, 0, 40cm>) }
+group { shapes.row(4, 20mm * z) { ball { } }  translate(<7 * 30cm, 0, 40cm>) }
+group { shapes.grid(2, 2, <20mm, 0, 20mm>) { ball { } }  translate(<8 * 30cm, 0, 40cm>) }
+group { shapes.scatter(3, 90mm, 4) { ball { } }  translate(<9 * 30cm, 0, 40cm>) }
 studio.sweep()
 group { studio.table()  translate(<0, -1m, 2m>) }
 studio.light_tent()
