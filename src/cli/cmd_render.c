@@ -44,6 +44,8 @@ static Status prepare(RenderRun *run, Error *error)
     TRY(render_settings_merge(run, error));
     TRY(render_plan_frames(run, error));
     TRY(render_plan_preview(run, error));
+    if (option_given(options, OPTION_AOV) && !run->plan.has_exr)
+        talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
     signals_take_wishes();
     if (run->plan.has_png || run->preview.png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));

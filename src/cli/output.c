@@ -75,6 +75,7 @@ static Status add_name(OutputPlan *plan, const char *name, bool numbered, uint32
     if (!*name) return fail(error, STATUS_USAGE, "the name of an output is empty");
     TRY(output_choose_format(name, &png, error));
     plan->has_png = plan->has_png || png;
+    plan->has_exr = plan->has_exr || !png;
     bool stream = output_is_stream(name);
     if (strcmp(name, "-") == 0 && isatty(STDOUT_FILENO))
         return fail(error, STATUS_USAGE, "standard output is a terminal; a picture would only confuse it");

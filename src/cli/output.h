@@ -20,7 +20,7 @@ typedef struct OutputList {
 typedef struct OutputPlan {
     char **names; /* with rows of '#' for the frame's number */
     size_t n;
-    bool has_png, numbered;
+    bool has_png, has_exr, numbered;
 } OutputPlan;
 
 /* From -o, else the scene's film, else the scene's name. numbered: a name without '#' gets a row of it, unless it is a

@@ -24,7 +24,7 @@ enum { TILE = 16, LARGEST_PASS = 16 };
 /* Noise is not judged before this many samples per pixel: fewer say too little about themselves. */
 enum { NOISE_FLOOR = 16 };
 /* Shares of samples are first given out after this part of them, between these bounds; with fewer than the lower one each pixel gets as many. */
-enum { EVEN_PART = 4, EVEN_LEAST = 4, EVEN_MOST = 16 };
+enum { EVEN_PART = 4, EVEN_LEAST = SPREAD_LEAST_SAMPLES, EVEN_MOST = 16 };
 /* A picture that is shown begins with every fourth pixel each way. Later ones take this part of the time at most. */
 enum { COARSEST = 4 };
 static const double picture_interval_s = 1, picture_share = 0.05;

@@ -231,7 +231,11 @@ says out '"water"'
 run render small.mns -o c.exr --aov normals
 exits 2
 says err "there is no 'normals'; there are albedo,"
+run render small.mns -o c.png --aov depth
+exits 0
+says err "warning: '--aov': channels are kept in EXR files, and no output is one"
 run render small.mns -o c.exr --aov all --half
+says_not err warning
 exits 0
 run info c.exr
 says out "R half"
