@@ -19,9 +19,10 @@
  * targets, landed behind them, is left to chance too. */
 #define BRIGHTER 12.0f
 #define LEAST_PART 0.002f
-/* The gain for which a guide is used; and the promise of the first photons for which more are followed, although as many as
- * there are do not show it yet. */
+/* The gain for which more photons are followed than the first ones, and that for which what has come of them is used; and the
+ * promise of the first photons for which more are followed, although as many as there are do not show it yet. */
 #define LEAST_GAIN 1.05
+#define LEAST_USE 1.02
 #define LEAST_PROMISE 10.0
 /* How often probes are sent at least: few are enough to keep what was not met on trial from making fireflies. */
 #define LEAST_SHARE 0.03f
@@ -233,7 +234,7 @@ static Status finish(Harvest *harvest, bool *worth, Error *error)
         TRY(go_on(harvest, error));
         TRY(try_out(harvest, TRIED_PART, error));
     }
-    *worth = always || harvest->worth.gain > LEAST_GAIN;
+    *worth = always || harvest->worth.gain > LEAST_USE;
     for (uint32_t i = 0; i < harvest->guide->n_cells; i++) {
         float *share = &harvest->guide->cells[i].share;
         *share = float_max(*share, LEAST_SHARE);
