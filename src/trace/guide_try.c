@@ -121,6 +121,7 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
         tally->rays += amount;
         break;
     case GUIDE_FOUND:
+        if (!isfinite(amount) || !isfinite(ratio)) break;
         tally->n_found++;
         for (int k = 1; k < N_SHARES; k++) {
             double r = ratio * (double)shares[k] / (double)TRIED;
@@ -264,7 +265,8 @@ static Toll change_of(const Tryout *trial, int half)
 /* Without the guide, as the halves say that are wanted, scaled to all paths. */
 static Toll balance_without(const Tryout *trial, const Tally *all, double scale)
 {
-    return (Toll){trial->variance + scale * all->saved[number_of_share(TRIED)], trial->rays - scale * all->rays};
+    double variance = trial->variance + scale * all->saved[number_of_share(TRIED)];
+    return (Toll){fmax(variance, 1e-30), fmax(trial->rays - scale * all->rays, 1)};
 }
 
 /* Chooses by some of the paths. */
@@ -330,7 +332,7 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     choose_shares(trial, second);
     worth->gain = fmax(EVEN_TRUST * even, gain_of(without, change_of(trial, 0), change));
     choose_shares(trial, both);
-    worth->promise = promised(trial, photons, followed) / fmax(without.variance, 1e-30);
+    worth->promise = promised(trial, photons, followed) / without.variance;
     worth->rays_per_path = without.work / trial->paths;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
         guide->cells[i].share = trial->chosen[i];

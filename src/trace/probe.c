@@ -49,8 +49,9 @@ float path_weigh_probing(Path *path, float radiance)
 void path_note_found(Path *path, Lanes light)
 {
     PathProbing *probing = &path->probing;
-    if (!probing->found) return;
+    bool noted = probing->found && probing->part > 0;
     probing->found = false;
+    if (!noted) return;
     float rgb[3], ratio = 1 / probing->part - 1;
     color_from_lanes(light, &path->wavelengths, rgb);
     guide_note(path->tracer->ledger, &probing->guide, GUIDE_FOUND, color_luminance(rgb), ratio);
