@@ -45,6 +45,12 @@ typedef struct PathProbing {
     bool is_probe;   /* it was sent out by the guide, and looks for such light alone */
 } PathProbing;
 
+/* A random number by which boundaries decide, one after another. */
+typedef struct Decision {
+    double number; /* uniform in [0, 1), what former decisions have left of it */
+    float left;    /* their probability; 0: there is no number yet */
+} Decision;
+
 typedef struct Path {
     Tracer *tracer;
     Sampler sampler;
@@ -56,6 +62,7 @@ typedef struct Path {
     Vec3f scatter_normal;               /* the surface's there, if it scatters to its one side only; else zero */
     const LightChoices *scatter_lights; /* what was looked for there */
     float scatter_pdf; /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
+    Decision decision; /* at the next boundary */
     uint32_t bounce;   /* events so far: each has random numbers of its own */
     float cone_width,
         cone_spread;      /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
@@ -227,6 +234,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
 /* The path goes on from a place where it was scattered, in a direction of that density. */
 static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {
+    path->decision.left = 0;
     if (path->probing.is_probe) return;
     path->probing.guide.share = guide->share;
     if (UNLIKELY(guide->share > 0))

@@ -172,11 +172,16 @@ static inline uint32_t sampler_key(const Sampler *sampler, uint32_t dimension)
     return hash_combine(hash_combine(sampler->pixel, dimension), sampler->index_reversed);
 }
 
-/* uniform in [0, 1): of a stream, and of a dimension */
-static inline float sampler_stream_1d(const SamplerStream *stream, uint32_t index_reversed)
+/* uniform in [0, 1): of a stream, and of a dimension; and all 32 digits of it */
+static inline uint32_t sampler_stream_digits(const SamplerStream *stream, uint32_t index_reversed)
 {
     uint32_t x = sampler_point(stream, index_reversed) ^ stream->shift[0];
-    return hash_to_unit_f(reverse_bits(sampler_scramble(x, (uint32_t)stream->pixel, (uint32_t)stream->block)));
+    return reverse_bits(sampler_scramble(x, (uint32_t)stream->pixel, (uint32_t)stream->block));
+}
+
+static inline float sampler_stream_1d(const SamplerStream *stream, uint32_t index_reversed)
+{
+    return hash_to_unit_f(sampler_stream_digits(stream, index_reversed));
 }
 
 static inline void sampler_stream_2d(const SamplerStream *stream, uint32_t index_reversed, float u[2])
@@ -188,6 +193,12 @@ static inline void sampler_stream_2d(const SamplerStream *stream, uint32_t index
     uint64_t both = reverse_bits_64((uint64_t)y << 32 | x);
     u[0] = hash_to_unit_f((uint32_t)(both >> 32));
     u[1] = hash_to_unit_f((uint32_t)both);
+}
+
+static inline uint32_t sampler_digits(const Sampler *sampler, uint32_t dimension)
+{
+    SamplerStream stream = sampler_stream(sampler, dimension);
+    return sampler_stream_digits(&stream, sampler->index_reversed);
 }
 
 static inline float sampler_1d(const Sampler *sampler, uint32_t dimension)
