@@ -32,9 +32,9 @@ within() {
     [ "$each" -le "$1" ] || flunk "$2 take $each bytes each; $1 are allowed"
 }
 
-begin "many: 300,000 bubbles take at most 660 bytes each"
+begin "many: 300,000 bubbles take at most 700 bytes each"
 many 'sphere { interior = gas  radius = .1 }'
-within 660 bubbles
+within 700 bubbles
 end
 
 begin "many: 300,000 instances of a mesh take at most 940 bytes each"
