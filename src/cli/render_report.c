@@ -96,7 +96,7 @@ void render_summarize(const RenderRun *run)
     buf_add(&line, "wrote ");
     list_outputs(&run->outputs, &line);
     buf_format(&line, " (%u x %u, ", run->settings.width, run->settings.height);
-    if (settings->noise > 0 || settings->adaptive)
+    if (render_is_uneven(settings))
         summarize_noise(run, &line);
     else
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->samples));

@@ -120,16 +120,12 @@ static Status merge_range(RenderRun *run, Error *error)
     run->slices = option_given(run->options, OPTION_SAMPLE_RANGE);
     settings->repeatable = run->slices || run->checkpoint.wanted;
     if (!run->slices) return STATUS_OK;
-    if (settings->noise > 0)
+    bool by_noise = settings->noise > 0;
+    if (render_is_uneven(settings))
         return fail(error, STATUS_USAGE,
-                    "'--sample-range' takes the same samples of every pixel, and with a noise it depends on those "
-                    "before how many "
-                    "a pixel has; '--noise 0' gives all of them as many");
-    if (settings->adaptive)
-        return fail(error, STATUS_USAGE,
-                    "'--sample-range' takes the same samples of every pixel, and in an adaptive render it depends on "
-                    "those before how "
-                    "many a pixel has; '--adaptive off' gives all of them as many");
+                    "'--sample-range' takes the same samples of every pixel, and %s it depends on those before how "
+                    "many a pixel has; '%s' gives all of them as many",
+                    by_noise ? "with a noise" : "in an adaptive render", by_noise ? "--noise 0" : "--adaptive off");
     if (range[1] > settings->samples)
         return fail(error, STATUS_USAGE,
                     "option '--sample-range': sample %u is beyond the %u of the picture; '--spp' says how many it has",

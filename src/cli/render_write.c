@@ -61,7 +61,7 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
     add_text(attributes, "meniscus/nestingFaults", attributes->faults);
     attributes->items[attributes->n++] =
         (ImageAttribute){.name = "meniscus/samples", .type = ATTRIBUTE_INT, .whole = (int)run->stats.samples};
-    if (run->settings.noise > 0 || run->settings.adaptive)
+    if (render_is_uneven(&run->settings))
         attributes->items[attributes->n++] = (ImageAttribute){
             .name = "meniscus/meanSamples", .type = ATTRIBUTE_FLOAT, .number = run->stats.mean_samples};
     if (run->noise >= 0 || of_merged)

@@ -216,9 +216,9 @@ static void find_need(Adapt *adapt, const Film *film)
     }
 }
 
-Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *result, Error *error)
+Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *plan, Error *error)
 {
-    AdaptPlan plan = {0};
+    *plan = (AdaptPlan){0};
     TRY(make_maps(adapt, film, error));
     find_need(adapt, film);
     float *have = adapt->maps[ADAPT_DEVIATION], *need = adapt->maps[ADAPT_NEAR];
@@ -232,16 +232,14 @@ Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *
         sum += (double)have[i];
     }
     double all = (double)samples * (double)pixels, mean = fmin(2 * sum, all) / (double)pixels;
-    *result = plan;
     if (sum > 0.99 * all) return STATUS_OK;
     double scale = find_scale(have, need, pixels, mean);
     for (size_t i = 0; i < pixels; i++) {
         uint32_t n = adapt->wanted[i];
         double share = share_of(n, (double)need[i], scale, mean);
         adapt->wanted[i] = step_near(n, share, (uint32_t)(i % width), (uint32_t)(i / width));
-        if (adapt->wanted[i] - n > plan.next) plan.next = adapt->wanted[i] - n;
+        if (adapt->wanted[i] - n > plan->next) plan->next = adapt->wanted[i] - n;
     }
-    plan.left = plan.next ? (uint64_t)(all - sum) : 0;
-    *result = plan;
+    plan->left = plan->next ? (uint64_t)(all - sum) : 0;
     return STATUS_OK;
 }

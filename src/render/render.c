@@ -1,8 +1,7 @@
 /* render.c - passes over the whole frame, tile by tile.
  * The first passes have one sample per pixel, later ones more, so that a picture is there early and the
  * overhead is small late. With a noise to be reached, pixels stop by themselves, and they may have shares of a number of
- * samples for all (adapt.h). A tile belongs to one thread
- * during a pass, and a sample depends on nothing but its number.
+ * samples for all (adapt.h). A tile belongs to one thread during a pass, and a sample depends on nothing but its number.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/render.h"
 
@@ -271,20 +270,20 @@ static void save(Job *job)
 }
 
 /* Goes over all tiles; what is left of them when the state was saved in between, again. */
-static void run_tiles(Job *job, Pool *pool)
+static void run_tiles(Job *job)
 {
     uint32_t n_tiles = job->tiles_x * job->tiles_y;
     bool again = true;
     while (again) {
         for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
-        pool_run(pool, n_tiles, render_tile, job);
+        pool_run(job->pool, n_tiles, render_tile, job);
         again = atomic_exchange(&job->pause, false) && !asked_to_stop(job);
         if (save_is_due(job) && !is_stopped(job)) save(job);
     }
 }
 
 /* One pass over all tiles, unless it is stopped. */
-static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *error)
+static Status run_pass(Job *job, uint32_t n, bool *stopped, Error *error)
 {
     const uint32_t *crop = job->state->crop;
     uint32_t n_tiles = job->tiles_x * job->tiles_y;
@@ -293,7 +292,7 @@ static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *e
     job->pass_samples = same ? job->n_pixels * n : 0;
     for (uint32_t y = crop[1]; !same && y < crop[3]; y++)
         for (uint32_t x = crop[0]; x < crop[2]; x++) job->pass_samples += pass_of_pixel(job, x, y);
-    run_tiles(job, pool);
+    run_tiles(job);
     for (unsigned i = 0; i < job->n_threads; i++)
         if (job->tracers[i].out_of_memory) return fail(error, STATUS_NOMEM, "out of memory while rendering");
     for (uint32_t i = 0; i < n_tiles; i++)
@@ -303,25 +302,25 @@ static Status run_pass(Job *job, Pool *pool, uint32_t n, bool *stopped, Error *e
 }
 
 /* First samples of every step-th pixel each way, and the picture of them. */
-static Status run_coarse(Job *job, Pool *pool, uint32_t step, bool *stopped, Error *error)
+static Status run_coarse(Job *job, uint32_t step, bool *stopped, Error *error)
 {
     job->step = step;
-    Status status = run_pass(job, pool, 1, stopped, error);
+    Status status = run_pass(job, 1, stopped, error);
     job->step = 0;
     if (status == STATUS_OK && !*stopped && job->pass_samples) report_picture(job, step, true);
     return status;
 }
 
 /* Passes that are the same for all pixels. */
-static Status run_uniform(Job *job, Pool *pool, uint32_t samples, bool *stopped, Error *error)
+static Status run_uniform(Job *job, uint32_t samples, bool *stopped, Error *error)
 {
     for (uint32_t step = COARSEST; shows_picture(job) && step > 0 && !*stopped; step /= 2)
-        TRY(run_coarse(job, pool, step, stopped, error));
+        TRY(run_coarse(job, step, stopped, error));
     if (shows_picture(job) && !*stopped && job->done == 0) job->done = 1;
     while (job->done < samples && !*stopped) {
         uint32_t n = pass_size(job->done);
         if (n > samples - job->done) n = samples - job->done;
-        TRY(run_pass(job, pool, n, stopped, error));
+        TRY(run_pass(job, n, stopped, error));
         if (*stopped) break;
         job->done += n;
         job->even = job->done >= job->most;
@@ -355,7 +354,7 @@ static Status plan_samples(Job *job, Adapt *adapt, Error *error)
 
 /* Samples where the noise is too large, until it is nowhere so, or until all are given out. A pass is no longer than elsewhere, so that a wish to stop is
  * heard; plans are made when all pixels have what they wanted, of a plan before this render, too. */
-static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Error *error)
+static Status run_adaptive(Job *job, Adapt *adapt, bool *stopped, Error *error)
 {
     job->adapted_at = clock_now_s() - job->start;
     job->adapted_from = (double)job->samples;
@@ -370,7 +369,7 @@ static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Er
             if (!left) break;
         }
         while (left && !*stopped) {
-            TRY(run_pass(job, pool, left < LARGEST_PASS ? left : LARGEST_PASS, stopped, error));
+            TRY(run_pass(job, left < LARGEST_PASS ? left : LARGEST_PASS, stopped, error));
             report_progress(job, 0);
             report_picture(job, 1, false);
             left = most_wanted(job, adapt->wanted);
@@ -381,7 +380,7 @@ static Status run_adaptive(Job *job, Pool *pool, Adapt *adapt, bool *stopped, Er
 }
 
 /* What pixels want is part of the state. */
-static Status adapt_pixels(Job *job, Pool *pool, bool *stopped, Error *error)
+static Status adapt_pixels(Job *job, bool *stopped, Error *error)
 {
     Adapt adapt;
     RenderState *state = job->state;
@@ -391,7 +390,7 @@ static Status adapt_pixels(Job *job, Pool *pool, bool *stopped, Error *error)
         adapt.wanted = state->wanted;
     }
     state->wanted = adapt.wanted;
-    Status status = run_adaptive(job, pool, &adapt, stopped, error);
+    Status status = run_adaptive(job, &adapt, stopped, error);
     job->wanted = NULL;
     if (!*stopped) state->wanted = NULL;
     if (state->wanted) adapt.wanted = NULL;
@@ -412,16 +411,16 @@ static uint32_t even_samples(const Job *job)
 }
 
 /* Runs passes until all samples are there, the noise is low enough, or a stop is asked for. */
-static Status run_passes(Job *job, Pool *pool, bool *stopped, Error *error)
+static Status run_passes(Job *job, bool *stopped, Error *error)
 {
     uint32_t even = even_samples(job);
     bool adapts = even < job->wish;
-    TRY(run_uniform(job, pool, even, stopped, error));
+    TRY(run_uniform(job, even, stopped, error));
     if (!adapts) { /* others may have been, before */
         free(job->state->wanted);
         job->state->wanted = NULL;
     }
-    return adapts && !*stopped ? adapt_pixels(job, pool, stopped, error) : STATUS_OK;
+    return adapts && !*stopped ? adapt_pixels(job, stopped, error) : STATUS_OK;
 }
 
 /* How many samples the pixels have. */
@@ -564,7 +563,7 @@ static void report_photons(void *context, double fraction)
     job->events->progress(job->events->context, &progress);
 }
 
-static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats, Error *error)
+static Status make_guide(Job *job, Guide **guide, GuideStats *stats, Error *error)
 {
     const RenderSettings *settings = job->settings;
     /* where pixels stop by themselves, or by the clock, it is not known how many there will be */
@@ -583,7 +582,7 @@ static Status make_guide(Job *job, Pool *pool, Guide **guide, GuideStats *stats,
                           .progress = report_photons,
                           .context = job};
     double start = clock_cpu_s();
-    Status status = guide_new(job->world, &wish, pool, guide, stats, error);
+    Status status = guide_new(job->world, &wish, job->pool, guide, stats, error);
     stats->cpu_seconds = clock_cpu_s() - start;
     return status;
 }
@@ -611,12 +610,12 @@ Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, 
 }
 
 /* Looks for caustics first. What a picture shows meanwhile was not led by the guide: its samples do not stay. */
-static Status prepare(Job *job, World *world, Pool *pool, Guide **guide, RenderStats *stats, Error *error)
+static Status prepare(Job *job, World *world, Guide **guide, RenderStats *stats, Error *error)
 {
     bool shows = shows_picture(job) && job->samples == 0;
     if (job->settings->caustics == CAUSTICS_OFF) return STATUS_OK;
-    if (shows) TRY(run_coarse(job, pool, COARSEST, &stats->stopped, error));
-    TRY(make_guide(job, pool, guide, &stats->guide, error));
+    if (shows) TRY(run_coarse(job, COARSEST, &stats->stopped, error));
+    TRY(make_guide(job, guide, &stats->guide, error));
     world->guide = *guide;
     return shows && *guide ? forget_samples(job, error) : STATUS_OK;
 }
@@ -642,9 +641,9 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .saved_at = now};
     Guide *guide = NULL;
     Status status = job_init(&job, error);
-    if (status == STATUS_OK) status = prepare(&job, &world, pool, &guide, stats, error);
+    if (status == STATUS_OK) status = prepare(&job, &world, &guide, stats, error);
     bool too_early = is_stopped(&job) && job.first_samples == 0;
-    if (status == STATUS_OK) status = run_passes(&job, pool, &stats->stopped, error);
+    if (status == STATUS_OK) status = run_passes(&job, &stats->stopped, error);
     if (status == STATUS_OK) {
         report_picture(&job, COARSEST, true);
         sum_counters(&job, state);

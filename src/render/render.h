@@ -37,6 +37,12 @@ typedef struct RenderSettings {
     Trial trial;            /* other ways to take samples: for tests */
 } RenderSettings;
 
+/* Whether pixels may have unlike numbers of samples, which depend on those before. */
+static inline bool render_is_uneven(const RenderSettings *settings)
+{
+    return settings->noise > 0 || settings->adaptive;
+}
+
 typedef struct RenderProgress {
     uint32_t samples_done, samples_total;       /* per pixel */
     double fraction;                            /* 0..1 of the work */

@@ -144,15 +144,19 @@ static void set_lamps(const Finder *f, double mean, Beacons *beacons)
     beacons->n_round = (n_round + LANES - 1) / LANES;
 }
 
+/* The lower half of an octahedron seen from above, folded out beyond its edges; and back. */
+static inline void fold(float *x, float *y)
+{
+    float folded = (1 - fabsf(*y)) * copysignf(1, *x);
+    *y = (1 - fabsf(*x)) * copysignf(1, *y);
+    *x = folded;
+}
+
 /* The unit vector of a place of the map's square, 0 .. 1. */
 static Vec3f from_octahedron(float u, float v)
 {
     float x = 2 * u - 1, y = 2 * v - 1, z = 1 - fabsf(x) - fabsf(y);
-    if (z < 0) {
-        float folded = (1 - fabsf(y)) * copysignf(1, x);
-        y = (1 - fabsf(x)) * copysignf(1, y);
-        x = folded;
-    }
+    if (z < 0) fold(&x, &y);
     return vec3f_normalize(vec3f(x, y, z));
 }
 
@@ -246,11 +250,7 @@ static float look_up(const Beacons *beacons, Vec3f direction)
 {
     float scale = 1 / (fabsf(direction.x) + fabsf(direction.y) + fabsf(direction.z));
     float x = direction.x * scale, y = direction.y * scale;
-    if (direction.z < 0) {
-        float folded = (1 - fabsf(y)) * copysignf(1, x);
-        y = (1 - fabsf(x)) * copysignf(1, y);
-        x = folded;
-    }
+    if (direction.z < 0) fold(&x, &y);
     int column = (int)((x + 1) * (0.5f * BEACON_MAP)), row = (int)((y + 1) * (0.5f * BEACON_MAP));
     if (column < 0 || row < 0) return 1; /* NaN, too */
     return beacons->map[row < BEACON_MAP ? row : BEACON_MAP - 1][column < BEACON_MAP ? column : BEACON_MAP - 1];

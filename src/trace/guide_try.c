@@ -23,7 +23,7 @@
 
 enum { SPOT_PATHS = 16, N_SHARES = 7, HALVES = 2 };
 static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1};
-#define TRIED 0.5f /* of these, in all cells, while it is tried out */
+enum { EVEN = 4, TRIED = 5 }; /* of these, in all cells: that is judged for all, and while it is tried out */
 
 /* What a probe takes besides its rays, and looking up a place: in rays. */
 #define PROBE_COST 2.0
@@ -32,8 +32,7 @@ static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1};
 #define LEAST_FOUND 24
 /* A single path's relative square is not counted higher: lone bright samples are spread in the picture. */
 #define MOST_SQUARE 1e4
-/* A share for all cells, and the part of its gain that is trusted. */
-#define EVEN 0.25f
+/* The part that is trusted of what one share for all cells gains. */
 #define EVEN_TRUST 0.5
 /* As adapt_noise has it: absolute errors where it is darker than this. */
 #define DARK 0.1
@@ -77,7 +76,7 @@ typedef struct Tryout {
     GuideLedger *ledgers;
     Tally *cells[HALVES]; /* sums of the spots of even numbers, and of odd ones */
     Tally *nodes;         /* sums, for each of the tree's */
-    float *chosen;        /* share of each cell */
+    int *chosen;          /* number of each cell's share */
     double paths, variance, rays;
 } Tryout;
 
@@ -124,7 +123,7 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
         if (!isfinite(amount) || !isfinite(ratio)) break;
         tally->n_found++;
         for (int k = 1; k < N_SHARES; k++) {
-            double r = ratio * (double)shares[k] / (double)TRIED;
+            double r = ratio * (double)shares[k] / (double)shares[TRIED];
             tally->saved[k] += amount * amount * by_brightness * (1 + ratio) * r / (1 + r);
         }
         break;
@@ -218,7 +217,7 @@ typedef struct Toll {
 } Toll;
 
 /* The share that makes the product of variance and work least, so far as they change by little. */
-static float best_share(const Tally *tally, Toll toll)
+static int best_share(const Tally *tally, Toll toll)
 {
     int best = 0;
     double most = 0;
@@ -227,10 +226,10 @@ static float best_share(const Tally *tally, Toll toll)
             tally->saved[k] / toll.variance - tally->weight * (double)shares[k] * probe_cost(tally) / toll.work;
         if (worth > most) most = worth, best = k;
     }
-    return shares[best];
+    return best;
 }
 
-static void choose_below(Tryout *trial, uint32_t number, float share, Toll toll)
+static void choose_below(Tryout *trial, uint32_t number, int share, Toll toll)
 {
     const GuideNode *node = &trial->guide->nodes[number];
     if (trial->nodes[number].n_found >= LEAST_FOUND || number == 0) share = best_share(&trial->nodes[number], toll);
@@ -242,13 +241,6 @@ static void choose_below(Tryout *trial, uint32_t number, float share, Toll toll)
     choose_below(trial, node->first + 1, share, toll);
 }
 
-static int number_of_share(float share)
-{
-    int k = 0;
-    while (k < N_SHARES - 1 && shares[k] < share) k++;
-    return k;
-}
-
 /* What the chosen shares do to the paths of one half. */
 static Toll change_of(const Tryout *trial, int half)
 {
@@ -256,8 +248,8 @@ static Toll change_of(const Tryout *trial, int half)
     double cost = probe_cost(&trial->nodes[0]);
     for (uint32_t i = 0; i < trial->guide->n_cells; i++) {
         const Tally *tally = &trial->cells[half][i];
-        change.variance -= tally->saved[number_of_share(trial->chosen[i])];
-        change.work += tally->weight * (double)trial->chosen[i] * cost + VISIT_COST * tally->visits;
+        change.variance -= tally->saved[trial->chosen[i]];
+        change.work += tally->weight * (double)shares[trial->chosen[i]] * cost + VISIT_COST * tally->visits;
     }
     return change;
 }
@@ -265,7 +257,7 @@ static Toll change_of(const Tryout *trial, int half)
 /* Without the guide, as the halves say that are wanted, scaled to all paths. */
 static Toll balance_without(const Tryout *trial, const Tally *all, double scale)
 {
-    double variance = trial->variance + scale * all->saved[number_of_share(TRIED)];
+    double variance = trial->variance + scale * all->saved[TRIED];
     return (Toll){fmax(variance, 1e-30), fmax(trial->rays - scale * all->rays, 1)};
 }
 
@@ -335,7 +327,7 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     worth->promise = promised(trial, photons, followed) / without.variance;
     worth->rays_per_path = without.work / trial->paths;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
-        guide->cells[i].share = trial->chosen[i];
+        guide->cells[i].share = shares[trial->chosen[i]];
         guide->visits[i] = trial->cells[0][i].visits + trial->cells[1][i].visits;
     }
 }
@@ -387,7 +379,7 @@ Status guide_try(Guide *guide, const World *world, const GuideSettings *settings
     bool out_of_memory = !prepare(&trial, n_threads);
     if (!out_of_memory) {
         trial.world.guide = guide;
-        for (uint32_t i = 0; i < guide->n_cells; i++) guide->cells[i].share = TRIED;
+        for (uint32_t i = 0; i < guide->n_cells; i++) guide->cells[i].share = shares[TRIED];
         for (unsigned i = 0; i < n_threads; i++) {
             tracer_init(&trial.tracers[i], &trial.world);
             trial.tracers[i].ledger = &trial.ledgers[i];
