@@ -404,8 +404,8 @@ static void remark_cameras(Remarks *r)
         if (camera->expect ||
             compiled_interior(compiled, vec3f_from(camera->from), 0, &r->probe.forward, &list, NULL) != STATUS_OK)
             continue;
-        uint32_t medium = nest_medium(&compiled->order, &list);
-        if (medium == compiled->order.world_medium) continue;
+        uint32_t medium = nest_medium(&list);
+        if (medium == NEST_WORLD_MEDIUM) continue;
         const SceneObject *object = report_object(compiled, nest_owner(&compiled->order, &list));
         Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span, "%s is inside of %s, in %s",
                                          camera->name, object->name, r->scene->media[medium].name);

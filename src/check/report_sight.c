@@ -46,7 +46,7 @@ static uint32_t medium_without(const CompiledScene *compiled, const Probe *probe
         if (compiled->hulls[other->hull].mixes) continue;
         if (top == SCENE_NONE || compiled->order.rank[other->hull] > compiled->order.rank[top]) top = other->hull;
     }
-    return top == SCENE_NONE ? compiled->order.world_medium : compiled->hulls[top].medium;
+    return top == SCENE_NONE ? NEST_WORLD_MEDIUM : compiled->hulls[top].medium;
 }
 
 /* Whether the hull makes a difference between begin and end, where it is on top. */

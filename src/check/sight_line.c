@@ -42,7 +42,7 @@ static bool add_step(const CompiledScene *compiled, const Hit *hits, size_t n, N
     bool opaque = false;
     NestCrossing crossing = {.owner_from = nest_owner(&compiled->order, list),
                              .owner_to = nest_owner(&compiled->order, list)};
-    crossing.medium_from = crossing.medium_to = nest_medium(&compiled->order, list);
+    crossing.medium_from = crossing.medium_to = nest_medium(list);
     NestPass *passes = malloc(n * sizeof *passes);
     if (!passes) return false;
     uint32_t n_passes = 0;
@@ -73,7 +73,7 @@ Status sight_line_find(const CompiledScene *compiled, const Ray *ray, SightLine 
     nest_list_init(&list);
     bool fine = compiled_interior(compiled, vec3f_from(ray->origin), ray->time, &hits, &list, NULL) == STATUS_OK;
     if (fine) {
-        line->start = nest_medium(&compiled->order, &list);
+        line->start = nest_medium(&list);
         rtc_all(compiled->rtc, ray, false, &hits);
         fine = !hits.out_of_memory;
     }

@@ -23,36 +23,27 @@ static uint32_t place_of(const NestList *list, const NestOrder *order, uint32_t 
     return place;
 }
 
-/* The list must have room. Returns 1 when the pass contradicts the list, which then stays as it is: the
- * geometry has the last word on where the ray is after the crossing, and the list says that already. */
-static uint32_t apply(NestList *list, const NestOrder *order, NestPass pass)
+NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass)
 {
     const uint32_t *items = nest_list_items(list);
-    uint32_t place = list->n;
+    uint32_t n = list->n, place = n;
     while (place > 0 && items[place - 1] != pass.hull) place--;
     bool inside = place > 0;
-    if (inside == pass.entering) return 1;
-    if (inside)
-        nest_list_remove(list, place - 1);
-    else
-        nest_list_insert(list, place_of(list, order, pass.hull), pass.hull);
-    return 0;
+    NestStep step = {list->point, n, pass.hull, 0};
+    if (UNLIKELY(inside == pass.entering)) return step;
+    step.n = pass.entering ? n + 1 : n - 1;
+    step.place = pass.entering ? place_of(list, order, pass.hull) : place - 1;
+    if (pass.entering && step.place == n) step.point.top = nest_top_of_row(order, &pass.hull, 1);
+    if (inside && place == n) step.point.top = nest_top_of_row(order, items, n - 1);
+    return step;
 }
 
-NestStep nest_look_in_row(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
+uint32_t nest_cross_in_row(NestList *list, const NestOrder *order, NestPass pass)
 {
-    const uint32_t *items = nest_list_items(list);
-    uint32_t n = list->n, place = n, level = order->level[pass.hull];
-    while (place > 0 && order->level[items[place - 1]] > level) place--;
-    bool inside = place > 0 && items[place - 1] == pass.hull;
-    NestStep step = {1, list->level, n, pass.hull, place};
-    crossing->n_faults = inside == pass.entering;
-    if (UNLIKELY(inside == pass.entering)) return step;
-    if (place == n) step.level = pass.entering ? level : n > 1 ? order->level[items[n - 2]] : 0; /* on top */
-    crossing->medium_to = order->medium_at[step.level];
-    step.n = pass.entering ? n + 1 : n - 1;
-    step.place = pass.entering ? place : place - 1;
-    return step;
+    NestStep step = nest_look(list, order, pass);
+    uint32_t n = list->n;
+    nest_step(list, &step);
+    return list->n == n;
 }
 
 /* Whether pass i is the one that counts for its hull: the first, where the last goes the same way. */
@@ -96,8 +87,8 @@ static void pass_without_nesting(NestList *list, const NestOrder *order, NestPas
     uint32_t medium = order->medium[last.hull];
     crossing->owner_from = last.entering ? NEST_WORLD : last.hull;
     crossing->owner_to = last.entering ? last.hull : NEST_WORLD;
-    crossing->medium_from = last.entering ? order->world_medium : medium;
-    crossing->medium_to = last.entering ? medium : order->world_medium;
+    crossing->medium_from = last.entering ? NEST_WORLD_MEDIUM : medium;
+    crossing->medium_to = last.entering ? medium : NEST_WORLD_MEDIUM;
     if (nest_owner(order, list) != NEST_WORLD) list->n--;
     if (last.entering) nest_list_insert(list, list->n, last.hull);
 }
@@ -109,7 +100,7 @@ static void cross_without_nesting(NestList *list, const NestOrder *order, const 
     NestPass last = {NEST_WORLD, false};
     for (uint32_t i = 0; i < n; i++) {
         if (nest_mixes(order, passes[i].hull)) {
-            crossing->n_faults += apply(list, order, passes[i]);
+            crossing->n_faults += nest_cross_in_row(list, order, passes[i]);
         } else if (passes[i].hull < order->n_hulls) {
             last = passes[i];
         } else if (opens_tree(order, passes, i) && combine(list, order, passes, n, i, crossing)) {
@@ -118,7 +109,7 @@ static void cross_without_nesting(NestList *list, const NestOrder *order, const 
             if (hull == NEST_OPAQUE)
                 crossing->opaque = true;
             else if (nest_mixes(order, hull))
-                apply(list, order, pass);
+                nest_cross_in_row(list, order, pass);
             else
                 last = pass;
         }
@@ -135,7 +126,7 @@ static void cross_several(NestList *list, const NestOrder *order, const NestPass
         for (uint32_t i = 0; i < n; i++) {
             if (passes[i].hull < order->n_hulls) {
                 if (passes[i].entering == (entering != 0) && counts(passes, n, i))
-                    crossing->n_faults += apply(list, order, passes[i]);
+                    crossing->n_faults += nest_cross_in_row(list, order, passes[i]);
                 continue;
             }
             if (!opens_tree(order, passes, i)) continue;
@@ -146,7 +137,7 @@ static void cross_several(NestList *list, const NestOrder *order, const NestPass
             /* a combination's hull is in the list exactly where its operands say so */
             NestPass pass = {hull, nest_csg_holds(order->csg, tree, list)};
             if (pass.entering == (entering != 0) && pass.entering != nest_list_has(list, hull))
-                apply(list, order, pass);
+                nest_cross_in_row(list, order, pass);
         }
 }
 
@@ -154,15 +145,8 @@ static void cross_several(NestList *list, const NestOrder *order, const NestPass
 static void cross_narrow(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                          NestCrossing *crossing)
 {
-    for (uint32_t i = 0; i < n; i++) {
-        if (!counts(passes, n, i)) continue;
-        uint32_t level = order->level[passes[i].hull];
-        if ((list->mask >> level & 1) == passes[i].entering)
-            crossing->n_faults++;
-        else
-            list->mask ^= 1ULL << level;
-    }
-    list->level = HIGHEST_BIT(list->mask);
+    for (uint32_t i = 0; i < n; i++)
+        if (counts(passes, n, i)) crossing->n_faults += !nest_toggle(&list->point, order, passes[i]);
 }
 
 /* The same in a row. */
@@ -170,7 +154,7 @@ static void cross_in_row(NestList *list, const NestOrder *order, const NestPass 
                          NestCrossing *crossing)
 {
     if (LIKELY(n == 1 && passes[0].hull < order->n_hulls))
-        crossing->n_faults = apply(list, order, passes[0]);
+        crossing->n_faults = nest_cross_in_row(list, order, passes[0]);
     else
         cross_several(list, order, passes, n, crossing);
     nest_order_settle(order, list);
@@ -183,7 +167,7 @@ Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes
     if (!order->narrow)
         TRY(nest_list_reserve(list, order->csg ? 2 * n : n)); /* an operand may bring its combination's hull */
     crossing->owner_from = crossing->owner_to = nest_owner(order, list);
-    crossing->medium_from = crossing->medium_to = nest_medium(order, list);
+    crossing->medium_from = crossing->medium_to = nest_medium(list);
     if (UNLIKELY(order->policy == NEST_NONE)) {
         cross_without_nesting(list, order, passes, n, crossing);
         nest_order_settle(order, list);
@@ -194,6 +178,6 @@ Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes
     else
         cross_in_row(list, order, passes, n, crossing);
     crossing->owner_to = nest_owner(order, list);
-    crossing->medium_to = nest_medium(order, list);
+    crossing->medium_to = nest_medium(list);
     return STATUS_OK;
 }

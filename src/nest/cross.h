@@ -11,12 +11,12 @@
 /* The hull that owns the point: the top of the list, NEST_WORLD when there is none. */
 static inline uint32_t nest_owner(const NestOrder *order, const NestList *list)
 {
-    return order->hull_at[list->level];
+    return order->hull_at[list->point.top.level];
 }
 /* The medium there. */
-static inline uint32_t nest_medium(const NestOrder *order, const NestList *list)
+static inline uint32_t nest_medium(const NestList *list)
 {
-    return order->medium_at[list->level];
+    return list->point.top.medium;
 }
 
 /* One crossing of the surface of one hull, or of one operand of a combination. */
@@ -40,68 +40,53 @@ typedef struct NestCrossing {
 ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                                  NestCrossing *crossing);
 
-/* What crossing one surface comes to, before the list is changed. */
-typedef struct NestStep {
-    uint64_t mask; /* the list's, behind it, */
-    uint32_t level;
-    uint32_t n, hull, place; /* and of a row: where n changes, where the hull goes, or stands */
-} NestStep;
-
-/* nest_look in a row of hulls. */
-NestStep nest_look_in_row(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing);
-
-/* Decides on the crossing of one surface, as most are, under a sorted order. crossing: at first nest_stay; its owners are not
- * told. */
-static inline NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass, NestCrossing *crossing)
+/* Crosses one surface where lists keep hulls as bits. false: the pass contradicts the list, and the point stays as it
+ * is: the geometry has the last word on where the ray is after the crossing, and the list says that already. */
+static inline bool nest_toggle(NestPoint *point, const NestOrder *order, NestPass pass)
 {
-    if (UNLIKELY(!order->narrow)) return nest_look_in_row(list, order, pass, crossing);
-    NestStep step;
-    uint64_t bit = 1ULL << order->level[pass.hull];
-    if (UNLIKELY(((list->mask & bit) != 0) == pass.entering)) {
-        step.mask = list->mask;
-        step.level = list->level;
-        crossing->n_faults = 1;
-        return step;
-    }
-    step.mask = list->mask ^ bit;
-    step.level = HIGHEST_BIT(step.mask);
-    crossing->medium_to = order->medium_at[step.level];
-    return step;
+    uint32_t level = order->narrow_level[pass.hull];
+    if (UNLIKELY((point->mask >> level & 1) == pass.entering)) return false;
+    point->mask ^= 1ULL << level;
+    point->top = order->narrow_top[HIGHEST_BIT(point->mask)];
+    return true;
 }
+
+/* What crossing one surface of a hull comes to in a row, before the list is changed. */
+typedef struct NestStep {
+    NestPoint point;
+    uint32_t n;           /* hulls behind it; as many as before where the pass contradicts the list */
+    uint32_t hull, place; /* where n changes: where in the row the hull goes, or stands */
+} NestStep;
+NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass);
 
 /* Changes the list, as it was looked at; it must have room for one more hull. */
-static inline void nest_step(NestList *list, const NestOrder *order, const NestStep *step)
+static inline void nest_step(NestList *list, const NestStep *step)
 {
-    if (UNLIKELY(!order->narrow) && step->n != list->n) {
-        if (step->n > list->n)
-            nest_list_insert(list, step->place, step->hull);
-        else
-            nest_list_remove(list, step->place);
-    }
-    list->mask = step->mask;
-    list->level = step->level;
+    if (step->n > list->n)
+        nest_list_insert(list, step->place, step->hull);
+    else if (step->n < list->n)
+        nest_list_remove(list, step->place);
+    list->point = step->point;
 }
-/* Whether nest_look and nest_step will do. */
+/* The same at once; returns how many faults there are. The list must have room. */
+uint32_t nest_cross_in_row(NestList *list, const NestOrder *order, NestPass pass);
+/* Whether nest_look and nest_step will do for the surface of a hull. */
 static inline bool nest_may_look(const NestList *list, const NestOrder *order)
 {
-    return LIKELY(order->narrow) || (order->sorted && list->n < list->capacity);
+    return order->sorted && !order->narrow && list->n < list->capacity;
 }
 
-/* Where nothing is crossed. */
-static inline NestCrossing nest_stay(const NestOrder *order, const NestList *list)
-{
-    uint32_t medium = nest_medium(order, list);
-    return (NestCrossing){.medium_from = medium, .medium_to = medium};
-}
-
-/* nest_cross for one surface. */
+/* nest_cross for one surface; the owners are not told. */
 ATTR_NODISCARD static inline Status nest_cross_one(NestList *list, const NestOrder *order, NestPass pass,
                                                    NestCrossing *crossing)
 {
-    if (UNLIKELY(!nest_may_look(list, order))) return nest_cross(list, order, &pass, 1, crossing);
-    *crossing = nest_stay(order, list);
-    NestStep step = nest_look(list, order, pass, crossing);
-    nest_step(list, order, &step);
+    bool in_row = nest_may_look(list, order);
+    if (UNLIKELY(!order->narrow && !in_row)) return nest_cross(list, order, &pass, 1, crossing);
+    crossing->medium_from = nest_medium(list);
+    crossing->opaque = false;
+    crossing->n_faults =
+        LIKELY(!in_row) ? !nest_toggle(&list->point, order, pass) : nest_cross_in_row(list, order, pass);
+    crossing->medium_to = nest_medium(list);
     return STATUS_OK;
 }
 

@@ -31,8 +31,7 @@ Status nest_list_copy_grown(NestList *to, const NestList *from)
 {
     nest_list_empty(to);
     TRY(nest_list_reserve(to, from->n));
-    to->mask = from->mask;
-    to->level = from->level;
+    to->point = from->point;
     to->n = from->n;
     const uint32_t *items = nest_list_items(from);
     uint32_t *copies = nest_list_hulls(to);

@@ -18,27 +18,40 @@
 /* At most so many hulls are kept as bits, one each behind the lowest bit, which stands for the world. */
 #define NEST_NARROW (NEST_INLINE > 1 ? 63 : 0)
 
+/* The number of the medium outside of all hulls. */
+#define NEST_WORLD_MEDIUM 0
+
+/* Whose a point is. */
+typedef struct NestTop {
+    uint32_t level;  /* of the owner (order.h), 0 where it is the world */
+    uint32_t medium; /* there */
+} NestTop;
+
+/* What is known of a point without the row: all, where hulls are kept as bits. */
+typedef struct NestPoint {
+    uint64_t mask; /* bit 0, and the levels of those that are kept as bits */
+    NestTop top;
+} NestPoint;
+
 typedef struct NestList {
-    uint64_t mask;  /* bit 0, and the levels (order.h) of those that are kept as bits */
-    uint32_t level; /* of the owner */
-    uint32_t n;     /* how many are kept in a row */
+    NestPoint point;
+    uint32_t n; /* how many are kept in a row */
     uint32_t capacity;
     uint32_t *grown; /* NULL while inline */
     uint32_t hulls_inline[NEST_INLINE];
 } NestList;
 
-static inline void nest_list_init(NestList *list)
-{
-    list->mask = 1;
-    list->level = list->n = 0;
-    list->capacity = NEST_INLINE;
-    list->grown = NULL;
-}
 /* Takes all hulls out. */
 static inline void nest_list_empty(NestList *list)
 {
-    list->mask = 1;
-    list->level = list->n = 0;
+    list->point = (NestPoint){1, {0, NEST_WORLD_MEDIUM}};
+    list->n = 0;
+}
+static inline void nest_list_init(NestList *list)
+{
+    nest_list_empty(list);
+    list->capacity = NEST_INLINE;
+    list->grown = NULL;
 }
 /* Frees what has grown; the list is empty and usable afterwards. */
 void nest_list_clear(NestList *list);
@@ -46,7 +59,7 @@ void nest_list_clear(NestList *list);
 static inline uint32_t nest_list_count(const NestList *list)
 {
     uint32_t n = list->n;
-    for (uint64_t bits = list->mask & (list->mask - 1); bits; bits &= bits - 1) n++;
+    for (uint64_t bits = list->point.mask & (list->point.mask - 1); bits; bits &= bits - 1) n++;
     return n;
 }
 /* Those that are kept in a row. */
@@ -68,26 +81,12 @@ Status nest_list_copy_grown(NestList *to, const NestList *from);
 /* Makes *to equal to *from (each branch of a path has its own list). STATUS_NOMEM leaves *to empty. */
 ATTR_NODISCARD static inline Status nest_list_copy(NestList *to, const NestList *from)
 {
-    to->mask = from->mask;
-    to->level = from->level;
+    to->point = from->point;
     to->n = from->n;
     if (LIKELY(!from->n)) return STATUS_OK;
     if (UNLIKELY(from->grown || to->grown)) return nest_list_copy_grown(to, from);
     memcpy(to->hulls_inline, from->hulls_inline, sizeof to->hulls_inline); /* all at once is faster than those in use */
     return STATUS_OK;
-}
-/* Makes *to equal to *from, which may then be anything. */
-static inline void nest_list_take(NestList *to, NestList *from)
-{
-    if (LIKELY(!from->n)) {
-        to->mask = from->mask;
-        to->level = from->level;
-        to->n = 0;
-        return;
-    }
-    NestList swap = *to;
-    *to = *from;
-    *from = swap;
 }
 static inline void nest_list_swap(NestList *a, NestList *b)
 {

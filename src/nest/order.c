@@ -319,7 +319,7 @@ static Status make_tables(NestOrder *order, size_t n, Error *error)
 /* Levels, from ranks and media. */
 static void give_levels(NestOrder *order)
 {
-    order->medium_at[0] = order->world_medium;
+    order->medium_at[0] = NEST_WORLD_MEDIUM;
     order->hull_at[0] = NEST_WORLD;
     for (uint32_t h = 0; h < order->n_hulls; h++) {
         uint32_t level = order->rank[h] + 1;
@@ -329,13 +329,21 @@ static void give_levels(NestOrder *order)
     }
 }
 
-Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium, const NestHull *hulls,
-                        uint32_t n_hulls, const NestOverlap *overlaps, size_t n_overlaps, Error *error)
+/* The tables of lists that keep hulls as bits. */
+static void make_narrow(NestOrder *order)
 {
-    *order = (NestOrder){.policy = policy, .n_hulls = n_hulls, .world_medium = world_medium};
+    for (uint32_t h = 0; h < order->n_hulls; h++) order->narrow_level[h] = order->level[h];
+    for (uint32_t level = 0; level <= order->n_hulls; level++)
+        order->narrow_top[level] = (NestTop){level, order->medium_at[level]};
+}
+
+Status nest_order_build(NestOrder *order, NestPolicy policy, const NestHull *hulls, uint32_t n_hulls,
+                        const NestOverlap *overlaps, size_t n_overlaps, Error *error)
+{
+    *order = (NestOrder){.policy = policy, .n_hulls = n_hulls};
     TRY(make_tables(order, n_hulls ? n_hulls : 1, error));
     for (uint32_t h = 0; h < n_hulls; h++) {
-        order->medium[h] = hulls[h].mixes ? world_medium : hulls[h].medium;
+        order->medium[h] = hulls[h].mixes ? NEST_WORLD_MEDIUM : hulls[h].medium;
         order->rank[h] = h;
     }
     Status status = STATUS_OK;
@@ -345,6 +353,7 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medi
     if (status == STATUS_OK) give_levels(order);
     order->sorted = (policy == NEST_AUTOMATIC || policy == NEST_PRIORITY) && !order->n_mixing;
     order->narrow = order->sorted && n_hulls <= NEST_NARROW;
+    if (order->narrow && status == STATUS_OK) make_narrow(order);
     if (status != STATUS_OK) nest_order_clear(order);
     return status;
 }
@@ -360,7 +369,7 @@ Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error)
         combined.circle[h] = order->circle[h];
     }
     /* operands stand below all hulls, rank 0, and where no hull is there is the world */
-    for (size_t h = n_hulls; h < n; h++) combined.medium[h] = order->world_medium;
+    for (size_t h = n_hulls; h < n; h++) combined.medium[h] = NEST_WORLD_MEDIUM;
     free(order->rank);
     give_levels(&combined);
     combined.csg = csg;
@@ -378,17 +387,17 @@ void nest_order_clear(NestOrder *order)
 void nest_order_settle(const NestOrder *order, NestList *list)
 {
     const uint32_t *items = nest_list_items(list);
-    list->mask = 1;
-    list->level = list->n ? order->level[items[list->n - 1]] : 0;
+    NestPoint *point = &list->point;
+    *point = (NestPoint){1, nest_top_of_row(order, items, list->n)};
     if (!order->narrow) return;
-    for (uint32_t i = 0; i < list->n; i++) list->mask |= 1ULL << order->level[items[i]];
-    list->level = HIGHEST_BIT(list->mask);
+    for (uint32_t i = 0; i < list->n; i++) point->mask |= 1ULL << order->level[items[i]];
+    point->top = order->narrow_top[HIGHEST_BIT(point->mask)];
     list->n = 0;
 }
 
 bool nest_has(const NestOrder *order, const NestList *list, uint32_t hull)
 {
-    return order->narrow ? list->mask >> order->level[hull] & 1 : nest_list_has(list, hull);
+    return order->narrow ? list->point.mask >> order->level[hull] & 1 : nest_list_has(list, hull);
 }
 
 uint32_t nest_item(const NestOrder *order, const NestList *list, uint32_t i)
@@ -397,6 +406,6 @@ uint32_t nest_item(const NestOrder *order, const NestList *list, uint32_t i)
     uint32_t level = 0;
     for (uint32_t k = 0; k <= i; k++) do
             level++;
-        while (!(list->mask >> level & 1));
+        while (!(list->point.mask >> level & 1));
     return order->hull_at[level];
 }

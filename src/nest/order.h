@@ -1,6 +1,6 @@
 /* order.h - which of two overlapping hulls is on top.
  * A hull is a closed object with a medium inside. Hulls are numbered 0 .. n - 1 in order of declaration;
- * media are numbered by the caller, the world's medium (outside of all hulls) among them. Where several
+ * media are numbered by the caller, NEST_WORLD_MEDIUM is the world's (outside of all hulls). Where several
  * hulls hold a point, the one on top owns it. Sources: [WR19] for the order of entry, [SB02] for priorities,
  * the automatic order is ours; see meniscus-nesting(7).
  * SPDX-License-Identifier: Apache-2.0 */
@@ -65,7 +65,7 @@ bool nest_policy_from_text(const char *text, NestPolicy *policy);
 /* A strict total order of all hulls, ready for crossing. Immutable; shared by all threads. */
 typedef struct NestOrder {
     NestPolicy policy;
-    uint32_t n_hulls, world_medium;
+    uint32_t n_hulls;
     uint32_t *rank;     /* of each hull, 0 .. n - 1, larger on top; a permutation */
     uint32_t *medium;   /* of each hull; of one that mixes the world's */
     uint32_t n_mixing;  /* hulls that mix: the lowest ranks are theirs */
@@ -78,15 +78,22 @@ typedef struct NestOrder {
     const NestCsg *csg;  /* how hulls are combined from operands; NULL: none is */
     bool sorted; /* every list is sorted by rank, of hulls that neither mix nor are combined: what most scenes are */
     bool narrow; /* and so few that lists keep them as bits: NEST_NARROW at most */
+    uint32_t narrow_level[NEST_NARROW + 1]; /* then the same as `level`, */
+    NestTop narrow_top[NEST_NARROW + 1];    /* and of each level, closer at hand */
 } NestOrder;
 
 /* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by
  * volume, then declaration); inside a circle the smaller volume, then the later declaration, is on top.
  * Under NEST_PRIORITY it is priority, then declaration; ENTERED and NONE need no ranks, which are then by
  * declaration. overlaps may name a pair twice. O((n + m) log n). STATUS_NOMEM. */
-ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, uint32_t world_medium,
-                                       const NestHull *hulls, uint32_t n_hulls, const NestOverlap *overlaps,
-                                       size_t n_overlaps, Error *error);
+ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, const NestHull *hulls, uint32_t n_hulls,
+                                       const NestOverlap *overlaps, size_t n_overlaps, Error *error);
+/* Whose a point is, by the hulls around it in a row, the owner last. */
+static inline NestTop nest_top_of_row(const NestOrder *order, const uint32_t *items, uint32_t n)
+{
+    uint32_t level = n ? order->level[items[n - 1]] : 0;
+    return (NestTop){level, order->medium_at[level]};
+}
 /* Takes a list that was made up of hulls in a row, the owner last, to how the order keeps it. */
 void nest_order_settle(const NestOrder *order, NestList *list);
 /* Whether a hull, or an operand, is in a list; and the one of number i < nest_list_count in it, the owner last. */

@@ -257,7 +257,7 @@ static Status build_order(CompiledScene *compiled, NestPolicy policy, Error *err
         if (needs_order(compiled, pair)) overlaps[n++] = (NestOverlap){pair->a, pair->b, pair->relation};
     }
     Status status =
-        nest_order_build(&compiled->order, policy, 0, compiled->hulls, compiled->n_hulls, overlaps, n, error);
+        nest_order_build(&compiled->order, policy, compiled->hulls, compiled->n_hulls, overlaps, n, error);
     free(overlaps);
     return status;
 }

@@ -86,7 +86,7 @@ ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error)
  * or are of its medium, as long as it does not leave the owner. To cross them is silent, whatever the list says of them. */
 static inline void compiled_let_pass(const CompiledScene *compiled, const NestList *list, Ray *ray)
 {
-    const CompiledPassing *passing = &compiled->passing[list->level];
+    const CompiledPassing *passing = &compiled->passing[list->point.top.level];
     ray->pass_level = passing->level;
     ray->pass_alike = passing->alike;
 }

@@ -74,7 +74,7 @@ static void mark_passing(CompiledScene *compiled)
         /* the volumes of a medium that varies are each hull's own */
         bool own = scene->media[medium].density || scene->media[medium].emits;
         rtc_set_passing(compiled->rtc, object, order->rank[h] + 1, own ? RTC_NO_PASS : medium);
-        if (!own && medium == order->world_medium) compiled->passing[0].alike = medium;
+        if (!own && medium == NEST_WORLD_MEDIUM) compiled->passing[0].alike = medium;
     }
     for (size_t i = 0; i < compiled->n_pairs; i++) {
         uint32_t a = compiled_hull(compiled, compiled->pairs[i].a), b = compiled_hull(compiled, compiled->pairs[i].b);

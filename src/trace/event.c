@@ -85,22 +85,34 @@ static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
 /* Crosses what the ray has passed up to there, place by place. *clear: all of it was silent, and agrees with the list. */
 static bool cross_passed(Tracer *tracer, NestList *list, double end, bool *clear)
 {
-    const CompiledScene *compiled = tracer->world->compiled;
     const Hit *hits = tracer->passed.items;
     size_t n = tracer->passed.n, cluster;
-    NestCrossing crossing = nest_stay(&compiled->order, list);
     for (size_t i = 0; i < n && hits[i].t < end; i += cluster) {
+        NestCrossing crossing;
         cluster = rtc_cluster(hits + i, n - i);
-        if (LIKELY(cluster == 1 && nest_may_look(list, &compiled->order))) { /* all that is passed is of hulls */
-            crossing.medium_from = crossing.medium_to;
-            crossing.n_faults = 0;
-            NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
-            NestStep step = nest_look(list, &compiled->order, pass, &crossing);
-            nest_step(list, &compiled->order, &step);
-        } else if (!path_cross(tracer, list, hits + i, cluster, &crossing)) {
-            return false;
-        }
+        if (!path_cross(tracer, list, hits + i, cluster, &crossing)) return false;
         *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to;
+    }
+    return true;
+}
+
+/* The same up to the event's surfaces, where lists keep hulls as bits, into event->before. */
+static inline bool pass_by(Tracer *tracer, Event *event)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    const Hit *hits = tracer->passed.items;
+    size_t n = tracer->passed.n;
+    event->before = tracer->list.point;
+    for (size_t i = 0; i < n; i++) {
+        if (UNLIKELY(rtc_cluster(hits + i, n - i) > 1)) {
+            tracer->before.point = tracer->list.point;
+            bool good = cross_passed(tracer, &tracer->before, HUGE_VAL, &event->clear);
+            event->before = tracer->before.point;
+            return good;
+        }
+        NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering}; /* what is passed is of hulls */
+        event->clear = event->clear && nest_toggle(&event->before, &compiled->order, pass) &&
+                       event->before.top.medium == event->medium;
     }
     return true;
 }
@@ -123,24 +135,41 @@ void path_turn_back(Tracer *tracer)
     tracer->aside = swap;
 }
 
-/* Finds the next surfaces along the path's ray and crosses them into tracer->next, or puts that off; tracer->before is the list in front of
- * them where anything was passed on the way. False when memory ends. */
+/* Crosses the one surface that was found where lists are rows. */
+static bool cross_in_row(Tracer *tracer, const NestList *before, NestPass pass, Event *event)
+{
+    const NestOrder *order = &tracer->world->compiled->order;
+    if (!nest_may_look(before, order))
+        return nest_list_copy(&tracer->next, before) == STATUS_OK &&
+               nest_cross_one(&tracer->next, order, pass, &event->crossing) == STATUS_OK;
+    event->behind = BEHIND_BY_STEP;
+    event->step = nest_look(before, order, pass);
+    event->crossing.medium_to = event->step.point.top.medium;
+    event->crossing.n_faults = event->step.n == before->n;
+    return true;
+}
+
+/* Finds the next surfaces along the path's ray and crosses them into event->behind; the list in front of them is tracer->before, or
+ * event->before, where anything was passed on the way. False when memory ends. */
 static inline bool read_nearest(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
     const NestList *before = &tracer->list;
+    const NestPoint *point = &tracer->list.point;
+    bool narrow = compiled->order.narrow;
     event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
-    event->crossing = nest_stay(&compiled->order, before);
-    event->medium = event->crossing.medium_from;
+    event->medium = nest_medium(before);
     event->clear = true;
-    event->put_off = false;
+    event->behind = BEHIND_IN_NEXT;
     tracer->counters.rays++;
     if (tracer->hits.out_of_memory || tracer->passed.out_of_memory) return false;
     if (tracer->passed.n) {
         before = &tracer->before;
-        if (nest_list_copy(&tracer->before, &tracer->list) != STATUS_OK ||
-            !cross_passed(tracer, &tracer->before, HUGE_VAL, &event->clear))
+        point = &event->before;
+        if (narrow ? !pass_by(tracer, event)
+                   : nest_list_copy(&tracer->before, &tracer->list) != STATUS_OK ||
+                         !cross_passed(tracer, &tracer->before, HUGE_VAL, &event->clear))
             return false;
         if (!event->clear) return true; /* to be read again, one by one */
     }
@@ -149,7 +178,10 @@ static inline bool read_nearest(Path *path, Event *event)
         return true;
     }
     const Hit *hit = tracer->hits.items;
-    if (UNLIKELY(event->n_cluster > 1)) return cross_cluster(tracer, before, event);
+    if (UNLIKELY(event->n_cluster > 1)) {
+        if (narrow && tracer->passed.n) tracer->before.point = event->before;
+        return cross_cluster(tracer, before, event);
+    }
     uint32_t hull = compiled->hull_of_object[hit->object];
     if (hull == SCENE_NONE) {
         event->kind = EVENT_OPAQUE;
@@ -158,13 +190,21 @@ static inline bool read_nearest(Path *path, Event *event)
     }
     event->kind = EVENT_BOUNDARY;
     NestPass pass = {hull, hit->entering};
-    event->put_off = nest_may_look(before, &compiled->order);
-    if (LIKELY(event->put_off))
-        event->step = nest_look(before, &compiled->order, pass, &event->crossing);
-    else if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
-             nest_cross_one(&tracer->next, &compiled->order, pass, &event->crossing) != STATUS_OK)
-        return false;
-    event->clear = !event->crossing.n_faults;
+    event->crossing.medium_from = event->medium;
+    event->crossing.n_faults = 0;
+    event->crossing.opaque = false;
+    if (UNLIKELY(!narrow)) {
+        if (!cross_in_row(tracer, before, pass, event)) return false;
+        event->clear = !event->crossing.n_faults;
+        return true;
+    }
+    event->behind = BEHIND_AT_POINT;
+    event->step.point = *point;
+    if (UNLIKELY(!nest_toggle(&event->step.point, &compiled->order, pass))) {
+        event->crossing.n_faults = 1;
+        event->clear = false;
+    }
+    event->crossing.medium_to = event->step.point.top.medium;
     return true;
 }
 
@@ -212,6 +252,15 @@ static inline bool cross_nearest(Path *path, Event *event)
     return true;
 }
 
+/* tracer->list becomes the one in front of the event's surfaces. */
+static inline void take_before(Tracer *tracer, const Event *event)
+{
+    if (LIKELY(tracer->world->compiled->order.narrow))
+        tracer->list.point = event->before;
+    else
+        nest_list_swap(&tracer->list, &tracer->before);
+}
+
 void path_next_event(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
@@ -240,7 +289,7 @@ void path_next_event(Path *path, Event *event)
             if (!cross_passed(tracer, &tracer->list, event->t, &clear)) event->kind = EVENT_LOST;
             break;
         }
-        if (tracer->passed.n) nest_list_take(&tracer->list, &tracer->before);
+        if (tracer->passed.n) take_before(tracer, event);
         t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {
@@ -294,7 +343,7 @@ static Lanes transmit_uneven(Path *path, const Ray *ray)
     if (!path_cross_towards(tracer, ray, list)) tracer->out_of_memory = true;
     for (size_t begin = 0; !lanes_zero(left) && !tracer->out_of_memory; begin = end) {
         double t = begin < n ? hits[begin].t : ray->t_max;
-        if (flight_is_uneven(world, list, nest_medium(&world->compiled->order, list)))
+        if (flight_is_uneven(world, list, nest_medium(list)))
             left = lanes_mul(left, flight_transmit(path, ray, list, t_done, t, &n_drawn, NULL));
         if (begin == n) break;
         NestCrossing crossing;
@@ -314,7 +363,7 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
         tracer->out_of_memory = true;
         return false;
     }
-    uint32_t medium = nest_medium(&world->compiled->order, &tracer->shadow_list);
+    uint32_t medium = nest_medium(&tracer->shadow_list);
     ray->stops = compiled_stop_class(medium);
     if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
     const Hit *hits = tracer->shadow_hits.items;

@@ -111,7 +111,7 @@ bool flight_find_parts(Path *path, const NestList *list, const Ray *ray, double 
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const NestOrder *order = &world->compiled->order;
-    uint32_t owner = nest_owner(order, list), medium = nest_medium(order, list), i = 0;
+    uint32_t owner = nest_owner(order, list), medium = nest_medium(list), i = 0;
     tracer->parts.n = 0;
     if (!array_reserve(&tracer->parts.items, &tracer->parts.capacity, list->n + 1U, sizeof *tracer->parts.items))
         return false;
@@ -193,7 +193,7 @@ void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic)
 static void add_light(Path *path, const FreeFlight *flight, Lanes light)
 {
     const World *world = path->tracer->world;
-    uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    uint32_t medium = nest_medium(&path->tracer->list);
     light = lanes_scale(light, path_found_part(path, INFINITY));
     flight_add_light(path, flight, path_basic_radiance(world, light, medium, path->wavelengths.nm));
 }

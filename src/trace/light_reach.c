@@ -51,7 +51,7 @@ static bool probe(const World *world, uint32_t begin, uint32_t end, HitList *hit
         Vec3 place = light_pivot(world, i, 0, 0.5, middle).place;
         *status = compiled_interior(world->compiled, vec3f_from(place), 0, hits, list, NULL);
         if (*status != STATUS_OK) return true;
-        uint32_t medium = nest_medium(&world->compiled->order, list);
+        uint32_t medium = nest_medium(list);
         if (!compiled_indices_differ(world->scene, medium, WORLD_MEDIUM)) return true;
     }
     return false;

@@ -95,7 +95,7 @@ bool media_is_there(const CompiledScene *compiled, const WorldMedia *media, cons
     const NestOrder *order = &compiled->order;
     if (place->hull == NEST_WORLD || !nest_mixes(order, place->hull)) return nest_owner(order, list) == place->hull;
     const NestState *state = media->mixing_state;
-    return nest_has(order, list, place->hull) && state[place->medium] == state[nest_medium(order, list)];
+    return nest_has(order, list, place->hull) && state[place->medium] == state[nest_medium(list)];
 }
 
 const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, double time, MediumMaps *room)

@@ -81,13 +81,11 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     const SceneObject *object = &scene->objects[event->hit.object];
     Vec3f shading = rtc_shading_normal(world->compiled->rtc, &path->ray, &event->hit);
     const NestList *list = opaque ? &tracer->list : &tracer->next;
-    if (event->put_off) {
-        if (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) return;
-        nest_step(&tracer->next, &world->compiled->order, &event->step);
-    }
+    if (!opaque && event->behind != BEHIND_IN_NEXT && path_copy_behind(tracer, event, &tracer->next) != STATUS_OK)
+        return;
     sight->met = true;
     sight->object = scene_whole(scene, event->hit.object);
-    sight->medium = nest_medium(&world->compiled->order, list);
+    sight->medium = nest_medium(list);
     sight->n_hulls = nest_list_count(list) - compiled_operands_in(world->compiled, list);
     sight->distance = event->hit.t;
     sight->position = ray_point(&path->ray, event->hit.t);

@@ -111,16 +111,24 @@ typedef enum EventKind {
     EVENT_GIVE_UP
 } EventKind;
 
+/* What leads to the list behind an event's surfaces. */
+typedef enum EventBehind {
+    BEHIND_IN_NEXT,  /* it is tracer->next */
+    BEHIND_AT_POINT, /* the event's step's point, from tracer->list: hulls are kept as bits */
+    BEHIND_BY_STEP   /* the event's step */
+} EventBehind;
+
 typedef struct Event {
     EventKind kind;
     Hit hit;          /* the surface to be shaded */
     size_t n_cluster; /* surfaces at that place: tracer->hits[0 .. n) */
     NestCrossing crossing;
-    bool clear;   /* of the reading of the surfaces there: it does not contradict the list */
-    bool put_off; /* the list behind the surface is not in tracer->next: `step` leads to it from tracer->list */
+    bool clear; /* of the reading of the surfaces there: it does not contradict the list */
+    EventBehind behind;
     NestStep step;
-    double t;        /* EVENT_SCATTER: how far along the ray, */
-    uint32_t medium; /* and what scatters there; else what fills the way to the surfaces */
+    NestPoint before; /* where hulls are kept as bits and some were passed: in front of the surfaces */
+    double t;         /* EVENT_SCATTER: how far along the ray, */
+    uint32_t medium;  /* and what scatters there; else what fills the way to the surfaces */
 } Event;
 
 static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
@@ -147,10 +155,23 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
 /* tracer->list becomes the one behind the event's surfaces. */
 static inline void path_go_behind(Tracer *tracer, const Event *event)
 {
-    if (LIKELY(event->put_off))
-        nest_step(&tracer->list, &tracer->world->compiled->order, &event->step);
+    if (LIKELY(event->behind == BEHIND_AT_POINT))
+        tracer->list.point = event->step.point;
+    else if (event->behind == BEHIND_BY_STEP)
+        nest_step(&tracer->list, &event->step);
     else
         nest_list_swap(&tracer->list, &tracer->next);
+}
+/* The same list, made in another one. */
+static inline Status path_copy_behind(const Tracer *tracer, const Event *event, NestList *list)
+{
+    if (event->behind == BEHIND_IN_NEXT) return nest_list_copy(list, &tracer->next);
+    TRY(nest_list_copy(list, &tracer->list));
+    if (event->behind == BEHIND_AT_POINT)
+        list->point = event->step.point;
+    else
+        nest_step(list, &event->step);
+    return STATUS_OK;
 }
 
 /* tracer->list is the one at a t of the path's ray, up to its next event, until path_turn_back is called; false when memory
@@ -189,8 +210,7 @@ LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec
 static inline const LightChoices *path_lights(const Path *path, bool any)
 {
     const World *world = path->tracer->world;
-    return any ? world_lights(world)
-               : world_lights_in(world, nest_medium(&world->compiled->order, &path->tracer->list));
+    return any ? world_lights(world) : world_lights_in(world, nest_medium(&path->tracer->list));
 }
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic);

@@ -102,7 +102,7 @@ static bool leave_light(Path *path, const Start *start)
     Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
     Vec3f travel = vec3f_negate(start->light.direction);
-    nest_list_clear(&tracer->list);
+    nest_list_empty(&tracer->list);
     if (!isfinite(start->light.distance)) {
         Box3 bounds = rtc_scene_bounds(compiled->rtc);
         double far = vec3_length(vec3_sub(bounds.max, bounds.min)) +

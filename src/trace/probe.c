@@ -63,10 +63,7 @@ static Status start_list(const Path *path, const Event *event, bool through, con
     Tracer *tracer = path->tracer;
     if (event && event->n_cluster > 1) return path_cross_towards(tracer, ray, list) ? STATUS_OK : STATUS_NOMEM;
     if (!event || !through) return nest_list_copy(list, &tracer->list);
-    if (!event->put_off) return nest_list_copy(list, &tracer->next);
-    Status status = nest_list_copy(list, &tracer->list);
-    if (status == STATUS_OK) nest_step(list, &tracer->world->compiled->order, &event->step);
-    return status;
+    return path_copy_behind(tracer, event, list);
 }
 
 void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool through, Vec3 place, Vec3f direction,

@@ -190,7 +190,7 @@ void path_add_emission(Path *path, const Hit *hit)
             light_pdf_hit(world, path->scatter_lights, path->scatter_point, path->scatter_normal, &path->ray, hit);
         weight = sampling_balance(path->scatter_pdf, pdf + airlight_rival_hit(path, hit, pdf));
     }
-    uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    uint32_t medium = nest_medium(&path->tracer->list);
     weight *= path_found_part(path, lanes_mean(radiance));
     path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
 }

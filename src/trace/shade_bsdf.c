@@ -207,7 +207,7 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
 {
     const World *world = path->tracer->world;
     Lanes nm = path->wavelengths.nm;
-    uint32_t medium = nest_medium(&world->compiled->order, &path->tracer->list);
+    uint32_t medium = nest_medium(&path->tracer->list);
     Lanes around = medium_ior(world, medium, nm);
     const BalanceCase met = {.surface = surface, .spec = spec, .medium_from = medium, .medium_to = medium};
     Bsdf bsdf;

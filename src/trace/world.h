@@ -18,7 +18,7 @@
 #define LIGHT_NEAR (UINT32_MAX - 1)
 
 /* What the radiance of light from infinity is given in, whatever it comes through: a sea may reach there, too. */
-enum { WORLD_MEDIUM = 0 };
+enum { WORLD_MEDIUM = NEST_WORLD_MEDIUM };
 
 typedef struct LightChoice {
     uint32_t light;    /* index into scene->lights, LIGHT_ENVIRONMENT or LIGHT_NEAR */

@@ -102,7 +102,7 @@ static void bench_crossing(void)
     NestHull hulls[HULLS];
     for (uint32_t h = 0; h < HULLS; h++) hulls[h] = (NestHull){h + 1, (int32_t)h, NEST_STATE_UNKNOWN, 1, false};
     NestOrder order;
-    if (nest_order_build(&order, NEST_PRIORITY, 0, hulls, HULLS, NULL, 0, NULL) != STATUS_OK) bench_fail("rays", NULL);
+    if (nest_order_build(&order, NEST_PRIORITY, hulls, HULLS, NULL, 0, NULL) != STATUS_OK) bench_fail("rays", NULL);
     double ns[RUNS];
     uint64_t sink = 0;
     for (int run = 0; run < RUNS; run++) {

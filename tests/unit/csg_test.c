@@ -9,7 +9,7 @@
 #include "nest/cross.h"
 #include "scene_fixture.h"
 
-enum { HULLS = 3, OPERANDS = 24, PARTS = 64, WORLD = 99 };
+enum { HULLS = 3, OPERANDS = 24, PARTS = 64 };
 
 /* ---- the core alone ---- */
 
@@ -82,9 +82,10 @@ static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
     Model model;
     NestOrder order;
     make_model(&model, seed);
-    const NestHull hulls[HULLS] = {
-        {1, 0, NEST_STATE_UNKNOWN, 3, false}, {2, 0, NEST_STATE_UNKNOWN, 2, false}, {3, 0, NEST_STATE_UNKNOWN, 1, false}};
-    assert_int_equal(nest_order_build(&order, policy, WORLD, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
+    const NestHull hulls[HULLS] = {{1, 0, NEST_STATE_UNKNOWN, 3, false},
+                                   {2, 0, NEST_STATE_UNKNOWN, 2, false},
+                                   {3, 0, NEST_STATE_UNKNOWN, 1, false}};
+    assert_int_equal(nest_order_build(&order, policy, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
     assert_int_equal(nest_order_combine(&order, &model.csg, NULL), STATUS_OK);
     bool inside[HULLS + OPERANDS] = {false};
     NestList list;
@@ -106,7 +107,7 @@ static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
         for (uint32_t i = 0; i < n; i++) inside[passes[i].hull] = passes[i].entering;
         inside[1] = plain(&model, 0, inside);
         NestCrossing crossing;
-        uint32_t medium = nest_medium(&order, &list);
+        uint32_t medium = nest_medium(&list);
         assert_int_equal(nest_cross(&list, &order, passes, n, &crossing), STATUS_OK);
         assert_int_equal(crossing.n_faults, 0);
         bool opaque_after = plain(&model, 1, inside);
@@ -114,7 +115,7 @@ static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
         *n_flips += crossing.opaque;
         for (uint32_t h = 0; h < n_all; h++) assert_true(nest_list_has(&list, h) == inside[h]);
         assert_int_equal(crossing.medium_from, medium);
-        assert_int_equal(crossing.medium_to, nest_medium(&order, &list));
+        assert_int_equal(crossing.medium_to, nest_medium(&list));
         if (policy != NEST_AUTOMATIC) continue;
         uint32_t owner = inside[2] ? 2 : inside[1] ? 1 : inside[0] ? 0 : NEST_WORLD;
         assert_int_equal(nest_owner(&order, &list), owner);
@@ -234,7 +235,7 @@ static void planes_divide_space(void **state)
     for (size_t i = 0; i < COUNT_OF(points); i++) {
         Vec3f p = {points[i].at[0], points[i].at[1], points[i].at[2]};
         assert_int_equal(compiled_interior(scene.compiled, p, 0, &hits, &list, NULL), STATUS_OK);
-        uint32_t medium = nest_medium(&scene.compiled->order, &list);
+        uint32_t medium = nest_medium(&list);
         assert_string_equal(scene.scene->media[medium].name, points[i].owner);
     }
     nest_list_clear(&list);

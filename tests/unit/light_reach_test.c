@@ -77,7 +77,7 @@ static void follow_rays(const Lit *lit, int n)
         uint32_t on_surface;
         assert_int_equal(compiled_interior(compiled, from, 0, &hits, &list, &on_surface), STATUS_OK);
         if (on_surface != SCENE_NONE) continue;
-        unsigned reach = lit->world.reach[nest_medium(&compiled->order, &list)];
+        unsigned reach = lit->world.reach[nest_medium(&list)];
         rtc_all(compiled->rtc, &ray, false, &hits);
         if (!is_clear(lit, &list, &hits)) continue;
         arrived[near]++;

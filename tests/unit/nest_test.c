@@ -6,7 +6,7 @@
 #include "base/hash.h"
 #include "nest/cross.h"
 
-enum { A, B, C, WORLD = 99 };
+enum { A, B, C, WORLD = NEST_WORLD_MEDIUM };
 
 /* A sequence of single crossings, "+A +B -A -B", against the expected media after each: "A B . 0", '.' for a
  * silent crossing. Hull A has medium 1, and so on; media may be overridden. */
@@ -19,7 +19,7 @@ typedef struct Fixture {
 
 static void make_order(NestOrder *order, NestPolicy policy, const Fixture *f)
 {
-    assert_int_equal(nest_order_build(order, policy, WORLD, f->hulls, f->n_hulls, f->overlaps, f->n_overlaps, NULL),
+    assert_int_equal(nest_order_build(order, policy, f->hulls, f->n_hulls, f->overlaps, f->n_overlaps, NULL),
                      STATUS_OK);
 }
 
@@ -28,7 +28,7 @@ static void assert_same_list(const NestOrder *order, const NestList *list, const
 {
     uint32_t n = nest_list_count(list);
     assert_int_equal(nest_list_count(other), n);
-    assert_int_equal(other->level, list->level);
+    assert_int_equal(other->point.top.level, list->point.top.level);
     for (uint32_t i = 0; i < n; i++) assert_int_equal(nest_item(other_order, other, i), nest_item(order, list, i));
 }
 
@@ -337,7 +337,7 @@ static void test_entered_is_the_printed_stack(void **state)
                 medium[h] = random % 5 == 0 ? WORLD : (uint32_t)(random % 4) + 1;
                 hulls[h] = (NestHull){medium[h], 0, NEST_STATE_UNKNOWN, 1, false};
             }
-            assert_int_equal(nest_order_build(&order, NEST_ENTERED, WORLD, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
+            assert_int_equal(nest_order_build(&order, NEST_ENTERED, hulls, HULLS, NULL, 0, NULL), STATUS_OK);
         }
         NestList list;
         nest_list_init(&list);
@@ -426,8 +426,7 @@ static void test_reversal(void **state)
     static const uint32_t expected_total[] = {0, 1, 6, 90, 2520}, expected_entered[] = {0, 0, 2, 60, 2184};
     for (int policy = NEST_AUTOMATIC; policy <= NEST_PRIORITY; policy++) {
         NestOrder order;
-        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, WORLD, hulls, 4, overlaps, n_overlaps, NULL),
-                         STATUS_OK);
+        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, hulls, 4, overlaps, n_overlaps, NULL), STATUS_OK);
         for (uint32_t n = 1; n <= 4; n++) {
             NestPass passes[8];
             uint32_t total = 0, differ = 0;
@@ -447,12 +446,11 @@ static void test_thousand_shells(void **state)
     enum { N = 1000 };
     static NestHull hulls[N];
     static NestOverlap overlaps[N];
-    for (uint32_t h = 0; h < N; h++) hulls[h] = (NestHull){h, 0, NEST_STATE_UNKNOWN, (double)(N - h), false};
+    for (uint32_t h = 0; h < N; h++) hulls[h] = (NestHull){h + 1, 0, NEST_STATE_UNKNOWN, (double)(N - h), false};
     for (uint32_t h = 0; h + 1 < N; h++) overlaps[h] = (NestOverlap){h, h + 1, NEST_B_IN_A};
     for (int policy = NEST_AUTOMATIC; policy <= NEST_PRIORITY; policy++) {
         NestOrder order;
-        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, WORLD + N, hulls, N, overlaps, N - 1, NULL),
-                         STATUS_OK);
+        assert_int_equal(nest_order_build(&order, (NestPolicy)policy, hulls, N, overlaps, N - 1, NULL), STATUS_OK);
         NestList list, copy;
         nest_list_init(&list);
         nest_list_init(&copy);
@@ -465,10 +463,10 @@ static void test_thousand_shells(void **state)
             NestList swap = list;
             list = copy;
             copy = swap;
-            uint32_t outer = hull ? hull - 1 : WORLD + N;
+            uint32_t inner = hull + 1, outer = hull;
             assert_int_equal(crossing.n_faults, 0);
-            assert_int_equal(crossing.medium_from, i < N ? outer : hull);
-            assert_int_equal(crossing.medium_to, i < N ? hull : outer);
+            assert_int_equal(crossing.medium_from, i < N ? outer : inner);
+            assert_int_equal(crossing.medium_to, i < N ? inner : outer);
         }
         assert_int_equal(nest_list_count(&list), 0);
         nest_list_clear(&list);
@@ -519,7 +517,7 @@ static void test_circle_falls_back_to_volume(void **state)
     for (int turn = 0; turn < 3; turn++) { /* however the pairs are listed */
         NestOverlap turned[] = {overlaps[turn], overlaps[(turn + 1) % 3], overlaps[(turn + 2) % 3]};
         NestOrder order;
-        assert_int_equal(nest_order_build(&order, NEST_AUTOMATIC, WORLD, hulls, 4, turned, 3, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&order, NEST_AUTOMATIC, hulls, 4, turned, 3, NULL), STATUS_OK);
         assert_int_equal(order.n_circles, 1);
         assert_int_equal(order.circle[0], 1);
         assert_int_equal(order.circle[1], 1);
@@ -551,7 +549,7 @@ static void test_order_respects_pairs(void **state)
             overlaps[i] = (NestOverlap){a, b, NEST_PARTIAL};
         }
         NestOrder order;
-        assert_int_equal(nest_order_build(&order, NEST_AUTOMATIC, WORLD, hulls, N, overlaps, M, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&order, NEST_AUTOMATIC, hulls, N, overlaps, M, NULL), STATUS_OK);
         bool used[N] = {false};
         for (uint32_t h = 0; h < N; h++) {
             assert_true(order.rank[h] < N && !used[order.rank[h]]);
@@ -583,8 +581,8 @@ static void test_mixing_owns_nothing(void **state)
             hulls[h] = (NestHull){h < OTHERS ? (uint32_t)(random % 3) + 1 : 9, (int32_t)(random >> 8 & 3),
                                   NEST_STATE_UNKNOWN, (double)(random >> 16 & 7), h >= OTHERS};
         }
-        assert_int_equal(nest_order_build(&order, policy, WORLD, hulls, ALL, NULL, 0, NULL), STATUS_OK);
-        assert_int_equal(nest_order_build(&without, policy, WORLD, hulls, OTHERS, NULL, 0, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&order, policy, hulls, ALL, NULL, 0, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&without, policy, hulls, OTHERS, NULL, 0, NULL), STATUS_OK);
         NestList list, plain;
         nest_list_init(&list);
         nest_list_init(&plain);
@@ -607,7 +605,7 @@ static void test_mixing_owns_nothing(void **state)
                 assert_int_equal(nest_has(&order, &list, hull), inside[hull]);
             }
             assert_int_equal(nest_owner(&order, &list), nest_owner(&without, &plain));
-            assert_int_equal(nest_medium(&order, &list), nest_medium(&without, &plain));
+            assert_int_equal(nest_medium(&list), nest_medium(&plain));
             for (uint32_t k = 1; k < list.n; k++) /* at the front */
                 assert_true(nest_list_items(&list)[k] < OTHERS || nest_list_items(&list)[k - 1] >= OTHERS);
         }
@@ -634,7 +632,7 @@ static void test_bits_and_rows(void **state)
     for (uint32_t n = MOST - 1; n <= MOST; n++) {
         NestOrder order;
         NestList list;
-        assert_int_equal(nest_order_build(&order, NEST_PRIORITY, WORLD, hulls, n, NULL, 0, NULL), STATUS_OK);
+        assert_int_equal(nest_order_build(&order, NEST_PRIORITY, hulls, n, NULL, 0, NULL), STATUS_OK);
         assert_true(order.sorted && order.narrow == (n <= NEST_NARROW));
         nest_list_init(&list);
         for (int i = 0; i < STEPS && n; i++) {
@@ -650,7 +648,7 @@ static void test_bits_and_rows(void **state)
                                           : cross_one(&list, &order, passes[0], &crossing),
                              STATUS_OK);
             n_faults += crossing.n_faults;
-            assert_int_equal(crossing.medium_to, nest_medium(&order, &list));
+            assert_int_equal(crossing.medium_to, nest_medium(&list));
             uint32_t count = nest_list_count(&list);
             assert_int_equal(nest_owner(&order, &list), count ? nest_item(&order, &list, count - 1) : NEST_WORLD);
         }

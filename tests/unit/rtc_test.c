@@ -147,7 +147,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
     NestHull hulls[64];
     for (uint32_t h = 0; h < s->n; h++) hulls[h] = (NestHull){h + 1, (int32_t)h, NEST_STATE_UNKNOWN, 1, false};
     NestOrder order;
-    assert_int_equal(nest_order_build(&order, NEST_PRIORITY, 0, hulls, s->n, NULL, 0, NULL), STATUS_OK);
+    assert_int_equal(nest_order_build(&order, NEST_PRIORITY, hulls, s->n, NULL, 0, NULL), STATUS_OK);
     HitList hits = {0}, left = {0};
     NestList list, next;
     nest_list_init(&list);

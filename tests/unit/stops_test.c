@@ -57,7 +57,7 @@ static Counts follow_rays(const char *text, int n)
         Ray ray = ray_make(vec3_from_f(from), vec3f_from(vec3_normalize(to)));
         ray.t_max = vec3_length(to);
         rtc_all(compiled->rtc, &ray, false, &hits);
-        ray.stops = compiled_stop_class(nest_medium(&compiled->order, &list));
+        ray.stops = compiled_stop_class(nest_medium(&list));
         bool blocked = is_blocked(compiled, &list, &hits);
         bool stopped = !rtc_all(compiled->rtc, &ray, true, &hits);
         if (stopped && !blocked) fail_msg("ray %d of '%s' is stopped, and nothing blocks it", i, text);
