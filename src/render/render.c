@@ -172,25 +172,27 @@ static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, 
     return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
 }
 
-/* Shows the picture so far, when it is time for it. It is not missed when memory ends. To spread samples takes too long for
- * all pictures but the last one. */
-static void report_picture(Job *job, uint32_t step, bool due)
+/* Shows the picture so far: of every step-th pixel each way, or with what is between filled in. It is not missed when memory
+ * ends. spread: NULL, or where single bright samples go. */
+static void show_picture(Job *job, uint32_t step, const Spread *spread)
 {
     Image image;
     Error unused;
     if (!shows_picture(job)) return;
-    double now = clock_now_s(), interval = fmax(picture_interval_s, job->picture_cost / picture_share);
-    if (!due && now - job->picture_at < interval) return;
+    double now = clock_now_s();
     if (early_resolve(&job->state->film, job->state->crop, step, &image, &unused) != STATUS_OK) return;
-    Spread spread = {0};
-    if (due && job->done >= SPREAD_LEAST_SAMPLES && find_spread(job->state, job->pool, &spread, &unused) == STATUS_OK &&
-        spread.pixels)
-        spread_apply(&spread, &image);
-    spread_clear(&spread);
+    if (spread && spread->pixels) spread_apply(spread, &image);
     job->events->picture(job->events->context, &image);
     image_clear(&image);
     job->picture_at = clock_now_s();
     job->picture_cost = job->picture_at - now;
+}
+
+/* When it is time for it. To spread samples takes too long for all pictures but the last one. */
+static void report_picture(Job *job)
+{
+    if (clock_now_s() - job->picture_at >= fmax(picture_interval_s, job->picture_cost / picture_share))
+        show_picture(job, 1, NULL);
 }
 
 _Static_assert(BRIGHT_NOTHING == SCENE_NONE, "what is seen first");
@@ -307,7 +309,7 @@ static Status run_coarse(Job *job, uint32_t step, bool *stopped, Error *error)
     job->step = step;
     Status status = run_pass(job, 1, stopped, error);
     job->step = 0;
-    if (status == STATUS_OK && !*stopped && job->pass_samples) report_picture(job, step, true);
+    if (status == STATUS_OK && !*stopped && job->pass_samples) show_picture(job, step, NULL);
     return status;
 }
 
@@ -324,7 +326,7 @@ static Status run_uniform(Job *job, uint32_t samples, bool *stopped, Error *erro
         if (*stopped) break;
         job->done += n;
         job->even = job->done >= job->most;
-        report_picture(job, 1, false);
+        report_picture(job);
         if (job->done >= NOISE_FLOOR) judge_noise(job);
         report_progress(job, 0);
         if (job->done < job->wish && asked_to_stop(job)) *stopped = true;
@@ -371,7 +373,7 @@ static Status run_adaptive(Job *job, Adapt *adapt, bool *stopped, Error *error)
         while (left && !*stopped) {
             TRY(run_pass(job, left < LARGEST_PASS ? left : LARGEST_PASS, stopped, error));
             report_progress(job, 0);
-            report_picture(job, 1, false);
+            report_picture(job);
             left = most_wanted(job, adapt->wanted);
             if (asked_to_stop(job)) *stopped = true;
         }
@@ -587,9 +589,10 @@ static Status make_guide(Job *job, Guide **guide, GuideStats *stats, Error *erro
     return status;
 }
 
-Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
+static Status resolve(const RenderState *state, const Spread *spread, Image *image, RenderStats *stats, Error *error)
 {
     const PathCounters *counters = &state->counters;
+    const Spread *moved = spread->pixels ? spread : NULL;
     stats->paths = counters->paths;
     stats->rays = counters->rays;
     stats->crossings = counters->crossings;
@@ -599,12 +602,17 @@ Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, 
     stats->bad_samples = counters->bad_samples;
     stats->saturated_samples = state->saturated_samples;
     count_samples(state, stats);
+    stats->spread_samples = spread->samples;
+    stats->spread_light = spread->light;
+    stats->noise = adapt_noise(&state->film, moved, state->crop);
+    return aov_film_resolve(&state->aovs, &state->film, moved, image, error);
+}
+
+Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
+{
     Spread spread;
     TRY(find_spread(state, pool, &spread, error));
-    stats->spread_samples = spread.samples;
-    stats->spread_light = spread.light;
-    stats->noise = adapt_noise(&state->film, spread.pixels ? &spread : NULL, state->crop);
-    Status status = aov_film_resolve(&state->aovs, &state->film, spread.pixels ? &spread : NULL, image, error);
+    Status status = resolve(state, &spread, image, stats, error);
     spread_clear(&spread);
     return status;
 }
@@ -643,16 +651,19 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     Status status = job_init(&job, error);
     if (status == STATUS_OK) status = prepare(&job, &world, &guide, stats, error);
     bool too_early = is_stopped(&job) && job.first_samples == 0;
+    Spread spread = {0};
     if (status == STATUS_OK) status = run_passes(&job, &stats->stopped, error);
+    if (status == STATUS_OK) status = find_spread(state, pool, &spread, error);
     if (status == STATUS_OK) {
-        report_picture(&job, COARSEST, true);
+        show_picture(&job, COARSEST, &spread);
         sum_counters(&job, state);
         stats->noisy_pixels = job.plan.unmet;
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
-        status = render_state_resolve(state, pool, image, stats, error);
+        status = resolve(state, &spread, image, stats, error);
         if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     }
+    spread_clear(&spread);
     job_clear(&job);
     world_clear(&world);
     guide_free(guide);
