@@ -44,9 +44,10 @@ void adapt_clear(Adapt *adapt);
  * STATUS_NOMEM. */
 ATTR_NODISCARD Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, AdaptPlan *plan,
                                  Error *error);
-/* The same where not the noise is given but the number of samples: `samples` is to be the mean of all pixels, and each gets the more
- * the larger its error is and the fewer rays its samples take, and at least a quarter of the mean. From plan to plan the samples of all pixels together double, up to
- * that number, which is met to a hundredth. plan->at_most and unmet are 0. */
+/* The same where not the noise is given but the number of samples: `samples` is to be the mean of all pixels, and each gets the
+ * more the larger its error is and the fewer rays its samples take, and at least a quarter of the mean. Each plan looks ahead to
+ * that number, or to four times what there is, and gives pixels their shares of it, but only as many as they have; they are asked
+ * again then, when more is known. The last plan meets the number to a hundredth. plan->at_most and unmet are 0. */
 ATTR_NODISCARD Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *plan, Error *error);
 
 #endif
