@@ -26,17 +26,17 @@ typedef struct RtcMaps {
 
 /* One object, ready for tracing. There may be tens of millions: most are balls and instances that are only moved. */
 typedef struct RtcPlaced {
-    const Mesh *mesh;
-    const Solid *solid;
-    const RtcDetail *detail;
-    const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by: */
     Vec3 place;
     double scale;        /* > 0 */
+    const Solid *solid;
+    bool is_ball;        /* of solids: a sphere, moved and made larger evenly, that stands still */
     bool opaque;
+    bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
-    bool is_ball;        /* of solids: a sphere, moved and made larger evenly, that stands still */
-    bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
+    const RtcDetail *detail;
+    const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
+    const Mesh *mesh;
 } RtcPlaced;
 
 /* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of one. Hollow

@@ -23,25 +23,29 @@ static uint32_t place_of(const NestList *list, const NestOrder *order, uint32_t 
     return place;
 }
 
-NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass)
+void nest_look(const NestList *list, const NestOrder *order, NestPass pass, NestStep *step)
 {
     const uint32_t *items = nest_list_items(list);
     uint32_t n = list->n, place = n;
     while (place > 0 && items[place - 1] != pass.hull) place--;
     bool inside = place > 0;
-    NestStep step = {list->point, n, pass.hull, 0};
-    if (UNLIKELY(inside == pass.entering)) return step;
-    step.n = pass.entering ? n + 1 : n - 1;
-    step.place = pass.entering ? place_of(list, order, pass.hull) : place - 1;
-    if (pass.entering && step.place == n) step.point.top = nest_top_of_row(order, &pass.hull, 1);
-    if (inside && place == n) step.point.top = nest_top_of_row(order, items, n - 1);
-    return step;
+    step->point = list->point;
+    step->n = n;
+    if (UNLIKELY(inside == pass.entering)) return;
+    step->n = pass.entering ? n + 1 : n - 1;
+    step->hull = pass.hull;
+    step->place = pass.entering ? place_of(list, order, pass.hull) : place - 1;
+    if (pass.entering && step->place == n)
+        step->point.top = order->top[pass.hull];
+    else if (inside && place == n)
+        step->point.top = nest_top_of_row(order, items, n - 1);
 }
 
 uint32_t nest_cross_in_row(NestList *list, const NestOrder *order, NestPass pass)
 {
-    NestStep step = nest_look(list, order, pass);
+    NestStep step;
     uint32_t n = list->n;
+    nest_look(list, order, pass, &step);
     nest_step(list, &step);
     return list->n == n;
 }
@@ -84,7 +88,7 @@ static bool opens_tree(const NestOrder *order, const NestPass *passes, uint32_t 
  * remembers only the last one. Operands of combinations stay, below it. */
 static void pass_without_nesting(NestList *list, const NestOrder *order, NestPass last, NestCrossing *crossing)
 {
-    uint32_t medium = order->medium[last.hull];
+    uint32_t medium = order->top[last.hull].medium;
     crossing->owner_from = last.entering ? NEST_WORLD : last.hull;
     crossing->owner_to = last.entering ? last.hull : NEST_WORLD;
     crossing->medium_from = last.entering ? NEST_WORLD_MEDIUM : medium;

@@ -57,7 +57,7 @@ typedef struct NestStep {
     uint32_t n;           /* hulls behind it; as many as before where the pass contradicts the list */
     uint32_t hull, place; /* where n changes: where in the row the hull goes, or stands */
 } NestStep;
-NestStep nest_look(const NestList *list, const NestOrder *order, NestPass pass);
+void nest_look(const NestList *list, const NestOrder *order, NestPass pass, NestStep *step);
 
 /* Changes the list, as it was looked at; it must have room for one more hull. */
 static inline void nest_step(NestList *list, const NestStep *step)

@@ -305,26 +305,22 @@ static Status sink_mixing(NestOrder *order, const NestHull *hulls, Error *error)
 /* Room for tables of n hulls and operands, of n_hulls and the world, all in one. */
 static Status make_tables(NestOrder *order, size_t n, Error *error)
 {
-    size_t n_levels = order->n_hulls + (size_t)1, size = 4 * n + 2 * n_levels;
+    size_t size = 4 * n + order->n_hulls + 1;
     order->rank = calloc(size, sizeof *order->rank);
     if (!order->rank) return fail_memory(error, size * sizeof *order->rank, "the order of the hulls");
-    order->medium = order->rank + n;
-    order->circle = order->medium + n;
-    order->level = order->circle + n;
-    order->medium_at = order->level + n;
-    order->hull_at = order->medium_at + n_levels;
+    order->circle = order->rank + n;
+    order->top = (NestTop *)(void *)(order->circle + n);
+    order->hull_at = order->circle + 3 * n;
     return STATUS_OK;
 }
 
 /* Levels, from ranks and media. */
 static void give_levels(NestOrder *order)
 {
-    order->medium_at[0] = NEST_WORLD_MEDIUM;
     order->hull_at[0] = NEST_WORLD;
     for (uint32_t h = 0; h < order->n_hulls; h++) {
         uint32_t level = order->rank[h] + 1;
-        order->level[h] = nest_mixes(order, h) ? 0 : level;
-        order->medium_at[level] = order->medium[h];
+        order->top[h].level = nest_mixes(order, h) ? 0 : level;
         order->hull_at[level] = h;
     }
 }
@@ -332,9 +328,11 @@ static void give_levels(NestOrder *order)
 /* The tables of lists that keep hulls as bits. */
 static void make_narrow(NestOrder *order)
 {
-    for (uint32_t h = 0; h < order->n_hulls; h++) order->narrow_level[h] = order->level[h];
-    for (uint32_t level = 0; level <= order->n_hulls; level++)
-        order->narrow_top[level] = (NestTop){level, order->medium_at[level]};
+    order->narrow_top[0] = (NestTop){0, NEST_WORLD_MEDIUM};
+    for (uint32_t h = 0; h < order->n_hulls; h++) {
+        order->narrow_level[h] = order->top[h].level;
+        order->narrow_top[order->top[h].level] = order->top[h];
+    }
 }
 
 Status nest_order_build(NestOrder *order, NestPolicy policy, const NestHull *hulls, uint32_t n_hulls,
@@ -343,7 +341,7 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, const NestHull *hul
     *order = (NestOrder){.policy = policy, .n_hulls = n_hulls};
     TRY(make_tables(order, n_hulls ? n_hulls : 1, error));
     for (uint32_t h = 0; h < n_hulls; h++) {
-        order->medium[h] = hulls[h].mixes ? NEST_WORLD_MEDIUM : hulls[h].medium;
+        order->top[h].medium = hulls[h].mixes ? NEST_WORLD_MEDIUM : hulls[h].medium;
         order->rank[h] = h;
     }
     Status status = STATUS_OK;
@@ -365,11 +363,11 @@ Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error)
     TRY(make_tables(&combined, n, error));
     for (size_t h = 0; h < n_hulls; h++) {
         combined.rank[h] = order->rank[h];
-        combined.medium[h] = order->medium[h];
+        combined.top[h].medium = order->top[h].medium;
         combined.circle[h] = order->circle[h];
     }
     /* operands stand below all hulls, rank 0, and where no hull is there is the world */
-    for (size_t h = n_hulls; h < n; h++) combined.medium[h] = NEST_WORLD_MEDIUM;
+    for (size_t h = n_hulls; h < n; h++) combined.top[h].medium = NEST_WORLD_MEDIUM;
     free(order->rank);
     give_levels(&combined);
     combined.csg = csg;
@@ -390,14 +388,14 @@ void nest_order_settle(const NestOrder *order, NestList *list)
     NestPoint *point = &list->point;
     *point = (NestPoint){1, nest_top_of_row(order, items, list->n)};
     if (!order->narrow) return;
-    for (uint32_t i = 0; i < list->n; i++) point->mask |= 1ULL << order->level[items[i]];
+    for (uint32_t i = 0; i < list->n; i++) point->mask |= 1ULL << order->top[items[i]].level;
     point->top = order->narrow_top[HIGHEST_BIT(point->mask)];
     list->n = 0;
 }
 
 bool nest_has(const NestOrder *order, const NestList *list, uint32_t hull)
 {
-    return order->narrow ? list->point.mask >> order->level[hull] & 1 : nest_list_has(list, hull);
+    return order->narrow ? list->point.mask >> order->top[hull].level & 1 : nest_list_has(list, hull);
 }
 
 uint32_t nest_item(const NestOrder *order, const NestList *list, uint32_t i)

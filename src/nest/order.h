@@ -67,19 +67,18 @@ typedef struct NestOrder {
     NestPolicy policy;
     uint32_t n_hulls;
     uint32_t *rank;     /* of each hull, 0 .. n - 1, larger on top; a permutation */
-    uint32_t *medium;   /* of each hull; of one that mixes the world's */
     uint32_t n_mixing;  /* hulls that mix: the lowest ranks are theirs */
     uint32_t n_circles; /* groups of hulls whose pairwise answers ran in a circle */
     uint32_t *circle;   /* of each hull: 0, or the number of its circle from 1 */
-    uint32_t
-        *level; /* of each hull: its rank + 1; 0 of one that mixes and of operands of combinations, which own nothing */
-    uint32_t *medium_at; /* of each level 0 .. n: whose it is; at 0 the world's */
-    uint32_t *hull_at;   /* of each level; NEST_WORLD at 0 */
-    const NestCsg *csg;  /* how hulls are combined from operands; NULL: none is */
+    /* of each hull: its rank + 1, and its medium; level 0 and the world's medium of one that mixes, and of operands of
+     * combinations, which own nothing */
+    NestTop *top;
+    uint32_t *hull_at;  /* of each level 0 .. n; NEST_WORLD at 0 */
+    const NestCsg *csg; /* how hulls are combined from operands; NULL: none is */
     bool sorted; /* every list is sorted by rank, of hulls that neither mix nor are combined: what most scenes are */
     bool narrow; /* and so few that lists keep them as bits: NEST_NARROW at most */
-    uint32_t narrow_level[NEST_NARROW + 1]; /* then the same as `level`, */
-    NestTop narrow_top[NEST_NARROW + 1];    /* and of each level, closer at hand */
+    uint32_t narrow_level[NEST_NARROW + 1]; /* then the same levels, */
+    NestTop narrow_top[NEST_NARROW + 1];    /* and what each level says, closer at hand */
 } NestOrder;
 
 /* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by
@@ -91,8 +90,7 @@ ATTR_NODISCARD Status nest_order_build(NestOrder *order, NestPolicy policy, cons
 /* Whose a point is, by the hulls around it in a row, the owner last. */
 static inline NestTop nest_top_of_row(const NestOrder *order, const uint32_t *items, uint32_t n)
 {
-    uint32_t level = n ? order->level[items[n - 1]] : 0;
-    return (NestTop){level, order->medium_at[level]};
+    return n ? order->top[items[n - 1]] : (NestTop){0, NEST_WORLD_MEDIUM};
 }
 /* Takes a list that was made up of hulls in a row, the owner last, to how the order keeps it. */
 void nest_order_settle(const NestOrder *order, NestList *list);

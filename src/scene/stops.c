@@ -57,8 +57,8 @@ static void find_alike(const CompiledScene *compiled, const uint32_t *of_medium,
 /* Rays in a hull pass by what is below it, and by what is like it. */
 static void let_pass(CompiledScene *compiled, uint32_t hull)
 {
-    uint32_t level = compiled->order.level[hull];
-    if (level) compiled->passing[level] = (CompiledPassing){level, compiled->order.medium[hull]};
+    uint32_t level = compiled->order.top[hull].level;
+    if (level) compiled->passing[level] = (CompiledPassing){level, compiled->order.top[hull].medium};
 }
 
 /* Where a path is in hull O, and O is on top, crossing hulls of lower rank changes nothing but the list, in whatever order
@@ -69,7 +69,7 @@ static void mark_passing(CompiledScene *compiled)
     const Scene *scene = compiled->scene;
     const NestOrder *order = &compiled->order;
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
-        uint32_t object = compiled->object_of_hull[h], medium = order->medium[h];
+        uint32_t object = compiled->object_of_hull[h], medium = order->top[h].medium;
         if (nest_mixes(order, h) || scene->objects[object].shape == SCENE_NONE) continue;
         /* the volumes of a medium that varies are each hull's own */
         bool own = scene->media[medium].density || scene->media[medium].emits;
@@ -79,7 +79,7 @@ static void mark_passing(CompiledScene *compiled)
     for (size_t i = 0; i < compiled->n_pairs; i++) {
         uint32_t a = compiled_hull(compiled, compiled->pairs[i].a), b = compiled_hull(compiled, compiled->pairs[i].b);
         if (a >= compiled->n_hulls || b >= compiled->n_hulls) continue;
-        bool alike = order->medium[a] == order->medium[b], a_on_top = order->rank[a] > order->rank[b];
+        bool alike = order->top[a].medium == order->top[b].medium, a_on_top = order->rank[a] > order->rank[b];
         NestRelation relation = compiled->pairs[i].relation; /* from within, a hull all around is not met */
         if ((alike || a_on_top) && relation != NEST_A_IN_B) let_pass(compiled, a);
         if ((alike || !a_on_top) && relation != NEST_B_IN_A) let_pass(compiled, b);

@@ -102,11 +102,11 @@ typedef struct HalfBox {
 } HalfBox;
 HalfBox piece_half_bounds(const Piece *piece);
 
-/* A closed solid made of pieces. Owns them. */
+/* A closed solid made of pieces. */
 typedef struct Solid {
-    Piece *pieces;
-    uint32_t n_pieces;
     double volume; /* closed form */
+    uint32_t n_pieces;
+    Piece pieces[];
 } Solid;
 
 void solid_free(Solid *solid); /* NULL is fine */

@@ -9,20 +9,14 @@ static const double pi = 3.14159265358979323846;
 
 void solid_free(Solid *solid)
 {
-    if (!solid) return;
-    free(solid->pieces);
     free(solid);
 }
 
 Status solid_new(uint32_t n_pieces, Solid **solid, Error *error)
 {
-    Solid *made = calloc(1, sizeof *made);
-    if (!made) return fail_memory(error, sizeof *made, "a solid");
-    made->pieces = calloc(n_pieces ? n_pieces : 1, sizeof *made->pieces);
-    if (!made->pieces) {
-        free(made);
-        return fail_memory(error, n_pieces * sizeof *made->pieces, "the pieces of a solid");
-    }
+    size_t size = sizeof(Solid) + n_pieces * sizeof(Piece);
+    Solid *made = calloc(1, size);
+    if (!made) return fail_memory(error, size, "a solid");
     made->n_pieces = n_pieces;
     *solid = made;
     return STATUS_OK;

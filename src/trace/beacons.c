@@ -87,7 +87,7 @@ static Vec3 find_middle(const CompiledScene *compiled)
 {
     Box3 box = box3_empty();
     for (uint32_t h = 0; h < compiled->n_hulls; h++)
-        if (compiled->order.medium[h] < compiled->scene->n_media && !compiled->unbounded[h])
+        if (compiled->order.top[h].medium < compiled->scene->n_media && !compiled->unbounded[h])
             box = box3_union(box, compiled->hull_bounds[h]);
     return box3_is_empty(box) || box3_is_unbounded(box) ? vec3(0, 0, 0) : box3_centre(box);
 }

@@ -143,7 +143,7 @@ static bool cross_in_row(Tracer *tracer, const NestList *before, NestPass pass, 
         return nest_list_copy(&tracer->next, before) == STATUS_OK &&
                nest_cross_one(&tracer->next, order, pass, &event->crossing) == STATUS_OK;
     event->behind = BEHIND_BY_STEP;
-    event->step = nest_look(before, order, pass);
+    nest_look(before, order, pass, &event->step);
     event->crossing.medium_to = event->step.point.top.medium;
     event->crossing.n_faults = event->step.n == before->n;
     return true;
@@ -178,6 +178,7 @@ static inline bool read_nearest(Path *path, Event *event)
         return true;
     }
     const Hit *hit = tracer->hits.items;
+    PREFETCH(&compiled->scene->objects[hit->object].surface); /* for shading */
     if (UNLIKELY(event->n_cluster > 1)) {
         if (narrow && tracer->passed.n) tracer->before.point = event->before;
         return cross_cluster(tracer, before, event);

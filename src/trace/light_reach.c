@@ -30,7 +30,7 @@ static void find_hulls(Finder *f)
     const CompiledScene *compiled = f->world->compiled;
     const EmitterSet *set = &f->world->emitters;
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
-        uint32_t medium = compiled->order.medium[h];
+        uint32_t medium = compiled->order.top[h].medium;
         if (medium >= f->world->scene->n_media) continue; /* opaque */
         if (compiled->unbounded[h]) f->far[medium] = f->near[medium] = true;
         for (uint32_t i = 0; i < set->n && !f->near[medium]; i++) {

@@ -124,19 +124,22 @@ static void open_and_endless_solids(void **state)
 {
     (void)state;
     const ProfileTree none = {0};
-    Piece piece = {.kind = PIECE_PLANE};
-    Solid solid = {&piece, 1, 0};
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(5, -2, 1), 1), BALL_INSIDE);
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(5, 2, 1), 1), BALL_OUTSIDE);
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(5, 2, 1), 2), BALL_NEAR);
-    piece = (Piece){.kind = PIECE_RECT, .r0 = 1, .r1 = 1};
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(5, 2, 1), 1), BALL_NEAR);
-    piece = (Piece){.kind = PIECE_SPHERE, .r0 = 1};
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(5, 2, 1), NAN), BALL_NEAR);
+    Solid *solid;
+    assert_int_equal(solid_new(1, &solid, NULL), STATUS_OK);
+    Piece *piece = &solid->pieces[0];
+    *piece = (Piece){.kind = PIECE_PLANE};
+    assert_int_equal(solid_ball_side(solid, &none, vec3(5, -2, 1), 1), BALL_INSIDE);
+    assert_int_equal(solid_ball_side(solid, &none, vec3(5, 2, 1), 1), BALL_OUTSIDE);
+    assert_int_equal(solid_ball_side(solid, &none, vec3(5, 2, 1), 2), BALL_NEAR);
+    *piece = (Piece){.kind = PIECE_RECT, .r0 = 1, .r1 = 1};
+    assert_int_equal(solid_ball_side(solid, &none, vec3(5, 2, 1), 1), BALL_NEAR);
+    *piece = (Piece){.kind = PIECE_SPHERE, .r0 = 1};
+    assert_int_equal(solid_ball_side(solid, &none, vec3(5, 2, 1), NAN), BALL_NEAR);
     /* a tube that reaches over the axis is filled */
-    piece = (Piece){.kind = PIECE_TORUS, .r0 = 1, .r1 = 3};
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(0, 0, 0), 0.5), BALL_INSIDE);
-    assert_int_equal(solid_ball_side(&solid, &none, vec3(0, 4, 0), 0.5), BALL_OUTSIDE);
+    *piece = (Piece){.kind = PIECE_TORUS, .r0 = 1, .r1 = 3};
+    assert_int_equal(solid_ball_side(solid, &none, vec3(0, 0, 0), 0.5), BALL_INSIDE);
+    assert_int_equal(solid_ball_side(solid, &none, vec3(0, 4, 0), 0.5), BALL_OUTSIDE);
+    solid_free(solid);
 }
 
 /* ---- meshes ---- */
