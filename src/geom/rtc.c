@@ -225,48 +225,90 @@ static struct RTCRay *ray_of(struct RTCRayN *ray)
     return (struct RTCRay *)(void *)ray;
 }
 
-static inline uint32_t object_of(const struct RTCHit *hit)
+/* A triangle that Embree has found. On the edge between the two of a quad it may be the other one. */
+typedef struct Found {
+    uint32_t object, primitive;
+    float u, v;
+    bool on_diagonal;
+} Found;
+/* How far Embree's weights of a triangle that it has found are below 0 or above 1 at most; some more. */
+#define FOUND_NOISE 0x1p-20f
+
+/* Embree has just written u and v, one after the other: read as one they would have to be waited for. */
+static inline float read_apart(const volatile float *number)
 {
-    return hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
+    return *number;
 }
 
-static inline const struct RTCHit *hit_of(const struct RTCHitN *hit)
+/* Embree's coordinates on a quad are those of its even triangle, and one less those of the odd one. */
+static inline Found found_triangle(const struct RTCHitN *of_embree)
 {
-    return (const struct RTCHit *)(const void *)hit;
+    const struct RTCHit *hit = (const struct RTCHit *)(const void *)of_embree;
+    float u = read_apart(&hit->u), v = read_apart(&hit->v);
+    uint32_t odd = u + v > 1;
+    float half = (float)odd; /* 0 as often as 1: a branch would not be foreseen */
+    return (Found){.object = hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID,
+                   .primitive = 2 * hit->primID + odd,
+                   .u = fabsf(half - u),
+                   .v = fabsf(half - v),
+                   .on_diagonal = fabsf(u + v - 1) <= FOUND_NOISE};
 }
 
-/* The same for a triangle that Embree has found. */
-static inline void set_triangle(Hit *hit, double t, uint32_t object, const struct RTCHit *found)
+/* The other of its quad. */
+static Found twin_of(const Found *found)
 {
-    set_hit(hit, t, object, found->primID);
+    Found twin = *found;
+    twin.primitive ^= 1;
+    twin.u = 1 - found->u;
+    twin.v = 1 - found->v;
+    return twin;
+}
+
+static inline void set_triangle(Hit *hit, double t, const Found *found)
+{
+    set_hit(hit, t, found->object, found->primitive);
     hit->u = found->u;
     hit->v = found->v;
 }
-static inline Hit *next_triangle(HitList *list, double t, uint32_t object, const struct RTCHit *found)
+static inline Hit *next_triangle(HitList *list, double t, const Found *found)
 {
     Hit *hit = rtc_hit_place(list);
-    if (LIKELY(hit)) set_triangle(hit, t, object, found);
+    if (LIKELY(hit)) set_triangle(hit, t, found);
     return hit;
 }
 
 /* Brings the corners of a triangle near that is to be computed when the search is over. */
-static inline void fetch_corners(const RtcPlaced *object, uint32_t primitive)
+static inline void fetch_corners(const RtcMesh *mesh, uint32_t primitive)
 {
-    const Vec3f *baked = object->detail->baked;
-    if (!baked) return;
-    const uint32_t *triangle = rtc_triangle_of(object, primitive);
-    for (int i = 0; i < 3; i++) PREFETCH(&baked[triangle[i]]);
+    if (!mesh->baked) return;
+    uint32_t triangle[3];
+    rtc_triangle_of(mesh, primitive, triangle);
+    for (int i = 0; i < 3; i++) PREFETCH(&mesh->baked[triangle[i]]);
 }
 
-/* A triangle that a nearest query finds, and that cannot be put off. */
+/* A triangle that a nearest query finds, and that cannot be put off. Returns whether the search may now end at
+ * query->reach. */
+static bool consider_triangle(Query *query, const Found *found, double t)
+{
+    const Hit *left = rtc_find_left(query->ray, found->object, found->primitive);
+    if (left && left->behind) return false;
+    bool passing = rtc_passes(query, found->object);
+    HitList *list = passing ? query->passed : query->hits;
+    if (UNLIKELY(found->on_diagonal) && rtc_has_hit(list, found->object, found->primitive)) return false;
+    Hit *hit = next_triangle(list, t, found);
+    return LIKELY(hit) && (passing ? note_passed(query, hit, false) : take_exactly(query, hit));
+}
+
 ATTR_APART static void consider_at_once(const struct RTCFilterFunctionNArguments *arguments, double t)
 {
     Query *query = (Query *)(void *)arguments->context;
-    const struct RTCHit *found = hit_of(arguments->hit);
-    uint32_t object = object_of(found);
-    bool passing = rtc_passes(query, object);
-    Hit *hit = next_triangle(passing ? query->passed : query->hits, t, object, found);
-    if (LIKELY(hit) && (passing ? note_passed(query, hit, false) : take_exactly(query, hit)))
+    Found found = found_triangle(arguments->hit);
+    bool shrink = consider_triangle(query, &found, t);
+    if (UNLIKELY(found.on_diagonal)) {
+        Found twin = twin_of(&found);
+        shrink |= consider_triangle(query, &twin, t);
+    }
+    if (shrink)
         ray_of(arguments->ray)->tfar = embree_t(query, query->reach);
     else
         arguments->valid[0] = 0;
@@ -278,25 +320,24 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
     Query *query = (Query *)(void *)arguments->context;
     const Ray *ray = query->ray;
     struct RTCRay *embree = ray_of(arguments->ray);
-    const struct RTCHit *found = hit_of(arguments->hit);
-    uint32_t object = object_of(found);
-    const Hit *left = rtc_find_left(ray, object, found->primID);
-    if (left && left->behind) {
+    Found found = found_triangle(arguments->hit);
+    const Hit *left = rtc_find_left(ray, found.object, found.primitive);
+    if (left && left->behind && LIKELY(!found.on_diagonal)) {
         arguments->valid[0] = 0;
         return;
     }
     double t = (double)embree->tfar - query->back, doubt = doubt_at(query, t);
-    if (UNLIKELY(left || query->exact || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
+    if (UNLIKELY(left || query->exact || found.on_diagonal || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
         consider_at_once(arguments, t);
         return;
     }
-    HitList *list = rtc_passes(query, object) ? query->passed : query->hits;
+    HitList *list = rtc_passes(query, found.object) ? query->passed : query->hits;
     if (UNLIKELY(list->n == list->capacity)) {
         consider_at_once(arguments, t);
         return;
     }
-    fetch_corners(&query->scene->objects[object], found->primID);
-    set_triangle(&list->items[list->n++], t, object, found);
+    fetch_corners(query->scene->objects[found.object].mesh, found.primitive);
+    set_triangle(&list->items[list->n++], t, &found);
     if (list != query->hits) {
         arguments->valid[0] = 0;
         return;
@@ -305,14 +346,26 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
     embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
 }
 
+/* A triangle that a query for any finds. Returns whether the search may end at once. */
+static bool consider_any(Query *query, const Found *found)
+{
+    const Hit *left = rtc_find_left(query->ray, found->object, found->primitive);
+    if (left && left->behind) return false;
+    if (UNLIKELY(found->on_diagonal) && rtc_has_hit(query->hits, found->object, found->primitive)) return false;
+    Hit *hit = next_triangle(query->hits, 0, found);
+    return LIKELY(hit) && take_any(query, hit);
+}
+
 void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
-    const struct RTCHit *found = hit_of(arguments->hit);
-    uint32_t object = object_of(found);
-    const Hit *left = rtc_find_left(query->ray, object, found->primID);
-    Hit *hit = left && left->behind ? NULL : next_triangle(query->hits, 0, object, found);
-    if (!hit || !take_any(query, hit)) arguments->valid[0] = 0;
+    Found found = found_triangle(arguments->hit);
+    bool end = consider_any(query, &found);
+    if (UNLIKELY(found.on_diagonal && !end)) {
+        Found twin = twin_of(&found);
+        end = consider_any(query, &twin);
+    }
+    if (!end) arguments->valid[0] = 0;
 }
 
 /* Around an eighth: the corners of its profile are extreme, as sine and cosine are monotonic in between. */
@@ -341,7 +394,7 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
     const RtcPlaced *object = &scene->objects[which.object];
     const Piece *piece = &object->solid->pieces[which.piece];
     Box3 local = which.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which.sector);
-    const Affine *keys = object->detail->keys;
+    const Affine *keys = object->keys;
     Affine to_world = keys ? keys[arguments->timeStep] : rtc_first_to_world(object);
     Box3 box = affine_box(&to_world, local);
     /* larger by more than Embree's float ray can run beside the exact one (rtc_leave) */

@@ -113,7 +113,7 @@ static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->
 struct Hit {
     double t;
     uint32_t object;
-    uint32_t primitive;    /* triangle of the mesh, or piece of the solid */
+    uint32_t primitive;    /* triangle (see rtc_n_primitives), or piece of the solid */
     bool entering;         /* the ray goes against the geometric normal, into the object */
     Vec3f normal;          /* geometric, unit, outward (not turned towards the ray) */
     double cos_normal;     /* direction . normal, in double */
@@ -181,6 +181,9 @@ typedef struct RtcCoordinates {
 /* with_uv: false leaves out all that is about u and v. */
 void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool with_uv, RtcCoordinates *coordinates);
 
+/* How many primitives an object has: pieces of its solid, or triangles of its mesh. Those are in pairs, not in the mesh's
+ * order; where one of a pair is missing, a triangle without area counts instead. */
+uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object);
 /* The corners of a mesh object's triangle in the world, as rays meet it: counter-clockwise seen from outside. */
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3]);
 

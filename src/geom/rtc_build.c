@@ -43,8 +43,6 @@ static int compare_use(const void *left, const void *right)
     return a->object < b->object ? -1 : a->object > b->object ? 1 : 0;
 }
 
-const RtcDetail rtc_no_detail = {0};
-
 /* Whether a map only moves, and makes larger evenly. */
 static bool is_even(const Affine *map)
 {
@@ -56,25 +54,13 @@ static bool is_even(const Affine *map)
     return s > 0;
 }
 
-/* An object's own row of details. */
-static RtcDetail *detail_of(RtcPlaced *placed, Error *error)
-{
-    RtcDetail *detail = calloc(1, sizeof *detail);
-    if (detail)
-        placed->detail = detail;
-    else
-        fail_memory(error, sizeof *detail, "the scene's objects");
-    return detail;
-}
-
 /* maps: room for those of this object, if it needs them. */
 static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *maps, uint32_t n_keys, uint32_t i,
                            Error *error)
 {
     Affine to_local;
-    *placed = (RtcPlaced){.mesh = object->mesh,
-                          .solid = object->solid,
-                          .detail = &rtc_no_detail,
+    *placed = (RtcPlaced){.solid = object->solid,
+                          .keys = object->keys,
                           .opaque = object->opaque,
                           .pass_level = RTC_NO_PASS,
                           .pass_alike = RTC_NO_PASS,
@@ -87,11 +73,6 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
         placed->maps = maps;
     }
     placed->mirrored = affine_determinant(&object->to_world) < 0;
-    if (object->keys || object->mesh_end) {
-        RtcDetail *detail = detail_of(placed, error);
-        if (!detail) return STATUS_NOMEM;
-        *detail = (RtcDetail){.keys = object->keys, .mesh_end = object->mesh_end};
-    }
     placed->is_ball = object->solid && !placed->maps && !object->keys && object->solid->pieces[0].kind == PIECE_SPHERE;
     for (uint32_t k = 0; object->keys && k < n_keys; k++) {
         double determinant = affine_determinant(&object->keys[k]);
@@ -120,48 +101,35 @@ static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *
 }
 
 /* World-space vertices (and turned triangles when mirrored) of a mesh that stands in one place only. */
-static Status bake_mesh(RtcPlaced *placed, Error *error)
+static Status bake_mesh(const RtcPlaced *placed, RtcMesh *mesh, Error *error)
 {
-    const Mesh *mesh = placed->mesh;
-    RtcDetail *detail = detail_of(placed, error);
-    if (!detail) return STATUS_NOMEM;
+    const Mesh *source = mesh->source;
     Affine to_world = rtc_first_to_world(placed);
     if (affine_is_identity(&to_world)) {
-        detail->baked = mesh->positions; /* they are padded, too */
+        mesh->baked = source->positions; /* they are padded, too */
         return STATUS_OK;
     }
-    size_t bytes = (size_t)mesh->n_vertices * sizeof(Vec3f) + sizeof(float); /* Embree reads 4 bytes past the end */
-    detail->baked = malloc(bytes);
-    detail->owns_baked = true;
-    if (!detail->baked) return fail_memory(error, bytes, "a mesh");
-    for (uint32_t i = 0; i < mesh->n_vertices; i++)
-        detail->baked[i] = vec3f_from(affine_point(&to_world, vec3_from_f(mesh->positions[i])));
-    if (!placed->mirrored) return STATUS_OK;
-    bytes = (size_t)mesh->n_triangles * sizeof *detail->triangles;
-    detail->triangles = malloc(bytes ? bytes : 1);
-    if (!detail->triangles) return fail_memory(error, bytes, "a mesh");
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        detail->triangles[i][0] = mesh->triangles[i][0];
-        detail->triangles[i][1] = mesh->triangles[i][2];
-        detail->triangles[i][2] = mesh->triangles[i][1];
-    }
+    size_t bytes = (size_t)source->n_vertices * sizeof(Vec3f) + sizeof(float); /* Embree reads 4 bytes past the end */
+    mesh->baked = malloc(bytes);
+    if (!mesh->baked) return fail_memory(error, bytes, "a mesh");
+    for (uint32_t i = 0; i < source->n_vertices; i++)
+        mesh->baked[i] = vec3f_from(affine_point(&to_world, vec3_from_f(source->positions[i])));
+    for (uint32_t i = 0; placed->mirrored && i < mesh->n_quads; i++) mesh_quad_turn(mesh->quads[i]);
     return STATUS_OK;
 }
 
-/* positions_end: NULL, or those at time 1. */
-static RTCGeometry triangle_geometry(RtcScene *scene, const Vec3f *positions, const Vec3f *positions_end,
-                                     uint32_t n_vertices, uint32_t (*triangles)[3], uint32_t n_triangles)
+static RTCGeometry quad_geometry(RtcScene *scene, const RtcMesh *mesh)
 {
-    RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (positions_end) {
-        rtcSetGeometryTimeStepCount(geometry, 2);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, positions_end, 0,
-                                   sizeof(Vec3f), n_vertices);
-    }
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, sizeof(Vec3f),
-                               n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles, 0, sizeof *triangles,
-                               n_triangles);
+    RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_QUAD);
+    const Vec3f *positions[2] = {mesh->baked ? mesh->baked : mesh->source->positions,
+                                 mesh->end ? mesh->end->positions : NULL};
+    unsigned n_times = mesh->end ? 2 : 1;
+    rtcSetGeometryTimeStepCount(geometry, n_times);
+    for (unsigned k = 0; k < n_times; k++)
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, k, RTC_FORMAT_FLOAT3, positions[k], 0,
+                                   sizeof(Vec3f), mesh->source->n_vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh->quads, 0,
+                               sizeof *mesh->quads, mesh->n_quads);
     rtcSetGeometryMask(geometry, 0xffffffffU);
     rtcSetGeometryIntersectFilterFunction(geometry, rtc_filter_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, rtc_filter_any);
@@ -183,19 +151,6 @@ static void attach(RTCScene rtc, RTCGeometry geometry, uint32_t id)
     rtcReleaseGeometry(geometry);
 }
 
-/* Geometry number o of the world is object o; the pieces of all solids come after them. */
-static Status add_baked(RtcScene *scene, uint32_t object, Error *error)
-{
-    RtcPlaced *placed = &scene->objects[object];
-    TRY(bake_mesh(placed, error));
-    const Mesh *mesh = placed->mesh;
-    uint32_t(*triangles)[3] = placed->detail->triangles ? placed->detail->triangles : mesh->triangles;
-    attach(scene->world,
-           triangle_geometry(scene, placed->detail->baked, NULL, mesh->n_vertices, triangles, mesh->n_triangles),
-           object);
-    return STATUS_OK;
-}
-
 static void set_transform(RTCGeometry instance, uint32_t step, const Affine *a)
 {
     float matrix[12]; /* three columns, then the translation */
@@ -207,21 +162,17 @@ static void set_transform(RTCGeometry instance, uint32_t step, const Affine *a)
     rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix);
 }
 
-static void add_instances(RtcScene *scene, const MeshUse *uses, uint32_t n)
+static void add_instances(RtcScene *scene, const RtcMesh *mesh, const MeshUse *uses, uint32_t n)
 {
-    const Mesh *mesh = uses[0].mesh, *end = uses[0].mesh_end;
     RTCScene shared = new_scene(scene);
-    attach(shared,
-           triangle_geometry(scene, mesh->positions, end ? end->positions : NULL, mesh->n_vertices, mesh->triangles,
-                             mesh->n_triangles),
-           0);
+    attach(shared, quad_geometry(scene, mesh), 0);
     rtcCommitScene(shared);
     scene->shared[scene->n_shared++] = shared;
     for (uint32_t i = 0; i < n; i++) {
         const RtcPlaced *placed = &scene->objects[uses[i].object];
         RTCGeometry instance = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(instance, shared);
-        const Affine *keys = placed->detail->keys;
+        const Affine *keys = placed->keys;
         Affine to_world = rtc_first_to_world(placed);
         uint32_t n_steps = keys ? scene->n_keys : 1;
         if (n_steps > 1) rtcSetGeometryTimeStepCount(instance, n_steps);
@@ -232,32 +183,67 @@ static void add_instances(RtcScene *scene, const MeshUse *uses, uint32_t n)
     }
 }
 
-static Status add_meshes(RtcScene *scene, Error *error)
+/* Geometry number o of the world is object o; the pieces of all solids come after them. */
+static Status add_mesh(RtcScene *scene, RtcMesh *mesh, const MeshUse *uses, uint32_t n, Error *error)
 {
-    size_t bytes = (scene->n_objects + 1U) * sizeof(MeshUse);
-    MeshUse *uses = malloc(bytes);
-    scene->shared = calloc(scene->n_objects + 1U, sizeof *scene->shared);
-    if (!uses || !scene->shared) {
-        free(uses);
-        return fail_memory(error, bytes, "the scene's objects");
+    TRY(mesh_pair_triangles(mesh->source, &mesh->quads, &mesh->n_quads, error));
+    const RtcPlaced *first = &scene->objects[uses[0].object];
+    if (n > 1 || first->keys || mesh->end) {
+        add_instances(scene, mesh, uses, n);
+        return STATUS_OK;
     }
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++)
-        if (scene->objects[i].mesh)
-            uses[n++] = (MeshUse){scene->objects[i].mesh, scene->objects[i].detail->mesh_end, i};
-    qsort(uses, n, sizeof *uses, compare_use);
-    Status status = STATUS_OK;
-    for (uint32_t i = 0; i < n && status == STATUS_OK;) {
-        uint32_t end = i + 1;
-        while (end < n && uses[end].mesh == uses[i].mesh && uses[end].mesh_end == uses[i].mesh_end) end++;
-        if (end - i == 1 && !scene->objects[uses[i].object].detail->keys && !uses[i].mesh_end)
-            status = add_baked(scene, uses[i].object, error);
-        else
-            add_instances(scene, uses + i, end - i);
-        i = end;
+    TRY(bake_mesh(first, mesh, error));
+    attach(scene->world, quad_geometry(scene, mesh), uses[0].object);
+    return STATUS_OK;
+}
+
+static bool is_same_mesh(const MeshUse *a, const MeshUse *b)
+{
+    return a->mesh == b->mesh && a->mesh_end == b->mesh_end;
+}
+
+/* Each mesh once, with its objects told. */
+static Status list_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Error *error)
+{
+    uint32_t n_meshes = 0;
+    for (uint32_t i = 0; i < n; i++) n_meshes += i == 0 || !is_same_mesh(&uses[i - 1], &uses[i]);
+    scene->meshes = calloc(n_meshes + 1U, sizeof *scene->meshes);
+    scene->shared = calloc(n_meshes + 1U, sizeof *scene->shared);
+    if (!scene->meshes || !scene->shared)
+        return fail_memory(error, n_meshes * sizeof *scene->meshes, "the scene's meshes");
+    for (uint32_t i = 0; i < n; i++) {
+        if (i == 0 || !is_same_mesh(&uses[i - 1], &uses[i]))
+            scene->meshes[scene->n_meshes++] = (RtcMesh){.source = uses[i].mesh, .end = uses[i].mesh_end};
+        scene->objects[uses[i].object].mesh = &scene->meshes[scene->n_meshes - 1];
     }
-    free(uses);
-    return status;
+    return STATUS_OK;
+}
+
+/* The uses of all meshes, those of one in a row; malloc'd. */
+static Status find_uses(const RtcScene *scene, RtcDescribe *describe, const void *context, MeshUse **uses, uint32_t *n,
+                        Error *error)
+{
+    *n = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) *n += describe(context, i).mesh != NULL;
+    *uses = malloc((*n + (size_t)1) * sizeof **uses);
+    if (!*uses) return fail_memory(error, *n * sizeof **uses, "the scene's objects");
+    *n = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        RtcObject object = describe(context, i);
+        if (object.mesh) (*uses)[(*n)++] = (MeshUse){object.mesh, object.mesh_end, i};
+    }
+    qsort(*uses, *n, sizeof **uses, compare_use);
+    return STATUS_OK;
+}
+
+static Status add_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Error *error)
+{
+    RtcMesh *mesh = scene->meshes;
+    for (uint32_t i = 0, end = 0; i < n; i = end) {
+        while (end < n && is_same_mesh(&uses[i], &uses[end])) end++;
+        TRY(add_mesh(scene, mesh++, uses + i, end - i, error));
+    }
+    return STATUS_OK;
 }
 
 /* Whether a piece is hollow enough for eighths to have much smaller boxes. Not a torus: most rays into its box meet it,
@@ -281,7 +267,7 @@ static void count_pieces(const RtcScene *scene, size_t n[2], size_t *n_planes)
             if (solid->pieces[k].kind == PIECE_PLANE)
                 ++*n_planes;
             else
-                n[scene->objects[i].detail->keys != NULL] += sectors_of(&solid->pieces[k]);
+                n[scene->objects[i].keys != NULL] += sectors_of(&solid->pieces[k]);
     }
 }
 
@@ -289,7 +275,7 @@ static void list_pieces(RtcScene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const Solid *solid = scene->objects[i].solid;
-        RtcPieceSet *set = scene->objects[i].detail->keys ? &scene->moving : &scene->still;
+        RtcPieceSet *set = scene->objects[i].keys ? &scene->moving : &scene->still;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
             uint32_t n_sectors = sectors_of(&solid->pieces[k]);
             if (solid->pieces[k].kind == PIECE_PLANE)
@@ -391,7 +377,7 @@ static Box3 box_of_mesh(MeshBox *known, const Mesh *mesh, const Mesh *end)
 static double mesh_reach(const RtcPlaced *object, const Affine *to_world, MeshBox *known, double reach)
 {
     const double rounding = 1 + 1e-12;
-    const Mesh *mesh = object->mesh, *end = object->detail->mesh_end;
+    const Mesh *mesh = object->mesh->source, *end = object->mesh->end;
     if (!mesh->n_vertices) return reach;
     double most = reach_of_box(affine_box(to_world, box_of_mesh(known, mesh, end)));
     if (most * rounding < reach) return reach;
@@ -422,7 +408,7 @@ static double find_reach(const RtcScene *scene)
     MeshBox known = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
-        const Affine *keys = object->detail->keys;
+        const Affine *keys = object->keys;
         Affine to_world = rtc_first_to_world(object);
         reach = object_reach(object, &to_world, &known, reach);
         for (uint32_t k = 1; keys && k < scene->n_keys; k++) reach = object_reach(object, &keys[k], &known, reach);
@@ -446,6 +432,19 @@ static Box3 world_bounds(RtcScene *scene)
     return bounds;
 }
 
+static Status build_world(RtcScene *scene, const MeshUse *uses, uint32_t n_uses, Error *error)
+{
+    TRY(list_meshes(scene, uses, n_uses, error));
+    scene->reach = find_reach(scene);
+    scene->world = new_scene(scene);
+    TRY(add_meshes(scene, uses, n_uses, error));
+    TRY(add_pieces(scene, error));
+    rtcCommitScene(scene->world);
+    if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);
+    scene->bounds = world_bounds(scene);
+    return STATUS_OK;
+}
+
 static Status build(RtcScene *scene, RtcDescribe *describe, const void *context, unsigned n_threads, Error *error)
 {
     char config[64];
@@ -456,14 +455,12 @@ static Status build(RtcScene *scene, RtcDescribe *describe, const void *context,
     rtcSetDeviceErrorFunction(scene->device, on_error, scene);
     rtcSetDeviceMemoryMonitorFunction(scene->device, on_memory, scene);
     TRY(place_objects(scene, describe, context, error));
-    scene->reach = find_reach(scene);
-    scene->world = new_scene(scene);
-    TRY(add_meshes(scene, error));
-    TRY(add_pieces(scene, error));
-    rtcCommitScene(scene->world);
-    if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);
-    scene->bounds = world_bounds(scene);
-    return STATUS_OK;
+    MeshUse *uses;
+    uint32_t n_uses;
+    TRY(find_uses(scene, describe, context, &uses, &n_uses, error));
+    Status status = build_world(scene, uses, n_uses, error);
+    free(uses);
+    return status;
 }
 
 static RtcObject object_in_list(const void *context, uint32_t i)
@@ -502,13 +499,12 @@ void rtc_scene_free(RtcScene *scene)
     if (scene->world) rtcReleaseScene(scene->world);
     for (uint32_t i = 0; i < scene->n_shared; i++) rtcReleaseScene(scene->shared[i]);
     if (scene->device) rtcReleaseDevice(scene->device);
-    for (uint32_t i = 0; scene->objects && i < scene->n_objects; i++) {
-        const RtcDetail *detail = scene->objects[i].detail;
-        if (!detail || detail == &rtc_no_detail) continue;
-        if (detail->owns_baked) free(detail->baked);
-        free(detail->triangles);
-        free((void *)(uintptr_t)detail);
+    for (uint32_t i = 0; i < scene->n_meshes; i++) {
+        RtcMesh *mesh = &scene->meshes[i];
+        if (mesh->baked != mesh->source->positions) free(mesh->baked);
+        free(mesh->quads);
     }
+    free(scene->meshes);
     free(scene->maps);
     free(scene->objects);
     free(scene->shared);

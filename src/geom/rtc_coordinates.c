@@ -14,9 +14,10 @@ static Vec3 gradient(Vec3 edge_second, Vec3 edge_third, double second, double th
 
 static void mesh_coordinates(const RtcPlaced *object, const Hit *hit, bool with_uv, RtcCoordinates *coordinates)
 {
-    const Mesh *mesh = object->mesh;
-    const uint32_t *triangle = rtc_triangle_of(object, hit->primitive);
+    const Mesh *mesh = object->mesh->source;
+    uint32_t triangle[3];
     Vec3 corner[3];
+    rtc_triangle_of(object->mesh, hit->primitive, triangle);
     for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(mesh->positions[triangle[i]]);
     Vec3 second = vec3_sub(corner[1], corner[0]), third = vec3_sub(corner[2], corner[0]);
     double b = (double)hit->u, c = (double)hit->v;

@@ -54,30 +54,42 @@ static uint32_t object_asked(const struct RTCPointQueryFunctionArguments *argume
     return arguments->context->instStackSize ? arguments->context->instID[0] : arguments->geomID;
 }
 
-/* A triangle near a place in doubt: noted where the exact ray meets it. */
-static bool take_neighbour(struct RTCPointQueryFunctionArguments *arguments)
+/* How many triangles a quad of a mesh has. */
+static uint32_t triangles_of(const RtcPlaced *object, uint32_t quad)
 {
-    Query *query = arguments->userPtr;
-    uint32_t primitive = arguments->primID, object = object_asked(arguments);
-    if (object >= query->scene->n_objects) return false; /* a piece */
+    return mesh_quad_is_single(object->mesh->quads[quad]) ? 1 : 2;
+}
+
+/* A triangle near a place in doubt: noted where the exact ray meets it. */
+static void take_triangle(Query *query, uint32_t object, uint32_t primitive)
+{
     HitList *list = rtc_passes(query, object) ? query->passed : query->hits;
-    if (rtc_has_hit(list, object, primitive)) return false;
+    if (rtc_has_hit(list, object, primitive)) return;
     Vec3 corner[3];
     double weight[3];
     rtc_triangle(query->scene, object, primitive, query->ray->time, corner);
-    if (!rtc_line_meets(query, corner, weight)) return false;
+    if (!rtc_line_meets(query, corner, weight)) return;
     Hit *hit = rtc_hit_place(list);
-    if (!hit) return false;
+    if (!hit) return;
     const RtcPlaced *placed = &query->scene->objects[object];
-    bool turned = placed->mirrored && !placed->detail->baked; /* the corners are, then; see rtc_triangle */
+    bool turned = placed->mirrored && !placed->mesh->baked; /* the corners are, then; see rtc_triangle */
     double sum = weight[0] + weight[1] + weight[2];
     hit->object = object;
     hit->primitive = primitive;
     hit->u = sum != 0 ? (float)(weight[turned ? 2 : 1] / sum) : 0;
     hit->v = sum != 0 ? (float)(weight[turned ? 1 : 2] / sum) : 0;
-    if (!rtc_complete_hit(query, hit)) return false;
+    if (!rtc_complete_hit(query, hit)) return;
     list->n++;
     if (list == query->hits && !query->all) rtc_shorten(query, hit);
+}
+
+static bool take_neighbours(struct RTCPointQueryFunctionArguments *arguments)
+{
+    Query *query = arguments->userPtr;
+    uint32_t object = object_asked(arguments);
+    if (object >= query->scene->n_objects) return false; /* a piece */
+    uint32_t first = 2 * arguments->primID, n = triangles_of(&query->scene->objects[object], arguments->primID);
+    for (uint32_t i = first; i < first + n; i++) take_triangle(query, object, i);
     return false; /* the radius stays */
 }
 
@@ -94,7 +106,7 @@ static void ask_around(const RtcScene *scene, Vec3 place, double time, double ra
 
 static void look_around(Query *query, Vec3 place, double radius)
 {
-    ask_around(query->scene, place, query->ray->time, radius, take_neighbour, query);
+    ask_around(query->scene, place, query->ray->time, radius, take_neighbours, query);
 }
 
 void rtc_look_at(Query *query, const Hit *at)
@@ -157,10 +169,14 @@ static bool is_beside(const Vec3 corner[3], Vec3 p, double distance)
 static bool find_beside(struct RTCPointQueryFunctionArguments *arguments)
 {
     Beside *beside = arguments->userPtr;
-    if (beside->found || object_asked(arguments) != beside->object) return false;
-    Vec3 corner[3];
-    rtc_triangle(beside->scene, beside->object, arguments->primID, beside->ray->time, corner);
-    beside->found = is_beside(corner, beside->ray->origin, beside->radius);
+    if (object_asked(arguments) != beside->object) return false;
+    uint32_t first = 2 * arguments->primID;
+    uint32_t n = triangles_of(&beside->scene->objects[beside->object], arguments->primID);
+    for (uint32_t i = first; i < first + n && !beside->found; i++) {
+        Vec3 corner[3];
+        rtc_triangle(beside->scene, beside->object, i, beside->ray->time, corner);
+        beside->found = is_beside(corner, beside->ray->origin, beside->radius);
+    }
     return false;
 }
 

@@ -29,8 +29,8 @@ static inline bool is_left(const Query *query, uint32_t object, uint32_t primiti
 
 static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 {
-    Vec3 p = vec3_from_f(object->mesh->positions[vertex]);
-    const Mesh *end = object->detail->mesh_end;
+    Vec3 p = vec3_from_f(object->mesh->source->positions[vertex]);
+    const Mesh *end = object->mesh->end;
     return end ? vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(end->positions[vertex]), time)) : p;
 }
 
@@ -39,8 +39,9 @@ static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
 static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time,
                              Vec3 corner[3])
 {
-    const uint32_t *triangle = rtc_triangle_of(object, primitive);
-    const Vec3f *baked = object->detail->baked;
+    uint32_t triangle[3];
+    const Vec3f *baked = object->mesh->baked;
+    rtc_triangle_of(object->mesh, primitive, triangle);
     if (baked) {
         for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(baked[triangle[i]]);
     } else {
@@ -52,6 +53,12 @@ static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uin
         corner[1] = corner[2];
         corner[2] = swap;
     }
+}
+
+uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object)
+{
+    const RtcPlaced *placed = &scene->objects[object];
+    return placed->mesh ? 2 * placed->mesh->n_quads : placed->solid ? (uint32_t)placed->solid->n_pieces : 0;
 }
 
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3])
@@ -73,7 +80,7 @@ static bool is_parallel(const Ray *ray, Vec3 normal, double length)
 static inline double rounded_scale(const Query *query, const RtcPlaced *object, double t)
 {
     double scale = query->scale + fabs(t);
-    if (LIKELY(object->detail->baked)) return scale;
+    if (LIKELY(object->mesh->baked)) return scale;
     /* an instance is traced in its own frame: what goes into it and back is rounded, too */
     return 4 * (scale + vec3_max_abs(object->maps ? object->maps->to_world.t : object->place));
 }
@@ -132,7 +139,7 @@ void rtc_enter_frame(Query *query, uint32_t object_id)
     LocalRay *local = &query->local;
     local->object = object_id;
     local->to_local = NULL;
-    if (object->detail->keys) {
+    if (object->keys) {
         local->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
         local->to_local = &local->moved_to_local;
     } else if (object->maps) {
@@ -196,16 +203,16 @@ static Vec3f interpolated_normal(const Mesh *mesh, const uint32_t triangle[3], c
 /* Corner normals of the mesh interpolated, or the geometric normal where they point to the other side. */
 static Vec3f mesh_shading(const RtcScene *scene, const RtcPlaced *object, double time, const Hit *hit)
 {
-    const Mesh *mesh = object->mesh;
-    const uint32_t *triangle = rtc_triangle_of(object, hit->primitive);
-    Vec3f local = interpolated_normal(mesh, triangle, hit);
-    const Mesh *mesh_end = object->detail->mesh_end;
-    if (mesh_end && mesh_end->normals) {
-        Vec3f end = interpolated_normal(mesh_end, triangle, hit);
+    const RtcMesh *mesh = object->mesh;
+    uint32_t triangle[3];
+    rtc_triangle_of(mesh, hit->primitive, triangle);
+    Vec3f local = interpolated_normal(mesh->source, triangle, hit);
+    if (mesh->end && mesh->end->normals) {
+        Vec3f end = interpolated_normal(mesh->end, triangle, hit);
         local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
     }
     Vec3 world = vec3_from_f(local);
-    if (object->maps || object->detail->keys) {
+    if (object->maps || object->keys) {
         Affine to_local = rtc_to_local(scene, object, time);
         world = affine_normal(&to_local, world);
     }
@@ -231,7 +238,7 @@ static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const
 Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    if (object->mesh && !object->mesh->normals) return hit->normal;
+    if (object->mesh && !object->mesh->source->normals) return hit->normal;
     return object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 

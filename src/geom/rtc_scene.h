@@ -8,17 +8,17 @@
 #include "base/lanes.h"
 #include "geom/embree.h"
 #include "geom/rtc.h"
+#include "mesh/quads.h"
 
-/* What only some objects have. */
-typedef struct RtcDetail {
-    const Affine *keys;         /* NULL for one that stands still; not owned */
-    const Mesh *mesh_end;       /* NULL for one whose shape stays */
-    Vec3f *baked;               /* world-space vertices of a mesh placed once, the mesh's own where that is in the world's
-                                 * frame; NULL for instances and solids */
-    bool owns_baked;
-    uint32_t (*triangles)[3];   /* of the baked mesh, turned round when the transform mirrors; NULL: the mesh's own */
-} RtcDetail;
-extern const RtcDetail rtc_no_detail; /* of all others */
+/* A mesh as Embree has it, wherever it is placed: as quads, for a search takes two triangles at once in the time of one.
+ * Primitive 2 * q + h of its objects is triangle h of quad q. */
+typedef struct RtcMesh {
+    const Mesh *source, *end; /* end: NULL for one whose shape stays */
+    MeshQuad *quads;          /* turned round where it is baked and the transform mirrors */
+    uint32_t n_quads;
+    Vec3f *baked;             /* world-space vertices of a mesh placed once, the source's own where that is in the world's
+                               * frame; NULL for instances */
+} RtcMesh;
 
 typedef struct RtcMaps {
     Affine to_world, to_local; /* at time 0 */
@@ -34,9 +34,9 @@ typedef struct RtcPlaced {
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
-    const RtcDetail *detail;
+    const RtcMesh *mesh;
+    const Affine *keys;  /* NULL for one that stands still; not owned */
     const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
-    const Mesh *mesh;
 } RtcPlaced;
 
 /* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of one. Hollow
@@ -79,6 +79,8 @@ enum { RTC_ALONE = 2 };
 struct RtcScene {
     RTCDevice device;
     RTCScene world;
+    RtcMesh *meshes;
+    uint32_t n_meshes;
     RTCScene *shared; /* the scenes of meshes that are placed more than once */
     uint32_t n_shared;
     RtcPlaced *objects;
@@ -114,22 +116,22 @@ static inline Affine rtc_first_to_local(const RtcPlaced *object)
     return map;
 }
 
-/* The corners' numbers of an object's triangle, counter-clockwise seen from outside as the mesh is placed. */
-static inline const uint32_t *rtc_triangle_of(const RtcPlaced *object, uint32_t primitive)
+/* The numbers of the vertices of a mesh's primitive, counter-clockwise seen from outside where the mesh is baked. */
+static inline void rtc_triangle_of(const RtcMesh *mesh, uint32_t primitive, uint32_t corners[3])
 {
-    return object->detail->triangles ? object->detail->triangles[primitive] : object->mesh->triangles[primitive];
+    mesh_quad_triangle(mesh->quads[primitive / 2], primitive % 2, corners);
 }
 
 /* Where a placed object is. */
 static inline Affine rtc_to_world(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    const Affine *keys = object->detail->keys;
+    const Affine *keys = object->keys;
     return keys ? affine_between(keys, scene->n_keys, time) : rtc_first_to_world(object);
 }
 static inline Affine rtc_to_local(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    if (!object->detail->keys) return rtc_first_to_local(object);
-    Affine map = affine_between(object->detail->keys, scene->n_keys, time), inverse;
+    if (!object->keys) return rtc_first_to_local(object);
+    Affine map = affine_between(object->keys, scene->n_keys, time), inverse;
     return affine_invert(&map, &inverse) ? inverse : rtc_first_to_local(object); /* singular between two keys that are not */
 }
 

@@ -107,7 +107,8 @@ static void add_triangles(Finder *f, uint32_t number, double luminance)
     const Affine *keys = scene_keys(scene, object);
     bool whirls = shape->mesh_end || turns(scene, keys);
     uint32_t n_times = keys ? scene->n_keys : shape->mesh_end ? 2 : 1;
-    for (uint32_t i = 0; i < shape->mesh->n_triangles; i++) {
+    uint32_t n = rtc_n_primitives(f->compiled->rtc, number);
+    for (uint32_t i = 0; i < n; i++) {
         LightBounds bounds = {.cos_o = whirls ? -1 : 1, .two_sided = !shape->closed};
         Box3 box = box3_empty();
         for (uint32_t k = 0; k < n_times; k++) {
@@ -155,14 +156,15 @@ static void add_pieces(Finder *f, uint32_t number, double luminance)
 }
 
 /* How many parts of an object shine by themselves. */
-static uint32_t count_parts(const Scene *scene, const SceneObject *object)
+static uint32_t count_parts(const CompiledScene *compiled, uint32_t number)
 {
+    const Scene *scene = compiled->scene;
+    const SceneObject *object = &scene->objects[number];
     if (object->medium != SCENE_NONE || object->surface == SCENE_NONE || object->shape == SCENE_NONE ||
         object->part_of != SCENE_NONE)
         return 0;
     if (!scene->surfaces[object->surface].emits) return 0;
-    const SceneShape *shape = &scene->shapes[object->shape];
-    return shape->mesh ? shape->mesh->n_triangles : shape->solid->n_pieces;
+    return rtc_n_primitives(compiled->rtc, number);
 }
 
 static void add_objects(Finder *f)
@@ -170,7 +172,7 @@ static void add_objects(Finder *f)
     const Scene *scene = f->compiled->scene;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        if (!count_parts(scene, object)) continue;
+        if (!count_parts(f->compiled, i)) continue;
         double luminance = luminance_of(&scene->surfaces[object->surface].emission);
         f->set->first_of_object[i] = f->set->n;
         f->set->n_sources++;
@@ -200,13 +202,12 @@ static void add_glows(Finder *f)
     }
 }
 
-Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set,
-                    Error *error)
+Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set, Error *error)
 {
     const Scene *scene = compiled->scene;
     *set = (EmitterSet){0};
     uint64_t n = (uint64_t)scene->n_lights + media->n_glows;
-    for (uint32_t i = 0; i < scene->n_objects; i++) n += count_parts(scene, &scene->objects[i]);
+    for (uint32_t i = 0; i < scene->n_objects; i++) n += count_parts(compiled, i);
     if (n > LIGHT_TREE_MOST)
         return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
     Finder f = {compiled, media, set, malloc((n + 1) * sizeof *f.bounds)};

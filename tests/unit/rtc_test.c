@@ -130,7 +130,7 @@ static Vec3 place_at_edge(const TestScene *s, uint64_t *random)
 {
     uint32_t object = (uint32_t)(unit(random) * s->n), k = (uint32_t)(3 * unit(random));
     Vec3 corner[3];
-    rtc_triangle(s->rtc, object, (uint32_t)(unit(random) * s->objects[object].mesh->n_triangles), 0, corner);
+    rtc_triangle(s->rtc, object, (uint32_t)(unit(random) * rtc_n_primitives(s->rtc, object)), 0, corner);
     Vec3 place = vec3_along(corner[k], unit(random), vec3_sub(corner[(k + 1) % 3], corner[k]));
     return vec3_along(place, vec3_max_abs(place) * 0x1p-21, random_direction(random));
 }
