@@ -14,7 +14,10 @@
 
 /* A cosine from rounded vectors may lie outside 0..1. Comparisons, here and below, because fmaxf is a
  * call with gcc. */
-static inline float clamp_cosine(float cos_i) { return cos_i < 1 ? (cos_i > 0 ? cos_i : 0) : 1; }
+static inline float clamp_cosine(float cos_i)
+{
+    return cos_i < 1 ? (cos_i > 0 ? cos_i : 0) : 1;
+}
 
 /* The quantities above, for cos_i already in 0..1. */
 typedef struct Crossing {
@@ -22,30 +25,31 @@ typedef struct Crossing {
     Lanes per_sum;               /* 1 / (a + b) */
 } Crossing;
 
-/* b^2 above. Reflection is total where it is not above zero and d is not zero; fresnel_* and
+/* b^2 and d above. Reflection is total where b^2 is not above zero and d is not zero; fresnel_* and
  * refract_direction both decide by this and so never disagree. In double: the products of floats are
  * exact, and b is right up to the critical angle, where a^2 and d cancel. */
-static inline void squares(float cos_i, float eta_i, float eta_t, float *b_square, float *d)
+static inline float square_of(float cos_i, float eta_i, float eta_t, float *d)
 {
     double a = (double)eta_i * (double)cos_i, d_exact = (double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i;
-    double square = a * a + d_exact;
-    *b_square = (float)(square > 0 ? square : 0);
     *d = (float)d_exact;
+    return (float)(a * a + d_exact);
 }
 
 static inline Crossing crossing(float cos_i, Lanes eta_i, Lanes eta_t)
 {
     Crossing c = {.eta_i = eta_i, .eta_t = eta_t, .a = lanes_scale(eta_i, cos_i)};
-    float b_square[LANES], d[LANES];
-    squares(cos_i, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &b_square[0], &d[0]);
-    c.b = lanes_all(b_square[0]);
-    c.d = lanes_all(d[0]);
-    if (!lanes_uniform(eta_i) || !lanes_uniform(eta_t)) { /* media without dispersion are the rule */
-        for (int i = 1; i < LANES; i++) squares(cos_i, lanes_get(eta_i, i), lanes_get(eta_t, i), &b_square[i], &d[i]);
-        c.b = lanes_load(b_square);
-        c.d = lanes_load(d);
+    float d[LANES], square = square_of(cos_i, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &d[0]);
+    if (lanes_uniform(eta_i) && lanes_uniform(eta_t)) { /* media without dispersion are the rule */
+        c.b = lanes_all(square);
+        c.d = lanes_all(d[0]);
+    } else {
+        float b1 = square_of(cos_i, lanes_get(eta_i, 1), lanes_get(eta_t, 1), &d[1]);
+        float b2 = square_of(cos_i, lanes_get(eta_i, 2), lanes_get(eta_t, 2), &d[2]);
+        float b3 = square_of(cos_i, lanes_get(eta_i, 3), lanes_get(eta_t, 3), &d[3]);
+        c.b = lanes(square, b1, b2, b3);
+        c.d = lanes(d[0], d[1], d[2], d[3]);
     }
-    c.b = lanes_sqrt(c.b);
+    c.b = lanes_sqrt(lanes_greater(c.b, lanes_all(0)));
     /* both vanish at a grazing ray between equal indices */
     c.per_sum = lanes_div(lanes_all(1), lanes_add(lanes_add(c.a, c.b), lanes_all(FLT_MIN)));
     return c;
@@ -103,7 +107,8 @@ Lanes fresnel_conductor(float cos_i, Lanes n, Lanes k)
     Lanes r_s = lanes_div(lanes_sub(s_sum, s_mixed), lanes_add(s_sum, lanes_add(s_mixed, lanes_all(FLT_MIN))));
     Lanes p_sum = lanes_add(lanes_scale(size, square), lanes_all(sine_square * sine_square));
     Lanes p_mixed = lanes_scale(s_mixed, sine_square);
-    Lanes r_p = lanes_mul(r_s, lanes_div(lanes_sub(p_sum, p_mixed), lanes_add(p_sum, lanes_add(p_mixed, lanes_all(FLT_MIN)))));
+    Lanes r_p =
+        lanes_mul(r_s, lanes_div(lanes_sub(p_sum, p_mixed), lanes_add(p_sum, lanes_add(p_mixed, lanes_all(FLT_MIN)))));
     return lanes_clamp(lanes_scale(lanes_add(r_s, r_p), 0.5f), 0, 1);
 }
 

@@ -204,7 +204,7 @@ static bool look_near(const Path *path, double rest, const float place[2], const
     if (!fall_about(path, way, emitter, &pivot, &fall)) return false;
     look->t = off_ends(path, fall_sample(&fall, (double)u[1]));
     Vec3 from = ray_point(&path->ray, look->t);
-    look->light = light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm);
+    light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm, &look->light);
     look->here = way->lights->near * of_tree * share * fall_density(&fall, look->t);
     look->there = light_choice(world, way->lights, emitter, from, vec3f(0, 0, 0));
     return look->here > 0 && look->there > 0;
@@ -218,8 +218,8 @@ static bool look_far(const Path *path, const LightChoice *chosen, double rest, c
     if (u[0] >= share) return false;
     look->t =
         off_ends(path, way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin));
-    look->light = light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0),
-                                      path->ray.time, rest, place, path->wavelengths.nm);
+    light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0), path->ray.time,
+                        rest, place, path->wavelengths.nm, &look->light);
     look->here = share * pass_density(way, look->t);
     look->there = 1;
     return true;
@@ -280,13 +280,14 @@ void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool u
     if (!(look.light.pdf_w > 0)) return;
     Lanes factor = scattered_at(path, &look, medium, uneven), light;
     if (lanes_zero(factor)) return;
-    Ray ray = ray_make(ray_point(&path->ray, look.t), look.light.direction);
+    Ray ray;
+    ray_begin(&ray, ray_point(&path->ray, look.t), look.light.direction);
     ray.time = path->ray.time;
     if (!path_turn_aside(path->tracer, look.t)) {
         path->tracer->out_of_memory = true;
         return;
     }
-    bool arrives = path_light_arrives(path, &look.light, ray, &light);
+    bool arrives = path_light_arrives(path, &look.light, &ray, &light);
     path_turn_back(path->tracer);
     if (arrives) flight_add_light(path, flight, lanes_mul(factor, light));
 }

@@ -62,61 +62,72 @@ static double sphere_cone(double radius, Vec3 to)
     return sine2 < 1 ? sine2 / (1 + sqrt(1 - sine2)) : 2;
 }
 
-static LightSample sample_sphere(uint32_t object, double radius, Vec3 centre, Vec3 from, const float u[2])
+/* Samples are written where they are wanted: one that is handed up from function to function is copied each time, right after it
+ * was written piece by piece, which is what processors wait longest for. */
+static void sample_sphere(uint32_t object, double radius, Vec3 centre, Vec3 from, const float u[2], LightSample *sample)
 {
     Vec3 to = vec3_sub(centre, from);
     double cone = sphere_cone(radius, to);
-    if (cone >= 2) return (LightSample){.pdf_w = 0}; /* from inside, the light's own surface is opaque */
+    if (cone >= 2) { /* from inside, the light's own surface is opaque */
+        *sample = (LightSample){.pdf_w = 0};
+        return;
+    }
     Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / vec3_length(to))), (float)cone);
     /* to the near side: what is within the light does not hide it, and a medium takes nothing beyond that */
     Vec3 along = vec3_from_f(direction), beside = vec3_cross(to, along);
     double distance = vec3_dot(to, along) - sqrt(fmax(radius * radius - vec3_dot(beside, beside), 0));
-    return (LightSample){.direction = direction,
-                         .distance = distance * (1 + 1e-5),
-                         .object = object,
-                         .primitive = RTC_NO_OBJECT,
-                         .pdf_w = sampling_cone_pdf((float)cone)};
+    *sample = (LightSample){.direction = direction,
+                            .distance = distance * (1 + 1e-5),
+                            .object = object,
+                            .primitive = RTC_NO_OBJECT,
+                            .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
-static LightSample sample_area(const SceneLight *light, const Affine *to_world, Vec3 from, const float u[2])
+static void sample_area(const SceneLight *light, const Affine *to_world, Vec3 from, const float u[2],
+                        LightSample *sample)
 {
     Vec3 normal;
     double area;
     Vec3 to = vec3_sub(area_point(light, to_world, u, &normal, &area), from);
     double distance = vec3_length(to), cosine = -vec3_dot(to, normal) / distance;
-    if (!(cosine > 0)) return (LightSample){.pdf_w = 0};
-    return (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                         /* a little behind the light: it is the ray's target and does not block it */
-                         .distance = distance * (1 + 1e-5),
-                         .object = light->object,
-                         .primitive = RTC_NO_OBJECT,
-                         .pdf_w = (float)(distance * distance / (cosine * area))};
+    if (!(cosine > 0)) {
+        *sample = (LightSample){.pdf_w = 0};
+        return;
+    }
+    *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
+                            /* a little behind the light: it is the ray's target and does not block it */
+                            .distance = distance * (1 + 1e-5),
+                            .object = light->object,
+                            .primitive = RTC_NO_OBJECT,
+                            .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
-static LightSample sample_distant(const SceneLight *light, const float u[2])
+static void sample_distant(const SceneLight *light, const float u[2], LightSample *sample)
 {
     double cone = 1 - light->cos_angle;
-    return (LightSample){.direction = sampling_cone(u[0], u[1], vec3f_from(light->towards), (float)cone),
-                         .distance = HUGE_VAL,
-                         .object = RTC_NO_OBJECT,
-                         .pdf_w = sampling_cone_pdf((float)cone)};
+    *sample = (LightSample){.direction = sampling_cone(u[0], u[1], vec3f_from(light->towards), (float)cone),
+                            .distance = HUGE_VAL,
+                            .object = RTC_NO_OBJECT,
+                            .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
 /* Towards a place of a surface; `across`: its unit normal there, or against it where that side shines as well. */
-static LightSample sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, double area)
+static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, double area, LightSample *sample)
 {
     Vec3 to = vec3_sub(place, from);
     double distance = vec3_length(to), cosine = -vec3_dot(to, normal) / distance;
     if (two_sided) cosine = fabs(cosine);
-    if (!(cosine > 0) || !(area > 0)) return (LightSample){.pdf_w = 0};
-    return (LightSample){
-        .direction = vec3f_from(vec3_scale(to, 1 / distance)),
-        /* the direction is rounded to float, so that the ray meets the surface a little beside the place:
-                          * nothing that near to it blocks */
-        .distance = distance * fmax(1 - 4e-7 / cosine, 0.5),
-        .object = RTC_NO_OBJECT,
-        .primitive = RTC_NO_OBJECT,
-        .pdf_w = (float)(distance * distance / (cosine * area))};
+    if (!(cosine > 0) || !(area > 0)) {
+        *sample = (LightSample){.pdf_w = 0};
+        return;
+    }
+    /* the direction is rounded to float, so that the ray meets the surface a little beside the place: nothing that near to it
+     * blocks */
+    *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
+                            .distance = distance * fmax(1 - 4e-7 / cosine, 0.5),
+                            .object = RTC_NO_OBJECT,
+                            .primitive = RTC_NO_OBJECT,
+                            .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
 /* Uniform in area; across: the normal there, twice as long as the area. */
@@ -130,15 +141,15 @@ static Vec3 triangle_point(const World *world, const Emitter *emitter, double ti
     return vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
 }
 
-static LightSample sample_triangle(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2])
+static void sample_triangle(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
+                            LightSample *sample)
 {
     Vec3 across, place = triangle_point(world, emitter, time, u, &across);
     double length = vec3_length(across);
     bool two_sided = !world->scene->shapes[world->scene->objects[emitter->of].shape].closed;
-    LightSample sample = sample_place(from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length);
-    sample.object = emitter->of;
-    sample.primitive = emitter->part;
-    return sample;
+    sample_place(from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length, sample);
+    sample->object = emitter->of;
+    sample->primitive = emitter->part;
 }
 
 static const Piece *piece_of(const World *world, const SceneObject *object, uint32_t number)
@@ -147,7 +158,8 @@ static const Piece *piece_of(const World *world, const SceneObject *object, uint
 }
 
 /* Uniform in the piece's own area, which an uneven map makes uneven. */
-static LightSample sample_piece(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2])
+static void sample_piece(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
+                         LightSample *sample)
 {
     const SceneObject *object = &world->scene->objects[emitter->of];
     const Piece *piece = piece_of(world, object, emitter->part);
@@ -156,8 +168,8 @@ static LightSample sample_piece(const World *world, const Emitter *emitter, Vec3
     Vec3 normal, local = piece_sample(piece, (double)u[0], (double)u[1], &normal);
     Vec3 across = affine_area(to_world, normal);
     double stretch = vec3_length(across), sign = affine_determinant(to_world) < 0 ? -1 : 1;
-    return sample_place(from, affine_point(to_world, local), vec3_scale(across, sign / stretch), false,
-                        piece_area(piece) * stretch);
+    sample_place(from, affine_point(to_world, local), vec3_scale(across, sign / stretch), false,
+                 piece_area(piece) * stretch, sample);
 }
 
 /* Of a round one that stands still: its radius in the world. */
@@ -166,42 +178,41 @@ static double ball_radius(const World *world, const SceneObject *object, uint32_
     return piece_of(world, object, piece)->r0 * vec3_length(affine_vector(&object->to_world, vec3(1, 0, 0)));
 }
 
-static LightSample sample_point(const SceneLight *light, const Affine *to_world, Vec3 from)
+static void sample_point(const SceneLight *light, const Affine *to_world, Vec3 from, LightSample *sample)
 {
     Vec3 to = vec3_sub(to_world->t, from);
     double square = vec3_dot(to, to), distance = sqrt(square);
-    if (!(distance > 0)) return (LightSample){.pdf_w = 0};
+    *sample = (LightSample){.pdf_w = 0};
+    if (!(distance > 0)) return;
     Vec3 direction = vec3_scale(to, 1 / distance);
     float shape =
         light_shape(light, vec3_scale(affine_normal(to_world, direction), -1)); /* rigid: the transpose inverts it */
-    if (!(shape > 0)) return (LightSample){.pdf_w = 0};
-    return (LightSample){.direction = vec3f_from(direction),
-                         .distance = distance,
-                         .object = RTC_NO_OBJECT,
-                         .primitive = RTC_NO_OBJECT,
-                         .pdf_w = 1,
-                         .delta = true,
-                         .radiance = lanes_all((float)((double)shape / square))};
+    if (!(shape > 0)) return;
+    *sample = (LightSample){.direction = vec3f_from(direction),
+                            .distance = distance,
+                            .object = RTC_NO_OBJECT,
+                            .primitive = RTC_NO_OBJECT,
+                            .pdf_w = 1,
+                            .delta = true,
+                            .radiance = lanes_all((float)((double)shape / square))};
 }
 
-static LightSample sample_light(const World *world, const SceneLight *light, Vec3 from, double time, const float u[2],
-                                Lanes wavelength_nm)
+static void sample_light(const World *world, const SceneLight *light, Vec3 from, double time, const float u[2],
+                         Lanes wavelength_nm, LightSample *sample)
 {
     Affine room;
     const Affine *to_world = light_place(world, light, time, &room);
     Lanes radiance = spectrum_at(&light->radiance, wavelength_nm);
-    LightSample sample;
     switch (light->kind) {
-    case LIGHT_SPHERE: sample = sample_sphere(light->object, light->half_width, to_world->t, from, u); break;
-    case LIGHT_DISTANT: sample = sample_distant(light, u); break;
+    case LIGHT_SPHERE: sample_sphere(light->object, light->half_width, to_world->t, from, u, sample); break;
+    case LIGHT_DISTANT: sample_distant(light, u, sample); break;
     case LIGHT_POINT:
-        sample = sample_point(light, to_world, from);
-        sample.radiance = lanes_mul(sample.radiance, radiance);
-        return sample;
-    default: sample = sample_area(light, to_world, from, u);
+        sample_point(light, to_world, from, sample);
+        radiance = lanes_mul(sample->radiance, radiance);
+        break;
+    default: sample_area(light, to_world, from, u, sample);
     }
-    sample.radiance = radiance;
-    return sample;
+    sample->radiance = radiance;
 }
 
 /* What a place shines that was chosen on an object: its own, or its texture's there. */
@@ -236,54 +247,56 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
 }
 
 /* Towards a place of a medium that shines. rest: uniform in [0, 1). */
-static LightSample sample_glow(const World *world, const Glow *glow, Vec3 from, double time, double rest,
-                               const float u[2], Lanes wavelength_nm)
+static void sample_glow(const World *world, const Glow *glow, Vec3 from, double time, double rest, const float u[2],
+                        Lanes wavelength_nm, LightSample *sample)
 {
     GlowPoint point = glow_sample(world->scene, glow, time, rest, u);
     const SceneMedium *medium = &world->scene->media[glow->place->medium];
     Vec3 to = vec3_sub(point.position, from);
     double distance = vec3_length(to);
-    if (!(point.amount > 0) || !(distance > 0)) return (LightSample){.pdf_w = 0};
+    *sample = (LightSample){.pdf_w = 0};
+    if (!(point.amount > 0) || !(distance > 0)) return;
     Lanes radiance = lanes_scale(spectrum_at(&medium->emission, wavelength_nm), point.amount * (float)glow->across);
     if (medium->temperature) radiance = lanes_mul(radiance, media_planck_ratio(medium, point.kelvin, wavelength_nm));
-    return (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                         .distance = distance,
-                         .object = RTC_NO_OBJECT,
-                         .primitive = RTC_NO_OBJECT,
-                         .pdf_w = light_pdf_glow(glow, 1, point.density, distance * distance),
-                         .glow = glow,
-                         .radiance = radiance};
+    *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
+                            .distance = distance,
+                            .object = RTC_NO_OBJECT,
+                            .primitive = RTC_NO_OBJECT,
+                            .pdf_w = light_pdf_glow(glow, 1, point.density, distance * distance),
+                            .glow = glow,
+                            .radiance = radiance};
 }
 
 /* rest: uniform in [0, 1), for what takes more than two numbers. */
-static LightSample sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, double rest,
-                                  const float u[2], Lanes wavelength_nm)
+static void sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, double rest,
+                           const float u[2], Lanes wavelength_nm, LightSample *sample)
 {
     const Scene *scene = world->scene;
-    if (emitter->kind == EMITTER_LIGHT)
-        return sample_light(world, &scene->lights[emitter->of], from, time, u, wavelength_nm);
-    if (emitter->kind == EMITTER_GLOW)
-        return sample_glow(world, &world->media.glows[emitter->of], from, time, rest, u, wavelength_nm);
+    if (emitter->kind == EMITTER_LIGHT) {
+        sample_light(world, &scene->lights[emitter->of], from, time, u, wavelength_nm, sample);
+        return;
+    }
+    if (emitter->kind == EMITTER_GLOW) {
+        sample_glow(world, &world->media.glows[emitter->of], from, time, rest, u, wavelength_nm, sample);
+        return;
+    }
     const SceneObject *object = &scene->objects[emitter->of];
-    LightSample sample;
     if (emitter->kind == EMITTER_TRIANGLE)
-        sample = sample_triangle(world, emitter, from, time, u);
+        sample_triangle(world, emitter, from, time, u, sample);
     else if (emitter->kind == EMITTER_BALL)
-        sample = sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u);
+        sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u, sample);
     else
-        sample = sample_piece(world, emitter, from, time, u);
-    sample.radiance =
-        sample_emission(world, &scene->surfaces[object->surface], emitter, from, time, &sample, wavelength_nm);
-    return sample;
+        sample_piece(world, emitter, from, time, u, sample);
+    sample->radiance =
+        sample_emission(world, &scene->surfaces[object->surface], emitter, from, time, sample, wavelength_nm);
 }
 
-LightSample light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest,
-                                 const float u[2], Lanes wavelength_nm)
+void light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest, const float u[2],
+                          Lanes wavelength_nm, LightSample *sample)
 {
-    LightSample sample = sample_emitter(world, &world->emitters.emitters[emitter], from, time, rest, u, wavelength_nm);
-    sample.emitter = emitter;
-    sample.choice = 1;
-    return sample;
+    sample_emitter(world, &world->emitters.emitters[emitter], from, time, rest, u, wavelength_nm, sample);
+    sample->emitter = emitter;
+    sample->choice = 1;
 }
 
 const LightChoice *light_choose(const LightChoices *choices, double *choice)
@@ -296,34 +309,39 @@ const LightChoice *light_choose(const LightChoices *choices, double *choice)
     return chosen;
 }
 
-LightSample light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
-                                double choice, const float u[2], Lanes wavelength_nm)
+void light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
+                         double choice, const float u[2], Lanes wavelength_nm, LightSample *sample)
 {
-    LightSample sample;
     float probability = chosen->probability;
     if (chosen->light == LIGHT_NEAR) {
         float of_tree;
         uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, &choice, &of_tree);
-        if (emitter == LIGHT_TREE_NONE) return (LightSample){.pdf_w = 0};
-        sample = light_sample_emitter(world, emitter, from, time, choice, u, wavelength_nm);
+        if (emitter == LIGHT_TREE_NONE) {
+            *sample = (LightSample){.pdf_w = 0};
+            return;
+        }
+        light_sample_emitter(world, emitter, from, time, choice, u, wavelength_nm, sample);
         probability *= of_tree;
     } else {
-        sample = chosen->light == LIGHT_ENVIRONMENT
-                     ? light_sample_environment(world, from, normal, choice, u, wavelength_nm)
-                     : sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm);
-        sample.emitter = EMITTER_NONE;
+        if (chosen->light == LIGHT_ENVIRONMENT)
+            light_sample_environment(world, from, normal, choice, u, wavelength_nm, sample);
+        else
+            sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm, sample);
+        sample->emitter = EMITTER_NONE;
     }
-    sample.choice = probability;
-    sample.pdf_w *= probability;
-    return sample;
+    sample->choice = probability;
+    sample->pdf_w *= probability;
 }
 
-LightSample light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time,
-                         double choice, const float u[2], Lanes wavelength_nm)
+void light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time, double choice,
+                  const float u[2], Lanes wavelength_nm, LightSample *sample)
 {
-    if (!choices->n) return (LightSample){.pdf_w = 0};
+    if (!choices->n) {
+        *sample = (LightSample){.pdf_w = 0};
+        return;
+    }
     const LightChoice *chosen = light_choose(choices, &choice);
-    return light_sample_choice(world, chosen, from, normal, time, choice, u, wavelength_nm);
+    light_sample_choice(world, chosen, from, normal, time, choice, u, wavelength_nm, sample);
 }
 
 /* ---- what lights a line ---- */

@@ -22,15 +22,15 @@ typedef struct LightSample {
 /* normal: of the surface at `from`, if it takes light from its one side only; zero where light may come from anywhere
  * (media, surfaces that let light through). choice, u: uniform in [0, 1); where there are many lights, choice needs more
  * digits than a float has. time: of the shutter. */
-LightSample light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time,
-                         double choice, const float u[2], Lanes wavelength_nm);
+void light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time, double choice,
+                  const float u[2], Lanes wavelength_nm, LightSample *sample);
 
 /* The same with an entry of the choices that was chosen already; choice: what is left of the digits. */
-LightSample light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
-                                double choice, const float u[2], Lanes wavelength_nm);
+void light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
+                         double choice, const float u[2], Lanes wavelength_nm, LightSample *sample);
 /* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. */
-LightSample light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest,
-                                 const float u[2], Lanes wavelength_nm);
+void light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest, const float u[2],
+                          Lanes wavelength_nm, LightSample *sample);
 /* An entry of the choices, of which there are some; *choice: uniform in [0, 1), and what is left of its digits. */
 const LightChoice *light_choose(const LightChoices *choices, double *choice);
 
@@ -78,7 +78,7 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
 
 /* The environment's part of light_sample, without the choice of the environment itself: by the environment's own
  * brightness, or through one of the portals that are seen from there. pdf_w is the density of all these ways together. */
-LightSample light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
-                                     Lanes wavelength_nm);
+void light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
+                              Lanes wavelength_nm, LightSample *sample);
 
 #endif

@@ -90,7 +90,7 @@ static float density_of_both(const Views *views, double by_portals, float by_env
 }
 
 /* Through the portal at which `share` of the power of all of them is reached. */
-static LightSample sample_portal(const Views *views, double share, const float u[2], Lanes wavelength_nm)
+static void sample_portal(const Views *views, double share, const float u[2], Lanes wavelength_nm, LightSample *sample)
 {
     const World *world = views->world;
     double wanted = share * views->power, density;
@@ -105,35 +105,35 @@ static LightSample sample_portal(const Views *views, double share, const float u
     }
     const WorldPortal *portal = &world->portals[chosen];
     Vec3 outward = portal_sample(portal->map, &chosen_view, u[0], u[1], &density);
-    LightSample sample = {.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
-    sample.direction = vec3f_normalize(vec3f_from(affine_vector(&portal->light->to_world, outward)));
+    *sample = (LightSample){.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
+    sample->direction = vec3f_normalize(vec3f_from(affine_vector(&portal->light->to_world, outward)));
     /* its own density as it was sampled: by the rounded direction it might be beside the opening */
-    density += portals_density(views, sample.direction, chosen);
-    Vec3f local = to_environment(world, sample.direction);
+    density += portals_density(views, sample->direction, chosen);
+    Vec3f local = to_environment(world, sample->direction);
     float by_environment;
-    sample.radiance = environment_look(world->scene->environment, local, wavelength_nm, &by_environment);
-    sample.pdf_w = density_of_both(views, density, by_environment);
-    return sample;
+    sample->radiance = environment_look(world->scene->environment, local, wavelength_nm, &by_environment);
+    sample->pdf_w = density_of_both(views, density, by_environment);
 }
 
-LightSample light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
-                                     Lanes wavelength_nm)
+void light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
+                              Lanes wavelength_nm, LightSample *sample)
 {
     Views views;
     if (world->n_portals) {
         look_at_all(&views, world, from, normal);
-        if (views.power > 0 && choice >= without_portals)
-            return sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, wavelength_nm);
+        if (views.power > 0 && choice >= without_portals) {
+            sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, wavelength_nm, sample);
+            return;
+        }
     }
-    LightSample sample = {.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
-    Vec3f local =
-        environment_sample_light(world->scene->environment, u[0], u[1], wavelength_nm, &sample.pdf_w, &sample.radiance);
+    *sample = (LightSample){.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
+    Vec3f local = environment_sample_light(world->scene->environment, u[0], u[1], wavelength_nm, &sample->pdf_w,
+                                           &sample->radiance);
     /* the map is a rotation: its transpose is its inverse */
-    sample.direction =
+    sample->direction =
         vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
     if (world->n_portals)
-        sample.pdf_w = density_of_both(&views, portals_density(&views, sample.direction, UINT32_MAX), sample.pdf_w);
-    return sample;
+        sample->pdf_w = density_of_both(&views, portals_density(&views, sample->direction, UINT32_MAX), sample->pdf_w);
 }
 
 /* The density of light_sample_environment; by_environment: the environment's own. */

@@ -204,7 +204,7 @@ static inline SurfacePlace path_place(const Path *path, const Event *event)
     return path_place_of(path->tracer->world, &path->ray, &event->hit);
 }
 /* A light to look at from a place; choices, normal: as light_sample takes them. */
-LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal);
+void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal, LightSample *light);
 /* What may be chosen where the path is scattered. any: whatever the medium: light may come from the other side of a surface, or
  * several surfaces are there. */
 static inline const LightChoices *path_lights(const Path *path, bool any)
@@ -212,10 +212,10 @@ static inline const LightChoices *path_lights(const Path *path, bool any)
     const World *world = path->tracer->world;
     return any ? world_lights(world) : world_lights_in(world, nest_medium(&path->tracer->list));
 }
-/* What comes straight along the ray from a light, as basic radiance; false: nothing. */
-bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic);
+/* What comes straight along the ray from a light, as basic radiance; false: nothing. The ray becomes aimed at the light. */
+bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */
-void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float pdf_w);
+void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w);
 /* Sends the path on from the surfaces that it has come to: through them, or back. */
 void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 /* Radiance given in a medium, as basic radiance. */

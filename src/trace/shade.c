@@ -73,27 +73,30 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
         path_go_behind(tracer, event);
 }
 
-LightSample path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal)
+void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal, LightSample *light)
 {
     const World *world = path->tracer->world;
     float u[2], choice[2] = {0, 0};
-    if (!choices->n) return (LightSample){.pdf_w = 0};
+    if (!choices->n) {
+        *light = (LightSample){.pdf_w = 0};
+        return;
+    }
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
     if (!choices->one) sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
     /* the second number is the first one's further digits */
     double digits = (double)choice[0] + (double)choice[1] * 0x1p-24;
-    return light_sample(world, choices, from, normal, path->ray.time, digits, u, path->wavelengths.nm);
+    light_sample(world, choices, from, normal, path->ray.time, digits, u, path->wavelengths.nm, light);
 }
 
-bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *basic)
+bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic)
 {
     const World *world = path->tracer->world;
-    ray.t_max = light->distance;
-    ray.target = light->object;
-    ray.target_primitive = light->primitive;
+    ray->t_max = light->distance;
+    ray->target = light->object;
+    ray->target_primitive = light->primitive;
     Lanes transmittance;
     uint32_t medium;
-    if (!path_shadow(path, &ray, &transmittance, &medium)) return false;
+    if (!path_shadow(path, ray, &transmittance, &medium)) return false;
     if (UNLIKELY(light->glow) &&
         !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list))
         return false;
@@ -102,7 +105,7 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray ray, Lanes *ba
     return true;
 }
 
-void path_add_direct_light(Path *path, const LightSample *light, Ray ray, Lanes scattered, float pdf_w)
+void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w)
 {
     Lanes basic;
     if (!path_light_arrives(path, light, ray, &basic)) return;
@@ -124,7 +127,8 @@ static float diffuse_pdf(const SurfacePlace *place, Vec3f direction)
 static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
 {
     path->scatter_lights = path_lights(path, event->n_cluster > 1);
-    LightSample light = path_choose_light(path, path->scatter_lights, place->position, place->geometric);
+    LightSample light;
+    path_choose_light(path, path->scatter_lights, place->position, place->geometric, &light);
     if (!(light.pdf_w > 0)) return;
     if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
     float diffuse = diffuse_pdf(place, light.direction);
@@ -132,7 +136,7 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     Ray ray;
     rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false,
               light.direction, &ray);
-    path_add_direct_light(path, &light, ray, lanes_scale(albedo, diffuse), diffuse);
+    path_add_direct_light(path, &light, &ray, lanes_scale(albedo, diffuse), diffuse);
 }
 
 void path_scatter_in_medium(Path *path, const Event *event)
@@ -144,12 +148,14 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->scatter_normal = vec3f(0, 0, 0);
     path->from = path->way;
     path->scatter_lights = path_lights(path, false);
-    LightSample light = path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0));
+    LightSample light;
+    path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0), &light);
     if (light.pdf_w > 0) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
-        Ray ray = ray_make(position, light.direction);
+        Ray ray;
+        ray_begin(&ray, position, light.direction);
         ray.time = path->ray.time;
-        path_add_direct_light(path, &light, ray, lanes_all(pdf), pdf);
+        path_add_direct_light(path, &light, &ray, lanes_all(pdf), pdf);
     }
     float u[2];
     double time = path->ray.time;
@@ -162,7 +168,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     }
     direction = phase_sample(phase, along, u, &path->scatter_pdf);
     path_leave_guide(path, &guide, direction, path->scatter_pdf);
-    path->ray = ray_make(position, direction);
+    ray_begin(&path->ray, position, direction);
     path->ray.time = time;
     path->n_scattered++;
 }
@@ -293,26 +299,27 @@ static bool decide(Path *path, float probability)
     return yes;
 }
 
-static BoundaryChoice choose_at_boundary(Path *path, const SurfacePlace *place, bool flat, Lanes eta_i, Lanes eta_t)
+static void choose_at_boundary(Path *path, const SurfacePlace *place, bool flat, Lanes eta_i, Lanes eta_t,
+                               BoundaryChoice *choice)
 {
     const World *world = path->tracer->world;
-    BoundaryChoice choice;
-    Vec3f direction = path->ray.direction, normal = flat ? place->geometric : place->normal;
-    bool passes = fresnel_refract(direction, normal, eta_i, eta_t, &choice.reflectance, &choice.direction);
+    Vec3f direction = path->ray.direction, normal = flat ? place->geometric : place->normal, on;
+    Lanes reflectance;
+    bool passes = fresnel_refract(direction, normal, eta_i, eta_t, &reflectance, &on);
     Vec3f back = reflect_direction(direction, normal);
-    choice.chosen = choice.reflectance;
-    choice.straight = true;
+    Lanes chosen = reflectance;
+    choice->straight = true;
     float brightness[2];
-    if (world->beacons.any && !flat && (passes || !lanes_uniform(choice.reflectance)) &&
-        LIKELY(!world->trial.fresnel_alone) && look_ahead(path, place, eta_i, brightness) &&
-        keeps_sides(place, back, passes, choice.direction)) {
-        choice.straight = false;
-        choice.chosen = beacons_choice(choice.reflectance, brightness[0], brightness[1]);
+    if (world->beacons.any && !flat && (passes || !lanes_uniform(reflectance)) && LIKELY(!world->trial.fresnel_alone) &&
+        look_ahead(path, place, eta_i, brightness) && keeps_sides(place, back, passes, on)) {
+        choice->straight = false;
+        chosen = beacons_choice(reflectance, brightness[0], brightness[1]);
     }
+    choice->reflectance = reflectance;
+    choice->chosen = chosen;
     /* what is reflected totally takes no random number */
-    choice.reflected = !passes || decide(path, lanes_get(choice.chosen, 0));
-    if (choice.reflected) choice.direction = back;
-    return choice;
+    choice->reflected = !passes || decide(path, lanes_get(chosen, 0));
+    choice->direction = choice->reflected ? back : on;
 }
 
 /* What the choice does to a path: the hero is carried on by what it is over how often it is chosen, and others besides. */
@@ -351,12 +358,13 @@ bool path_cross_boundary(Path *path, Event *event)
     }
     if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &place);
     Decision decision = path->decision;
-    BoundaryChoice choice = choose_at_boundary(path, &place, false, eta_i, eta_t);
+    BoundaryChoice choice;
+    choose_at_boundary(path, &place, false, eta_i, eta_t, &choice);
     /* Which side the new ray is on is the geometry's to say. Where the smooth normal would send a reflection
      * in, or a refraction out, the surface is taken as flat. */
     if ((vec3f_dot(choice.direction, place.geometric) > 0) != choice.reflected) {
         path->decision = decision; /* by the same number */
-        choice = choose_at_boundary(path, &place, true, eta_i, eta_t);
+        choose_at_boundary(path, &place, true, eta_i, eta_t, &choice);
     }
     weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
     path->scatter_pdf = -1;

@@ -68,7 +68,8 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
 {
     if (bsdf->specular_only) return;
     const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
-    LightSample light = path_choose_light(path, lights, place->position, one_side(bsdf, place));
+    LightSample light;
+    path_choose_light(path, lights, place->position, one_side(bsdf, place), &light);
     if (!(light.pdf_w > 0)) return;
     Lanes f_cos, pdf_w;
     evaluate(bsdf, place, frame, view, light.direction, &f_cos, &pdf_w);
@@ -79,7 +80,7 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction,
               &ray);
     if (keen) f_cos = lanes_scale(f_cos, path_found_part(path, INFINITY));
-    path_add_direct_light(path, &light, ray, f_cos, mean_density(path, pdf_w));
+    path_add_direct_light(path, &light, &ray, f_cos, mean_density(path, pdf_w));
     path->probing.found = false;
 }
 

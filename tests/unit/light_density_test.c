@@ -172,7 +172,8 @@ static void run_case(const Case *c)
     int n_good = 0, n_beside = 0, n_odd = 0;
     for (int i = 0; i < SAMPLES; i++) {
         float u[2] = {(float)fmin(dice_unit(&dice), 1 - 0x1p-24), (float)fmin(dice_unit(&dice), 1 - 0x1p-24)};
-        LightSample sample = light_sample(&world, world_lights(&world), c->from, c->normal, 0, dice_unit(&dice), u, some_wavelengths());
+        LightSample sample;
+        light_sample(&world, world_lights(&world), c->from, c->normal, 0, dice_unit(&dice), u, some_wavelengths(), &sample);
         if (!(sample.pdf_w > 0)) continue;
         assert_false(sample.delta);
         assert_near((double)vec3f_length(sample.direction), 1, 1e-6);

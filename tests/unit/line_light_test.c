@@ -122,7 +122,8 @@ static void reach(void **state)
             Vec3f direction = vec3f_from(along);
             bool reaches = light_reach(&world, emitter, 0, from, direction, &begin, &end);
             Vec3 place = vec3_along(from, t, vec3_from_f(direction));
-            LightSample sample = light_sample_emitter(&world, emitter, place, 0, rest, u, nm);
+            LightSample sample;
+            light_sample_emitter(&world, emitter, place, 0, rest, u, nm, &sample);
             bool inside = reaches && t > begin + 1e-3 && t < end - 1e-3;
             bool outside = !reaches || t < begin - 1e-3 || t > end + 1e-3;
             n_shone += sample.pdf_w > 0;
