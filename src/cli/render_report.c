@@ -96,7 +96,9 @@ void render_summarize(const RenderRun *run)
     buf_add(&line, "wrote ");
     list_outputs(&run->outputs, &line);
     buf_format(&line, " (%u x %u, ", run->settings.width, run->settings.height);
-    if (render_is_uneven(settings))
+    if (stats->samples == 0 && stats->mean_samples < 1)
+        buf_format(&line, "one sample in %.3g %% of the pixels", 100 * stats->mean_samples);
+    else if (render_is_uneven(settings))
         summarize_noise(run, &line);
     else
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->samples));

@@ -68,23 +68,31 @@ static double error_after(double error, const Spread *spread, uint32_t x, uint32
     return fmax(without_blur, 0.5 * (error + without_blur));
 }
 
+/* Whether all pixels have two samples or more. */
+static bool has_pairs(const Film *film, const uint32_t crop[4])
+{
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++)
+            if (film_pixel(film, x, y)->n < 2) return false;
+    return true;
+}
+
 double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4])
 {
     double sum = 0;
     uint64_t n = 0;
     Evenness evenness;
-    if (film->first_sample) return -1;
+    if (film->first_sample || !has_pairs(film, crop)) return -1;
     Error unused;
     if (evenness_init(&evenness, film, crop, &unused) != STATUS_OK) return -1; /* the picture is not to suffer */
-    for (uint32_t y = crop[1]; y < crop[3] && sum >= 0; y++)
-        for (uint32_t x = crop[0]; x < crop[2] && sum >= 0; x++, n++) {
-            uint32_t samples = film_pixel(film, x, y)->n;
-            double error = samples < 2 ? -1 : pixel_error(film, &evenness, x, y) / sqrt(samples);
-            if (spread && error >= 0) error = error_after(error, spread, x, y);
-            sum = error < 0 ? -1 : sum + relative(error, luminance_around(film, crop, x, y));
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++, n++) {
+            double error = pixel_error(film, &evenness, x, y) / sqrt(film_pixel(film, x, y)->n);
+            if (spread) error = error_after(error, spread, x, y);
+            sum += relative(error, luminance_around(film, crop, x, y));
         }
     evenness_clear(&evenness);
-    return n && sum >= 0 ? sum / (double)n : -1;
+    return n ? sum / (double)n : -1;
 }
 
 Status adapt_init(Adapt *adapt, const uint32_t crop[4], Error *error)

@@ -29,17 +29,37 @@ static void put_between(const Film *film, const uint32_t area[4], uint32_t step,
     for (int c = 0; c < CHANNELS && sum > 0; c++) out[c] /= sum;
 }
 
+static bool has_lattice(const Film *film, const uint32_t area[4], uint32_t step)
+{
+    for (uint32_t y = area[1]; y < area[3]; y += step)
+        for (uint32_t x = area[0]; x < area[2]; x += step)
+            if (!film_pixel(film, x, y)->n) return false;
+    return true;
+}
+
+uint32_t early_step(const Film *film, const uint32_t area[4])
+{
+    for (uint32_t step = 1; step <= EARLY_COARSEST; step *= 2)
+        if (has_lattice(film, area, step)) return step;
+    return 0;
+}
+
+void early_fill(const Film *film, const uint32_t area[4], uint32_t step, Image *image)
+{
+    for (uint32_t y = area[1]; y < area[3]; y++)
+        for (uint32_t x = area[0]; x < area[2]; x++)
+            if (!film_pixel(film, x, y)->n)
+                put_between(film, area, step, x, y, image->pixels + ((size_t)y * image->width + x) * image->n_channels);
+}
+
 Status early_resolve(const Film *film, const uint32_t area[4], uint32_t step, Image *image, Error *error)
 {
     static const char *const names[CHANNELS] = {"R", "G", "B", "A"};
     TRY(image_new(film->width, film->height, names, CHANNELS, image, error));
     for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++) {
-            float *out = image->pixels + ((size_t)y * film->width + x) * CHANNELS;
+        for (uint32_t x = area[0]; x < area[2]; x++)
             if (film_pixel(film, x, y)->n)
-                put_mean(film_pixel(film, x, y), out);
-            else
-                put_between(film, area, step, x, y, out);
-        }
+                put_mean(film_pixel(film, x, y), image->pixels + ((size_t)y * image->width + x) * CHANNELS);
+    early_fill(film, area, step, image);
     return STATUS_OK;
 }

@@ -92,6 +92,9 @@ Status pixel_noise(const Film *film, const Spread *spread, float *errors, Error 
 {
     Noise noise = {.film = film, .n = (size_t)film->width * film->height};
     Evenness evenness;
+    size_t first = 0;
+    while (first < noise.n && film->pixels[first].n < 2) errors[first++] = 0;
+    if (first == noise.n) return STATUS_OK;
     TRY(evenness_init(&evenness, film, (uint32_t[4]){0, 0, film->width, film->height}, error));
     float *maps = malloc(MAPS * noise.n * sizeof *maps);
     if (maps) {

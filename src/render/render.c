@@ -50,7 +50,8 @@ typedef struct Job {
     bool even;                                /* all pixels have as many as every one */
     uint64_t n_pixels, samples, pass_samples; /* of the crop; what they have together, and what the pass adds */
     const uint32_t *wanted;                   /* what each pixel of the crop is to have; NULL: done + n, all of them */
-    uint32_t step; /* not 0: the first sample of every step-th pixel each way, where it has none */
+    uint32_t step;    /* not 0: the first sample of every step-th pixel each way, where it has none */
+    bool has_lattice; /* such a pass is done, and its samples stay */
     AdaptPlan plan;
     double planned_at_samples;       /* all pixels' together */
     double adapted_at, adapted_from; /* seconds and samples when the first plan was made */
@@ -68,12 +69,12 @@ static bool is_stopped(const Job *job)
     return job->events && job->events->stop && *job->events->stop;
 }
 
-/* A person's wish ends the render at once; a time limit leaves at least one sample in every pixel. */
+/* A person's wish ends the render at once; a time limit leaves what a whole picture can be made of. */
 static bool asked_to_stop(const Job *job)
 {
     if (is_stopped(job)) return true;
     double limit = job->settings->time_limit_s;
-    return limit > 0 && job->done > 0 && clock_now_s() - job->start > limit;
+    return limit > 0 && (job->done > 0 || job->has_lattice) && clock_now_s() - job->start > limit;
 }
 
 static bool asked_to_save(const Job *job)
@@ -161,15 +162,6 @@ static void judge_noise(Job *job)
 static bool shows_picture(const Job *job)
 {
     return job->events && job->events->picture;
-}
-
-/* Finds samples that stand alone, and where they go, or leaves it without pixels. */
-static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, Error *error)
-{
-    *spread = (Spread){0};
-    if (state->bright.out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the brightest samples");
-    if (!state->bright.pixels) return STATUS_OK;
-    return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
 }
 
 /* Shows the picture so far: of every step-th pixel each way, or with what is between filled in. It is not missed when memory
@@ -309,16 +301,21 @@ static Status run_coarse(Job *job, uint32_t step, bool *stopped, Error *error)
     job->step = step;
     Status status = run_pass(job, 1, stopped, error);
     job->step = 0;
-    if (status == STATUS_OK && !*stopped && job->pass_samples) show_picture(job, step, NULL);
-    return status;
+    if (status != STATUS_OK || *stopped) return status;
+    job->has_lattice = true;
+    if (job->pass_samples && step <= COARSEST) show_picture(job, step, NULL);
+    return STATUS_OK;
 }
 
 /* Passes that are the same for all pixels. */
 static Status run_uniform(Job *job, uint32_t samples, bool *stopped, Error *error)
 {
-    for (uint32_t step = COARSEST; shows_picture(job) && step > 0 && !*stopped; step /= 2)
-        TRY(run_coarse(job, step, stopped, error));
-    if (shows_picture(job) && !*stopped && job->done == 0) job->done = 1;
+    bool hurries = job->settings->time_limit_s > 0;
+    if (job->done == 0 && (shows_picture(job) || hurries)) {
+        for (uint32_t step = hurries ? EARLY_COARSEST : COARSEST; step > 0 && !*stopped; step /= 2)
+            TRY(run_coarse(job, step, stopped, error));
+        if (!*stopped) job->done = 1;
+    }
     while (job->done < samples && !*stopped) {
         uint32_t n = pass_size(job->done);
         if (n > samples - job->done) n = samples - job->done;
@@ -534,6 +531,7 @@ static Status forget_samples(Job *job, Error *error)
         job->saturated[i] = 0;
     }
     job->samples = 0;
+    job->has_lattice = false;
     return STATUS_OK;
 }
 
@@ -589,6 +587,17 @@ static Status make_guide(Job *job, Guide **guide, GuideStats *stats, Error *erro
     return status;
 }
 
+/* Finds samples that stand alone, and where they go, or leaves it without pixels. */
+static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, Error *error)
+{
+    *spread = (Spread){0};
+    if (state->bright.out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the brightest samples");
+    RenderStats counted;
+    count_samples(state, &counted);
+    if (!state->bright.pixels || counted.most_samples < SPREAD_LEAST_SAMPLES) return STATUS_OK;
+    return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
+}
+
 static Status resolve(const RenderState *state, const Spread *spread, Image *image, RenderStats *stats, Error *error)
 {
     const PathCounters *counters = &state->counters;
@@ -605,7 +614,10 @@ static Status resolve(const RenderState *state, const Spread *spread, Image *ima
     stats->spread_samples = spread->samples;
     stats->spread_light = spread->light;
     stats->noise = adapt_noise(&state->film, moved, state->crop);
-    return aov_film_resolve(&state->aovs, &state->film, moved, image, error);
+    TRY(aov_film_resolve(&state->aovs, &state->film, moved, image, error));
+    uint32_t step = stats->samples ? 1 : early_step(&state->film, state->crop);
+    if (step > 1) early_fill(&state->film, state->crop, step, image);
+    return STATUS_OK;
 }
 
 Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
@@ -655,7 +667,8 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     if (status == STATUS_OK) status = run_passes(&job, &stats->stopped, error);
     if (status == STATUS_OK) status = find_spread(state, pool, &spread, error);
     if (status == STATUS_OK) {
-        show_picture(&job, COARSEST, &spread);
+        uint32_t step = early_step(&state->film, state->crop);
+        show_picture(&job, step ? step : COARSEST, &spread);
         sum_counters(&job, state);
         stats->noisy_pixels = job.plan.unmet;
         stats->seconds = clock_now_s() - job.start;

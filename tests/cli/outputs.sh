@@ -178,6 +178,9 @@ run render long.mns -o a.exr -t 0.3s --progress none
 exits 0
 there a.exr
 matches err 'samples? of|[0-9]+ of 16777216 samples'
+run render long.mns --size 3000x2000 -o a.exr -t 0.001 --aov samples --progress none
+exits 0
+matches err '^wrote a\.exr \(3000 x 2000, one sample in [0-9.]+ % of the pixels, '
 end
 
 begin "noise ends a render"

@@ -33,7 +33,36 @@ static void a_plane_is_filled(void **state)
             assert_near(pixel[3], inside && x > 9 ? 1 : pixel[3], 1e-5);
         }
     image_clear(&image);
+    assert_int_equal(early_step(&film, area), STEP);
+    (void)film_add(&film, X0 + STEP + STEP / 2, Y0, (float[]){9, 9, 9}, 1); /* of a finer lattice that is not whole */
+    assert_int_equal(early_step(&film, area), STEP);
+    assert_int_equal(early_step(&film, (const uint32_t[4]){X0, Y0, X0 + 1, Y0 + 1}), 1);
+    assert_int_equal(early_step(&film, (const uint32_t[4]){X0 + 1, Y0, WIDTH, HEIGHT}), 0);
     film_clear(&film);
+}
+
+/* The limit is over before the first pass is: pixels that have no sample get what is between others. */
+static void a_limit_leaves_a_whole_picture(void **state)
+{
+    (void)state;
+    enum { WIDTH = 500, HEIGHT = 300 };
+    Fixture scene;
+    Image image;
+    RenderStats stats;
+    Error error;
+    Pool *pool;
+    fixture_compile(&scene, "meniscus 1.0 unit mm sphere { radius = 1 interior = medium { ior = 1.5 } }" FIXTURE_VIEW,
+                    1);
+    assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
+    RenderSettings settings = {
+        .width = WIDTH, .height = HEIGHT, .samples = 64, .bounces = 4, .spreads = true, .time_limit_s = 1e-6};
+    assert_int_equal(render_image(scene.compiled, &settings, pool, NULL, &image, &stats, &error), STATUS_OK);
+    assert_true(stats.stopped && stats.samples == 0 && stats.most_samples == 1);
+    assert_true(stats.mean_samples * WIDTH * HEIGHT >= (WIDTH / 16) * (HEIGHT / 16));
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) assert_near(image.pixels[i * image.n_channels + 1], 1, 0.05);
+    image_clear(&image);
+    pool_free(pool);
+    fixture_clear(&scene);
 }
 
 typedef struct Shown {
@@ -112,6 +141,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_is_filled),
+        cmocka_unit_test(a_limit_leaves_a_whole_picture),
         cmocka_unit_test(who_looks_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
