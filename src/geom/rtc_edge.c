@@ -30,9 +30,11 @@ bool rtc_meets(const Query *query, const Hit *hit)
     return rtc_line_meets(query, corner, weight);
 }
 
-bool rtc_line_is_clear(const Query *query, const Vec3 corner[3], double scale)
+bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale)
 {
+    Vec3 corner[3];
     double weight[3];
+    rtc_triangle(query->scene, hit->object, hit->primitive, query->ray->time, corner);
     if (!rtc_line_meets(query, corner, weight)) return false;
     for (int i = 0; i < 3; i++) {
         Vec3 edge = vec3_sub(corner[(i + 2) % 3], corner[(i + 1) % 3]);

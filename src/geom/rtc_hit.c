@@ -34,25 +34,30 @@ static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
     return end ? vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(end->positions[vertex]), time)) : p;
 }
 
-/* World-space corners in double; a mirrored instance has two of them swapped, so that the
- * counter-clockwise side is outside in any case. */
-static void triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time,
-                             Vec3 corner[3])
+/* In world space; a mirrored instance has two of them swapped, so that the counter-clockwise side is outside in any
+ * case. */
+typedef struct Corners {
+    Vec3 a, b, c;
+} Corners;
+
+static Corners instance_corners(const RtcScene *scene, const RtcPlaced *object, const uint32_t triangle[3], double time)
+{
+    Affine to_world = rtc_to_world(scene, object, time);
+    Vec3 a = affine_point(&to_world, local_corner(object, triangle[0], time));
+    Vec3 b = affine_point(&to_world, local_corner(object, triangle[1], time));
+    Vec3 c = affine_point(&to_world, local_corner(object, triangle[2], time));
+    return object->mirrored ? (Corners){a, c, b} : (Corners){a, b, c};
+}
+
+/* Corners are never an array where it is in a hurry: what is written to memory number by number and read in pairs has to be
+ * waited for. */
+static inline Corners triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time)
 {
     uint32_t triangle[3];
     const Vec3f *baked = object->mesh->baked;
     rtc_triangle_of(object->mesh, primitive, triangle);
-    if (baked) {
-        for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(baked[triangle[i]]);
-    } else {
-        Affine to_world = rtc_to_world(scene, object, time);
-        for (int i = 0; i < 3; i++) corner[i] = affine_point(&to_world, local_corner(object, triangle[i], time));
-    }
-    if (!baked && object->mirrored) {
-        Vec3 swap = corner[1];
-        corner[1] = corner[2];
-        corner[2] = swap;
-    }
+    if (UNLIKELY(!baked)) return instance_corners(scene, object, triangle, time);
+    return (Corners){vec3_from_f(baked[triangle[0]]), vec3_from_f(baked[triangle[1]]), vec3_from_f(baked[triangle[2]])};
 }
 
 uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object)
@@ -63,7 +68,10 @@ uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object)
 
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3])
 {
-    triangle_corners(scene, &scene->objects[object], primitive, time, corner);
+    Corners of_triangle = triangle_corners(scene, &scene->objects[object], primitive, time);
+    corner[0] = of_triangle.a;
+    corner[1] = of_triangle.b;
+    corner[2] = of_triangle.c;
 }
 
 /* Whether a plane is parallel to one that the ray starts on, as far as coordinates in float can tell. */
@@ -87,13 +95,12 @@ static inline double rounded_scale(const Query *query, const RtcPlaced *object, 
 
 /* Whether a hit is so far from the triangle's edges that no rounding of float takes it to another one. Embree's own weights
  * tell it of nearly all. */
-static inline bool is_clear(const Query *query, const Hit *hit, const Vec3 corner[3], Vec3 edge1, Vec3 edge2,
-                            double slope, double scale)
+static inline bool is_clear(const Query *query, const Hit *hit, Vec3 edge1, Vec3 edge2, double slope, double scale)
 {
     float least = hit->u < hit->v ? hit->u : hit->v, third = 1 - hit->u - hit->v;
     double nearest = (double)(third < least ? third : least);
     double length = fabs(edge1.x) + fabs(edge1.y) + fabs(edge1.z) + fabs(edge2.x) + fabs(edge2.y) + fabs(edge2.z);
-    return LIKELY(nearest * fabs(slope) > EDGE_NOISE * length * scale) || rtc_line_is_clear(query, corner, scale);
+    return LIKELY(nearest * fabs(slope) > EDGE_NOISE * length * scale) || rtc_line_is_clear(query, hit, scale);
 }
 
 /* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
@@ -101,25 +108,23 @@ static inline bool is_clear(const Query *query, const Hit *hit, const Vec3 corne
 static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
 {
     const Ray *ray = query->ray;
-    Vec3 corner[3];
-    triangle_corners(query->scene, object, hit->primitive, ray->time, corner);
-    Vec3 edge1 = vec3_sub(corner[1], corner[0]), edge2 = vec3_sub(corner[2], corner[0]);
+    const Corners corner = triangle_corners(query->scene, object, hit->primitive, ray->time);
+    Vec3 edge1 = vec3_sub(corner.b, corner.a), edge2 = vec3_sub(corner.c, corner.a);
     Vec3 normal = vec3_cross(edge1, edge2);
     double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
-    double t = vec3_dot(normal, vec3_sub(corner[0], query->origin)) / slope, cosine = slope / length;
+    double t = vec3_dot(normal, vec3_sub(corner.a, query->origin)) / slope, cosine = slope / length;
     if (UNLIKELY(!(t > query->t_min && t <= ray->t_max))) {
-        if (fabs(t * cosine) <= 2 * rtc_rounding(corner[0]) &&
-            !is_clear(query, hit, corner, edge1, edge2, slope, rounded_scale(query, object, t)))
+        if (fabs(t * cosine) <= 2 * rtc_rounding(corner.a) &&
+            !is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t)))
             query->unsure = true;
         return false;
     }
     double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
-                      double_max(vec3_max_abs(corner[0]), double_max(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+                      double_max(vec3_max_abs(corner.a), double_max(vec3_max_abs(corner.b), vec3_max_abs(corner.c)));
     if (ray->n_left) {
         if (is_left(query, hit->object, hit->primitive, t, cosine)) return false;
-        if (UNLIKELY(t * fabs(cosine) <= 2 * rounding) && is_parallel(ray, normal, length) &&
-            !rtc_line_meets(query, corner, (double[3]){0}))
+        if (UNLIKELY(t * fabs(cosine) <= 2 * rounding) && is_parallel(ray, normal, length) && !rtc_meets(query, hit))
             return false;
     }
     hit->t = t;
@@ -128,7 +133,7 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     hit->cos_normal = cosine;
     hit->rounding = rounding;
     hit->inside = false;
-    hit->clear = is_clear(query, hit, corner, edge1, edge2, slope, rounded_scale(query, object, t));
+    hit->clear = is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t));
     if (UNLIKELY(!hit->clear)) query->unsure = true;
     return true;
 }

@@ -89,9 +89,9 @@ bool rtc_complete_hit(Query *query, Hit *hit);
 /* Whether the ray's line goes through a triangle, and the corners' weights there, up to a common factor. One of
  * neighbours that share an edge is met, or both, or none. */
 bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3]);
-/* Whether it does, and so far from the edges that Embree's line meets the triangle, too. scale: the coordinates that Embree
- * rounds. */
-bool rtc_line_is_clear(const Query *query, const Vec3 corner[3], double scale);
+/* Whether it goes through the triangle of a hit, and so far from the edges that Embree's line meets it, too. scale: the
+ * coordinates that Embree rounds. */
+bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale);
 /* Where a query is unsure, Embree's float ray may have met other triangles than the exact ray does, or missed some. Looks about
  * the place of a hit, as far as the triangle's edges are that it is near to, and as the hit is outside of them: notes the
  * others that the exact ray meets. */
