@@ -258,6 +258,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     const PixelSampler *pixel = find_sampler(tracer, seed, x, y, index);
     path_init(&path, tracer, pixel->sampler);
     path.looks = world->seeks_airlight;
+    path.decision.of_pixel = LIKELY(!world->trial.choices_apart);
     float u[2], lens[2] = {0, 0};
     sampler_stream_2d(&pixel->place, path.sampler.index_reversed, u);
     if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);

@@ -48,7 +48,8 @@ typedef struct PathProbing {
 /* A random number by which boundaries decide, one after another. */
 typedef struct Decision {
     double number; /* uniform in [0, 1), what former decisions have left of it */
-    float left;    /* their probability; 0: there is no number yet */
+    float left;    /* their probability; 0: there is no number yet, */
+    bool of_pixel; /* and the first one goes with the place in the pixel */
 } Decision;
 
 typedef struct Path {
@@ -254,7 +255,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
 /* The path goes on from a place where it was scattered, in a direction of that density. */
 static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {
-    path->decision.left = 0;
+    path->decision = (Decision){.left = 0};
     if (path->probing.is_probe) return;
     path->probing.guide.share = guide->share;
     if (UNLIKELY(guide->share > 0))

@@ -96,7 +96,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
     probe.scatter_pdf = -1;
     probe.from.rarity = 0;
     probe.looks = false;
-    probe.decision.left = 0;
+    probe.decision = (Decision){.left = 0};
     probe.probing =
         (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1, .is_probe = true};
     probe.bounce += FIRST_BOUNCE;

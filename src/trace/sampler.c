@@ -17,3 +17,18 @@
 
 const uint32_t sampler_shifts[64][2] = {FOUR(0),  FOUR(4),  FOUR(8),  FOUR(12), FOUR(16), FOUR(20), FOUR(24), FOUR(28),
                                         FOUR(32), FOUR(36), FOUR(40), FOUR(44), FOUR(48), FOUR(52), FOUR(56), FOUR(60)};
+
+/* All sums of four columns of a matrix; a column's lowest bit goes to the coordinate's first digit. */
+#define SUMS_OF_TWO(from, a, b) (from), (from) ^ (a), (from) ^ (b), (from) ^ (a) ^ (b)
+#define SUMS(a, b, c, d) \
+    {SUMS_OF_TWO(0U, a, b), SUMS_OF_TWO(c, a, b), SUMS_OF_TWO(d, a, b), SUMS_OF_TWO((c) ^ (d), a, b)}
+
+/* The direction numbers of the primitive polynomial x^2 + x + 1, begun with 1 and 3. */
+const uint32_t sampler_thirds[8][16] = {SUMS(0x1U, 0x3U, 0x6U, 0x9U),
+                                        SUMS(0x17U, 0x3aU, 0x71U, 0xa3U),
+                                        SUMS(0x116U, 0x339U, 0x677U, 0x9aaU),
+                                        SUMS(0x1601U, 0x3903U, 0x7706U, 0xaa09U),
+                                        SUMS(0x10117U, 0x3033aU, 0x60671U, 0x909a3U),
+                                        SUMS(0x171616U, 0x3a3939U, 0x717777U, 0xa3aaaaU),
+                                        SUMS(0x1170001U, 0x33a0003U, 0x6710006U, 0x9a30009U),
+                                        SUMS(0x16160017U, 0x3939003aU, 0x77770071U, 0xaaaa00a3U)};

@@ -1,6 +1,6 @@
 /* sampler.h - the random numbers of a path: Owen-scrambled Sobol' points without any state.
  * A number is a function of (seed, pixel, sample index, named dimension) alone, so that any split of the work
- * gives the same picture. Each named dimension is one or two coordinates of a Sobol' (0,2)-sequence whose
+ * gives the same picture. Each named dimension is one, two or three coordinates of a Sobol' sequence whose
  * order and digits are scrambled by that dimension's own hash: padding after [Burley20] B. Burley, "Practical
  * Hash-based Owen Scrambling", JCGT 9(4) (2020).
  *
@@ -20,7 +20,7 @@
 
 /* Named dimensions. A new one is added at the end of its group, so that the others stay as they are. */
 enum {
-    DIM_PIXEL,             /* 2: place in the pixel's filter */
+    DIM_PIXEL,             /* 2: place in the pixel's filter; and a third, of what boundaries choose */
     DIM_LENS,              /* 2 */
     DIM_WAVELENGTH,        /* 1 */
     DIM_PATH,              /* the first bounce's group begins here */
@@ -95,6 +95,16 @@ static inline uint32_t sobol_second_reversed(uint32_t index)
     index ^= (index & 0xf0f0f0f0U) >> 4;
     index ^= (index & 0xccccccccU) >> 2;
     return index ^ ((index & 0xaaaaaaaaU) >> 1);
+}
+
+/* Third coordinate of the Sobol' sequence, bits reversed: sums of its matrix's columns, four by four. */
+extern const uint32_t sampler_thirds[8][16];
+
+static inline uint32_t sobol_third_reversed(uint32_t index)
+{
+    uint32_t x = 0;
+    for (int i = 0; i < 8; i++) x ^= sampler_thirds[i][index >> 4 * i & 15];
+    return x;
 }
 
 /* The place of a pixel in its block along a curve that halves it, again and again: the highest digit parts diagonal
@@ -193,6 +203,15 @@ static inline void sampler_stream_2d(const SamplerStream *stream, uint32_t index
     uint64_t both = reverse_bits_64((uint64_t)y << 32 | x);
     u[0] = hash_to_unit_f((uint32_t)(both >> 32));
     u[1] = hash_to_unit_f((uint32_t)both);
+}
+
+/* A third number to a stream's two, all 32 digits: 2^m samples of a pixel are together a (1, m, 3)-net. Its index is shifted as
+ * the first number is, so that the pixels of a block share out the work in it as evenly as in that one. */
+static inline uint32_t sampler_stream_third(const SamplerStream *stream, uint32_t index_reversed)
+{
+    uint32_t x = sobol_third_reversed(sampler_point(stream, index_reversed) ^ stream->shift[0]);
+    uint32_t pixel = (uint32_t)((stream->pixel * 0xd1342543de82ef95U) >> 32);
+    return reverse_bits(sampler_scramble(x, pixel, (uint32_t)((stream->block * 0xaf251af3b0f025b5U) >> 32)));
 }
 
 static inline uint32_t sampler_digits(const Sampler *sampler, uint32_t dimension)

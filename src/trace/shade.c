@@ -283,13 +283,20 @@ static bool keeps_sides(const SurfacePlace *place, Vec3f back, bool passes, Vec3
 /* True with that probability. What a decision leaves of a random number is uniform again, and serves the next one: so
  * the samples of a pixel divide up among all ways through several boundaries as evenly as at one boundary. Measured,
  * squared error after equal time: 0.90 (peers' glass), 0.94 (whisky), 1.00 (glass-of-water, cold-glass) of that with a
- * number for each. */
+ * number for each. The first number of a path from the camera is a third coordinate to the place in its pixel, so that its
+ * choices are spread evenly over each part of that, too: 0.96 (peers' glass), 0.98 (aquarium), 0.99 to 1.00 elsewhere, for
+ * 64 samples; numbers after a scattering that are third coordinates to its direction gain nothing. Choices in proportion to
+ * what comes from either way (root of its mean square), learned by paths of the camera in a grid of places and directions:
+ * 0.88 (peers' glass), 0.90 (whisky), 0.95 (glass-of-water) where a picture of its own, with eight times as many samples,
+ * teaches; 0.97 to 1.04 where a quarter as many do. Roulette by the same: no better than by throughput. */
 static bool decide(Path *path, float probability)
 {
     const float least_left = 0x1p-8f; /* of 32 digits enough remain for the rarest of reflections */
     Decision *decision = &path->decision;
     if (decision->left < least_left) {
-        uint32_t digits = sampler_digits(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
+        uint32_t digits = decision->of_pixel
+                              ? sampler_stream_third(&path->tracer->pixel.place, path->sampler.index_reversed)
+                              : sampler_digits(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
         *decision = (Decision){.number = (double)digits * 0x1p-32, .left = 1};
     }
     bool yes = decision->number < (double)probability;

@@ -36,6 +36,62 @@ static void pixels_have_nets(void **state)
             }
 }
 
+static uint32_t stratum(double u, uint32_t digits)
+{
+    return (uint32_t)ldexp(u, (int)digits);
+}
+
+static double third_of(const Sampler *sampler, uint32_t dimension)
+{
+    SamplerStream stream = sampler_stream(sampler, dimension);
+    return ldexp(sampler_stream_third(&stream, sampler->index_reversed), -32);
+}
+
+/* With the third number all elementary intervals of twice the volume hold two points each: a (1, m, 3)-net; and the third
+ * by itself has one in each of 2^m strata. */
+static void pixels_have_nets_in_space(void **state)
+{
+    (void)state;
+    for (uint32_t m = 1; m <= 8; m++)
+        for (uint32_t pixel = 0; pixel < 40; pixel++) {
+            double point[256][3];
+            uint8_t alone[256] = {0};
+            for (uint32_t i = 0; i < 1U << m; i++) {
+                Sampler sampler = sampler_make(7, 3 * pixel, pixel * pixel, i);
+                float u[2];
+                sampler_2d(&sampler, 5 + pixel, u);
+                point[i][0] = (double)u[0], point[i][1] = (double)u[1];
+                point[i][2] = third_of(&sampler, 5 + pixel);
+                assert_true(point[i][2] >= 0 && point[i][2] < 1);
+                assert_int_equal(alone[stratum(point[i][2], m)]++, 0);
+            }
+            for (uint32_t a = 0; a < m; a++)
+                for (uint32_t b = 0; a + b < m; b++) {
+                    uint32_t c = m - 1 - a - b;
+                    uint8_t met[128] = {0};
+                    for (uint32_t i = 0; i < 1U << m; i++) {
+                        const double *p = point[i];
+                        assert_true(met[(stratum(p[0], a) << b | stratum(p[1], b)) << c | stratum(p[2], c)]++ < 2);
+                    }
+                }
+        }
+}
+
+/* The third number of a quad's pixels, as far as one dimension's: see below. */
+static void quads_have_thirds_in_strata(void **state)
+{
+    (void)state;
+    for (uint32_t m = 0; m <= 6; m++)
+        for (uint32_t quad = 0; quad < 256; quad++) {
+            uint32_t n = 4U << m, met[256] = {0};
+            for (uint32_t i = 0; i < n; i++) {
+                Sampler sampler = sampler_make(3, quad % 16 * 2 + (i & 1), quad / 16 * 2 + (i >> 1 & 1), i >> 2);
+                met[(uint32_t)(third_of(&sampler, 9) * n)]++;
+            }
+            for (uint32_t i = 0; i < n; i += 2) assert_true(met[i] + met[i + 1] > 0);
+        }
+}
+
 /* One dimension: the first 2^m numbers of a pixel are in as many strata, and so are those of a quad, by two for the odd. */
 static void quads_have_strata(void **state)
 {
@@ -225,9 +281,14 @@ static void costs_little(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pixels_have_nets),           cmocka_unit_test(quads_have_strata),
-        cmocka_unit_test(dimensions_are_independent), cmocka_unit_test(errors_are_blue),
-        cmocka_unit_test(errors_fall_fast),           cmocka_unit_test(costs_little),
+        cmocka_unit_test(pixels_have_nets),
+        cmocka_unit_test(pixels_have_nets_in_space),
+        cmocka_unit_test(quads_have_thirds_in_strata),
+        cmocka_unit_test(quads_have_strata),
+        cmocka_unit_test(dimensions_are_independent),
+        cmocka_unit_test(errors_are_blue),
+        cmocka_unit_test(errors_fall_fast),
+        cmocka_unit_test(costs_little),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
