@@ -190,6 +190,7 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_add_whole(&json, "photons", stats->guide.followed);
     json_add_whole(&json, "photonsLanded", stats->guide.landed);
     json_add_whole(&json, "guideBytes", stats->guide.bytes);
+    json_add_number(&json, "guideCpuSeconds", stats->guide.cpu_seconds);
     json_add_number(&json, "renderSeconds", stats->seconds);
     json_add_number(&json, "cpuSeconds", stats->cpu_seconds);
     json_add_number(&json, "totalSeconds", clock_now_s() - run->start_s);
@@ -211,8 +212,9 @@ static void print_stats_text(const RenderRun *run, Buf *out)
     buf_format(out, "samples            %u to %u per pixel, %.4g on average\n", stats->samples, stats->most_samples,
                stats->mean_samples);
     if (stats->guide.landed)
-        buf_format(out, "caustics           %llu of %llu photons landed, %.1f MiB\n", (unsigned long long)stats->guide.landed,
-                   (unsigned long long)stats->guide.followed, (double)stats->guide.bytes / (1024.0 * 1024));
+        buf_format(out, "caustics           %llu of %llu photons landed, %.1f MiB, %.2f s of processors\n",
+                   (unsigned long long)stats->guide.landed, (unsigned long long)stats->guide.followed,
+                   (double)stats->guide.bytes / (1024.0 * 1024), stats->guide.cpu_seconds);
     if (stats->spread_samples)
         buf_format(out, "fireflies          %llu sample%s that stood alone, with %.2g %% of the light, spread over their surroundings\n",
                    (unsigned long long)stats->spread_samples, plural(stats->spread_samples), 100 * stats->spread_light);
