@@ -176,7 +176,6 @@ static void grant(Harvest *harvest)
     const GuideSettings *settings = harvest->settings;
     double hope = harvest->tried > 1 ? 0 : harvest->worth.promise / GREAT_PROMISE;
     double part = fmin(fmax(fmax(harvest->worth.gain - 1, hope), UNSURE_PART), 1);
-    if (settings->always) part = 1;
     harvest->rays_granted =
         part * fmax(RAYS_PART * harvest->worth.rays_per_path * (double)settings->paths, FEWEST_RAYS);
 }

@@ -158,12 +158,12 @@ static bool went_straight(const Path *path)
     return path->scatter_pdf < 0 || path->scatter_pdf > NEARLY_SMOOTH;
 }
 
-/* Follows a photon to where it ends; false: to no place of use. *way: which surfaces it met. */
-static bool follow_photon(Path *path, float flux, Photon *photon, uint64_t *way)
+/* Follows a photon to where it ends; false: to no place of use. */
+static bool follow_photon(Path *path, float flux, Photon *photon)
 {
     const Scene *scene = path->tracer->world->scene;
     bool bent = false;
-    *way = 0;
+    uint64_t way = 0;
     for (int i = 0; i < MOST_EVENTS; i++, path->bounce++) {
         Event event;
         path_next_event(path, &event);
@@ -182,8 +182,8 @@ static bool follow_photon(Path *path, float flux, Photon *photon, uint64_t *way)
             straight = scene_is_pane(scene, event.hit.object) && vec3f_dot(before, path->ray.direction) > 0.999999f;
         }
         uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;
-        *way =
-            hash_u64(*way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
+        way = hash_u64(way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
+        photon->way = (uint32_t)(way >> 32);
         if (!goes_on) return bent;
         bent = bent || !straight; /* what comes through panes alone is found by looking at the light */
     }
@@ -227,20 +227,18 @@ static void in_plane(Vec3f axis, Vec3f direction, double p[2])
 }
 
 /* Follows a photon again, by the same random numbers, from another start; false: it goes another way. */
-static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Start *start, uint64_t way, Photon *photon)
+static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Start *start, uint32_t way, Photon *photon)
 {
     Path path = begin_photon(tracer, job->seed, number);
-    uint64_t other_way;
     if (!leave_light(&path, start)) return false;
     path.bounce = 1;
-    return follow_photon(&path, 1, photon, &other_way) && other_way == way;
+    return follow_photon(&path, 1, photon) && photon->way == way;
 }
 
-static bool find_column(Job *job, Tracer *tracer, uint32_t number, const Start *start, uint64_t way, double step,
-                        const Photon *photon, Column *column)
+static bool find_column(Job *job, Tracer *tracer, const Start *start, double step, const Photon *photon, Column *column)
 {
     Photon other;
-    if (!follow_other(job, tracer, number, start, way, &other)) return false;
+    if (!follow_other(job, tracer, photon->number, start, photon->way, &other)) return false;
     in_plane(photon->from, other.from, column->direction);
     Vec3 moved = vec3_sub(vec3_from_f(other.position), vec3_from_f(photon->position));
     column->place[0] = moved.x / step;
@@ -336,8 +334,8 @@ static void condition(const Column *columns, int n, const double shift[2], Photo
 
 /* One of a photon's neighbours; tried to both sides, and then nearer. turn: which axis, of places and then of directions.
  * false: all of them go another way. */
-static bool find_neighbour(Job *job, Path *path, uint32_t number, const Start *start, uint64_t way, int axis,
-                           double step, const Photon *photon, Column *column)
+static bool find_neighbour(Job *job, Path *path, const Start *start, int axis, double step, const Photon *photon,
+                           Column *column)
 {
     const double range = 0.1; /* of the target's size: how far the first order is taken to hold */
     const double steps[] = {1, -1, 1.0 / 16, -1.0 / 16};
@@ -358,7 +356,7 @@ static bool find_neighbour(Job *job, Path *path, uint32_t number, const Start *s
             other.light.direction = vec3f_normalize(vec3f_along(start->light.direction, (float)by, tangent[axis - 2]));
             other.turned = start->light.direction;
         }
-        if (find_column(job, path->tracer, number, &other, way, by / unit, photon, column)) return true;
+        if (find_column(job, path->tracer, &other, by / unit, photon, column)) return true;
     }
     return false;
 }
@@ -366,7 +364,7 @@ static bool find_neighbour(Job *job, Path *path, uint32_t number, const Start *s
 /* Finds the photon's neighbours by following four more from starts near by: I.e., its differentials, after L. Schjoth, J.
  * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is
  * known. */
-static void find_neighbours(Job *job, Path *path, uint32_t number, const Start *start, uint64_t way, Photon *photon)
+static void find_neighbours(Job *job, Path *path, const Start *start, Photon *photon)
 {
     const double near = 5e-4; /* of the target's size */
     Column columns[5];
@@ -376,7 +374,7 @@ static void find_neighbours(Job *job, Path *path, uint32_t number, const Start *
     double a = sqrt(spread[0]), b = spread[1] / a, c = sqrt(fmax(spread[2] - b * b, 1e-12));
     double turn = fmin(fmax(0.3 * sqrt(spread[0] + spread[2]), 2e-4), 1e-2);
     for (int i = 0; i < n; i++)
-        if (!find_neighbour(job, path, number, start, way, i, i < 2 ? near : turn, photon, &columns[i])) return;
+        if (!find_neighbour(job, path, start, i, i < 2 ? near : turn, photon, &columns[i])) return;
     /* by the light's own axes: direction = mean + (a, b) s + (0, c) t */
     Column first = columns[2], second = columns[3];
     double shift[2] = {mean[0] / a, (mean[1] - b * mean[0] / a) / c};
@@ -418,14 +416,12 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         Path path;
         Start start;
         Photon *photon = &job->photons[i];
-        uint64_t way;
         *photon = (Photon){.flux = 0};
         if (!start_photon(job, &job->tracers[worker], number, &path, &start)) continue;
         float radiance = lanes_mean(start.light.radiance);
-        if (follow_photon(&path, radiance * start.flux_times_n, photon, &way)) {
+        if (follow_photon(&path, radiance * start.flux_times_n, photon)) {
             photon->radiance = radiance;
             photon->number = number;
-            photon->way = (uint32_t)(way >> 32);
         } else {
             photon->flux = 0;
         }
@@ -435,16 +431,13 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
 static void look_around_one(void *context, uint32_t i, unsigned worker)
 {
     Job *job = context;
-    Photon *photon = &job->photons[job->which[i]], same;
+    Photon *photon = &job->photons[job->which[i]];
     Tracer *tracer = &job->tracers[worker];
-    Path path;
-    Start start;
-    uint64_t way;
+    Path path = begin_photon(tracer, job->seed, photon->number);
+    Start start = {.turned = {0, 0, 0}};
     photon->lobe = 1;
     tracer->counters.rays += LOOKS / 2; /* about what they take */
-    if (!start_photon(job, tracer, photon->number, &path, &start) || !follow_photon(&path, 1, &same, &way)) return;
-    Path again = begin_photon(tracer, job->seed, photon->number);
-    find_neighbours(job, &again, photon->number, &start, way, photon);
+    if (choose_start(job->targets, &path, &start)) find_neighbours(job, &path, &start, photon);
 }
 
 /* Runs a task of the job's; *rays: how many it took. */
