@@ -9,7 +9,7 @@ void guide_free(Guide *guide)
     if (!guide) return;
     free(guide->nodes);
     free(guide->cells);
-    free(guide->lobes);
+    free(guide->fours);
     free(guide->begins);
     free(guide->visits);
     free(guide);
@@ -27,12 +27,12 @@ GuideAt guide_find(const Guide *guide, Vec3 place)
 
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2])
 {
-    return guide_sample_lobes(at->guide->lobes + at->cell->first_lobe, at->cell->n_lobes, at->offset, u, v);
+    return guide_sample_lobes(at->guide->fours + at->cell->first_four, at->cell->n_lobes, at->offset, u, v);
 }
 
 float guide_pdf(const GuideAt *at, Vec3f direction)
 {
-    return guide_lobes_pdf(at->guide->lobes + at->cell->first_lobe, at->cell->n_lobes, at->offset, direction);
+    return guide_lobes_pdf(at->guide->fours + at->cell->first_four, at->cell->n_lobes, at->offset, direction);
 }
 
 float guide_threshold(const Guide *guide)

@@ -38,10 +38,10 @@
 
 /* What is known of a small region. */
 typedef struct GuideCell {
-    Vec3f low, high; /* around its photons, and a little more */
-    uint32_t first_lobe, n_lobes;
-    float share;    /* how often a probe is to be sent */
-    float radiance; /* of a white surface in the light that the photons bring */
+    Vec3f low, high;              /* around its photons, and a little more */
+    uint32_t first_four, n_lobes; /* of its lobes, which lie in fours */
+    float share;                  /* how often a probe is to be sent */
+    float radiance;               /* of a white surface in the light that the photons bring */
 } GuideCell;
 
 typedef struct Guide Guide;

@@ -12,7 +12,7 @@ typedef struct Builder {
     Photon *photons;  /* sorted by cell */
     Photon *known;    /* those that lobes are made of, sorted by cell */
     uint32_t *knowns; /* of each cell's */
-    GuideLobe *lobes; /* GUIDE_CELL_LOBES for each cell */
+    GuideFour *fours; /* GUIDE_CELL_FOURS for each cell */
     float scale;      /* what the photons' flux is to be multiplied with */
 } Builder;
 
@@ -111,9 +111,9 @@ static Status make_tree(Builder *b, uint32_t n, Error *error)
     b->knowns[guide->n_cells] = (uint32_t)n_known;
     TRY(sort_by_cell(b, n, error));
     guide->cells = calloc(guide->n_cells, sizeof *guide->cells);
-    b->lobes = malloc((size_t)guide->n_cells * GUIDE_CELL_LOBES * sizeof *b->lobes);
-    if (!guide->cells || !b->lobes)
-        return fail_memory(error, (size_t)guide->n_cells * GUIDE_CELL_LOBES * sizeof *b->lobes, "caustics");
+    b->fours = malloc((size_t)guide->n_cells * GUIDE_CELL_FOURS * sizeof *b->fours);
+    if (!guide->cells || !b->fours)
+        return fail_memory(error, (size_t)guide->n_cells * GUIDE_CELL_FOURS * sizeof *b->fours, "caustics");
     return STATUS_OK;
 }
 
@@ -150,8 +150,10 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
     float area = cell_area(photons, n);
     cell->radiance = area > 0 ? flux / area / SAMPLING_PI : 0;
-    cell->n_lobes = guide_fit(b->known + b->knowns[i], b->knowns[i + 1] - b->knowns[i], photons, n,
-                              guide_cell_origin(cell), b->lobes + (size_t)i * GUIDE_CELL_LOBES);
+    GuideLobe lobes[GUIDE_CELL_LOBES];
+    cell->n_lobes =
+        guide_fit(b->known + b->knowns[i], b->knowns[i + 1] - b->knowns[i], photons, n, guide_cell_origin(cell), lobes);
+    guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);
 }
 
 /* Moves the cells' lobes together. */
@@ -160,12 +162,14 @@ static void gather_lobes(Builder *b)
     Guide *guide = b->guide;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
         GuideCell *cell = &guide->cells[i];
-        cell->first_lobe = guide->n_lobes;
-        memmove(b->lobes + guide->n_lobes, b->lobes + (size_t)i * GUIDE_CELL_LOBES, cell->n_lobes * sizeof *b->lobes);
+        uint32_t n = guide_fours_of(cell->n_lobes);
+        cell->first_four = guide->n_fours;
+        memmove(b->fours + guide->n_fours, b->fours + (size_t)i * GUIDE_CELL_FOURS, n * sizeof *b->fours);
+        guide->n_fours += n;
         guide->n_lobes += cell->n_lobes;
     }
-    GuideLobe *fewer = realloc(b->lobes, guide->n_lobes * sizeof *fewer);
-    guide->lobes = fewer ? fewer : b->lobes;
+    GuideFour *fewer = realloc(b->fours, guide->n_fours * sizeof *fewer);
+    guide->fours = fewer ? fewer : b->fours;
 }
 
 Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, Guide **out, Error *error)
@@ -180,7 +184,7 @@ Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, G
         gather_lobes(&b);
         *out = guide;
     } else {
-        free(b.lobes);
+        free(b.fours);
         guide_free(guide);
     }
     free(b.known);
@@ -199,7 +203,7 @@ static float surface_pdf(const Photon *photon)
 static float cell_pdf(const Guide *guide, const GuideCell *cell, const Photon *photon)
 {
     Vec3f offset = vec3f_along(photon->position, -1, guide_cell_origin(cell));
-    return guide_lobes_pdf(guide->lobes + cell->first_lobe, cell->n_lobes, offset, photon->from);
+    return guide_lobes_pdf(guide->fours + cell->first_four, cell->n_lobes, offset, photon->from);
 }
 
 float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon)

@@ -285,6 +285,6 @@ Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, 
     stats->landed = harvest.n;
     stats->lobes = made->n_lobes;
     stats->bytes =
-        made->n_nodes * sizeof(GuideNode) + made->n_cells * sizeof(GuideCell) + made->n_lobes * sizeof(GuideLobe);
+        made->n_nodes * sizeof(GuideNode) + made->n_cells * sizeof(GuideCell) + made->n_fours * sizeof(GuideFour);
     return status;
 }

@@ -17,8 +17,8 @@ enum { GUIDE_LEAF = 3 };
 struct Guide {
     GuideNode *nodes;
     GuideCell *cells;
-    GuideLobe *lobes;
-    uint32_t n_nodes, n_cells, n_lobes;
+    GuideFour *fours;
+    uint32_t n_nodes, n_cells, n_lobes, n_fours;
     uint32_t *begins; /* of each cell's photons, as guide_build has sorted them; the last is the end of all */
     uint32_t *visits; /* how often paths came to each cell while it was tried out; NULL: it was not */
     float threshold;  /* see guide_threshold */

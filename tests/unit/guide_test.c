@@ -59,18 +59,24 @@ static double chord(Vec3f a, Vec3f b)
 }
 
 /* One lobe by itself. */
+static GuideFour alone(const GuideLobe *lobe)
+{
+    GuideLobe one = *lobe;
+    GuideFour four;
+    one.n_way = 1;
+    one.weight = 1;
+    guide_lay_in_fours(&one, 1, &four);
+    return four;
+}
 static Vec3f lobe_sample(const GuideLobe *lobe, Vec3f offset, const float v[2])
 {
-    GuideLobe alone = *lobe;
-    alone.n_way = 1;
-    return guide_sample_lobes(&alone, 1, offset, 0, v);
+    GuideFour four = alone(lobe);
+    return guide_sample_lobes(&four, 1, offset, 0, v);
 }
 static float lobe_pdf(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
 {
-    GuideLobe alone = *lobe;
-    alone.n_way = 1;
-    alone.weight = 1;
-    return guide_lobes_pdf(&alone, 1, offset, direction);
+    GuideFour four = alone(lobe);
+    return guide_lobes_pdf(&four, 1, offset, direction);
 }
 
 /* The mean direction of many samples, and how far from it the farthest is, in that plane. */
@@ -163,7 +169,9 @@ static void sheets(void **state)
     photons[N - 1].way = 7;
     memcpy(known, photons, sizeof known);
     GuideLobe lobes[GUIDE_CELL_LOBES];
+    GuideFour fours[GUIDE_CELL_FOURS];
     uint32_t n = guide_fit(known, KNOWN, photons, N, vec3f(.5f, 0, .5f), lobes);
+    guide_lay_in_fours(lobes, n, fours);
     assert_int_equal(n, KNOWN + 1);
     assert_near((double)lobes[n - 1].cumulative, 1, 1e-5);
     assert_int_equal(lobes[0].n_way + lobes[lobes[0].n_way].n_way + 1, n);
@@ -175,8 +183,8 @@ static void sheets(void **state)
     double sums[KNOWN + 1] = {0}, squares[KNOWN + 1] = {0};
     for (int i = 0; i < SAMPLES; i++) {
         const float v[2] = {dice(), dice()};
-        Vec3f direction = guide_sample_lobes(lobes, n, offset, dice(), v);
-        float mixture = guide_lobes_pdf(lobes, n, offset, direction);
+        Vec3f direction = guide_sample_lobes(fours, n, offset, dice(), v);
+        float mixture = guide_lobes_pdf(fours, n, offset, direction);
         assert_true(mixture > 0);
         for (uint32_t k = 0; k < n; k++) {
             double ratio = (double)(lobe_pdf(&lobes[k], offset, direction) / mixture);

@@ -1,0 +1,301 @@
+/* guide_lobes.c - choosing directions by a cell's lobes, and the density of that.
+ * Which lobe of a way is asked depends on the place: those that know it best. What is decided for that is computed in one
+ * way for sampling and for densities, four lobes at a time, so that both always agree.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/guide_lobes.h"
+
+#include "optics/sampling.h"
+
+/* The lobes' shape in units of their spread. An even disc of this radius, as wide as one that has the spread, and a little
+ * wider; */
+#define DISC 2.2f
+#define DISC_PART 0.7f
+/* and about it what falls off slowly, as what the photons say holds near by only: (1 + r^2 / 4)^-3 up to this r, of a spread
+ * that is so many times as large. */
+#define REACH 5.0f
+#define TAIL (1 + REACH * REACH / 4)
+#define TAIL_WIDER 2.0f
+#define WIDEST 0.39f /* so that all of a lobe is on the sphere: 1.99 / REACH */
+/* A spread up to here leaves room for the whole tail. */
+#define NARROW (1.99f / (REACH * TAIL_WIDER))
+/* The square of how far a mean goes from its axis, in the plane: almost a right angle. */
+#define FARTHEST_MEAN 1.9f
+/* Of the lobes of a way those count that are up to so many times as wide, squared, as its narrowest one at a place. Measured:
+ * from 2 to all of them pictures have the same error. */
+#define TOO_WIDE 4.0f
+
+void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
+{
+    for (uint32_t i = 0; i < guide_fours_of(n) * LANES; i++) {
+        const GuideLobe *lobe = &lobes[i < n ? i : n - 1]; /* what fills the last four up is never chosen */
+        GuideFour *four = &fours[i / LANES];
+        int lane = (int)(i % LANES);
+        const Vec3f vectors[] = {lobe->place, lobe->axis, lobe->x, lobe->y, lobe->slope_x, lobe->slope_y};
+        LanesVec3 *const to[] = {&four->place, &four->axis, &four->x, &four->y, &four->slope_x, &four->slope_y};
+        for (size_t k = 0; k < COUNT_OF(vectors); k++) {
+            lanes_set(&to[k]->x, lane, vectors[k].x);
+            lanes_set(&to[k]->y, lane, vectors[k].y);
+            lanes_set(&to[k]->z, lane, vectors[k].z);
+        }
+        lanes_set(&four->mean_x, lane, lobe->mean_x);
+        lanes_set(&four->mean_y, lane, lobe->mean_y);
+        lanes_set(&four->xx, lane, lobe->xx);
+        lanes_set(&four->xy, lane, lobe->xy);
+        lanes_set(&four->yy, lane, lobe->yy);
+        lanes_set(&four->bend, lane, lobe->bend);
+        four->weight[lane] = lobe->weight;
+        four->cumulative[lane] = lobe->cumulative;
+        four->n_way[lane] = lobe->n_way;
+    }
+}
+
+/* ---- which lobes know a place ---- */
+
+/* What each lobe of a cell is at a place. */
+typedef struct CellParts {
+    float error[GUIDE_CELL_FOURS * LANES];    /* the square of how wrong it is there */
+    float nearness[GUIDE_CELL_FOURS * LANES]; /* how much it counts, of all of its way; 0: not at all */
+} CellParts;
+
+static LanesVec3 from_each(const LanesVec3 *a, Vec3f b)
+{
+    return (LanesVec3){lanes_sub(lanes_all(b.x), a->x), lanes_sub(lanes_all(b.y), a->y),
+                       lanes_sub(lanes_all(b.z), a->z)};
+}
+
+static Lanes dots(const LanesVec3 *a, const LanesVec3 *b)
+{
+    return lanes_add(lanes_mul(a->x, b->x), lanes_add(lanes_mul(a->y, b->y), lanes_mul(a->z, b->z)));
+}
+
+static Lanes dots_with(const LanesVec3 *a, Vec3f b)
+{
+    return lanes_add(lanes_scale(a->x, b.x), lanes_add(lanes_scale(a->y, b.y), lanes_scale(a->z, b.z)));
+}
+
+/* The lobes' errors, and one over their spreads with that: of the fours with the lobes first .. end - 1. */
+static void look_at_fours(const GuideFour *fours, uint32_t first, uint32_t end, Vec3f offset, CellParts *parts)
+{
+    for (uint32_t i = first / LANES; i < guide_fours_of(end); i++) {
+        LanesVec3 away = from_each(&fours[i].place, offset);
+        Lanes error = lanes_mul(fours[i].bend, dots(&away, &away));
+        error = lanes_mul(error, error);
+        Lanes spread = lanes_add(lanes_scale(lanes_add(fours[i].xx, fours[i].yy), 0.5f), error);
+        lanes_store(error, parts->error + LANES * i);
+        lanes_store(lanes_div(lanes_all(1), spread), parts->nearness + LANES * i);
+    }
+}
+
+/* How much each lobe of a way counts, of what look_at_fours has said. Returns the sum. */
+static float choose_near(float nearness[], uint32_t n)
+{
+    float nearest = 0, sum = 0;
+    for (uint32_t k = 0; k < n; k++) nearest = float_max(nearest, nearness[k]);
+    for (uint32_t k = 0; k < n; k++) sum += nearness[k] = nearness[k] * TOO_WIDE >= nearest ? nearness[k] : 0;
+    return sum;
+}
+
+/* ---- sampling ---- */
+
+/* A lobe at a place: how its directions spread in the plane at its mean. */
+typedef struct LobeSpread {
+    float xx, xy, yy, determinant;
+    float tail_wider; /* how much wider the tail is */
+} LobeSpread;
+
+static GuideLobe lobe_of(const GuideFour *fours, uint32_t i)
+{
+    const GuideFour *four = &fours[i / LANES];
+    int lane = (int)(i % LANES);
+#define OF(vector)                                                                                                     \
+    {                                                                                                                  \
+        lanes_get(vector.x, lane), lanes_get(vector.y, lane), lanes_get(vector.z, lane)                                \
+    }
+    return (GuideLobe){.axis = OF(four->axis),
+                       .x = OF(four->x),
+                       .y = OF(four->y),
+                       .slope_x = OF(four->slope_x),
+                       .slope_y = OF(four->slope_y),
+                       .mean_x = lanes_get(four->mean_x, lane),
+                       .mean_y = lanes_get(four->mean_y, lane),
+                       .xx = lanes_get(four->xx, lane),
+                       .xy = lanes_get(four->xy, lane),
+                       .yy = lanes_get(four->yy, lane)};
+#undef OF
+}
+
+Vec3f guide_lobe_mean(const GuideLobe *lobe, Vec3f offset)
+{
+    float px = lobe->mean_x + vec3f_dot(lobe->slope_x, offset), py = lobe->mean_y + vec3f_dot(lobe->slope_y, offset);
+    float square = px * px + py * py;
+    if (square > FARTHEST_MEAN) { /* held there */
+        float shrink = sqrtf(FARTHEST_MEAN / square);
+        px *= shrink, py *= shrink, square = FARTHEST_MEAN;
+    }
+    float sine = sqrtf(1 - 0.25f * square);
+    Vec3f mean = vec3f_along(vec3f_scale(lobe->axis, 1 - 0.5f * square), px * sine, lobe->x);
+    return vec3f_along(mean, py * sine, lobe->y);
+}
+
+static LobeSpread lobe_spread(const GuideLobe *lobe, float error)
+{
+    float xx = lobe->xx + error, xy = lobe->xy, yy = lobe->yy + error, tail_wider = TAIL_WIDER;
+    if (xx + yy > NARROW * NARROW) {
+        float widest = 0.5f * (xx + yy) + sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
+        if (widest > WIDEST * WIDEST) {
+            float shrink = WIDEST * WIDEST / widest;
+            xx *= shrink, xy *= shrink, yy *= shrink, widest *= shrink;
+        }
+        tail_wider = float_min(TAIL_WIDER, 1.99f / (REACH * sqrtf(widest)));
+    }
+    float product = xx * yy;
+    return (LobeSpread){xx, xy, yy, float_max(product - xy * xy, 1e-4f * product), tail_wider};
+}
+
+static Vec3f sample_lobe(const GuideLobe *lobe, float error, Vec3f offset, const float v[2])
+{
+    Vec3f mean = guide_lobe_mean(lobe, offset);
+    Vec3f x = vec3f_normalize(vec3f_along(lobe->x, -vec3f_dot(lobe->x, mean), mean)), y = vec3f_cross(mean, x);
+    LobeSpread spread = lobe_spread(lobe, error);
+    bool tail = v[0] >= DISC_PART;
+    float p, q, stretch = DISC;
+    sampling_disc(tail ? (v[0] - DISC_PART) / (1 - DISC_PART) : v[0] / DISC_PART, v[1], &p, &q);
+    if (tail) {
+        float u = p * p + q * q; /* uniform: the part of the tail within r */
+        /* of the tail within r is (1 - (1 + r^2/4)^-2) / (1 - TAIL^-2) */
+        float rest = 1 - u * (1 - 1 / (TAIL * TAIL)), r = sqrtf(4 * float_max(1 / sqrtf(rest) - 1, 0));
+        stretch = u > 0 ? spread.tail_wider * r / sqrtf(u) : 0;
+    }
+    p *= stretch, q *= stretch;
+    /* by the Cholesky factor of the spread */
+    float scale_x = sqrtf(spread.xx), scale_y = sqrtf(spread.determinant / spread.xx);
+    float a = scale_x * p, b = spread.xy / scale_x * p + scale_y * q, square = float_min(a * a + b * b, 4);
+    float sine = sqrtf(1 - 0.25f * square);
+    Vec3f direction = vec3f_along(vec3f_scale(mean, 1 - 0.5f * square), a * sine, x);
+    return vec3f_normalize(vec3f_along(direction, b * sine, y));
+}
+
+Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float u, const float v[2])
+{
+    CellParts parts;
+    uint32_t way = 0, n_way;
+    float before = 0;
+    while (n_way = fours[way / LANES].n_way[way % LANES],
+           way + n_way < n && u >= fours[way / LANES].cumulative[way % LANES])
+        before = fours[way / LANES].cumulative[way % LANES], way += n_way;
+    look_at_fours(fours, way, way + n_way, offset, &parts);
+    uint32_t chosen = way;
+    if (n_way > 1) {
+        float sum = choose_near(parts.nearness + way, n_way);
+        float part = (u - before) / fours[way / LANES].weight[way % LANES] * sum;
+        for (uint32_t next = way; next < way + n_way; next++) {
+            if (parts.nearness[next] == 0) continue;
+            chosen = next; /* the last one if rounding leaves something */
+            if (part < parts.nearness[chosen]) break;
+            part -= parts.nearness[chosen];
+        }
+    }
+    GuideLobe lobe = lobe_of(fours, chosen);
+    return sample_lobe(&lobe, parts.error[chosen], offset, v);
+}
+
+/* ---- densities ---- */
+
+/* guide_lobe_mean of four. */
+static LanesVec3 means_of(const GuideFour *four, Vec3f offset)
+{
+    Lanes px = lanes_add(four->mean_x, dots_with(&four->slope_x, offset));
+    Lanes py = lanes_add(four->mean_y, dots_with(&four->slope_y, offset));
+    Lanes square = lanes_add(lanes_mul(px, px), lanes_mul(py, py));
+    if (UNLIKELY(lanes_max(square) > FARTHEST_MEAN)) {
+        Lanes shrink = lanes_sqrt(lanes_div(lanes_all(FARTHEST_MEAN), lanes_greater(square, lanes_all(FARTHEST_MEAN))));
+        px = lanes_mul(px, shrink), py = lanes_mul(py, shrink);
+        square = lanes_lesser(square, lanes_all(FARTHEST_MEAN));
+    }
+    Lanes sine = lanes_sqrt(lanes_rest(lanes_scale(square, 0.25f))), along = lanes_rest(lanes_scale(square, 0.5f));
+    px = lanes_mul(px, sine), py = lanes_mul(py, sine);
+#define SUM(c) lanes_add(lanes_mul(four->axis.c, along), lanes_add(lanes_mul(four->x.c, px), lanes_mul(four->y.c, py)))
+    return (LanesVec3){SUM(x), SUM(y), SUM(z)};
+#undef SUM
+}
+
+/* lobe_spread of four. */
+typedef struct FourSpreads {
+    Lanes xx, xy, yy, determinant, tail_wider;
+} FourSpreads;
+
+static FourSpreads spreads_of(const GuideFour *four, Lanes error)
+{
+    FourSpreads s = {.xx = lanes_add(four->xx, error),
+                     .xy = four->xy,
+                     .yy = lanes_add(four->yy, error),
+                     .tail_wider = lanes_all(TAIL_WIDER)};
+    Lanes sum = lanes_add(s.xx, s.yy);
+    if (lanes_max(sum) > NARROW * NARROW) {
+        const Lanes most = lanes_all(WIDEST * WIDEST);
+        Lanes difference = lanes_scale(lanes_sub(s.xx, s.yy), 0.5f);
+        Lanes root = lanes_sqrt(lanes_add(lanes_mul(difference, difference), lanes_mul(s.xy, s.xy)));
+        Lanes widest = lanes_add(lanes_scale(sum, 0.5f), root), held = lanes_lesser(widest, most);
+        Lanes shrink = lanes_div(held, widest);
+        s.xx = lanes_mul(s.xx, shrink), s.xy = lanes_mul(s.xy, shrink), s.yy = lanes_mul(s.yy, shrink);
+        s.tail_wider = lanes_lesser(s.tail_wider, lanes_div(lanes_all(1.99f / REACH), lanes_sqrt(held)));
+    }
+    Lanes product = lanes_mul(s.xx, s.yy);
+    s.determinant = lanes_greater(lanes_sub(product, lanes_mul(s.xy, s.xy)), lanes_scale(product, 1e-4f));
+    return s;
+}
+
+/* The densities of four lobes; 0 where their weight is 0. */
+static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, Vec3f offset, Vec3f direction)
+{
+    const Lanes none = lanes_all(0);
+    LanesVec3 mean = means_of(four, offset);
+    Lanes cosine = dots_with(&mean, direction);
+    /* the square of the largest spread is less than the sum of both */
+    const float farthest = 0.5f * (REACH * TAIL_WIDER) * (REACH * TAIL_WIDER);
+    Lanes reach = lanes_scale(lanes_add(lanes_add(four->xx, four->yy), lanes_add(error, error)), farthest * 1.0001f);
+    Lanes away = lanes_sub(lanes_all(1 - 1e-6f), cosine);
+    weight = lanes_select_less(reach, away, none, weight);
+    if (lanes_zero(weight)) return none;
+    FourSpreads s = spreads_of(four, error);
+    /* the direction in the frame at the mean, of which x is the lobe's, less what of it lies along the mean */
+    Lanes tilt = dots(&four->x, &mean), length = lanes_rest(lanes_mul(tilt, tilt)); /* its square */
+    Lanes a = lanes_sub(dots_with(&four->x, direction), lanes_mul(tilt, cosine));
+    LanesVec3 across = {lanes_sub(lanes_scale(mean.y, direction.z), lanes_scale(mean.z, direction.y)),
+                        lanes_sub(lanes_scale(mean.z, direction.x), lanes_scale(mean.x, direction.z)),
+                        lanes_sub(lanes_scale(mean.x, direction.y), lanes_scale(mean.y, direction.x))};
+    Lanes b = lanes_sub(none, dots(&across, &four->x)); /* direction . (mean x x) = -x . (mean x direction) */
+    /* the square of how far the direction is from the mean, in spreads: by the projection, (a, b) is to be multiplied with
+     * the root of 2 / (1 + cosine), over the length of x; and its square is a^2 / xx + (b - a xy / xx)^2 xx / determinant */
+    Lanes beside = lanes_sub(lanes_mul(b, s.xx), lanes_mul(a, s.xy));
+    Lanes up = lanes_add(lanes_mul(lanes_mul(a, a), s.determinant), lanes_mul(beside, beside));
+    Lanes rise = lanes_greater(lanes_add(lanes_all(1), cosine), lanes_all(1e-7f));
+    Lanes square = lanes_div(lanes_add(up, up), lanes_mul(lanes_mul(rise, length), lanes_mul(s.xx, s.determinant)));
+    Lanes wider2 = lanes_mul(s.tail_wider, s.tail_wider), fall = lanes_add(wider2, lanes_scale(square, 0.25f));
+    Lanes disc = lanes_select_less(square, lanes_all(DISC * DISC), lanes_all(DISC_PART / (DISC * DISC)), none);
+    /* the tail's: over wider^2 (1 + r^2 / 4)^3, r in its own spreads */
+    const float tail_scale = (1 - DISC_PART) / (2 * (1 - 1 / (TAIL * TAIL)));
+    Lanes tail = lanes_div(lanes_scale(lanes_mul(wider2, wider2), tail_scale), lanes_mul(fall, lanes_mul(fall, fall)));
+    tail = lanes_select_less(square, lanes_scale(wider2, REACH * REACH), tail, none);
+    Lanes area = lanes_scale(lanes_sqrt(s.determinant), SAMPLING_PI);
+    return lanes_mul(weight, lanes_div(lanes_add(disc, tail), area));
+}
+
+float guide_lobes_pdf(const GuideFour *fours, uint32_t n, Vec3f offset, Vec3f direction)
+{
+    CellParts parts;
+    Lanes sum = lanes_all(0);
+    look_at_fours(fours, 0, n, offset, &parts);
+    for (uint32_t i = n; i % LANES != 0; i++) parts.nearness[i] = 0;
+    for (uint32_t way = 0, n_way; way < n; way += n_way) {
+        n_way = fours[way / LANES].n_way[way % LANES];
+        float scale = fours[way / LANES].weight[way % LANES] / choose_near(parts.nearness + way, n_way);
+        for (uint32_t k = way; k < way + n_way; k++) parts.nearness[k] *= scale;
+    }
+    for (uint32_t i = 0; i < n; i += LANES) {
+        Lanes weight = lanes_load(parts.nearness + i);
+        if (lanes_zero(weight)) continue;
+        sum = lanes_add(sum, densities(&fours[i / LANES], weight, lanes_load(parts.error + i), offset, direction));
+    }
+    return lanes_sum(sum);
+}

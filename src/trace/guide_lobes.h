@@ -1,0 +1,59 @@
+/* guide_lobes.h - lobes of directions about means that depend on the place; private to src/trace/guide*.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_GUIDE_LOBES_H
+#define MEN_GUIDE_LOBES_H
+
+#include "base/attr.h"
+#include "base/lanes.h"
+#include "base/vec3.h"
+
+/* Directions about a mean that depends linearly on the place. Directions near the axis are points of a plane by Lambert's
+ * azimuthal projection, which keeps areas, so that densities per area are densities per steradian. The lobe is the wider, and
+ * counts the less, the further away its place is. */
+typedef struct GuideLobe {
+    float cumulative;       /* share of the cell's light, of this lobe's way and those before */
+    float weight;           /* of its way */
+    uint32_t n_way;         /* how many lobes the way has, from its first on */
+    float bend;             /* how wrong it is for places away from its own: angle by the square of the distance */
+    Vec3f place;            /* where it was found, from the cell's origin; the nearest lobe of a way knows best */
+    Vec3f axis, x, y;       /* a right-handed frame */
+    Vec3f slope_x, slope_y; /* of the mean in the plane, by the place */
+    float mean_x, mean_y;   /* at the cell's origin */
+    float xx, xy, yy;       /* spread about the mean, at its place */
+} GuideLobe;
+
+enum {
+    GUIDE_CELL_KNOWN = 32,
+    GUIDE_CELL_LOBES = GUIDE_CELL_KNOWN + 1,
+    GUIDE_CELL_FOURS = GUIDE_CELL_LOBES / LANES + 1
+};
+
+typedef struct LanesVec3 {
+    Lanes x, y, z;
+} LanesVec3;
+
+/* Four of a cell's lobes, one after another, in a lane each: so they are asked for a density. */
+typedef struct GuideFour {
+    LanesVec3 place, axis, x, y, slope_x, slope_y;
+    Lanes mean_x, mean_y, xx, xy, yy, bend;
+    float weight[LANES], cumulative[LANES];
+    uint32_t n_way[LANES];
+} GuideFour;
+
+/* How many of these n lobes take. */
+static inline uint32_t guide_fours_of(uint32_t n)
+{
+    return (n + LANES - 1) / LANES;
+}
+/* Lays n >= 1 lobes of a cell into as many. */
+void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours);
+
+/* The mean direction of a lobe at a place, from its cell's origin. */
+Vec3f guide_lobe_mean(const GuideLobe *lobe, Vec3f offset);
+
+/* A direction of a cell's n <= GUIDE_CELL_LOBES lobes at a place, and the density of that per steradian. u: uniform in [0, 1);
+ * v: in [0, 1)^2. */
+Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float u, const float v[2]);
+float guide_lobes_pdf(const GuideFour *fours, uint32_t n, Vec3f offset, Vec3f direction);
+
+#endif
