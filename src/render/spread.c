@@ -32,13 +32,14 @@ enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256, FARTHEST = 209 };
 /* Rows that a thread gathers at a time. */
 enum { BAND = 16 };
 
-/* What is asked of a pixel again and again. */
-typedef struct Look {
-    uint32_t things[BRIGHT_THINGS];
-    float shares[BRIGHT_THINGS]; /* of its samples, those that saw each; 0: no such thing */
-    float plain;                 /* its light, see bright_light, without the samples that have few like them there */
-    float brightest;             /* of its samples, as far as they are kept */
-} Look;
+/* What is asked of pixels again and again, each kind together, so that rows of pixels are gone through fast. */
+typedef struct Looks {
+    uint32_t *things[BRIGHT_THINGS];
+    float *shares[BRIGHT_THINGS]; /* of a pixel's samples, those that saw each; 0: no such thing */
+    float *plain;                 /* its light, see bright_light, without the samples that have few like them there */
+    float *around;                /* the mean of that around it */
+    float *brightest;             /* of its samples, as far as they are kept */
+} Looks;
 
 /* Where a sample goes. */
 typedef struct Way {
@@ -64,8 +65,7 @@ typedef struct Maps {
     const BrightFilm *bright;
     const uint32_t *area;
     uint32_t width, height;
-    Look *looks;
-    float *plain, *around; /* of the looks, and its mean around each */
+    Looks looks;
     Row *rows;
     SpreadPixel *pixels;
 } Maps;
@@ -141,10 +141,10 @@ static double light_of(const FilmPixel *pixel, const BrightPixel *without)
 static double reference_at(const Maps *maps, uint32_t x, uint32_t y)
 {
     const uint32_t *area = maps->area;
-    float most = maps->around[place_in(area, x, y)];
+    float most = maps->looks.around[place_in(area, x, y)];
     for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
         for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++)
-            most = fmaxf(most, maps->plain[place_in(area, u, v)]);
+            most = fmaxf(most, maps->looks.plain[place_in(area, u, v)]);
     return (double)most;
 }
 
@@ -155,27 +155,43 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
     (void)worker;
     for (uint32_t x = maps->area[0]; x < maps->area[2]; x++) {
         size_t i = place_in(maps->area, x, y);
+        Looks *looks = &maps->looks;
         const FilmPixel *pixel = film_pixel(maps->film, x, y);
         const BrightPixel *bright = bright_at(maps, x, y);
-        Look look = {.plain = (float)light_of(pixel, bright), .brightest = bright_light(bright->rgb[0])};
+        looks->plain[i] = (float)light_of(pixel, bright);
+        looks->brightest[i] = bright_light(bright->rgb[0]);
         for (int k = 0; k < BRIGHT_THINGS && bright->counts[k] && pixel->n; k++) {
-            look.things[k] = bright->things[k];
-            look.shares[k] = (float)bright->counts[k] / (float)pixel->n;
+            looks->things[k][i] = bright->things[k];
+            looks->shares[k][i] = (float)bright->counts[k] / (float)pixel->n;
         }
-        maps->looks[i] = look;
-        maps->plain[i] = look.plain;
         maps->rows[index].light += light_of(pixel, NULL);
     }
 }
 
-/* How much of a sample a pixel gets, in relation to others, were it beside it. */
-static double weight_of(const Look *look, const Lone *lone)
+/* How much of a sample each of n pixels from `first` on gets, in relation to others, were it beside it. */
+static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint32_t n, double *restrict weights)
 {
-    uint32_t seen = 0;
-    while (seen < BRIGHT_THINGS && look->things[seen] != lone->thing) seen++;
-    if (seen == BRIGHT_THINGS) return 0;
-    double light = lone->black + lone->slope * (double)look->plain;
-    return (double)look->shares[seen] * (light < 1 ? light : 1);
+    const uint32_t *t0 = looks->things[0] + first, *t1 = looks->things[1] + first, *t2 = looks->things[2] + first;
+    const float *s0 = looks->shares[0] + first, *s1 = looks->shares[1] + first, *s2 = looks->shares[2] + first;
+    const float *plain = looks->plain + first;
+    const uint32_t thing = lone->thing;
+    const double black = lone->black, slope = lone->slope;
+    for (uint32_t i = 0; i < n; i++) {
+        float first_share = s0[i], second_share = s1[i], third_share = s2[i]; /* read in any case: no jumps */
+        float share = t2[i] == thing ? third_share : 0;
+        share = t1[i] == thing ? second_share : share;
+        share = t0[i] == thing ? first_share : share;
+        double light = black + slope * (double)plain[i];
+        weights[i] = (double)share * (light < 1 ? light : 1);
+    }
+}
+_Static_assert(BRIGHT_THINGS == 3, "the things that are asked for");
+
+static double weight_of(const Looks *looks, const Lone *lone, size_t pixel)
+{
+    double weight;
+    weights_of(looks, lone, pixel, 1, &weight);
+    return weight;
 }
 
 /* By how much that is less farther away: of the way to where nothing is left, which is half a pixel beyond the radius. */
@@ -186,11 +202,26 @@ static double nearness(double distance_squared, int radius)
 }
 
 /* The pixel's samples that are comparable to it, as far as they are kept. */
-static uint32_t count_alike(const Maps *maps, const Look *look, const Lone *lone, uint32_t x, uint32_t y)
+static uint32_t count_alike(const Maps *maps, const Lone *lone, uint32_t x, uint32_t y)
 {
-    if (look->brightest < lone->least) return 0;
+    if (maps->looks.brightest[place_in(maps->area, x, y)] < lone->least) return 0;
     const BrightPixel *bright = bright_at(maps, x, y);
     return count_comparable(bright, find_thing(bright, lone->thing), lone->least);
+}
+
+/* Columns of a row of pixels: from x0 up to but without x1. */
+typedef struct Span {
+    uint32_t x0, x1;
+} Span;
+
+/* The same of pixels of a row, until they are enough. */
+static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, uint32_t enough)
+{
+    const float *brightest = maps->looks.brightest + place_in(maps->area, span->x0, y);
+    uint32_t alike = 0;
+    for (uint32_t x = span->x0; x < span->x1 && alike < enough; x++, brightest++)
+        if (UNLIKELY(*brightest >= lone->least)) alike += count_alike(maps, lone, x, y);
+    return alike;
 }
 
 /* A part of the area: from x0, y0 up to but without x1, y1. */
@@ -204,12 +235,6 @@ static Square square_around(const uint32_t area[4], const Lone *lone, int radius
     return (Square){lone->x > area[0] + r ? lone->x - r : area[0], lone->y > area[1] + r ? lone->y - r : area[1],
                     lone->x + r < area[2] ? lone->x + r + 1 : area[2],
                     lone->y + r < area[3] ? lone->y + r + 1 : area[3]};
-}
-
-static double distance_squared(const Lone *lone, uint32_t x, uint32_t y)
-{
-    double dx = (double)x - lone->x, dy = (double)y - lone->y;
-    return dx * dx + dy * dy;
 }
 
 /* What is found around a sample: sums over the pixels of a disc, such that they grow with it. */
@@ -232,30 +257,48 @@ static int half_width(int dy, int radius)
     return left < 0 ? -1 : (int)sqrt(left);
 }
 
-/* From one disc, and its square, to a larger one. inner -1: there is none. */
-static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, Around *sums)
+/* What of a row is within `outer` columns of a sample, and not within `inner`, on either side; inner -1: all on the first. */
+static void find_spans(const Square *square, const Lone *lone, int inner, int outer, Span spans[2])
+{
+    uint32_t x = lone->x, reach = (uint32_t)outer, done = (uint32_t)(inner + 1);
+    uint32_t x0 = x > square->x0 + reach ? x - reach : square->x0;
+    uint32_t x1 = square->x1 - x > reach ? x + reach + 1 : square->x1;
+    spans[0] = (Span){x0, inner < 0 ? x1 : x - x0 >= done ? x - done + 1 : x0};
+    spans[1] = (Span){inner >= 0 && x1 - x > done ? x + done : x1, x1};
+}
+
+static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, Around *sums)
+{
+    double weights[2 * FARTHEST + 1], dy = (double)y - lone->y;
+    if (span->x0 >= span->x1) return;
+    size_t first = place_in(maps->area, span->x0, y);
+    weights_of(&maps->looks, lone, first, span->x1 - span->x0, weights);
+    Around sum = *sums;
+    double dx = (double)span->x0 - lone->x;
+    for (uint32_t i = 0; i < span->x1 - span->x0; i++, dx++) {
+        double distance = dx * dx + dy * dy, weight = weights[i];
+        double light = weight * (double)maps->looks.plain[first + i];
+        sum.weights += weight;
+        sum.light += light;
+        sum.weights_by_distance += weight * distance;
+        sum.light_by_distance += light * distance;
+    }
+    *sums = sum;
+}
+
+/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough. */
+static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, uint32_t enough, Around *sums)
 {
     Square square = square_around(maps->area, lone, outer);
-    double begin = end_of(inner), end = end_of(outer);
     for (uint32_t y = square.y0; y < square.y1; y++) {
-        int dy = abs((int)y - (int)lone->y), done = half_width(dy, inner);
-        const Look *look = &maps->looks[place_in(maps->area, square.x0, y)];
-        for (uint32_t x = square.x0; x < square.x1; x++, look++) {
-            int dx = abs((int)x - (int)lone->x);
-            if (dx <= done) { /* to the other side */
-                uint32_t skipped = lone->x + (uint32_t)done - x;
-                x += skipped;
-                look += skipped;
-                continue;
-            }
-            if (dx > inner || dy > inner) sums->alike += count_alike(maps, look, lone, x, y);
-            double distance = (double)dx * dx + (double)dy * dy;
-            if (distance < begin || distance > end) continue;
-            double weight = weight_of(look, lone), light = weight * (double)look->plain;
-            sums->weights += weight;
-            sums->light += light;
-            sums->weights_by_distance += weight * distance;
-            sums->light_by_distance += light * distance;
+        int dy = abs((int)y - (int)lone->y);
+        Span discs[2], squares[2];
+        find_spans(&square, lone, half_width(dy, inner), half_width(dy, outer), discs);
+        find_spans(&square, lone, dy > inner ? -1 : inner, outer, squares);
+        for (int side = 0; side < 2; side++) {
+            sum_span(maps, lone, &discs[side], y, sums);
+            if (sums->alike < enough)
+                sums->alike += count_alike_of(maps, lone, &squares[side], y, enough - sums->alike);
         }
     }
 }
@@ -266,13 +309,14 @@ static int find_radius(const Maps *maps, const Lone *lone, double *weights)
 {
     Around sums = {0};
     int radius = -1;
-    double alone = 0, own = weight_of(&maps->looks[place_in(maps->area, lone->x, lone->y)], lone);
+    double alone = 0, own = weight_of(&maps->looks, lone, place_in(maps->area, lone->x, lone->y));
     for (int next = 1; next <= FARTHEST; next += 1 + next / 2) {
-        look_farther(maps, lone, radius, next, &sums);
+        uint32_t enough = (uint32_t)(next <= NEAR ? next * NEAR_ENOUGH : FAR_ENOUGH);
+        look_farther(maps, lone, radius, next, enough, &sums);
         radius = next;
         double end = end_of(radius);
         *weights = sums.weights - sums.weights_by_distance / end;
-        if (sums.alike >= (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH)) return radius;
+        if (sums.alike >= enough) return radius;
         double plain = (sums.light - sums.light_by_distance / end) / *weights;
         alone = lone->light * own / (*weights * fmin(lone->reference, plain)); /* what the sample adds where it is */
         if (sums.alike * alone <= UNSEEN) return radius;
@@ -290,9 +334,8 @@ static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
     Square square = square_around(maps->area, lone, way->radius);
     for (uint32_t y = square.y0; y < square.y1; y++)
         for (uint32_t x = square.x0; x < square.x1; x++) {
-            const Look *look = &maps->looks[place_in(maps->area, x, y)];
-            if (!(weight_of(look, lone) > 0)) continue;
-            double samples = film_pixel(maps->film, x, y)->n, alike = count_alike(maps, look, lone, x, y);
+            if (!(weight_of(&maps->looks, lone, place_in(maps->area, x, y)) > 0)) continue;
+            double samples = film_pixel(maps->film, x, y)->n, alike = count_alike(maps, lone, x, y);
             n += samples;
             n_squared += samples * samples;
             found += alike;
@@ -306,20 +349,26 @@ static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
 }
 
 /* The rate of a pixel in relation to the usual one. */
-static double crowd(const Maps *maps, const Lone *lone, const Way *way, const Look *look, uint32_t x, uint32_t y)
+static double crowd(const Maps *maps, const Lone *lone, const Way *way, uint32_t x, uint32_t y)
 {
     double expected = way->usual * film_pixel(maps->film, x, y)->n;
-    return (1 + way->crowding * count_alike(maps, look, lone, x, y)) / (1 + way->crowding * expected);
+    return (1 + way->crowding * count_alike(maps, lone, x, y)) / (1 + way->crowding * expected);
 }
 
-/* What a pixel gets of a sample. */
-static double weight_at(const Maps *maps, const Lone *lone, const Way *way, uint32_t x, uint32_t y)
+/* What pixels of a row, as far as the sample's disc holds them, get of it. */
+static Span weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
 {
-    double near = nearness(distance_squared(lone, x, y), way->radius);
-    if (!(near > 0)) return 0;
-    const Look *look = &maps->looks[place_in(maps->area, x, y)];
-    double weight = near * weight_of(look, lone);
-    return way->crowding > 0 && weight > 0 ? weight * crowd(maps, lone, way, look, x, y) : weight;
+    Square square = square_around(maps->area, lone, way->radius);
+    Span spans[2];
+    double dy = (double)y - lone->y;
+    find_spans(&square, lone, -1, half_width(abs((int)y - (int)lone->y), way->radius), spans);
+    uint32_t x0 = spans[0].x0, n = spans[0].x1 - x0;
+    weights_of(&maps->looks, lone, place_in(maps->area, x0, y), n, weights);
+    double dx = (double)x0 - lone->x;
+    for (uint32_t i = 0; i < n; i++, dx++) weights[i] = nearness(dx * dx + dy * dy, way->radius) * weights[i];
+    for (uint32_t i = 0; way->crowding > 0 && i < n; i++)
+        if (weights[i] > 0) weights[i] *= crowd(maps, lone, way, x0 + i, y);
+    return spans[0];
 }
 
 static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
@@ -348,8 +397,11 @@ static bool find_way(const Maps *maps, const Lone *lone, Way *way)
     if (!(way->crowding > 0)) return radius > 0;
     way->weights = 0;
     Square square = square_around(maps->area, lone, radius);
-    for (uint32_t y = square.y0; y < square.y1; y++)
-        for (uint32_t x = square.x0; x < square.x1; x++) way->weights += weight_at(maps, lone, way, x, y);
+    for (uint32_t y = square.y0; y < square.y1; y++) {
+        double weights[2 * NEAR + 1];
+        Span span = weights_of_row(maps, lone, way, y, weights);
+        for (uint32_t i = 0; i < span.x1 - span.x0; i++) way->weights += weights[i];
+    }
     return true;
 }
 
@@ -403,14 +455,16 @@ static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, ui
     Lone lone = lone_at(maps, way->x, y, way->kept);
     double squared = square_of_luminance(lone.rgb);
     Square square = square_around(maps->area, &lone, way->radius);
-    for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++)
-        for (uint32_t u = square.x0; u < square.x1; u++) {
-            double part = weight_at(maps, &lone, way, u, v) / way->weights;
-            if (!(part > 0)) continue;
-            SpreadPixel *to = &maps->pixels[place_in(maps->area, u, v)];
+    for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++) {
+        double weights[2 * FARTHEST + 1];
+        Span span = weights_of_row(maps, &lone, way, v, weights);
+        SpreadPixel *to = &maps->pixels[place_in(maps->area, span.x0, v)];
+        for (uint32_t i = 0; i < span.x1 - span.x0; i++, to++) {
+            double part = weights[i] / way->weights;
             for (int c = 0; c < 3; c++) to->rgb[c] += part * lone.rgb[c];
             to->given += part * part * squared;
         }
+    }
     if (y >= y0 && y < y1) take_from(maps, &lone, squared);
 }
 
@@ -431,20 +485,28 @@ static void gather_band(void *context, uint32_t index, unsigned worker)
 static bool maps_init(Maps *maps)
 {
     size_t n = (size_t)maps->width * maps->height;
-    maps->looks = calloc(n, sizeof *maps->looks);
-    maps->plain = calloc(n, sizeof *maps->plain);
-    maps->around = calloc(n, sizeof *maps->around);
-    maps->rows = calloc(maps->height, sizeof *maps->rows);
-    return maps->looks && maps->plain && maps->around && maps->rows;
+    Looks *looks = &maps->looks;
+    float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2],
+                        &looks->plain,     &looks->around,    &looks->brightest};
+    bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
+    for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
+    for (int k = 0; k < BRIGHT_THINGS; k++)
+        ready = (looks->things[k] = calloc(n, sizeof *looks->things[k])) != NULL && ready;
+    return ready;
 }
 
 static void maps_clear(Maps *maps)
 {
+    Looks *looks = &maps->looks;
     for (uint32_t y = 0; maps->rows && y < maps->height; y++) free(maps->rows[y].ways);
+    for (int k = 0; k < BRIGHT_THINGS; k++) {
+        free(looks->things[k]);
+        free(looks->shares[k]);
+    }
+    free(looks->plain);
+    free(looks->around);
+    free(looks->brightest);
     free(maps->rows);
-    free(maps->around);
-    free(maps->plain);
-    free(maps->looks);
 }
 
 /* false when memory ends. */
@@ -454,7 +516,7 @@ static bool find_and_go(Maps *maps, Pool *pool, Spread *spread)
     float *scratch = calloc(n, sizeof *scratch);
     if (!scratch) return false;
     pool_run(pool, maps->height, look_at_row, maps);
-    mean_around(maps->plain, maps->width, maps->height, AROUND, scratch, maps->around);
+    mean_around(maps->looks.plain, maps->width, maps->height, AROUND, scratch, maps->looks.around);
     free(scratch);
     pool_run(pool, maps->height, find_ways_of_row, maps);
     double light = 0, moved = 0;
@@ -483,7 +545,8 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     maps_clear(&maps);
     if (good) return STATUS_OK;
     spread_clear(spread);
-    return fail_memory(error, n * (sizeof *spread->pixels + sizeof(Look) + 3 * sizeof(float)), "single bright samples");
+    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 4) * sizeof(float)),
+                       "single bright samples");
 }
 
 void spread_clear(Spread *spread)
