@@ -277,15 +277,6 @@ static inline Hit *next_triangle(HitList *list, double t, const Found *found)
     return hit;
 }
 
-/* Brings the corners of a triangle near that is to be computed when the search is over. */
-static inline void fetch_corners(const RtcMesh *mesh, uint32_t primitive)
-{
-    if (!mesh->baked) return;
-    uint32_t triangle[3];
-    rtc_triangle_of(mesh, primitive, triangle);
-    for (int i = 0; i < 3; i++) PREFETCH(&mesh->baked[triangle[i]]);
-}
-
 /* A triangle that a nearest query finds, and that cannot be put off. Returns whether the search may now end at
  * query->reach. */
 static bool consider_triangle(Query *query, const Found *found, double t)
@@ -336,7 +327,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
         consider_at_once(arguments, t);
         return;
     }
-    fetch_corners(query->scene->objects[found.object].mesh, found.primitive);
+    PREFETCH(&query->scene->objects[found.object].mesh->quads[found.primitive / 2]); /* for when the search is over */
     set_triangle(&list->items[list->n++], t, &found);
     if (list != query->hits) {
         arguments->valid[0] = 0;

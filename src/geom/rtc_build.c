@@ -1,5 +1,6 @@
 /* rtc_build.c - from meshes and solids to Embree's scene.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -100,36 +101,58 @@ static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *
     return STATUS_OK;
 }
 
-/* World-space vertices (and turned triangles when mirrored) of a mesh that stands in one place only. */
+/* World-space vertices of a mesh that stands in one place only. */
 static Status bake_mesh(const RtcPlaced *placed, RtcMesh *mesh, Error *error)
 {
     const Mesh *source = mesh->source;
     Affine to_world = rtc_first_to_world(placed);
-    if (affine_is_identity(&to_world)) {
-        mesh->baked = source->positions; /* they are padded, too */
-        return STATUS_OK;
-    }
+    mesh->baked = true;
+    if (affine_is_identity(&to_world)) return STATUS_OK; /* the source's positions are padded, too */
     size_t bytes = (size_t)source->n_vertices * sizeof(Vec3f) + sizeof(float); /* Embree reads 4 bytes past the end */
-    mesh->baked = malloc(bytes);
-    if (!mesh->baked) return fail_memory(error, bytes, "a mesh");
+    mesh->moved = malloc(bytes);
+    if (!mesh->moved) return fail_memory(error, bytes, "a mesh");
     for (uint32_t i = 0; i < source->n_vertices; i++)
-        mesh->baked[i] = vec3f_from(affine_point(&to_world, vec3_from_f(source->positions[i])));
-    for (uint32_t i = 0; placed->mirrored && i < mesh->n_quads; i++) mesh_quad_turn(mesh->quads[i]);
+        mesh->moved[i] = vec3f_from(affine_point(&to_world, vec3_from_f(source->positions[i])));
     return STATUS_OK;
+}
+
+static const Vec3f *positions_of(const RtcMesh *mesh)
+{
+    return mesh->moved ? mesh->moved : mesh->source->positions;
+}
+
+/* turned: the transform of a baked mesh mirrors. */
+static Status make_quads(RtcMesh *mesh, bool turned, Error *error)
+{
+    MeshQuad *pairs;
+    uint32_t n;
+    TRY(mesh_pair_triangles(mesh->source, &pairs, &n, error));
+    const Vec3f *positions = positions_of(mesh);
+    mesh->quads = aligned_alloc(64, (n + (size_t)1) * sizeof *mesh->quads);
+    mesh->n_quads = n;
+    for (uint32_t i = 0; mesh->quads && i < n; i++) {
+        RtcQuad *quad = &mesh->quads[i];
+        if (turned) mesh_quad_turn(pairs[i]);
+        for (int k = 0; k < 4; k++) {
+            quad->vertex[k] = pairs[i][k];
+            quad->corner[k] = positions[pairs[i][k]];
+        }
+    }
+    free(pairs);
+    return mesh->quads ? STATUS_OK : fail_memory(error, (n + (size_t)1) * sizeof *mesh->quads, "a mesh");
 }
 
 static RTCGeometry quad_geometry(RtcScene *scene, const RtcMesh *mesh)
 {
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_QUAD);
-    const Vec3f *positions[2] = {mesh->baked ? mesh->baked : mesh->source->positions,
-                                 mesh->end ? mesh->end->positions : NULL};
+    const Vec3f *positions[2] = {positions_of(mesh), mesh->end ? mesh->end->positions : NULL};
     unsigned n_times = mesh->end ? 2 : 1;
     rtcSetGeometryTimeStepCount(geometry, n_times);
     for (unsigned k = 0; k < n_times; k++)
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, k, RTC_FORMAT_FLOAT3, positions[k], 0,
                                    sizeof(Vec3f), mesh->source->n_vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh->quads, 0,
-                               sizeof *mesh->quads, mesh->n_quads);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh->quads,
+                               offsetof(RtcQuad, vertex), sizeof *mesh->quads, mesh->n_quads);
     rtcSetGeometryMask(geometry, 0xffffffffU);
     rtcSetGeometryIntersectFilterFunction(geometry, rtc_filter_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, rtc_filter_any);
@@ -186,13 +209,14 @@ static void add_instances(RtcScene *scene, const RtcMesh *mesh, const MeshUse *u
 /* Geometry number o of the world is object o; the pieces of all solids come after them. */
 static Status add_mesh(RtcScene *scene, RtcMesh *mesh, const MeshUse *uses, uint32_t n, Error *error)
 {
-    TRY(mesh_pair_triangles(mesh->source, &mesh->quads, &mesh->n_quads, error));
     const RtcPlaced *first = &scene->objects[uses[0].object];
     if (n > 1 || first->keys || mesh->end) {
+        TRY(make_quads(mesh, false, error));
         add_instances(scene, mesh, uses, n);
         return STATUS_OK;
     }
     TRY(bake_mesh(first, mesh, error));
+    TRY(make_quads(mesh, first->mirrored, error));
     attach(scene->world, quad_geometry(scene, mesh), uses[0].object);
     return STATUS_OK;
 }
@@ -500,9 +524,8 @@ void rtc_scene_free(RtcScene *scene)
     for (uint32_t i = 0; i < scene->n_shared; i++) rtcReleaseScene(scene->shared[i]);
     if (scene->device) rtcReleaseDevice(scene->device);
     for (uint32_t i = 0; i < scene->n_meshes; i++) {
-        RtcMesh *mesh = &scene->meshes[i];
-        if (mesh->baked != mesh->source->positions) free(mesh->baked);
-        free(mesh->quads);
+        free(scene->meshes[i].moved);
+        free(scene->meshes[i].quads);
     }
     free(scene->meshes);
     free(scene->maps);

@@ -59,7 +59,7 @@ static uint32_t object_asked(const struct RTCPointQueryFunctionArguments *argume
 /* How many triangles a quad of a mesh has. */
 static uint32_t triangles_of(const RtcPlaced *object, uint32_t quad)
 {
-    return mesh_quad_is_single(object->mesh->quads[quad]) ? 1 : 2;
+    return mesh_quad_is_single(object->mesh->quads[quad].vertex) ? 1 : 2;
 }
 
 /* A triangle near a place in doubt: noted where the exact ray meets it. */

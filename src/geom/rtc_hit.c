@@ -27,11 +27,11 @@ static inline bool is_left(const Query *query, uint32_t object, uint32_t primiti
     return false;
 }
 
-static Vec3 local_corner(const RtcPlaced *object, uint32_t vertex, double time)
+static Vec3 local_corner(const RtcMesh *mesh, const RtcQuad *quad, uint32_t k, double time)
 {
-    Vec3 p = vec3_from_f(object->mesh->source->positions[vertex]);
-    const Mesh *end = object->mesh->end;
-    return end ? vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(end->positions[vertex]), time)) : p;
+    Vec3 p = vec3_from_f(quad->corner[k]);
+    if (!mesh->end) return p;
+    return vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(mesh->end->positions[quad->vertex[k]]), time));
 }
 
 /* In world space; a mirrored instance has two of them swapped, so that the counter-clockwise side is outside in any
@@ -40,12 +40,13 @@ typedef struct Corners {
     Vec3 a, b, c;
 } Corners;
 
-static Corners instance_corners(const RtcScene *scene, const RtcPlaced *object, const uint32_t triangle[3], double time)
+static Corners instance_corners(const RtcScene *scene, const RtcPlaced *object, const RtcQuad *quad, uint32_t half,
+                                double time)
 {
     Affine to_world = rtc_to_world(scene, object, time);
-    Vec3 a = affine_point(&to_world, local_corner(object, triangle[0], time));
-    Vec3 b = affine_point(&to_world, local_corner(object, triangle[1], time));
-    Vec3 c = affine_point(&to_world, local_corner(object, triangle[2], time));
+    Vec3 a = affine_point(&to_world, local_corner(object->mesh, quad, 2 * half, time));
+    Vec3 b = affine_point(&to_world, local_corner(object->mesh, quad, 1 + 2 * half, time));
+    Vec3 c = affine_point(&to_world, local_corner(object->mesh, quad, 3 - 2 * half, time));
     return object->mirrored ? (Corners){a, c, b} : (Corners){a, b, c};
 }
 
@@ -53,11 +54,11 @@ static Corners instance_corners(const RtcScene *scene, const RtcPlaced *object, 
  * waited for. */
 static inline Corners triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time)
 {
-    uint32_t triangle[3];
-    const Vec3f *baked = object->mesh->baked;
-    rtc_triangle_of(object->mesh, primitive, triangle);
-    if (UNLIKELY(!baked)) return instance_corners(scene, object, triangle, time);
-    return (Corners){vec3_from_f(baked[triangle[0]]), vec3_from_f(baked[triangle[1]]), vec3_from_f(baked[triangle[2]])};
+    const RtcQuad *quad = &object->mesh->quads[primitive / 2];
+    uint32_t half = primitive % 2; /* see mesh_quad_triangle */
+    if (UNLIKELY(!object->mesh->baked)) return instance_corners(scene, object, quad, half, time);
+    return (Corners){vec3_from_f(quad->corner[2 * half]), vec3_from_f(quad->corner[1 + 2 * half]),
+                     vec3_from_f(quad->corner[3 - 2 * half])};
 }
 
 uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object)

@@ -10,14 +10,20 @@
 #include "geom/rtc.h"
 #include "mesh/quads.h"
 
+/* Two triangles, and all that is read of them when one is met: a line of memory. */
+typedef struct RtcQuad {
+    Vec3f corner[4]; /* in the world's frame where the mesh is baked, else in its own, at time 0 */
+    MeshQuad vertex; /* their numbers */
+} RtcQuad;
+
 /* A mesh as Embree has it, wherever it is placed: as quads, for a search takes two triangles at once in the time of one.
  * Primitive 2 * q + h of its objects is triangle h of quad q. */
 typedef struct RtcMesh {
     const Mesh *source, *end; /* end: NULL for one whose shape stays */
-    MeshQuad *quads;          /* turned round where it is baked and the transform mirrors */
+    RtcQuad *quads;           /* aligned; turned round where the mesh is baked and the transform mirrors */
     uint32_t n_quads;
-    Vec3f *baked;             /* world-space vertices of a mesh placed once, the source's own where that is in the world's
-                               * frame; NULL for instances */
+    bool baked;               /* placed once: it is traced in the world's frame, not as an instance */
+    Vec3f *moved;             /* the vertices in the world's frame where it is baked; NULL where the source's are there */
 } RtcMesh;
 
 typedef struct RtcMaps {
@@ -117,9 +123,9 @@ static inline Affine rtc_first_to_local(const RtcPlaced *object)
 }
 
 /* The numbers of the vertices of a mesh's primitive, counter-clockwise seen from outside where the mesh is baked. */
-static inline void rtc_triangle_of(const RtcMesh *mesh, uint32_t primitive, uint32_t corners[3])
+static inline void rtc_triangle_of(const RtcMesh *mesh, uint32_t primitive, uint32_t vertices[3])
 {
-    mesh_quad_triangle(mesh->quads[primitive / 2], primitive % 2, corners);
+    mesh_quad_triangle(mesh->quads[primitive / 2].vertex, primitive % 2, vertices);
 }
 
 /* Where a placed object is. */
