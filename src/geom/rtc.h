@@ -121,6 +121,7 @@ struct Hit {
     float u, v;            /* barycentric of the triangle; unused for pieces */
     bool inside, behind;   /* set by rtc_leave: whether the new ray starts inside of this hit's object, and whether it goes away
                             * from the surface there, and comes no more to one that is flat */
+    bool smooth;           /* the shading normal may be another than this one */
     bool clear;            /* so far from the triangle's edges that no rounding of float reaches them; true of pieces */
 };
 
@@ -164,8 +165,12 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
  * largest coordinate in float. Surfaces nearer to each other than this stand at one place. */
 double rtc_rounding(Vec3 p);
 
-/* The shading normal: unit, outward; on the geometric normal's side. */
-Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit);
+/* The shading normal: unit, outward; on the geometric normal's side. rtc_smooth_normal: of a hit that is smooth. */
+Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit);
+static inline Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
+{
+    return hit->smooth ? rtc_smooth_normal(scene, ray, hit) : hit->normal;
+}
 /* A surface's own coordinates where it was met: barycentric ones of a triangle, PieceRoot's of a piece. */
 void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2]);
 

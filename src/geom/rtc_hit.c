@@ -134,6 +134,7 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     hit->cos_normal = cosine;
     hit->rounding = rounding;
     hit->inside = false;
+    hit->smooth = object->mesh->source->normals != NULL;
     hit->clear = is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t));
     if (UNLIKELY(!hit->clear)) query->unsure = true;
     return true;
@@ -164,7 +165,8 @@ static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
 {
     if (query->local.object != hit->object) rtc_enter_frame(query, hit->object);
     const LocalRay *local_ray = &query->local;
-    Vec3 local = piece_normal(&object->solid->pieces[hit->primitive], local_ray->line.org, local_ray->line.dir, hit->t);
+    const Piece *piece = &object->solid->pieces[hit->primitive];
+    Vec3 local = piece_normal(piece, local_ray->line.org, local_ray->line.dir, hit->t);
     Vec3 normal = local_ray->to_local ? vec3_normalize(affine_normal(local_ray->to_local, local)) : local;
     double slope = vec3_dot(local, local_ray->line.dir); /* the sign that the piece itself sees */
     double cosine = vec3_dot(normal, query->direction);
@@ -178,6 +180,7 @@ static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
     hit->rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + hit->t);
     hit->u = hit->v = 0;
     hit->inside = false;
+    hit->smooth = piece_is_smoothed(piece);
     hit->clear = true;
     return true;
 }
@@ -232,7 +235,6 @@ static Vec3f mesh_shading(const RtcScene *scene, const RtcPlaced *object, double
 static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const Ray *ray, const Hit *hit)
 {
     const Piece *piece = &object->solid->pieces[hit->primitive];
-    if (!piece_is_smoothed(piece)) return hit->normal;
     Affine to_local = rtc_to_local(scene, object, ray->time);
     PieceRoot root;
     piece_surface(piece, affine_point(&to_local, ray->origin), affine_vector(&to_local, vec3_from_f(ray->direction)),
@@ -241,10 +243,9 @@ static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const
     return vec3f_dot(shading, hit->normal) > 0 ? shading : hit->normal;
 }
 
-Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
+Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    if (object->mesh && !object->mesh->source->normals) return hit->normal;
     return object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 

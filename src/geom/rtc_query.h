@@ -78,8 +78,11 @@ void rtc_enter_frame(Query *query, uint32_t object);
 /* Whether the ray starts on that primitive: NULL, or where it was hit. */
 static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t primitive)
 {
+    const Hit *left = ray->left;
+    if (LIKELY(ray->n_left <= 1)) /* nearly always */
+        return ray->n_left && left->primitive == primitive && left->object == object ? left : NULL;
     for (size_t i = 0; i < ray->n_left; i++)
-        if (ray->left[i].object == object && ray->left[i].primitive == primitive) return &ray->left[i];
+        if (left[i].object == object && left[i].primitive == primitive) return &left[i];
     return NULL;
 }
 /* Computes in double what a candidate is: hit has object and primitive, u and v of a triangle, t of a piece. False when

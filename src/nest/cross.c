@@ -23,8 +23,25 @@ static uint32_t place_of(const NestList *list, const NestOrder *order, uint32_t 
     return place;
 }
 
+/* Where the surface is on top of a sorted list, as most are: nothing is searched. */
+static inline bool look_at_top(const NestList *list, const NestOrder *order, NestPass pass, NestStep *step)
+{
+    uint32_t n = list->n;
+    if (pass.entering) {
+        NestTop top = order->top[pass.hull];
+        if (top.level <= list->point.top.level) return false;
+        *step = (NestStep){{1, top}, n + 1, pass.hull, n};
+        return true;
+    }
+    const uint32_t *items = nest_list_items(list);
+    if (n == 0 || items[n - 1] != pass.hull) return false;
+    *step = (NestStep){{1, nest_top_of_row(order, items, n - 1)}, n - 1, pass.hull, n - 1};
+    return true;
+}
+
 void nest_look(const NestList *list, const NestOrder *order, NestPass pass, NestStep *step)
 {
+    if (order->sorted && LIKELY(look_at_top(list, order, pass, step))) return;
     const uint32_t *items = nest_list_items(list);
     uint32_t n = list->n, place = n;
     while (place > 0 && items[place - 1] != pass.hull) place--;

@@ -5,12 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void nest_list_clear(NestList *list)
-{
-    free(list->grown);
-    nest_list_init(list);
-}
-
 Status nest_list_grow(NestList *list, uint32_t more)
 {
     if (more > UINT32_MAX - list->n) return STATUS_NOMEM;

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/status.h"
@@ -54,7 +55,11 @@ static inline void nest_list_init(NestList *list)
     list->grown = NULL;
 }
 /* Frees what has grown; the list is empty and usable afterwards. */
-void nest_list_clear(NestList *list);
+static inline void nest_list_clear(NestList *list)
+{
+    if (UNLIKELY(list->grown != NULL)) free(list->grown);
+    nest_list_init(list);
+}
 /* How many hulls there are. */
 static inline uint32_t nest_list_count(const NestList *list)
 {
