@@ -100,16 +100,13 @@ static Place place_of(const Environment *environment, Vec3f direction)
 }
 
 /* The luminances of a cell's corners: left and right above, left and right below. */
-static void cell_corners(const Environment *environment, const Place *place, float corner[4])
+static inline Lanes cell_corners(const Environment *environment, const Place *place)
 {
     const float *above = environment->luminance + (size_t)place->above * environment->width;
     const float *below = environment->luminance + (size_t)place->below * environment->width;
-    corner[0] = above[place->left];
-    corner[1] = above[place->right];
-    corner[2] = below[place->left];
-    corner[3] = below[place->right];
-    float mean = 0.25f * (corner[0] + corner[1] + corner[2] + corner[3]);
-    for (int i = 0; i < 4; i++) corner[i] = (1 - even_share) * corner[i] + even_share * mean;
+    float a = above[place->left], b = above[place->right], c = below[place->left], d = below[place->right];
+    float mean = 0.25f * (a + b + c + d);
+    return lanes_add(lanes_scale(lanes(a, b, c, d), 1 - even_share), lanes_all(even_share * mean));
 }
 
 static float mix(float a, float b, float t)
@@ -137,9 +134,11 @@ static float sphere_pdf(void)
 
 static float pdf_at(const Environment *environment, const Place *place, Vec3f direction)
 {
-    float corner[4], depth = depth_by_solid_angle(environment, place->row, direction);
-    cell_corners(environment, place, corner);
-    float luminance = mix(mix(corner[0], corner[1], place->across), mix(corner[2], corner[3], place->across), depth);
+    float depth = depth_by_solid_angle(environment, place->row, direction);
+    Lanes corner = cell_corners(environment, place);
+    float above = mix(lanes_get(corner, 0), lanes_get(corner, 1), place->across);
+    float below = mix(lanes_get(corner, 2), lanes_get(corner, 3), place->across);
+    float luminance = mix(above, below, depth);
     return luminance / environment->power;
 }
 
@@ -184,14 +183,14 @@ static float invert_linear(float a_float, float b_float, float u)
 /* In proportion to luminance times solid angle; of an image that is not black. */
 static Vec3f sample_cells(const Environment *environment, float u, float v)
 {
-    float corner[4];
     unsigned row = invert_cdf(environment->row_cdf, &environment->row_hints, 0, v, &v);
     const float *cells = environment->cell_cdf + (size_t)row * (environment->width + 1);
     unsigned column = invert_cdf(cells, &environment->cell_hints, row, u, &u);
     Place place = place_at(environment, row, column);
-    cell_corners(environment, &place, corner);
-    float depth = invert_linear(corner[0] + corner[1], corner[2] + corner[3], v);
-    float across = invert_linear(mix(corner[0], corner[2], depth), mix(corner[1], corner[3], depth), u);
+    Lanes corners = cell_corners(environment, &place);
+    float a = lanes_get(corners, 0), b = lanes_get(corners, 1), c = lanes_get(corners, 2), d = lanes_get(corners, 3);
+    float depth = invert_linear(a + b, c + d, v);
+    float across = invert_linear(mix(a, c, depth), mix(b, d, depth), u);
 
     double half = environment->edge[row] + (double)depth * (environment->edge[row + 1] - environment->edge[row]);
     float radius = (float)(2 * sqrt(half * (1 - half))), x, y;
@@ -389,10 +388,10 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
         sums[0] = 0;
         for (unsigned column = 0; column < width; column++) {
             Place place = place_at(environment, row, column);
-            float corner[4];
-            cell_corners(environment, &place, corner);
+            Lanes corner = cell_corners(environment, &place);
             /* the mean of a bilinear function is that of its corners */
-            double mean = 0.25 * ((double)corner[0] + (double)corner[1] + (double)corner[2] + (double)corner[3]);
+            double mean = 0.25 * ((double)lanes_get(corner, 0) + (double)lanes_get(corner, 1) +
+                                  (double)lanes_get(corner, 2) + (double)lanes_get(corner, 3));
             sums[column + 1] = sums[column] + mean * solid_angle;
         }
         row_sums[row + 1] = row_sums[row] + sums[width];

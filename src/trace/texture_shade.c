@@ -47,7 +47,7 @@ static Vec3 slope_of_bump(const World *world, const SceneSurface *surface, const
 {
     const TexturePlace *at = &view->at;
     Affine to_world;
-    if (!affine_invert(&view->to_texture, &to_world)) return vec3(0, 0, 0);
+    if (!affine_invert(view->to_texture, &to_world)) return vec3(0, 0, 0);
     /* over the footprint, or else over the least length that floats of uv can tell apart on a picture */
     double least = 1e-4 * vec3_max_abs(at->object), steep = fmax(vec3_length(at->du), vec3_length(at->dv));
     if (steep > 0) least = fmin(least, 1e-4 / steep);
@@ -108,17 +108,17 @@ static void add_relief(const Path *path, const Event *event, const SceneSurface 
     const World *world = path->tracer->world;
     bool front = event->hit.entering;
     Affine to_world;
-    if (!affine_invert(&view->to_texture, &to_world)) return;
+    if (!affine_invert(view->to_texture, &to_world)) return;
     double sign = view->mirrored ? -1 : 1;
     Vec3 outward = vec3_from_f(front ? place->normal : vec3f_negate(place->normal));
-    Vec3 n = vec3_scale(vec3_normalize(affine_area(&view->to_texture, outward)), sign);
+    Vec3 n = vec3_scale(vec3_normalize(affine_area(view->to_texture, outward)), sign);
     if (surface->normal_map != SCENE_NONE) n = normal_of_map(world->scene, surface, view, n);
     if (surface->bump != SCENE_NONE) {
         Vec3 slope = slope_of_bump(world, surface, view);
         slope = vec3_along(slope, -vec3_dot(slope, n), n);
         n = vec3_sub(n, slope);
     }
-    Vec3 turned = affine_normal(&view->to_texture, n);
+    Vec3 turned = affine_normal(view->to_texture, n);
     double length = vec3_length(turned);
     if (!(length > 0) || !isfinite(length)) return;
     Vec3f normal = vec3f_from(vec3_scale(turned, (front ? 1 : -1) / length));

@@ -51,19 +51,23 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
 {
     const Scene *scene = world->scene;
     const SceneTextureFrame *frame = &scene->texture_frames[scene->objects[hit->object].texture_frame];
-    RtcCoordinates at;
-    rtc_coordinates(world->compiled->rtc, ray, hit, surface->textures_use_uv, &at);
+    const RtcCoordinates *at = &view->coordinates;
+    rtc_coordinates(world->compiled->rtc, ray, hit, surface->textures_use_uv, &view->coordinates);
     TexturePlace *place = &view->at;
-    view->to_texture = frame->moved ? affine_compose(&frame->from_shape, &at.to_local) : at.to_local;
-    Vec3 outward = vec3_from_f(hit->normal), normal = affine_area(&view->to_texture, outward);
-    view->mirrored = affine_determinant(&view->to_texture) < 0;
+    view->to_texture = &at->to_local;
+    if (frame->moved) {
+        view->composed = affine_compose(&frame->from_shape, &at->to_local);
+        view->to_texture = &view->composed;
+    }
+    Vec3 outward = vec3_from_f(hit->normal), normal = affine_area(view->to_texture, outward);
+    view->mirrored = affine_determinant(view->to_texture) < 0;
     if (surface->textures_use_uv) {
-        view_uv(frame, &at, outward, place);
+        view_uv(frame, at, outward, place);
     } else {
         place->uv[0] = place->uv[1] = 0;
         place->du = place->dv = vec3(0, 0, 0);
     }
-    place->object = frame->moved ? affine_point(&frame->from_shape, at.local) : at.local;
+    place->object = frame->moved ? affine_point(&frame->from_shape, at->local) : at->local;
     place->object_normal = vec3_scale(normal, (view->mirrored ? -1 : 1) / vec3_length(normal));
     place->world = ray_point(ray, hit->t);
     place->world_normal = outward;
@@ -72,7 +76,7 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
     place->object = vec3_along(place->object, -deep * vec3_max_abs(place->object), place->object_normal);
     place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
     place->world_footprint = footprint;
-    place->footprint = footprint * stretch_of(&view->to_texture);
+    place->footprint = footprint * stretch_of(view->to_texture);
     place->identity = scene_texture_identity(scene, hit->object);
 }
 

@@ -8,8 +8,10 @@
 /* A place and the maps between it and the world. */
 typedef struct TextureView {
     TexturePlace at;
-    Affine to_texture; /* from the world to the frame of the object's textures */
-    bool mirrored;     /* that mirrors */
+    const Affine *to_texture; /* from the world to the frame of the object's textures: one of these two, not copied */
+    RtcCoordinates coordinates;
+    Affine composed;
+    bool mirrored; /* to_texture mirrors */
 } TextureView;
 
 /* Of the object that the ray has hit, for the textures of a surface of it; the object has a frame for textures. Of the
