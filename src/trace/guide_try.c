@@ -26,7 +26,7 @@ static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1};
 enum { EVEN = 4, TRIED = 5 }; /* of these, in all cells: that is judged for all, and while it is tried out */
 
 /* What a probe takes besides its rays, and looking up a place: in rays. */
-#define PROBE_COST 2.0
+#define PROBE_COST 1.0
 #define VISIT_COST 0.05
 /* Where less is known of a part of the guide, it does as the larger one that it lies in. */
 #define LEAST_FOUND 24
