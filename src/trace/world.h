@@ -49,7 +49,7 @@ typedef enum SamplePattern { PATTERN_SHARED, PATTERN_ALONE, PATTERN_INDEPENDENT 
 typedef struct Trial {
     SamplePattern pattern;      /* pixels do not share out the work: white noise; nor do the samples of one pixel */
     bool wavelengths_by_chance; /* those of one pixel are not evenly spread */
-    bool choices_apart;         /* those at boundaries have nothing to do with the place in the pixel */
+    bool choices_apart;         /* of ways, lights and lobes: no third coordinates to the places and directions */
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
     float roulette_below;       /* what paths carry that are left to chance */
 } Trial;

@@ -15,7 +15,7 @@ static const struct {
     {"every pixel for itself", {.pattern = PATTERN_ALONE}},
     {"every sample for itself", {.pattern = PATTERN_INDEPENDENT}},
     {"wavelengths by chance", {.wavelengths_by_chance = true}},
-    {"choices apart from places", {.choices_apart = true}},
+    {"choices by numbers apart", {.choices_apart = true}},
     {"choices by Fresnel alone", {.fresnel_alone = true}},
     {"roulette below 1/50", {.roulette_below = 0.02f}},
     {"roulette below 1/5", {.roulette_below = 0.2f}},

@@ -131,6 +131,28 @@ static void dimensions_are_independent(void **state)
     assert_true(worst < 120); /* the largest of 18 by chance is above that once in 3000 */
 }
 
+/* Nor has the third number with each of a stream's two: one sample, or another, of many pixels. */
+static void thirds_are_independent(void **state)
+{
+    (void)state;
+    double worst = 0;
+    for (uint32_t samples = 1; samples <= 16; samples *= 4)
+        for (uint32_t seed = 1; seed <= 3; seed++) {
+            double count[2][64] = {{0}}, n = 256 * 256, chi[2] = {0};
+            for (uint32_t y = 0; y < 256; y++)
+                for (uint32_t x = 0; x < 256; x++) {
+                    Sampler sampler = sampler_make(seed, x, y, (x * 7 + y * 3) % samples);
+                    float u[2];
+                    uint32_t third = sampler_3d(&sampler, 8, u) >> 29;
+                    for (int i = 0; i < 2; i++) count[i][stratum((double)u[i], 3) << 3 | third]++;
+                }
+            for (int i = 0; i < 128; i++) chi[i / 64] += pow(count[i / 64][i % 64] - n / 64, 2) / (n / 64);
+            worst = fmax(worst, fmax(chi[0], chi[1]));
+        }
+    print_message("third numbers with the others: chi-square of 63 degrees of freedom at most %.1f\n", worst);
+    assert_true(worst < 120);
+}
+
 /* ---- errors ---- */
 
 typedef struct Integrand {
@@ -286,6 +308,7 @@ int main(void)
         cmocka_unit_test(quads_have_thirds_in_strata),
         cmocka_unit_test(quads_have_strata),
         cmocka_unit_test(dimensions_are_independent),
+        cmocka_unit_test(thirds_are_independent),
         cmocka_unit_test(errors_are_blue),
         cmocka_unit_test(errors_fall_fast),
         cmocka_unit_test(costs_little),
