@@ -44,7 +44,7 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-pro
   -Wundef -Wformat=2 -Wcast-qual -Wpointer-arith -Wwrite-strings -Wimplicit-fallthrough -Wvla
 C_WARNINGS := -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
 # -ffp-contract=off: the same bits from every compiler; never -ffast-math. Measured in four examples, the time of rendering over
-# that of -O3 alone, with the same bits: x86-64-v3 0.97 to 1.00, a build with a profile 0.95 to 1.09, -fno-tree-slp-vectorize 0.97
+# that of -O3 alone: x86-64-v3 0.97 to 1.00, a build with a profile 0.95 to 1.09, -fno-tree-slp-vectorize 0.97
 # to 1.04 for all files and 0.98 to 1.08 for those of one folder. None is worth a second build.
 FLAGS_release := -O3
 FLAGS_debug := -O0 -g
