@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "scene/lines.h"
 #include "scene/relations.h"
 
@@ -338,6 +339,7 @@ Status compile_scene(const Scene *scene, NestPolicy policy, Pool *pool, Diag *di
         *out = compiled;
     else
         compiled_scene_free(compiled);
+    memory_give_back();
     return status;
 }
 
