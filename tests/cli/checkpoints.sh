@@ -29,9 +29,9 @@ end
 
 begin "the same with a noise to be reached"
 kept_scene
-run render kept.mns -o whole.exr -n 4% -s 2000 -q
+run render kept.mns -o whole.exr -n 2.5% -s 4000 -q
 exits 0
-stop_and_resume parts -n 4% -s 2000
+stop_and_resume parts -n 2.5% -s 4000
 cmp -s whole.exr parts.exr || flunk "the pictures differ"
 [ $kept = yes ] || flunk "it was never stopped"
 end
