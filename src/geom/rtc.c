@@ -270,8 +270,13 @@ static inline void set_triangle(Hit *hit, double t, const Found *found)
     hit->u = found->u;
     hit->v = found->v;
 }
-static inline Hit *next_triangle(HitList *list, double t, const Found *found)
+/* The place of a triangle in a list; NULL where the ray goes away from it, where it is there already, as one that has been found
+ * as its twin may be, and when memory ends. */
+static Hit *next_triangle(const Query *query, HitList *list, double t, const Found *found)
 {
+    const Hit *left = rtc_find_left(query->ray, found->object, found->primitive);
+    if (left && left->behind) return NULL;
+    if (UNLIKELY(found->on_diagonal) && rtc_has_hit(list, found->object, found->primitive)) return NULL;
     Hit *hit = rtc_hit_place(list);
     if (LIKELY(hit)) set_triangle(hit, t, found);
     return hit;
@@ -281,12 +286,8 @@ static inline Hit *next_triangle(HitList *list, double t, const Found *found)
  * query->reach. */
 static bool consider_triangle(Query *query, const Found *found, double t)
 {
-    const Hit *left = rtc_find_left(query->ray, found->object, found->primitive);
-    if (left && left->behind) return false;
     bool passing = rtc_passes(query, found->object);
-    HitList *list = passing ? query->passed : query->hits;
-    if (UNLIKELY(found->on_diagonal) && rtc_has_hit(list, found->object, found->primitive)) return false;
-    Hit *hit = next_triangle(list, t, found);
+    Hit *hit = next_triangle(query, passing ? query->passed : query->hits, t, found);
     return LIKELY(hit) && (passing ? note_passed(query, hit, false) : take_exactly(query, hit));
 }
 
@@ -340,11 +341,8 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
 /* A triangle that a query for any finds. Returns whether the search may end at once. */
 static bool consider_any(Query *query, const Found *found)
 {
-    const Hit *left = rtc_find_left(query->ray, found->object, found->primitive);
-    if (left && left->behind) return false;
-    if (UNLIKELY(found->on_diagonal) && rtc_has_hit(query->hits, found->object, found->primitive)) return false;
-    Hit *hit = next_triangle(query->hits, 0, found);
-    return LIKELY(hit) && take_any(query, hit);
+    Hit *hit = next_triangle(query, query->hits, 0, found);
+    return hit && take_any(query, hit);
 }
 
 void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)

@@ -247,11 +247,10 @@ static Status list_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Erro
 static Status find_uses(const RtcScene *scene, RtcDescribe *describe, const void *context, MeshUse **uses, uint32_t *n,
                         Error *error)
 {
+    size_t bytes = (scene->n_objects + (size_t)1) * sizeof **uses; /* as if all were meshes */
     *n = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++) *n += describe(context, i).mesh != NULL;
-    *uses = malloc((*n + (size_t)1) * sizeof **uses);
-    if (!*uses) return fail_memory(error, *n * sizeof **uses, "the scene's objects");
-    *n = 0;
+    *uses = malloc(bytes);
+    if (!*uses) return fail_memory(error, bytes, "the scene's objects");
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         RtcObject object = describe(context, i);
         if (object.mesh) (*uses)[(*n)++] = (MeshUse){object.mesh, object.mesh_end, i};

@@ -103,6 +103,12 @@ static void pair_all(Pairing *p)
         }
 }
 
+/* Whether a triangle begins a quad: it is alone, or its partner comes later. */
+static bool begins_quad(const Pairing *p, uint32_t triangle)
+{
+    return p->mate[triangle] == NOBODY || p->mate[triangle] / 3 > triangle;
+}
+
 static void quad_of(const Pairing *p, uint32_t triangle, MeshQuad quad)
 {
     const uint32_t *corners = p->mesh->triangles[triangle];
@@ -146,12 +152,12 @@ Status mesh_pair_triangles(const Mesh *mesh, MeshQuad **quads, uint32_t *n, Erro
     TRY(pairing_init(&p, mesh, error));
     pair_all(&p);
     *n = 0;
-    for (uint32_t i = 0; i < mesh->n_triangles; i++) *n += p.mate[i] == NOBODY || p.mate[i] / 3 > i;
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) *n += begins_quad(&p, i);
     *quads = malloc((*n + (size_t)1) * sizeof **quads);
     if (*quads) {
         uint32_t at = 0;
         for (uint32_t i = 0; i < mesh->n_triangles; i++)
-            if (p.mate[i] == NOBODY || p.mate[i] / 3 > i) quad_of(&p, i, (*quads)[at++]);
+            if (begins_quad(&p, i)) quad_of(&p, i, (*quads)[at++]);
     }
     pairing_clear(&p);
     return *quads ? STATUS_OK : fail_memory(error, *n * sizeof **quads, "the pairs of a mesh's triangles");

@@ -32,8 +32,8 @@ static inline void mesh_quad_turn(MeshQuad quad)
 
 /* All triangles of a mesh, each once, as *n quads, which are malloc'd and in the order of the triangles that come first.
  * Two are paired that share an edge, by its vertices' numbers, in opposite directions, and that fit: the longest edge of
- * both, if it can be, and a box around both that has no more area than the boxes of the two. STATUS_NOMEM, and where
- * there are 2^31 quads or more. */
+ * both, if it can be, and a box around both that has no more area than the boxes of the two. STATUS_NOMEM, also of
+ * more than 2^30 triangles. */
 ATTR_NODISCARD Status mesh_pair_triangles(const Mesh *mesh, MeshQuad **quads, uint32_t *n, Error *error);
 
 #endif

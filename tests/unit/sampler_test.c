@@ -77,34 +77,35 @@ static void pixels_have_nets_in_space(void **state)
         }
 }
 
-/* The third number of a quad's pixels, as far as one dimension's: see below. */
-static void quads_have_thirds_in_strata(void **state)
+static double first_of(const Sampler *sampler, uint32_t dimension)
 {
-    (void)state;
+    return (double)sampler_1d(sampler, dimension);
+}
+
+/* The first 2^m numbers of a pixel are in as many strata, and so are those of a quad, by two for the odd. */
+static void expect_strata(double (*number)(const Sampler *sampler, uint32_t dimension))
+{
     for (uint32_t m = 0; m <= 6; m++)
         for (uint32_t quad = 0; quad < 256; quad++) {
             uint32_t n = 4U << m, met[256] = {0};
             for (uint32_t i = 0; i < n; i++) {
                 Sampler sampler = sampler_make(3, quad % 16 * 2 + (i & 1), quad / 16 * 2 + (i >> 1 & 1), i >> 2);
-                met[(uint32_t)(third_of(&sampler, 9) * n)]++;
+                met[(uint32_t)(number(&sampler, 9) * n)]++;
             }
             for (uint32_t i = 0; i < n; i += 2) assert_true(met[i] + met[i + 1] > 0);
         }
 }
 
-/* One dimension: the first 2^m numbers of a pixel are in as many strata, and so are those of a quad, by two for the odd. */
 static void quads_have_strata(void **state)
 {
     (void)state;
-    for (uint32_t m = 0; m <= 6; m++)
-        for (uint32_t quad = 0; quad < 256; quad++) {
-            uint32_t n = 4U << m, met[256] = {0};
-            for (uint32_t i = 0; i < n; i++) {
-                Sampler sampler = sampler_make(3, quad % 16 * 2 + (i & 1), quad / 16 * 2 + (i >> 1 & 1), i >> 2);
-                met[(uint32_t)((double)sampler_1d(&sampler, 9) * n)]++;
-            }
-            for (uint32_t i = 0; i < n; i += 2) assert_true(met[i] + met[i + 1] > 0);
-        }
+    expect_strata(first_of);
+}
+
+static void quads_have_thirds_in_strata(void **state)
+{
+    (void)state;
+    expect_strata(third_of);
 }
 
 /* Numbers of different dimensions have nothing to do with each other, in one pixel and among neighbours: an 8 x 8 table of
