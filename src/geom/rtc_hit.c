@@ -44,9 +44,9 @@ static Corners instance_corners(const RtcScene *scene, const RtcPlaced *object, 
                                 double time)
 {
     Affine to_world = rtc_to_world(scene, object, time);
-    Vec3 a = affine_point(&to_world, local_corner(object->mesh, quad, 2 * half, time));
-    Vec3 b = affine_point(&to_world, local_corner(object->mesh, quad, 1 + 2 * half, time));
-    Vec3 c = affine_point(&to_world, local_corner(object->mesh, quad, 3 - 2 * half, time));
+    Vec3 a = affine_point(&to_world, local_corner(object->mesh, quad, mesh_quad_corner(half, 0), time));
+    Vec3 b = affine_point(&to_world, local_corner(object->mesh, quad, mesh_quad_corner(half, 1), time));
+    Vec3 c = affine_point(&to_world, local_corner(object->mesh, quad, mesh_quad_corner(half, 2), time));
     return object->mirrored ? (Corners){a, c, b} : (Corners){a, b, c};
 }
 
@@ -55,10 +55,11 @@ static Corners instance_corners(const RtcScene *scene, const RtcPlaced *object, 
 static inline Corners triangle_corners(const RtcScene *scene, const RtcPlaced *object, uint32_t primitive, double time)
 {
     const RtcQuad *quad = &object->mesh->quads[primitive / 2];
-    uint32_t half = primitive % 2; /* see mesh_quad_triangle */
+    uint32_t half = primitive % 2;
     if (UNLIKELY(!object->mesh->baked)) return instance_corners(scene, object, quad, half, time);
-    return (Corners){vec3_from_f(quad->corner[2 * half]), vec3_from_f(quad->corner[1 + 2 * half]),
-                     vec3_from_f(quad->corner[3 - 2 * half])};
+    return (Corners){vec3_from_f(quad->corner[mesh_quad_corner(half, 0)]),
+                     vec3_from_f(quad->corner[mesh_quad_corner(half, 1)]),
+                     vec3_from_f(quad->corner[mesh_quad_corner(half, 2)])};
 }
 
 uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object)

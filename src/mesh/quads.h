@@ -14,12 +14,16 @@ static inline bool mesh_quad_is_single(const MeshQuad quad)
     return quad[2] == quad[3];
 }
 
-/* The corners of triangle `half` (0 or 1) of a quad, counter-clockwise as in the mesh. */
+/* Which of a quad's vertices is corner i (0 .. 2) of triangle `half` (0 or 1). */
+static inline uint32_t mesh_quad_corner(uint32_t half, uint32_t i)
+{
+    return i < 2 ? 2 * half + i : 3 - 2 * half;
+}
+
+/* The corners of triangle `half` of a quad, counter-clockwise as in the mesh. */
 static inline void mesh_quad_triangle(const MeshQuad quad, uint32_t half, uint32_t corners[3])
 {
-    corners[0] = quad[2 * half];
-    corners[1] = quad[1 + 2 * half];
-    corners[2] = quad[3 - 2 * half];
+    for (uint32_t i = 0; i < 3; i++) corners[i] = quad[mesh_quad_corner(half, i)];
 }
 
 /* Turns both triangles round, as a map that mirrors does. */
