@@ -7,6 +7,10 @@
 
 #include "geom/rtc_scene.h"
 
+/* Meshes of no more triangles than SMALL_MESH are baked even where they are placed more than once, for a ray that comes to
+ * an instance has to be moved into its frame; but not if that made more triangles than MOST_BAKED. */
+enum { SMALL_MESH = 64, MOST_BAKED = 1 << 18 };
+
 static void on_error(void *context, enum RTCError code, const char *text)
 {
     RtcScene *scene = context;
@@ -206,43 +210,6 @@ static void add_instances(RtcScene *scene, const RtcMesh *mesh, const MeshUse *u
     }
 }
 
-/* Geometry number o of the world is object o; the pieces of all solids come after them. */
-static Status add_mesh(RtcScene *scene, RtcMesh *mesh, const MeshUse *uses, uint32_t n, Error *error)
-{
-    const RtcPlaced *first = &scene->objects[uses[0].object];
-    if (n > 1 || first->keys || mesh->end) {
-        TRY(make_quads(mesh, false, error));
-        add_instances(scene, mesh, uses, n);
-        return STATUS_OK;
-    }
-    TRY(bake_mesh(first, mesh, error));
-    TRY(make_quads(mesh, first->mirrored, error));
-    attach(scene->world, quad_geometry(scene, mesh), uses[0].object);
-    return STATUS_OK;
-}
-
-static bool is_same_mesh(const MeshUse *a, const MeshUse *b)
-{
-    return a->mesh == b->mesh && a->mesh_end == b->mesh_end;
-}
-
-/* Each mesh once, with its objects told. */
-static Status list_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Error *error)
-{
-    uint32_t n_meshes = 0;
-    for (uint32_t i = 0; i < n; i++) n_meshes += i == 0 || !is_same_mesh(&uses[i - 1], &uses[i]);
-    scene->meshes = calloc(n_meshes + 1U, sizeof *scene->meshes);
-    scene->shared = calloc(n_meshes + 1U, sizeof *scene->shared);
-    if (!scene->meshes || !scene->shared)
-        return fail_memory(error, n_meshes * sizeof *scene->meshes, "the scene's meshes");
-    for (uint32_t i = 0; i < n; i++) {
-        if (i == 0 || !is_same_mesh(&uses[i - 1], &uses[i]))
-            scene->meshes[scene->n_meshes++] = (RtcMesh){.source = uses[i].mesh, .end = uses[i].mesh_end};
-        scene->objects[uses[i].object].mesh = &scene->meshes[scene->n_meshes - 1];
-    }
-    return STATUS_OK;
-}
-
 /* The uses of all meshes, those of one in a row; malloc'd. */
 static Status find_uses(const RtcScene *scene, RtcDescribe *describe, const void *context, MeshUse **uses, uint32_t *n,
                         Error *error)
@@ -259,12 +226,80 @@ static Status find_uses(const RtcScene *scene, RtcDescribe *describe, const void
     return STATUS_OK;
 }
 
+/* How many of n >= 1 uses are of the first one's mesh: a row. */
+static uint32_t row_of(const MeshUse *uses, uint32_t n)
+{
+    uint32_t end = 1;
+    while (end < n && uses[end].mesh == uses->mesh && uses[end].mesh_end == uses->mesh_end) end++;
+    return end;
+}
+
+/* Whether the n uses of a mesh stand still, and are one or of a small mesh. */
+static bool may_bake(const RtcScene *scene, const MeshUse *uses, uint32_t n)
+{
+    if (uses->mesh_end || (n > 1 && uses->mesh->n_triangles > SMALL_MESH)) return false;
+    for (uint32_t i = 0; i < n; i++)
+        if (scene->objects[uses[i].object].keys) return false;
+    return true;
+}
+
+/* Decides which meshes are baked, and how many there are then. */
+static void plan_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, bool *bakes_small, uint32_t *n_meshes)
+{
+    uint64_t n_triangles = 0;
+    uint32_t n_rows = 0, n_more = 0; /* n_more: meshes, if all are baked that may be */
+    for (uint32_t i = 0, row; i < n; i += row, n_rows++) {
+        row = row_of(uses + i, n - i);
+        if (row == 1 || !may_bake(scene, uses + i, row)) continue;
+        n_triangles += (uint64_t)row * uses[i].mesh->n_triangles;
+        n_more += row - 1;
+    }
+    *bakes_small = n_triangles <= MOST_BAKED;
+    *n_meshes = n_rows + (*bakes_small ? n_more : 0);
+}
+
+static RtcMesh *next_mesh(RtcScene *scene, const MeshUse *use)
+{
+    RtcMesh *mesh = &scene->meshes[scene->n_meshes++];
+    *mesh = (RtcMesh){.source = use->mesh, .end = use->mesh_end};
+    return mesh;
+}
+
+static Status add_baked(RtcScene *scene, const MeshUse *use, Error *error)
+{
+    RtcPlaced *placed = &scene->objects[use->object];
+    RtcMesh *mesh = next_mesh(scene, use);
+    placed->mesh = mesh;
+    TRY(bake_mesh(placed, mesh, error));
+    TRY(make_quads(mesh, placed->mirrored, error));
+    attach(scene->world, quad_geometry(scene, mesh), use->object);
+    return STATUS_OK;
+}
+
+static Status add_shared(RtcScene *scene, const MeshUse *uses, uint32_t n, Error *error)
+{
+    RtcMesh *mesh = next_mesh(scene, uses);
+    for (uint32_t i = 0; i < n; i++) scene->objects[uses[i].object].mesh = mesh;
+    TRY(make_quads(mesh, false, error));
+    add_instances(scene, mesh, uses, n);
+    return STATUS_OK;
+}
+
+/* Geometry number o of the world is object o; the pieces of all solids come after them. */
 static Status add_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Error *error)
 {
-    RtcMesh *mesh = scene->meshes;
-    for (uint32_t i = 0, end = 0; i < n; i = end) {
-        while (end < n && is_same_mesh(&uses[i], &uses[end])) end++;
-        TRY(add_mesh(scene, mesh++, uses + i, end - i, error));
+    bool bakes_small;
+    uint32_t n_meshes;
+    plan_meshes(scene, uses, n, &bakes_small, &n_meshes);
+    scene->meshes = calloc(n_meshes + 1U, sizeof *scene->meshes);
+    scene->shared = calloc(n_meshes + 1U, sizeof *scene->shared);
+    if (!scene->meshes || !scene->shared)
+        return fail_memory(error, n_meshes * sizeof *scene->meshes, "the scene's meshes");
+    for (uint32_t i = 0, row; i < n; i += row) {
+        row = row_of(uses + i, n - i);
+        bool baked = (row == 1 || bakes_small) && may_bake(scene, uses + i, row);
+        if (!baked) TRY(add_shared(scene, uses + i, row, error));
+        for (uint32_t k = 0; baked && k < row; k++) TRY(add_baked(scene, &uses[i + k], error));
     }
     return STATUS_OK;
 }
@@ -457,10 +492,9 @@ static Box3 world_bounds(RtcScene *scene)
 
 static Status build_world(RtcScene *scene, const MeshUse *uses, uint32_t n_uses, Error *error)
 {
-    TRY(list_meshes(scene, uses, n_uses, error));
-    scene->reach = find_reach(scene);
     scene->world = new_scene(scene);
     TRY(add_meshes(scene, uses, n_uses, error));
+    scene->reach = find_reach(scene);
     TRY(add_pieces(scene, error));
     rtcCommitScene(scene->world);
     if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);

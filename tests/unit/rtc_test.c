@@ -9,17 +9,31 @@
 
 /* ---- makers ---- */
 
+/* A box whose faces are cut into n x n squares. */
+static Mesh *cut_box_mesh(Vec3 from, Vec3 to, uint32_t n)
+{
+    Mesh *mesh;
+    uint32_t n_triangles = 0;
+    const uint32_t step[3] = {1, n + 1, (n + 1) * (n + 1)};
+    assert_int_equal(mesh_new(step[2] * (n + 1), 12 * n * n, false, false, &mesh, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) /* those within are of no triangle */
+        mesh->positions[i] = vec3f((float)(from.x + (to.x - from.x) * (i % (n + 1)) / n),
+                                   (float)(from.y + (to.y - from.y) * (i / step[1] % (n + 1)) / n),
+                                   (float)(from.z + (to.z - from.z) * (i / step[2]) / n));
+    for (uint32_t face = 0; face < 6; face++) {
+        uint32_t axis = face / 2, u = step[(axis + 1 + face % 2) % 3], v = step[(axis + 2 - face % 2) % 3];
+        for (uint32_t i = 0; i < n * n; i++) {
+            uint32_t a = (face % 2 ? 0 : n * step[axis]) + i % n * u + i / n * v;
+            memcpy(mesh->triangles[n_triangles++], ((uint32_t[]){a, a + u, a + u + v}), 3 * sizeof(uint32_t));
+            memcpy(mesh->triangles[n_triangles++], ((uint32_t[]){a, a + u + v, a + v}), 3 * sizeof(uint32_t));
+        }
+    }
+    return mesh;
+}
+
 static Mesh *box_mesh(Vec3 from, Vec3 to)
 {
-    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    Mesh *mesh;
-    assert_int_equal(mesh_new(8, 12, false, false, &mesh, NULL), STATUS_OK);
-    for (uint32_t i = 0; i < 8; i++)
-        mesh->positions[i] =
-            vec3f((float)(i & 1 ? to.x : from.x), (float)(i & 2 ? to.y : from.y), (float)(i & 4 ? to.z : from.z));
-    memcpy(mesh->triangles, faces, sizeof faces);
-    return mesh;
+    return cut_box_mesh(from, to, 1);
 }
 
 /* A profile of radii and heights, turned round about the y axis in n steps; it begins and ends on the axis, and has its
@@ -303,20 +317,31 @@ static void test_coincident_solids(void **state)
     expect_no_faults(&s, "glass filled to the wall, faces shared", 40);
 }
 
+/* One mesh in many places, mirrored and stretched there. */
+static void add_places(TestScene *s, const Mesh *mesh)
+{
+    for (int i = 0; i < 24; i++) {
+        Affine t = turned(23.0 * i, vec3(i % 5, 1, i % 3), vec3(3 * cos(i), 5 * sin(3 * i), i - 12));
+        if (i % 4 == 1)
+            for (int row = 0; row < 3; row++) t.m[row][0] = -t.m[row][0];
+        if (i % 4 == 2)
+            for (int row = 0; row < 3; row++) t.m[row][1] *= 2.5;
+        add(s, mesh, NULL, t);
+    }
+}
+
+/* So few cuts of a box that each place is baked, and so many that all are instances. */
+static const uint32_t cuts[] = {1, 3};
+static const char *const cut_names[] = {"a small mesh in many places", "instances"};
+
 static void test_instances(void **state)
 {
     (void)state;
-    TestScene s = {0};
-    Mesh *box = keep_mesh(&s, box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2)));
-    for (int i = 0; i < 24; i++) {
-        Affine t = turned(23.0 * i, vec3(i % 5, 1, i % 3), vec3(3 * cos(i), 5 * sin(3 * i), i - 12));
-        if (i % 4 == 1) /* mirrored */
-            for (int row = 0; row < 3; row++) t.m[row][0] = -t.m[row][0];
-        if (i % 4 == 2) /* stretched */
-            for (int row = 0; row < 3; row++) t.m[row][1] *= 2.5;
-        add(&s, box, NULL, t);
+    for (size_t i = 0; i < COUNT_OF(cuts); i++) {
+        TestScene s = {0};
+        add_places(&s, keep_mesh(&s, cut_box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2), cuts[i])));
+        expect_no_faults(&s, cut_names[i], 40);
     }
-    expect_no_faults(&s, "instances, mirrored and stretched", 40);
 }
 
 /* A drink that reaches into the wall of its glass, the rim of its top on a ring of edges of the glass: as a ray is reflected
@@ -337,24 +362,18 @@ static void test_shared_edges(void **state)
     expect_no_faults(&s, "a drink's rim on an edge of the glass", 120);
 }
 
-/* The same of faces and edges that lie on each other, and of instances. */
+/* The same of faces and edges that lie on each other, and of one mesh in many places. */
 static void test_edges(void **state)
 {
     (void)state;
-    TestScene s = {.at_edges = true};
-    Mesh *box = keep_mesh(&s, box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2)));
-    for (int i = 0; i < 24; i++) {
-        Affine t = turned(23.0 * i, vec3(i % 5, 1, i % 3), vec3(3 * cos(i), 5 * sin(3 * i), i - 12));
-        if (i % 4 == 1)
-            for (int row = 0; row < 3; row++) t.m[row][0] = -t.m[row][0];
-        if (i % 4 == 2)
-            for (int row = 0; row < 3; row++) t.m[row][1] *= 2.5;
-        add(&s, box, NULL, t);
+    for (size_t i = 0; i < COUNT_OF(cuts); i++) {
+        TestScene s = {.at_edges = true};
+        add_places(&s, keep_mesh(&s, cut_box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2), cuts[i])));
+        add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(0, 10, 10))), NULL, affine_identity());
+        add(&s, keep_mesh(&s, box_mesh(vec3(0, -10, -10), vec3(10, 10, 10))), NULL, affine_identity());
+        add(&s, keep_mesh(&s, box_mesh(vec3(-10, 0, -10), vec3(10, 10, 0))), NULL, affine_identity());
+        expect_no_faults(&s, cut_names[i], 40);
     }
-    add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(0, 10, 10))), NULL, affine_identity());
-    add(&s, keep_mesh(&s, box_mesh(vec3(0, -10, -10), vec3(10, 10, 10))), NULL, affine_identity());
-    add(&s, keep_mesh(&s, box_mesh(vec3(-10, 0, -10), vec3(10, 10, 0))), NULL, affine_identity());
-    expect_no_faults(&s, "instances and touching boxes, at their edges", 40);
 }
 
 /* Two faces 20 units in the last place apart are two; faces at one place are one cluster. */
@@ -467,16 +486,11 @@ static void test_hostile_rays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boxes),
-        cmocka_unit_test(test_coincident_boxes),
-        cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_coincident_solids),
-        cmocka_unit_test(test_instances),
-        cmocka_unit_test(test_gap_is_kept),
-        cmocka_unit_test(test_few_as_many),
-        cmocka_unit_test(test_many_at_one_place),
-        cmocka_unit_test(test_hostile_rays),
-        cmocka_unit_test(test_shared_edges),
+        cmocka_unit_test(test_boxes),        cmocka_unit_test(test_coincident_boxes),
+        cmocka_unit_test(test_solids),       cmocka_unit_test(test_coincident_solids),
+        cmocka_unit_test(test_instances),    cmocka_unit_test(test_gap_is_kept),
+        cmocka_unit_test(test_few_as_many),  cmocka_unit_test(test_many_at_one_place),
+        cmocka_unit_test(test_hostile_rays), cmocka_unit_test(test_shared_edges),
         cmocka_unit_test(test_edges),
     };
     return cmocka_run_group_tests_name("rtc", tests, NULL, NULL);
