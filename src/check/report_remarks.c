@@ -66,8 +66,10 @@ static void remark_close_order(Remarks *r)
         ReportVerdict verdict = report_verdict(r->compiled, pair);
         const SceneObject *top = report_object(r->compiled, verdict.top);
         const SceneObject *bottom = report_object(r->compiled, verdict.bottom);
-        if (verdict.kind != VERDICT_RULE || !isfinite(bottom->volume)) continue;
-        double difference = 1 - top->volume / bottom->volume;
+        if (verdict.kind != VERDICT_RULE) continue;
+        double smaller = r->compiled->hulls[verdict.top].volume, larger = r->compiled->hulls[verdict.bottom].volume;
+        if (!isfinite(larger)) continue;
+        double difference = 1 - smaller / larger;
         bool by_volume = verdict.rule == NEST_BY_VOLUME && difference < close;
         if ((!by_volume && verdict.rule != NEST_BY_DECLARATION) || !tally_next(&tally)) continue;
         Diagnostic *report =

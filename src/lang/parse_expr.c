@@ -568,6 +568,7 @@ static Expr *parse_mul(Parser *parser)
 {
     Expr *expr = parse_unary(parser);
     for (int links = 0; !parser->panic; links++) {
+        if (parse_percent_habit(parser, expr)) continue;
         TokenKind kind = parser->token.kind;
         Span operator_span = token_span(parser);
         if (kind != TOKEN_STAR && kind != TOKEN_SLASH && kind != TOKEN_PERCENT) break;

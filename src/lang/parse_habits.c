@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "base/num.h"
 #include "diag/suggest.h"
 #include "lang/builtin.h"
 #include "lang/habits.h"
@@ -612,6 +613,34 @@ void parse_apart_unit(Parser *parser, Span number)
     Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
     hint_write(parser, report, arena_format(parser->arena, "%s%s", quote(parser, number.begin, number.end), unit));
     advance(parser);
+}
+
+/* A percent sign behind a number, and nothing behind it that the number could be divided by. */
+bool parse_percent_habit(Parser *parser, const Expr *number)
+{
+    if (parser->token.kind != TOKEN_PERCENT || number->kind != EXPR_CONSTANT || !number->literal ||
+        number->as.constant.value.kind != VALUE_NUMBER)
+        return false;
+    Look look;
+    look_from(parser, &look);
+    switch (lexer_next(&look.lexer).kind) {
+    case TOKEN_NAME:
+        if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
+        break;
+    case TOKEN_BRACE_CLOSE:
+    case TOKEN_BRACKET_CLOSE:
+    case TOKEN_PAREN_CLOSE:
+    case TOKEN_COMMA:
+    case TOKEN_SEMICOLON:
+    case TOKEN_END: break;
+    default: return false;
+    }
+    Diagnostic *report = report_at(parser, token_span(parser), "'%' is the remainder of a division, not a hundredth");
+    char text[NUM_TEXT_SIZE];
+    size_t length = num_print(number->as.constant.value.as.number / 100, text);
+    hint_write(parser, report, arena_format(parser->arena, "%.*s", (int)length, text));
+    advance(parser);
+    return true;
 }
 
 /* ---- directives ---- */

@@ -97,6 +97,7 @@ void parse_two_names(Parser *parser, Path path);
 void parse_bare_block(Parser *parser, Block *block);
 void parse_directive(Parser *parser);
 void parse_apart_unit(Parser *parser, Span number);            /* at a name behind the number */
+bool parse_percent_habit(Parser *parser, const Expr *number);  /* at what stands behind a factor */
 bool brackets_close_ahead(const Parser *parser, int brackets); /* so many open ones, before the statement ends */
 void skip_brackets(Parser *parser);
 

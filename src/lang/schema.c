@@ -175,11 +175,9 @@ static const char *bounds_text(Arena *arena, const PropType *type)
     bool open_min = type->flags & PROP_OPEN_MIN, open_max = type->flags & PROP_OPEN_MAX;
     if (!has_max) return arena_format(arena, "is not %s %s", open_min ? "greater than" : "at least", min);
     if (!has_min) return arena_format(arena, "is not %s %s", open_max ? "less than" : "at most", max);
-    return arena_format(arena, "is outside %s..%s%s", min, max,
-                        open_min && open_max ? ", without both ends"
-                        : open_min           ? ", without its lower end"
-                        : open_max           ? ", without its upper end"
-                                             : "");
+    if (!open_min && !open_max) return arena_format(arena, "is outside %s..%s", min, max);
+    return arena_format(arena, "is not %s %s and %s %s", open_min ? "greater than" : "at least", min,
+                        open_max ? "less than" : "at most", max);
 }
 
 static bool number_allowed(const PropType *type, double number)

@@ -84,9 +84,52 @@ static void bare_nodes_are_accepted(void **state)
     fixture_clear(&f);
 }
 
+/* Is there such a property, of that node, or of any where the name is ""? */
+static bool is_property(const char *node, const char *name, size_t length)
+{
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++) {
+        const NodeType *type = &schema->nodes[i];
+        if (*node && strcmp(type->name, node) != 0) continue;
+        for (size_t p = 0; p < type->n_props; p++)
+            if (strlen(type->props[p].name) == length && strncmp(type->props[p].name, name, length) == 0) return true;
+    }
+    return false;
+}
+
+/* What hints tell writers of other languages to write can be written. */
+static void hints_name_what_there_is(void **state)
+{
+    (void)state;
+#define HABIT_DIRECTIVE(word, form, pattern)
+#define HABIT_BLOCK(word, text)
+#define HABIT_SETTING(word, pattern)
+#define HABIT_TYPE(word)
+#define HABIT_FUNCTION(word)
+#define HABIT_WORD(word, text)
+#define HABIT_ADVICE(node, word, text)
+#define HABIT_UNIT(word, unit)
+#define HABIT_VALUES(node, names) {#node, names},
+#define HABIT_PROPERTY(node, word, property) {node, property},
+    static const struct {
+        const char *node, *names;
+    } hints[] = {
+#include "lang/habits.def"
+    };
+    assert_true(COUNT_OF(hints) > 80);
+    for (size_t i = 0; i < COUNT_OF(hints); i++)
+        for (const char *name = hints[i].names; *name; name += strspn(name, "* ")) {
+            size_t length = strcspn(name, "* ");
+            if (!is_property(hints[i].node, name, length))
+                fail_msg("no property '%.*s' of '%s'", (int)length, name, hints[i].node);
+            name += length;
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hints_name_what_there_is),
         cmocka_unit_test(names_are_unique_and_documented),
         cmocka_unit_test(defaults_are_in_range),
         cmocka_unit_test(bare_nodes_are_accepted),

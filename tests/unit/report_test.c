@@ -232,6 +232,11 @@ static void remarks_are_not_made_of_what_is_meant(void **state)
         GLASS
         "box a { interior = glass size = <10, 10, 1> } box b { interior = glass from = <-5, -5, -4> to = <5, -4, 4> } "
         "sphere c { interior = air radius = .2 }" VIEW,
+        /* combinations have the volume that they enclose, here eight times that of what is on top, and half of it */
+        TWO_MEDIA "box a { interior = glass size = <10, 10, 10> } difference b { interior = water "
+                  "box { from = <0, 0, 0> to = <20, 20, 20> } box { from = <18, 18, 18> to = <19, 19, 19> } }" VIEW,
+        TWO_MEDIA "union a { interior = glass box { size = <10, 10, 10> } sphere { radius = 5 } } "
+                  "box b { interior = water from = <0, 0, 0> to = <10, 10, 20> }" VIEW,
         /* part of the inner one shows; a lens on a ground; an opaque stone in glass */
         GLASS "sphere a { interior = glass radius = 4 } sphere b { interior = glass center = <4, 0, 0> } "
               "ground { y = -4 surface = surface { } } sphere c { radius = .5 surface = surface { } }"
