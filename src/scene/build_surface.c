@@ -231,6 +231,18 @@ static void check_needs(Builder *b, const EvalNode *node)
               "a pane: ior = 1.5  transmission = 1; a leaf: albedo = rgb(.2, .4, .1)  translucency = .5");
 }
 
+/* What is meant in nanometres is most often too much in the scene's unit. */
+static void check_film(Builder *b, const EvalNode *node, double nanometres)
+{
+    const double thickest = 50e3;
+    const EvalProp *film = eval_prop(node, "film");
+    if (!film || film->textured || nanometres <= thickest) return;
+    Diagnostic *report = diag_report(b->diag, D_THICK_FILM, film->span,
+                                     "a film of %g mm: light interferes in films of less than %g um", nanometres * 1e-6,
+                                     thickest * 1e-3);
+    diag_hint(b->diag, report, "a soap film: film = 500nm");
+}
+
 static SceneGrain grain_of(const EvalNode *node)
 {
     const char *word = eval_word(node, "grain");
@@ -245,6 +257,7 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
     BsdfSpec *spec = &surface->spec;
     bsdf_spec_init(spec);
     read_parameters(b, node, surface);
+    check_film(b, node, spec->film_thickness_nm);
     surface->albedo = spec->base_color;
     if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
         read_checker(b, node, surface);
