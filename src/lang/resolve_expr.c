@@ -376,9 +376,14 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
 {
     find_node(resolver, node);
     if (node->def && (expression || !node->def->block)) {
-        diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
-                    expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro",
-                    node->def->name->text);
+        const char *name = node->def->name->text;
+        Diagnostic *report =
+            diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
+                        expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro", name);
+        if (node->path.n == 1 && schema_node(resolver->schema, name)) {
+            diag_note(resolver->diag, report, node->def->span, "declared here");
+            diag_hint(resolver->diag, report, "it hides the node of that name: call it otherwise");
+        }
         node->def = NULL;
     }
     NodeContext context = resolver->context;
