@@ -128,6 +128,7 @@ void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alp
     sheet->tinted = !lanes_zero(sheet->depth);
     sheet->phase = phase;
     sheet->film = !lanes_zero(phase);
+    sheet->brightness[0] = sheet->brightness[1] = 1;
     if (!sheet->facets.smooth) {
         sheet->mirrors = mirrors_make(&sheet->facets);
         bsdf->specular_only = false;
@@ -398,6 +399,13 @@ static Lanes lobe_see(const BsdfLobe *lobe, Vec3f view)
     if (lobe->kind == BSDF_BOUNDARY && !lobe->as.boundary.facets.smooth)
         return boundary_missing(&lobe->as.boundary, false, view);
     return lanes_all(0);
+}
+
+void bsdf_set_brightness(Bsdf *bsdf, const float brightness[2])
+{
+    for (uint32_t i = 0; i < bsdf->n_lobes; i++)
+        for (int k = 0; k < 2 && bsdf->lobes[i].kind == BSDF_SHEET; k++)
+            bsdf->lobes[i].as.sheet.brightness[k] = brightness[k];
 }
 
 void bsdf_look(Bsdf *bsdf, Vec3f view)

@@ -75,6 +75,8 @@ void bsdf_end_coat(Bsdf *bsdf);
 /* Fibres on all that is opaque: the part of it that they stand on, 0..1; roughness 0..1, how far they are from upright. */
 void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness);
 
+/* How bright it is in the mirrored direction, and straight on: smooth sheets choose between the two accordingly. */
+void bsdf_set_brightness(Bsdf *bsdf, const float brightness[2]);
 /* Keeps what depends on a view alone, when all lobes are there, which makes evaluating and sampling for that view faster. */
 void bsdf_look(Bsdf *bsdf, Vec3f view);
 /* Sums over all lobes that are not specular. pdf_w: of bsdf_sample. */

@@ -100,6 +100,7 @@ typedef struct BsdfSheet {
     Lanes depth; /* as in BsdfLayer */
     Lanes phase; /* of a film: between two waves reflected by its sides, head on; 0: too thick for that */
     bool tinted, film;
+    float brightness[2]; /* of what lies in the mirrored direction, and straight on: see fresnel_choice */
 } BsdfSheet;
 
 /* Fibres that stand on what is opaque. */

@@ -127,11 +127,14 @@ bool sheet_sample(const BsdfSheet *sheet, Vec3f view, float u_choice, const floa
     Lanes reflected, transmitted;
     sheet_split(sheet, float_min(cosine, 1), &reflected, &transmitted);
     Lanes sum = lanes_add(lanes_add(reflected, transmitted), lanes_all(1e-30f));
-    bool back = lobe_choose(&u_choice, lanes_get(reflected, 0) / lanes_get(sum, 0));
+    bool lean = sheet->facets.smooth && sheet->brightness[0] != sheet->brightness[1];
+    Lanes chosen = lanes_div(reflected, sum);
+    if (UNLIKELY(lean)) chosen = fresnel_choice(chosen, sheet->brightness[0], sheet->brightness[1]);
+    bool back = lobe_choose(&u_choice, lanes_get(chosen, 0));
     if (!back) sample->direction.z = -sample->direction.z;
     if (!sheet->facets.smooth) return true;
     sample->specular = true;
     sample->value = back ? reflected : transmitted;
-    sample->density = lanes_div(sample->value, sum);
+    sample->density = back ? chosen : lean ? lanes_rest(chosen) : lanes_div(transmitted, sum);
     return true;
 }

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "base/attr.h"
 #include "base/lanes.h"
 #include "base/vec3.h"
 
@@ -16,6 +17,18 @@ float fresnel_dielectric(float cos_i, float eta_i, float eta_t);
 Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t);
 /* The same where both cosines (above 0) of a refracted ray are known, per wavelength. */
 Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t);
+/* How often reflection is to be chosen by a path, where what is not reflected goes on, and it is so bright in the two
+ * directions; per wavelength. Between equals, as often as it reflects. Reflection that leads to light is not chosen more
+ * often than every second time, nor that which leads away from it less than a fifth as often: something may be in between. */
+static inline Lanes fresnel_choice(Lanes reflectance, float mirrored, float passed)
+{
+    const float most = 0.5f, least = 0.2f;
+    if (LIKELY(mirrored == passed)) return reflectance;
+    Lanes back = lanes_scale(reflectance, mirrored), on = lanes_scale(lanes_rest(reflectance), passed);
+    Lanes chosen = lanes_div(back, lanes_add(back, on));
+    chosen = lanes_lesser(chosen, lanes_greater(reflectance, lanes_all(most)));
+    return lanes_greater(chosen, lanes_scale(reflectance, least));
+}
 /* Reflectance of a conductor of index n + i k relative to the medium in front of it, per wavelength, at an angle of cosine
  * 0..1: exact, in the real form of "Optical Properties of Metals", M. Born, E. Wolf, "Principles of Optics", 14.2.
  * n, k >= 0. */

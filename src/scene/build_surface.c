@@ -237,9 +237,9 @@ static void check_film(Builder *b, const EvalNode *node, double nanometres)
     const double thickest = 50e3;
     const EvalProp *film = eval_prop(node, "film");
     if (!film || film->textured || nanometres <= thickest) return;
-    Diagnostic *report = diag_report(b->diag, D_THICK_FILM, film->span,
-                                     "a film of %g mm: light interferes in films of less than %g um", nanometres * 1e-6,
-                                     thickest * 1e-3);
+    Diagnostic *report =
+        diag_report(b->diag, D_THICK_FILM, film->span, "a film of %g mm: light interferes in films of less than %g um",
+                    nanometres * 1e-6, thickest * 1e-3);
     diag_hint(b->diag, report, "a soap film: film = 500nm");
 }
 

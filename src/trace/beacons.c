@@ -82,13 +82,22 @@ static void add_light(Finder *f, const SceneLight *light)
     }
 }
 
-/* The middle of all that is clear and bounded. */
+/* The middle of all that is clear or thin, and bounded. */
 static Vec3 find_middle(const CompiledScene *compiled)
 {
     Box3 box = box3_empty();
     for (uint32_t h = 0; h < compiled->n_hulls; h++)
         if (compiled->order.top[h].medium < compiled->scene->n_media && !compiled->unbounded[h])
             box = box3_union(box, compiled->hull_bounds[h]);
+    const Scene *scene = compiled->scene;
+    SceneShapeBox known = {0};
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (object->medium != SCENE_NONE || object->surface == SCENE_NONE || !scene->surfaces[object->surface].thin)
+            continue;
+        Box3 bounds = scene_next_bounds(scene, object, &known);
+        if (!box3_is_unbounded(bounds)) box = box3_union(box, bounds);
+    }
     return box3_is_empty(box) || box3_is_unbounded(box) ? vec3(0, 0, 0) : box3_centre(box);
 }
 

@@ -43,17 +43,4 @@ void beacons_find(const CompiledScene *compiled, Beacons *beacons);
  * objects in the mean: at least 1. Whatever stands in between. */
 void beacons_look(const Beacons *beacons, Vec3f place, Vec3f along, Vec3f up, float brightness[2]);
 
-/* How often a boundary of that reflectance is to reflect, where it is so bright in the two directions; per wavelength.
- * Between equals, as often as it reflects. Reflection that leads to light is not chosen more often than every second
- * time, nor that which leads away from it less than a fifth as often: something may be in between. */
-static inline Lanes beacons_choice(Lanes reflectance, float mirrored, float refracted)
-{
-    const float most = 0.5f, least = 0.2f;
-    if (LIKELY(mirrored == refracted)) return reflectance;
-    Lanes back = lanes_scale(reflectance, mirrored), on = lanes_scale(lanes_rest(reflectance), refracted);
-    Lanes chosen = lanes_div(back, lanes_add(back, on));
-    chosen = lanes_lesser(chosen, lanes_greater(reflectance, lanes_all(most)));
-    return lanes_greater(chosen, lanes_scale(reflectance, least));
-}
-
 #endif

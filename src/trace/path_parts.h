@@ -308,6 +308,11 @@ void path_relief(const Path *path, const Event *event, const SceneSurface *surfa
 void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
                         Lanes wavelength_nm, BsdfSpec *spec);
 
+/* How bright it is where light would come from: mirrored at a boundary, and refracted by it, or straight on where both sides
+ * are of index eta_i. It is taken that what the light then leaves by is parallel to the boundary, and leads to the world's
+ * own medium. The same whatever wavelength is the hero. False: no difference between the two is known. */
+bool path_look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2]);
+
 /* ---- shade_bsdf.c ---- */
 
 /* An opaque surface that is more than matte, and its parameters there; false: the path ends. *straight: it has gone

@@ -271,10 +271,7 @@ typedef struct BoundaryChoice {
     bool reflected, straight;  /* straight: as often as it reflects */
 } BoundaryChoice;
 
-/* How bright it is where light would come from: mirrored at a boundary, and refracted by it. It is taken that what the
- * light then leaves by is parallel to the boundary, and leads to the world's own medium. The same whatever wavelength is
- * the hero. False: no difference between the two is known. */
-static bool look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2])
+bool path_look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2])
 {
     Vec3f direction = path->ray.direction, normal = place->normal;
     float index = lanes_mean(eta_i) / lanes_mean(path_ior(path, WORLD_MEDIUM)), cosine = vec3f_dot(direction, normal);
@@ -330,9 +327,9 @@ static void choose_at_boundary(Path *path, const SurfacePlace *place, bool flat,
     choice->straight = true;
     float brightness[2];
     if (world->beacons.any && !flat && (passes || !lanes_uniform(reflectance)) && LIKELY(!world->trial.fresnel_alone) &&
-        look_ahead(path, place, eta_i, brightness) && keeps_sides(place, back, passes, on)) {
+        path_look_ahead(path, place, eta_i, brightness) && keeps_sides(place, back, passes, on)) {
         choice->straight = false;
-        chosen = beacons_choice(reflectance, brightness[0], brightness[1]);
+        chosen = fresnel_choice(reflectance, brightness[0], brightness[1]);
     }
     choice->reflectance = reflectance;
     choice->chosen = chosen;

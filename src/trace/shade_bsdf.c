@@ -215,6 +215,10 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
     const BalanceCase met = {.surface = surface, .spec = spec, .medium_from = medium, .medium_to = medium};
     Bsdf bsdf;
     bsdf_from_spec(spec, nm, around, around, balances_find(world->balances, &met), &bsdf);
+    float brightness[2];
+    if (surface->thin && world->beacons.any && !world->trial.fresnel_alone &&
+        path_look_ahead(path, place, around, brightness))
+        bsdf_set_brightness(&bsdf, brightness);
     Frame frame = frame_of(path, event, surface, spec, place);
     return scatter(path, event, &bsdf, place, &frame, straight);
 }

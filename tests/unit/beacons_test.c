@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "dice.h"
+#include "optics/fresnel.h"
 #include "scene_fixture.h"
 #include "trace/beacons.h"
 
@@ -113,7 +114,7 @@ static void choices_keep_their_bounds(void **state)
     for (int i = 0; i < 20000; i++) {
         float reflected = (float)dice_unit(&dice), mirrored = 1 + 63 * (float)dice_unit(&dice);
         float refracted = i % 2 ? 1 : 1 + 63 * (float)dice_unit(&dice);
-        Lanes chosen = beacons_choice(lanes(reflected, 0, 1, 0.04f), mirrored, refracted);
+        Lanes chosen = fresnel_choice(lanes(reflected, 0, 1, 0.04f), mirrored, refracted);
         float first = lanes_get(chosen, 0);
         assert_true(first >= 0.2f * reflected && first <= fmaxf(0.5f, reflected) && (first > 0) == (reflected > 0));
         assert_true(lanes_get(chosen, 1) == 0); /* what is not reflected, or nothing but reflected, is no choice */

@@ -464,6 +464,34 @@ static double seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* However bright it is on either side, a smooth sheet reflects and passes on what it does, in every wavelength; only how
+ * often each way is taken changes. */
+static void sheets_lean_towards_light(void **unused)
+{
+    (void)unused;
+    enum { N = 1 << 14 };
+    const float bright[][2] = {{1, 1}, {30, 1}, {1, 30}, {64, 8}};
+    double sums[4][2][LANES] = {0}, often[4] = {0};
+    for (size_t i = 0; i < 4; i++) {
+        Bsdf bsdf;
+        bsdf_begin(&bsdf);
+        bsdf_add_sheet(&bsdf, 1, lanes_all(1.33f), 0, 0, lanes(1, .9f, .8f, .7f), lanes(9, 11, 13, 15));
+        bsdf_set_brightness(&bsdf, bright[i]);
+        bsdf_look(&bsdf, direction_at(0.6f, 1));
+        for (int k = 0; k < N; k++) {
+            const float u[2] = {0.5f, 0.5f};
+            BsdfSample sample;
+            assert_true(bsdf_sample(&bsdf, direction_at(0.6f, 1), ((float)k + 0.5f) / N, u, &sample));
+            for (int lane = 0; lane < LANES; lane++)
+                sums[i][sample.transmitted][lane] += (double)lanes_get(sample.weight, lane) / N;
+            often[i] += sample.transmitted ? 0 : 1.0 / N;
+        }
+        for (int k = 0; k < 2 * LANES; k++)
+            assert_true(fabs(sums[i][k / LANES][k % LANES] - sums[0][k / LANES][k % LANES]) < 2e-3);
+    }
+    assert_true(often[1] > 4 * often[0] && often[1] <= 0.5 && often[2] < 0.3 * often[0] && often[3] > 2 * often[0]);
+}
+
 static void speed_is_printed(void **unused)
 {
     (void)unused;
@@ -512,7 +540,8 @@ int main(void)
         cmocka_unit_test(samples_follow_the_density), cmocka_unit_test(balanced_boundaries_are_reciprocal),
         cmocka_unit_test(any_surface_is_consistent),  cmocka_unit_test(weights_are_what_is_evaluated),
         cmocka_unit_test(both_ways_are_alike),        cmocka_unit_test(nothing_breaks_it),
-        cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(speed_is_printed),
+        cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(sheets_lean_towards_light),
+        cmocka_unit_test(speed_is_printed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
