@@ -55,6 +55,9 @@ FLAGS_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined,float-cast-over
   -fno-omit-frame-pointer
 # every interior list grows at once
 FLAGS_hostile := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -DNEST_INLINE=1
+# the four lanes as plain C, as for a machine without SSE and NEON
+FLAGS_plain := -O3 -DMEN_PLAIN_LANES
+FLAGS_clang := -O3
 FLAGS := $(FLAGS_$(VARIANT)) -ffp-contract=off -fno-math-errno -fno-trapping-math
 WERROR ?=
 CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSION='"$(VERSION)"' -DMEN_EMBREE=$(EMBREE_VERSION) \
@@ -286,6 +289,17 @@ asan hostile: ## the quick tests under sanitizers (hostile: every interior list 
 tsan: assets ## a few scenes rendered by four threads, watched for races
 	$(MAKE) VARIANT=tsan build/tsan/meniscus
 	sh tests/tsan.sh build/tsan/meniscus $(addprefix examples/,$(addsuffix .mns,whisky tea surfaces light-bulb candles window))
+
+# Builds whose pictures must be the same files: the scenes are those that render by themselves.
+SAME_SCENES := $(filter-out examples/studio.mns,$(wildcard examples/*.mns))
+check-plain-lanes: all assets ## the four lanes as plain C, without SSE or NEON: their tests, and the same pictures; minutes
+	$(MAKE) VARIANT=plain build/plain/meniscus build/plain/tests/lanes_test
+	build/plain/tests/lanes_test
+	sh tests/same-bits.sh $(BUILD)/meniscus build/plain/meniscus $(SAME_SCENES)
+check-clang: all assets ## built by clang, with warnings as errors: the same pictures; minutes
+	$(MAKE) VARIANT=clang CC=clang CXX=clang++ WERROR=-Werror build/clang/meniscus
+	sh tests/same-bits.sh $(BUILD)/meniscus build/clang/meniscus $(SAME_SCENES)
+.PHONY: check-plain-lanes check-clang
 
 # ---- looking after the source ----
 

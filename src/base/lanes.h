@@ -10,15 +10,21 @@
 #include <stdint.h>
 #include <string.h>
 
+/* With -DMEN_PLAIN_LANES the plain array stands everywhere: `make check-plain-lanes`. The bits are the same. */
+#if defined(__GNUC__) && !defined(MEN_PLAIN_LANES)
+#define LANES_VECTORS
 #if defined(__SSE2__)
 #include <emmintrin.h>
+#define LANES_SSE
 #elif defined(__aarch64__)
 #include <arm_neon.h>
+#define LANES_NEON
+#endif
 #endif
 
 enum { LANES = 4 };
 
-#if defined(__GNUC__)
+#if defined(LANES_VECTORS)
 typedef float LaneVector __attribute__((vector_size(16)));
 typedef struct Lanes {
     LaneVector v;
@@ -110,7 +116,7 @@ static inline float lanes_min(Lanes a)
 }
 static inline bool lanes_equal(Lanes a, Lanes b)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     return _mm_movemask_ps(_mm_cmpeq_ps((__m128)a.v, (__m128)b.v)) == 0xf;
 #else
     return a.v[0] == b.v[0] && a.v[1] == b.v[1] && a.v[2] == b.v[2] && a.v[3] == b.v[3];
@@ -131,9 +137,9 @@ static inline bool lanes_finite(Lanes a)
 }
 static inline Lanes lanes_sqrt(Lanes a)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     return (Lanes){(LaneVector)_mm_sqrt_ps((__m128)a.v)};
-#elif defined(__GNUC__) && defined(__aarch64__)
+#elif defined(LANES_NEON)
     return (Lanes){(LaneVector)vsqrtq_f32((float32x4_t)a.v)};
 #else
     return lanes(sqrtf(a.v[0]), sqrtf(a.v[1]), sqrtf(a.v[2]), sqrtf(a.v[3]));
@@ -142,7 +148,7 @@ static inline Lanes lanes_sqrt(Lanes a)
 /* the lesser, or the greater, in each lane; b where one of both is NaN */
 static inline Lanes lanes_lesser(Lanes a, Lanes b)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     return (Lanes){(LaneVector)_mm_min_ps((__m128)a.v, (__m128)b.v)};
 #else
     for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
@@ -151,7 +157,7 @@ static inline Lanes lanes_lesser(Lanes a, Lanes b)
 }
 static inline Lanes lanes_greater(Lanes a, Lanes b)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     return (Lanes){(LaneVector)_mm_max_ps((__m128)a.v, (__m128)b.v)};
 #else
     for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
@@ -170,7 +176,7 @@ static inline Lanes lanes_abs(Lanes a)
 /* the lanes in which a <= b, as bits: 1 for lane 0 */
 static inline unsigned lanes_not_above(Lanes a, Lanes b)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     return (unsigned)_mm_movemask_ps(_mm_cmple_ps((__m128)a.v, (__m128)b.v));
 #else
     unsigned bits = 0;
@@ -181,7 +187,7 @@ static inline unsigned lanes_not_above(Lanes a, Lanes b)
 /* the whole part of each lane, towards 0; returns what is left. |a| < 2^31 */
 static inline Lanes lanes_split(Lanes a, int32_t whole[LANES])
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     __m128i truncated = _mm_cvttps_epi32((__m128)a.v);
     _mm_storeu_si128((__m128i *)(void *)whole, truncated);
     return (Lanes){a.v - (LaneVector)_mm_cvtepi32_ps(truncated)};
@@ -196,7 +202,7 @@ static inline Lanes lanes_split(Lanes a, int32_t whole[LANES])
 /* in each lane `yes` where a < b, else `no` */
 static inline Lanes lanes_select_less(Lanes a, Lanes b, Lanes yes, Lanes no)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     __m128 mask = _mm_cmplt_ps((__m128)a.v, (__m128)b.v);
     return (Lanes){(LaneVector)_mm_or_ps(_mm_and_ps(mask, (__m128)yes.v), _mm_andnot_ps(mask, (__m128)no.v))};
 #else
@@ -235,7 +241,7 @@ static inline Lanes lanes_atan2(Lanes y, Lanes x)
 #define LANES_SHIFT 12582912.0f /* 1.5 * 2^23 */
 static inline Lanes lanes_times_power(Lanes factor, Lanes shifted, Lanes a, float low)
 {
-#if defined(__GNUC__)
+#if defined(LANES_VECTORS)
     typedef uint32_t Bits __attribute__((vector_size(16)));
     Bits bits;
     memcpy(&bits, &shifted, sizeof bits);

@@ -129,7 +129,8 @@ static Form two_numbers(const Call *call)
     ProgramOp op = strcmp(call->builtin->name, "atan2") == 0 ? PROGRAM_ATAN2
                    : strcmp(call->builtin->name, "pow") == 0 ? PROGRAM_POWER
                                                              : PROGRAM_MODULO;
-    return form_number(step(call, op, at(call, &call->args[0], 0), at(call, &call->args[1], 0), 0));
+    uint16_t a = at(call, &call->args[0], 0), b = at(call, &call->args[1], 0);
+    return form_number(step(call, op, a, b, 0));
 }
 
 static Form sum(const Call *call)
@@ -189,8 +190,8 @@ static Form of_vectors(const Call *call)
     if (n != 3) return wrong(call, 0, "two vectors of 3"); /* cross */
     for (unsigned i = 0; i < 3; i++) {
         unsigned j = (i + 1) % 3, k = (i + 2) % 3;
-        result.at[i] = step(call, PROGRAM_SUBTRACT, step(call, PROGRAM_MULTIPLY, a[j], b[k], 0),
-                            step(call, PROGRAM_MULTIPLY, a[k], b[j], 0), 0);
+        uint16_t first = step(call, PROGRAM_MULTIPLY, a[j], b[k], 0), second = step(call, PROGRAM_MULTIPLY, a[k], b[j], 0);
+        result.at[i] = step(call, PROGRAM_SUBTRACT, first, second, 0);
     }
     return result;
 }

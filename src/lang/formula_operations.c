@@ -39,9 +39,10 @@ static Form arithmetic(Compiler *c, Expr *expr)
     if (c->failed) return form_failed(c);
     if (a.known && b.known) return form_folded(c, expr, &a, &b);
     if (!spread(expr->kind, &a, &b, &result.kind)) return wrong_operands(c, expr, &a, &b);
-    for (unsigned i = 0; i < value_width(result.kind); i++)
-        result.at[i] = formula_step(c, expr, ops[expr->kind - EXPR_ADD], form_register(c, expr, &a, i),
-                                    form_register(c, expr, &b, i), 0);
+    for (unsigned i = 0; i < value_width(result.kind); i++) {
+        uint16_t x = form_register(c, expr, &a, i), y = form_register(c, expr, &b, i);
+        result.at[i] = formula_step(c, expr, ops[expr->kind - EXPR_ADD], x, y, 0);
+    }
     return result;
 }
 
@@ -76,8 +77,8 @@ static Form compare(Compiler *c, Expr *expr)
     if (equality) {
         at = formula_step(c, expr, PROGRAM_EQUAL, x, y, 0);
         for (unsigned i = 1; i < value_width(a.kind); i++) {
-            uint16_t same = formula_step(c, expr, PROGRAM_EQUAL, form_register(c, expr, &a, i), form_register(c, expr, &b, i), 0);
-            at = formula_step(c, expr, PROGRAM_AND, at, same, 0);
+            uint16_t xi = form_register(c, expr, &a, i), yi = form_register(c, expr, &b, i);
+            at = formula_step(c, expr, PROGRAM_AND, at, formula_step(c, expr, PROGRAM_EQUAL, xi, yi, 0), 0);
         }
         return truth(expr->kind == EXPR_EQUAL ? at : formula_step(c, expr, PROGRAM_NOT, at, 0, 0));
     }
@@ -130,9 +131,10 @@ static Form condition(Compiler *c, Expr *expr)
     }
     result.kind = grey ? VALUE_COLOR : yes.kind;
     unsigned width = truths ? 1 : value_width(result.kind);
-    for (unsigned i = 0; i < width; i++)
-        result.at[i] = formula_step(c, expr, PROGRAM_SELECT, a.at[0], form_register(c, expr, &yes, i),
-                                    form_register(c, expr, &no, i));
+    for (unsigned i = 0; i < width; i++) {
+        uint16_t x = form_register(c, expr, &yes, i), y = form_register(c, expr, &no, i);
+        result.at[i] = formula_step(c, expr, PROGRAM_SELECT, a.at[0], x, y);
+    }
     return result;
 }
 

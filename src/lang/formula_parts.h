@@ -55,7 +55,9 @@ Form form_number(uint16_t number);
 Form form_refused(Compiler *c, const Expr *expr, const char *what);
 Form form_folded(Compiler *c, Expr *expr, const Form *a, const Form *b);
 const char *form_describe(const Form *form);
-/* The register of an element; of a number whichever is asked for. */
+/* The register of an element; of a number whichever is asked for. This, and all that adds a step, stands in a statement of
+ * its own and not twice among the arguments of a call: compilers differ in which they evaluate first, and the numbers of
+ * registers go into the scene's hash. */
 uint16_t form_register(Compiler *c, const Expr *expr, const Form *form, unsigned i);
 Form *formula_slot(const Compiler *c, Slot slot);
 

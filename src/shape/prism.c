@@ -141,9 +141,10 @@ static void add_band(const PrismMaker *maker, const Ring *low, const Ring *high)
         for (size_t i = loop.begin; i < loop.end; i++) {
             size_t after = i + 1 < loop.end ? i + 1 : loop.begin;
             Point2 leave = points[i].leave, arrive = points[after].arrive;
-            grower_quad(maker->grower, add_wall_vertex(maker, low, i, leave),
-                        add_wall_vertex(maker, low, after, arrive), add_wall_vertex(maker, high, after, arrive),
-                        add_wall_vertex(maker, high, i, leave));
+            /* one after the other: in which order arguments are evaluated is the compiler's choice */
+            uint32_t a = add_wall_vertex(maker, low, i, leave), b = add_wall_vertex(maker, low, after, arrive);
+            uint32_t c = add_wall_vertex(maker, high, after, arrive), d = add_wall_vertex(maker, high, i, leave);
+            grower_quad(maker->grower, a, b, c, d);
         }
     }
 }

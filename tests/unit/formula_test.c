@@ -110,6 +110,24 @@ static void programs_give_what_the_evaluation_gives(void **state)
     }
 }
 
+/* As the text has them, whichever compiler built the program: the scene's hash has them in it. */
+static void registers_are_in_order(void **state)
+{
+    (void)state;
+    static const double wanted[] = {5, 7, 9};
+    Run run;
+    const Program *program = formula_compile(function_of(&run, "f(p) = p.x > 5 ? 7 : 9")->as.function, &run.arena);
+    assert_int_equal(program->n_constants, COUNT_OF(wanted));
+    assert_memory_equal(program->constants, wanted, sizeof wanted);
+    run_close(&run);
+    program = formula_compile(function_of(&run, "f(p) = cross(p, p.yzx).x")->as.function, &run.arena);
+    assert_true(program->n_steps >= 3 && program->steps[0].op == PROGRAM_MULTIPLY &&
+                program->steps[1].op == PROGRAM_MULTIPLY);
+    assert_int_equal(program->steps[0].a, PROGRAM_POINT + 1);
+    assert_int_equal(program->steps[1].a, PROGRAM_POINT + 2);
+    run_close(&run);
+}
+
 /* The texture that a surface's albedo is, of a scene. */
 static const Texture *texture_of(const Scene *scene, uint32_t object, uint32_t *row)
 {
@@ -333,6 +351,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(programs_give_what_the_evaluation_gives),
+        cmocka_unit_test(registers_are_in_order),
         cmocka_unit_test(formulas_agree_with_patterns),
         cmocka_unit_test(mistakes_are_reported),
         cmocka_unit_test(any_property_takes_one),

@@ -75,6 +75,23 @@ static void prisms(void **state)
                  4 * pi, 1e-3, 4);
 }
 
+/* The corners of a wall are numbered around it, whichever compiler built the program: the scene's hash has them in it. Its
+ * two triangles share the first and the third. */
+static void walls_are_numbered_in_order(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_good(&f, M "prism { interior = glass outline = [<0, 0>, <3, 0>, <3, 2>, <0, 2>] to = 5 }" V);
+    const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
+    for (uint32_t wall = 0; wall < 4; wall++)
+        for (uint32_t k = 0; k < 3; k++) {
+            const uint32_t first = 4 * wall, *one = mesh->triangles[2 * wall], *other = mesh->triangles[2 * wall + 1];
+            assert_true(one[k] == first || one[k] == first + 1 || one[k] == first + 2);
+            assert_true(other[k] == first || other[k] == first + 2 || other[k] == first + 3);
+        }
+    fixture_clear(&f);
+}
+
 static void prisms_that_cannot_be(void **state)
 {
     (void)state;
@@ -407,6 +424,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(prisms),
+        cmocka_unit_test(walls_are_numbered_in_order),
         cmocka_unit_test(prisms_that_cannot_be),
         cmocka_unit_test(sweeps),
         cmocka_unit_test(sweeps_that_cannot_be),
