@@ -204,7 +204,7 @@ static bool consider_piece(Query *query, RtcPiece which)
 {
     const RtcPlaced *object = &query->scene->objects[which.object];
     if (object->is_ball) return consider_ball(query, which, object);
-    if (query->local.object != which.object) rtc_enter_frame(query, which.object);
+    rtc_need_frame(query, object);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
     piece_cross(&object->solid->pieces[which.piece], line, query->t_min, double_min(query->ray->t_max, query->reach),
@@ -533,7 +533,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->hits = hits;
     query->passed = passed;
     query->passes = passed && (ray->pass_level || ray->pass_alike != RTC_NO_PASS);
-    query->local.object = RTC_NO_OBJECT;
+    query->local.frame = RTC_NO_OBJECT;
     hits->n = 0;
     if (passed) passed->n = 0;
 }

@@ -87,6 +87,14 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
     return STATUS_OK;
 }
 
+/* Whether two objects that stand still stand in one frame, bit by bit. */
+static bool is_same_frame(const RtcPlaced *a, const RtcPlaced *b)
+{
+    if (a->keys || b->keys) return false;
+    Affine of_a = rtc_first_to_world(a), of_b = rtc_first_to_world(b);
+    return memcmp(&of_a, &of_b, sizeof of_a) == 0;
+}
+
 static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *context, Error *error)
 {
     size_t n_maps = 0;
@@ -101,6 +109,8 @@ static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *
         RtcObject object = describe(context, i);
         TRY(place_object(&scene->objects[i], &object, maps, scene->n_keys, i, error));
         maps += scene->objects[i].maps != NULL;
+        bool same = i > 0 && is_same_frame(&scene->objects[i - 1], &scene->objects[i]);
+        scene->objects[i].frame = same ? scene->objects[i - 1].frame : i;
     }
     return STATUS_OK;
 }

@@ -141,11 +141,10 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     return true;
 }
 
-void rtc_enter_frame(Query *query, uint32_t object_id)
+void rtc_enter_frame(Query *query, const RtcPlaced *object)
 {
-    const RtcPlaced *object = &query->scene->objects[object_id];
     LocalRay *local = &query->local;
-    local->object = object_id;
+    local->frame = object->frame;
     local->to_local = NULL;
     if (object->keys) {
         local->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
@@ -164,7 +163,7 @@ void rtc_enter_frame(Query *query, uint32_t object_id)
 
 static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
 {
-    if (query->local.object != hit->object) rtc_enter_frame(query, hit->object);
+    rtc_need_frame(query, object);
     const LocalRay *local_ray = &query->local;
     const Piece *piece = &object->solid->pieces[hit->primitive];
     Vec3 local = piece_normal(piece, local_ray->line.org, local_ray->line.dir, hit->t);

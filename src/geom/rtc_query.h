@@ -17,9 +17,9 @@
 /* Below this cosine the window for surfaces at one place grows no further. */
 #define RTC_LEAST_COSINE 1e-4
 
-/* The ray in the frame of an object with pieces; those of one solid come in a row. */
+/* The ray in the frame of an object with pieces; those of one solid, and of solids in each other, come in a row. */
 typedef struct LocalRay {
-    uint32_t object;
+    uint32_t frame; /* the object's; RTC_NO_OBJECT: none yet */
     PieceLine line;
     const Affine *to_local; /* NULL where the object is only moved and made larger evenly; the object's own, or */
     Affine moved_to_local;
@@ -73,8 +73,12 @@ size_t rtc_part_passed(Query *query, size_t n);
 /* Takes repetitions of the ray's start (see rtc.c) out of hits in increasing t; returns how many are left. */
 size_t rtc_drop_repeats(const Ray *ray, Hit *hits, size_t n);
 
-/* The ray in an object's frame. */
-void rtc_enter_frame(Query *query, uint32_t object);
+/* The ray in an object's frame, where it is not there yet. */
+void rtc_enter_frame(Query *query, const RtcPlaced *object);
+static inline void rtc_need_frame(Query *query, const RtcPlaced *object)
+{
+    if (query->local.frame != object->frame) rtc_enter_frame(query, object);
+}
 /* Whether the ray starts on that primitive: NULL, or where it was hit. */
 static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t primitive)
 {

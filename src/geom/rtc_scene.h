@@ -40,6 +40,7 @@ typedef struct RtcPlaced {
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
+    uint32_t frame;      /* the first of the objects before this one, in a row, that stand in the same frame; or its own number */
     const RtcMesh *mesh;
     const Affine *keys;  /* NULL for one that stands still; not owned */
     const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
