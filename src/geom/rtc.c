@@ -176,12 +176,12 @@ static bool is_start(const Query *query, const Hit *left, double t, bool leaving
     return t <= DOUBLE_NOISE * double_max(query->scale, query->ray->start_scale) && left->inside != leaving;
 }
 
-static bool take_crossing(Query *query, RtcPiece which, double t, bool leaving)
+static bool take_crossing(Query *query, const RtcPiece *which, double t, bool leaving)
 {
-    const Hit *left = rtc_find_left(query->ray, which.object, which.piece);
+    const Hit *left = rtc_find_left(query->ray, which->object, which->piece);
     if (left && is_start(query, left, t, leaving)) return false;
-    bool passing = rtc_passes(query, which.object);
-    Hit *hit = next_hit(passing ? query->passed : query->hits, t, which.object, which.piece);
+    bool passing = rtc_passes(query, which->object);
+    Hit *hit = next_hit(passing ? query->passed : query->hits, t, which->object, which->piece);
     if (UNLIKELY(!hit)) return false;
     if (query->all) return take_any(query, hit);
     if (passing) return note_passed(query, hit, !query->exact && !left);
@@ -190,30 +190,28 @@ static bool take_crossing(Query *query, RtcPiece which, double t, bool leaving)
 }
 
 /* A ball is met where it is, without a frame. */
-static bool consider_ball(Query *query, RtcPiece which, const RtcPlaced *object)
+static bool consider_ball(Query *query, const RtcPiece *which)
 {
     PieceCrossings crossings;
-    piece_cross_ball(object->scale * object->solid->pieces[which.piece].r0, vec3_sub(query->origin, object->place),
-                     query->direction, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);
+    piece_cross_ball(which->ball.radius, vec3_sub(query->origin, which->ball.centre), query->direction, query->t_min,
+                     double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++) shrink |= take_crossing(query, which, crossings.t[i], crossings.leaving[i]);
     return shrink;
 }
 
-static bool consider_piece(Query *query, RtcPiece which)
+static bool consider_piece(Query *query, const RtcPiece *which)
 {
-    const RtcPlaced *object = &query->scene->objects[which.object];
-    if (object->is_ball) return consider_ball(query, which, object);
-    rtc_need_frame(query, object);
+    if (which->is_ball) return consider_ball(query, which);
+    rtc_need_frame(query, &query->scene->objects[which->object]);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
-    piece_cross(&object->solid->pieces[which.piece], line, query->t_min, double_min(query->ray->t_max, query->reach),
-                &crossings);
+    piece_cross(which->shape, line, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++) {
         double t = crossings.t[i];
-        if (which.sector == RTC_ALL_SECTORS ||
-            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == which.sector)
+        if (which->sector == RTC_ALL_SECTORS ||
+            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == which->sector)
             shrink |= take_crossing(query, which, t, crossings.leaving[i]);
     }
     return shrink;
@@ -379,10 +377,10 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const RtcPieceSet *set = arguments->geometryUserPtr;
     const RtcScene *scene = set->scene;
-    RtcPiece which = set->pieces[arguments->primID];
-    const RtcPlaced *object = &scene->objects[which.object];
-    const Piece *piece = &object->solid->pieces[which.piece];
-    Box3 local = which.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which.sector);
+    const RtcPiece *which = &set->pieces[arguments->primID];
+    const RtcPlaced *object = &scene->objects[which->object];
+    const Piece *piece = &object->solid->pieces[which->piece];
+    Box3 local = which->sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which->sector);
     const Affine *keys = object->keys;
     Affine to_world = keys ? keys[arguments->timeStep] : rtc_first_to_world(object);
     Box3 box = affine_box(&to_world, local);
@@ -471,7 +469,7 @@ static void consider_own(Query *query, const RtcPiece *pieces, uint32_t n, unsig
 {
     bool shrink = false;
     for (uint32_t i = 0; i < n && !query->blocked; i++, met >>= 1)
-        if (met & 1) shrink |= consider_piece(query, pieces[i]);
+        if (met & 1) shrink |= consider_piece(query, &pieces[i]);
     if (shrink) ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
 }
 
@@ -496,7 +494,7 @@ void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
     Query *query = (Query *)(void *)arguments->context;
     if (!arguments->valid[0]) return;
     const RtcPieceSet *set = arguments->geometryUserPtr;
-    if (consider_piece(query, set->pieces[arguments->primID])) {
+    if (consider_piece(query, &set->pieces[arguments->primID])) {
         struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
         float tfar = embree_t(query, query->reach);
         ray->tfar = tfar < ray->tfar ? tfar : ray->tfar;
@@ -510,7 +508,7 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
     Query *query = (Query *)(void *)arguments->context;
     if (!arguments->valid[0]) return;
     const RtcPieceSet *set = arguments->geometryUserPtr;
-    if (consider_piece(query, set->pieces[arguments->primID]))
+    if (consider_piece(query, &set->pieces[arguments->primID]))
         ray_of(arguments->ray)->tfar = -INFINITY;
     else
         arguments->valid[0] = 0;

@@ -25,7 +25,7 @@
 typedef struct RtcScene RtcScene;
 
 /* One object of the scene: a mesh or a solid, placed. Meshes placed more than once (the same pointer) share their
- * geometry as Embree instances; a mesh placed once is baked. Neither mesh nor solid is owned; both
+ * geometry as Embree instances; a mesh placed once, or small, is baked. Neither mesh nor solid is owned; both
  * must live as long as the scene. */
 typedef struct RtcObject {
     const Mesh *mesh;   /* or NULL */

@@ -78,7 +78,6 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
         placed->maps = maps;
     }
     placed->mirrored = affine_determinant(&object->to_world) < 0;
-    placed->is_ball = object->solid && !placed->maps && !object->keys && object->solid->pieces[0].kind == PIECE_SPHERE;
     for (uint32_t k = 0; object->keys && k < n_keys; k++) {
         double determinant = affine_determinant(&object->keys[k]);
         if (!(determinant != 0) || !isfinite(determinant) || (determinant < 0) != placed->mirrored)
@@ -339,19 +338,34 @@ static void count_pieces(const RtcScene *scene, size_t n[2], size_t *n_planes)
     }
 }
 
+static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piece, uint32_t sector)
+{
+    const Piece *shape = &object->solid->pieces[piece];
+    RtcPiece listed = {.object = number, .piece = piece, .sector = sector};
+    listed.is_ball = shape->kind == PIECE_SPHERE && !object->maps && !object->keys;
+    if (listed.is_ball) {
+        listed.ball.centre = object->place;
+        listed.ball.radius = object->scale * shape->r0;
+    } else {
+        listed.shape = shape;
+    }
+    return listed;
+}
+
 static void list_pieces(RtcScene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const Solid *solid = scene->objects[i].solid;
-        RtcPieceSet *set = scene->objects[i].keys ? &scene->moving : &scene->still;
+        const RtcPlaced *object = &scene->objects[i];
+        const Solid *solid = object->solid;
+        RtcPieceSet *set = object->keys ? &scene->moving : &scene->still;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
             uint32_t n_sectors = sectors_of(&solid->pieces[k]);
             if (solid->pieces[k].kind == PIECE_PLANE)
-                scene->planes[scene->n_planes++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
+                scene->planes[scene->n_planes++] = piece_of(object, i, k, RTC_ALL_SECTORS);
             else if (n_sectors == 1)
-                set->pieces[set->n++] = (RtcPiece){i, k, RTC_ALL_SECTORS};
+                set->pieces[set->n++] = piece_of(object, i, k, RTC_ALL_SECTORS);
             else
-                for (uint32_t s = 0; s < n_sectors; s++) set->pieces[set->n++] = (RtcPiece){i, k, s};
+                for (uint32_t s = 0; s < n_sectors; s++) set->pieces[set->n++] = piece_of(object, i, k, s);
         }
     }
 }

@@ -22,7 +22,7 @@ typedef struct RtcMesh {
     const Mesh *source, *end; /* end: NULL for one whose shape stays */
     RtcQuad *quads;           /* aligned; turned round where the mesh is baked and the transform mirrors */
     uint32_t n_quads;
-    bool baked;               /* placed once: it is traced in the world's frame, not as an instance */
+    bool baked;               /* placed once, or small: it is traced in the world's frame, not as an instance */
     Vec3f *moved;             /* the vertices in the world's frame where it is baked; NULL where the source's are there */
 } RtcMesh;
 
@@ -35,12 +35,11 @@ typedef struct RtcPlaced {
     Vec3 place;
     double scale;        /* > 0 */
     const Solid *solid;
-    bool is_ball;        /* of solids: a sphere, moved and made larger evenly, that stands still */
     bool opaque;
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
-    uint32_t frame;      /* the first of the objects before this one, in a row, that stand in the same frame; or its own number */
+    uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them */
     const RtcMesh *mesh;
     const Affine *keys;  /* NULL for one that stands still; not owned */
     const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
@@ -52,6 +51,14 @@ typedef struct RtcPlaced {
 typedef struct RtcPiece {
     uint32_t object, piece;
     uint32_t sector; /* 0 .. 7 about the axis, or RTC_ALL_SECTORS */
+    bool is_ball;    /* a sphere, moved and made larger evenly, that stands still */
+    union { /* all that a ray has to know that does not meet it: of many objects little is in the cache */
+        struct {
+            Vec3 centre;
+            double radius;
+        } ball; /* in the world */
+        const Piece *shape;
+    };
 } RtcPiece;
 enum { RTC_SECTORS = 8, RTC_ALL_SECTORS = 8 };
 
