@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/sampler.h"
 
-/* The columns of the two matrices, for the six digits of a pixel's place, the finest first; a column's lowest bit goes
+/* The columns of the first two matrices, for the six digits of a pixel's place, the finest first; a column's lowest bit goes
  * to the coordinate's first digit. Found by annealing: the least sum of rank deficits over all elementary intervals of
  * 1, 2, ... 512 samples of 2, 4, ... 64 pixels. Most of these sets are (t, m, 2)-nets of t = 1, a few of t = 2 or 3. */
 #define DIGIT(place, n, column) ((place) >> (5 - (n)) & 1 ? (column) : 0)
@@ -12,10 +12,17 @@
 #define SECOND(p)                                                                                \
     (DIGIT(p, 0, 0xbdabU) ^ DIGIT(p, 1, 0x1efdU) ^ DIGIT(p, 2, 0xd262U) ^ DIGIT(p, 3, 0x1711U) ^ \
      DIGIT(p, 4, 0x83e6U) ^ DIGIT(p, 5, 0xdf22U))
-#define SHIFT(p) {FIRST(p), SECOND(p)}
+/* The third coordinate is what chooses, and is to be even by itself first of all. Digit i of column j is a polynomial of i of
+ * degree j, a sum of binomials modulo 2: any j digits in a row of the first j columns make a matrix of determinant 1, so
+ * that 2^m samples of 2^k pixels that are next to each other in the order have their thirds in 2^(m + k) strata. Of these
+ * polynomials those were taken whose rank deficits together with the first two coordinates are least. */
+#define THIRD(p)                                                                                 \
+    (DIGIT(p, 0, 0xffffU) ^ DIGIT(p, 1, 0x5555U) ^ DIGIT(p, 2, 0x9999U) ^ DIGIT(p, 3, 0x8888U) ^ \
+     DIGIT(p, 4, 0x6969U) ^ DIGIT(p, 5, 0x3636U))
+#define SHIFT(p) {FIRST(p), SECOND(p), THIRD(p)}
 #define FOUR(p) SHIFT(p), SHIFT((p) + 1), SHIFT((p) + 2), SHIFT((p) + 3)
 
-const uint32_t sampler_shifts[64][2] = {FOUR(0),  FOUR(4),  FOUR(8),  FOUR(12), FOUR(16), FOUR(20), FOUR(24), FOUR(28),
+const uint32_t sampler_shifts[64][3] = {FOUR(0),  FOUR(4),  FOUR(8),  FOUR(12), FOUR(16), FOUR(20), FOUR(24), FOUR(28),
                                         FOUR(32), FOUR(36), FOUR(40), FOUR(44), FOUR(48), FOUR(52), FOUR(56), FOUR(60)};
 
 /* All sums of four columns of a matrix; a column's lowest bit goes to the coordinate's first digit. */

@@ -53,8 +53,8 @@ typedef struct Sampler {
 
 enum { SAMPLER_DIGITS_SHARED = 10 };
 
-/* What is added, digit by digit, to both coordinates at a place in the block, reversed. */
-extern const uint32_t sampler_shifts[64][2];
+/* What is added, digit by digit, to the three coordinates at a place in the block, reversed. */
+extern const uint32_t sampler_shifts[64][3];
 
 static inline uint32_t reverse_bits(uint32_t x)
 {
@@ -205,11 +205,12 @@ static inline void sampler_stream_2d(const SamplerStream *stream, uint32_t index
     u[1] = hash_to_unit_f((uint32_t)both);
 }
 
-/* A third number to a stream's two, all 32 digits: 2^m samples of a pixel are together a (1, m, 3)-net. Its index is shifted as
- * the first number is, so that the pixels of a block share out the work in it as evenly as in that one. */
+/* A third number to a stream's two, all 32 digits: 2^m samples of a pixel are together a (1, m, 3)-net. It has a shift of its own:
+ * were it made of the first one's index, shift and all, half of the strata of two or four pixels would be empty, and its low
+ * frequencies up to 2.5 times as strong. */
 static inline uint32_t sampler_stream_third(const SamplerStream *stream, uint32_t index_reversed)
 {
-    uint32_t x = sobol_third_reversed(sampler_point(stream, index_reversed) ^ stream->shift[0]);
+    uint32_t x = sobol_third_reversed(sampler_point(stream, index_reversed)) ^ stream->shift[2];
     uint32_t pixel = (uint32_t)((stream->pixel * 0xd1342543de82ef95U) >> 32);
     return reverse_bits(sampler_scramble(x, pixel, (uint32_t)((stream->block * 0xaf251af3b0f025b5U) >> 32)));
 }

@@ -5,7 +5,8 @@
 
 #include "measure.h"
 
-enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT, SEEDS = 8, FEW = 2, MANY = 16, CHANNELS = 3, BORDER = 6 };
+enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT, SEEDS = 8, CHANNELS = 3, BORDER = 6 };
+enum { FEW = 2, SOME = 4, MANY = 16 }; /* samples */
 
 static const struct {
     const char *name;
@@ -82,18 +83,20 @@ void bench_sampling(char **paths, int n)
 {
     Pool *one = pool_of(1);
     printf("other ways to take samples: their squared error times their time, over that of the present way; above 1 is "
-           "worse.\nOf pixels of %d samples, of their low frequencies, and of those of %d\n",
-           MANY, FEW);
+           "worse.\nOf pixels of %d samples, of their low frequencies, and of those of %d and of %d\n",
+           MANY, SOME, FEW);
     printf("%-26s", "");
-    for (int i = 0; i < n; i++) printf("  %-20.20s", file_name(paths[i]));
+    for (int i = 0; i < n; i++) printf("  %-27.27s", file_name(paths[i]));
     printf("\n");
     enum { MOST_SCENES = 16 };
-    static Worth many[COUNT_OF(ways)][MOST_SCENES], few[COUNT_OF(ways)][MOST_SCENES];
+    static Worth many[COUNT_OF(ways)][MOST_SCENES], some[COUNT_OF(ways)][MOST_SCENES],
+        few[COUNT_OF(ways)][MOST_SCENES];
     for (int i = 0; i < n && i < MOST_SCENES; i++) {
         Made made;
         made_from_file(&made, paths[i]);
         for (size_t k = 0; k < COUNT_OF(ways); k++) {
             many[k][i] = worth_of(made.compiled, MANY, ways[k].trial, one);
+            some[k][i] = worth_of(made.compiled, SOME, ways[k].trial, one);
             few[k][i] = worth_of(made.compiled, FEW, ways[k].trial, one);
         }
         made_clear(&made);
@@ -101,8 +104,9 @@ void bench_sampling(char **paths, int n)
     for (size_t k = 1; k < COUNT_OF(ways); k++) {
         printf("%-26s", ways[k].name);
         for (int i = 0; i < n && i < MOST_SCENES; i++)
-            printf(" %5.2f  %5.2f  %5.2f  ", many[k][i].pixels / many[0][i].pixels,
-                   many[k][i].blurred / many[0][i].blurred, few[k][i].blurred / few[0][i].blurred);
+            printf(" %5.2f  %5.2f  %5.2f  %5.2f  ", many[k][i].pixels / many[0][i].pixels,
+                   many[k][i].blurred / many[0][i].blurred, some[k][i].blurred / some[0][i].blurred,
+                   few[k][i].blurred / few[0][i].blurred);
         printf("\n");
     }
     pool_free(one);

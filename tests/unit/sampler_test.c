@@ -77,35 +77,44 @@ static void pixels_have_nets_in_space(void **state)
         }
 }
 
-static double first_of(const Sampler *sampler, uint32_t dimension)
-{
-    return (double)sampler_1d(sampler, dimension);
-}
-
 /* The first 2^m numbers of a pixel are in as many strata, and so are those of a quad, by two for the odd. */
-static void expect_strata(double (*number)(const Sampler *sampler, uint32_t dimension))
+static void quads_have_strata(void **state)
 {
+    (void)state;
     for (uint32_t m = 0; m <= 6; m++)
         for (uint32_t quad = 0; quad < 256; quad++) {
             uint32_t n = 4U << m, met[256] = {0};
             for (uint32_t i = 0; i < n; i++) {
                 Sampler sampler = sampler_make(3, quad % 16 * 2 + (i & 1), quad / 16 * 2 + (i >> 1 & 1), i >> 2);
-                met[(uint32_t)(number(&sampler, 9) * n)]++;
+                met[(uint32_t)((double)sampler_1d(&sampler, 9) * n)]++;
             }
             for (uint32_t i = 0; i < n; i += 2) assert_true(met[i] + met[i + 1] > 0);
         }
 }
 
-static void quads_have_strata(void **state)
+/* The third numbers of 2^m samples of pairs of pixels on a diagonal, of quads, of two quads on a diagonal, ... of whole blocks,
+ * are all in strata of their own, as far as the block scrambles the digits. */
+static void thirds_have_strata(void **state)
 {
     (void)state;
-    expect_strata(first_of);
-}
-
-static void quads_have_thirds_in_strata(void **state)
-{
-    (void)state;
-    expect_strata(third_of);
+    for (uint32_t m = 0; m <= 6; m++)
+        for (uint32_t k = 0; k <= 6 && m + k <= SAMPLER_DIGITS_SHARED; k++)
+            for (uint32_t first = 0; first < 256; first += 1U << k) {
+                uint8_t met[1 << SAMPLER_DIGITS_SHARED] = {0};
+                for (uint32_t place = first; place < first + (1U << k); place++) {
+                    uint32_t y = 0, x = 0;
+                    for (uint32_t level = 0; level < 4; level++) {
+                        uint32_t digits =
+                            place >> 2 * level; /* the lower parts what the higher one leaves, see sampler_place */
+                        y |= (digits & 1) << level;
+                        x |= ((digits ^ digits >> 1) & 1) << level;
+                    }
+                    for (uint32_t i = 0; i < 1U << m; i++) {
+                        Sampler sampler = sampler_make(3, x, y, i);
+                        assert_int_equal(met[stratum(third_of(&sampler, 9), m + k)]++, 0);
+                    }
+                }
+            }
 }
 
 /* Numbers of different dimensions have nothing to do with each other, in one pixel and among neighbours: an 8 x 8 table of
@@ -189,6 +198,14 @@ static double product(const Sampler *sampler)
     return bump(sampler) * (double)(u[0] + u[1]);
 }
 
+/* One of two, by the third number, and something of each by the other two: as boundaries choose. */
+static double choice(const Sampler *sampler)
+{
+    float u[2];
+    int first = ldexp(sampler_3d(sampler, 6, u), -32) < 0.3;
+    return first ? 1 + (double)u[0] : 0.5 * (double)u[1];
+}
+
 static double bump_mean(void)
 {
     return (erf(sqrt(8) * 0.6) + erf(sqrt(8) * 0.4)) * (erf(sqrt(8) * 0.6) + erf(sqrt(8) * 0.4)) * acos(-1) / 32;
@@ -246,10 +263,11 @@ static void errors_are_blue(void **state)
     const Integrand integrands[] = {{"ramp", ramp, 0.5},
                                     {"bump", bump, bump_mean()},
                                     {"disc", disc, acos(-1) * 0.16},
-                                    {"product", product, bump_mean()}};
-    static const double most[4][3] = {{0.3, 0.3, 0.3}, {0.35, 0.3, 0.3}, {0.65, 0.6, 0.55}, {0.5, 0.75, 1}};
+                                    {"product", product, bump_mean()},
+                                    {"choice", choice, 0.3 * 1.5 + 0.7 * 0.25}};
+    static const double most[5][3] = {{0.3, 0.3, 0.3}, {0.35, 0.3, 0.3}, {0.65, 0.6, 0.55}, {0.5, 0.75, 1}, {0.35, 0.35, 0.4}};
     static double white[WIDTH * WIDTH], blue[WIDTH * WIDTH];
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
         print_message("%-8s low frequencies against white noise:", integrands[i].name);
         for (uint32_t m = 0; m <= 8; m += 2) {
             render(&integrands[i], sampler_make_alone, 1U << m, white);
@@ -306,8 +324,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_have_nets),
         cmocka_unit_test(pixels_have_nets_in_space),
-        cmocka_unit_test(quads_have_thirds_in_strata),
         cmocka_unit_test(quads_have_strata),
+        cmocka_unit_test(thirds_have_strata),
         cmocka_unit_test(dimensions_are_independent),
         cmocka_unit_test(thirds_are_independent),
         cmocka_unit_test(errors_are_blue),
