@@ -176,12 +176,12 @@ static bool is_start(const Query *query, const Hit *left, double t, bool leaving
     return t <= DOUBLE_NOISE * double_max(query->scale, query->ray->start_scale) && left->inside != leaving;
 }
 
-static bool take_crossing(Query *query, const RtcPiece *which, double t, bool leaving)
+static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double t, bool leaving)
 {
-    const Hit *left = rtc_find_left(query->ray, which->object, which->piece);
+    const Hit *left = rtc_find_left(query->ray, object, piece);
     if (left && is_start(query, left, t, leaving)) return false;
-    bool passing = rtc_passes(query, which->object);
-    Hit *hit = next_hit(passing ? query->passed : query->hits, t, which->object, which->piece);
+    bool passing = rtc_passes(query, object);
+    Hit *hit = next_hit(passing ? query->passed : query->hits, t, object, piece);
     if (UNLIKELY(!hit)) return false;
     if (query->all) return take_any(query, hit);
     if (passing) return note_passed(query, hit, !query->exact && !left);
@@ -196,7 +196,8 @@ static bool consider_ball(Query *query, const RtcPiece *which)
     piece_cross_ball(which->ball.radius, vec3_sub(query->origin, which->ball.centre), query->direction, query->t_min,
                      double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
-    for (int i = 0; i < crossings.n; i++) shrink |= take_crossing(query, which, crossings.t[i], crossings.leaving[i]);
+    for (int i = 0; i < crossings.n; i++)
+        shrink |= take_crossing(query, which->object, which->piece, crossings.t[i], crossings.leaving[i]);
     return shrink;
 }
 
@@ -212,7 +213,7 @@ static bool consider_piece(Query *query, const RtcPiece *which)
         double t = crossings.t[i];
         if (which->sector == RTC_ALL_SECTORS ||
             rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == which->sector)
-            shrink |= take_crossing(query, which, t, crossings.leaving[i]);
+            shrink |= take_crossing(query, which->object, which->piece, t, crossings.leaving[i]);
     }
     return shrink;
 }
@@ -473,11 +474,27 @@ static void consider_own(Query *query, const RtcPiece *pieces, uint32_t n, unsig
     if (shrink) ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
 }
 
-/* All such: planes, which have no bounds, and pieces that are few. */
+static void consider_plane(Query *query, const RtcPlane *plane, struct RTCRay *ray)
+{
+    double height = vec3_dot(plane->up, vec3_sub(query->origin, plane->place)),
+           slope = vec3_dot(plane->up, query->direction);
+    if (UNLIKELY(plane->moves)) {
+        Affine to_local = rtc_to_local(query->scene, &query->scene->objects[plane->object], query->ray->time);
+        height = affine_point(&to_local, query->origin).y;
+        slope = affine_vector(&to_local, query->direction).y;
+    }
+    if (slope == 0) return;
+    double t = -height / slope;
+    if (!(t > query->t_min && t <= double_min(query->ray->t_max, query->reach))) return;
+    if (take_crossing(query, plane->object, 0, t, slope > 0))
+        ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
+}
+
+/* All such, and planes, which have no bounds. */
 static inline void consider_all_own(Query *query, struct RTCRay *ray)
 {
     const RtcScene *scene = query->scene;
-    for (uint32_t i = 0; i < scene->n_planes; i++) consider_own(query, &scene->planes[i], 1, 1, ray);
+    for (uint32_t i = 0; i < scene->n_planes && !query->blocked; i++) consider_plane(query, &scene->planes[i], ray);
     if (LIKELY(scene->n_few <= RTC_ALONE)) {
         for (uint32_t i = 0; i < scene->n_few; i++)
             if (meets_one(&scene->alone[i], ray)) consider_own(query, scene->still.pieces + i, 1, 1, ray);

@@ -352,6 +352,13 @@ static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piec
     return listed;
 }
 
+static RtcPlane plane_of(const RtcPlaced *object, uint32_t number)
+{
+    Affine to_local = rtc_first_to_local(object);
+    const double *up = to_local.m[1];
+    return (RtcPlane){number, object->keys != NULL, vec3(up[0], up[1], up[2]), object->place};
+}
+
 static void list_pieces(RtcScene *scene)
 {
     for (uint32_t i = 0; i < scene->n_objects; i++) {
@@ -361,7 +368,7 @@ static void list_pieces(RtcScene *scene)
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
             uint32_t n_sectors = sectors_of(&solid->pieces[k]);
             if (solid->pieces[k].kind == PIECE_PLANE)
-                scene->planes[scene->n_planes++] = piece_of(object, i, k, RTC_ALL_SECTORS);
+                scene->planes[scene->n_planes++] = plane_of(object, i);
             else if (n_sectors == 1)
                 set->pieces[set->n++] = piece_of(object, i, k, RTC_ALL_SECTORS);
             else
@@ -417,12 +424,12 @@ static Status add_pieces(RtcScene *scene, Error *error)
     size_t n[2], n_planes;
     count_pieces(scene, n, &n_planes);
     if (n[0] + n[1] > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n[0] + n[1]);
-    scene->pieces = malloc((n[0] + n[1] + n_planes + 1) * sizeof *scene->pieces);
-    if (!scene->pieces)
+    scene->pieces = malloc((n[0] + n[1] + 1) * sizeof *scene->pieces);
+    scene->planes = malloc((n_planes + 1) * sizeof *scene->planes);
+    if (!scene->pieces || !scene->planes)
         return fail_memory(error, (n[0] + n[1] + n_planes) * sizeof *scene->pieces, "the scene's solids");
     scene->still = (RtcPieceSet){.scene = scene, .pieces = scene->pieces};
     scene->moving = (RtcPieceSet){.scene = scene, .pieces = scene->pieces + n[0], .moving = true};
-    scene->planes = scene->pieces + n[0] + n[1];
     list_pieces(scene);
     if (scene->still.n <= RTC_FEW)
         keep_few(scene);
@@ -589,6 +596,7 @@ void rtc_scene_free(RtcScene *scene)
     free(scene->objects);
     free(scene->shared);
     free(scene->pieces);
+    free(scene->planes);
     free(scene);
 }
 

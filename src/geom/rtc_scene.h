@@ -62,6 +62,13 @@ typedef struct RtcPiece {
 } RtcPiece;
 enum { RTC_SECTORS = 8, RTC_ALL_SECTORS = 8 };
 
+/* A plane without end. Every ray is held against it, by no more than this where it stands still. */
+typedef struct RtcPlane {
+    uint32_t object;
+    bool moves;
+    Vec3 up, place; /* in the world: local y is up . (p - place) */
+} RtcPlane;
+
 /* Which eighth a point of the local frame is in: exactly one, by comparisons alone. */
 static inline uint32_t rtc_sector(double x, double z)
 {
@@ -101,12 +108,12 @@ struct RtcScene {
     uint32_t n_objects;
     RtcMaps *maps; /* of the objects that have them */
     uint32_t n_keys;
-    RtcPiece *pieces;          /* of the two sets, then the planes */
+    RtcPiece *pieces;          /* of the two sets */
     RtcPieceSet still, moving; /* bounded ones */
     uint32_t n_few;            /* of the still ones, all if they are few, which Embree then does not know; else 0 */
     RtcFour few[RTC_FEW / LANES];
     RtcOne alone[RTC_ALONE]; /* the same bounds, where they are no more */
-    RtcPiece *planes;          /* unbounded ones, tested by themselves */
+    RtcPlane *planes;          /* tested by themselves */
     uint32_t n_planes;
     Box3 bounds;
     double reach; /* the largest coordinate of the bounds: the scale of Embree's rounding */

@@ -483,14 +483,70 @@ static void test_hostile_rays(void **state)
     destroy(&s);
 }
 
+/* Planes without end, moved, turned and stretched, and on the move: where rays meet them, by their frames. */
+static void test_planes(void **state)
+{
+    (void)state;
+    enum { RAYS = 20000, PLANES = 4 };
+    TestScene s = {0};
+    Solid *plane = NULL;
+    assert_int_equal(solid_new(1, &plane, NULL), STATUS_OK);
+    plane->pieces[0].kind = PIECE_PLANE;
+    plane = keep_solid(&s, STATUS_OK, plane);
+    Affine stretched = turned(40, vec3(1, 2, 3), vec3(-20, 3, 1));
+    for (int row = 0; row < 3; row++) stretched.m[row][1] *= -2.5; /* and mirrored */
+    const Affine keys[2] = {turned(10, vec3(1, 0, 0), vec3(0, 20, 0)), turned(50, vec3(1, 0, 1), vec3(5, 30, 0))};
+    add(&s, NULL, plane, turned(0, vec3(0, 1, 0), vec3(3, -7, 5)));
+    add(&s, NULL, plane, turned(0, vec3(0, 1, 0), vec3(0, -9, 0)));
+    for (int k = 0; k < 3; k++) s.objects[1].to_world.m[k][k] = 3;
+    add(&s, NULL, plane, stretched);
+    add(&s, NULL, plane, keys[0]);
+    s.objects[3].keys = keys;
+    assert_int_equal(rtc_scene_new(s.objects, s.n, 2, 1, &s.rtc, NULL), STATUS_OK);
+    HitList hits = {0}, nearest = {0};
+    uint64_t random = 5;
+    for (int i = 0; i < RAYS; i++) {
+        Vec3 origin = vec3_scale(random_direction(&random), 60 * unit(&random));
+        Ray ray = ray_make(origin, vec3f_from(random_direction(&random)));
+        ray.time = unit(&random);
+        assert_true(rtc_all(s.rtc, &ray, false, &hits));
+        size_t n = 0;
+        for (uint32_t k = 0; k < PLANES; k++) {
+            Affine to_world = k == 3 ? affine_between(keys, 2, ray.time) : s.objects[k].to_world, to_local;
+            assert_true(affine_invert(&to_world, &to_local));
+            double slope = affine_vector(&to_local, vec3_from_f(ray.direction)).y;
+            double t = -affine_point(&to_local, origin).y / slope;
+            if (!(t > 0)) continue;
+            size_t at = 0;
+            while (at < hits.n && hits.items[at].object != k) at++;
+            assert_true(at < hits.n);
+            assert_true(fabs(hits.items[at].t - t) <= 1e-11 * (60 + t) / fabs(slope));
+            assert_int_equal(hits.items[at].entering, slope < 0);
+            n++;
+        }
+        assert_int_equal(hits.n, n);
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &nearest, NULL), n > 0);
+        if (n) assert_int_equal(nearest.items[0].object, hits.items[0].object);
+    }
+    hit_list_clear(&hits);
+    hit_list_clear(&nearest);
+    destroy(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boxes),        cmocka_unit_test(test_coincident_boxes),
-        cmocka_unit_test(test_solids),       cmocka_unit_test(test_coincident_solids),
-        cmocka_unit_test(test_instances),    cmocka_unit_test(test_gap_is_kept),
-        cmocka_unit_test(test_few_as_many),  cmocka_unit_test(test_many_at_one_place),
-        cmocka_unit_test(test_hostile_rays), cmocka_unit_test(test_shared_edges),
+        cmocka_unit_test(test_boxes),
+        cmocka_unit_test(test_coincident_boxes),
+        cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_coincident_solids),
+        cmocka_unit_test(test_planes),
+        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_gap_is_kept),
+        cmocka_unit_test(test_few_as_many),
+        cmocka_unit_test(test_many_at_one_place),
+        cmocka_unit_test(test_hostile_rays),
+        cmocka_unit_test(test_shared_edges),
         cmocka_unit_test(test_edges),
     };
     return cmocka_run_group_tests_name("rtc", tests, NULL, NULL);
