@@ -66,16 +66,33 @@ static void summarize_as_json(const RenderRun *run, double seconds)
     talk_event_end(&json);
 }
 
+/* A number with so many digits, and all of those before the point: never 1e+03. */
+static void add_digits(Buf *line, double value, int digits)
+{
+    if (value >= pow(10, digits) - 0.5)
+        buf_format(line, "%.0f", value);
+    else
+        buf_format(line, "%.*g", digits, value);
+}
+
 /* 16 to 4096 samples, 87.1 on average, noise 0.94 % */
 static void summarize_noise(const RenderRun *run, Buf *line)
 {
     const RenderStats *stats = &run->stats;
     double pixels = stats->mean_samples > 0 ? (double)stats->paths / stats->mean_samples : 0;
-    buf_format(line, "%u to %u samples, %.3g on average", stats->samples, stats->most_samples, stats->mean_samples);
-    if (stats->noise >= 0) buf_format(line, ", noise %.2g %%", 100 * stats->noise);
-    if (stats->noisy_pixels && pixels > 0)
-        buf_format(line, ", %.2g %% of the pixels above %.3g %% at %u samples", 100 * (double)stats->noisy_pixels / pixels,
-                   100 * run->settings.noise, run->settings.samples);
+    buf_format(line, "%u to %u samples, ", stats->samples, stats->most_samples);
+    add_digits(line, stats->mean_samples, 3);
+    buf_add(line, " on average");
+    if (stats->noise >= 0) {
+        buf_add(line, ", noise ");
+        add_digits(line, 100 * stats->noise, 2);
+        buf_add(line, " %");
+    }
+    if (stats->noisy_pixels && pixels > 0) {
+        buf_add(line, ", ");
+        add_digits(line, 100 * (double)stats->noisy_pixels / pixels, 2);
+        buf_format(line, " %% of the pixels above %.3g %% at %u samples", 100 * run->settings.noise, run->settings.samples);
+    }
 }
 
 void render_summarize(const RenderRun *run)
@@ -209,8 +226,9 @@ static void print_stats_text(const RenderRun *run, Buf *out)
                100 * (double)stats->silent_crossings / crossings);
     buf_format(out, "nesting faults     %llu, %.3g per million crossings\n", (unsigned long long)stats->nesting_faults,
                per_million(stats->nesting_faults, stats->crossings));
-    buf_format(out, "samples            %u to %u per pixel, %.4g on average\n", stats->samples, stats->most_samples,
-               stats->mean_samples);
+    buf_format(out, "samples            %u to %u per pixel, ", stats->samples, stats->most_samples);
+    add_digits(out, stats->mean_samples, 4);
+    buf_add(out, " on average\n");
     if (stats->guide.landed)
         buf_format(out, "caustics           %llu of %llu photons landed, %.1f MiB, %.2f s of processors\n",
                    (unsigned long long)stats->guide.landed, (unsigned long long)stats->guide.followed,
@@ -218,7 +236,11 @@ static void print_stats_text(const RenderRun *run, Buf *out)
     if (stats->spread_samples)
         buf_format(out, "fireflies          %llu sample%s that stood alone, with %.2g %% of the light, spread over their surroundings\n",
                    (unsigned long long)stats->spread_samples, plural(stats->spread_samples), 100 * stats->spread_light);
-    if (run->noise >= 0) buf_format(out, "noise              %.3g %%\n", 100 * run->noise);
+    if (run->noise >= 0) {
+        buf_add(out, "noise              ");
+        add_digits(out, 100 * run->noise, 3);
+        buf_add(out, " %\n");
+    }
     buf_format(out, "geometry           %.1f MiB\n", (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
     buf_format(out, "time               %.2f s to render, %.2f s of processors, %u thread%s\n", stats->seconds,
                stats->cpu_seconds, pool_threads(run->pool), plural(pool_threads(run->pool)));

@@ -107,6 +107,9 @@ PYTHON
 run render noisy.mns -o b.exr -n 0.1% -s 64
 exits 0
 matches err 'noise [0-9.]+ %, [0-9.]+ % of the pixels above 0\.1 % at 64 samples, 0 nesting'
+run render noisy.mns -o b.exr -n 0.001% -s 2000 --size 8x6
+exits 0
+matches err '^wrote b\.exr \(8 x 6, [0-9]+ to 2000 samples, [0-9]{4} on average, noise [0-9.]+ %, 1?[0-9]{2} % of the pixels above 0\.001 %'
 run render noisy.mns -o c.exr -n 2% -j 1 -q
 run render noisy.mns -o d.exr -n 2% -j 3 -q
 cmp -s c.exr d.exr || flunk "not the same bits for 1 and 3 threads"
