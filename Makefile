@@ -90,7 +90,7 @@ endif
 all: $(BUILD)/meniscus build/meniscus ## build the program (build/meniscus)
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1	\2/p' Makefile | expand -t 16
+	@sed -n 's/^\([a-z -]*\):.*## \(.*\)/  \1	\2/p' Makefile | expand -t 16
 
 # The program's usual place, whatever the variant that was built last.
 build/meniscus: $(BUILD)/meniscus
