@@ -8,6 +8,7 @@
 #include "cli/reference.h"
 #include "diag/suggest.h"
 #include "geom/rtc.h"
+#include "lang/habits.h"
 #include "scene/build.h"
 #include "scene/library.h"
 
@@ -15,14 +16,23 @@
 static const char *nearest_topic(const char *wrong)
 {
     const Schema *schema = scene_schema();
-    const char **names =
-        malloc((COMMAND_COUNT + schema->n_nodes + builtin_count() + schema->n_terms + D_COUNT + std_library.n_files) *
-               sizeof *names);
+    size_t n_props = 0;
+    for (size_t i = 0; i < schema->n_nodes; i++) n_props += schema->nodes[i].n_props;
+    const char **names = malloc((COMMAND_COUNT + schema->n_nodes + n_props + builtin_count() + schema->n_terms + D_COUNT +
+                                 std_library.n_files) *
+                                sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
     for (Command command = 0; command < COMMAND_COUNT; command++)
         if (command_row(command)->summary) names[n++] = command_row(command)->name;
     for (size_t i = 0; i < schema->n_nodes; i++) names[n++] = schema->nodes[i].name;
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        for (size_t p = 0; p < schema->nodes[i].n_props; p++) {
+            const char *name = schema->nodes[i].props[p].name;
+            size_t k = 0; /* each once: between two that are as near none is the nearest */
+            while (k < n && strcmp(names[k], name) != 0) k++;
+            if (k == n) names[n++] = name;
+        }
     for (size_t i = 0; i < builtin_count(); i++) names[n++] = builtin_at(i)->name;
     for (size_t i = 0; i < schema->n_terms; i++) names[n++] = schema->terms[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
@@ -67,9 +77,15 @@ static Status explain(const char *topic, Buf *out, Error *error)
     if ((function || term) && out->length) buf_add(out, "\nAs a function:\n\n");
     if (function) reference_print_function(function, out);
     if (term) reference_print_term(term, out);
+    if (reference_is_property(topic)) {
+        if (out->length) buf_add(out, "\nAs a property:\n\n");
+        reference_print_property(topic, out);
+    }
     if (code != D_COUNT) reference_print_diagnostic(code, out);
     explain_library(topic, out);
     if (out->length) return STATUS_OK;
+    const char *habit = habit_block(topic);
+    if (habit) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, habit);
     const char *near = nearest_topic(topic);
     return fail(error, STATUS_USAGE, "there is no help for '%s'%s%s%s", topic, near ? "; did you mean '" : "",
                 near ? near : "", near ? "'?" : "");

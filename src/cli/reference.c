@@ -7,6 +7,7 @@
 
 #include "base/num.h"
 #include "cli/commands.h"
+#include "lang/schema_find.h"
 #include "scene/build.h"
 
 enum { PROPERTY_COLUMN = 18 };
@@ -81,6 +82,7 @@ static void print_range(const PropType *type, Buf *out)
 void reference_print_type(const PropType *type, Buf *out)
 {
     buf_add(out, kind_text(type->kind));
+    if (type->kind == PROP_NODE && type->choices && strchr("aeiou", type->choices[0])) buf_add(out, "n");
     if (type->choices) {
         buf_add(out, " ");
         print_words(type->choices, " or ", out);
@@ -114,6 +116,18 @@ DiagCode reference_diagnostic(const char *slug)
     return code;
 }
 
+/* "the radius (number, length, above 0; default: `1`)" */
+static void describe_property(const PropType *type, Buf *text)
+{
+    buf_format(text, "%s (", type->doc);
+    reference_print_type(type, text);
+    if (type->flags & PROP_REQUIRED)
+        buf_add(text, "; required");
+    else if (type->default_text)
+        buf_format(text, "; default: `%s`", type->default_text);
+    buf_add(text, ")");
+}
+
 void reference_print_node(const NodeType *node, Buf *out)
 {
     buf_format(out, "%s - %s\n", node->name, node->doc);
@@ -121,15 +135,62 @@ void reference_print_node(const NodeType *node, Buf *out)
     for (size_t i = 0; i < node->n_props; i++) {
         const PropType *type = &node->props[i];
         Buf text = {0};
-        buf_format(&text, "%s (", type->doc);
-        reference_print_type(type, &text);
-        if (type->flags & PROP_REQUIRED)
-            buf_add(&text, "; required");
-        else if (type->default_text)
-            buf_format(&text, "; default: `%s`", type->default_text);
-        buf_add(&text, ")");
+        describe_property(type, &text);
+        size_t column = 2 + strlen(type->name);
         buf_format(out, "  %s", type->name);
-        help_wrap(out, buf_text(&text), PROPERTY_COLUMN, 2 + strlen(type->name));
+        if (column >= PROPERTY_COLUMN) { /* no room beside it */
+            buf_add(out, "\n");
+            column = 0;
+        }
+        help_wrap(out, buf_text(&text), PROPERTY_COLUMN, column);
+        buf_clear(&text);
+    }
+    buf_add(out, "\nManual: meniscus-scene(5)\n");
+}
+
+/* Whether two nodes say the same of a property. */
+static bool same_property(const PropType *a, const PropType *b)
+{
+    Buf of_a = {0}, of_b = {0};
+    describe_property(a, &of_a);
+    describe_property(b, &of_b);
+    bool same = strcmp(buf_text(&of_a), buf_text(&of_b)) == 0;
+    buf_clear(&of_a);
+    buf_clear(&of_b);
+    return same;
+}
+
+bool reference_is_property(const char *name)
+{
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        if (schema_prop(&schema->nodes[i], name)) return true;
+    return false;
+}
+
+void reference_print_property(const char *name, Buf *out)
+{
+    const Schema *schema = scene_schema();
+    buf_format(out, "%s - a property of\n", name);
+    for (size_t i = 0; i < schema->n_nodes; i++) {
+        const PropType *type = schema_prop(&schema->nodes[i], name), *other = NULL;
+        for (size_t k = 0; type && k < i; k++) {
+            other = schema_prop(&schema->nodes[k], name);
+            if (other && same_property(type, other)) break;
+            other = NULL;
+        }
+        if (!type || other) continue; /* said already */
+        Buf nodes = {0}, text = {0};
+        for (size_t k = i; k < schema->n_nodes; k++) {
+            other = schema_prop(&schema->nodes[k], name);
+            if (other && same_property(type, other))
+                buf_format(&nodes, "%s%s", nodes.length ? ", " : "", schema->nodes[k].name);
+        }
+        describe_property(type, &text);
+        buf_add(out, "\n");
+        help_wrap(out, buf_text(&nodes), 2, 0);
+        help_wrap(out, buf_text(&text), 6, 0);
+        buf_clear(&nodes);
         buf_clear(&text);
     }
     buf_add(out, "\nManual: meniscus-scene(5)\n");

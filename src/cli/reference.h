@@ -19,6 +19,9 @@ const TermType *reference_term(const char *name);
 DiagCode reference_diagnostic(const char *slug);
 /* As plain text, for help. */
 void reference_print_node(const NodeType *node, Buf *out);
+/* A property's name, whatever the node; and what each node that has it says of it. */
+bool reference_is_property(const char *name);
+void reference_print_property(const char *name, Buf *out);
 void reference_print_diagnostic(DiagCode code, Buf *out);
 void reference_print_function(const Builtin *function, Buf *out);
 void reference_print_term(const TermType *term, Buf *out);

@@ -59,6 +59,8 @@ refuses "option '-o': the value is empty" render small.mns -o ''
 refuses "display 'nowhere'" render small.mns -o a.png --display nowhere
 refuses "there is no completion for 'tcsh'" completion tcsh
 refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-mesh
+refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughnes
+refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
 refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smothstep
 
 begin "a file without dot or slash: a hint"
@@ -124,6 +126,17 @@ says out "smoothstep(a, b, x): 0 up to a"
 run help noise
 says out "octaves"
 says out "As a function:"
+says out "As a property:"
+run help thin
+says out "it has no inside"
+run help ior
+says out "  medium
+      index of refraction: a number"
+says out "  surface
+      index of refraction of a clear skin"
+run help surface
+matches out '^  diffuse_roughness$'
+matches out '\(an image\)$'
 run help cauchy
 says out "a refractive index"
 run help open-mesh
