@@ -48,6 +48,7 @@ static const char *unit_text(PropUnit unit)
         [UNIT_TIME] = "time",
         [UNIT_PER_LENGTH] = "per length",
         [UNIT_KELVIN] = "temperature in kelvin",
+        [UNIT_ANY] = "as the property",
     };
     return texts[unit];
 }

@@ -47,6 +47,7 @@ const char *unit_measure_text(PropUnit measure)
     static const char *const texts[] = {
         [UNIT_NONE] = "a plain number", [UNIT_LENGTH] = "a length",         [UNIT_ANGLE] = "an angle",
         [UNIT_TIME] = "a time",         [UNIT_PER_LENGTH] = "1 per length", [UNIT_KELVIN] = "a temperature",
+        [UNIT_ANY] = "of any unit",
     };
     return texts[measure];
 }

@@ -168,7 +168,7 @@ static const char *number_text(Arena *arena, double number)
     return arena_copy_text(arena, text, num_print(number, text));
 }
 
-static const char *bounds_text(Arena *arena, const PropType *type)
+const char *schema_bounds_text(Arena *arena, const PropType *type)
 {
     bool has_min = isfinite(type->min), has_max = isfinite(type->max);
     const char *min = number_text(arena, type->min), *max = number_text(arena, type->max);
@@ -198,7 +198,7 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
             eval_error(check->evaluator, check->expr, D_BAD_NUMBER, "'%s' is not finite", type->name);
         else if (!number_allowed(type, numbers[i]))
             eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name, text,
-                       bounds_text(arena, type));
+                       schema_bounds_text(arena, type));
         else
             eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name, text);
         return false;
@@ -219,7 +219,7 @@ static bool check_unit(const Check *check, Expr *expr)
     }
     if (expr->kind != EXPR_CONSTANT || !expr->as.constant.unit) return true;
     PropUnit found = expr->as.constant.unit->measure;
-    if (found == wanted) return true;
+    if (found == wanted || wanted == UNIT_ANY) return true;
     eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not %s", check->type->name, unit_measure_text(wanted),
                unit_measure_text(found));
     return false;

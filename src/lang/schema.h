@@ -32,7 +32,15 @@ typedef enum PropKind {
     PROP_FUNCTION  /* the name of a def that is a function of a point: f(p), or f(x, y, z) */
 } PropKind;
 
-typedef enum PropUnit { UNIT_NONE, UNIT_LENGTH, UNIT_ANGLE, UNIT_TIME, UNIT_PER_LENGTH, UNIT_KELVIN } PropUnit;
+typedef enum PropUnit {
+    UNIT_NONE,
+    UNIT_LENGTH,
+    UNIT_ANGLE,
+    UNIT_TIME,
+    UNIT_PER_LENGTH,
+    UNIT_KELVIN,
+    UNIT_ANY /* whatever the value is for */
+} PropUnit;
 
 enum PropFlags {
     PROP_REQUIRED = 1,

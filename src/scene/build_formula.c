@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "lang/schema_find.h"
 #include "scene/build_parts.h"
 
 enum { PLACES = 512 }; /* on each object, and for the mean of light */
@@ -160,9 +161,12 @@ static bool check_user(Builder *b, uint32_t row, const EvalProp *user, const Tex
     if (value >= user->type->min - slack && value <= user->type->max + slack) return true;
     Diagnostic *report =
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, user->span,
-                    "%s reaches %g by this texture, at <%g, %g, %g>, which is outside %g..%g", user->type->name, value,
-                    at->object.x, at->object.y, at->object.z, user->type->min, user->type->max);
-    diag_hint(b->diag, report, "clamp(x, %g, %g) holds it there", user->type->min, fmin(user->type->max, 1e9));
+                    "%s reaches %g by this texture, at <%g, %g, %g>, which %s", user->type->name, value, at->object.x,
+                    at->object.y, at->object.z, schema_bounds_text(b->diag->arena, user->type));
+    if (isinf(user->type->max))
+        diag_hint(b->diag, report, "max(x, %g) holds it there", user->type->min);
+    else
+        diag_hint(b->diag, report, "clamp(x, %g, %g) holds it there", user->type->min, user->type->max);
     return false;
 }
 

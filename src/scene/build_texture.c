@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "optics/color.h"
+#include "lang/schema_find.h"
 #include "scene/build_parts.h"
 
 /* Textures within each other, and all that one look-up may come to. */
@@ -450,8 +451,8 @@ uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double 
     if (use != TEXTURE_OF_NUMBERS || (facts->least >= type->min && facts->most <= type->max)) return row;
     bool low = facts->least < type->min;
     Diagnostic *report =
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s reaches %g by this texture, which is outside %g..%g",
-                    type->name, low ? facts->least : facts->most, type->min, type->max);
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s reaches %g by this texture, which %s", type->name,
+                    low ? facts->least : facts->most, schema_bounds_text(b->diag->arena, type));
     diag_hint(b->diag, report, "its values are those of from and to, of the ramp, or of the picture");
     return row;
 }

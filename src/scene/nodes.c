@@ -31,11 +31,11 @@
 /* What every texture says: its values, and where it is. */
 #define TEXTURE (NODE_TEXTURE | NODE_TRANSFORMS)
 #define TEXTURE_VALUES                                                                                                 \
-    PROP(from, SPECTRUM, UNIT_NONE, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "0",                                           \
+    PROP(from, SPECTRUM, UNIT_ANY, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "0",                                           \
          "the value where the pattern is 0: a number or a colour, or another texture")                                 \
-    PROP(to, SPECTRUM, UNIT_NONE, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "1", "the value where it is 1; in between, a mixture")
+    PROP(to, SPECTRUM, UNIT_ANY, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "1", "the value where it is 1; in between, a mixture")
 #define TEXTURE_RAMP                                                                                                   \
-    PROP(ramp, RAMP, UNIT_NONE, 0, NO_MIN, NO_MAX, NULL, NULL,                                                         \
+    PROP(ramp, RAMP, UNIT_ANY, 0, NO_MIN, NO_MAX, NULL, NULL,                                                         \
          "instead of from and to: values, evenly spread from 0 to 1 or each with its position, as [[0, #fff], [.3, #000]]")
 #define TEXTURE_PLACE                                                                                                  \
     PROP(space, CHOICE, UNIT_NONE, 0, NO_MIN, NO_MAX, "object|world", "object",                                        \
