@@ -91,7 +91,12 @@ static inline void lanes_store(Lanes a, float values[LANES])
 }
 static inline float lanes_sum(Lanes a)
 {
+#if defined(__GNUC__) && defined(__SSE2__)
+    __m128 v = (__m128)a.v, pairs = _mm_add_ps(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(2, 3, 0, 1)));
+    return _mm_cvtss_f32(_mm_add_ss(pairs, _mm_movehl_ps(pairs, pairs)));
+#else
     return (a.v[0] + a.v[1]) + (a.v[2] + a.v[3]);
+#endif
 }
 static inline float lanes_mean(Lanes a)
 {
@@ -108,7 +113,12 @@ static inline float float_min(float a, float b)
 }
 static inline float lanes_max(Lanes a)
 {
+#if defined(__GNUC__) && defined(__SSE2__)
+    __m128 v = (__m128)a.v, pairs = _mm_max_ps(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(2, 3, 0, 1)));
+    return _mm_cvtss_f32(_mm_max_ss(pairs, _mm_movehl_ps(pairs, pairs)));
+#else
     return float_max(float_max(a.v[0], a.v[1]), float_max(a.v[2], a.v[3]));
+#endif
 }
 static inline float lanes_min(Lanes a)
 {
@@ -184,6 +194,59 @@ static inline unsigned lanes_not_above(Lanes a, Lanes b)
     return bits;
 #endif
 }
+/* the same four numbers as doubles: products of two are then exact */
+typedef struct LanesWide {
+#if defined(__GNUC__) && defined(__SSE2__)
+    __m128d low, high;
+#else
+    double v[LANES];
+#endif
+} LanesWide;
+#if defined(__GNUC__) && defined(__SSE2__)
+#define LANES_WIDE_BINARY(name, operator)                                                                              \
+    static inline LanesWide name(LanesWide a, LanesWide b)                                                             \
+    {                                                                                                                  \
+        return (LanesWide){_mm_##operator##_pd(a.low, b.low), _mm_##operator##_pd(a.high, b.high)};                    \
+    }
+static inline LanesWide lanes_widen(Lanes a)
+{
+    __m128 v = (__m128)a.v;
+    return (LanesWide){_mm_cvtps_pd(v), _mm_cvtps_pd(_mm_movehl_ps(v, v))};
+}
+static inline LanesWide lanes_wide_all(double x)
+{
+    return (LanesWide){_mm_set1_pd(x), _mm_set1_pd(x)};
+}
+static inline Lanes lanes_narrow(LanesWide a) /* rounds */
+{
+    return (Lanes){(LaneVector)_mm_movelh_ps(_mm_cvtpd_ps(a.low), _mm_cvtpd_ps(a.high))};
+}
+LANES_WIDE_BINARY(lanes_wide_add, add)
+LANES_WIDE_BINARY(lanes_wide_sub, sub)
+LANES_WIDE_BINARY(lanes_wide_mul, mul)
+#else
+#define LANES_WIDE_BINARY(name, operator)                                                                              \
+    static inline LanesWide name(LanesWide a, LanesWide b)                                                             \
+    {                                                                                                                  \
+        for (int i = 0; i < LANES; i++) a.v[i] = a.v[i] operator b.v[i];                                               \
+        return a;                                                                                                      \
+    }
+static inline LanesWide lanes_widen(Lanes a)
+{
+    return (LanesWide){{(double)a.v[0], (double)a.v[1], (double)a.v[2], (double)a.v[3]}};
+}
+static inline LanesWide lanes_wide_all(double x)
+{
+    return (LanesWide){{x, x, x, x}};
+}
+static inline Lanes lanes_narrow(LanesWide a) /* rounds */
+{
+    return lanes((float)a.v[0], (float)a.v[1], (float)a.v[2], (float)a.v[3]);
+}
+LANES_WIDE_BINARY(lanes_wide_add, +)
+LANES_WIDE_BINARY(lanes_wide_sub, -)
+LANES_WIDE_BINARY(lanes_wide_mul, *)
+#endif
 /* the whole part of each lane, towards 0; returns what is left. |a| < 2^31 */
 static inline Lanes lanes_split(Lanes a, int32_t whole[LANES])
 {

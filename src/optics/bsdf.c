@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 
+#include "base/attr.h"
 #include "optics/fresnel.h"
 
 /* ---- making ---- */
@@ -214,16 +215,17 @@ void bsdf_end_coat(Bsdf *bsdf)
 
 /* ---- what is over the lobes ---- */
 
-/* What a direction goes through on its way to the lobes. */
-typedef struct Covers {
-    Lanes reflectance, passed; /* of the coat */
-    float fuzz;                /* what it lets pass */
-    float skin;                /* fuzz_to_base() of the coat */
-} Covers;
-
-static Covers covers_at(const Bsdf *bsdf, Vec3f w)
+static bool is_covered(const Bsdf *bsdf)
 {
-    Covers covers = {lanes_all(0), lanes_all(1), 1, 1};
+    return bsdf->coat_share > 0 || bsdf->fuzz.share > 0;
+}
+/* What is true where nothing is. */
+static const BsdfCovers no_covers = {.passed = {{1, 1, 1, 1}}, .fuzz = 1, .skin = 1};
+static const BsdfChances no_chances = {.fuzz = 0};
+
+static BsdfCovers covers_at(const Bsdf *bsdf, Vec3f w)
+{
+    BsdfCovers covers = {lanes_all(0), lanes_all(1), 1, 1};
     if (bsdf->coat_share > 0 && w.z > 0) {
         covers.reflectance = layer_reflectance(&bsdf->coat, w);
         covers.passed = layer_transmittance(&bsdf->coat, w, covers.reflectance);
@@ -276,15 +278,9 @@ static bool is_clear(const BsdfLobe *lobe)
     return lobe->kind == BSDF_BOUNDARY || lobe->kind == BSDF_SHEET;
 }
 
-/* How often what is over the lobes is sampled rather than these. */
-typedef struct Chances {
-    float fuzz;
-    Lanes coat;
-} Chances;
-
-static Chances chances_of(const Bsdf *bsdf, const Covers *v)
+static BsdfChances chances_of(const Bsdf *bsdf, const BsdfCovers *v)
 {
-    Chances chances = {0, lanes_all(0)};
+    BsdfChances chances = {0, lanes_all(0)};
     if (bsdf->fuzz.share > 0) {
         float fuzz = (1 - v->fuzz) * lanes_mean(bsdf->fuzz.color);
         chances.fuzz = fuzz / (fuzz + v->fuzz * float_max(lanes_mean(bsdf->opaque_albedo) / bsdf->opaque_share, 0.05f));
@@ -296,15 +292,15 @@ static Chances chances_of(const Bsdf *bsdf, const Covers *v)
 }
 
 /* The probabilities with which bsdf_sample takes fuzz, coat, and a lobe. */
-static float fuzz_probability(const Bsdf *bsdf, const Chances *chances)
+static float fuzz_probability(const Bsdf *bsdf, const BsdfChances *chances)
 {
     return chances->fuzz * (bsdf->opaque_share / bsdf->total);
 }
-static Lanes coat_probability(const Bsdf *bsdf, const Chances *chances)
+static Lanes coat_probability(const Bsdf *bsdf, const BsdfChances *chances)
 {
     return lanes_scale(chances->coat, (1 - chances->fuzz) * (bsdf->coat_share / bsdf->total));
 }
-static Lanes lobe_probability(const Bsdf *bsdf, const BsdfLobe *lobe, const Chances *chances)
+static Lanes lobe_probability(const Bsdf *bsdf, const BsdfLobe *lobe, const BsdfChances *chances)
 {
     float share = lobe->share / bsdf->total;
     if (!is_clear(lobe)) share *= 1 - chances->fuzz;
@@ -331,8 +327,8 @@ static const BsdfFacets *facets_of(const BsdfLobe *lobe) /* NULL: none that refl
 }
 
 /* What of a lobe's light is under fuzz, and the balance. */
-static LobeOver lobe_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
-                          const Covers *l)
+static LobeOver lobe_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const BsdfCovers *v,
+                          const BsdfCovers *l)
 {
     const BsdfFuzz *fuzz = &bsdf->fuzz;
     LobeOver over = {1, lobe->fuzz_norm};
@@ -359,15 +355,15 @@ static LobeOver lobe_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
     return over;
 }
 
-static Lanes coat_over_mirrors(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
-                               const Covers *l)
+static Lanes coat_over_mirrors(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const BsdfCovers *v,
+                               const BsdfCovers *l)
 {
     return layer_over_mirrors(&bsdf->coat, &lobe->as.conductor, view, light, v->reflectance, l->reflectance, v->passed,
                               l->passed);
 }
 
-static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
-                                  const Covers *l)
+static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const BsdfCovers *v,
+                                  const BsdfCovers *l)
 {
     const BsdfDiffuse *diffuse = &lobe->as.diffuse;
     Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), lobe_over(bsdf, lobe, view, light, v, l).diffuse);
@@ -379,7 +375,7 @@ static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f 
 
 float bsdf_cover_factor(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w)
 {
-    Covers covers = covers_at(bsdf, w);
+    BsdfCovers covers = covers_at(bsdf, w);
     LobeOver over = lobe_over(bsdf, lobe, w, w, &covers, &covers);
     if (lobe->kind == BSDF_CONDUCTOR) {
         float coat = lobe->covered ? lanes_get(coat_over_mirrors(bsdf, lobe, w, w, &covers, &covers), 0) : 1;
@@ -417,6 +413,9 @@ void bsdf_look(Bsdf *bsdf, Vec3f view)
     }
     bsdf->view = view;
     bsdf->looked = true;
+    if (!is_covered(bsdf)) return;
+    bsdf->covers = covers_at(bsdf, view);
+    bsdf->chances = chances_of(bsdf, &bsdf->covers);
 }
 
 static Lanes seen_by(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view)
@@ -424,8 +423,8 @@ static Lanes seen_by(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view)
     return is_looked_at(bsdf, view) ? lobe->seen : lobe_see(lobe, view);
 }
 
-static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const Covers *v,
-                          const Covers *l, Lanes *f_cos, Lanes *pdf_w)
+static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const BsdfCovers *v,
+                          const BsdfCovers *l, Lanes *f_cos, Lanes *pdf_w)
 {
     bool below = light.z < 0;
     *f_cos = *pdf_w = lanes_all(0);
@@ -460,8 +459,8 @@ static void lobe_evaluate(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
 }
 
 /* The lobes' sum begins with what is over them; light.z > 0. */
-static void covers_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, const Covers *v, const Covers *l,
-                            const Chances *chances, Lanes *f_cos, Lanes *pdf_w)
+static void covers_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, const BsdfCovers *v, const BsdfCovers *l,
+                            const BsdfChances *chances, Lanes *f_cos, Lanes *pdf_w)
 {
     Lanes f;
     float pdf;
@@ -481,19 +480,47 @@ static void covers_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, const Cov
     }
 }
 
+/* What covers the lobes for a view, and how often that is sampled. */
+typedef struct Cover {
+    const BsdfCovers *covers;
+    const BsdfChances *chances;
+    BsdfCovers own_covers; /* where they are not kept */
+    BsdfChances own_chances;
+} Cover;
+
+static inline void find_cover(const Bsdf *bsdf, Vec3f view, Cover *cover)
+{
+    cover->covers = &no_covers;
+    cover->chances = &no_chances;
+    if (LIKELY(!is_covered(bsdf))) return;
+    cover->covers = &bsdf->covers;
+    cover->chances = &bsdf->chances;
+    if (is_looked_at(bsdf, view)) return;
+    cover->own_covers = covers_at(bsdf, view);
+    cover->own_chances = chances_of(bsdf, &cover->own_covers);
+    cover->covers = &cover->own_covers;
+    cover->chances = &cover->own_chances;
+}
+
 void bsdf_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
 {
     *f_cos = *pdf_w = lanes_all(0);
     if (bsdf->specular_only || !(view.z > 0) || !(light.z > 0 || (bsdf->transmits && light.z < 0))) return;
-    Covers v = covers_at(bsdf, view), l = covers_at(bsdf, light);
-    Chances chances = chances_of(bsdf, &v);
-    if (light.z > 0) covers_evaluate(bsdf, view, light, &v, &l, &chances, f_cos, pdf_w);
+    Cover cover;
+    BsdfCovers below;
+    const BsdfCovers *l = &no_covers;
+    find_cover(bsdf, view, &cover);
+    if (UNLIKELY(is_covered(bsdf))) {
+        below = covers_at(bsdf, light);
+        l = &below;
+        if (light.z > 0) covers_evaluate(bsdf, view, light, cover.covers, l, cover.chances, f_cos, pdf_w);
+    }
     for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
         const BsdfLobe *lobe = &bsdf->lobes[i];
         Lanes f, pdf;
-        lobe_evaluate(bsdf, lobe, view, light, &v, &l, &f, &pdf);
+        lobe_evaluate(bsdf, lobe, view, light, cover.covers, l, &f, &pdf);
         *f_cos = lanes_add(*f_cos, lanes_scale(f, lobe->share));
-        *pdf_w = lanes_add(*pdf_w, lanes_mul(pdf, lobe_probability(bsdf, lobe, &chances)));
+        *pdf_w = lanes_add(*pdf_w, lanes_mul(pdf, lobe_probability(bsdf, lobe, cover.chances)));
     }
 }
 
@@ -535,30 +562,32 @@ static bool take(float *u_choice, float *left, float probability)
 /* One sample; a specular one's value and density are those within the whole. */
 static bool sample_part(const Bsdf *bsdf, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
 {
-    Covers v = covers_at(bsdf, view);
-    Chances chances = chances_of(bsdf, &v);
+    Cover cover;
+    find_cover(bsdf, view, &cover);
+    const BsdfCovers *v = cover.covers;
+    const BsdfChances *chances = cover.chances;
     float left = 1;
-    if (chances.fuzz > 0 && take(&u_choice, &left, fuzz_probability(bsdf, &chances))) {
+    if (chances->fuzz > 0 && take(&u_choice, &left, fuzz_probability(bsdf, chances))) {
         sample->direction = fuzz_sample(u_choice, u);
         return true;
     }
-    Lanes coat = coat_probability(bsdf, &chances);
+    Lanes coat = coat_probability(bsdf, chances);
     if (bsdf->coat_share > 0 && take(&u_choice, &left, lanes_get(coat, 0))) {
         if (!bsdf->coat.facets.smooth) return facets_sample_reflection(&bsdf->coat.facets, view, u, &sample->direction);
         sample->specular = true;
         sample->direction = mirrored(view);
-        sample->value = lanes_scale(v.reflectance, bsdf->coat_share * v.fuzz);
+        sample->value = lanes_scale(v->reflectance, bsdf->coat_share * v->fuzz);
         sample->density = coat;
         return true;
     }
     const BsdfLobe *lobe = bsdf->lobes;
     for (uint32_t i = 0; i + 1 < bsdf->n_lobes; i++, lobe++)
-        if (take(&u_choice, &left, lanes_get(lobe_probability(bsdf, lobe, &chances), 0))) break;
+        if (take(&u_choice, &left, lanes_get(lobe_probability(bsdf, lobe, chances), 0))) break;
     if (!lobe_sample(bsdf, lobe, view, u_choice, u, sample)) return false;
     if (!sample->specular) return true;
-    if (lobe->covered) sample->value = lanes_mul(sample->value, coat_over_mirrors(bsdf, lobe, view, view, &v, &v));
-    sample->value = lanes_scale(sample->value, lobe->share * (is_clear(lobe) ? 1 : v.fuzz));
-    sample->density = lanes_mul(sample->density, lobe_probability(bsdf, lobe, &chances));
+    if (lobe->covered) sample->value = lanes_mul(sample->value, coat_over_mirrors(bsdf, lobe, view, view, v, v));
+    sample->value = lanes_scale(sample->value, lobe->share * (is_clear(lobe) ? 1 : v->fuzz));
+    sample->density = lanes_mul(sample->density, lobe_probability(bsdf, lobe, chances));
     return true;
 }
 

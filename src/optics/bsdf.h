@@ -20,6 +20,19 @@
 
 enum { BSDF_LOBES = 8 };
 
+/* What a direction goes through on its way to the lobes. */
+typedef struct BsdfCovers {
+    Lanes reflectance, passed; /* of the coat */
+    float fuzz;                /* what it lets pass */
+    float skin;                /* fuzz_to_base() of the coat */
+} BsdfCovers;
+
+/* How often what is over the lobes is sampled rather than these. */
+typedef struct BsdfChances {
+    float fuzz;
+    Lanes coat;
+} BsdfChances;
+
 typedef struct Bsdf {
     uint32_t n_lobes;
     float total, opaque_share, coat_share; /* sums of shares: of all lobes, of those that fuzz covers, and a coat */
@@ -27,6 +40,8 @@ typedef struct Bsdf {
     bool specular_only;                    /* bsdf_evaluate gives 0 for all directions */
     bool looked;                           /* at from: */
     Vec3f view;
+    BsdfCovers covers;                /* of that view, where there are any */
+    BsdfChances chances;              /* likewise */
     bool coating;                     /* between bsdf_begin_coat and bsdf_end_coat */
     Lanes opaque_albedo, coat_albedo; /* about, of these lobes: the sums over their shares */
     BsdfLayer coat;

@@ -25,30 +25,17 @@ typedef struct Crossing {
     Lanes per_sum;               /* 1 / (a + b) */
 } Crossing;
 
-/* b^2 and d above. Reflection is total where b^2 is not above zero and d is not zero; fresnel_* and
- * refract_direction both decide by this and so never disagree. In double: the products of floats are
- * exact, and b is right up to the critical angle, where a^2 and d cancel. */
-static inline float square_of(float cos_i, float eta_i, float eta_t, float *d)
-{
-    double a = (double)eta_i * (double)cos_i, d_exact = (double)eta_t * (double)eta_t - (double)eta_i * (double)eta_i;
-    *d = (float)d_exact;
-    return (float)(a * a + d_exact);
-}
-
+/* Reflection is total where b^2 is not above zero and d is not zero; fresnel_* and refract_direction both decide by
+ * this and so never disagree. In double: the products of floats are exact, and b is right up to the critical angle, where
+ * a^2 and d cancel. */
 static inline Crossing crossing(float cos_i, Lanes eta_i, Lanes eta_t)
 {
     Crossing c = {.eta_i = eta_i, .eta_t = eta_t, .a = lanes_scale(eta_i, cos_i)};
-    float d[LANES], square = square_of(cos_i, lanes_get(eta_i, 0), lanes_get(eta_t, 0), &d[0]);
-    if (lanes_uniform(eta_i) && lanes_uniform(eta_t)) { /* media without dispersion are the rule */
-        c.b = lanes_all(square);
-        c.d = lanes_all(d[0]);
-    } else {
-        float b1 = square_of(cos_i, lanes_get(eta_i, 1), lanes_get(eta_t, 1), &d[1]);
-        float b2 = square_of(cos_i, lanes_get(eta_i, 2), lanes_get(eta_t, 2), &d[2]);
-        float b3 = square_of(cos_i, lanes_get(eta_i, 3), lanes_get(eta_t, 3), &d[3]);
-        c.b = lanes(square, b1, b2, b3);
-        c.d = lanes(d[0], d[1], d[2], d[3]);
-    }
+    LanesWide wide_i = lanes_widen(eta_i), wide_t = lanes_widen(eta_t);
+    LanesWide a = lanes_wide_mul(wide_i, lanes_wide_all((double)cos_i));
+    LanesWide d = lanes_wide_sub(lanes_wide_mul(wide_t, wide_t), lanes_wide_mul(wide_i, wide_i));
+    c.d = lanes_narrow(d);
+    c.b = lanes_narrow(lanes_wide_add(lanes_wide_mul(a, a), d));
     c.b = lanes_sqrt(lanes_greater(c.b, lanes_all(0)));
     /* both vanish at a grazing ray between equal indices */
     c.per_sum = lanes_div(lanes_all(1), lanes_add(lanes_add(c.a, c.b), lanes_all(FLT_MIN)));

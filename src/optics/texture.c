@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/attr.h"
 #include "optics/observer.h"
 #include "optics/sampling.h"
 
@@ -31,6 +32,9 @@ typedef struct Texel {
     float coefficients[3];
     float scale;
 } Texel;
+
+/* All bands of a texel are in one line of memory. */
+enum { BANDS_SIZE = ENVIRONMENT_BANDS * sizeof(float) };
 
 /* Where in tables to look: of each table, for k = 0 .. n, the last entry that is not above k / n. */
 typedef struct Hints {
@@ -54,25 +58,30 @@ struct Environment {
     double *edge;                  /* height + 2: sin^2 of half the polar angle at the rows' edges */
 };
 
-/* Where a direction lies: the cell, and the place in it. */
-typedef struct Place {
-    unsigned row, column;  /* of the cell */
-    unsigned above, below; /* rows of texels */
-    unsigned left, right;  /* columns of texels */
-    float across, down;    /* 0..1, down in the polar angle */
-} Place;
+/* The texels at the corners of a cell, in all of them: left and right above, left and right below. */
+typedef struct Corners {
+    size_t at[4];
+} Corners;
 
-static Place place_at(const Environment *environment, unsigned row, unsigned column)
+static inline Corners corners_of(const Environment *environment, unsigned row, unsigned column)
 {
-    unsigned last = environment->height - 1;
-    Place place = {.row = row, .column = column, .left = column};
-    place.right = column + 1 < environment->width ? column + 1 : 0;
-    place.above = row > 0 ? row - 1 : 0;
-    place.below = row < last ? row : last;
-    return place;
+    unsigned last = environment->height - 1, right = column + 1 < environment->width ? column + 1 : 0;
+    size_t above = (size_t)(row > 0 ? row - 1 : 0) * environment->width,
+           below = (size_t)(row < last ? row : last) * environment->width;
+    return (Corners){{above + column, above + right, below + column, below + right}};
 }
 
-static Place place_of(const Environment *environment, Vec3f direction)
+/* Of a large image they are far away in memory. */
+static inline void fetch_corners(const Environment *environment, const Corners *corners)
+{
+    for (int i = 0; i < 4; i++)
+        if (environment->bands)
+            PREFETCH(environment->bands + corners->at[i] * ENVIRONMENT_BANDS);
+        else if (i % 2 == 0) /* of two neighbours, mostly in one line */
+            PREFETCH(environment->texels + corners->at[i]);
+}
+
+static EnvironmentPlace place_of(const Environment *environment, Vec3f direction)
 {
     float width = (float)environment->width, height = (float)environment->height;
     float radius = sqrtf(direction.x * direction.x + direction.z * direction.z);
@@ -93,18 +102,15 @@ static Place place_of(const Environment *environment, Vec3f direction)
         row = environment->height;
         down = 1;
     }
-    Place place = place_at(environment, row, column);
-    place.across = across;
-    place.down = down;
-    return place;
+    return (EnvironmentPlace){row, column, across, down};
 }
 
-/* The luminances of a cell's corners: left and right above, left and right below. */
-static inline Lanes cell_corners(const Environment *environment, const Place *place)
+/* The luminances of a cell's corners. */
+static inline Lanes cell_corners(const Environment *environment, const Corners *corners)
 {
-    const float *above = environment->luminance + (size_t)place->above * environment->width;
-    const float *below = environment->luminance + (size_t)place->below * environment->width;
-    float a = above[place->left], b = above[place->right], c = below[place->left], d = below[place->right];
+    const float *luminance = environment->luminance;
+    float a = luminance[corners->at[0]], b = luminance[corners->at[1]], c = luminance[corners->at[2]],
+          d = luminance[corners->at[3]];
     float mean = 0.25f * (a + b + c + d);
     return lanes_add(lanes_scale(lanes(a, b, c, d), 1 - even_share), lanes_all(even_share * mean));
 }
@@ -132,10 +138,11 @@ static float sphere_pdf(void)
     return (float)(1 / (4 * pi));
 }
 
-static float pdf_at(const Environment *environment, const Place *place, Vec3f direction)
+static float pdf_at(const Environment *environment, const EnvironmentPlace *place, const Corners *corners,
+                    Vec3f direction)
 {
     float depth = depth_by_solid_angle(environment, place->row, direction);
-    Lanes corner = cell_corners(environment, place);
+    Lanes corner = cell_corners(environment, corners);
     float above = mix(lanes_get(corner, 0), lanes_get(corner, 1), place->across);
     float below = mix(lanes_get(corner, 2), lanes_get(corner, 3), place->across);
     float luminance = mix(above, below, depth);
@@ -150,9 +157,13 @@ static bool is_even(const Environment *environment)
 float environment_pdf(const Environment *environment, Vec3f direction)
 {
     if (is_even(environment)) return sphere_pdf();
-    Place place = place_of(environment, direction);
-    return pdf_at(environment, &place, direction);
+    EnvironmentPlace place = place_of(environment, direction);
+    Corners corners = corners_of(environment, place.row, place.column);
+    return pdf_at(environment, &place, &corners, direction);
 }
+
+/* So many steps, or fewer, are mostly left between two hints. */
+enum { HINTED_STEPS = 4 };
 
 /* The last entry that is not above u; its step is not empty. cdf[0] is 0, cdf[n] is 1, u < 1; which: of the tables that
  * there are hints of. *rest is where in the step u lies. */
@@ -160,14 +171,17 @@ static unsigned invert_cdf(const float *cdf, const Hints *hints, size_t which, f
 {
     const uint32_t *first = hints->first + which * ((size_t)hints->n + 1) + (unsigned)(u * (float)hints->n);
     unsigned low = first[0], high = first[1] + 1; /* cdf[low] <= u < cdf[high] */
-    while (high - low > 1) {
+    while (UNLIKELY(high - low > HINTED_STEPS)) {
         unsigned middle = low + (high - low) / 2;
         if (cdf[middle] <= u)
             low = middle;
         else
             high = middle;
     }
-    *rest = (u - cdf[low]) / (cdf[high] - cdf[low]);
+    unsigned further = 0; /* without a branch, as none can be foretold */
+    for (unsigned i = 1; i < HINTED_STEPS; i++) further += cdf[low + i < high ? low + i : high] <= u;
+    low += further;
+    *rest = float_min((u - cdf[low]) / (cdf[low + 1] - cdf[low]), 0x1.fffffep-1f); /* below 1, however it is rounded */
     return low;
 }
 
@@ -186,8 +200,9 @@ static Vec3f sample_cells(const Environment *environment, float u, float v)
     unsigned row = invert_cdf(environment->row_cdf, &environment->row_hints, 0, v, &v);
     const float *cells = environment->cell_cdf + (size_t)row * (environment->width + 1);
     unsigned column = invert_cdf(cells, &environment->cell_hints, row, u, &u);
-    Place place = place_at(environment, row, column);
-    Lanes corners = cell_corners(environment, &place);
+    Corners at = corners_of(environment, row, column);
+    fetch_corners(environment, &at); /* of what is sampled the radiance is looked up in the end */
+    Lanes corners = cell_corners(environment, &at);
     float a = lanes_get(corners, 0), b = lanes_get(corners, 1), c = lanes_get(corners, 2), d = lanes_get(corners, 3);
     float depth = invert_linear(a + b, c + d, v);
     float across = invert_linear(mix(a, c, depth), mix(b, d, depth), u);
@@ -218,60 +233,67 @@ static BandPlaces band_places(Lanes wavelength_nm)
     return places;
 }
 
-static Lanes band_radiance(const Environment *environment, unsigned row, unsigned column, float weight,
-                           const BandPlaces *places)
+static Lanes band_radiance(const float *values, float weight, const BandPlaces *places)
 {
-    const float *values = environment->bands + ((size_t)row * environment->width + column) * ENVIRONMENT_BANDS;
     return lanes_scale(observer_between(values, places->band, places->part), weight);
 }
 
-static Lanes bands_at(const Environment *environment, const Place *place, Lanes wavelength_nm)
+static Lanes radiance_at(const Environment *environment, const EnvironmentPlace *place, const Corners *corners,
+                         Lanes wavelength_nm)
 {
+    float up = 1 - place->down, back = 1 - place->across;
+    const float weights[4] = {up * back, up * place->across, place->down * back, place->down * place->across};
+    Lanes parts[4];
+    if (!environment->bands) {
+        for (int i = 0; i < 4; i++)
+            parts[i] = texel_radiance(&environment->texels[corners->at[i]], weights[i], wavelength_nm);
+        Lanes sum = lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]);
+        return lanes_mul(sum, white_at(wavelength_nm));
+    }
     BandPlaces bands = band_places(wavelength_nm);
     Spectrum light = {.kind = SPECTRUM_TABLE, .scale = 1, .table = environment->light};
-    float up = 1 - place->down, back = 1 - place->across;
-    Lanes sum = lanes_add(band_radiance(environment, place->above, place->left, up * back, &bands),
-                          band_radiance(environment, place->above, place->right, up * place->across, &bands));
-    sum = lanes_add(sum, band_radiance(environment, place->below, place->left, place->down * back, &bands));
-    sum = lanes_add(sum, band_radiance(environment, place->below, place->right, place->down * place->across, &bands));
+    for (int i = 0; i < 4; i++)
+        parts[i] = band_radiance(environment->bands + corners->at[i] * ENVIRONMENT_BANDS, weights[i], &bands);
+    Lanes sum = lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]);
     return lanes_mul(sum, spectrum_at(&light, wavelength_nm));
 }
 
-static Lanes radiance_at(const Environment *environment, const Place *place, Lanes wavelength_nm)
+Lanes environment_radiance_at(const Environment *environment, const EnvironmentPlace *place, Lanes wavelength_nm)
 {
-    if (environment->bands) return bands_at(environment, place, wavelength_nm);
-    const Texel *above = environment->texels + (size_t)place->above * environment->width;
-    const Texel *below = environment->texels + (size_t)place->below * environment->width;
-    float up = 1 - place->down, back = 1 - place->across;
-    Lanes sum = lanes_add(texel_radiance(&above[place->left], up * back, wavelength_nm),
-                          texel_radiance(&above[place->right], up * place->across, wavelength_nm));
-    sum = lanes_add(sum, texel_radiance(&below[place->left], place->down * back, wavelength_nm));
-    sum = lanes_add(sum, texel_radiance(&below[place->right], place->down * place->across, wavelength_nm));
-    return lanes_mul(sum, white_at(wavelength_nm));
+    if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
+    Corners corners = corners_of(environment, place->row, place->column);
+    return radiance_at(environment, place, &corners, wavelength_nm);
 }
 
 Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm)
 {
     if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
-    Place place = place_of(environment, direction);
-    return radiance_at(environment, &place, wavelength_nm);
+    EnvironmentPlace place = place_of(environment, direction);
+    return environment_radiance_at(environment, &place, wavelength_nm);
+}
+
+EnvironmentPlace environment_find(const Environment *environment, Vec3f direction, float *pdf_w)
+{
+    *pdf_w = sphere_pdf();
+    if (!environment->is_image) return (EnvironmentPlace){0, 0, 0, 0};
+    EnvironmentPlace place = place_of(environment, direction);
+    Corners corners = corners_of(environment, place.row, place.column);
+    fetch_corners(environment, &corners);
+    if (!is_even(environment)) *pdf_w = pdf_at(environment, &place, &corners, direction);
+    return place;
 }
 
 Lanes environment_look(const Environment *environment, Vec3f direction, Lanes wavelength_nm, float *pdf_w)
 {
-    *pdf_w = sphere_pdf();
-    if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
-    Place place = place_of(environment, direction);
-    if (!is_even(environment)) *pdf_w = pdf_at(environment, &place, direction);
-    return radiance_at(environment, &place, wavelength_nm);
+    EnvironmentPlace place = environment_find(environment, direction, pdf_w);
+    return environment_radiance_at(environment, &place, wavelength_nm);
 }
 
-Vec3f environment_sample_light(const Environment *environment, float u, float v, Lanes wavelength_nm, float *pdf_w,
-                               Lanes *radiance)
+Vec3f environment_sample_place(const Environment *environment, float u, float v, float *pdf_w, EnvironmentPlace *place)
 {
     Vec3f direction = is_even(environment) ? sampling_sphere(u, v) : sample_cells(environment, u, v);
     /* of the direction as it was rounded */
-    *radiance = environment_look(environment, direction, wavelength_nm, pdf_w);
+    *place = environment_find(environment, direction, pdf_w);
     /* Rounded over the edge into a black cell. Nothing comes from there, so any density will do. */
     if (!(*pdf_w > 0)) *pdf_w = sphere_pdf();
     return direction;
@@ -279,18 +301,18 @@ Vec3f environment_sample_light(const Environment *environment, float u, float v,
 
 Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w)
 {
-    Lanes radiance;
-    return environment_sample_light(environment, u, v, lanes_all(SPECTRUM_MIN_NM), pdf_w, &radiance);
+    EnvironmentPlace place;
+    return environment_sample_place(environment, u, v, pdf_w, &place);
 }
 
 float environment_luminance(const Environment *environment, Vec3f direction)
 {
     if (!environment->is_image) return environment->power * sphere_pdf();
-    Place place = place_of(environment, direction);
-    const float *above = environment->luminance + (size_t)place.above * environment->width;
-    const float *below = environment->luminance + (size_t)place.below * environment->width;
-    return mix(mix(above[place.left], above[place.right], place.across),
-               mix(below[place.left], below[place.right], place.across), place.down);
+    EnvironmentPlace place = place_of(environment, direction);
+    Corners corners = corners_of(environment, place.row, place.column);
+    const float *luminance = environment->luminance;
+    return mix(mix(luminance[corners.at[0]], luminance[corners.at[1]], place.across),
+               mix(luminance[corners.at[2]], luminance[corners.at[3]], place.across), place.down);
 }
 
 unsigned environment_width(const Environment *environment)
@@ -387,8 +409,8 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
         double solid_angle = 4 * pi * (environment->edge[row + 1] - environment->edge[row]) / width;
         sums[0] = 0;
         for (unsigned column = 0; column < width; column++) {
-            Place place = place_at(environment, row, column);
-            Lanes corner = cell_corners(environment, &place);
+            Corners at = corners_of(environment, row, column);
+            Lanes corner = cell_corners(environment, &at);
             /* the mean of a bilinear function is that of its corners */
             double mean = 0.25 * ((double)lanes_get(corner, 0) + (double)lanes_get(corner, 1) +
                                   (double)lanes_get(corner, 2) + (double)lanes_get(corner, 3));
@@ -404,11 +426,11 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
     environment->power = (float)row_sums[height + 1];
 }
 
-/* For tables of so many steps each: one to four of them between hints. */
+/* For tables of so many steps each: one or two of them between hints, where they are even. */
 static Hints new_hints(size_t n_tables, unsigned n_steps)
 {
     Hints hints = {.n = 1};
-    while (hints.n < n_steps / 4) hints.n *= 2;
+    while (hints.n < n_steps / (HINTED_STEPS / 2)) hints.n *= 2;
     hints.first = malloc(n_tables * ((size_t)hints.n + 1) * sizeof *hints.first);
     return hints;
 }
@@ -430,7 +452,7 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->width = width;
         made->height = height;
         if (in_bands)
-            made->bands = malloc(n * ENVIRONMENT_BANDS * sizeof *made->bands);
+            made->bands = aligned_alloc(BANDS_SIZE, n * BANDS_SIZE);
         else
             made->texels = malloc(n * sizeof *made->texels);
         made->luminance = malloc(n * sizeof *made->luminance);

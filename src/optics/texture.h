@@ -33,10 +33,18 @@ unsigned environment_width(const Environment *environment); /* of the image, in 
 /* Picks a direction in proportion to luminance times solid angle; pdf_w per steradian, > 0. */
 Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w);
 float environment_pdf(const Environment *environment, Vec3f direction);
-/* Both at once take little longer than one: the radiance, and the density; and the same for a direction that is picked. */
+/* Both at once take little longer than one: the radiance, and the density. */
 Lanes environment_look(const Environment *environment, Vec3f direction, Lanes wavelength_nm, float *pdf_w);
-Vec3f environment_sample_light(const Environment *environment, float u, float v, Lanes wavelength_nm, float *pdf_w,
-                               Lanes *radiance);
+/* Where a direction lies in an image: the cell between the centres of four pixels, and the place in it, each 0..1. What is
+ * there is fetched from memory meanwhile, for whom it may concern: */
+typedef struct EnvironmentPlace {
+    unsigned row, column;
+    float across, down; /* down: in the polar angle */
+} EnvironmentPlace;
+EnvironmentPlace environment_find(const Environment *environment, Vec3f direction, float *pdf_w);
+/* environment_sample, and environment_find of what was picked. */
+Vec3f environment_sample_place(const Environment *environment, float u, float v, float *pdf_w, EnvironmentPlace *place);
+Lanes environment_radiance_at(const Environment *environment, const EnvironmentPlace *place, Lanes wavelength_nm);
 /* Integral of luminance over the sphere, for choosing between lights (a coarse image's is off by a few percent
  * beside the poles). */
 float environment_power(const Environment *environment);

@@ -178,7 +178,7 @@ static inline bool read_nearest(Path *path, Event *event)
         return true;
     }
     const Hit *hit = tracer->hits.items;
-    PREFETCH(&compiled->scene->objects[hit->object].surface); /* for shading */
+    PREFETCH(&tracer->world->looks[hit->object]); /* for shading */
     if (UNLIKELY(event->n_cluster > 1)) {
         if (narrow && tracer->passed.n) tracer->before.point = event->before;
         return cross_cluster(tracer, before, event);

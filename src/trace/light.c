@@ -324,7 +324,7 @@ void light_sample_choice(const World *world, const LightChoice *chosen, Vec3 fro
         probability *= of_tree;
     } else {
         if (chosen->light == LIGHT_ENVIRONMENT)
-            light_sample_environment(world, from, normal, choice, u, wavelength_nm, sample);
+            light_sample_environment(world, from, normal, choice, u, sample);
         else
             sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm, sample);
         sample->emitter = EMITTER_NONE;
@@ -446,13 +446,13 @@ bool light_reach(const World *world, uint32_t number, double time, Vec3 origin, 
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)
 {
     const Scene *scene = world->scene;
-    const SceneObject *object = &scene->objects[hit->object];
-    if (object->light != SCENE_NONE) {
-        *radiance = spectrum_at(&scene->lights[object->light].radiance, wavelength_nm);
+    const ObjectLook *look = &world->looks[hit->object];
+    if (LIKELY(!look->shines)) return false;
+    if (look->light != SCENE_NONE) {
+        *radiance = spectrum_at(&scene->lights[look->light].radiance, wavelength_nm);
         return hit->entering; /* lights shine to one side */
     }
-    if (object->surface == SCENE_NONE || !scene->surfaces[object->surface].emits) return false;
-    const SceneSurface *surface = &scene->surfaces[object->surface];
+    const SceneSurface *surface = &scene->surfaces[look->surface];
     *radiance = surface->emission_texture == SCENE_NONE ? spectrum_at(&surface->emission, wavelength_nm)
                                                         : texture_emission(world, surface, ray, hit, wavelength_nm);
     return true;

@@ -16,8 +16,17 @@ typedef struct LightSample {
     uint32_t emitter;   /* of world->emitters; EMITTER_NONE: from infinitely far */
     float choice;       /* of pdf_w, what is the choice of the light */
     bool delta;         /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
-    Lanes radiance;     /* actual radiance in the light's own medium; of a delta light its irradiance from there */
+    bool of_sky;        /* from the environment, whose radiance is left for light_sample_radiance */
+    EnvironmentPlace sky;
+    Lanes radiance; /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
+
+/* The radiance, also of the environment: looked up when nothing is in the way, as it may be far away in memory. */
+static inline Lanes light_sample_radiance(const World *world, const LightSample *sample, Lanes wavelength_nm)
+{
+    if (!sample->of_sky) return sample->radiance;
+    return environment_radiance_at(world->scene->environment, &sample->sky, wavelength_nm);
+}
 
 /* normal: of the surface at `from`, if it takes light from its one side only; zero where light may come from anywhere
  * (media, surfaces that let light through). choice, u: uniform in [0, 1); where there are many lights, choice needs more
@@ -79,6 +88,6 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
 /* The environment's part of light_sample, without the choice of the environment itself: by the environment's own
  * brightness, or through one of the portals that are seen from there. pdf_w is the density of all these ways together. */
 void light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
-                              Lanes wavelength_nm, LightSample *sample);
+                              LightSample *sample);
 
 #endif

@@ -90,7 +90,7 @@ static float density_of_both(const Views *views, double by_portals, float by_env
 }
 
 /* Through the portal at which `share` of the power of all of them is reached. */
-static void sample_portal(const Views *views, double share, const float u[2], Lanes wavelength_nm, LightSample *sample)
+static void sample_portal(const Views *views, double share, const float u[2], LightSample *sample)
 {
     const World *world = views->world;
     double wanted = share * views->power, density;
@@ -111,24 +111,24 @@ static void sample_portal(const Views *views, double share, const float u[2], La
     density += portals_density(views, sample->direction, chosen);
     Vec3f local = to_environment(world, sample->direction);
     float by_environment;
-    sample->radiance = environment_look(world->scene->environment, local, wavelength_nm, &by_environment);
+    sample->of_sky = true;
+    sample->sky = environment_find(world->scene->environment, local, &by_environment);
     sample->pdf_w = density_of_both(views, density, by_environment);
 }
 
 void light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
-                              Lanes wavelength_nm, LightSample *sample)
+                              LightSample *sample)
 {
     Views views;
     if (world->n_portals) {
         look_at_all(&views, world, from, normal);
         if (views.power > 0 && choice >= without_portals) {
-            sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, wavelength_nm, sample);
+            sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, sample);
             return;
         }
     }
-    *sample = (LightSample){.distance = HUGE_VAL, .object = RTC_NO_OBJECT};
-    Vec3f local = environment_sample_light(world->scene->environment, u[0], u[1], wavelength_nm, &sample->pdf_w,
-                                           &sample->radiance);
+    *sample = (LightSample){.distance = HUGE_VAL, .object = RTC_NO_OBJECT, .of_sky = true};
+    Vec3f local = environment_sample_place(world->scene->environment, u[0], u[1], &sample->pdf_w, &sample->sky);
     /* the map is a rotation: its transpose is its inverse */
     sample->direction =
         vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));

@@ -168,12 +168,12 @@ ATTR_COLD static void look_ahead(const Path *path)
 }
 
 /* The object that an event is at; what scatters in front of all objects is one more. */
-static uint32_t seen_first(const Scene *scene, const Event *event)
+static uint32_t seen_first(const World *world, const Event *event)
 {
-    if (event->kind == EVENT_SCATTER) return scene->n_objects;
+    if (event->kind == EVENT_SCATTER) return world->scene->n_objects;
     if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return SCENE_NONE;
-    if (scene->objects[event->hit.object].light != SCENE_NONE) return SCENE_NONE;
-    return scene_whole(scene, event->hit.object);
+    const ObjectLook *look = &world->looks[event->hit.object];
+    return look->light != SCENE_NONE ? SCENE_NONE : look->whole;
 }
 
 /* Returns whether the camera's ray met anything. */
@@ -187,7 +187,7 @@ static bool follow(Path *path, bool first)
         Event event;
         path_next_event(path, &event);
         if (textured) path_reach(path, &event);
-        if (first) tracer->seen = seen_first(world->scene, &event);
+        if (first) tracer->seen = seen_first(world, &event);
         if (UNLIKELY(first && tracer->first_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;

@@ -71,6 +71,14 @@ typedef struct Start {
     float flux_times_n; /* what all photons together carry, if they all were like this one, by its radiance */
 } Start;
 
+/* A light that is seen from anywhere at all, with its radiance. */
+static void choose_light(const Path *path, Vec3 from, Vec3f normal, LightSample *light)
+{
+    const World *world = path->tracer->world;
+    path_choose_light(path, world_lights(world), from, normal, light);
+    light->radiance = light_sample_radiance(world, light, path->wavelengths.nm);
+}
+
 /* Chooses a start; false: this one gives nothing. */
 static bool choose_start(const PhotonTargets *targets, const Path *path, Start *start)
 {
@@ -80,7 +88,7 @@ static bool choose_start(const PhotonTargets *targets, const Path *path, Start *
     u[2] = more[0];
     uint32_t chosen = target_point(targets, u, &start->point, &start->normal);
     start->size = vec3_length(vec3_sub(targets->boxes[chosen].max, targets->boxes[chosen].min));
-    path_choose_light(path, world_lights(path->tracer->world), start->point, vec3f(0, 0, 0), &start->light);
+    choose_light(path, start->point, vec3f(0, 0, 0), &start->light);
     const LightSample *light = &start->light;
     if (!(light->pdf_w > 0) || light->delta) return false;
     Vec3 direction = vec3_from_f(light->direction);
@@ -258,7 +266,7 @@ static void look_at_light(const Path *path, const Start *start, double mean[2], 
         Path look = *path;
         look.sampler = sampler_make_alone(path->sampler.pixel, PHOTON_PIXEL_X, path->sampler.index_reversed, i);
         LightSample other;
-        path_choose_light(&look, world_lights(path->tracer->world), start->point, vec3f(0, 0, 0), &other);
+        choose_light(&look, start->point, vec3f(0, 0, 0), &other);
         if (!(other.pdf_w > 0) || other.delta || other.object != light->object || other.glow != light->glow ||
             vec3f_dot(other.direction, light->direction) < 0.9f ||
             lanes_mean(other.radiance) < 0.25f * lanes_mean(light->radiance))
@@ -346,7 +354,7 @@ static bool find_neighbour(Job *job, Path *path, const Start *start, int axis, d
         if (axis < 2) { /* another place, the same light's point */
             sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
             other.point = vec3_along(start->point, by * start->size, vec3_from_f(tangent[axis]));
-            path_choose_light(path, world_lights(path->tracer->world), other.point, vec3f(0, 0, 0), &other.light);
+            choose_light(path, other.point, vec3f(0, 0, 0), &other.light);
             if (other.light.object != start->light.object || other.light.glow != start->light.glow ||
                 vec3f_dot(other.light.direction, start->light.direction) < 0.98f)
                 continue;
@@ -506,7 +514,7 @@ float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float thresh
     Box3 bounds = rtc_scene_bounds(tracer->world->compiled->rtc);
     Vec3 from = vec3_from_f(place);
     LightSample light;
-    path_choose_light(&path, world_lights(tracer->world), from, normal, &light);
+    choose_light(&path, from, normal, &light);
     float cosine = vec3f_dot(normal, normal) > 0 ? vec3f_dot(light.direction, normal) : 1;
     if (!(light.pdf_w > 0) || light.delta || !(cosine > 0)) return 0;
     /* started off the surface by what may be too much for a picture */

@@ -113,7 +113,8 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
         !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list))
         return false;
     if (isinf(light->distance)) medium = WORLD_MEDIUM;
-    *basic = lanes_mul(transmittance, path_basic_radiance(world, light->radiance, medium, path->wavelengths.nm));
+    Lanes radiance = light_sample_radiance(world, light, path->wavelengths.nm);
+    *basic = lanes_mul(transmittance, path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
     return true;
 }
 
@@ -217,13 +218,13 @@ bool path_shade_opaque(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
-    const SceneObject *object = &world->scene->objects[event->hit.object];
+    const ObjectLook *look = &world->looks[event->hit.object];
     path_add_emission(path, &event->hit);
     float rarity = path->from.rarity;
     path->from.rarity = 0;
-    if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
+    if (look->light != SCENE_NONE || look->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
-    const SceneSurface *surface = path_surface(path, event, object->surface);
+    const SceneSurface *surface = path_surface(path, event, look->surface);
     const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
     if (UNLIKELY(surface_has_textures(surface))) {
@@ -361,7 +362,7 @@ bool path_cross_boundary(Path *path, Event *event)
     path->from.rarity = 0;
     Lanes eta_i = path_ior(path, event->crossing.medium_from), eta_t = path_ior(path, event->crossing.medium_to);
     SurfacePlace place = path_place(path, event);
-    uint32_t number = world->scene->objects[event->hit.object].surface;
+    uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
     if (surface && (surface->roughness > 0 || surface->painted)) {
         const BsdfSpec *spec = &surface->spec;

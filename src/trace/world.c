@@ -167,6 +167,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
     world->camera = &compiled->scene->cameras[camera];
     Status status = media_find(compiled, &world->media, error);
+    if (status == STATUS_OK) status = looks_find(world->scene, &world->looks, error);
     if (status == STATUS_OK) status = balances_new(world->scene, &world->balances, error);
     if (status == STATUS_OK) status = emitters_find(compiled, &world->media, pool, &world->emitters, error);
     for (unsigned reach = 0; status == STATUS_OK && reach < REACHES; reach++)
@@ -220,6 +221,7 @@ void world_clear(World *world)
         free(world->choices[reach].of_light);
     }
     free(world->reach);
+    free(world->looks);
     nest_list_clear(&world->camera_list);
     *world = (World){0};
     nest_list_init(&world->camera_list);

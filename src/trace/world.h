@@ -10,6 +10,7 @@
 #include "trace/balances.h"
 #include "trace/beacons.h"
 #include "trace/emitter.h"
+#include "trace/looks.h"
 #include "trace/media.h"
 
 /* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, or all
@@ -58,6 +59,7 @@ typedef struct World {
     const CompiledScene *compiled;
     const Scene *scene;
     const SceneCamera *camera;
+    ObjectLook *looks;             /* of the scene's objects */
     LightChoices choices[REACHES]; /* for places that these kinds of light reach */
     uint8_t *reach;                /* of each medium: how far light may come straight into it; see light_reach.h */
     EmitterSet emitters;

@@ -54,6 +54,37 @@ static void whole_parts(void **unused)
     assert_true(whole[0] == 0 && whole[1] == 2 && whole[2] == -2 && whole[3] == 8388609);
 }
 
+/* Sums of pairs first, on every machine. */
+static void sums_and_extremes(void **unused)
+{
+    (void)unused;
+    const float a = 1e8f, b = 3, c = -1e8f, d = 5;
+    Lanes four = lanes(a, b, c, d);
+    float first = a + b, second = c + d;
+    assert_true(lanes_sum(four) == first + second);
+    assert_true(lanes_max(four) == a && lanes_min(four) == c);
+    for (int i = 0; i < LANES; i++) {
+        Lanes one = lanes_all(-2);
+        lanes_set(&one, i, -1);
+        assert_true(lanes_max(one) == -1 && lanes_min(one) == -2);
+    }
+}
+
+static void wide_products_are_exact(void **unused)
+{
+    (void)unused;
+    const float x[LANES] = {1.0000001f, -3.1415927f, 1e-20f, 8388609},
+                y[LANES] = {1.0000002f, 2.7182817f, 3e-20f, 8388607};
+    LanesWide wide_x = lanes_widen(lanes_load(x)), wide_y = lanes_widen(lanes_load(y));
+    Lanes found = lanes_narrow(lanes_wide_sub(lanes_wide_mul(wide_x, wide_x), lanes_wide_mul(wide_y, wide_y)));
+    Lanes more = lanes_narrow(lanes_wide_add(lanes_wide_mul(wide_x, wide_y), lanes_wide_all(0.5)));
+    for (int i = 0; i < LANES; i++) {
+        double a = (double)x[i], b = (double)y[i];
+        assert_true(lanes_get(found, i) == (float)(a * a - b * b));
+        assert_true(lanes_get(more, i) == (float)(a * b + 0.5));
+    }
+}
+
 static void angles_all_around(void **unused)
 {
     (void)unused;
@@ -77,6 +108,8 @@ int main(void)
         cmocka_unit_test(roots_and_limits),
         cmocka_unit_test(comparisons),
         cmocka_unit_test(whole_parts),
+        cmocka_unit_test(sums_and_extremes),
+        cmocka_unit_test(wide_products_are_exact),
         cmocka_unit_test(angles_all_around),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,51 @@
+/* looks.c - finding surfaces that are alike.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/looks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "mesh/equal.h"
+
+/* All of a surface's bytes but its name. Where equal ones differ in what is between their parts, both are kept. */
+static SceneSurface nameless(const Scene *scene, uint32_t surface)
+{
+    SceneSurface copy;
+    memcpy(&copy, &scene->surfaces[surface], sizeof copy);
+    copy.name = NULL;
+    if (!copy.n_textures) copy.textures = NULL;
+    return copy;
+}
+
+static uint32_t hash_of(const void *context, uint32_t i)
+{
+    SceneSurface surface = nameless(context, i);
+    return (uint32_t)hash_bulk(&surface, sizeof surface, 0);
+}
+
+static bool same(const void *context, uint32_t i, uint32_t k)
+{
+    SceneSurface a = nameless(context, i), b = nameless(context, k);
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+Status looks_find(const Scene *scene, ObjectLook **looks, Error *error)
+{
+    const EqualItems items = {.context = scene, .hash = hash_of, .same = same};
+    ObjectLook *made = *looks = malloc((scene->n_objects + (size_t)1) * sizeof *made);
+    uint32_t *first = NULL;
+    if (!made) return fail_memory(error, scene->n_objects * sizeof *made, "the looks of objects");
+    TRY(equal_find(&items, scene->n_surfaces, "comparing surfaces", NULL, &first, error));
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        bool bare = object->surface == SCENE_NONE;
+        made[i] =
+            (ObjectLook){.surface = bare ? SCENE_NONE : first[object->surface],
+                         .light = object->light,
+                         .whole = scene_whole(scene, i),
+                         .shines = object->light != SCENE_NONE || (!bare && scene->surfaces[object->surface].emits)};
+    }
+    free(first);
+    return STATUS_OK;
+}
