@@ -107,6 +107,21 @@ static void skies_are_looked_up(void **state)
     assert_true(look(&beacons, vec3(0, 0, 0), vec3(0, -1, 0)) == 1);
 }
 
+/* What is thin mirrors lamps as what is clear does, wherever it is: here the origin is behind the lamp. */
+static void thin_surfaces_have_them(void **state)
+{
+    (void)state;
+    Beacons beacons;
+    find("meniscus 1.0 unit mm surface film { thin = true  ior = 1.33  transmission = 1  film = 300nm }\n"
+         "sphere { center = <1000, 0, 0>  surface = film } environment { color = .1 }\n"
+         "light { from = <500, 0, 0>  to = <1000, 0, 0>  size = <80, 80>  radiance = 9 }\n"
+         "camera { from = <1000, 0, 50>  to = <1000, 0, 0> }",
+         &beacons);
+    assert_true(beacons.any);
+    assert_true(look(&beacons, vec3(1000, 0, 0), vec3(500, 30, 0)) > 2);
+    assert_true(look(&beacons, vec3(1000, 0, 0), vec3(500, 50, 0)) == 1);
+}
+
 static void choices_keep_their_bounds(void **state)
 {
     (void)state;
@@ -126,11 +141,9 @@ static void choices_keep_their_bounds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lamps_are_met),
-        cmocka_unit_test(both_ways_are_looked_at),
-        cmocka_unit_test(even_light_has_none),
-        cmocka_unit_test(skies_are_looked_up),
-        cmocka_unit_test(choices_keep_their_bounds),
+        cmocka_unit_test(lamps_are_met),           cmocka_unit_test(both_ways_are_looked_at),
+        cmocka_unit_test(even_light_has_none),     cmocka_unit_test(skies_are_looked_up),
+        cmocka_unit_test(thin_surfaces_have_them), cmocka_unit_test(choices_keep_their_bounds),
     };
     return cmocka_run_group_tests_name("beacons", tests, NULL, NULL);
 }
