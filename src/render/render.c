@@ -587,17 +587,17 @@ static Status make_guide(Job *job, Guide **guide, GuideStats *stats, Error *erro
     return status;
 }
 
-/* Finds samples that stand alone, and where they go, or leaves it without pixels. */
-static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, Error *error)
+/* Counts the samples, and finds those that stand alone, and where they go, or leaves that without pixels. */
+static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, RenderStats *stats, Error *error)
 {
     *spread = (Spread){0};
+    count_samples(state, stats);
     if (state->bright.out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the brightest samples");
-    RenderStats counted;
-    count_samples(state, &counted);
-    if (!state->bright.pixels || counted.most_samples < SPREAD_LEAST_SAMPLES) return STATUS_OK;
+    if (!state->bright.pixels || stats->most_samples < SPREAD_LEAST_SAMPLES) return STATUS_OK;
     return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
 }
 
+/* Of samples that are counted. */
 static Status resolve(const RenderState *state, const Spread *spread, Image *image, RenderStats *stats, Error *error)
 {
     const PathCounters *counters = &state->counters;
@@ -610,7 +610,6 @@ static Status resolve(const RenderState *state, const Spread *spread, Image *ima
     stats->silent_limit = counters->silent_limit;
     stats->bad_samples = counters->bad_samples;
     stats->saturated_samples = state->saturated_samples;
-    count_samples(state, stats);
     stats->spread_samples = spread->samples;
     stats->spread_light = spread->light;
     stats->noise = adapt_noise(&state->film, moved, state->crop);
@@ -623,7 +622,7 @@ static Status resolve(const RenderState *state, const Spread *spread, Image *ima
 Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
 {
     Spread spread;
-    TRY(find_spread(state, pool, &spread, error));
+    TRY(find_spread(state, pool, &spread, stats, error));
     Status status = resolve(state, &spread, image, stats, error);
     spread_clear(&spread);
     return status;
@@ -665,7 +664,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     bool too_early = is_stopped(&job) && job.first_samples == 0;
     Spread spread = {0};
     if (status == STATUS_OK) status = run_passes(&job, &stats->stopped, error);
-    if (status == STATUS_OK) status = find_spread(state, pool, &spread, error);
+    if (status == STATUS_OK) status = find_spread(state, pool, &spread, stats, error);
     if (status == STATUS_OK) {
         uint32_t step = early_step(&state->film, state->crop);
         show_picture(&job, step ? step : COARSEST, &spread);

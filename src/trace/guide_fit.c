@@ -54,19 +54,19 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
     return lobe;
 }
 
-/* How wrong a lobe is by what others of its way say, which stand near by: the middle one of three. Where there are none, as
- * wrong at the cell's end as what is not known. */
-static float bend_of(const GuideLobe *way, uint32_t n, uint32_t self, float size)
+/* How wrong a lobe is by what others of its way, from its first to behind its last, say which stand near by: the middle one of
+ * three. Where there are none, as wrong at the cell's end as what is not known. */
+static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint32_t way[2], uint32_t self, float size)
 {
     enum { NEAREST = 3 };
     float distances[NEAREST], bends[NEAREST];
     uint32_t n_near = 0;
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = way[0]; i < way[1]; i++) {
         if (i == self) continue;
-        Vec3f away = vec3f_along(way[i].place, -1, way[self].place);
+        Vec3f there = lobes[i].place, away = vec3f_along(there, -1, lobes[self].place);
         float distance = float_max(vec3f_dot(away, away), 1e-12f * size);
         if (n_near == NEAREST && distance >= distances[NEAREST - 1]) continue;
-        Vec3f mine = guide_lobe_mean(&way[self], way[i].place), other = guide_lobe_mean(&way[i], way[i].place);
+        Vec3f mine = guide_lobe_mean(fours, self, there), other = guide_lobe_mean(fours, i, there);
         uint32_t k = n_near < NEAREST ? n_near++ : NEAREST - 1;
         for (; k > 0 && distances[k - 1] > distance; k--) distances[k] = distances[k - 1], bends[k] = bends[k - 1];
         distances[k] = distance;
@@ -101,6 +101,8 @@ uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint3
         first[n_ways++] = i;
     }
     first[n_ways] = n_known;
+    GuideFour fours[GUIDE_CELL_FOURS];
+    guide_lay_in_fours(lobes, n_known, fours);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t k = 0;
         while (k < n_ways && ways[k] != photons[i].way) k++;
@@ -118,7 +120,7 @@ uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint3
             lobes[i].weight = weight;
             lobes[i].cumulative = sum;
             lobes[i].n_way = first[k + 1] - first[k];
-            lobes[i].bend = bend_of(lobes + first[k], lobes[i].n_way, i - first[k], float_max(size, 1e-30f));
+            lobes[i].bend = bend_of(lobes, fours, &first[k], i, float_max(size, 1e-30f));
         }
     }
     lobes[n_known] = lobe_of_all(photons, n);

@@ -95,68 +95,74 @@ static float choose_near(float nearness[], uint32_t n)
     return sum;
 }
 
+/* ---- means and spreads at a place ---- */
+
+/* The mean directions of four lobes. */
+static LanesVec3 means_of(const GuideFour *four, Vec3f offset)
+{
+    Lanes px = lanes_add(four->mean_x, dots_with(&four->slope_x, offset));
+    Lanes py = lanes_add(four->mean_y, dots_with(&four->slope_y, offset));
+    Lanes square = lanes_add(lanes_mul(px, px), lanes_mul(py, py));
+    if (UNLIKELY(lanes_max(square) > FARTHEST_MEAN)) {
+        Lanes shrink = lanes_sqrt(lanes_div(lanes_all(FARTHEST_MEAN), lanes_greater(square, lanes_all(FARTHEST_MEAN))));
+        px = lanes_mul(px, shrink), py = lanes_mul(py, shrink);
+        square = lanes_lesser(square, lanes_all(FARTHEST_MEAN));
+    }
+    Lanes sine = lanes_sqrt(lanes_rest(lanes_scale(square, 0.25f))), along = lanes_rest(lanes_scale(square, 0.5f));
+    px = lanes_mul(px, sine), py = lanes_mul(py, sine);
+#define SUM(c) lanes_add(lanes_mul(four->axis.c, along), lanes_add(lanes_mul(four->x.c, px), lanes_mul(four->y.c, py)))
+    return (LanesVec3){SUM(x), SUM(y), SUM(z)};
+#undef SUM
+}
+
+static Vec3f vector_in(const LanesVec3 *four, int lane)
+{
+    return (Vec3f){lanes_get(four->x, lane), lanes_get(four->y, lane), lanes_get(four->z, lane)};
+}
+
+Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, Vec3f offset)
+{
+    LanesVec3 means = means_of(&fours[lobe / LANES], offset);
+    return vector_in(&means, (int)(lobe % LANES));
+}
+
+/* How the directions of four lobes at a place spread in the plane at their means. */
+typedef struct FourSpreads {
+    Lanes xx, xy, yy, determinant;
+    Lanes tail_wider; /* how much wider the tails are */
+} FourSpreads;
+
+static FourSpreads spreads_of(const GuideFour *four, Lanes error)
+{
+    FourSpreads s = {.xx = lanes_add(four->xx, error),
+                     .xy = four->xy,
+                     .yy = lanes_add(four->yy, error),
+                     .tail_wider = lanes_all(TAIL_WIDER)};
+    Lanes sum = lanes_add(s.xx, s.yy);
+    if (lanes_max(sum) > NARROW * NARROW) {
+        const Lanes most = lanes_all(WIDEST * WIDEST);
+        Lanes difference = lanes_scale(lanes_sub(s.xx, s.yy), 0.5f);
+        Lanes root = lanes_sqrt(lanes_add(lanes_mul(difference, difference), lanes_mul(s.xy, s.xy)));
+        Lanes widest = lanes_add(lanes_scale(sum, 0.5f), root), held = lanes_lesser(widest, most);
+        Lanes shrink = lanes_div(held, widest);
+        s.xx = lanes_mul(s.xx, shrink), s.xy = lanes_mul(s.xy, shrink), s.yy = lanes_mul(s.yy, shrink);
+        s.tail_wider = lanes_lesser(s.tail_wider, lanes_div(lanes_all(1.99f / REACH), lanes_sqrt(held)));
+    }
+    Lanes product = lanes_mul(s.xx, s.yy);
+    s.determinant = lanes_greater(lanes_sub(product, lanes_mul(s.xy, s.xy)), lanes_scale(product, 1e-4f));
+    return s;
+}
+
 /* ---- sampling ---- */
 
-/* A lobe at a place: how its directions spread in the plane at its mean. */
-typedef struct LobeSpread {
-    float xx, xy, yy, determinant;
-    float tail_wider; /* how much wider the tail is */
-} LobeSpread;
-
-static GuideLobe lobe_of(const GuideFour *fours, uint32_t i)
+static Vec3f sample_lobe(const GuideFour *fours, uint32_t lobe, float error, Vec3f offset, const float v[2])
 {
-    const GuideFour *four = &fours[i / LANES];
-    int lane = (int)(i % LANES);
-#define OF(vector)                                                                                                     \
-    {                                                                                                                  \
-        lanes_get(vector.x, lane), lanes_get(vector.y, lane), lanes_get(vector.z, lane)                                \
-    }
-    return (GuideLobe){.axis = OF(four->axis),
-                       .x = OF(four->x),
-                       .y = OF(four->y),
-                       .slope_x = OF(four->slope_x),
-                       .slope_y = OF(four->slope_y),
-                       .mean_x = lanes_get(four->mean_x, lane),
-                       .mean_y = lanes_get(four->mean_y, lane),
-                       .xx = lanes_get(four->xx, lane),
-                       .xy = lanes_get(four->xy, lane),
-                       .yy = lanes_get(four->yy, lane)};
-#undef OF
-}
-
-Vec3f guide_lobe_mean(const GuideLobe *lobe, Vec3f offset)
-{
-    float px = lobe->mean_x + vec3f_dot(lobe->slope_x, offset), py = lobe->mean_y + vec3f_dot(lobe->slope_y, offset);
-    float square = px * px + py * py;
-    if (square > FARTHEST_MEAN) { /* held there */
-        float shrink = sqrtf(FARTHEST_MEAN / square);
-        px *= shrink, py *= shrink, square = FARTHEST_MEAN;
-    }
-    float sine = sqrtf(1 - 0.25f * square);
-    Vec3f mean = vec3f_along(vec3f_scale(lobe->axis, 1 - 0.5f * square), px * sine, lobe->x);
-    return vec3f_along(mean, py * sine, lobe->y);
-}
-
-static LobeSpread lobe_spread(const GuideLobe *lobe, float error)
-{
-    float xx = lobe->xx + error, xy = lobe->xy, yy = lobe->yy + error, tail_wider = TAIL_WIDER;
-    if (xx + yy > NARROW * NARROW) {
-        float widest = 0.5f * (xx + yy) + sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
-        if (widest > WIDEST * WIDEST) {
-            float shrink = WIDEST * WIDEST / widest;
-            xx *= shrink, xy *= shrink, yy *= shrink, widest *= shrink;
-        }
-        tail_wider = float_min(TAIL_WIDER, 1.99f / (REACH * sqrtf(widest)));
-    }
-    float product = xx * yy;
-    return (LobeSpread){xx, xy, yy, float_max(product - xy * xy, 1e-4f * product), tail_wider};
-}
-
-static Vec3f sample_lobe(const GuideLobe *lobe, float error, Vec3f offset, const float v[2])
-{
-    Vec3f mean = guide_lobe_mean(lobe, offset);
-    Vec3f x = vec3f_normalize(vec3f_along(lobe->x, -vec3f_dot(lobe->x, mean), mean)), y = vec3f_cross(mean, x);
-    LobeSpread spread = lobe_spread(lobe, error);
+    const GuideFour *four = &fours[lobe / LANES];
+    const int lane = (int)(lobe % LANES);
+    FourSpreads spreads = spreads_of(four, lanes_all(error));
+    float xx = lanes_get(spreads.xx, lane), xy = lanes_get(spreads.xy, lane);
+    Vec3f mean = guide_lobe_mean(fours, lobe, offset), of_lobe = vector_in(&four->x, lane);
+    Vec3f x = vec3f_normalize(vec3f_along(of_lobe, -vec3f_dot(of_lobe, mean), mean)), y = vec3f_cross(mean, x);
     bool tail = v[0] >= DISC_PART;
     float p, q, stretch = DISC;
     sampling_disc(tail ? (v[0] - DISC_PART) / (1 - DISC_PART) : v[0] / DISC_PART, v[1], &p, &q);
@@ -164,12 +170,12 @@ static Vec3f sample_lobe(const GuideLobe *lobe, float error, Vec3f offset, const
         float u = p * p + q * q; /* uniform: the part of the tail within r */
         /* of the tail within r is (1 - (1 + r^2/4)^-2) / (1 - TAIL^-2) */
         float rest = 1 - u * (1 - 1 / (TAIL * TAIL)), r = sqrtf(4 * float_max(1 / sqrtf(rest) - 1, 0));
-        stretch = u > 0 ? spread.tail_wider * r / sqrtf(u) : 0;
+        stretch = u > 0 ? lanes_get(spreads.tail_wider, lane) * r / sqrtf(u) : 0;
     }
     p *= stretch, q *= stretch;
     /* by the Cholesky factor of the spread */
-    float scale_x = sqrtf(spread.xx), scale_y = sqrtf(spread.determinant / spread.xx);
-    float a = scale_x * p, b = spread.xy / scale_x * p + scale_y * q, square = float_min(a * a + b * b, 4);
+    float scale_x = sqrtf(xx), scale_y = sqrtf(lanes_get(spreads.determinant, lane) / xx);
+    float a = scale_x * p, b = xy / scale_x * p + scale_y * q, square = float_min(a * a + b * b, 4);
     float sine = sqrtf(1 - 0.25f * square);
     Vec3f direction = vec3f_along(vec3f_scale(mean, 1 - 0.5f * square), a * sine, x);
     return vec3f_normalize(vec3f_along(direction, b * sine, y));
@@ -195,55 +201,10 @@ Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float
             part -= parts.nearness[chosen];
         }
     }
-    GuideLobe lobe = lobe_of(fours, chosen);
-    return sample_lobe(&lobe, parts.error[chosen], offset, v);
+    return sample_lobe(fours, chosen, parts.error[chosen], offset, v);
 }
 
 /* ---- densities ---- */
-
-/* guide_lobe_mean of four. */
-static LanesVec3 means_of(const GuideFour *four, Vec3f offset)
-{
-    Lanes px = lanes_add(four->mean_x, dots_with(&four->slope_x, offset));
-    Lanes py = lanes_add(four->mean_y, dots_with(&four->slope_y, offset));
-    Lanes square = lanes_add(lanes_mul(px, px), lanes_mul(py, py));
-    if (UNLIKELY(lanes_max(square) > FARTHEST_MEAN)) {
-        Lanes shrink = lanes_sqrt(lanes_div(lanes_all(FARTHEST_MEAN), lanes_greater(square, lanes_all(FARTHEST_MEAN))));
-        px = lanes_mul(px, shrink), py = lanes_mul(py, shrink);
-        square = lanes_lesser(square, lanes_all(FARTHEST_MEAN));
-    }
-    Lanes sine = lanes_sqrt(lanes_rest(lanes_scale(square, 0.25f))), along = lanes_rest(lanes_scale(square, 0.5f));
-    px = lanes_mul(px, sine), py = lanes_mul(py, sine);
-#define SUM(c) lanes_add(lanes_mul(four->axis.c, along), lanes_add(lanes_mul(four->x.c, px), lanes_mul(four->y.c, py)))
-    return (LanesVec3){SUM(x), SUM(y), SUM(z)};
-#undef SUM
-}
-
-/* lobe_spread of four. */
-typedef struct FourSpreads {
-    Lanes xx, xy, yy, determinant, tail_wider;
-} FourSpreads;
-
-static FourSpreads spreads_of(const GuideFour *four, Lanes error)
-{
-    FourSpreads s = {.xx = lanes_add(four->xx, error),
-                     .xy = four->xy,
-                     .yy = lanes_add(four->yy, error),
-                     .tail_wider = lanes_all(TAIL_WIDER)};
-    Lanes sum = lanes_add(s.xx, s.yy);
-    if (lanes_max(sum) > NARROW * NARROW) {
-        const Lanes most = lanes_all(WIDEST * WIDEST);
-        Lanes difference = lanes_scale(lanes_sub(s.xx, s.yy), 0.5f);
-        Lanes root = lanes_sqrt(lanes_add(lanes_mul(difference, difference), lanes_mul(s.xy, s.xy)));
-        Lanes widest = lanes_add(lanes_scale(sum, 0.5f), root), held = lanes_lesser(widest, most);
-        Lanes shrink = lanes_div(held, widest);
-        s.xx = lanes_mul(s.xx, shrink), s.xy = lanes_mul(s.xy, shrink), s.yy = lanes_mul(s.yy, shrink);
-        s.tail_wider = lanes_lesser(s.tail_wider, lanes_div(lanes_all(1.99f / REACH), lanes_sqrt(held)));
-    }
-    Lanes product = lanes_mul(s.xx, s.yy);
-    s.determinant = lanes_greater(lanes_sub(product, lanes_mul(s.xy, s.xy)), lanes_scale(product, 1e-4f));
-    return s;
-}
 
 /* The densities of four lobes; 0 where their weight is 0. */
 static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, Vec3f offset, Vec3f direction)

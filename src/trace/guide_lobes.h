@@ -32,7 +32,7 @@ typedef struct LanesVec3 {
     Lanes x, y, z;
 } LanesVec3;
 
-/* Four of a cell's lobes, one after another, in a lane each: so they are asked for a density. */
+/* Four of a cell's lobes, one after another, in a lane each: so they are asked for directions and densities. */
 typedef struct GuideFour {
     LanesVec3 place, axis, x, y, slope_x, slope_y;
     Lanes mean_x, mean_y, xx, xy, yy, bend;
@@ -48,8 +48,8 @@ static inline uint32_t guide_fours_of(uint32_t n)
 /* Lays n >= 1 lobes of a cell into as many. */
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours);
 
-/* The mean direction of a lobe at a place, from its cell's origin. */
-Vec3f guide_lobe_mean(const GuideLobe *lobe, Vec3f offset);
+/* The mean direction of one of a cell's lobes at a place, from the cell's origin. */
+Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, Vec3f offset);
 
 /* A direction of a cell's n <= GUIDE_CELL_LOBES lobes at a place, and the density of that per steradian. u: uniform in [0, 1);
  * v: in [0, 1)^2. */
