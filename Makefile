@@ -13,6 +13,8 @@ CXX := g++
 endif
 
 AR ?= ar
+# what runs programs that are built for another processor; for the generators of tables
+RUN ?=
 PYTHON ?= python3
 PKG_CONFIG ?= pkg-config
 INSTALL ?= install
@@ -58,6 +60,7 @@ FLAGS_hostile := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -
 # the four lanes as plain C, as for a machine without SSE and NEON
 FLAGS_plain := -O3 -DMEN_PLAIN_LANES
 FLAGS_clang := -O3
+FLAGS_arm64 := -O3
 FLAGS := $(FLAGS_$(VARIANT)) -ffp-contract=off -fno-math-errno -fno-trapping-math
 WERROR ?=
 CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSION='"$(VERSION)"' -DMEN_EMBREE=$(EMBREE_VERSION) \
@@ -124,7 +127,7 @@ $(BUILD)/upsample_gen: src/optics/upsample_gen.c src/optics/upsample_solve.c src
 
 $(BUILD)/generated/upsample_table.c: $(BUILD)/upsample_gen
 	@mkdir -p $(@D)
-	$(BUILD)/upsample_gen $@
+	$(RUN) $(BUILD)/upsample_gen $@
 
 # What rough surfaces would lose is summed once, at build time (about ten seconds).
 $(BUILD)/microfacet_gen: src/optics/microfacet_gen.c src/optics/fresnel.c $(wildcard src/optics/*.h) $(BUILD)/flags
@@ -132,7 +135,7 @@ $(BUILD)/microfacet_gen: src/optics/microfacet_gen.c src/optics/fresnel.c $(wild
 
 $(BUILD)/generated/microfacet_table.c: $(BUILD)/microfacet_gen
 	@mkdir -p $(@D)
-	$(BUILD)/microfacet_gen $@
+	$(RUN) $(BUILD)/microfacet_gen $@
 
 # And what stretched facets do beyond round ones, which asks those tables (about fifteen seconds).
 STRETCHED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_facets optics/stretched optics/microfacet optics/fresnel \
@@ -142,7 +145,7 @@ $(BUILD)/stretched_gen: src/optics/stretched_gen.c $(STRETCHED_OBJECTS) $(wildca
 
 $(BUILD)/generated/stretched_table.c: $(BUILD)/stretched_gen
 	@mkdir -p $(@D)
-	$(BUILD)/stretched_gen $@
+	$(RUN) $(BUILD)/stretched_gen $@
 
 # And what layers do to what is under them, which asks those.
 LAYERED_OBJECTS := $(patsubst %,$(BUILD)/%.o,optics/bsdf_layer optics/bsdf_diffuse optics/bsdf_facets optics/direction_grid optics/microfacet optics/fresnel \
@@ -152,7 +155,7 @@ $(BUILD)/layered_gen: src/optics/layered_gen.c $(LAYERED_OBJECTS) $(wildcard src
 
 $(BUILD)/generated/layered_table.c: $(BUILD)/layered_gen
 	@mkdir -p $(@D)
-	$(BUILD)/layered_gen $@
+	$(RUN) $(BUILD)/layered_gen $@
 
 $(BUILD)/generated/ocio_config.c: src/image/meniscus.ocio src/image/embed.awk
 	@mkdir -p $(@D)
@@ -299,7 +302,25 @@ check-plain-lanes: all assets ## the four lanes as plain C, without SSE or NEON:
 check-clang: all assets ## built by clang, with warnings as errors: the same pictures; minutes
 	$(MAKE) VARIANT=clang CC=clang CXX=clang++ WERROR=-Werror build/clang/meniscus
 	sh tests/same-bits.sh $(BUILD)/meniscus build/clang/meniscus $(SAME_SCENES)
-.PHONY: check-plain-lanes check-clang
+# For arm64 from another machine: gcc-aarch64-linux-gnu, g++-aarch64-linux-gnu and qemu-user, and in the folder ARM64_ROOT the
+# arm64 libraries of PACKAGES, unpacked. Unit tests that take seconds there. Pictures are not the same files: Embree and the C
+# library round otherwise; of the examples most are equal in all colours, the others but for single paths.
+ARM64_TESTS ?= lanes num sampler lex parse fresnel nest spectrum color
+ARM64_EXAMPLES ?= three-spheres ice diamond soda surfaces shapes
+ARM64_RUN = qemu-aarch64 -L $(ARM64_ROOT)
+ARM64_PATHS = $(ARM64_ROOT)/usr/lib/aarch64-linux-gnu:$(ARM64_ROOT)/lib/aarch64-linux-gnu
+check-arm: all assets ## built for arm64, in an emulator: some tests, and small pictures; see here for what it needs; minutes
+	@[ -n '$(ARM64_ROOT)' ] || { echo 'check-arm: ARM64_ROOT=FOLDER is missing: the folder of arm64 libraries' >&2; exit 2; }
+	$(MAKE) VARIANT=arm64 CC='aarch64-linux-gnu-gcc --sysroot=$(ARM64_ROOT)' CXX='aarch64-linux-gnu-g++ --sysroot=$(ARM64_ROOT)' \
+	  AR=aarch64-linux-gnu-ar RUN='$(ARM64_RUN)' EXR_CFLAGS='-isystem $(ARM64_ROOT)/usr/include/OpenEXR' \
+	  FREETYPE_CFLAGS='-I$(ARM64_ROOT)/usr/include/freetype2' LDFLAGS='-Wl,-rpath-link,$(ARM64_PATHS)' \
+	  build/arm64/meniscus $(ARM64_TESTS:%=build/arm64/tests/%_test)
+	@for test in $(ARM64_TESTS); do $(ARM64_RUN) build/arm64/tests/$${test}_test || exit 1; done
+	@for name in $(ARM64_EXAMPLES); do for program in '$(BUILD)/meniscus' '$(ARM64_RUN) build/arm64/meniscus'; do \
+	    $$program render examples/$$name.mns --size 40x30 -s 4 --frames 1 -q -o build/arm64/$${program%%[ /]*}.exr || exit 1; done; \
+	  $(BUILD)/meniscus compare build/arm64/build.exr build/arm64/qemu-aarch64.exr --max-rmse 1e-5 > build/arm64/compared || \
+	    { echo "check-arm: $$name is another picture:" >&2; cat build/arm64/compared >&2; exit 1; }; echo "$$name: the same picture"; done
+.PHONY: check-plain-lanes check-clang check-arm
 
 # ---- looking after the source ----
 

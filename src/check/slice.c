@@ -35,6 +35,13 @@ void slice_color(uint32_t medium, float rgb[3])
 
 /* ---- the plane ---- */
 
+/* Plain comparisons: gcc 12 for arm64 fails on fmin and fmax in such loops. */
+static void widen(double *low, double *high, double x)
+{
+    if (x < *low) *low = x;
+    if (x > *high) *high = x;
+}
+
 bool slice_plane_make(const CompiledScene *compiled, Vec3 point, Vec3 normal, SlicePlane *plane)
 {
     const double margin = 0.05;
@@ -54,12 +61,8 @@ bool slice_plane_make(const CompiledScene *compiled, Vec3 point, Vec3 normal, Sl
                                        corner & 4 ? box.max.z : box.min.z),
                                   point);
                 double height = vec3_dot(p, normal), at[2] = {vec3_dot(p, right), vec3_dot(p, up)};
-                below = fmin(below, height);
-                above = fmax(above, height);
-                for (int i = 0; i < 2; i++) {
-                    l[i] = fmin(l[i], at[i]);
-                    g[i] = fmax(g[i], at[i]);
-                }
+                widen(&below, &above, height);
+                for (int i = 0; i < 2; i++) widen(&l[i], &g[i], at[i]);
             }
             if (pass == 0 && (below > 0 || above < 0)) continue;
             for (int i = 0; i < 2; i++) {

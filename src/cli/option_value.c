@@ -188,7 +188,7 @@ static Status read_choice(const OptionRow *row, const char *spelled, const char 
             return STATUS_OK;
         }
         size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", n ? (rest ? ", " : " or ") : "", words[n]);
+        snprintf(list + used, sizeof list - used, "%s%.*s", n ? (rest ? ", " : " or ") : "", CHOICE_SIZE - 1, words[n]);
         pointers[n] = words[n];
         n++;
     }

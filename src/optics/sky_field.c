@@ -428,7 +428,8 @@ static double note_fall(const SkyField *field, Fall *fall)
             }
             float ratio = fminf(sum / (fall->sum[place][k] + 1e-30f), 0.98f);
             float tail = sum * ratio / (1 - ratio), then = sum * was / (1 - was);
-            doubt = fmax(doubt, (double)(fabsf(tail - then) / (all + sum + tail)));
+            double change = (double)(fabsf(tail - then) / (all + sum + tail));
+            if (change > doubt) doubt = change; /* gcc 12 for arm64 fails on fmax here */
             fall->sum[place][k] = sum;
             fall->ratio[place][k] = ratio;
         }
