@@ -257,7 +257,7 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
     BsdfSpec *spec = &surface->spec;
     bsdf_spec_init(spec);
     read_parameters(b, node, surface);
-    check_film(b, node, spec->film_thickness_nm);
+    check_film(b, node, (double)spec->film_thickness_nm);
     surface->albedo = spec->base_color;
     if (strcmp(eval_word(node, "pattern"), "checker") == 0) {
         read_checker(b, node, surface);
