@@ -385,8 +385,8 @@ static void place(Evaluator *evaluator, EvalNode *node)
     }
 }
 
-/* Puts a finished node where the statement stands. */
-static void settle(Evaluator *evaluator, EvalNode *node)
+/* Puts a finished node where the statement stands. hidden: the type of node whose name a prototype has; or NULL. */
+static void settle(Evaluator *evaluator, EvalNode *node, const NodeType *hidden)
 {
     unsigned flags = node->type->flags;
     if (flags & NODE_SINGLE) {
@@ -399,7 +399,10 @@ static void settle(Evaluator *evaluator, EvalNode *node)
     } else if (!node->name) {
         Diagnostic *report = eval_report(evaluator, D_MISSING_NAME, node->span, "%s without a name does nothing",
                                          with_article(evaluator->arena, node->type->name));
-        diag_hint(evaluator->diag, report, "name it: %s NAME { ... }", node->type->name);
+        if (hidden)
+            diag_hint(evaluator->diag, report, "it hides the node '%s': call it otherwise", hidden->name);
+        else
+            diag_hint(evaluator->diag, report, "name it: %s NAME { ... }", node->type->name);
     } else if (!evaluator->target && !evaluator->discard) {
         node_list_add(evaluator, &evaluator->top, node);
     }
@@ -410,7 +413,7 @@ void eval_place_value(Evaluator *evaluator, const EvalNode *prototype, Span span
     if (!count_node(evaluator, span)) return;
     Target target = {.type = prototype->type, .base = prototype, .span = span};
     target.transform = affine_identity();
-    settle(evaluator, finish_node(evaluator, &target, prototype, NULL));
+    settle(evaluator, finish_node(evaluator, &target, prototype, NULL), NULL);
 }
 
 void eval_missing_overrides(Evaluator *evaluator)
@@ -424,7 +427,7 @@ void eval_missing_overrides(Evaluator *evaluator)
         apply_overrides(evaluator, &target, NULL, false);
         check_required(evaluator, &target);
         evaluator->in_preset = true; /* what the scene says at another place is not the same thing twice */
-        settle(evaluator, finish_node(evaluator, &target, NULL, NULL));
+        settle(evaluator, finish_node(evaluator, &target, NULL, NULL), NULL);
     }
 }
 
@@ -480,5 +483,7 @@ void eval_node_stmt(Evaluator *evaluator, Stmt *stmt)
         Value value = {.kind = node ? VALUE_NODE : VALUE_POISON, .as.node = node};
         *eval_slot(evaluator, expr->name_slot) = value;
     }
-    if (node) settle(evaluator, node);
+    const NodeType *hidden = NULL;
+    if (expr->has_prototype && expr->path.n == 1) hidden = schema_node(evaluator->schema, expr->path.names[0]->text);
+    if (node) settle(evaluator, node, hidden);
 }
