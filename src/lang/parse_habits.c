@@ -341,12 +341,15 @@ bool parse_name_habit(Parser *parser, Path path)
 
 static void block_without_opening(Parser *parser, const char *node)
 {
+    /* as any block: else its statements would pass for those at the top, whose trees are not kept */
+    if (!enter(parser)) return;
     const char *outer = parser->node;
     parser->node = node;
     parser->blocks++;
     parse_stmts(parser, TOKEN_BRACE_CLOSE);
     parser->blocks--;
     parser->node = outer;
+    leave(parser);
     accept(parser, TOKEN_BRACE_CLOSE);
 }
 
@@ -471,7 +474,9 @@ void parse_bare_block(Parser *parser, Block *block)
         return;
     }
     diag_hint(parser->diag, report, "a block stands in braces, even if it is one statement: { ... }");
+    if (!enter(parser)) return;
     block->first = parse_stmt(parser);
+    leave(parser);
 }
 
 /* ---- loops ---- */

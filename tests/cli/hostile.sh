@@ -28,6 +28,12 @@ ends 20 limit
 says err 'more than 15000000 nodes'
 end
 
+begin "hostile: conditions in conditions, without their braces"
+repeated 200000 'if (1) ' | hostile
+ends 5 syntax
+says err 'and 181 more errors'
+end
+
 begin "hostile: what grows without an end"
 echo 'var s = "a"  while (true) { s := s + s }' | hostile
 ends 1 limit
