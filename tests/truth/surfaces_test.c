@@ -10,8 +10,7 @@ enum { WIDTH = 32 };
 
 #define HEAD                                                                                                           \
     "meniscus 1.0 unit m\n"                                                                                            \
-    "medium glass { ior = 1.5  state = solid } medium gem { ior = 2.42  state = solid } medium water { ior = 1.33  "   \
-    "state = liquid }\n"                                                                                               \
+    "medium glass { ior = 1.5  state = solid } medium gem { ior = 2.42  state = solid } medium water { ior = 1.33  state = liquid }\n" \
     "medium flint { ior = cauchy(1.6, .01)  state = solid }\n"
 #define VIEW "camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 22deg }\n"
 
@@ -24,32 +23,22 @@ static void white_furnaces(void **state)
         "sphere { interior = glass  surface = surface { roughness = %g } }",
         "sphere { interior = gem  surface = surface { roughness = %g } }",
         "sphere { interior = flint  surface = surface { roughness = %g } }",
-        "sphere { interior = glass  surface = surface { roughness = %g } } sphere { interior = water  center = <.3, "
-        ".2, 0>  radius = .9 }",
+        "sphere { interior = glass  surface = surface { roughness = %g } } sphere { interior = water  center = <.3, .2, 0>  radius = .9 }",
         "sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g } }",
         "sphere { surface = surface { albedo = 1  coat = .7  coat_roughness = %g } }",
         "sphere { surface = surface { albedo = 1  diffuse_roughness = %g } }",
-        "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g "
-        "} }",
-        "sphere { surface = surface { thin = true  ior = 1.5  transmission = 1  roughness = %g } } sphere { interior = "
-        "water  radius = .8 }",
+        "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g } }",
+        "sphere { surface = surface { thin = true  ior = 1.5  transmission = 1  roughness = %g } } sphere { interior = water  radius = .8 }",
         "sphere { surface = surface { thin = true  albedo = 1  translucency = .4  ior = 1.4  roughness = %g } }",
-        "sphere { surface = surface { thin = true  ior = 1.33  transmission = .7  film = 400nm  albedo = 1  roughness "
-        "= %g } }",
+        "sphere { surface = surface { thin = true  ior = 1.33  transmission = .7  film = 400nm  albedo = 1  roughness = %g } }",
         "sphere { surface = surface { albedo = 1  metalness = .5  ior = 1.5  roughness = %g  coat = 1  fuzz = .6 } }",
         "sphere { interior = glass  surface = surface { transmission = .6  albedo = 1  ior = 1.5  roughness = %g } }",
-        "sphere { interior = glass  surface = surface { roughness = %g  anisotropy = .8  grain = x  grain_angle = 25 } "
-        "} sphere { interior = water  center = <.3, .2, 0>  radius = .9 }",
-        "sphere { interior = water  radius = 1.3 } sphere { interior = gem  surface = surface { roughness = %g  "
-        "anisotropy = .6 } } sphere { interior = air  radius = .6 }",
-        "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g  "
-        "anisotropy = .8  coat = .5  coat_roughness = .4  coat_anisotropy = .7 } }",
-        "sphere { interior = gem  radius = 1.3 } sphere { surface = surface { albedo = 1  metalness = .5  ior = 1.5  "
-        "roughness = %g  anisotropy = .9  coat = .6  coat_roughness = .5  coat_anisotropy = .9  fuzz = .5 } }",
-        "sphere { surface = surface { albedo = 1  metalness = .5  roughness = noise { from = .15  to = %g }  "
-        "anisotropy = .8  coat = 1  coat_roughness = .3  coat_anisotropy = .6 } }",
-        "sphere { interior = glass  surface = surface { mix = [surface { transmission = 0  albedo = 1 }, surface { "
-        "roughness = %g }]  weight = .6 } }",
+        "sphere { interior = glass  surface = surface { roughness = %g  anisotropy = .8  grain = x  grain_angle = 25 } } sphere { interior = water  center = <.3, .2, 0>  radius = .9 }",
+        "sphere { interior = water  radius = 1.3 } sphere { interior = gem  surface = surface { roughness = %g  anisotropy = .6 } } sphere { interior = air  radius = .6 }",
+        "sphere { interior = water  radius = 1.3 } sphere { surface = surface { albedo = 1  ior = 1.5  roughness = %g  anisotropy = .8  coat = .5  coat_roughness = .4  coat_anisotropy = .7 } }",
+        "sphere { interior = gem  radius = 1.3 } sphere { surface = surface { albedo = 1  metalness = .5  ior = 1.5  roughness = %g  anisotropy = .9  coat = .6  coat_roughness = .5  coat_anisotropy = .9  fuzz = .5 } }",
+        "sphere { surface = surface { albedo = 1  metalness = .5  roughness = noise { from = .15  to = %g }  anisotropy = .8  coat = 1  coat_roughness = .3  coat_anisotropy = .6 } }",
+        "sphere { interior = glass  surface = surface { mix = [surface { transmission = 0  albedo = 1 }, surface { roughness = %g }]  weight = .6 } }",
     };
     const double roughness[] = {0.1, 0.3, 0.6, 1};
     for (size_t i = 0; i < COUNT_OF(things); i++)
@@ -62,8 +51,7 @@ static void white_furnaces(void **state)
             Picture picture = truth_render_text(text, WIDTH, 256);
             Estimate mean = truth_mean(&picture, -1);
             truth_figure(what, 1, mean.mean, mean.error);
-            if (!(fabs(mean.mean - 1) <= 0.005 + 3 * mean.error))
-                fail_msg("%s: %.5f +- %.5f", what, mean.mean, mean.error);
+            if (!(fabs(mean.mean - 1) <= 0.005 + 3 * mean.error)) fail_msg("%s: %.5f +- %.5f", what, mean.mean, mean.error);
             assert_true(mean.error < 0.01);
             truth_clear(&picture);
         }
@@ -78,33 +66,29 @@ static void lights_are_found_alike(void **state)
         "sphere { interior = glass  surface = surface { roughness = .5 } }",
         "sphere { surface = surface { metal = gold  roughness = .4 } }",
         "sphere { surface = surface { albedo = rgb(.8, .3, .1)  ior = 1.5  roughness = .3 } }",
-        "sphere { surface = surface { albedo = rgb(.8, .3, .1)  coat = 1  coat_roughness = .5  coat_tint = rgb(.9, .8, "
-        ".3) } }",
+        "sphere { surface = surface { albedo = rgb(.8, .3, .1)  coat = 1  coat_roughness = .5  coat_tint = rgb(.9, .8, .3) } }",
         "sphere { surface = surface { albedo = .8  diffuse_roughness = 1 } }",
-        "sphere { surface = surface { thin = true  albedo = rgb(.4, .6, .2)  translucency = .5  ior = 1.4  roughness = "
-        ".5 } }",
+        "sphere { surface = surface { thin = true  albedo = rgb(.4, .6, .2)  translucency = .5  ior = 1.4  roughness = .5 } }",
         "sphere { surface = surface { thin = true  ior = 1.5  transmission = 1  roughness = .6 } }",
         "sphere { surface = surface { albedo = rgb(.4, .1, .1)  fuzz = .9  fuzz_color = rgb(1, .5, .5) } }",
         "sphere { surface = surface { metal = iron  roughness = .5  anisotropy = .8 } }",
         "sphere { interior = glass  surface = surface { roughness = .5  anisotropy = .8  grain_angle = 30 } }",
-        "sphere { surface = surface { mix = [surface { albedo = .7 }, surface { metal = gold  roughness = .5 }]  "
-        "weight = .3 } }",
+        "sphere { surface = surface { mix = [surface { albedo = .7 }, surface { metal = gold  roughness = .5 }]  weight = .3 } }",
     };
     for (size_t i = 0; i < COUNT_OF(things); i++) {
         Estimate seen[2];
         for (int chance = 0; chance < 2; chance++) {
             char text[1200];
             snprintf(text, sizeof text, HEAD "%s %s " VIEW TRUTH_SKY, things[i],
-                     chance ? "medium veil { ior = 1.00001 } sphere { interior = veil  radius = 20  priority = -1 }"
-                            : "");
+                     chance ? "medium veil { ior = 1.00001 } sphere { interior = veil  radius = 20  priority = -1 }" : "");
             Picture picture = truth_render_text(text, WIDTH, 512);
             seen[chance] = truth_total(&picture);
             truth_clear(&picture);
         }
-        truth_expect(
-            things[i], 1,
-            (Estimate){seen[0].mean / seen[1].mean, hypot(seen[0].error / seen[0].mean, seen[1].error / seen[1].mean)},
-            4, 0.01);
+        truth_expect(things[i], 1,
+                     (Estimate){seen[0].mean / seen[1].mean,
+                                hypot(seen[0].error / seen[0].mean, seen[1].error / seen[1].mean)},
+                     4, 0.01);
     }
 }
 
@@ -113,8 +97,7 @@ static void surroundings_count(void **state)
 {
     (void)state;
     static const char *const text[] = {
-        HEAD "sphere { interior = water  radius = 20 } sphere { surface = surface { albedo = 0  ior = 1.33 } }" VIEW
-            TRUTH_WHITE_SKY,
+        HEAD "sphere { interior = water  radius = 20 } sphere { surface = surface { albedo = 0  ior = 1.33 } }" VIEW TRUTH_WHITE_SKY,
         HEAD "sphere { surface = surface { albedo = 0  ior = 1.33 } }" VIEW TRUTH_WHITE_SKY,
     };
     double middle[2];
@@ -133,8 +116,7 @@ static void surroundings_count(void **state)
     /* and so paint looks darker and more saturated when it is wet: plastic gives 4 % of white on top of its colour in the
      * air, under water 0.36 %, which so few paths find that many are asked */
     static const char *const skins[] = {
-        HEAD "sphere { interior = water  radius = 20 } sphere { surface = surface { albedo = 0  ior = 1.5  roughness = "
-             ".1 } }" VIEW TRUTH_WHITE_SKY,
+        HEAD "sphere { interior = water  radius = 20 } sphere { surface = surface { albedo = 0  ior = 1.5  roughness = .1 } }" VIEW TRUTH_WHITE_SKY,
         HEAD "sphere { surface = surface { albedo = 0  ior = 1.5  roughness = .1 } }" VIEW TRUTH_WHITE_SKY,
     };
     for (int i = 0; i < 2; i++) {
@@ -181,8 +163,7 @@ static void smooth_meshes_lose_nothing(void **state)
         Picture picture = truth_render_text(text, WIDTH, 256);
         Estimate mean = truth_mean(&picture, -1);
         truth_figure(surfaces[i], 1, mean.mean, mean.error);
-        if (!(fabs(mean.mean - 1) <= 0.001 + 3 * mean.error))
-            fail_msg("%s: %.5f +- %.5f", surfaces[i], mean.mean, mean.error);
+        if (!(fabs(mean.mean - 1) <= 0.001 + 3 * mean.error)) fail_msg("%s: %.5f +- %.5f", surfaces[i], mean.mean, mean.error);
         truth_clear(&picture);
     }
 }
@@ -223,8 +204,10 @@ static void films_interfere(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(white_furnaces),     cmocka_unit_test(lights_are_found_alike),
-        cmocka_unit_test(surroundings_count), cmocka_unit_test(smooth_meshes_lose_nothing),
+        cmocka_unit_test(white_furnaces),
+        cmocka_unit_test(lights_are_found_alike),
+        cmocka_unit_test(surroundings_count),
+        cmocka_unit_test(smooth_meshes_lose_nothing),
         cmocka_unit_test(films_interfere),
     };
     return cmocka_run_group_tests_name("surfaces", tests, make_folder, remove_folder);
