@@ -91,7 +91,7 @@ static inline void lanes_store(Lanes a, float values[LANES])
 }
 static inline float lanes_sum(Lanes a)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     __m128 v = (__m128)a.v, pairs = _mm_add_ps(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(2, 3, 0, 1)));
     return _mm_cvtss_f32(_mm_add_ss(pairs, _mm_movehl_ps(pairs, pairs)));
 #else
@@ -113,7 +113,7 @@ static inline float float_min(float a, float b)
 }
 static inline float lanes_max(Lanes a)
 {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     __m128 v = (__m128)a.v, pairs = _mm_max_ps(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(2, 3, 0, 1)));
     return _mm_cvtss_f32(_mm_max_ss(pairs, _mm_movehl_ps(pairs, pairs)));
 #else
@@ -196,13 +196,13 @@ static inline unsigned lanes_not_above(Lanes a, Lanes b)
 }
 /* the same four numbers as doubles: products of two are then exact */
 typedef struct LanesWide {
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
     __m128d low, high;
 #else
     double v[LANES];
 #endif
 } LanesWide;
-#if defined(__GNUC__) && defined(__SSE2__)
+#if defined(LANES_SSE)
 #define LANES_WIDE_BINARY(name, operator)                                                                              \
     static inline LanesWide name(LanesWide a, LanesWide b)                                                             \
     {                                                                                                                  \
