@@ -243,19 +243,19 @@ static Lanes radiance_at(const Environment *environment, const EnvironmentPlace 
 {
     float up = 1 - place->down, back = 1 - place->across;
     const float weights[4] = {up * back, up * place->across, place->down * back, place->down * place->across};
-    Lanes parts[4];
-    if (!environment->bands) {
+    Lanes parts[4], light;
+    if (environment->bands) {
+        BandPlaces bands = band_places(wavelength_nm);
+        Spectrum table = {.kind = SPECTRUM_TABLE, .scale = 1, .table = environment->light};
+        for (int i = 0; i < 4; i++)
+            parts[i] = band_radiance(environment->bands + corners->at[i] * ENVIRONMENT_BANDS, weights[i], &bands);
+        light = spectrum_at(&table, wavelength_nm);
+    } else {
         for (int i = 0; i < 4; i++)
             parts[i] = texel_radiance(&environment->texels[corners->at[i]], weights[i], wavelength_nm);
-        Lanes sum = lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]);
-        return lanes_mul(sum, white_at(wavelength_nm));
+        light = white_at(wavelength_nm);
     }
-    BandPlaces bands = band_places(wavelength_nm);
-    Spectrum light = {.kind = SPECTRUM_TABLE, .scale = 1, .table = environment->light};
-    for (int i = 0; i < 4; i++)
-        parts[i] = band_radiance(environment->bands + corners->at[i] * ENVIRONMENT_BANDS, weights[i], &bands);
-    Lanes sum = lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]);
-    return lanes_mul(sum, spectrum_at(&light, wavelength_nm));
+    return lanes_mul(lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]), light);
 }
 
 Lanes environment_radiance_at(const Environment *environment, const EnvironmentPlace *place, Lanes wavelength_nm)

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "optics/color.h"
 #include "lang/schema_find.h"
+#include "optics/color.h"
 #include "scene/build_parts.h"
 
 /* Textures within each other, and all that one look-up may come to. */
