@@ -80,7 +80,8 @@ Hit *rtc_hit_place(HitList *list)
     return &list->items[list->n];
 }
 
-/* Of a hit that is put off no more than these fields is set: a cosine of 0 says so. */
+/* Of a hit that is put off no more than these fields is set, and what its kind of primitive tells at once: a cosine of 0
+ * says so. */
 static inline void set_hit(Hit *hit, double t, uint32_t object, uint32_t primitive)
 {
     hit->t = t;
@@ -89,11 +90,13 @@ static inline void set_hit(Hit *hit, double t, uint32_t object, uint32_t primiti
     hit->cos_normal = 0;
 }
 
-/* The place of the next hit of the list; NULL when memory ends. */
-static inline Hit *next_hit(HitList *list, double t, uint32_t object, uint32_t primitive)
+/* The place of the next hit of the list, which is of a piece; NULL when memory ends. */
+static inline Hit *next_crossing(HitList *list, double t, uint32_t object, uint32_t piece, bool leaving)
 {
     Hit *hit = rtc_hit_place(list);
-    if (LIKELY(hit)) set_hit(hit, t, object, primitive);
+    if (UNLIKELY(!hit)) return NULL;
+    set_hit(hit, t, object, piece);
+    hit->entering = !leaving;
     return hit;
 }
 
@@ -181,7 +184,7 @@ static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double 
     const Hit *left = rtc_find_left(query->ray, object, piece);
     if (left && is_start(query, left, t, leaving)) return false;
     bool passing = rtc_passes(query, object);
-    Hit *hit = next_hit(passing ? query->passed : query->hits, t, object, piece);
+    Hit *hit = next_crossing(passing ? query->passed : query->hits, t, object, piece, leaving);
     if (UNLIKELY(!hit)) return false;
     if (query->all) return take_any(query, hit);
     if (passing) return note_passed(query, hit, !query->exact && !left);
@@ -190,21 +193,26 @@ static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double 
 }
 
 /* A ball is met where it is, without a frame. */
-static bool consider_ball(Query *query, const RtcPiece *which)
+static bool consider_ball(Query *query, uint32_t object, const RtcBall *ball)
 {
     PieceCrossings crossings;
-    piece_cross_ball(which->ball.radius, vec3_sub(query->origin, which->ball.centre), query->direction, query->t_min,
+    piece_cross_ball(ball->radius, vec3_sub(query->origin, ball->centre), query->direction, query->t_min,
                      double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++)
-        shrink |= take_crossing(query, which->object, which->piece, crossings.t[i], crossings.leaving[i]);
+        shrink |= take_crossing(query, object, 0, crossings.t[i], crossings.leaving[i]);
     return shrink;
 }
 
 static bool consider_piece(Query *query, const RtcPiece *which)
 {
-    if (which->is_ball) return consider_ball(query, which);
-    rtc_need_frame(query, &query->scene->objects[which->object]);
+    if (which->is_ball) return consider_ball(query, which->object, &which->ball);
+    const RtcPlaced *object = &query->scene->objects[which->object];
+    if (object->ball) {
+        RtcBall ball = rtc_ball(query->scene, object, query->ray->time);
+        return consider_ball(query, which->object, &ball);
+    }
+    rtc_need_frame(query, object);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
     piece_cross(which->shape, line, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);

@@ -59,6 +59,32 @@ static bool is_even(const Affine *map)
     return s > 0;
 }
 
+/* The scale of a map that moves, turns and makes larger evenly; 0 of others. Rounding leaves some 1e-16 of difference. */
+static double similar_scale(const Affine *map)
+{
+    double squared = 0;
+    for (int row = 0; row < 3; row++) squared += map->m[row][0] * map->m[row][0];
+    for (int a = 0; a < 3; a++)
+        for (int b = a; b < 3; b++) {
+            double product = 0;
+            for (int row = 0; row < 3; row++) product += map->m[row][a] * map->m[row][b];
+            if (!(fabs(product - (a == b ? squared : 0)) <= 1e-14 * squared)) return 0;
+        }
+    return sqrt(squared);
+}
+
+/* Whether an object is a ball wherever it moves; sets its scale where it is turned. */
+static bool is_ball(RtcPlaced *placed, uint32_t n_keys)
+{
+    if (!placed->solid || placed->solid->n_pieces != 1 || placed->solid->pieces[0].kind != PIECE_SPHERE) return false;
+    for (uint32_t k = 0; placed->keys && k < n_keys; k++) /* between keys that are turned it is none */
+        if (!is_even(&placed->keys[k])) return false;
+    if (placed->keys || !placed->maps) return true;
+    double scale = similar_scale(&placed->maps->to_world);
+    if (scale > 0) placed->scale = scale;
+    return scale > 0;
+}
+
 /* maps: room for those of this object, if it needs them. */
 static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *maps, uint32_t n_keys, uint32_t i,
                            Error *error)
@@ -78,6 +104,7 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
         placed->maps = maps;
     }
     placed->mirrored = affine_determinant(&object->to_world) < 0;
+    placed->ball = is_ball(placed, n_keys);
     for (uint32_t k = 0; object->keys && k < n_keys; k++) {
         double determinant = affine_determinant(&object->keys[k]);
         if (!(determinant != 0) || !isfinite(determinant) || (determinant < 0) != placed->mirrored)
@@ -342,13 +369,11 @@ static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piec
 {
     const Piece *shape = &object->solid->pieces[piece];
     RtcPiece listed = {.object = number, .piece = piece, .sector = sector};
-    listed.is_ball = shape->kind == PIECE_SPHERE && !object->maps && !object->keys;
-    if (listed.is_ball) {
-        listed.ball.centre = object->place;
-        listed.ball.radius = object->scale * shape->r0;
-    } else {
+    listed.is_ball = object->ball && !object->keys;
+    if (listed.is_ball)
+        listed.ball = rtc_ball(NULL, object, 0);
+    else
         listed.shape = shape;
-    }
     return listed;
 }
 

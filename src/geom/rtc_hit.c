@@ -161,6 +161,31 @@ void rtc_enter_frame(Query *query, const RtcPlaced *object)
         piece_line(affine_point(local->to_local, query->origin), affine_vector(local->to_local, query->direction));
 }
 
+/* What is the same for all pieces: normal and cosine are the world's; false where the ray starts there. */
+static inline bool complete_curved(const Query *query, Hit *hit, Vec3 normal, double cosine, bool entering)
+{
+    if (query->ray->n_left &&
+        is_left(query, hit->object, hit->primitive, hit->t, entering ? -fabs(cosine) : fabs(cosine)))
+        return false;
+    Vec3 p = vec3_along(query->origin, hit->t, query->direction);
+    hit->entering = entering;
+    hit->normal = vec3f_from(normal);
+    hit->cos_normal = cosine;
+    hit->rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + hit->t);
+    hit->u = hit->v = 0;
+    hit->inside = false;
+    hit->clear = true;
+    return true;
+}
+
+static bool complete_ball(const Query *query, const RtcPlaced *object, Hit *hit)
+{
+    Vec3 origin = vec3_sub(query->origin, rtc_ball_centre(query->scene, object, query->ray->time));
+    Vec3 normal = piece_ball_normal(origin, query->direction, hit->t, !hit->entering);
+    hit->smooth = false;
+    return complete_curved(query, hit, normal, vec3_dot(normal, query->direction), hit->entering);
+}
+
 static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
 {
     rtc_need_frame(query, object);
@@ -169,26 +194,15 @@ static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
     Vec3 local = piece_normal(piece, local_ray->line.org, local_ray->line.dir, hit->t);
     Vec3 normal = local_ray->to_local ? vec3_normalize(affine_normal(local_ray->to_local, local)) : local;
     double slope = vec3_dot(local, local_ray->line.dir); /* the sign that the piece itself sees */
-    double cosine = vec3_dot(normal, query->direction);
-    if (query->ray->n_left &&
-        is_left(query, hit->object, hit->primitive, hit->t, slope > 0 ? fabs(cosine) : -fabs(cosine)))
-        return false;
-    Vec3 p = vec3_along(query->origin, hit->t, query->direction);
-    hit->entering = slope < 0;
-    hit->normal = vec3f_from(normal);
-    hit->cos_normal = cosine;
-    hit->rounding = rtc_rounding(p) + 0x1p-44 * (query->scale + hit->t);
-    hit->u = hit->v = 0;
-    hit->inside = false;
     hit->smooth = piece_is_smoothed(piece);
-    hit->clear = true;
-    return true;
+    return complete_curved(query, hit, normal, vec3_dot(normal, query->direction), slope < 0);
 }
 
 bool rtc_complete_hit(Query *query, Hit *hit)
 {
     const RtcPlaced *object = &query->scene->objects[hit->object];
-    return object->mesh ? complete_triangle(query, object, hit) : complete_piece(query, object, hit);
+    if (object->mesh) return complete_triangle(query, object, hit);
+    return object->ball ? complete_ball(query, object, hit) : complete_piece(query, object, hit);
 }
 
 bool rtc_is_plane(const RtcScene *scene, uint32_t object)

@@ -33,9 +33,10 @@ typedef struct RtcMaps {
 /* One object, ready for tracing. There may be tens of millions: most are balls and instances that are only moved. */
 typedef struct RtcPlaced {
     Vec3 place;
-    double scale;        /* > 0 */
+    double scale;        /* > 0; of a ball under a map of its own: that map's */
     const Solid *solid;
     bool opaque;
+    bool ball;           /* of one piece, a sphere, that is always moved, turned and made larger evenly */
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
@@ -45,18 +46,21 @@ typedef struct RtcPlaced {
     const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
 } RtcPlaced;
 
+/* A ball in the world. */
+typedef struct RtcBall {
+    Vec3 centre;
+    double radius;
+} RtcBall;
+
 /* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of one. Hollow
  * ones are cut into eighths so that the boxes around them are hollow, too: a ray down through a glass would else be tested
  * against every band that it passes inside of. */
 typedef struct RtcPiece {
     uint32_t object, piece;
     uint32_t sector; /* 0 .. 7 about the axis, or RTC_ALL_SECTORS */
-    bool is_ball;    /* a sphere, moved and made larger evenly, that stands still */
+    bool is_ball;    /* of an object that is a ball, and stands still */
     union { /* all that a ray has to know that does not meet it: of many objects little is in the cache */
-        struct {
-            Vec3 centre;
-            double radius;
-        } ball; /* in the world */
+        RtcBall ball;
         const Piece *shape;
     };
 } RtcPiece;
@@ -154,6 +158,19 @@ static inline Affine rtc_to_local(const RtcScene *scene, const RtcPlaced *object
     if (!object->keys) return rtc_first_to_local(object);
     Affine map = affine_between(object->keys, scene->n_keys, time), inverse;
     return affine_invert(&map, &inverse) ? inverse : rtc_first_to_local(object); /* singular between two keys that are not */
+}
+
+/* Where an object is that is a ball. */
+static inline Vec3 rtc_ball_centre(const RtcScene *scene, const RtcPlaced *object, double time)
+{
+    return object->keys ? affine_between(object->keys, scene->n_keys, time).t : object->place;
+}
+static inline RtcBall rtc_ball(const RtcScene *scene, const RtcPlaced *object, double time)
+{
+    double radius = object->solid->pieces[0].r0;
+    if (!object->keys) return (RtcBall){object->place, object->scale * radius};
+    Affine to_world = affine_between(object->keys, scene->n_keys, time);
+    return (RtcBall){to_world.t, to_world.m[0][0] * radius};
 }
 
 /* The callbacks of rtc.c that rtc_build.c hands to Embree. */

@@ -381,6 +381,14 @@ Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t)
     return vec3_normalize(vec3_along(normal, (side * 2 * least - cosine) / length, dir));
 }
 
+Vec3 piece_ball_normal(Vec3 org, Vec3 dir, double t, bool leaving)
+{
+    Vec3 normal = vec3_normalize(vec3_along(org, t, dir));
+    double cosine = vec3_dot(normal, dir), side = leaving ? 1 : -1;
+    if (LIKELY(cosine * side >= least_cosine)) return normal;
+    return vec3_normalize(vec3_along(normal, side * 2 * least_cosine - cosine, dir));
+}
+
 static double clamp_unit(double x)
 {
     return fmin(fmax(x, 0), 1);

@@ -77,6 +77,8 @@ int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double
  * The sign of its product with dir tells which way the surface is crossed, and never contradicts the order
  * of crossings: at grazing incidence, where rounding could turn it over, it is tilted by about 1e-9. */
 Vec3 piece_normal(const Piece *piece, Vec3 org, Vec3 dir, double t);
+/* The same for a sphere about the origin, and a unit dir; leaving: as piece_cross_ball told. */
+Vec3 piece_ball_normal(Vec3 org, Vec3 dir, double t, bool leaving);
 /* Whether the normal for shading is another one than the geometric, to more than float tells. */
 static inline bool piece_is_smoothed(const Piece *piece)
 {

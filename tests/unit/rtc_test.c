@@ -85,6 +85,8 @@ typedef struct TestScene {
     uint32_t n_solids;
     RtcScene *rtc;
     bool at_edges; /* the rays are aimed at the edges of triangles */
+    uint32_t n_keys;
+    double time; /* of the rays */
 } TestScene;
 
 static void add(TestScene *s, const Mesh *mesh, const Solid *solid, Affine to_world)
@@ -112,7 +114,7 @@ static Solid *sphere(TestScene *s, double radius)
 
 static void build(TestScene *s)
 {
-    assert_int_equal(rtc_scene_new(s->objects, s->n, 0, 1, &s->rtc, NULL), STATUS_OK);
+    assert_int_equal(rtc_scene_new(s->objects, s->n, s->n_keys, 1, &s->rtc, NULL), STATUS_OK);
 }
 
 static void destroy(TestScene *s)
@@ -173,6 +175,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         Vec3 from = vec3_scale(random_direction(&random), 4 * size);
         if (s->at_edges) aim = place_at_edge(s, &random);
         Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
+        ray.time = s->time;
         for (int bounce = 0; bounce < 40; bounce++) {
             size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
             if (!n) {
@@ -295,6 +298,54 @@ static void test_solids(void **state)
     add(&s, NULL, tumbler, turned(20, vec3(0, 0, 1), vec3(0, -9, 0)));
     add(&s, NULL, drink, turned(20, vec3(0, 0, 1), vec3(-1, -6.1, 0)));
     expect_no_faults(&s, "spheres, a turned glass and a cone", 40);
+}
+
+/* Balls as no frame shows them: turned, mirrored, and on their way. What is met of them lies on them, and walks through them
+ * have no faults. */
+static void test_turned_and_moving_balls(void **state)
+{
+    (void)state;
+    enum { STILL = 10, ALL = 20 };
+    TestScene s = {.n_keys = 3, .time = 0.3};
+    Solid *ball = sphere(&s, 1.5);
+    Affine keys[ALL - STILL][3], there[ALL];
+    for (int i = 0; i < ALL; i++) {
+        double size = 1 + 0.3 * (i % 7);
+        Affine map = turned(i < STILL ? 37 * i : 0, vec3(1, i, 2), vec3(5 * cos(i), 4 * sin(2 * i), 0.6 * i - 6));
+        for (int row = 0; row < 3; row++)
+            for (int k = 0; k < 3; k++) map.m[row][k] *= k == 0 && i < STILL && i % 3 == 1 ? -size : size;
+        for (int key = 0; i >= STILL && key < 3; key++) {
+            keys[i - STILL][key] = map;
+            keys[i - STILL][key].t = vec3_along(map.t, key * key, vec3(0.3, -0.2, 0.5));
+            for (int k = 0; k < 3; k++) keys[i - STILL][key].m[k][k] *= 1 + 0.1 * key;
+        }
+        add(&s, NULL, ball, map);
+        if (i >= STILL) s.objects[i].keys = keys[i - STILL];
+        there[i] = i < STILL ? map : affine_between(keys[i - STILL], 3, s.time);
+    }
+    build(&s);
+    HitList hits = {0};
+    uint64_t random = 5;
+    int n_hits = 0;
+    for (int i = 0; i < 2000; i++) {
+        Vec3 from = vec3_scale(random_direction(&random), 60), aim = vec3_scale(random_direction(&random), 8);
+        Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
+        ray.time = s.time;
+        assert_true(rtc_all(s.rtc, &ray, false, &hits));
+        for (size_t k = 0; k < hits.n; k++, n_hits++) {
+            const Hit *hit = &hits.items[k];
+            Vec3 out = vec3_sub(ray_point(&ray, hit->t), there[hit->object].t);
+            Affine map = there[hit->object];
+            double radius = 1.5 * fabs(cbrt(affine_determinant(&map))), slope = vec3_dot(out, vec3_from_f(ray.direction));
+            assert_true(fabs(vec3_length(out) - radius) < 1e-12 * 60);
+            assert_true(vec3_dot(vec3_normalize(out), vec3_from_f(hit->normal)) > 1 - 1e-6);
+            if (fabs(slope) > 1e-6) assert_int_equal(hit->entering, slope < 0);
+        }
+    }
+    assert_true(n_hits > 5000);
+    hit_list_clear(&hits);
+    rtc_scene_free(s.rtc);
+    expect_no_faults(&s, "balls, turned, mirrored and moving", 20);
 }
 
 static void test_coincident_solids(void **state)
@@ -539,7 +590,7 @@ int main(void)
         cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_coincident_boxes),
         cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_coincident_solids),
+        cmocka_unit_test(test_turned_and_moving_balls), cmocka_unit_test(test_coincident_solids),
         cmocka_unit_test(test_planes),
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_gap_is_kept),
