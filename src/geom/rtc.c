@@ -204,6 +204,24 @@ static bool consider_ball(Query *query, uint32_t object, const RtcBall *ball)
     return shrink;
 }
 
+/* Which crossings of a hollow piece are taken at one of its eighths. A search comes to several of them, and what it finds
+ * of the piece is the same each time: so all are taken with the first, unless another piece has its place in the list. */
+typedef enum EighthsTaken { ALL_NOW, ALL_BEFORE, EACH_BY_ITSELF } EighthsTaken;
+
+static inline EighthsTaken take_eighths(Query *query, const RtcPiece *which)
+{
+    uint32_t *whole = &query->whole[which->first / RTC_SECTORS % RTC_WHOLE];
+    if (*whole == which->first) return ALL_BEFORE;
+    if (UNLIKELY(*whole != RTC_NO_OBJECT)) return EACH_BY_ITSELF;
+    *whole = which->first;
+    return ALL_NOW;
+}
+
+static inline void forget_eighths(Query *query)
+{
+    memset(query->whole, 0xff, sizeof query->whole);
+}
+
 static bool consider_piece(Query *query, const RtcPiece *which)
 {
     if (which->is_ball) return consider_ball(query, which->object, &which->ball);
@@ -212,6 +230,8 @@ static bool consider_piece(Query *query, const RtcPiece *which)
         RtcBall ball = rtc_ball(query->scene, object, query->ray->time);
         return consider_ball(query, which->object, &ball);
     }
+    EighthsTaken taken = which->sector == RTC_ALL_SECTORS ? ALL_NOW : take_eighths(query, which);
+    if (taken == ALL_BEFORE) return false;
     rtc_need_frame(query, object);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
@@ -219,7 +239,7 @@ static bool consider_piece(Query *query, const RtcPiece *which)
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++) {
         double t = crossings.t[i];
-        if (which->sector == RTC_ALL_SECTORS ||
+        if (LIKELY(taken == ALL_NOW) ||
             rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == which->sector)
             shrink |= take_crossing(query, which->object, which->piece, t, crossings.leaving[i]);
     }
@@ -640,6 +660,7 @@ static bool search_nearest(Query *query)
     query->reach = HUGE_VAL;
     query->hits->n = 0;
     if (query->passes) query->passed->n = 0;
+    forget_eighths(query);
     struct RTCRayHit embree;
     if (UNLIKELY(!embree_ray(query, &embree.ray))) return false;
     consider_all_own(query, &embree.ray);
@@ -758,6 +779,7 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     query_init(&query, scene, ray, hits, NULL);
     query.all = true;
     query.stop_at_opaque = stop_at_opaque;
+    forget_eighths(&query);
     struct RTCRay embree;
     if (UNLIKELY(!embree_ray(&query, &embree))) return true;
     consider_all_own(&query, &embree);

@@ -365,10 +365,10 @@ static void count_pieces(const RtcScene *scene, size_t n[2], size_t *n_planes)
     }
 }
 
-static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piece, uint32_t sector)
+static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piece, uint32_t sector, uint32_t first)
 {
     const Piece *shape = &object->solid->pieces[piece];
-    RtcPiece listed = {.object = number, .piece = piece, .sector = sector};
+    RtcPiece listed = {.object = number, .piece = piece, .first = first, .sector = (uint8_t)sector};
     listed.is_ball = object->ball && !object->keys;
     if (listed.is_ball)
         listed.ball = rtc_ball(NULL, object, 0);
@@ -392,12 +392,13 @@ static void list_pieces(RtcScene *scene)
         RtcPieceSet *set = object->keys ? &scene->moving : &scene->still;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
             uint32_t n_sectors = sectors_of(&solid->pieces[k]);
+            uint32_t first = (uint32_t)(set->pieces - scene->pieces) + set->n;
             if (solid->pieces[k].kind == PIECE_PLANE)
                 scene->planes[scene->n_planes++] = plane_of(object, i);
             else if (n_sectors == 1)
-                set->pieces[set->n++] = piece_of(object, i, k, RTC_ALL_SECTORS);
+                set->pieces[set->n++] = piece_of(object, i, k, RTC_ALL_SECTORS, first);
             else
-                for (uint32_t s = 0; s < n_sectors; s++) set->pieces[set->n++] = piece_of(object, i, k, s);
+                for (uint32_t s = 0; s < n_sectors; s++) set->pieces[set->n++] = piece_of(object, i, k, s, first);
         }
     }
 }

@@ -25,6 +25,9 @@ typedef struct LocalRay {
     Affine moved_to_local;
 } LocalRay;
 
+/* How many hollow pieces of one search are met with all their eighths at once. */
+enum { RTC_WHOLE = 16 };
+
 typedef struct Query {
     EmbreeContext context; /* first: Embree hands it back by this address */
     const RtcScene *scene;
@@ -41,6 +44,8 @@ typedef struct Query {
     bool passes; /* nearest query: the ray passes by some objects */
     bool unsure; /* the start, or a hit, is within rounding of a triangle's edge */
     LocalRay local;
+    uint32_t whole[RTC_WHOLE]; /* by the last digits of RtcPiece.first: of which piece all crossings have been taken, whichever
+                                * eighth they are in; RTC_NO_OBJECT: of none */
 } Query;
 
 /* Whether the ray passes by an object. */

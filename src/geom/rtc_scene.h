@@ -57,8 +57,9 @@ typedef struct RtcBall {
  * against every band that it passes inside of. */
 typedef struct RtcPiece {
     uint32_t object, piece;
-    uint32_t sector; /* 0 .. 7 about the axis, or RTC_ALL_SECTORS */
-    bool is_ball;    /* of an object that is a ball, and stands still */
+    uint32_t first; /* the place in RtcScene.pieces of the first of the eighths that it is one of */
+    uint8_t sector; /* 0 .. 7 about the axis, or RTC_ALL_SECTORS */
+    bool is_ball;   /* of an object that is a ball, and stands still */
     union { /* all that a ray has to know that does not meet it: of many objects little is in the cache */
         RtcBall ball;
         const Piece *shape;

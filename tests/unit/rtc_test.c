@@ -4,7 +4,7 @@
 #include "test.h"
 
 #include "base/hash.h"
-#include "geom/rtc.h"
+#include "geom/rtc_query.h"
 #include "nest/cross.h"
 
 /* ---- makers ---- */
@@ -348,6 +348,49 @@ static void test_turned_and_moving_balls(void **state)
     expect_no_faults(&s, "balls, turned, mirrored and moving", 20);
 }
 
+/* More hollow pieces than a search keeps in mind: each crossing is found once, whichever eighths the ray comes through. */
+static void test_many_hollow_pieces(void **state)
+{
+    (void)state;
+    enum { RINGS = 48 };
+    TestScene s = {0};
+    double profile[2 * RINGS][2];
+    for (int i = 0; i < RINGS; i++) { /* up outside, and down inside */
+        profile[i][0] = 10 + (i % 2), profile[i][1] = i;
+        profile[2 * RINGS - 1 - i][0] = 8 - (i % 2), profile[2 * RINGS - 1 - i][1] = i;
+    }
+    Solid *ringed = NULL;
+    Status status = solid_make_lathe((const double(*)[2])profile, 2 * RINGS, NULL, false, &ringed, NULL);
+    ringed = keep_solid(&s, status, ringed);
+    assert_true(ringed->n_pieces > RTC_WHOLE);
+    add(&s, NULL, ringed, affine_identity());
+    build(&s);
+    HitList hits = {0};
+    uint64_t random = 3;
+    int n_found = 0;
+    for (int i = 0; i < 3000; i++) {
+        Vec3 from = vec3_scale(random_direction(&random), 90), aim = vec3(0, RINGS * unit(&random), 0);
+        aim = vec3_along(aim, 10 * unit(&random), random_direction(&random));
+        Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
+        assert_true(rtc_all(s.rtc, &ray, false, &hits));
+        size_t n = 0;
+        for (uint32_t k = 0; k < ringed->n_pieces; k++) {
+            double t[PIECE_MAX_ROOTS];
+            n += (size_t)piece_intersect(&ringed->pieces[k], from, vec3_from_f(ray.direction), 0, HUGE_VAL, t);
+        }
+        assert_int_equal(hits.n, n);
+        n_found += (int)n;
+        size_t nearest_n = n ? rtc_cluster(hits.items, hits.n) : 0;
+        double nearest = n ? hits.items[0].t : 0;
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), nearest_n);
+        if (n) assert_true(hits.items[0].t == nearest);
+    }
+    assert_true(n_found > 10000);
+    hit_list_clear(&hits);
+    rtc_scene_free(s.rtc);
+    expect_no_faults(&s, "a glass of 48 rings", 60);
+}
+
 static void test_coincident_solids(void **state)
 {
     (void)state;
@@ -590,7 +633,7 @@ int main(void)
         cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_coincident_boxes),
         cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_turned_and_moving_balls), cmocka_unit_test(test_coincident_solids),
+        cmocka_unit_test(test_turned_and_moving_balls), cmocka_unit_test(test_many_hollow_pieces), cmocka_unit_test(test_coincident_solids),
         cmocka_unit_test(test_planes),
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_gap_is_kept),
