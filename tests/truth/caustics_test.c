@@ -98,7 +98,7 @@ static void same_mean(void **state)
                "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 12 }\n"
                "light { shape = \"sphere\"  from = <80, 50, 0>  radius = 9  radiance = 50 }\n"
                "camera { from = <-150, 100, 50>  to = <-22, 0, 0>  fov = .001deg }\n",
-         400, 4000},
+         1600, 1600},
         {"a table with a coat, seen through a glass with a drink in it",
          MEDIA "ground { surface = surface { albedo = .6  ior = 1.5  roughness = .1 } } environment { color = .05 }\n"
                "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 15 }\n"
@@ -137,7 +137,9 @@ static void same_mean(void **state)
         double a_sample = ratio * ratio * cases[i].without / cases[i].with;
         printf("    %-66s %.1f times less variance a sample, %.1f at equal times\n", "", a_sample,
                ratio * ratio * without.cpu_s / with.cpu_s);
-        assert_true(a_sample > 0.5); /* probes only add to what is found; the rest is chance */
+        /* Probes only add to what is found; the rest is the chance of 256 pixels. Over 16 seeds the least were 0.64 of the
+         * matte table and 0.9 of the metal, whose single bright paths had made it 0.57 to 2.5 by fewer samples. */
+        assert_true(a_sample > 1.0 / 3);
     }
 }
 
