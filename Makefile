@@ -291,7 +291,8 @@ asan hostile: ## the quick tests under sanitizers (hostile: every interior list 
 	$(MAKE) VARIANT=$@ check-quick
 tsan: assets ## a few scenes rendered by four threads, watched for races
 	$(MAKE) VARIANT=tsan build/tsan/meniscus
-	sh tests/tsan.sh build/tsan/meniscus $(addprefix examples/,$(addsuffix .mns,whisky tea surfaces light-bulb candles window))
+	sh tests/tsan.sh build/tsan/meniscus $(addprefix examples/,$(addsuffix .mns,whisky tea surfaces light-bulb candles window)) \
+	  'examples/soda.mns --frames 1..3'
 
 # Builds whose pictures must be the same files: the scenes are those that render by themselves.
 SAME_SCENES := $(filter-out examples/studio.mns,$(wildcard examples/*.mns))
