@@ -172,6 +172,7 @@ static Status render_frame(RenderRun *run, Error *error)
     Status status = render_settings_merge(run, error);
     if (status == STATUS_OK) status = scene_input_compile(&run->input, run->pool, error);
     if (status == STATUS_OK) status = scene_input_guard(&run->input, warn_of_lights, run, error);
+    if (status == STATUS_OK) status = compiled_share_levels(run->input.compiled, error);
     TRY(print_findings(run, status, error));
     note_scene(run);
     status = render_and_write(run, error);

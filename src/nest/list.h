@@ -1,5 +1,5 @@
 /* list.h - the interior list: the set of hulls that a ray is inside, the owner of the point last.
- * Where an order (order.h) has few hulls, bits of a word say which of them are in, and nothing else is kept. Else they are
+ * Where an order (order.h) has few levels, bits of a word say which of them are in, and nothing else is kept. Else hulls are
  * numbers in a row: up to NEST_INLINE cost no allocation; beyond that the list grows on the heap.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_LIST_H
@@ -16,7 +16,7 @@
 #define NEST_INLINE 12 /* a hostile build sets 1, so that every list grows */
 #endif
 
-/* At most so many hulls are kept as bits, one each behind the lowest bit, which stands for the world. */
+/* At most so many levels are kept as bits, one each behind the lowest bit, which stands for the world. */
 #define NEST_NARROW (NEST_INLINE > 1 ? 63 : 0)
 
 /* The number of the medium outside of all hulls. */

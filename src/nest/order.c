@@ -305,12 +305,13 @@ static Status sink_mixing(NestOrder *order, const NestHull *hulls, Error *error)
 /* Room for tables of n hulls and operands, of n_hulls and the world, all in one. */
 static Status make_tables(NestOrder *order, size_t n, Error *error)
 {
-    size_t size = 4 * n + order->n_hulls + 1;
+    size_t size = 4 * n + order->n_hulls + 1 + (order->n_hulls + 3) / 4;
     order->rank = calloc(size, sizeof *order->rank);
     if (!order->rank) return fail_memory(error, size * sizeof *order->rank, "the order of the hulls");
     order->circle = order->rank + n;
     order->top = (NestTop *)(void *)(order->circle + n);
     order->hull_at = order->circle + 3 * n;
+    order->narrow_level = (uint8_t *)(order->hull_at + order->n_hulls + 1);
     return STATUS_OK;
 }
 
@@ -325,12 +326,12 @@ static void give_levels(NestOrder *order)
     }
 }
 
-/* The tables of lists that keep hulls as bits. */
-static void make_narrow(NestOrder *order)
+void nest_order_narrow(NestOrder *order)
 {
+    order->narrow = true;
     order->narrow_top[0] = (NestTop){0, NEST_WORLD_MEDIUM};
     for (uint32_t h = 0; h < order->n_hulls; h++) {
-        order->narrow_level[h] = order->top[h].level;
+        order->narrow_level[h] = (uint8_t)order->top[h].level;
         order->narrow_top[order->top[h].level] = order->top[h];
     }
 }
@@ -350,8 +351,7 @@ Status nest_order_build(NestOrder *order, NestPolicy policy, const NestHull *hul
     if (status == STATUS_OK) status = sink_mixing(order, hulls, error);
     if (status == STATUS_OK) give_levels(order);
     order->sorted = (policy == NEST_AUTOMATIC || policy == NEST_PRIORITY) && !order->n_mixing;
-    order->narrow = order->sorted && n_hulls <= NEST_NARROW;
-    if (order->narrow && status == STATUS_OK) make_narrow(order);
+    if (order->sorted && n_hulls <= NEST_NARROW && status == STATUS_OK) nest_order_narrow(order);
     if (status != STATUS_OK) nest_order_clear(order);
     return status;
 }

@@ -70,15 +70,15 @@ typedef struct NestOrder {
     uint32_t n_mixing;  /* hulls that mix: the lowest ranks are theirs */
     uint32_t n_circles; /* groups of hulls whose pairwise answers ran in a circle */
     uint32_t *circle;   /* of each hull: 0, or the number of its circle from 1 */
-    /* of each hull: its rank + 1, and its medium; level 0 and the world's medium of one that mixes, and of operands of
-     * combinations, which own nothing */
+    /* of each hull: its rank + 1, unless hulls share levels (share.h), and its medium; level 0 and the world's medium of
+     * one that mixes, and of operands of combinations, which own nothing */
     NestTop *top;
-    uint32_t *hull_at;  /* of each level 0 .. n; NEST_WORLD at 0 */
+    uint32_t *hull_at;  /* of each level 0 .. n, one of those that share it; NEST_WORLD at 0 */
     const NestCsg *csg; /* how hulls are combined from operands; NULL: none is */
     bool sorted; /* every list is sorted by rank, of hulls that neither mix nor are combined: what most scenes are */
-    bool narrow; /* and so few that lists keep them as bits: NEST_NARROW at most */
-    uint32_t narrow_level[NEST_NARROW + 1]; /* then the same levels, */
-    NestTop narrow_top[NEST_NARROW + 1];    /* and what each level says, closer at hand */
+    bool narrow; /* and of so few levels that lists keep them as bits: NEST_NARROW at most */
+    uint8_t *narrow_level;               /* then the level of each hull, */
+    NestTop narrow_top[NEST_NARROW + 1]; /* and what each level says, closer at hand */
 } NestOrder;
 
 /* Builds the order. Under NEST_AUTOMATIC the pairwise answers are made into one order (topological, ties by
@@ -94,7 +94,8 @@ static inline NestTop nest_top_of_row(const NestOrder *order, const uint32_t *it
 }
 /* Takes a list that was made up of hulls in a row, the owner last, to how the order keeps it. */
 void nest_order_settle(const NestOrder *order, NestList *list);
-/* Whether a hull, or an operand, is in a list; and the one of number i < nest_list_count in it, the owner last. */
+/* Whether a hull, or an operand, is in a list, or one that shares its level; and the one of number i < nest_list_count in
+ * it, the owner last. */
 bool nest_has(const NestOrder *order, const NestList *list, uint32_t hull);
 uint32_t nest_item(const NestOrder *order, const NestList *list, uint32_t i);
 /* Whether a hull mixes; false for operands of combinations. */
@@ -104,6 +105,8 @@ static inline bool nest_mixes(const NestOrder *order, uint32_t hull)
 }
 /* Tells the order of combinations; csg->first_operand is the number of hulls. csg is not owned. STATUS_NOMEM. */
 ATTR_NODISCARD Status nest_order_combine(NestOrder *order, const NestCsg *csg, Error *error);
+/* Makes lists keep hulls as bits, by the levels in order->top: NEST_NARROW at most. */
+void nest_order_narrow(NestOrder *order);
 void nest_order_clear(NestOrder *order);
 
 #endif

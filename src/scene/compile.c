@@ -313,7 +313,8 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
     TRY(find_unbounded(compiled, error));
     if (compiled->csg.n_trees) TRY(measure_combinations(compiled, pool, error));
     if (diag) report_empty_combinations(compiled, diag);
-    TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, error));
+    TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, &compiled->meetings, &compiled->n_meetings,
+                       error));
     TRY(build_order(compiled, policy, error));
     if (compiled->csg.n_trees) TRY(nest_order_combine(&compiled->order, &compiled->csg, error));
     if (diag) report_circles(compiled, diag);
@@ -356,6 +357,7 @@ void compiled_scene_free(CompiledScene *compiled)
     free(compiled->unbounded);
     free(compiled->planes);
     free(compiled->pairs);
+    free(compiled->meetings);
     free(compiled->csg.parts);
     free(compiled->csg.trees);
     free(compiled->csg.tree_of_operand);

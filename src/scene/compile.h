@@ -8,6 +8,7 @@
 #include "diag/diag.h"
 #include "geom/rtc.h"
 #include "nest/cross.h"
+#include "nest/share.h"
 #include "scene/scene.h"
 
 /* How two hulls that meet lie to each other, measured along lines through them. */
@@ -46,6 +47,9 @@ typedef struct CompiledScene {
     uint32_t n_planes;
     HullPair *pairs; /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
+    NestMeeting
+        *meetings; /* every pair of hulls that is not known to be apart; for compiled_share_levels, which frees it */
+    size_t n_meetings;
     NestOrder order;
     CompiledPassing *passing; /* by what a ray passes where a hull owns its start, or the world: by level */
     NestCsg csg;              /* the combinations, numbered with hulls and operands */
@@ -70,6 +74,11 @@ ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool 
                                     Error *error);
 void compiled_scene_free(CompiledScene *compiled);
 
+/* Where there are many hulls, lets those that are apart and of one medium share a level of the order, if lists can keep them
+ * as bits then: for renders, which need media, and hulls only where a medium varies or shines. `check` names hulls by
+ * their levels, and does without. To be called once. */
+ATTR_NODISCARD Status compiled_share_levels(CompiledScene *compiled, Error *error);
+
 /* Media have classes, of which a ray can be said to start in one (Ray.stops): rtc_all then ends at objects that stop
  * light from there for certain. Only the first media have one; the world's is the first. */
 enum { COMPILED_STOP_CLASSES = 32 };
@@ -80,7 +89,8 @@ static inline uint32_t compiled_stop_class(uint32_t medium)
 /* Whether the indices of two media differ at every wavelength, so that no straight ray of light goes from one into the
  * other. */
 bool compiled_indices_differ(const Scene *scene, uint32_t medium_a, uint32_t medium_b);
-/* Tells rtc which objects do, and which rays pass by them (compiled_let_pass); part of compile_scene. */
+/* Tells rtc which objects do, and which rays pass by them (compiled_let_pass), by the levels of the order; part of
+ * compile_scene. */
 ATTR_NODISCARD Status compiled_mark_stops(CompiledScene *compiled, Error *error);
 /* Tells a ray that starts where the list holds which surfaces it passes by: those of hulls that rank below the owner there,
  * or are of its medium, as long as it does not leave the owner. To cross them is silent, whatever the list says of them. */

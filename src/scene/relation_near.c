@@ -98,6 +98,31 @@ Candidate relation_candidate(const Finder *f, uint32_t a, uint32_t b)
     return candidate;
 }
 
+static bool moves(const Finder *f, uint32_t hull)
+{
+    return f->compiled->scene->objects[f->compiled->object_of_hull[hull]].motion != SCENE_NONE;
+}
+
+static Status add_meeting(Finder *f, uint32_t a, uint32_t b, Error *error)
+{
+    if (!ARRAY_ROOM(f->meetings, f->meetings_capacity, f->n_meetings))
+        return fail_memory(error, f->n_meetings * sizeof *f->meetings, "pairs of hulls");
+    f->meetings[f->n_meetings++] = (NestMeeting){a, b};
+    return STATUS_OK;
+}
+
+/* Of all but two balls: those that no plane or ball has kept apart. */
+static Status add_meetings(Finder *f, Error *error)
+{
+    for (size_t i = 0; i < f->n_decided; i++) {
+        const HullPair *pair = &f->decided[i];
+        if (!(f->radius[pair->a] > 0 && f->radius[pair->b] > 0)) TRY(add_meeting(f, pair->a, pair->b, error));
+    }
+    for (size_t i = 0; i < f->n_candidates; i++)
+        if (f->candidates[i].meet) TRY(add_meeting(f, f->candidates[i].a, f->candidates[i].b, error));
+    return STATUS_OK;
+}
+
 /* Pairs whose bounds come near enough for a gap; only where the bounds meet can there be more than that. */
 static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
 {
@@ -109,6 +134,9 @@ static Status add_candidate(void *context, uint32_t a, uint32_t b, Error *error)
     if (f->radius[a] > 0 && f->radius[b] > 0) {
         HullPair pair = judge_spheres(f, a, b);
         f->n_small_regions += candidate.region_small;
+        /* where balls that move are at first says nothing of where they come */
+        if (candidate.meet && (pair.overlaps || pair.touches || moves(f, a) || moves(f, b)))
+            TRY(add_meeting(f, a, b, error));
         return pair.overlaps || pair.touches ? relation_add_decided(f, &pair, error) : STATUS_OK;
     }
     if (!ARRAY_ROOM(f->candidates, f->candidates_capacity, f->n_candidates))
@@ -146,6 +174,7 @@ Status relation_find_near(Finder *f, Error *error)
     }
     TRY(box_pairs_visit(f->compiled->n_hulls, relation_neighbourhood, add_candidate, f, error));
     TRY(relation_sift(f, error));
+    TRY(add_meetings(f, error));
     if (f->n_candidates) qsort(f->candidates, f->n_candidates, sizeof *f->candidates, compare_candidates);
     if (f->n_candidates > UINT32_MAX) return fail(error, STATUS_NOMEM, "too many pairs of hulls");
     return STATUS_OK;

@@ -90,6 +90,8 @@ typedef struct Finder {
     size_t n_sifted; /* of these: the others may still be decided without lines */
     AlikePair *alike;
     size_t n_alike;
+    NestMeeting *meetings; /* hulls that are not known to be apart */
+    size_t n_meetings, meetings_capacity;
     HullPair *decided; /* that meet: two balls, and pairs where one is well inside of the other, are judged at once */
     size_t n_decided, decided_capacity;
     size_t n_small_regions; /* of all two balls whose bounds come near each other */

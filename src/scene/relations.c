@@ -411,6 +411,7 @@ static void finder_clear(Finder *f)
     free(f->candidates);
     free(f->alike);
     free(f->decided);
+    free(f->meetings);
 }
 
 /* All stages, for the candidates that there are. */
@@ -457,7 +458,8 @@ static Status judge_alike(Finder *f, Error *error)
     }
 }
 
-Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs, Error *error)
+Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs,
+                      NestMeeting **meetings, size_t *n_meetings, Error *error)
 {
     Finder f = {.compiled = compiled, .pool = pool};
     Status status = prepare(&f, error);
@@ -469,7 +471,10 @@ Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pair
         if (f.n_decided) qsort(f.decided, f.n_decided, sizeof *f.decided, relation_compare_pairs);
         *pairs = f.decided;
         *n_pairs = f.n_decided;
+        *meetings = f.meetings;
+        *n_meetings = f.n_meetings;
         f.decided = NULL;
+        f.meetings = NULL;
     }
     finder_clear(&f);
     return status;

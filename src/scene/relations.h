@@ -6,9 +6,9 @@
 #include "scene/compile.h"
 
 /* Every pair of hulls that overlaps, touches or leaves a thin gap of world between them, in order of (a, b); a and b
- * are hulls here. compiled needs its rtc, hulls and hull_bounds. *pairs is malloc'd. The same for any number of
+ * are hulls here. *meetings: every pair that is not known for certain to be apart, at all times of the shutter. compiled needs its rtc, hulls and hull_bounds. *pairs and *meetings are malloc'd. The same for any number of
  * threads. */
 ATTR_NODISCARD Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs,
-                                     Error *error);
+                                     NestMeeting **meetings, size_t *n_meetings, Error *error);
 
 #endif

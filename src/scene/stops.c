@@ -73,7 +73,7 @@ static void mark_passing(CompiledScene *compiled)
         if (nest_mixes(order, h) || scene->objects[object].shape == SCENE_NONE) continue;
         /* the volumes of a medium that varies are each hull's own */
         bool own = scene->media[medium].density || scene->media[medium].emits;
-        rtc_set_passing(compiled->rtc, object, order->rank[h] + 1, own ? RTC_NO_PASS : medium);
+        rtc_set_passing(compiled->rtc, object, order->top[h].level, own ? RTC_NO_PASS : medium);
         if (!own && medium == NEST_WORLD_MEDIUM) compiled->passing[0].alike = medium;
     }
     for (size_t i = 0; i < compiled->n_pairs; i++) {
@@ -91,6 +91,7 @@ Status compiled_mark_stops(CompiledScene *compiled, Error *error)
     const Scene *scene = compiled->scene;
     NestPolicy policy = compiled->order.policy;
     size_t n_levels = compiled->n_hulls + (size_t)1;
+    free(compiled->passing);
     compiled->passing = malloc(n_levels * sizeof *compiled->passing);
     if (!compiled->passing) return fail_memory(error, n_levels * sizeof *compiled->passing, "the hulls");
     for (size_t i = 0; i < n_levels; i++) compiled->passing[i] = (CompiledPassing){0, RTC_NO_PASS};

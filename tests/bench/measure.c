@@ -87,6 +87,7 @@ void made_compile(Made *made, const char *path, Pool *pool)
     Error error = {0};
     double start = clock_cpu_s();
     Status status = compile_scene(made->scene, made->scene->render.nesting, pool, NULL, &made->compiled, &error);
+    if (status == STATUS_OK) status = compiled_share_levels(made->compiled, &error);
     made->compile_s = clock_cpu_s() - start;
     check_made(made, path, status, &error);
 }

@@ -98,6 +98,7 @@ void truth_open(Fixture *scene, TruthInput input)
     scene->status = compile_scene(scene->scene, input.policy, NULL, &scene->diag, &scene->compiled, &scene->error);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
     scene->status = compile_check_camera(scene->compiled, 0, &scene->diag, &scene->error);
+    if (scene->status == STATUS_OK) scene->status = compiled_share_levels(scene->compiled, &scene->error);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
 }
 
