@@ -56,7 +56,8 @@ static float grid_says(const void *grid, Vec3f w)
 static void find_reflected(const BsdfFacets *facets, float eta, BsdfKnown *known)
 {
     const DirectionEdge edges[DIRECTION_EDGES] = {edge_of(facets, eta), no_edge};
-    BsdfLayer layer = layer_make(lanes_all(eta), facets->alpha_x, facets->alpha_y, lanes_all(1), NULL);
+    BsdfLayer layer;
+    layer_make(lanes_all(eta), facets->alpha_x, facets->alpha_y, lanes_all(1), NULL, &layer);
     known->critical = edges[0].critical;
     direction_grid_init(&known->grid, edges, stretch_of(facets), DIRECTION_AZIMUTHS, DIRECTION_COSINES);
     for (int i = 0; i < direction_grid_knots(&known->grid); i++) {

@@ -112,8 +112,8 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float a
     lobe->as.plastic.base = diffuse_make(albedo, roughness);
     const Balance *balance = bsdf->balance;
     if (balance && balance->plastic_base) lobe->balance = &balance->to_plastic_base;
-    lobe->as.plastic.layer =
-        layer_make(eta, alpha_x, alpha_y, tint, balance && balance->skin ? &balance->skin_reflects : NULL);
+    layer_make(eta, alpha_x, alpha_y, tint, balance && balance->skin ? &balance->skin_reflects : NULL,
+               &lobe->as.plastic.layer);
     if (lobe->as.plastic.base.roughness > 0) layer_find_among(&lobe->as.plastic.layer);
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
@@ -166,7 +166,7 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     bsdf->specular_only = false;
     Lanes eta = lanes_div(boundary->eta_t, eta_i);
     const BsdfFacets *facets = &boundary->facets;
-    boundary->index = facets_index(facets, eta);
+    facets_index(facets, eta, &boundary->index);
     MicrofacetIndex round = *facets_round_index(facets, &boundary->index);
     bool dense = lanes_mean(eta) < 1;
     for (int through = 0; through <= 1; through++) {
@@ -204,7 +204,7 @@ void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes 
 {
     bsdf->coating = true;
     const Balance *balance = bsdf->balance;
-    bsdf->coat = layer_make(eta, alpha_x, alpha_y, tint, balance && balance->coat ? &balance->coat_reflects : NULL);
+    layer_make(eta, alpha_x, alpha_y, tint, balance && balance->coat ? &balance->coat_reflects : NULL, &bsdf->coat);
     layer_find_among(&bsdf->coat);
 }
 

@@ -32,14 +32,12 @@ bool facets_sample_reflection(const BsdfFacets *facets, Vec3f view, const float 
     return light->z > 0;
 }
 
-BsdfIndex facets_index(const BsdfFacets *facets, Lanes eta)
+void facets_index(const BsdfFacets *facets, Lanes eta, BsdfIndex *index)
 {
-    BsdfIndex index;
     if (facets->stretched)
-        index.stretched = stretched_index(facets->alpha_x, facets->alpha_y, eta);
+        index->stretched = stretched_index(facets->alpha_x, facets->alpha_y, eta);
     else
-        index.round = microfacet_index(facets->alpha_x, facets->alpha_x, eta); /* smooth: 0 */
-    return index;
+        index->round = microfacet_index(facets->alpha_x, facets->alpha_x, eta); /* smooth: 0 */
 }
 
 static Lanes lookup(const MicrofacetTable round, const StretchedTable rest, const BsdfFacets *facets,

@@ -13,22 +13,24 @@ Lanes layer_depth(Lanes transmittance)
     return depth;
 }
 
-BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known)
+/* Written where it is wanted: its index is large, and each copy is waited for. */
+void layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known, BsdfLayer *layer)
 {
-    BsdfLayer layer = {.facets = facets_make(alpha_x, alpha_y), .eta = eta, .known = known};
-    layer.index = facets_index(&layer.facets, eta);
-    layer.depth = lanes_scale(layer_depth(tint), 0.5f);
-    layer.tinted = !lanes_zero(layer.depth);
-    Lanes passed = lanes_rest(facets_reflected_mean(&layer.facets, &layer.index));
+    layer->facets = facets_make(alpha_x, alpha_y);
+    layer->eta = eta;
+    layer->known = known;
+    facets_index(&layer->facets, eta, &layer->index);
+    layer->depth = lanes_scale(layer_depth(tint), 0.5f);
+    layer->tinted = !lanes_zero(layer->depth);
+    Lanes passed = lanes_rest(facets_reflected_mean(&layer->facets, &layer->index));
     if (known) passed = lanes_all(1 - known->mean);
-    layer.mean_passed = passed;
+    layer->mean_passed = passed;
     /* Reciprocity. Under a layer of the smaller index it can say more than all, as what one facet misses counts as
      * passed. */
     Lanes passed_back = lanes_clamp(lanes_div(passed, lanes_mul(eta, eta)), 0, 1);
-    layer.norm = lanes_div(passed_back, lanes_add(passed, lanes_all(1e-12f)));
-    layer.returned = lanes_rest(passed_back);
-    if (layer.tinted) layer.returned = lanes_mul(layer.returned, lanes_exp(lanes_scale(layer.depth, -2)));
-    return layer;
+    layer->norm = lanes_div(passed_back, lanes_add(passed, lanes_all(1e-12f)));
+    layer->returned = lanes_rest(passed_back);
+    if (layer->tinted) layer->returned = lanes_mul(layer->returned, lanes_exp(lanes_scale(layer->depth, -2)));
 }
 
 void layer_find_among(BsdfLayer *layer)

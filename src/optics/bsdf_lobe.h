@@ -156,7 +156,7 @@ typedef struct FacetReflection {
 } FacetReflection;
 FacetReflection facets_reflect(const BsdfFacets *facets, Vec3f view, Vec3f light);
 /* eta: of the boundary that they are of */
-BsdfIndex facets_index(const BsdfFacets *facets, Lanes eta);
+void facets_index(const BsdfFacets *facets, Lanes eta, BsdfIndex *index);
 static inline const MicrofacetIndex *facets_round_index(const BsdfFacets *facets, const BsdfIndex *index)
 {
     return facets->stretched ? &index->stretched.index : &index->round;
@@ -227,7 +227,7 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v,
 /* -ln, held finite */
 Lanes layer_depth(Lanes transmittance);
 /* known: of what it reflects, or NULL; not owned */
-BsdfLayer layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known);
+void layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known, BsdfLayer *layer);
 /* What it would reflect if it were about smooth: past the critical angle softly. */
 Lanes layer_smooth_reflectance(const BsdfLayer *layer, Vec3f w);
 /* Fills in `among`, for all that is under the layer but Lambert's law. */

@@ -161,7 +161,8 @@ static void solve_layer(LayeredTable table, int side, int index, float blur, int
     float eta = side ? 1 / index_of(index) : index_of(index);
     for (int rough = 0; rough < LAYERED_ROUGHNESSES; rough++) {
         float r = (float)rough / (LAYERED_ROUGHNESSES - 1);
-        BsdfLayer layer = layer_make(lanes_all(eta), r * r, r * r, lanes_all(1), NULL);
+        BsdfLayer layer;
+        layer_make(lanes_all(eta), r * r, r * r, lanes_all(1), NULL, &layer);
         solve(&(Cover){.layer = &layer, .blur = blur}, quarters, table[rough][side][index]);
     }
 }
