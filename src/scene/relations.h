@@ -6,7 +6,8 @@
 #include "scene/compile.h"
 
 /* Every pair of hulls that overlaps, touches or leaves a thin gap of world between them, in order of (a, b); a and b
- * are hulls here. *meetings: every pair that is not known for certain to be apart, at all times of the shutter. compiled needs its rtc, hulls and hull_bounds. *pairs and *meetings are malloc'd. The same for any number of
+ * are hulls here. *meetings: every pair that is not known for certain to be apart, at all times of the shutter. compiled
+ * needs its rtc, hulls and hull_bounds. *pairs and *meetings are malloc'd. The same for any number of
  * threads. */
 ATTR_NODISCARD Status relations_find(const CompiledScene *compiled, Pool *pool, HullPair **pairs, size_t *n_pairs,
                                      NestMeeting **meetings, size_t *n_meetings, Error *error);
