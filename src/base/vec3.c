@@ -56,6 +56,16 @@ bool affine_is_identity(const Affine *a)
     return a->t.x == 0 && a->t.y == 0 && a->t.z == 0;
 }
 
+double affine_even_scale(const Affine *a, double slack)
+{
+    Vec3 x = vec3(a->m[0][0], a->m[1][0], a->m[2][0]), y = vec3(a->m[0][1], a->m[1][1], a->m[2][1]),
+         z = vec3(a->m[0][2], a->m[1][2], a->m[2][2]);
+    double s = vec3_length(x), most = slack * s;
+    bool even = fabs(vec3_length(y) - s) <= most && fabs(vec3_length(z) - s) <= most &&
+                fabs(vec3_dot(x, y)) <= most * s && fabs(vec3_dot(y, z)) <= most * s && fabs(vec3_dot(z, x)) <= most * s;
+    return even ? s : 0;
+}
+
 Box3 affine_box(const Affine *a, Box3 b)
 {
     Box3 image = box3_empty();

@@ -100,6 +100,8 @@ double affine_max_stretch(const Affine *a);
 /* false when the map is singular or not finite. */
 bool affine_invert(const Affine *a, Affine *inverse);
 bool affine_is_identity(const Affine *a);
+/* By how much a map scales that turns, moves, mirrors and scales evenly, to within slack; 0 of others. */
+double affine_even_scale(const Affine *a, double slack);
 
 /* An axis-aligned box; empty when min > max. */
 typedef struct Box3 {

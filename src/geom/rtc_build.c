@@ -59,20 +59,6 @@ static bool is_even(const Affine *map)
     return s > 0;
 }
 
-/* The scale of a map that moves, turns and makes larger evenly; 0 of others. Rounding leaves some 1e-16 of difference. */
-static double similar_scale(const Affine *map)
-{
-    double squared = 0;
-    for (int row = 0; row < 3; row++) squared += map->m[row][0] * map->m[row][0];
-    for (int a = 0; a < 3; a++)
-        for (int b = a; b < 3; b++) {
-            double product = 0;
-            for (int row = 0; row < 3; row++) product += map->m[row][a] * map->m[row][b];
-            if (!(fabs(product - (a == b ? squared : 0)) <= 1e-14 * squared)) return 0;
-        }
-    return sqrt(squared);
-}
-
 /* Whether an object is a ball wherever it moves; sets its scale where it is turned. */
 static bool is_ball(RtcPlaced *placed, uint32_t n_keys)
 {
@@ -80,7 +66,7 @@ static bool is_ball(RtcPlaced *placed, uint32_t n_keys)
     for (uint32_t k = 0; placed->keys && k < n_keys; k++) /* between keys that are turned it is none */
         if (!is_even(&placed->keys[k])) return false;
     if (placed->keys || !placed->maps) return true;
-    double scale = similar_scale(&placed->maps->to_world);
+    double scale = affine_even_scale(&placed->maps->to_world, 5e-15); /* rounding leaves some 1e-16 */
     if (scale > 0) placed->scale = scale;
     return scale > 0;
 }

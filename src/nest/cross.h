@@ -35,8 +35,8 @@ typedef struct NestCrossing {
 /* Crosses all n surfaces that stand at one distance, together, and leaves the list as it is behind them.
  * The passes of one hull are in the order in which they are met: where the last goes another way than the first (a ray
  * through an edge) they cancel, else they count once (an edge reported by both its triangles, a ripple that is left, entered
- * and left). Apart from that their order does not matter, except that under NEST_ENTERED hulls are entered in the order given, and
- * that hulls which share a level (share.h) come in the order in which they are met.
+ * and left). Apart from that their order does not matter, except that under NEST_ENTERED hulls are entered in the order
+ * given, and that hulls which share a level (share.h) come in the order in which they are met.
  * O(n * depth); no locks. On STATUS_NOMEM the list is as it was. */
 ATTR_NODISCARD Status nest_cross(NestList *list, const NestOrder *order, const NestPass *passes, uint32_t n,
                                  NestCrossing *crossing);

@@ -19,18 +19,6 @@ static Vec3 column(const Affine *map, int i)
     return vec3(map->m[0][i], map->m[1][i], map->m[2][i]);
 }
 
-/* Whether the map turns, moves, mirrors and scales evenly, and by how much it scales. */
-static bool is_similar(const Affine *map, double *scale)
-{
-    const double slack = 1e-6;
-    Vec3 x = column(map, 0), y = column(map, 1), z = column(map, 2);
-    double s = vec3_length(x);
-    *scale = s;
-    return fabs(vec3_length(y) - s) <= slack * s && fabs(vec3_length(z) - s) <= slack * s &&
-           fabs(vec3_dot(x, y)) <= slack * s * s && fabs(vec3_dot(y, z)) <= slack * s * s &&
-           fabs(vec3_dot(z, x)) <= slack * s * s;
-}
-
 /* The shapes of the language, which are more than kinds. */
 typedef struct LightShape {
     const char *word;
@@ -210,10 +198,10 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
     const LightShape *shape = shape_of(node);
     SceneLight light = {
         .kind = shape->kind, .span = node->span, .object = SCENE_NONE, .motion = SCENE_NONE, .identity = b->where};
-    double scale = 1;
+    double scale = light.kind == LIGHT_DISTANT ? 1 : affine_even_scale(to_world, 1e-6);
     Affine frame;
     if (!check_properties(b, node, shape) || !local_frame(b, node, &frame)) return;
-    if (light.kind != LIGHT_DISTANT && !is_similar(to_world, &scale)) {
+    if (!(scale > 0)) {
         diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span,
                     "a light can be turned, moved and scaled evenly, but not stretched or sheared");
         return;
@@ -369,12 +357,11 @@ void build_environment(Builder *b, const EvalNode *node)
 {
     static const char *const of_sky[] = {"elevation", "ground"}, *const of_clear[] = {"azimuth", "turbidity", "disc"};
     const EvalProp *image = eval_prop(node, "image");
-    double scale;
-    bool similar = is_similar(&node->transform, &scale);
+    double scale = affine_even_scale(&node->transform, 1e-6);
     bool one = build_exclude(b, node, "color", "image");
     one = build_exclude(b, node, "color", "sky") && one;
     if (!build_exclude(b, node, "image", "sky") || !one) return;
-    if (!similar || fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 ||
+    if (fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 ||
         !affine_invert(&node->transform, &b->scene->world_to_environment)) {
         diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "an environment can only be rotated");
         return;

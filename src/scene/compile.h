@@ -47,8 +47,7 @@ typedef struct CompiledScene {
     uint32_t n_planes;
     HullPair *pairs; /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
-    NestMeeting
-        *meetings; /* every pair of hulls that is not known to be apart; for compiled_share_levels, which frees it */
+    NestMeeting *meetings; /* hulls that are not known to be apart; for compiled_share_levels, which frees them */
     size_t n_meetings;
     NestOrder order;
     CompiledPassing *passing; /* by what a ray passes where a hull owns its start, or the world: by level */

@@ -16,7 +16,7 @@ static uint32_t kind_of(const CompiledScene *compiled, uint32_t hull)
     return 2 * number + passes;
 }
 
-Status compiled_share_levels(CompiledScene *compiled, Error *error)
+static Status share(CompiledScene *compiled, Error *error)
 {
     if (compiled->order.narrow || !compiled->order.sorted) return STATUS_OK;
     size_t n = compiled->n_hulls;
@@ -25,9 +25,14 @@ Status compiled_share_levels(CompiledScene *compiled, Error *error)
     for (uint32_t h = 0; h < n; h++) kinds[h] = kind_of(compiled, h);
     Status status = nest_order_share(&compiled->order, kinds, compiled->meetings, compiled->n_meetings, error);
     free(kinds);
+    return status == STATUS_OK && compiled->order.narrow ? compiled_mark_stops(compiled, error) : status;
+}
+
+Status compiled_share_levels(CompiledScene *compiled, Error *error)
+{
+    Status status = share(compiled, error);
     free(compiled->meetings);
     compiled->meetings = NULL;
     compiled->n_meetings = 0;
-    if (status != STATUS_OK || !compiled->order.narrow) return status;
-    return compiled_mark_stops(compiled, error);
+    return status;
 }

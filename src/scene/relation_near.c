@@ -13,13 +13,7 @@ static const double pi = 3.14159265358979323846;
 static double sphere_radius(const SceneShape *shape, const Affine *map)
 {
     if (!shape->solid || shape->solid->n_pieces != 1 || shape->solid->pieces[0].kind != PIECE_SPHERE) return 0;
-    Vec3 x = vec3(map->m[0][0], map->m[1][0], map->m[2][0]), y = vec3(map->m[0][1], map->m[1][1], map->m[2][1]),
-         z = vec3(map->m[0][2], map->m[1][2], map->m[2][2]);
-    double s = vec3_length(x), slack = 1e-9 * s;
-    bool even = fabs(vec3_length(y) - s) <= slack && fabs(vec3_length(z) - s) <= slack &&
-                fabs(vec3_dot(x, y)) <= slack * s && fabs(vec3_dot(y, z)) <= slack * s &&
-                fabs(vec3_dot(z, x)) <= slack * s;
-    return even ? shape->solid->pieces[0].r0 * s : 0;
+    return shape->solid->pieces[0].r0 * affine_even_scale(map, 1e-9);
 }
 
 static bool has_room(Box3 box)

@@ -75,17 +75,6 @@ static LightBounds bounds_of_light(const Scene *scene, const SceneLight *light)
 
 /* ---- objects ---- */
 
-/* Whether the map turns, mirrors and scales evenly: a sphere stays one. */
-static bool keeps_round(const Affine *map)
-{
-    Vec3 column[3];
-    for (int i = 0; i < 3; i++) column[i] = vec3(map->m[0][i], map->m[1][i], map->m[2][i]);
-    double square = vec3_dot(column[0], column[0]), slack = 1e-9 * square;
-    return fabs(vec3_dot(column[1], column[1]) - square) <= slack &&
-           fabs(vec3_dot(column[2], column[2]) - square) <= slack && fabs(vec3_dot(column[0], column[1])) <= slack &&
-           fabs(vec3_dot(column[1], column[2])) <= slack && fabs(vec3_dot(column[2], column[0])) <= slack;
-}
-
 typedef struct Finder {
     const CompiledScene *compiled;
     const WorldMedia *media;
@@ -133,7 +122,7 @@ static void add_pieces(Finder *f, uint32_t number, double luminance)
     const Affine *keys = scene_keys(scene, object);
     for (uint32_t i = 0; i < solid->n_pieces; i++) {
         const Piece *piece = &solid->pieces[i];
-        bool ball = piece->kind == PIECE_SPHERE && !keys && keeps_round(&object->to_world);
+        bool ball = piece->kind == PIECE_SPHERE && !keys && affine_even_scale(&object->to_world, 5e-10) > 0;
         LightBounds bounds = {.axis = {0, 1, 0}, .cos_o = -1};
         Box3 box = box3_empty(), local = piece_bounds(piece);
         for (uint32_t k = 0; k < (keys ? scene->n_keys : 1) && piece->kind != PIECE_PLANE; k++) {

@@ -141,6 +141,13 @@ static Vec3 random_direction(uint64_t *random)
     }
 }
 
+static Ray ray_through(Vec3 from, Vec3 aim, double time)
+{
+    Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
+    ray.time = time;
+    return ray;
+}
+
 /* A place beside an edge of one of the scene's triangles, nearer than float can tell. */
 static Vec3 place_at_edge(const TestScene *s, uint64_t *random)
 {
@@ -174,8 +181,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         Vec3 aim = vec3_scale(vec3(unit(&random) - 0.5, unit(&random) - 0.5, unit(&random) - 0.5), size);
         Vec3 from = vec3_scale(random_direction(&random), 4 * size);
         if (s->at_edges) aim = place_at_edge(s, &random);
-        Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
-        ray.time = s->time;
+        Ray ray = ray_through(from, aim, s->time);
         for (int bounce = 0; bounce < 40; bounce++) {
             size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
             if (!n) {
@@ -331,8 +337,7 @@ static void test_turned_and_moving_balls(void **state)
     int n_hits = 0;
     for (int i = 0; i < 2000; i++) {
         Vec3 from = vec3_scale(random_direction(&random), 60), aim = vec3_scale(random_direction(&random), 8);
-        Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
-        ray.time = s.time;
+        Ray ray = ray_through(from, aim, s.time);
         assert_true(rtc_all(s.rtc, &ray, false, &hits));
         for (size_t k = 0; k < hits.n; k++, n_hits++) {
             const Hit *hit = &hits.items[k];
@@ -374,7 +379,7 @@ static void test_many_hollow_pieces(void **state)
     for (int i = 0; i < 3000; i++) {
         Vec3 from = vec3_scale(random_direction(&random), 90), aim = vec3(0, RINGS * unit(&random), 0);
         aim = vec3_along(aim, 10 * unit(&random), random_direction(&random));
-        Ray ray = ray_make(from, vec3f_from(vec3_normalize(vec3_sub(aim, from))));
+        Ray ray = ray_through(from, aim, s.time);
         assert_true(rtc_all(s.rtc, &ray, false, &hits));
         size_t n = 0;
         for (uint32_t k = 0; k < ringed->n_pieces; k++) {
