@@ -7,11 +7,18 @@
 /* "noise" in ASCII */
 static const uint64_t value_start = 0x6e6f697365U;
 
-static double lattice(const double *cell, unsigned corner, unsigned n)
+/* The values at the corners of a cell: corner k is at cell + its bits. The hash of a corner is made of its coordinates
+ * one after the other, so that corners that agree in the first ones share their part of it. */
+static void corner_values(const double *cell, unsigned n, double *values)
 {
-    uint64_t h = value_start;
-    for (unsigned i = 0; i < n; i++) h = hash_u64(h ^ (uint64_t)((int64_t)cell[i] + (int64_t)(corner >> i & 1)));
-    return 2 * hash_to_unit(h) - 1;
+    uint64_t hashes[8] = {value_start};
+    for (unsigned i = 0; i < n; i++)
+        for (unsigned k = 1U << i; k-- > 0;) {
+            uint64_t at = (uint64_t)(int64_t)cell[i], before = hashes[k];
+            hashes[k] = hash_u64(before ^ at);
+            hashes[k + (1U << i)] = hash_u64(before ^ (at + 1));
+        }
+    for (unsigned k = 0; k < 1U << n; k++) values[k] = 2 * hash_to_unit(hashes[k]) - 1;
 }
 
 static double fade(double t)
@@ -26,7 +33,7 @@ double noise_value(const double *point, unsigned n)
         cell[i] = floor(point[i]);
         weight[i] = fade(point[i] - cell[i]);
     }
-    for (unsigned corner = 0; corner < 1U << n; corner++) values[corner] = lattice(cell, corner, n);
+    corner_values(cell, n, values);
     for (unsigned i = 0, left = 1U << n; i < n; i++) {
         left /= 2;
         for (unsigned k = 0; k < left; k++) values[k] = values[2 * k] + (values[2 * k + 1] - values[2 * k]) * weight[i];
