@@ -45,6 +45,7 @@ typedef struct Looks {
 typedef struct Way {
     uint32_t x;
     uint8_t kept, radius;   /* which of its pixel's it is */
+    double part;            /* of the sample, what goes */
     double crowding, usual; /* see find_crowding */
     double weights;         /* of all pixels together */
 } Way;
@@ -327,15 +328,19 @@ static int find_radius(const Maps *maps, const Lone *lone, double *weights)
 /* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
  * their squared mean, which is the usual rate. Each pixel's rate is then to be taken for the mean of a gamma distribution given
  * its count, see crowd: a thin line or a point stays as sharp as it was found, and what is scattered evenly becomes even.
- * Farther away other things than chance make counts differ. */
+ * Farther away other things than chance make counts differ.
+ * Samples that nearly are enough, and differ in number so little that it is not seen, as where strata find a reflection equally
+ * often, stay: from half to three quarters of enough, and from twice to once what is not seen, less and less of them goes. Else
+ * pixels beside one that has enough would keep theirs and get those of others: what is even would get uneven. */
 static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
 {
-    double n = 0, n_squared = 0, found = 0, products = 0, squares = 0;
+    double n = 0, n_squared = 0, found = 0, products = 0, squares = 0, pixels = 0;
     Square square = square_around(maps->area, lone, way->radius);
     for (uint32_t y = square.y0; y < square.y1; y++)
         for (uint32_t x = square.x0; x < square.x1; x++) {
             if (!(weight_of(&maps->looks, lone, place_in(maps->area, x, y)) > 0)) continue;
             double samples = film_pixel(maps->film, x, y)->n, alike = count_alike(maps, lone, x, y);
+            pixels++;
             n += samples;
             n_squared += samples * samples;
             found += alike;
@@ -344,8 +349,11 @@ static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
         }
     /* of (alike - usual * samples)^2 over pixels, what is beyond the variance of chance, usual * samples */
     way->usual = found / n;
-    double beyond = squares - 2 * way->usual * products + way->usual * way->usual * n_squared - found;
-    way->crowding = fmax(beyond, 0) / (way->usual * way->usual * n_squared);
+    double apart = squares - 2 * way->usual * products + way->usual * way->usual * n_squared;
+    way->crowding = fmax(apart - found, 0) / (way->usual * way->usual * n_squared);
+    double enough = found / pixels / few_of((uint32_t)(n / pixels));
+    double seen = sqrt(fmax(apart, 0) / pixels) * lone->light / (lone->reference + found / pixels * lone->light);
+    way->part = 1 - fmin(fmax(4 * enough - 2, 0), 1) * fmin(fmax(2 - seen / UNSEEN, 0), 1);
 }
 
 /* The rate of a pixel in relation to the usual one. */
@@ -414,14 +422,14 @@ static void find_ways_of_pixel(const Maps *maps, uint32_t x, uint32_t y, Row *ro
     for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
         Lone lone = lone_at(maps, x, y, i);
-        Way way = {.x = x, .kept = (uint8_t)i};
-        if (!find_way(maps, &lone, &way)) continue;
+        Way way = {.x = x, .kept = (uint8_t)i, .part = 1};
+        if (!find_way(maps, &lone, &way) || way.part == 0) continue;
         if (!ARRAY_ROOM(row->ways, row->capacity, row->n)) {
             row->out_of_memory = true;
             return;
         }
         row->ways[row->n++] = way;
-        row->moved += lone.light;
+        row->moved += way.part * lone.light;
         if (way.radius > row->farthest) row->farthest = way.radius;
     }
 }
@@ -453,6 +461,7 @@ static void take_from(const Maps *maps, const Lone *lone, double squared)
 static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, uint32_t y1)
 {
     Lone lone = lone_at(maps, way->x, y, way->kept);
+    for (int c = 0; c < 3; c++) lone.rgb[c] *= way->part;
     double squared = square_of_luminance(lone.rgb);
     Square square = square_around(maps->area, &lone, way->radius);
     for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++) {
