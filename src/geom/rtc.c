@@ -670,26 +670,35 @@ static bool search_nearest(Query *query)
     return true;
 }
 
-/* Completes the hits that were put off, as far as the search went on, and sorts them all. False when that shows that it
+bool rtc_complete_hits(Query *query, HitList *hits, double end)
+{
+    size_t n = 0, n_elsewhere = 0;
+    for (size_t i = 0; i < hits->n; i++) {
+        Hit *hit = &hits->items[i];
+        if (hit->t > end) continue;
+        bool complete = hit->cos_normal != 0; /* at once, near the start */
+        if (!complete && !rtc_complete_hit(query, hit)) {
+            n_elsewhere++;
+            continue;
+        }
+        if (n != i) hits->items[n] = *hit;
+        n++;
+    }
+    hits->n = n;
+    if (n > 1) rtc_sort_hits(hits);
+    return n_elsewhere == 0;
+}
+
+/* Completes the hits that were put off, as far as the search went on. False when that shows that it
  * may have ended too early: it went by what Embree said of a triangle that is elsewhere or nowhere, or past one that
  * the ray grazes. */
 static bool complete_nearest(Query *query)
 {
     HitList *hits = query->hits;
     double end = query->reach + doubt_at(query, query->reach);
-    size_t n = 0;
-    for (size_t i = 0; i < hits->n; i++) {
-        Hit *hit = &hits->items[i];
-        if (hit->t > end) continue;
-        bool complete = hit->cos_normal != 0; /* at once, near the start */
-        if (!complete && !rtc_complete_hit(query, hit)) return false;
-        if (n != i) hits->items[n] = *hit;
-        n++;
-    }
-    hits->n = n;
-    if (n > 1) rtc_sort_hits(hits);
+    if (!rtc_complete_hits(query, hits, end)) return false;
     if (query->passes && query->passed->n) rtc_complete_hits(query, query->passed, end);
-    return n == 0 || reaches_behind(query, &hits->items[0]);
+    return hits->n == 0 || reaches_behind(query, &hits->items[0]);
 }
 
 /* How many hits stand at the nearest place; what is passed by there is among them. */
@@ -745,21 +754,6 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
             query.t_min = behind;
         }
     }
-}
-
-void rtc_complete_hits(Query *query, HitList *hits, double end)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < hits->n; i++) {
-        Hit *hit = &hits->items[i];
-        if (hit->t > end) continue;
-        bool complete = hit->cos_normal != 0;
-        if (!complete && !rtc_complete_hit(query, hit)) continue;
-        if (n != i) hits->items[n] = *hit;
-        n++;
-    }
-    hits->n = n;
-    if (n > 1) rtc_sort_hits(hits);
 }
 
 /* Whether one of the hits stops the ray. */

@@ -70,8 +70,9 @@ static inline bool rtc_together(const Hit *a, const Hit *b)
 void rtc_sort_hits(HitList *hits);
 /* A place behind the last hit of a list; NULL when memory ends. The caller counts it. */
 Hit *rtc_hit_place(HitList *list);
-/* Completes the hits of a list up to there that were put off, leaves out those that are none, and sorts the rest. */
-void rtc_complete_hits(Query *query, HitList *hits, double end);
+/* Completes the hits of a list up to there that were put off, leaves out those that are none, and sorts the rest.
+ * False when there was one that is none. */
+bool rtc_complete_hits(Query *query, HitList *hits, double end);
 /* Parts the n hits at the nearest place from what was passed by before it, when those may stand at that place, too; returns
  * how many hits are there then. */
 size_t rtc_part_passed(Query *query, size_t n);
