@@ -19,6 +19,7 @@
 #include <string.h>
 
 #include "base/attr.h"
+#include "optics/components.h"
 #include "optics/observer.h"
 #include "optics/sampling.h"
 
@@ -34,9 +35,10 @@ typedef struct Texel {
     float scale;
 } Texel;
 
-/* All bands of a texel are in half a line of memory: parts of its luminance, in equal steps. A sky so fits into the caches
- * that are near to a processor; as floats they were waited for, a tenth of the time of examples/light-bulb.mns. */
-enum { BANDS_SIZE = ENVIRONMENT_BANDS * sizeof(uint16_t), BAND_STEPS = UINT16_MAX };
+/* A texel of an image in bands is its luminance times a mixture of so many spectra, those that are best for the image, see
+ * components.h. In 16 bits each they are a quarter of a line of memory, so that a sky fits into the caches that are near to a
+ * processor: all bands as floats were waited for, a tenth of the time of examples/light-bulb.mns. */
+enum { PARTS = COMPONENTS, PARTS_SIZE = PARTS * sizeof(int16_t), PART_STEPS = INT16_MAX };
 
 /* Where in tables to look: of each table, for k = 0 .. n, the last entry that is not above k / n. */
 typedef struct Hints {
@@ -50,14 +52,15 @@ struct Environment {
     float power;
 
     unsigned width, height;
-    Texel *texels;                 /* of an image in three colours, or: */
-    uint16_t *bands;               /* ENVIRONMENT_BANDS for each texel */
-    float light[SPECTRUM_SAMPLES]; /* what a band's steps times the luminance are multiplied with */
-    float *luminance;              /* of the texels */
-    float *row_cdf;                /* height + 2: of the height + 1 rows of cells */
-    float *cell_cdf;               /* (height + 1) * (width + 1): within each row */
-    Hints row_hints, cell_hints;   /* of those; of cell_cdf for one row after another */
-    double *edge;                  /* height + 2: sin^2 of half the polar angle at the rows' edges */
+    Texel *texels;               /* of an image in three colours, or: */
+    int16_t *parts;              /* PARTS for each texel */
+    float (*spectra)[PARTS];     /* what these are parts of, at each of SPECTRUM_SAMPLES wavelengths, and one more */
+    float *luminance;            /* of the texels */
+    unsigned last;               /* all rows from this one on are alike, as the ground below a sky is */
+    float *row_cdf;              /* height + 2: of the height + 1 rows of cells */
+    float *cell_cdf;             /* (height + 1) * (width + 1): within each row */
+    Hints row_hints, cell_hints; /* of those; of cell_cdf for one row after another */
+    double *edge;                /* height + 2: sin^2 of half the polar angle at the rows' edges */
 };
 
 /* The texels at the corners of a cell, in all of them: left and right above, left and right below. */
@@ -67,8 +70,11 @@ typedef struct Corners {
 
 static inline Corners corners_of(const Environment *environment, unsigned row, unsigned column)
 {
-    unsigned last = environment->height - 1, right = column + 1 < environment->width ? column + 1 : 0;
-    size_t above = (size_t)(row > 0 ? row - 1 : 0) * environment->width,
+    unsigned last = environment->last, right = column + 1 < environment->width ? column + 1 : 0;
+    size_t above = (size_t)(row > last ? last
+                            : row > 0  ? row - 1
+                                       : 0) *
+                   environment->width,
            below = (size_t)(row < last ? row : last) * environment->width;
     return (Corners){{above + column, above + right, below + column, below + right}};
 }
@@ -77,10 +83,9 @@ static inline Corners corners_of(const Environment *environment, unsigned row, u
 static inline void fetch_corners(const Environment *environment, const Corners *corners)
 {
     for (int i = 0; i < 4; i++)
-        if (environment->bands)
-            PREFETCH(environment->bands + corners->at[i] * ENVIRONMENT_BANDS);
-        else if (i % 2 == 0) /* of two neighbours, mostly in one line */
-            PREFETCH(environment->texels + corners->at[i]);
+        if (i % 2 == 0) /* of two neighbours, mostly in one line */
+            PREFETCH(environment->parts ? (const void *)(environment->parts + corners->at[i] * PARTS)
+                                        : (const void *)(environment->texels + corners->at[i]));
 }
 
 static EnvironmentPlace place_of(const Environment *environment, Vec3f direction)
@@ -197,17 +202,19 @@ static float invert_linear(float a_float, float b_float, float u)
 }
 
 /* In proportion to luminance times solid angle; of an image that is not black. */
-static Vec3f sample_cells(const Environment *environment, float u, float v)
+static Vec3f sample_cells(const Environment *environment, float u, float v, float *pdf_w)
 {
     unsigned row = invert_cdf(environment->row_cdf, &environment->row_hints, 0, v, &v);
-    const float *cells = environment->cell_cdf + (size_t)row * (environment->width + 1);
-    unsigned column = invert_cdf(cells, &environment->cell_hints, row, u, &u);
+    size_t like = row > environment->last ? environment->last + 1 : row; /* the cells of all further rows are alike */
+    const float *cells = environment->cell_cdf + like * (environment->width + 1);
+    unsigned column = invert_cdf(cells, &environment->cell_hints, like, u, &u);
     Corners at = corners_of(environment, row, column);
     fetch_corners(environment, &at); /* of what is sampled the radiance is looked up in the end */
     Lanes corners = cell_corners(environment, &at);
     float a = lanes_get(corners, 0), b = lanes_get(corners, 1), c = lanes_get(corners, 2), d = lanes_get(corners, 3);
     float depth = invert_linear(a + b, c + d, v);
-    float across = invert_linear(mix(a, c, depth), mix(b, d, depth), u);
+    float left = mix(a, c, depth), right = mix(b, d, depth), across = invert_linear(left, right, u);
+    *pdf_w = mix(left, right, across) / environment->power; /* as pdf_at has it, but for rounding */
 
     double half = environment->edge[row] + (double)depth * (environment->edge[row + 1] - environment->edge[row]);
     float radius = (float)(2 * sqrt(half * (1 - half))), x, y;
@@ -220,34 +227,27 @@ static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_n
     return lanes_scale(upsample_at(texel->coefficients, wavelength_nm), texel->scale * weight);
 }
 
-/* Where each lane's wavelength lies between two bands. */
-typedef struct BandPlaces {
-    int32_t band[LANES];
-    Lanes part;
-} BandPlaces;
-
-static BandPlaces band_places(Lanes wavelength_nm)
-{
-    const float per_nm = (ENVIRONMENT_BANDS - 1) / (SPECTRUM_MAX_NM - SPECTRUM_MIN_NM);
-    Lanes at = lanes_scale(lanes_sub(wavelength_nm, lanes_all(SPECTRUM_MIN_NM)), per_nm);
-    BandPlaces places;
-    places.part = lanes_split(lanes_clamp(at, 0, ENVIRONMENT_BANDS - 1 - 1e-6f), places.band); /* below the last one */
-    return places;
-}
-
-/* First all bands of the place between the texels, which takes no longer than those that the wavelengths need. */
-static inline Lanes bands_radiance(const Environment *environment, const Corners *corners, const float weights[4],
+/* First the mixture at the place between the texels, then what it is at each wavelength. */
+static inline Lanes mixed_radiance(const Environment *environment, const Corners *corners, const float weights[4],
                                    Lanes wavelength_nm)
 {
-    float values[ENVIRONMENT_BANDS] = {0};
+    float mixture[PARTS] = {0}, values[LANES];
+    int32_t row[LANES];
     for (int i = 0; i < 4; i++) {
-        const uint16_t *bands = environment->bands + corners->at[i] * ENVIRONMENT_BANDS;
+        const int16_t *parts = environment->parts + corners->at[i] * PARTS;
         float luminance = weights[i] * environment->luminance[corners->at[i]];
-        for (int k = 0; k < ENVIRONMENT_BANDS; k++) values[k] += luminance * (float)bands[k];
+        for (int k = 0; k < PARTS; k++) mixture[k] += luminance * (float)parts[k];
     }
-    BandPlaces places = band_places(wavelength_nm);
-    Spectrum light = {.kind = SPECTRUM_TABLE, .scale = 1, .table = environment->light};
-    return lanes_mul(observer_between(values, places.band, places.part), spectrum_at(&light, wavelength_nm));
+    Lanes fraction = observer_rows(wavelength_nm, SPECTRUM_STEP_NM, row);
+    Lanes first = lanes_load(mixture), rest = lanes_load(mixture + LANES);
+    for (int i = 0; i < LANES; i++) {
+        const float *here = environment->spectra[row[i]], *next = environment->spectra[row[i] + 1];
+        float part = lanes_get(fraction, i);
+        Lanes at = lanes_add(lanes_mul(first, lanes_load(here)), lanes_mul(rest, lanes_load(here + LANES)));
+        Lanes further = lanes_add(lanes_mul(first, lanes_load(next)), lanes_mul(rest, lanes_load(next + LANES)));
+        values[i] = lanes_sum(lanes_add(lanes_scale(at, 1 - part), lanes_scale(further, part)));
+    }
+    return lanes_greater(lanes_load(values), lanes_all(0)); /* by rounding it may be below */
 }
 
 static Lanes radiance_at(const Environment *environment, const EnvironmentPlace *place, const Corners *corners,
@@ -255,7 +255,7 @@ static Lanes radiance_at(const Environment *environment, const EnvironmentPlace 
 {
     float up = 1 - place->down, back = 1 - place->across;
     const float weights[4] = {up * back, up * place->across, place->down * back, place->down * place->across};
-    if (environment->bands) return bands_radiance(environment, corners, weights, wavelength_nm);
+    if (environment->parts) return mixed_radiance(environment, corners, weights, wavelength_nm);
     Lanes parts[4];
     for (int i = 0; i < 4; i++)
         parts[i] = texel_radiance(&environment->texels[corners->at[i]], weights[i], wavelength_nm);
@@ -296,11 +296,13 @@ Lanes environment_look(const Environment *environment, Vec3f direction, Lanes wa
 
 Vec3f environment_sample_place(const Environment *environment, float u, float v, float *pdf_w, EnvironmentPlace *place)
 {
-    Vec3f direction = is_even(environment) ? sampling_sphere(u, v) : sample_cells(environment, u, v);
-    /* of the direction as it was rounded */
-    *place = environment_find(environment, direction, pdf_w);
-    /* Rounded over the edge into a black cell. Nothing comes from there, so any density will do. */
-    if (!(*pdf_w > 0)) *pdf_w = sphere_pdf();
+    if (is_even(environment)) {
+        Vec3f direction = sampling_sphere(u, v);
+        *place = environment_find(environment, direction, pdf_w);
+        return direction;
+    }
+    Vec3f direction = sample_cells(environment, u, v, pdf_w);
+    *place = place_of(environment, direction); /* as it was rounded */
     return direction;
 }
 
@@ -339,7 +341,8 @@ void environment_free(Environment *environment)
 {
     if (!environment) return;
     free(environment->texels);
-    free(environment->bands);
+    free(environment->parts);
+    free(environment->spectra);
     free(environment->luminance);
     free(environment->row_cdf);
     free(environment->cell_cdf);
@@ -456,10 +459,13 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->is_image = true;
         made->width = width;
         made->height = height;
-        if (in_bands)
-            made->bands = aligned_alloc(BANDS_SIZE, n * BANDS_SIZE);
-        else
+        made->last = height - 1;
+        if (in_bands) {
+            made->parts = aligned_alloc(PARTS_SIZE, n * PARTS_SIZE);
+            made->spectra = calloc(SPECTRUM_SAMPLES + 1, sizeof *made->spectra);
+        } else {
             made->texels = malloc(n * sizeof *made->texels);
+        }
         made->luminance = malloc(n * sizeof *made->luminance);
         made->row_cdf = malloc(((size_t)height + 2) * sizeof *made->row_cdf);
         made->cell_cdf = malloc(n_cells * sizeof *made->cell_cdf);
@@ -467,8 +473,8 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->cell_hints = new_hints((size_t)height + 1, width);
         made->edge = malloc(((size_t)height + 2) * sizeof *made->edge);
     }
-    if (!*sums || !made || !(made->texels || made->bands) || !made->luminance || !made->row_cdf || !made->cell_cdf ||
-        !made->row_hints.first || !made->cell_hints.first || !made->edge) {
+    if (!*sums || !made || !(made->texels || (made->parts && made->spectra)) || !made->luminance || !made->row_cdf ||
+        !made->cell_cdf || !made->row_hints.first || !made->cell_hints.first || !made->edge) {
         environment_free(made);
         free(*sums);
         return fail_memory(error, n * (sizeof *made->texels + 2 * sizeof(float)), "an environment");
@@ -511,25 +517,56 @@ static double band_luminance(const float *light, int band)
     return spectrum_luminance(&hat);
 }
 
-static void fill_bands(Environment *environment, const float *values, const float *light)
+/* Their values, band by band, at the wavelengths of a spectrum's table; scale: of each, and of all. */
+static void fill_spectra(Environment *environment, const Components *components, const float *light,
+                         const double scale[PARTS])
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        double at = (double)i * (ENVIRONMENT_BANDS - 1) / (SPECTRUM_SAMPLES - 1);
+        int band = at < ENVIRONMENT_BANDS - 2 ? (int)at : ENVIRONMENT_BANDS - 2;
+        for (int k = 0; k < PARTS; k++) {
+            const double *of = components->of[k];
+            double value = of[band] + (at - band) * (of[band + 1] - of[band]);
+            environment->spectra[i][k] = (float)(value * scale[k] * (double)light[i]);
+        }
+    }
+}
+
+/* The first row from which on all are alike. */
+static unsigned first_of_alike(const float *values, unsigned height, size_t row_size)
+{
+    unsigned row = height - 1;
+    while (row > 0 && !memcmp(values + (row - 1) * row_size, values + row * row_size, row_size * sizeof *values)) row--;
+    return row;
+}
+
+static Status fill_bands(Environment *environment, const float *values, const float *light, Error *error)
 {
     size_t n = (size_t)environment->width * environment->height;
-    double weights[ENVIRONMENT_BANDS];
-    float largest = FLT_MIN; /* of any band, over the luminance */
+    double weights[ENVIRONMENT_BANDS], scale[PARTS];
+    Components components;
+    float *mixtures = malloc(n * PARTS * sizeof *mixtures);
+    if (!mixtures) return fail_memory(error, n * PARTS * sizeof *mixtures, "an environment");
     for (int k = 0; k < ENVIRONMENT_BANDS; k++) weights[k] = band_luminance(light, k);
     for (size_t i = 0; i < n; i++) {
-        const float *texel = values + i * ENVIRONMENT_BANDS;
         double luminance = 0;
-        for (int k = 0; k < ENVIRONMENT_BANDS; k++) luminance += weights[k] * (double)texel[k];
-        float l = environment->luminance[i] = (float)luminance;
-        for (int k = 0; k < ENVIRONMENT_BANDS && l > 0; k++) largest = float_max(largest, texel[k] / l);
+        for (size_t k = 0; k < ENVIRONMENT_BANDS; k++)
+            luminance += weights[k] * (double)values[i * ENVIRONMENT_BANDS + k];
+        environment->luminance[i] = (float)luminance;
     }
-    for (size_t i = 0; i < n * ENVIRONMENT_BANDS; i++) {
-        float whole = largest * environment->luminance[i / ENVIRONMENT_BANDS];
-        float steps = whole > 0 ? values[i] / whole * (float)BAND_STEPS + 0.5f : 0;
-        environment->bands[i] = (uint16_t)float_min(float_max(steps, 0), (float)BAND_STEPS);
+    components_find(values, environment->luminance, n, &components);
+    components_split(&components, values, environment->luminance, n, mixtures);
+    for (size_t k = 0; k < PARTS; k++) {
+        float largest = FLT_MIN;
+        for (size_t i = 0; i < n; i++) largest = float_max(largest, fabsf(mixtures[i * PARTS + k]));
+        scale[k] = (double)largest / PART_STEPS;
+        for (size_t i = 0; i < n; i++)
+            environment->parts[i * PARTS + k] = (int16_t)lrint((double)mixtures[i * PARTS + k] / scale[k]);
     }
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) environment->light[i] = light[i] * (largest / (float)BAND_STEPS);
+    free(mixtures);
+    fill_spectra(environment, &components, light, scale);
+    environment->last = first_of_alike(values, environment->height, (size_t)environment->width * ENVIRONMENT_BANDS);
+    return STATUS_OK;
 }
 
 Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light,
@@ -538,9 +575,12 @@ Status environment_new_bands(const float *values, unsigned width, unsigned heigh
     Environment *made;
     double *sums;
     TRY(new_pixels(width, height, true, &made, &sums, error));
-    fill_bands(made, values, light);
-    fill_tables(made, sums, second_half(made, sums));
+    Status status = fill_bands(made, values, light, error);
+    if (status == STATUS_OK) fill_tables(made, sums, second_half(made, sums));
     free(sums);
-    *environment = made;
-    return STATUS_OK;
+    if (status == STATUS_OK)
+        *environment = made;
+    else
+        environment_free(made);
+    return status;
 }
