@@ -38,38 +38,44 @@ static inline void sampling_eighth(float t, float *sine, float *cosine)
     *cosine = 1 + z * (-0.308425135f + z * (0.0158543252f + z * (-0.000325938586f + z * 3.52979713e-6f)));
 }
 
-/* The point of the circle of radius 1 that is u of a turn from x on, 0 <= u < 2: u times 2 pi, but the same on every machine. */
+/* The point of the circle of radius 1 that is u of a turn from x on, 0 <= u < 2: u times 2 pi, but the same on every machine.
+ * Which quarter it is in no processor can foretell: without branches. */
 static inline void sampling_circle(float u, float *x, float *y)
 {
-    int quarter = (int)(4 * u + 0.5f), odd = quarter & 1;
-    float near[2]; /* as if it were in the quarter about x */
-    sampling_eighth(8 * u - 2 * (float)quarter, &near[1], &near[0]);
-    *x = (quarter + 1) & 2 ? -near[odd] : near[odd];
-    *y = quarter & 2 ? -near[!odd] : near[!odd];
+    int quarter = (int)(4 * u + 0.5f);
+    float sine, cosine; /* as if it were in the quarter about x */
+    sampling_eighth(8 * u - 2 * (float)quarter, &sine, &cosine);
+    Lanes even = lanes_all((float)(1 - (quarter & 1)));
+    Lanes point = lanes_select_less(lanes_all(0), even, lanes(cosine, sine, 0, 0), lanes(sine, cosine, 0, 0));
+    *x = (float)(1 - ((quarter + 1) & 2)) * lanes_get(point, 0);
+    *y = (float)(1 - (quarter & 2)) * lanes_get(point, 1);
 }
 
 /* Uniform on the disc of radius 1: P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square",
- * JGT 2(3), 1997, in the two-branch form of D. Cline. pdf 1/pi. */
-static inline void sampling_disc(float u, float v, float *x, float *y)
+ * JGT 2(3), 1997, in the two-branch form of D. Cline. pdf 1/pi. Returns how far from the middle the point is, or less that.
+ * Which of the numbers is the larger no processor can foretell, and in memory they would have to be waited for: so both ways
+ * are taken, side by side in lanes. */
+static inline float sampling_disc(float u, float v, float *x, float *y)
 {
-    const float place[2] = {2 * u - 1, 2 * v - 1};
-    int along = fabsf(place[1]) >= fabsf(place[0]); /* an index and no branch: no processor can foretell it */
-    float radius = place[along], sine, cosine, disc[2];
-    sampling_eighth(radius != 0 ? place[!along] / radius : 0, &sine, &cosine);
-    disc[along] = radius * cosine;
-    disc[!along] = radius * sine;
-    *x = disc[0];
-    *y = disc[1];
+    float a = 2 * u - 1, b = 2 * v - 1, sine, cosine;
+    Lanes size_a = lanes_all(fabsf(a)), size_b = lanes_all(fabsf(b));
+    Lanes place = lanes_select_less(size_b, size_a, lanes(a, b, 0, 0), lanes(b, a, 0, 0));
+    float radius = lanes_get(place, 0);
+    sampling_eighth(radius != 0 ? lanes_get(place, 1) / radius : 0, &sine, &cosine);
+    Lanes disc = lanes_select_less(size_b, size_a, lanes(cosine, sine, 0, 0), lanes(sine, cosine, 0, 0));
+    *x = radius * lanes_get(disc, 0);
+    *y = radius * lanes_get(disc, 1);
+    return radius;
 }
 
 /* In proportion to the cosine about the unit normal (N. Malley: the disc, projected up). Never below the
- * surface; *pdf_w is cos/pi and above 0. */
+ * surface; *pdf_w is cos/pi and above 0. The height needs the distance from the middle alone, and so need not wait for the
+ * point. */
 static inline Vec3f sampling_cosine_hemisphere(float u, float v, Vec3f normal, float *pdf_w)
 {
-    float x, y;
-    sampling_disc(u, v, &x, &y);
-    float z = sqrtf(float_max(1e-12f, 1 - x * x - y * y));
-    *pdf_w = z / SAMPLING_PI;
+    float x, y, radius = sampling_disc(u, v, &x, &y);
+    float z = sqrtf(float_max(1e-12f, (1 - radius) * (1 + radius)));
+    *pdf_w = z * (1 / SAMPLING_PI);
     return sampling_to_world(vec3f(x, y, z), normal);
 }
 
@@ -85,9 +91,8 @@ static inline Vec3f sampling_sphere(float u, float v)
 static inline Vec3f sampling_cone(float u, float v, Vec3f axis, float one_minus_cos)
 {
     /* the disc map keeps the sample set's shape: squared radius in the disc is u's share of the cap */
-    float x, y;
-    sampling_disc(u, v, &x, &y);
-    float height = one_minus_cos * (x * x + y * y); /* 1 - cos of the sample */
+    float x, y, radius = sampling_disc(u, v, &x, &y);
+    float height = one_minus_cos * (radius * radius); /* 1 - cos of the sample */
     float stretch = sqrtf(float_max(0.0f, one_minus_cos * (2 - height)));
     return sampling_to_world(vec3f(x * stretch, y * stretch, 1 - height), axis);
 }

@@ -145,8 +145,8 @@ static bool start_list(Path *path, const SceneCamera *camera)
 static double filtered(bool box, float u)
 {
     if (box) return (double)u - 0.5;
-    double v = 2 * (double)u;
-    return v < 1 ? sqrt(v) - 1 : 1 - sqrt(2 - v);
+    double v = 2 * (double)u, from_end = double_min(v, 2 - v);
+    return copysign(1 - sqrt(from_end), v - 1); /* which half it is in, no branch could foretell */
 }
 
 /* What the camera's ray would meet first if no medium scattered it. The path stays as it is. */
