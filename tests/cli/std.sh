@@ -224,3 +224,21 @@ run check soda.mns --werror
 exits 0
 matches out 'vessel overlaps drink by .*: vessel on top, by state of matter'
 end
+
+begin "std: the wall around an inside that ends on the axis ends there, too"
+cat > bulb.mns <<'SCENE'
+meniscus 1.0 unit mm
+use "std/shapes.mns" as shapes
+use "std/media.mns" as media
+let inside = [<0, 12>, <18, 13>, <24, 22>, <12, 50>, <1.6, 60>, <12, 70>, <24, 98>, <18, 107>, <0, 108>]
+let around = shapes.offset(inside, 1.6)
+assert(distance(around[0], <0, 10.4>) < 1e-12 and distance(around[len(around) - 1], <0, 109.6>) < 1e-12, around)
+lathe bulb { interior = media.clear_glass  curve = cubic  profile = around }
+lathe hollow { interior = air  curve = cubic  profile = inside }
+camera { from = <0, 150, 330>  to = <0, 62, 0>  fov = 26deg }
+environment { }
+SCENE
+run check bulb.mns --werror
+exits 0
+says out "hollow inside bulb: hollow on top, by containment"
+end
