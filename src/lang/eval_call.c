@@ -208,6 +208,7 @@ void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
     if (!def->body) {
         Diagnostic *report =
             eval_error(evaluator, expr, D_NOT_A_MACRO, "'%s' is a macro: it places nodes and has no value", def->name->text);
+        diag_hint(evaluator->diag, report, "a group of what it places is one: group { ... } around it");
         diag_note(evaluator->diag, report, def->span, "declared here");
         return;
     }

@@ -251,8 +251,11 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
                          : max < BUILTIN_MAX_ARGS  ? arena_format(resolver->arena, "%u to %u", min, max)
                          : args->n < min           ? arena_format(resolver->arena, "at least %u", min)
                                                    : arena_format(resolver->arena, "at most %u", max);
-    diag_report(resolver->diag, args->n < min ? D_MISSING_ARGUMENT : D_WRONG_ARGUMENT, expr->span,
-                "'%s' takes %s argument%s, not %u", name, wanted, min == max && min == 1 ? "" : "s", args->n);
+    Diagnostic *report =
+        diag_report(resolver->diag, args->n < min ? D_MISSING_ARGUMENT : D_WRONG_ARGUMENT, expr->span,
+                    "'%s' takes %s argument%s, not %u", name, wanted, min == max && min == 1 ? "" : "s", args->n);
+    if (args->n == 3 && (strcmp(name, "translate") == 0 || strcmp(name, "rotate") == 0 || strcmp(name, "scale") == 0))
+        diag_hint(resolver->diag, report, "write: %s(<x, y, z>)", name);
     expr->kind = EXPR_POISON;
 }
 
@@ -380,6 +383,8 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
         Diagnostic *report =
             diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
                         expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro", name);
+        if (expression && node->def->block)
+            diag_hint(resolver->diag, report, "a group of what it places is one: group { ... } around it");
         if (node->path.n == 1 && schema_node(resolver->schema, name)) {
             diag_note(resolver->diag, report, node->def->span, "declared here");
             diag_hint(resolver->diag, report, "it hides the node of that name: call it otherwise");

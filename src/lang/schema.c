@@ -143,7 +143,13 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
 {
     Diag *diag = check->evaluator->diag;
     PropKind kind = check->type->kind;
-    bool parts = value->kind == VALUE_NUMBER || value->kind == VALUE_LIST;
+    bool number = value->kind == VALUE_NUMBER, parts = number || value->kind == VALUE_LIST;
+    if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
+        const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";
+        diag_hint(diag, report, "write: %s, or vec%d(%g) for the same of each", axes, kind == PROP_VECTOR3 ? 3 : 2,
+                  value->as.number);
+        return;
+    }
     if (kind == PROP_COLOR && value->kind == VALUE_VECTOR3)
         diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
