@@ -7,6 +7,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "nest/order.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,9 +35,21 @@ bool nest_policy_from_text(const char *text, NestPolicy *policy)
     return false;
 }
 
+/* A volume as it is compared, to a millionth: that of a thing and of the same thing turned round differ by rounding, and in an
+ * animation now the one and now the other would be on top. */
+static double compared_volume(double volume)
+{
+    enum { BITS = 20 };
+    int exponent;
+    if (!isfinite(volume)) return volume;
+    double fraction = frexp(volume, &exponent);
+    return ldexp(round(ldexp(fraction, BITS)), exponent - BITS);
+}
+
 NestDecision nest_decide(const NestHull *hulls, const NestOverlap *overlap)
 {
     const NestHull *a = &hulls[overlap->a], *b = &hulls[overlap->b];
+    double a_volume = compared_volume(a->volume), b_volume = compared_volume(b->volume);
     bool a_on_top;
     NestRule rule;
     if (a->priority != b->priority) {
@@ -48,9 +61,9 @@ NestDecision nest_decide(const NestHull *hulls, const NestOverlap *overlap)
     } else if (a->state != b->state && a->state != NEST_STATE_UNKNOWN && b->state != NEST_STATE_UNKNOWN) {
         rule = NEST_BY_STATE;
         a_on_top = a->state > b->state;
-    } else if (a->volume != b->volume) {
+    } else if (a_volume != b_volume) {
         rule = NEST_BY_VOLUME;
-        a_on_top = a->volume < b->volume;
+        a_on_top = a_volume < b_volume;
     } else {
         rule = NEST_BY_DECLARATION;
         a_on_top = overlap->a > overlap->b;
@@ -175,7 +188,7 @@ static Status sort_by_volume(Sorter *s, Error *error)
 {
     VolumeKey *keys = malloc((s->n ? s->n : 1) * sizeof *keys);
     if (!keys) return fail_memory(error, s->n * sizeof *keys, "the order of the hulls");
-    for (uint32_t h = 0; h < s->n; h++) keys[h] = (VolumeKey){s->hulls[h].volume, h};
+    for (uint32_t h = 0; h < s->n; h++) keys[h] = (VolumeKey){compared_volume(s->hulls[h].volume), h};
     qsort(keys, s->n, sizeof *keys, compare_volume);
     for (uint32_t i = 0; i < s->n; i++) s->by_volume[i] = keys[i].hull;
     free(keys);

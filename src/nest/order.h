@@ -29,7 +29,7 @@ typedef struct NestHull {
     uint32_t medium;
     int32_t priority; /* 0 unless stated; larger is on top */
     NestState state;
-    double volume; /* enclosed; INFINITY for a half-space */
+    double volume; /* enclosed, compared to a millionth; INFINITY for a half-space */
     bool mixes;    /* never owns a point, but adds to whatever does: its crossings are silent */
 } NestHull;
 

@@ -487,6 +487,14 @@ static void test_rules(void **state)
     decision = nest_decide(hulls, &partial);
     assert_int_equal(decision.top, 1);
     assert_int_equal(decision.rule, NEST_BY_VOLUME);
+    hulls[1].volume = 116 * (1 - 1e-5);
+    assert_int_equal(nest_decide(hulls, &partial).rule, NEST_BY_VOLUME);
+    for (int sign = -1; sign <= 1; sign++) { /* the same thing, turned round */
+        hulls[1].volume = 116 * (1 + sign * 1e-12);
+        decision = nest_decide(hulls, &partial);
+        assert_int_equal(decision.top, 1);
+        assert_int_equal(decision.rule, NEST_BY_DECLARATION);
+    }
     decision = nest_decide(hulls, &contained);
     assert_int_equal(decision.top, 0);
     assert_int_equal(decision.rule, NEST_BY_CONTAINMENT);
