@@ -46,6 +46,11 @@ typedef struct Hints {
     uint32_t *first;
 } Hints;
 
+/* Of the polar angle at a row's upper edge; of the first row's, which begins at half of its height. */
+typedef struct RowTop {
+    float cosine, sine;
+} RowTop;
+
 struct Environment {
     bool is_image;
     Spectrum constant;
@@ -61,6 +66,7 @@ struct Environment {
     float *cell_cdf;             /* (height + 1) * (width + 1): within each row */
     Hints row_hints, cell_hints; /* of those; of cell_cdf for one row after another */
     double *edge;                /* height + 2: sin^2 of half the polar angle at the rows' edges */
+    RowTop *tops;                /* height + 1; NULL: rows are too high for their use, see depth_in_row */
 };
 
 /* The texels at the corners of a cell, in all of them: left and right above, left and right below. */
@@ -201,8 +207,19 @@ static float invert_linear(float a_float, float b_float, float u)
     return (float)(t < 1 ? t : 1);
 }
 
+/* How far down in its row a polar angle is, by its cosine and sine: the angle from the row's top on is so small that a few
+ * terms tell it by its sine, to 1e-9 of it where there are this many rows. */
+enum { ROWS_FOR_TERMS = 64 };
+static float depth_in_row(const Environment *environment, unsigned row, float cosine, float sine)
+{
+    const RowTop *top = &environment->tops[row];
+    float s = sine * top->cosine - cosine * top->sine, square = s * s;
+    float depth = s * (1 + square * (1.0f / 6 + square * (3.0f / 40))) * ((float)environment->height * (float)(1 / pi));
+    return float_min(float_max(depth, 0), 1);
+}
+
 /* In proportion to luminance times solid angle; of an image that is not black. */
-static Vec3f sample_cells(const Environment *environment, float u, float v, float *pdf_w)
+static Vec3f sample_cells(const Environment *environment, float u, float v, float *pdf_w, EnvironmentPlace *place)
 {
     unsigned row = invert_cdf(environment->row_cdf, &environment->row_hints, 0, v, &v);
     size_t like = row > environment->last ? environment->last + 1 : row; /* the cells of all further rows are alike */
@@ -217,9 +234,12 @@ static Vec3f sample_cells(const Environment *environment, float u, float v, floa
     *pdf_w = mix(left, right, across) / environment->power; /* as pdf_at has it, but for rounding */
 
     double half = environment->edge[row] + (double)depth * (environment->edge[row + 1] - environment->edge[row]);
-    float radius = (float)(2 * sqrt(half * (1 - half))), x, y;
+    float radius = (float)(2 * sqrt(half * (1 - half))), up = (float)(1 - 2 * half), x, y;
     sampling_circle(((float)column + 0.5f + across) / (float)environment->width, &x, &y);
-    return vec3f(-radius * y, (float)(1 - 2 * half), radius * x); /* half a turn is towards -z */
+    Vec3f direction = vec3f(-radius * y, up, radius * x); /* half a turn is towards -z */
+    *place = environment->tops ? (EnvironmentPlace){row, column, across, depth_in_row(environment, row, up, radius)}
+                               : place_of(environment, direction);
+    return direction;
 }
 
 static Lanes texel_radiance(const Texel *texel, float weight, Lanes wavelength_nm)
@@ -301,9 +321,7 @@ Vec3f environment_sample_place(const Environment *environment, float u, float v,
         *place = environment_find(environment, direction, pdf_w);
         return direction;
     }
-    Vec3f direction = sample_cells(environment, u, v, pdf_w);
-    *place = place_of(environment, direction); /* as it was rounded */
-    return direction;
+    return sample_cells(environment, u, v, pdf_w, place);
 }
 
 Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w)
@@ -349,6 +367,7 @@ void environment_free(Environment *environment)
     free(environment->row_hints.first);
     free(environment->cell_hints.first);
     free(environment->edge);
+    free(environment->tops);
     free(environment);
 }
 
@@ -412,6 +431,10 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
         environment->edge[row] = half * half;
     }
     environment->edge[height + 1] = 1;
+    for (unsigned row = 0; environment->tops && row <= height; row++) {
+        double top = pi * (row - 0.5) / height;
+        environment->tops[row] = (RowTop){(float)cos(top), (float)sin(top)};
+    }
     row_sums[0] = 0;
     for (unsigned row = 0; row <= height; row++) {
         double solid_angle = 4 * pi * (environment->edge[row + 1] - environment->edge[row]) / width;
@@ -472,9 +495,11 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->row_hints = new_hints(1, height + 1);
         made->cell_hints = new_hints((size_t)height + 1, width);
         made->edge = malloc(((size_t)height + 2) * sizeof *made->edge);
+        if (height >= ROWS_FOR_TERMS) made->tops = malloc(((size_t)height + 1) * sizeof *made->tops);
     }
     if (!*sums || !made || !(made->texels || (made->parts && made->spectra)) || !made->luminance || !made->row_cdf ||
-        !made->cell_cdf || !made->row_hints.first || !made->cell_hints.first || !made->edge) {
+        !made->cell_cdf || !made->row_hints.first || !made->cell_hints.first || !made->edge ||
+        (height >= ROWS_FOR_TERMS && !made->tops)) {
         environment_free(made);
         free(*sums);
         return fail_memory(error, n * (sizeof *made->texels + 2 * sizeof(float)), "an environment");

@@ -30,7 +30,10 @@ static Vec3f direction_at(double u, double v)
     return vec3f((float)(sin(polar) * sin(angle)), (float)cos(polar), (float)(-sin(polar) * cos(angle)));
 }
 
-static Lanes some_wavelengths(void) { return lanes(420, 500, 580, 660); }
+static Lanes some_wavelengths(void)
+{
+    return lanes(420, 500, 580, 660);
+}
 
 /* Radiance over white: a grey image's value. */
 static float grey_at(const Environment *environment, Vec3f direction)
@@ -218,6 +221,32 @@ static void samples_follow_the_density(void **unused)
     }
 }
 
+/* What is sampled comes with its place in the image, which is that of its direction, also where it is found by another way. */
+static void samples_know_their_places(void **unused)
+{
+    (void)unused;
+    const unsigned heights[] = {3, 63, 64, 300};
+    enum { COLUMNS = 30, SAMPLES = 20000 };
+    for (size_t i = 0; i < COUNT_OF(heights); i++) {
+        size_t n = (size_t)heights[i] * COLUMNS * 3;
+        float *rgb = malloc(n * sizeof *rgb);
+        assert_non_null(rgb);
+        for (size_t k = 0; k < n; k++) rgb[k] = 1 + hash_to_unit_f(hash_combine((uint32_t)i, (uint32_t)(k / 3)));
+        Environment *environment = make_image(rgb, COLUMNS, heights[i], 1);
+        for (uint32_t k = 0; k < SAMPLES; k++) {
+            float pdf, u = hash_to_unit_f(hash_combine(k, 1)), v = hash_to_unit_f(hash_combine(k, 2));
+            EnvironmentPlace place;
+            Vec3f direction = environment_sample_place(environment, u, v, &pdf, &place);
+            float there = lanes_get(environment_radiance_at(environment, &place, some_wavelengths()), 0);
+            float found = lanes_get(environment_radiance(environment, direction, some_wavelengths()), 0);
+            assert_float_equal(there / found, 1, 2e-4f);
+            assert_float_equal(pdf / environment_pdf(environment, direction), 1, 2e-3f);
+        }
+        environment_free(environment);
+        free(rgb);
+    }
+}
+
 static void constant_is_uniform(void **unused)
 {
     (void)unused;
@@ -310,6 +339,7 @@ int main(void)
         cmocka_unit_test(density_is_normalized_and_covers_the_light),
         cmocka_unit_test(samples_integrate_the_image),
         cmocka_unit_test(samples_follow_the_density),
+        cmocka_unit_test(samples_know_their_places),
         cmocka_unit_test(constant_is_uniform),
         cmocka_unit_test(colours_resolve),
         cmocka_unit_test(black_bad_and_tiny_images),
