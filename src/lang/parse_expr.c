@@ -393,6 +393,7 @@ static Expr *parse_name(Parser *parser)
         expr = member;
     }
     if (parser->token.kind != TOKEN_BRACE_OPEN || parser->no_blocks) return expr;
+    if (parse_block_habit(parser, path)) return poison_expr(parser);
     Expr *node = expr_new(parser, EXPR_NODE, path.span);
     node->as.node = ARENA_NEW(parser->arena, NodeExpr);
     node->as.node->path = path;
