@@ -44,7 +44,8 @@ Status looks_find(const Scene *scene, ObjectLook **looks, Error *error)
             (ObjectLook){.surface = bare ? SCENE_NONE : first[object->surface],
                          .light = object->light,
                          .whole = scene_whole(scene, i),
-                         .shines = object->light != SCENE_NONE || (!bare && scene->surfaces[object->surface].emits)};
+                         .shines = object->light != SCENE_NONE || (!bare && scene->surfaces[object->surface].emits),
+                         .identity = object->texture_frame == SCENE_NONE ? 0 : scene_texture_identity(scene, i)};
     }
     free(first);
     return STATUS_OK;

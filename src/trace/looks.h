@@ -9,10 +9,11 @@
 #include "scene/scene.h"
 
 typedef struct ObjectLook {
-    uint32_t surface; /* the first of those that are the same but for their names; SCENE_NONE: none */
-    uint32_t light;   /* as the scene has it: SCENE_NONE when it does not shine */
-    uint32_t whole;   /* scene_whole() */
-    bool shines;      /* it is a light, or its surface gives light */
+    uint32_t surface;  /* the first of those that are the same but for their names; SCENE_NONE: none */
+    uint32_t light;    /* as the scene has it: SCENE_NONE when it does not shine */
+    uint32_t whole;    /* scene_whole() */
+    bool shines;       /* it is a light, or its surface gives light */
+    uint64_t identity; /* scene_texture_identity() where the object has a frame for textures, else 0 */
 } ObjectLook;
 
 /* One for each object; malloc'd. */

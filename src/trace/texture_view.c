@@ -77,7 +77,7 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
     place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
     place->world_footprint = footprint;
     place->footprint = footprint * stretch_of(view->to_texture);
-    place->identity = scene_texture_identity(scene, hit->object);
+    place->identity = world->looks[hit->object].identity;
 }
 
 Lanes texture_emission(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
