@@ -100,17 +100,10 @@ static inline Hit *next_crossing(HitList *list, double t, uint32_t object, uint3
     return hit;
 }
 
-static bool starts_on(const Ray *ray, uint32_t object)
-{
-    for (size_t i = 0; i < ray->n_left; i++)
-        if (ray->left[i].object == object) return true;
-    return false;
-}
-
 static bool is_stopped_by(const Query *query, uint32_t object)
 {
     const RtcPlaced *placed = &query->scene->objects[object];
-    return placed->opaque || (UNLIKELY(placed->stops & query->ray->stops) && !starts_on(query->ray, object));
+    return placed->opaque || (UNLIKELY(placed->stops & query->ray->stops) && !rtc_starts_on(query->ray, object));
 }
 
 /* A candidate of rtc_all. Returns whether the search may end at once. */
@@ -732,6 +725,7 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
 {
     Query query;
     query_init(&query, scene, ray, hits, passed);
+    hits->beside = false;
     for (;;) {
         if (UNLIKELY(!search_nearest(&query))) return 0;
         bool good = complete_nearest(&query);
@@ -787,5 +781,24 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
         if (stop_at_opaque && is_blocked(&query)) return false;
     }
     hits->n = rtc_drop_repeats(ray, hits->items, hits->n);
+    return true;
+}
+
+bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *missed)
+{
+    Query query;
+    HitList none = {0};
+    Hit first = {.t = end};
+    uint32_t n = scene->objects[object].mesh ? rtc_n_primitives(scene, object) : 0;
+    if (n > RTC_MOST_ASKED) return false;
+    query_init(&query, scene, ray, &none, NULL);
+    for (uint32_t i = 0; i < n; i++) {
+        Hit hit = {.object = object, .primitive = i};
+        if (rtc_meets(&query, &hit) && rtc_complete_hit(&query, &hit) && hit.entering == entering && hit.t < first.t)
+            first = hit;
+    }
+    if (!(first.t < end) || (!missed->capacity && !hit_list_grow(missed))) return false;
+    missed->items[0] = first;
+    missed->n = 1;
     return true;
 }

@@ -130,6 +130,8 @@ typedef struct HitList {
     Hit *items;
     size_t n, capacity;
     bool out_of_memory;
+    bool beside; /* of rtc_nearest: the ray starts within rounding of an edge of an object that it does not start on; see
+                  * rtc_beside */
 } HitList;
 void hit_list_clear(HitList *list); /* frees */
 
@@ -145,13 +147,21 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
 static inline void rtc_pass_on(Ray *ray, const Hit *hits, size_t n)
 {
     ray->t_min = hits[n - 1].t;
-    ray->at_edge = false;
     for (size_t i = 0; i < n; i++) ray->at_edge = ray->at_edge || !hits[i].clear;
 }
 
-/* Whether a ray that starts on a surface starts within rounding of another object's triangles, too: the ray before, as Embree
- * traced it, may have missed a sliver of that object which the exact one comes into just there. */
-bool rtc_starts_beside(const RtcScene *scene, const Ray *ray, uint32_t object);
+/* The objects within rounding of whose triangles a ray starts, other than those that it starts on; of these hits no more than
+ * the object is set, and whether the ray is inside of it from its start on: as the first of the object's surfaces says that
+ * it comes to (along: a list to find them in). The ray before, as Embree traced it, may have missed a sliver of such an object
+ * which the exact one comes into just there. */
+size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *beside, HitList *along);
+
+/* Where hits contradict what is known: the first surface before `end` by which the ray enters (leaves) an object, as all of its
+ * triangles are asked in double; it becomes the only one in the list. Embree may miss one at whose corner or silhouette the
+ * ray is aimed, or along which it runs. False, and the list as it was, where there is none, and for objects of more than
+ * RTC_MOST_ASKED primitives and those that are not meshes. */
+enum { RTC_MOST_ASKED = 1 << 16 };
+bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *missed);
 
 /* How many of n >= 1 hits in increasing t stand at one place with the first. */
 size_t rtc_cluster(const Hit *hits, size_t n);

@@ -151,9 +151,8 @@ void rtc_look_closer(Query *query)
 typedef struct Beside {
     const RtcScene *scene;
     const Ray *ray;
-    uint32_t object;
     double radius;
-    bool found;
+    HitList *found;
 } Beside;
 
 /* Whether a point is within a distance of a triangle; at acute corners somewhat farther. */
@@ -168,26 +167,46 @@ static bool is_beside(const Vec3 corner[3], Vec3 p, double distance)
     return true;
 }
 
+static Hit *hit_of_object(const HitList *list, uint32_t object)
+{
+    for (size_t i = 0; i < list->n; i++)
+        if (list->items[i].object == object) return &list->items[i];
+    return NULL;
+}
+
 static bool find_beside(struct RTCPointQueryFunctionArguments *arguments)
 {
-    Beside *beside = arguments->userPtr;
-    if (object_asked(arguments) != beside->object) return false;
-    uint32_t first = 2 * arguments->primID;
-    uint32_t n = triangles_of(&beside->scene->objects[beside->object], arguments->primID);
-    for (uint32_t i = first; i < first + n && !beside->found; i++) {
+    const Beside *beside = arguments->userPtr;
+    uint32_t object = object_asked(arguments), first = 2 * arguments->primID;
+    if (object >= beside->scene->n_objects) return false; /* a piece */
+    if (rtc_starts_on(beside->ray, object) || hit_of_object(beside->found, object)) return false;
+    uint32_t n = triangles_of(&beside->scene->objects[object], arguments->primID);
+    for (uint32_t i = first; i < first + n; i++) {
         Vec3 corner[3];
-        rtc_triangle(beside->scene, beside->object, i, beside->ray->time, corner);
-        beside->found = is_beside(corner, beside->ray->origin, beside->radius);
+        rtc_triangle(beside->scene, object, i, beside->ray->time, corner);
+        if (!is_beside(corner, beside->ray->origin, beside->radius)) continue;
+        Hit *hit = rtc_hit_place(beside->found);
+        if (!hit) return false;
+        hit->object = object;
+        beside->found->n++;
+        break;
     }
     return false;
 }
 
-bool rtc_starts_beside(const RtcScene *scene, const Ray *ray, uint32_t object)
+size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *found, HitList *along)
 {
-    if (!ray->n_left) return false;
-    for (size_t i = 0; i < ray->n_left; i++)
-        if (ray->left[i].object == object) return false; /* on which side of it is known */
-    Beside beside = {scene, ray, object, 2 * rtc_rounding(ray->origin), false};
-    ask_around(scene, ray->origin, ray->time, beside.radius, find_beside, &beside);
-    return beside.found;
+    Beside beside = {scene, ray, 2 * rtc_rounding(ray->origin), found};
+    found->n = 0;
+    if (ray->n_left) ask_around(scene, ray->origin, ray->time, beside.radius, find_beside, &beside);
+    if (!found->n) return 0;
+    Ray onward = *ray;
+    onward.t_min = 0;
+    onward.t_max = HUGE_VAL;
+    rtc_all(scene, &onward, false, along);
+    for (size_t i = 0; i < found->n; i++) {
+        const Hit *first = hit_of_object(along, found->items[i].object);
+        found->items[i].inside = first && !first->entering;
+    }
+    return found->n;
 }

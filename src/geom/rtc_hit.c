@@ -4,6 +4,8 @@
 
 /* Below this cosine a ray creeps along a curved surface, and is started off it by a step of double's rounding. */
 #define CREEPING_COSINE 1e-4
+/* A way of so many roundings may end where it has begun, as far as Embree can tell. */
+#define SHORT_WAY 4096
 /* What Embree's barycentric coordinates can be off by, of the ratio of a triangle's length, times the distance, to its
  * area as the ray sees it: some roundings of float. */
 #define EDGE_NOISE 0x1p-18
@@ -117,9 +119,11 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
     double t = vec3_dot(normal, vec3_sub(corner.a, query->origin)) / slope, cosine = slope / length;
     if (UNLIKELY(!(t > query->t_min && t <= ray->t_max))) {
-        if (fabs(t * cosine) <= 2 * rtc_rounding(corner.a) &&
-            !is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t)))
+        if (fabs((t - query->t_min) * cosine) <= 2 * rtc_rounding(corner.a) &&
+            !is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t))) {
             query->unsure = true;
+            if (query->t_min == 0 && ray->n_left && !rtc_starts_on(ray, hit->object)) query->hits->beside = true;
+        }
         return false;
     }
     double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
@@ -300,6 +304,17 @@ ATTR_COLD static bool find_sides(const Ray *ray, Hit *hits, size_t n, bool throu
     return clear;
 }
 
+/* Whether a ray that ends after so short a way ends within rounding of a surface, too, that it has started on: in a wedge between
+ * two. The next ray does not know of that surface any more, and Embree may miss it there. */
+ATTR_COLD static bool is_in_wedge(const Ray *ray, const Hit *hit)
+{
+    for (size_t i = 0; i < ray->n_left; i++) {
+        double slope = vec3_dot(vec3_from_f(ray->left[i].normal), vec3_from_f(ray->direction));
+        if (fabs(slope) * hit->t <= 4 * hit->rounding) return true;
+    }
+    return false;
+}
+
 /* rtc_leave from a hit of n; several: n > 1. */
 static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, Hit *hits, size_t n, bool several,
                               bool through, Vec3f direction, Ray *next)
@@ -310,6 +325,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     start_on_side(hit, slope < 0, slope); /* it starts on the surface itself */
     if (several) clear = find_sides(ray, hits, n, through, hit, along, start_scale);
     double outward = hit->inside ? -1 : 1;
+    bool wedge = UNLIKELY(hit->t <= SHORT_WAY * hit->rounding) && is_in_wedge(ray, hit);
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
     if (UNLIKELY(fabs(slope) < CREEPING_COSINE) && scene->objects[hit->object].solid)
@@ -320,7 +336,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     next->n_left = n;
     next->start_scale = start_scale;
     next->nudge = vec3_scale(normal, 0.5 * outward * hit->rounding);
-    next->at_edge = !clear;
+    next->at_edge = !clear || wedge;
 }
 
 ATTR_COLD static void leave_several(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through,

@@ -95,6 +95,12 @@ static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t
         if (left[i].object == object && left[i].primitive == primitive) return &left[i];
     return NULL;
 }
+static inline bool rtc_starts_on(const Ray *ray, uint32_t object)
+{
+    for (size_t i = 0; i < ray->n_left; i++)
+        if (ray->left[i].object == object) return true;
+    return false;
+}
 /* Computes in double what a candidate is: hit has object and primitive, u and v of a triangle, t of a piece. False when
  * it is not met between t_min and t_max, or is where the ray starts. */
 bool rtc_complete_hit(Query *query, Hit *hit);

@@ -78,7 +78,7 @@ static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
     if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
         !path_cross(tracer, &tracer->next, hits, event->n_cluster, &event->crossing))
         return false;
-    event->clear = !event->crossing.n_faults;
+    event->clear = event->clear && !event->crossing.n_faults;
     return true;
 }
 
@@ -149,6 +149,15 @@ static bool cross_in_row(Tracer *tracer, const NestList *before, NestPass pass, 
     return true;
 }
 
+/* Whether a ray may go away for ever in front of which there are these hulls: they must be without end. */
+static inline bool may_escape(const CompiledScene *compiled, const NestList *list, const NestPoint *point)
+{
+    if (LIKELY(point->mask == 1 && !list->n)) return true;
+    NestList there = *list;
+    there.point = *point;
+    return compiled->order.policy == NEST_NONE || !compiled_bounded_in(compiled, &there);
+}
+
 /* Finds the next surfaces along the path's ray and crosses them into event->behind; the list in front of them is tracer->before, or
  * event->before, where anything was passed on the way. False when memory ends. */
 static inline bool read_nearest(Path *path, Event *event)
@@ -160,7 +169,7 @@ static inline bool read_nearest(Path *path, Event *event)
     bool narrow = compiled->order.narrow;
     event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
     event->medium = nest_medium(before);
-    event->clear = true;
+    event->clear = !tracer->hits.beside;
     event->behind = BEHIND_IN_NEXT;
     tracer->counters.rays++;
     if (tracer->hits.out_of_memory || tracer->passed.out_of_memory) return false;
@@ -175,6 +184,7 @@ static inline bool read_nearest(Path *path, Event *event)
     }
     if (event->n_cluster == 0) {
         event->kind = EVENT_ESCAPE;
+        event->clear = event->clear && may_escape(compiled, before, narrow ? point : &before->point);
         return true;
     }
     const Hit *hit = tracer->hits.items;
@@ -196,7 +206,7 @@ static inline bool read_nearest(Path *path, Event *event)
     event->crossing.opaque = false;
     if (UNLIKELY(!narrow)) {
         if (!cross_in_row(tracer, before, pass, event)) return false;
-        event->clear = !event->crossing.n_faults;
+        event->clear = event->clear && !event->crossing.n_faults;
         return true;
     }
     event->behind = BEHIND_AT_POINT;
@@ -209,34 +219,79 @@ static inline bool read_nearest(Path *path, Event *event)
     return true;
 }
 
-/* Where what was found contradicts the list, the ray may start in a sliver of an object that is thinner than rounding, into
- * which Embree's float ray did not come before: then the ray is in that object from its start on, or no longer in it. Returns
- * whether the list has changed. */
-ATTR_COLD static bool mend_list(Path *path, size_t n_hits)
+/* Where the ray starts within rounding of the edges of an object that it does not start on, the exact ray may come just there
+ * into a sliver of it that Embree's float ray did not come to before, or out of it: then the ray is in that object from its
+ * start on, or no longer in it. Returns whether the list has changed. */
+ATTR_COLD static bool mend_list(Path *path)
 {
     Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
     bool mended = false;
-    for (size_t i = 0; i < n_hits; i++) {
-        Hit sliver = tracer->hits.items[i];
-        uint32_t hull = compiled->hull_of_object[sliver.object];
-        if (hull >= compiled->order.n_hulls || nest_has(&compiled->order, &tracer->list, hull) != sliver.entering ||
-            !rtc_starts_beside(compiled->rtc, &path->ray, sliver.object))
+    if (path->ray.t_min > 0 || compiled->order.policy == NEST_NONE) return false;
+    size_t n = rtc_beside(compiled->rtc, &path->ray, &tracer->beside, &tracer->shadow_hits);
+    for (size_t i = 0; i < n; i++) {
+        Hit *sliver = &tracer->beside.items[i];
+        uint32_t hull = compiled->hull_of_object[sliver->object];
+        if (hull >= compiled->order.n_hulls || nest_has(&compiled->order, &tracer->list, hull) == sliver->inside)
             continue;
         NestCrossing crossing;
-        sliver.entering = !sliver.entering;
-        mended |= path_cross(tracer, &tracer->list, &sliver, 1, &crossing);
+        sliver->entering = sliver->inside;
+        mended |= path_cross(tracer, &tracer->list, sliver, 1, &crossing);
     }
     return mended;
+}
+
+/* Asks for a surface of an object in front of `end` that the list says must be there; such a one becomes the only hit. */
+static bool find_missed(Path *path, uint32_t object, double *end)
+{
+    Tracer *tracer = path->tracer;
+    const CompiledScene *compiled = tracer->world->compiled;
+    bool inside = nest_has(&compiled->order, &tracer->list, compiled->hull_of_object[object]);
+    if (!rtc_find_missed(compiled->rtc, &path->ray, object, !inside, *end, &tracer->hits)) return false;
+    *end = tracer->hits.items[0].t;
+    return true;
+}
+
+/* Where what was found contradicts the list although the ray starts well, Embree has missed a surface on the way: an object is
+ * left that was not entered, or not left at all. Whether there is one. */
+ATTR_COLD static bool find_all_missed(Path *path, size_t n_hits)
+{
+    Tracer *tracer = path->tracer;
+    const CompiledScene *compiled = tracer->world->compiled;
+    const NestOrder *order = &compiled->order;
+    double end = n_hits ? tracer->hits.items[0].t : HUGE_VAL;
+    bool found = false;
+    for (size_t i = 0; i < n_hits; i++) {
+        Hit hit =
+            tracer->hits.items[i]; /* what is found takes the place of the first, which has been asked about then */
+        uint32_t hull = compiled->hull_of_object[hit.object];
+        if (hull < order->n_hulls && nest_has(order, &tracer->list, hull) == hit.entering)
+            found |= find_missed(path, hit.object, &end);
+    }
+    uint32_t n_hulls = n_hits ? 0 : compiled->n_hulls, asked = 0;
+    for (uint32_t hull = 0; hull < n_hulls && asked < RTC_MOST_ASKED; hull++) {
+        uint32_t object = compiled->object_of_hull[hull];
+        if (object == SCENE_NONE || !nest_has(order, &tracer->list, hull)) continue;
+        asked += rtc_n_primitives(compiled->rtc, object);
+        found |= find_missed(path, object, &end);
+    }
+    return found;
 }
 
 /* What was found contradicts the list: place by place, then. */
 ATTR_COLD static bool read_again(Path *path, Event *event)
 {
+    Tracer *tracer = path->tracer;
     path->ray.pass_level = 0;
     path->ray.pass_alike = RTC_NO_PASS;
-    if (path->tracer->passed.n && !read_nearest(path, event)) return false;
-    return event->clear || !mend_list(path, event->n_cluster) || read_nearest(path, event);
+    if ((mend_list(path) || tracer->passed.n) && !read_nearest(path, event)) return false;
+    bool contradicts =
+        event->kind == EVENT_BOUNDARY ? event->crossing.n_faults > 0 : event->kind == EVENT_ESCAPE && !event->clear;
+    if (!contradicts || !find_all_missed(path, event->n_cluster)) return true;
+    event->n_cluster = 1;
+    event->behind = BEHIND_IN_NEXT;
+    event->clear = true;
+    return cross_cluster(tracer, &tracer->list, event);
 }
 
 static inline bool cross_nearest(Path *path, Event *event)

@@ -162,6 +162,50 @@ typedef struct WalkResult {
     uint64_t crossings, faults, escapes_inside;
 } WalkResult;
 
+/* Whether a hit is the first of its object, and goes another way through the surface than the list says. */
+static bool is_wrong(const NestOrder *order, const NestList *list, const HitList *hits, size_t i)
+{
+    const Hit *hit = &hits->items[i];
+    for (size_t k = 0; k < i; k++)
+        if (hits->items[k].object == hit->object) return false;
+    return nest_has(order, list, hit->object) == hit->entering;
+}
+
+static bool contradicts(const NestOrder *order, const NestList *list, const HitList *hits, size_t n)
+{
+    bool wrong = !n && nest_list_count(list);
+    for (size_t i = 0; i < n; i++) wrong = wrong || is_wrong(order, list, hits, i);
+    return wrong;
+}
+
+/* What a path does then (trace/event.c): asks on which side of the objects the ray starts at whose edges it does, and for what
+ * has been missed on the way. */
+static size_t look_again(const TestScene *s, const NestOrder *order, NestList *list, const Ray *ray, HitList *hits,
+                         size_t n)
+{
+    HitList beside = {0}, along = {0};
+    NestCrossing crossing;
+    size_t n_beside = ray->t_min > 0 ? 0 : rtc_beside(s->rtc, ray, &beside, &along);
+    for (size_t i = 0; i < n_beside; i++) {
+        NestPass pass = {beside.items[i].object, beside.items[i].inside};
+        if (nest_has(order, list, pass.hull) == pass.entering) continue;
+        assert_int_equal(nest_cross(list, order, &pass, 1, &crossing), STATUS_OK);
+    }
+    hit_list_clear(&beside);
+    hit_list_clear(&along);
+    double end = n ? hits->items[0].t : HUGE_VAL;
+    bool missed = false;
+    for (uint32_t object = 0; object < s->n; object++) {
+        bool inside = nest_has(order, list, object), wrong = !n && inside;
+        for (size_t i = 0; i < n && !missed; i++)
+            wrong |= hits->items[i].object == object && is_wrong(order, list, hits, i);
+        if (!wrong || !rtc_find_missed(s->rtc, ray, object, !inside, end, hits)) continue;
+        end = hits->items[0].t;
+        missed = true;
+    }
+    return missed ? 1 : n;
+}
+
 /* Walks that start far outside, cross or reflect at random in random directions, and end outside. At an escape the
  * list must be empty, too. */
 static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64_t seed)
@@ -184,18 +228,13 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         Ray ray = ray_through(from, aim, s->time);
         for (int bounce = 0; bounce < 40; bounce++) {
             size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
+            if (hits.beside || contradicts(&order, &list, &hits, n)) n = look_again(s, &order, &list, &ray, &hits, n);
             if (!n) {
                 result.escapes_inside += nest_list_count(&list) != 0;
                 break;
             }
             NestPass passes[64];
-            for (size_t i = 0; i < n; i++) {
-                NestPass pass = passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
-                if (nest_has(&order, &list, pass.hull) != pass.entering || !rtc_starts_beside(s->rtc, &ray, pass.hull))
-                    continue;
-                NestPass sliver = {pass.hull, !pass.entering};
-                assert_int_equal(nest_cross(&list, &order, &sliver, 1, &(NestCrossing){0}), STATUS_OK);
-            }
+            for (size_t i = 0; i < n; i++) passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
             NestCrossing crossing;
             assert_int_equal(nest_list_copy(&next, &list), STATUS_OK);
             assert_int_equal(nest_cross(&next, &order, passes, (uint32_t)n, &crossing), STATUS_OK);
@@ -252,9 +291,8 @@ static void expect_no_faults(TestScene *s, const char *name, double size)
     WalkResult r = walk(s, size, wanted ? strtoull(wanted, NULL, 10) : usual, 1);
     printf("%s: %llu faults, %llu escapes from inside in %llu crossings\n", name, (unsigned long long)r.faults,
            (unsigned long long)r.escapes_inside, (unsigned long long)r.crossings);
-    if (s->at_edges) { /* along a face, nearer than float can tell, a ray may still miss it: six in a million, by 300 million
-                        * crossings, of baked meshes and instances alike; some walks do so several times */
-        assert_true((r.faults + r.escapes_inside) * 50000 <= r.crossings);
+    if (s->at_edges) { /* creeping along faces, nearer than float can tell, a ray may still miss them: in 200 million crossings */
+        assert_true((r.faults + r.escapes_inside) * 300000 <= r.crossings);
     } else {
         assert_int_equal(r.faults, 0);
         assert_int_equal(r.escapes_inside, 0);
@@ -478,6 +516,90 @@ static void test_edges(void **state)
     }
 }
 
+/* A ray goes on behind a face within rounding of an edge of another box, whose two faces are there: one exactly where it goes
+ * on, and missed, and one a little behind. */
+static void test_edge_where_a_ray_goes_on(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, -10, -10), vec3(0, 10, 10))), NULL, affine_identity());
+    add(&s, keep_mesh(&s, box_mesh(vec3(-10, 0, -10), vec3(10, 10, 0))), NULL, affine_identity());
+    build(&s);
+    HitList hits = {0};
+    Ray ray = ray_make(vec3(17.139293519419098, -5.7757701759704494, -158.97447938750915),
+                       vec3f(-0.16744633F, 0.0381941125F, 0.985141098F));
+    assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 1);
+    assert_int_equal(hits.items[0].object, 0);
+    rtc_pass_on(&ray, hits.items, 1);
+    assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 1);
+    assert_int_equal(hits.items[0].object, 1);
+    assert_true(hits.items[0].entering && hits.items[0].t < ray.t_min + 1e-3);
+    hit_list_clear(&hits);
+    destroy(&s);
+}
+
+/* A ray turns back from a face of one box within rounding of an edge of another, which Embree's ray has passed by and the exact
+ * one has not: the new ray is inside of it, and is told. */
+static void test_turn_at_an_edge(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add(&s, keep_mesh(&s, box_mesh(vec3(0, -1, -14), vec3(6, 1, -10))), NULL, affine_identity());
+    add(&s, keep_mesh(&s, box_mesh(vec3(0, -10, -10), vec3(10, 10, 10))), NULL, affine_identity());
+    build(&s);
+    HitList hits = {0}, left = {0}, along = {0};
+    Ray ray = ray_make(vec3(75.662149388538751, -52.440664630270469, -130.86334797429697),
+                       vec3f(-0.468084514F, 0.348356932F, 0.812123358F));
+    size_t n = rtc_nearest(s.rtc, &ray, &left, NULL);
+    if (n == 1 && left.items[0].object == 1) { /* as with AVX2; what float makes of the edge may differ */
+        rtc_leave(s.rtc, &ray, left.items, &n, false, vec3f(-0.804547608F, 0.58775562F, -0.0851263851F), &ray);
+        rtc_nearest(s.rtc, &ray, &hits, NULL);
+        assert_true(hits.beside);
+        HitList beside = {0};
+        assert_int_equal(rtc_beside(s.rtc, &ray, &beside, &along), 1);
+        assert_true(beside.items[0].object == 0 && beside.items[0].inside);
+        hit_list_clear(&beside);
+    }
+    hit_list_clear(&hits);
+    hit_list_clear(&left);
+    hit_list_clear(&along);
+    destroy(&s);
+}
+
+/* What is asked of all triangles is what a search finds, where nothing is missed. */
+static void test_find_missed(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add(&s, keep_mesh(&s, cut_box_mesh(vec3(-3, -1, -2), vec3(3, 1, 2), 4)), NULL,
+        turned(25, vec3(1, 2, 3), vec3(1, 2, 3)));
+    add(&s, NULL, sphere(&s, 2), affine_identity());
+    build(&s);
+    HitList hits = {0}, missed = {0};
+    uint64_t random = 7;
+    int n_met = 0;
+    for (int i = 0; i < 2000; i++) {
+        Ray ray = ray_through(vec3_scale(random_direction(&random), 9), vec3_scale(random_direction(&random), 3), 0);
+        assert_true(rtc_all(s.rtc, &ray, false, &hits));
+        for (int entering = 0; entering < 2; entering++) {
+            size_t k = 0;
+            while (k < hits.n && (hits.items[k].object != 0 || hits.items[k].entering != entering)) k++;
+            double t = k < hits.n ? hits.items[k].t : HUGE_VAL;
+            assert_int_equal(rtc_find_missed(s.rtc, &ray, 0, entering, HUGE_VAL, &missed), k < hits.n);
+            if (k == hits.n) continue;
+            assert_true(missed.n == 1 && missed.items[0].t == t &&
+                        missed.items[0].primitive == hits.items[k].primitive);
+            assert_false(rtc_find_missed(s.rtc, &ray, 0, entering, t, &missed));
+            n_met++;
+        }
+        assert_false(rtc_find_missed(s.rtc, &ray, 1, true, HUGE_VAL, &missed));
+    }
+    assert_true(n_met > 1000);
+    hit_list_clear(&hits);
+    hit_list_clear(&missed);
+    destroy(&s);
+}
+
 /* Two faces 20 units in the last place apart are two; faces at one place are one cluster. */
 static void test_gap_is_kept(void **state)
 {
@@ -646,6 +768,9 @@ int main(void)
         cmocka_unit_test(test_coincident_solids),
         cmocka_unit_test(test_planes),
         cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_edge_where_a_ray_goes_on),
+        cmocka_unit_test(test_turn_at_an_edge),
+        cmocka_unit_test(test_find_missed),
         cmocka_unit_test(test_gap_is_kept),
         cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
