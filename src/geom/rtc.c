@@ -10,7 +10,8 @@
  * in a list of their own (rtc_passed.c), and end nothing.
  *
  * The ray that Embree sees starts a little behind the true one, so that a triangle right at the start is
- * proposed in spite of float rounding; whether it is in front of the start is then decided in double.
+ * proposed in spite of float rounding; whether it is in front of the start is then decided in double. One that starts far
+ * away from everything is shown from nearer by: in float, coordinates out there are too coarse to aim with.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
 #include <stdlib.h>
@@ -440,6 +441,7 @@ static bool embree_ray(const Query *query, struct RTCRay *ray)
     Vec3 origin = vec3_add(query->origin, query->ray->nudge);
     Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction)), direction = query->ray->direction;
     double near = query->t_min > 0 ? query->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
+    near += double_min(query->back, 0); /* from far away */
     FloatRay parts = {lanes(start.x, start.y, start.z, near > 0 ? (float)near : 0),
                       lanes(direction.x, direction.y, direction.z, (float)query->ray->time)};
     memcpy(ray, &parts, sizeof parts); /* as Embree reads it: it need not wait for its parts to come together */
@@ -552,6 +554,12 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
         arguments->valid[0] = 0;
 }
 
+/* Everything that Embree knows of is within `reach` along each axis. */
+ATTR_COLD static double back_from_afar(const Query *query)
+{
+    return 2 * query->scene->reach - vec3_length(query->origin);
+}
+
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
 {
     embree_init_context(&query->context);
@@ -561,6 +569,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->direction = vec3_from_f(ray->direction);
     query->scale = double_max(vec3_max_abs(query->origin), scene->reach);
     query->back = START_BACK * query->scale;
+    if (UNLIKELY(query->scale > 2 * scene->reach)) query->back = back_from_afar(query);
     query->t_min = ray->t_min;
     query->reach = HUGE_VAL;
     query->least_window = 0;

@@ -81,7 +81,9 @@ typedef struct Ray {
     size_t n_left;
     double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
     Vec3 nudge;              /* a step of rounding's size from the origin to the side that the ray is on */
-    bool at_edge;            /* the place at t_min is within rounding of a triangle's edge: Embree may miss what is there */
+    float least_slope;       /* the least cosine to a surface that it starts on; INFINITY: to none */
+    bool at_edge;            /* the place at t_min, or an earlier one of its line, is within rounding of a triangle's edge, or
+                              * of a surface that the ray before started on: Embree may miss what is there */
 } Ray;
 
 /* A ray that starts in free space. Set field by field: a whole one would be made aside and copied. */
@@ -99,6 +101,7 @@ static inline void ray_begin(Ray *ray, Vec3 origin, Vec3f direction)
     ray->n_left = 0;
     ray->start_scale = 0;
     ray->nudge = vec3(0, 0, 0);
+    ray->least_slope = INFINITY;
     ray->at_edge = false;
 }
 static inline Ray ray_make(Vec3 origin, Vec3f direction)

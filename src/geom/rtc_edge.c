@@ -10,6 +10,8 @@
 
 /* How far Embree's line may run beside the exact one, of the coordinates: the nudge, and some roundings. */
 #define LINE_NOISE 0x1p-19
+/* Below this cosine a ray that starts within rounding of a plane may meet it where Embree does not look. */
+#define CREEPING 0x1p-10
 
 bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3])
 {
@@ -85,6 +87,45 @@ static void take_triangle(Query *query, uint32_t object, uint32_t primitive)
     if (list == query->hits && !query->all) rtc_shorten(query, hit);
 }
 
+/* All triangles of an object. */
+static void take_all(Query *query, uint32_t object)
+{
+    uint32_t n = rtc_n_primitives(query->scene, object);
+    for (uint32_t i = 0; n <= RTC_MOST_ASKED && i < n; i++) take_triangle(query, object, i);
+}
+
+/* Whether the ray runs along a triangle, so that Embree's may be on its other side for a long way. */
+static bool creeps_along(const Query *query, uint32_t object, uint32_t primitive)
+{
+    Vec3 corner[3];
+    rtc_triangle(query->scene, object, primitive, query->ray->time, corner);
+    Vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    return fabs(vec3_dot(normal, query->direction)) <= CREEPING * vec3_length(normal);
+}
+
+typedef struct Start {
+    Query *query;
+    uint32_t asked; /* the object whose triangles have all been taken last */
+} Start;
+
+/* Triangles about the start. Where that is at an edge of a face along which the ray creeps, it may come through that face far
+ * away from there. */
+static bool take_at_start(struct RTCPointQueryFunctionArguments *arguments)
+{
+    Start *start = arguments->userPtr;
+    Query *query = start->query;
+    uint32_t object = object_asked(arguments);
+    if (object >= query->scene->n_objects) return false; /* a piece */
+    uint32_t first = 2 * arguments->primID, n = triangles_of(&query->scene->objects[object], arguments->primID);
+    for (uint32_t i = first; i < first + n; i++) {
+        take_triangle(query, object, i);
+        if (!query->ray->at_edge || object == start->asked || !creeps_along(query, object, i)) continue;
+        start->asked = object;
+        take_all(query, object);
+    }
+    return false;
+}
+
 static bool take_neighbours(struct RTCPointQueryFunctionArguments *arguments)
 {
     Query *query = arguments->userPtr;
@@ -143,7 +184,8 @@ static void look_at_all(Query *query, HitList *hits)
 void rtc_look_closer(Query *query)
 {
     Vec3 start = vec3_along(query->origin, query->t_min, query->direction);
-    look_around(query, start, 16 * rtc_rounding(start));
+    Start about = {query, RTC_NO_OBJECT};
+    ask_around(query->scene, start, query->ray->time, 16 * rtc_rounding(start), take_at_start, &about);
     look_at_all(query, query->hits);
     if (query->passes) look_at_all(query, query->passed);
 }

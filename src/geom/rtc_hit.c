@@ -4,8 +4,6 @@
 
 /* Below this cosine a ray creeps along a curved surface, and is started off it by a step of double's rounding. */
 #define CREEPING_COSINE 1e-4
-/* A way of so many roundings may end where it has begun, as far as Embree can tell. */
-#define SHORT_WAY 4096
 /* What Embree's barycentric coordinates can be off by, of the ratio of a triangle's length, times the distance, to its
  * area as the ray sees it: some roundings of float. */
 #define EDGE_NOISE 0x1p-18
@@ -289,7 +287,7 @@ static inline void start_on_side(Hit *hit, bool inside, double slope)
 /* Tells on which side of each of n surfaces the new ray starts, which it does on one of them: the others have all been
  * crossed, or none has. The ray's own direction decides where it starts on them, too. Returns whether all are clear. */
 ATTR_COLD static bool find_sides(const Ray *ray, Hit *hits, size_t n, bool through, const Hit *start, Vec3 direction,
-                                 double start_scale)
+                                 double start_scale, double *least_slope)
 {
     bool clear = true;
     Vec3 origin = ray_point(ray, start->t);
@@ -300,19 +298,9 @@ ATTR_COLD static bool find_sides(const Ray *ray, Hit *hits, size_t n, bool throu
         bool on_surface = hit == start || fabs(height) <= DOUBLE_NOISE * start_scale;
         start_on_side(hit, on_surface ? slope < 0 : hit->entering == through, slope);
         clear = clear && hit->clear;
+        *least_slope = double_min(*least_slope, fabs(slope));
     }
     return clear;
-}
-
-/* Whether a ray that ends after so short a way ends within rounding of a surface, too, that it has started on: in a wedge between
- * two. The next ray does not know of that surface any more, and Embree may miss it there. */
-ATTR_COLD static bool is_in_wedge(const Ray *ray, const Hit *hit)
-{
-    for (size_t i = 0; i < ray->n_left; i++) {
-        double slope = vec3_dot(vec3_from_f(ray->left[i].normal), vec3_from_f(ray->direction));
-        if (fabs(slope) * hit->t <= 4 * hit->rounding) return true;
-    }
-    return false;
 }
 
 /* rtc_leave from a hit of n; several: n > 1. */
@@ -321,11 +309,14 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
 {
     Vec3 normal = vec3_from_f(hit->normal), along = vec3_from_f(direction), origin = ray_point(ray, hit->t);
     double slope = vec3_dot(normal, along), start_scale = vec3_max_abs(ray->origin) + hit->t, time = ray->time;
+    double least_slope = fabs(slope);
     bool clear = hit->clear;
     start_on_side(hit, slope < 0, slope); /* it starts on the surface itself */
-    if (several) clear = find_sides(ray, hits, n, through, hit, along, start_scale);
+    if (several) clear = find_sides(ray, hits, n, through, hit, along, start_scale, &least_slope);
     double outward = hit->inside ? -1 : 1;
-    bool wedge = UNLIKELY(hit->t <= SHORT_WAY * hit->rounding) && is_in_wedge(ray, hit);
+    /* The ray may end within rounding of a surface, too, that it has started on: in a wedge between two, or creeping. The
+     * next one does not know of that surface any more, and Embree may miss it there. */
+    clear = clear && (double)ray->least_slope * hit->t > 4 * hit->rounding;
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
     if (UNLIKELY(fabs(slope) < CREEPING_COSINE) && scene->objects[hit->object].solid)
@@ -336,7 +327,8 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     next->n_left = n;
     next->start_scale = start_scale;
     next->nudge = vec3_scale(normal, 0.5 * outward * hit->rounding);
-    next->at_edge = !clear || wedge;
+    next->at_edge = !clear;
+    next->least_slope = (float)least_slope;
 }
 
 ATTR_COLD static void leave_several(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through,

@@ -33,7 +33,7 @@ typedef struct Query {
     const RtcScene *scene;
     const Ray *ray;
     Vec3 origin, direction;
-    double back;         /* how far Embree's ray starts behind the true one */
+    double back;         /* how far Embree's ray starts behind the true one; from far away < 0: in front of it */
     double scale;        /* coordinates of start and scene, for noise */
     double t_min;        /* the ray's, or what has been found to be no more than repetitions of the start */
     double reach;        /* nearest query: candidates beyond do not matter any more */

@@ -291,8 +291,9 @@ static void expect_no_faults(TestScene *s, const char *name, double size)
     WalkResult r = walk(s, size, wanted ? strtoull(wanted, NULL, 10) : usual, 1);
     printf("%s: %llu faults, %llu escapes from inside in %llu crossings\n", name, (unsigned long long)r.faults,
            (unsigned long long)r.escapes_inside, (unsigned long long)r.crossings);
-    if (s->at_edges) { /* creeping along faces, nearer than float can tell, a ray may still miss them: in 200 million crossings */
-        assert_true((r.faults + r.escapes_inside) * 300000 <= r.crossings);
+    if (s->at_edges) { /* creeping along faces, nearer than float can tell, a ray may still miss them: one in eight
+                        * million, by 176 million crossings */
+        assert_true((r.faults + r.escapes_inside) * 500000 <= r.crossings);
     } else {
         assert_int_equal(r.faults, 0);
         assert_int_equal(r.escapes_inside, 0);
@@ -600,6 +601,37 @@ static void test_find_missed(void **state)
     destroy(&s);
 }
 
+/* Embree may miss all triangles of a corner that a ray is aimed at: of rays from far away 13 in 1,000, were they not shown to
+ * it from nearer by. What it misses is found where it is asked for. */
+static void test_corner_from_afar(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    static const double profile[][2] = {{0, 0}, {30, 0}, {34, 2}, {41, 80}, {0, 80}};
+    add(&s, keep_mesh(&s, lathe_mesh(profile, COUNT_OF(profile), 48)), NULL, affine_identity());
+    build(&s);
+    HitList hits = {0};
+    uint64_t random = 11;
+    int n_entered = 0, n_missed = 0;
+    for (int i = 0; i < 300000; i++) {
+        Vec3 corner = vec3_from_f(s.meshes[0]->positions[2 + i % 48]); /* at the rim of the bottom */
+        Vec3 from = vec3_scale(random_direction(&random), 480),
+             aim = vec3_along(corner, 1e-5, random_direction(&random));
+        if (from.y > -300) continue;
+        Ray ray = ray_through(from, aim, 0);
+        n_entered++;
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 1);
+        if (hits.items[0].entering) continue;
+        n_missed++;
+        assert_true(rtc_find_missed(s.rtc, &ray, 0, true, hits.items[0].t, &hits));
+        assert_true(hits.items[0].entering);
+    }
+    assert_true(n_missed * 200 < n_entered);
+    assert_true(n_entered > 30000);
+    hit_list_clear(&hits);
+    destroy(&s);
+}
+
 /* Two faces 20 units in the last place apart are two; faces at one place are one cluster. */
 static void test_gap_is_kept(void **state)
 {
@@ -771,6 +803,7 @@ int main(void)
         cmocka_unit_test(test_edge_where_a_ray_goes_on),
         cmocka_unit_test(test_turn_at_an_edge),
         cmocka_unit_test(test_find_missed),
+        cmocka_unit_test(test_corner_from_afar),
         cmocka_unit_test(test_gap_is_kept),
         cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
