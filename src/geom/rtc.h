@@ -206,10 +206,10 @@ uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object);
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3]);
 
 /* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
- * (through) or from the side that ray came from. Of several hits of one object only the last (first) is kept (hits and *n
- * change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface. hits[i].inside
+ * (through) or from the side that ray came from. Of several hits of one object only the last (first) is kept, and those of
+ * triangles that have that very point in common, at an edge (hits and *n change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface. hits[i].inside
  * says for each surface on which side of it the ray starts: by the order along the ray before, and by the direction where
- * the origin is on the surface itself. The new ray may take the old one's place: next == ray. */
+ * the origin is on the surface itself; at an edge, for all of an object's triangles alike, whether it starts inside of that. The new ray may take the old one's place: next == ray. */
 void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next);
 
 #endif

@@ -265,14 +265,17 @@ Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
     return object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 
-/* Keeps one hit of each object, the one nearest to where the new ray starts; returns how many. */
-ATTR_COLD static size_t one_per_object(Hit *hits, size_t n, bool through)
+/* Keeps one hit of each object, the one nearest to where the new ray starts, and all triangles that have that very point in
+ * common; returns how many. */
+ATTR_COLD static size_t keep_at_start(const RtcScene *scene, const Ray *ray, Hit *hits, size_t n, bool through)
 {
+    double start = hits[through ? n - 1 : 0].t, noise = DOUBLE_NOISE * (vec3_max_abs(ray->origin) + start);
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
         size_t other = through ? i + 1 : 0, end = through ? n : i;
-        while (other < end && hits[other].object != hits[i].object) other++;
-        if (other == end) hits[kept++] = hits[i];
+        bool at_start = scene->objects[hits[i].object].mesh && fabs(hits[i].t - start) <= noise;
+        while (!at_start && other < end && hits[other].object != hits[i].object) other++;
+        if (at_start || other == end) hits[kept++] = hits[i];
     }
     return kept;
 }
@@ -303,6 +306,40 @@ ATTR_COLD static bool find_sides(const Ray *ray, Hit *hits, size_t n, bool throu
     return clear;
 }
 
+/* Whether the edge between two triangles that meet is a reentrant one: seen from the first, the other rises. */
+ATTR_COLD static bool is_reentrant(const RtcScene *scene, double time, const Hit *first, const Hit *other)
+{
+    Vec3 a[3], b[3];
+    rtc_triangle(scene, first->object, first->primitive, time, a);
+    rtc_triangle(scene, other->object, other->primitive, time, b);
+    Vec3 normal = vec3_cross(vec3_sub(a[1], a[0]), vec3_sub(a[2], a[0]));
+    double height = 0; /* of the corner farthest from the plane */
+    for (int i = 0; i < 3; i++) {
+        double above = vec3_dot(vec3_sub(b[i], a[0]), normal);
+        if (fabs(above) > fabs(height)) height = above;
+    }
+    return height > 0;
+}
+
+/* Where several triangles of one object are left, the new ray starts on an edge of it, and the planes of both sides have their
+ * say: it is inside of the object where it is below all of them; at a reentrant edge, where it is below any. */
+ATTR_COLD static void agree_at_edges(const RtcScene *scene, double time, Hit *hits, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        size_t before = 0;
+        bool inside = hits[i].inside;
+        while (hits[before].object != hits[i].object) before++;
+        if (before < i) continue; /* has been settled with that one */
+        for (size_t k = i + 1; k < n; k++) {
+            if (hits[k].object != hits[i].object) continue;
+            bool reentrant = is_reentrant(scene, time, &hits[i], &hits[k]);
+            inside = reentrant ? inside || hits[k].inside : inside && hits[k].inside;
+        }
+        for (size_t k = i; k < n; k++)
+            if (hits[k].object == hits[i].object) hits[k].inside = inside;
+    }
+}
+
 /* rtc_leave from a hit of n; several: n > 1. */
 static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, Hit *hits, size_t n, bool several,
                               bool through, Vec3f direction, Ray *next)
@@ -313,7 +350,8 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     bool clear = hit->clear;
     start_on_side(hit, slope < 0, slope); /* it starts on the surface itself */
     if (several) clear = find_sides(ray, hits, n, through, hit, along, start_scale, &least_slope);
-    double outward = hit->inside ? -1 : 1;
+    double outward = hit->inside ? -1 : 1; /* of that plane */
+    if (several) agree_at_edges(scene, time, hits, n);
     /* The ray may end within rounding of a surface, too, that it has started on: in a wedge between two, or creeping. The
      * next one does not know of that surface any more, and Embree may miss it there. */
     clear = clear && (double)ray->least_slope * hit->t > 4 * hit->rounding;
@@ -334,7 +372,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
 ATTR_COLD static void leave_several(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through,
                                     Vec3f direction, Ray *next)
 {
-    *n = one_per_object(hits, *n, through);
+    *n = keep_at_start(scene, ray, hits, *n, through);
     leave_from(scene, ray, through ? &hits[*n - 1] : &hits[0], hits, *n, *n > 1, through, direction, next);
 }
 

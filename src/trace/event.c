@@ -232,8 +232,7 @@ ATTR_COLD static bool mend_list(Path *path)
     for (size_t i = 0; i < n; i++) {
         Hit *sliver = &tracer->beside.items[i];
         uint32_t hull = compiled->hull_of_object[sliver->object];
-        if (hull >= compiled->order.n_hulls || nest_has(&compiled->order, &tracer->list, hull) == sliver->inside)
-            continue;
+        if (hull == SCENE_NONE || nest_has(&compiled->order, &tracer->list, hull) == sliver->inside) continue;
         NestCrossing crossing;
         sliver->entering = sliver->inside;
         mended |= path_cross(tracer, &tracer->list, sliver, 1, &crossing);
@@ -265,7 +264,7 @@ ATTR_COLD static bool find_all_missed(Path *path, size_t n_hits)
         Hit hit =
             tracer->hits.items[i]; /* what is found takes the place of the first, which has been asked about then */
         uint32_t hull = compiled->hull_of_object[hit.object];
-        if (hull < order->n_hulls && nest_has(order, &tracer->list, hull) == hit.entering)
+        if (hull != SCENE_NONE && nest_has(order, &tracer->list, hull) == hit.entering)
             found |= find_missed(path, hit.object, &end);
     }
     uint32_t n_hulls = n_hits ? 0 : compiled->n_hulls, asked = 0;

@@ -567,6 +567,71 @@ static void test_turn_at_an_edge(void **state)
     destroy(&s);
 }
 
+/* A step: an L in y and z, from x = -1 to 1; its reentrant edge is at y = 1, z = 0. */
+static Mesh *step_mesh(void)
+{
+    static const float outline[6][2] = {{0, -1}, {2, -1}, {2, 0}, {1, 0}, {1, 1}, {0, 1}};
+    static const uint32_t cap[4][3] = {{3, 4, 5}, {3, 5, 0}, {3, 0, 1}, {3, 1, 2}};
+    Mesh *mesh;
+    uint32_t n = 0;
+    assert_int_equal(mesh_new(12, 20, false, false, &mesh, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < 12; i++) mesh->positions[i] = vec3f(i < 6 ? -1 : 1, outline[i % 6][0], outline[i % 6][1]);
+    for (uint32_t i = 0; i < 6; i++) {
+        uint32_t next = (i + 1) % 6;
+        memcpy(mesh->triangles[n++], ((uint32_t[]){i, next, next + 6}), 3 * sizeof(uint32_t));
+        memcpy(mesh->triangles[n++], ((uint32_t[]){i, next + 6, i + 6}), 3 * sizeof(uint32_t));
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        memcpy(mesh->triangles[n++], ((uint32_t[]){cap[i][0], cap[i][2], cap[i][1]}), 3 * sizeof(uint32_t));
+        memcpy(mesh->triangles[n++], ((uint32_t[]){cap[i][0] + 6, cap[i][1] + 6, cap[i][2] + 6}), 3 * sizeof(uint32_t));
+    }
+    return mesh;
+}
+
+/* Rays come to the very edge of an object, where they meet both of its sides at one distance, and leave in all directions. The
+ * new ray knows whether it is inside of the object, and what it meets next agrees. */
+static void test_on_an_edge(void **state)
+{
+    (void)state;
+    enum { EDGES = 5, DIRECTIONS = 2000 };
+    static const struct {
+        Vec3 from, along;
+        double quarter[2]; /* y and z of a direction between the edge's two sides */
+        bool solid;        /* that quarter alone is the object's; else all but that */
+    } edges[EDGES] = {
+        {{.3, 8, 9}, {0, -1, -1}, {1, -1}, true},    /* grazed from outside */
+        {{.3, 9, 9}, {0, -1, -1}, {-1, -1}, true},   /* met head on */
+        {{.3, 9, 8}, {0, -1, -1}, {1, 1}, false},    /* reentrant, from outside */
+        {{.3, .5, -.5}, {0, 1, 1}, {1, 1}, false},   /* and from within */
+        {{.3, 1.5, -.5}, {0, -1, 1}, {1, 1}, false}, /* grazed from within */
+    };
+    TestScene s = {0};
+    add(&s, keep_mesh(&s, step_mesh()), NULL, affine_identity());
+    build(&s);
+    HitList met = {0}, next = {0};
+    uint64_t random = 1;
+    for (int i = 0; i < EDGES; i++) {
+        Ray ray = ray_make(edges[i].from, vec3f_from(vec3_normalize(edges[i].along)));
+        for (int k = 0; k < DIRECTIONS; k++) {
+            Vec3 d = random_direction(&random);
+            if (fabs(d.y) < 0.01 || fabs(d.z) < 0.01) continue;
+            size_t n = rtc_nearest(s.rtc, &ray, &met, NULL);
+            assert_int_equal(n, 2);
+            bool within = (d.y > 0) == (edges[i].quarter[0] > 0) && (d.z > 0) == (edges[i].quarter[1] > 0);
+            bool inside = within == edges[i].solid;
+            Ray onward;
+            rtc_leave(s.rtc, &ray, met.items, &n, k % 2, vec3f_from(d), &onward);
+            assert_int_equal(n, 2);
+            assert_true(met.items[0].inside == inside && met.items[1].inside == inside);
+            n = rtc_nearest(s.rtc, &onward, &next, NULL);
+            assert_int_equal(n > 0 && !next.items[0].entering, inside);
+        }
+    }
+    hit_list_clear(&met);
+    hit_list_clear(&next);
+    destroy(&s);
+}
+
 /* What is asked of all triangles is what a search finds, where nothing is missed. */
 static void test_find_missed(void **state)
 {
@@ -802,6 +867,7 @@ int main(void)
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_edge_where_a_ray_goes_on),
         cmocka_unit_test(test_turn_at_an_edge),
+        cmocka_unit_test(test_on_an_edge),
         cmocka_unit_test(test_find_missed),
         cmocka_unit_test(test_corner_from_afar),
         cmocka_unit_test(test_gap_is_kept),
