@@ -38,6 +38,8 @@ trace base nest optics mesh shape geom scene
 render base diag image scene trace
 cli base diag lang nest optics mesh shape geom image scene check trace render
 TABLE
+known='src|grammar|examples|tests|man|README\.md|Makefile|LICENSE|CHANGES|VERSION|\..*'
+verdict 'nothing else at the top level' "$(git ls-files 2> /dev/null | sed 's|/.*||' | sort -u | grep -vxE "$known")"
 verdict 'Embree only behind geom/embree.h' "$(grep -lE 'include <embree' -r src --include='*.[ch]' | grep -v '^src/geom/embree.h$')"
 verdict 'geom/embree.h only in geom/rtc*' "$(grep -lE 'geom/embree.h|rtc_scene.h' -r src --include='*.[ch]' | grep -vE '^src/geom/(rtc|embree)')"
 verdict 'OpenEXR only in image/exr.c' "$(grep -lE 'include <openexr' -r src --include='*.[ch]' | grep -v '^src/image/exr.c$')"
