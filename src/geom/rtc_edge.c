@@ -53,15 +53,18 @@ bool rtc_has_hit(const HitList *list, uint32_t object, uint32_t primitive)
     return false;
 }
 
-static uint32_t object_asked(const struct RTCPointQueryFunctionArguments *arguments)
-{
-    return arguments->context->instStackSize ? arguments->context->instID[0] : arguments->geomID;
-}
+/* The triangles of an object that are asked about: first <= primitive < end; none where it is a piece. */
+typedef struct Asked {
+    uint32_t object, first, end;
+} Asked;
 
-/* How many triangles a quad of a mesh has. */
-static uint32_t triangles_of(const RtcPlaced *object, uint32_t quad)
+static Asked triangles_asked(const RtcScene *scene, const struct RTCPointQueryFunctionArguments *arguments)
 {
-    return mesh_quad_is_single(object->mesh->quads[quad].vertex) ? 1 : 2;
+    uint32_t object = arguments->context->instStackSize ? arguments->context->instID[0] : arguments->geomID,
+             quad = arguments->primID;
+    if (object >= scene->n_objects) return (Asked){object, 0, 0};
+    bool single = mesh_quad_is_single(scene->objects[object].mesh->quads[quad].vertex);
+    return (Asked){object, 2 * quad, 2 * quad + (single ? 1 : 2)};
 }
 
 /* A triangle near a place in doubt: noted where the exact ray meets it. */
@@ -114,14 +117,12 @@ static bool take_at_start(struct RTCPointQueryFunctionArguments *arguments)
 {
     Start *start = arguments->userPtr;
     Query *query = start->query;
-    uint32_t object = object_asked(arguments);
-    if (object >= query->scene->n_objects) return false; /* a piece */
-    uint32_t first = 2 * arguments->primID, n = triangles_of(&query->scene->objects[object], arguments->primID);
-    for (uint32_t i = first; i < first + n; i++) {
-        take_triangle(query, object, i);
-        if (!query->ray->at_edge || object == start->asked || !creeps_along(query, object, i)) continue;
-        start->asked = object;
-        take_all(query, object);
+    Asked asked = triangles_asked(query->scene, arguments);
+    for (uint32_t i = asked.first; i < asked.end; i++) {
+        take_triangle(query, asked.object, i);
+        if (!query->ray->at_edge || asked.object == start->asked || !creeps_along(query, asked.object, i)) continue;
+        start->asked = asked.object;
+        take_all(query, asked.object);
     }
     return false;
 }
@@ -129,10 +130,8 @@ static bool take_at_start(struct RTCPointQueryFunctionArguments *arguments)
 static bool take_neighbours(struct RTCPointQueryFunctionArguments *arguments)
 {
     Query *query = arguments->userPtr;
-    uint32_t object = object_asked(arguments);
-    if (object >= query->scene->n_objects) return false; /* a piece */
-    uint32_t first = 2 * arguments->primID, n = triangles_of(&query->scene->objects[object], arguments->primID);
-    for (uint32_t i = first; i < first + n; i++) take_triangle(query, object, i);
+    Asked asked = triangles_asked(query->scene, arguments);
+    for (uint32_t i = asked.first; i < asked.end; i++) take_triangle(query, asked.object, i);
     return false; /* the radius stays */
 }
 
@@ -219,17 +218,15 @@ static Hit *hit_of_object(const HitList *list, uint32_t object)
 static bool find_beside(struct RTCPointQueryFunctionArguments *arguments)
 {
     const Beside *beside = arguments->userPtr;
-    uint32_t object = object_asked(arguments), first = 2 * arguments->primID;
-    if (object >= beside->scene->n_objects) return false; /* a piece */
-    if (rtc_starts_on(beside->ray, object) || hit_of_object(beside->found, object)) return false;
-    uint32_t n = triangles_of(&beside->scene->objects[object], arguments->primID);
-    for (uint32_t i = first; i < first + n; i++) {
+    Asked asked = triangles_asked(beside->scene, arguments);
+    if (rtc_starts_on(beside->ray, asked.object) || hit_of_object(beside->found, asked.object)) return false;
+    for (uint32_t i = asked.first; i < asked.end; i++) {
         Vec3 corner[3];
-        rtc_triangle(beside->scene, object, i, beside->ray->time, corner);
+        rtc_triangle(beside->scene, asked.object, i, beside->ray->time, corner);
         if (!is_beside(corner, beside->ray->origin, beside->radius)) continue;
         Hit *hit = rtc_hit_place(beside->found);
         if (!hit) return false;
-        hit->object = object;
+        hit->object = asked.object;
         beside->found->n++;
         break;
     }

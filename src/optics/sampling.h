@@ -38,6 +38,12 @@ static inline void sampling_eighth(float t, float *sine, float *cosine)
     *cosine = 1 + z * (-0.308425135f + z * (0.0158543252f + z * (-0.000325938586f + z * 3.52979713e-6f)));
 }
 
+/* a and b in lanes 0 and 1 where less < more, else b and a: without a branch. */
+static inline Lanes sampling_either_way(Lanes less, Lanes more, float a, float b)
+{
+    return lanes_select_less(less, more, lanes(a, b, 0, 0), lanes(b, a, 0, 0));
+}
+
 /* The point of the circle of radius 1 that is u of a turn from x on, 0 <= u < 2: u times 2 pi, but the same on every machine.
  * Which quarter it is in no processor can foretell: without branches. */
 static inline void sampling_circle(float u, float *x, float *y)
@@ -46,7 +52,7 @@ static inline void sampling_circle(float u, float *x, float *y)
     float sine, cosine; /* as if it were in the quarter about x */
     sampling_eighth(8 * u - 2 * (float)quarter, &sine, &cosine);
     Lanes even = lanes_all((float)(1 - (quarter & 1)));
-    Lanes point = lanes_select_less(lanes_all(0), even, lanes(cosine, sine, 0, 0), lanes(sine, cosine, 0, 0));
+    Lanes point = sampling_either_way(lanes_all(0), even, cosine, sine);
     *x = (float)(1 - ((quarter + 1) & 2)) * lanes_get(point, 0);
     *y = (float)(1 - (quarter & 2)) * lanes_get(point, 1);
 }
@@ -59,10 +65,10 @@ static inline float sampling_disc(float u, float v, float *x, float *y)
 {
     float a = 2 * u - 1, b = 2 * v - 1, sine, cosine;
     Lanes size_a = lanes_all(fabsf(a)), size_b = lanes_all(fabsf(b));
-    Lanes place = lanes_select_less(size_b, size_a, lanes(a, b, 0, 0), lanes(b, a, 0, 0));
+    Lanes place = sampling_either_way(size_b, size_a, a, b);
     float radius = lanes_get(place, 0);
     sampling_eighth(radius != 0 ? lanes_get(place, 1) / radius : 0, &sine, &cosine);
-    Lanes disc = lanes_select_less(size_b, size_a, lanes(cosine, sine, 0, 0), lanes(sine, cosine, 0, 0));
+    Lanes disc = sampling_either_way(size_b, size_a, cosine, sine);
     *x = radius * lanes_get(disc, 0);
     *y = radius * lanes_get(disc, 1);
     return radius;
