@@ -1,9 +1,11 @@
-/* memory.h - memory that was freed, and goes back to the system.
+/* memory.h - memory that was freed, and goes back to the system; and memory that threads do not get in each other's way at.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_MEMORY_H
 #define MEN_MEMORY_H
 
+#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -15,5 +17,17 @@ static inline void memory_give_back(void)
 #else
 static inline void memory_give_back(void) {}
 #endif
+
+/* What one thread writes stands so far from what others do: a line of 64 bytes that two threads write goes back and forth
+ * between them, and processors fetch lines in pairs. Such a struct has its first member aligned to it. */
+#define MEMORY_APART 128
+
+/* n such structs of `size` bytes, all zero; NULL when memory ends. free() frees them. */
+static inline void *memory_apart(size_t n, size_t size)
+{
+    void *memory = n > SIZE_MAX / size ? NULL : aligned_alloc(MEMORY_APART, n * size);
+    if (memory) memset(memory, 0, n * size);
+    return memory;
+}
 
 #endif

@@ -36,10 +36,9 @@ typedef struct Job {
     const RenderEvents *events;
     const World *world;
     Pool *pool;
-    Tracer *tracers;    /* one per thread */
-    FirstSight *sights; /* one per thread, or NULL */
+    Tracer *tracers; /* one per thread */
     unsigned n_threads;
-    uint64_t *saturated;
+    uint64_t *saturated; /* samples, by each thread */
     RenderState *state;
     RenderState before; /* its counters before this render */
     uint32_t tiles_x, tiles_y;
@@ -189,19 +188,21 @@ static void report_picture(Job *job)
 
 _Static_assert(BRIGHT_NOTHING == SCENE_NONE, "what is seen first");
 
-static void render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uint32_t index)
+/* Returns whether it was brighter than the film can hold. */
+static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uint32_t index)
 {
     Tracer *tracer = &job->tracers[worker];
     const RenderSettings *settings = job->settings;
     PathCounters before = {0};
     float rgb[3], alpha;
     uint64_t rays = tracer->counters.rays;
-    if (tracer->first_sight) before = tracer->counters;
+    if (tracer->notes_sight) before = tracer->counters;
     trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
-    if (tracer->first_sight) aov_film_add(&job->state->aovs, x, y, tracer->first_sight, &before, &tracer->counters);
-    job->saturated[worker] += film_add(&job->state->film, x, y, rgb, alpha);
+    if (tracer->notes_sight) aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, &before, &tracer->counters);
+    bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
     film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
     if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen);
+    return saturated;
 }
 
 /* The samples that a pixel gets in this pass. */
@@ -229,7 +230,9 @@ static void render_tile(void *context, uint32_t index, unsigned worker)
             if (is_stopped(job) || atomic_load_explicit(&job->pause, memory_order_relaxed)) return;
             uint32_t n = pass_of_pixel(job, x, y),
                      first = job->state->film.first_sample + film_pixel(&job->state->film, x, y)->n;
-            for (uint32_t i = 0; i < n; i++) render_sample(job, worker, x, y, first + i);
+            uint32_t saturated = 0;
+            for (uint32_t i = 0; i < n; i++) saturated += render_sample(job, worker, x, y, first + i);
+            if (UNLIKELY(saturated)) job->saturated[worker] += saturated;
         }
     job->tile_done[index] = true;
     if (worker == 0) report_progress(job, (double)index / (job->tiles_x * job->tiles_y));
@@ -500,19 +503,15 @@ static Status job_init(Job *job, Error *error)
     job->tiles_y = (crop[3] - crop[1] + TILE - 1) / TILE;
     job->n_pixels = (uint64_t)(crop[2] - crop[0]) * (crop[3] - crop[1]);
     job->noise = -1;
-    job->tracers = calloc(job->n_threads, sizeof *job->tracers);
+    job->tracers = tracers_new(job->world, job->n_threads);
     job->saturated = calloc(job->n_threads, sizeof *job->saturated);
     job->tile_done = calloc((size_t)job->tiles_x * job->tiles_y, sizeof *job->tile_done);
     if (!job->tracers || !job->saturated || !job->tile_done)
         return fail_memory(error, job->n_threads * sizeof *job->tracers, "threads");
-    for (unsigned i = 0; i < job->n_threads; i++) tracer_init(&job->tracers[i], job->world);
     if (!job->state->film.pixels) TRY(state_init(job->state, settings, job->world, error));
     job->state->aovs.world = job->world;
     count_before(job);
-    if (!aov_film_needs_sight(&job->state->aovs)) return STATUS_OK;
-    job->sights = calloc(job->n_threads, sizeof *job->sights);
-    if (!job->sights) return fail_memory(error, job->n_threads * sizeof *job->sights, "threads");
-    for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].first_sight = &job->sights[i];
+    for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
     return STATUS_OK;
 }
 
@@ -537,11 +536,9 @@ static Status forget_samples(Job *job, Error *error)
 
 static void job_clear(Job *job)
 {
-    for (unsigned i = 0; job->tracers && i < job->n_threads; i++) tracer_clear(&job->tracers[i]);
-    free(job->tracers);
+    tracers_free(job->tracers, job->n_threads);
     free(job->saturated);
     free(job->tile_done);
-    free(job->sights);
     job->state->aovs.world = NULL;
 }
 

@@ -336,7 +336,7 @@ static bool prepare(Tryout *trial, unsigned n_threads)
 {
     Guide *guide = trial->guide;
     trial->spots = calloc(trial->n_spots, sizeof *trial->spots);
-    trial->tracers = calloc(n_threads, sizeof *trial->tracers);
+    trial->tracers = tracers_new(&trial->world, n_threads);
     trial->ledgers = calloc(n_threads, sizeof *trial->ledgers);
     trial->nodes = calloc(guide->n_nodes, sizeof *trial->nodes);
     trial->chosen = calloc(guide->n_cells, sizeof *trial->chosen);
@@ -361,7 +361,7 @@ static void trial_clear(Tryout *trial, unsigned n_threads)
     }
     for (int h = 0; h < HALVES; h++) free(trial->cells[h]);
     free(trial->spots);
-    free(trial->tracers);
+    tracers_free(trial->tracers, n_threads);
     free(trial->ledgers);
     free(trial->nodes);
     free(trial->chosen);
@@ -380,15 +380,11 @@ Status guide_try(Guide *guide, const World *world, const GuideSettings *settings
     if (!out_of_memory) {
         trial.world.guide = guide;
         for (uint32_t i = 0; i < guide->n_cells; i++) guide->cells[i].share = shares[TRIED];
-        for (unsigned i = 0; i < n_threads; i++) {
-            tracer_init(&trial.tracers[i], &trial.world);
-            trial.tracers[i].ledger = &trial.ledgers[i];
-        }
+        for (unsigned i = 0; i < n_threads; i++) trial.tracers[i].ledger = &trial.ledgers[i];
         pool_run(pool, trial.n_spots, look_at_spot, &trial);
         for (unsigned i = 0; i < n_threads; i++) {
             out_of_memory |= trial.ledgers[i].out_of_memory || trial.tracers[i].out_of_memory;
             worth->rays += trial.tracers[i].counters.rays;
-            tracer_clear(&trial.tracers[i]);
         }
         trial.rays = (double)worth->rays;
         if (!out_of_memory) conclude(&trial, photons, followed, worth);

@@ -46,9 +46,21 @@ void tracer_clear(Tracer *tracer)
     tracer->parts = (FlightParts){0};
     free(tracer->passes);
     tracer->passes = NULL;
-    if (tracer->prober) tracer_clear(tracer->prober);
-    free(tracer->prober);
+    tracers_free(tracer->prober, 1);
     tracer->prober = NULL;
+}
+
+Tracer *tracers_new(const World *world, unsigned n)
+{
+    Tracer *tracers = memory_apart(n, sizeof *tracers);
+    for (unsigned i = 0; tracers && i < n; i++) tracer_init(&tracers[i], world);
+    return tracers;
+}
+
+void tracers_free(Tracer *tracers, unsigned n)
+{
+    for (unsigned i = 0; tracers && i < n; i++) tracer_clear(&tracers[i]);
+    free(tracers);
 }
 
 /* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
@@ -75,7 +87,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const Scene *scene = world->scene;
-    FirstSight *sight = tracer->first_sight;
+    FirstSight *sight = &tracer->first_sight;
     *sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
     if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return;
     bool opaque = event->kind == EVENT_OPAQUE;
@@ -183,13 +195,13 @@ static bool follow(Path *path, bool first)
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const bool textured = world->scene->n_textures > 0;
-    if (UNLIKELY(tracer->first_sight && world->scatters)) look_ahead(path);
+    if (UNLIKELY(tracer->notes_sight && world->scatters)) look_ahead(path);
     for (;; first = false) {
         Event event;
         path_next_event(path, &event);
         if (textured) path_reach(path, &event);
         if (first) tracer->seen = seen_first(world, &event);
-        if (UNLIKELY(first && tracer->first_sight && !world->scatters)) note_first_sight(path, &event);
+        if (UNLIKELY(first && tracer->notes_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
         if (event.kind == EVENT_ESCAPE) {

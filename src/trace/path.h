@@ -9,6 +9,7 @@
 #ifndef MEN_PATH_H
 #define MEN_PATH_H
 
+#include "base/memory.h"
 #include "trace/sampler.h"
 #include "trace/world.h"
 
@@ -72,7 +73,7 @@ typedef struct PixelSampler {
 
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
-    const World *world;
+    _Alignas(MEMORY_APART) const World *world;
     HitList hits, shadow_hits;
     HitList left;   /* the surfaces that the path's ray starts on */
     HitList beside; /* objects at whose edges it starts; see rtc_beside */
@@ -86,15 +87,20 @@ typedef struct Tracer {
     PathCounters counters;
     PixelSampler pixel;
     struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
-    struct Tracer *prober; /* follows what guides send out, while the path waits; NULL: not yet needed */
+    struct Tracer *prober;      /* follows what guides send out, while the path waits; NULL: not yet needed */
     uint32_t
         seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
-    FirstSight *first_sight; /* filled in for each path; NULL: not wanted. Not owned */
     bool out_of_memory;
+    bool notes_sight; /* of each path: */
+    FirstSight first_sight;
 } Tracer;
 
 void tracer_init(Tracer *tracer, const World *world);
 void tracer_clear(Tracer *tracer);
+/* n of them, one per thread; NULL when memory ends. */
+Tracer *tracers_new(const World *world, unsigned n);
+/* tracers may be NULL. */
+void tracers_free(Tracer *tracers, unsigned n);
 
 /* Where on the film: pixels from the top left corner, of a frame of width x height. */
 typedef struct FilmPoint {

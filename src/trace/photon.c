@@ -453,17 +453,15 @@ static Status run_job(Job *job, Pool *pool, uint32_t n, void (*task)(void *, uin
                       Error *error)
 {
     unsigned n_threads = pool_threads(pool);
-    job->tracers = calloc(n_threads, sizeof *job->tracers);
+    job->tracers = tracers_new(job->world, n_threads);
     if (!job->tracers) return fail_memory(error, n_threads * sizeof(Tracer), "threads");
-    for (unsigned i = 0; i < n_threads; i++) tracer_init(&job->tracers[i], job->world);
     pool_run(pool, n, task, job);
     bool out_of_memory = false;
     for (unsigned i = 0; i < n_threads; i++) {
         out_of_memory |= job->tracers[i].out_of_memory;
         *rays += job->tracers[i].counters.rays;
-        tracer_clear(&job->tracers[i]);
     }
-    free(job->tracers);
+    tracers_free(job->tracers, n_threads);
     return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory while following photons") : STATUS_OK;
 }
 

@@ -71,10 +71,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
 {
     Tracer *tracer = path->tracer, *prober = tracer->prober;
     if (!(pdf_w > 0)) return;
-    if (UNLIKELY(!prober)) {
-        prober = tracer->prober = calloc(1, sizeof *prober);
-        if (prober) tracer_init(prober, tracer->world);
-    }
+    if (UNLIKELY(!prober)) prober = tracer->prober = tracers_new(tracer->world, 1);
     if (UNLIKELY(!prober)) {
         tracer->out_of_memory = true;
         return;

@@ -46,18 +46,18 @@ static void see(Fixture *f, float albedo[3])
 {
     Error error;
     World world;
-    FirstSight sight;
     Tracer tracer;
     float rgb[3], alpha;
     assert_int_equal(compile_scene(f->scene, f->scene->render.nesting, NULL, &f->diag, &f->compiled, &error),
                      STATUS_OK);
     assert_int_equal(world_init(&world, f->compiled, 0, 4, false, NULL, &error), STATUS_OK);
     tracer_init(&tracer, &world);
-    tracer.first_sight = &sight;
+    tracer.notes_sight = true;
     trace_sample(&tracer, 50, 50, 101, 101, 0, 0, rgb, &alpha);
-    assert_true(sight.met);
-    memcpy(albedo, sight.albedo, sizeof sight.albedo);
-    seen_normal = sight.normal;
+    const FirstSight *sight = &tracer.first_sight;
+    assert_true(sight->met);
+    memcpy(albedo, sight->albedo, sizeof sight->albedo);
+    seen_normal = sight->normal;
     tracer_clear(&tracer);
     world_clear(&world);
 }
