@@ -92,7 +92,11 @@ static void report_missing(const Search *search)
     if (!library) return;
     const char **names = ARENA_ARRAY(diag->arena, const char *, library->n_files);
     for (size_t i = 0; i < library->n_files; i++) names[i] = library->files[i].name;
-    diag_suggest(diag, report, search->name, names, library->n_files);
+    size_t length = strlen(search->name);
+    if (length > 4 && strcmp(search->name + length - 4, ".inc") == 0)
+        diag_hint(diag, report, "files of POV-Ray's are not read; meniscus help std lists what stands in their place");
+    else
+        diag_suggest(diag, report, search->name, names, library->n_files);
     if (!report->hint && strncmp(search->name, "std/", 4) == 0)
         diag_hint(diag, report, "meniscus help std lists what the library has");
 }

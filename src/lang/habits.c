@@ -9,10 +9,12 @@
 #define HABIT_DIRECTIVE(word, form, pattern)
 #define HABIT_VALUES(node, names)
 #define HABIT_BLOCK(word, text)
-#define HABIT_SETTING(word, pattern)
+#define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
 #define HABIT_WORD(word, text)
+#define HABIT_PREFIX(beginning, text)
+#define HABIT_CHOICE(property, word, choice)
 #define HABIT_PROPERTY(node, word, property)
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_UNIT(word, unit)
@@ -49,12 +51,17 @@ static const WordRow block_rows[] = {
 #define HABIT_BLOCK(word, text)
 };
 
-static const WordRow setting_rows[] = {
+/* What is so of nodes of one type, or of all: "". */
+typedef struct NodeRow {
+    const char *node, *word, *text;
+} NodeRow;
+
+static const NodeRow setting_rows[] = {
 #undef HABIT_SETTING
-#define HABIT_SETTING(word, pattern) {#word, pattern},
+#define HABIT_SETTING(node, word, pattern) {node, #word, pattern},
 #include "lang/habits.def"
 #undef HABIT_SETTING
-#define HABIT_SETTING(word, pattern)
+#define HABIT_SETTING(node, word, pattern)
 };
 
 static const WordRow type_rows[] = {
@@ -81,9 +88,25 @@ static const WordRow word_rows[] = {
 #define HABIT_WORD(word, text)
 };
 
+static const WordRow prefix_rows[] = {
+#undef HABIT_PREFIX
+#define HABIT_PREFIX(beginning, text) {beginning, text},
+#include "lang/habits.def"
+#undef HABIT_PREFIX
+#define HABIT_PREFIX(beginning, text)
+};
+
 static const struct {
-    const char *node, *word, *property;
-} property_rows[] = {
+    const char *property, *word, *choice;
+} choice_rows[] = {
+#undef HABIT_CHOICE
+#define HABIT_CHOICE(property, word, choice) {property, #word, #choice},
+#include "lang/habits.def"
+#undef HABIT_CHOICE
+#define HABIT_CHOICE(property, word, choice)
+};
+
+static const NodeRow property_rows[] = {
 #undef HABIT_PROPERTY
 #define HABIT_PROPERTY(node, word, property) {node, word, property},
 #include "lang/habits.def"
@@ -91,9 +114,7 @@ static const struct {
 #define HABIT_PROPERTY(node, word, property)
 };
 
-static const struct {
-    const char *node, *word, *text;
-} advice_rows[] = {
+static const NodeRow advice_rows[] = {
 #undef HABIT_ADVICE
 #define HABIT_ADVICE(node, word, text) {node, word, text},
 #include "lang/habits.def"
@@ -111,6 +132,14 @@ static const char *find(const WordRow *rows, size_t n, const char *word)
 {
     for (size_t i = 0; i < n; i++)
         if (strcmp(rows[i].word, word) == 0) return rows[i].text;
+    return NULL;
+}
+
+static const char *find_of_node(const NodeRow *rows, size_t n, const char *node, const char *word)
+{
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(rows[i].word, word) == 0 && (!*rows[i].node || (node && strcmp(rows[i].node, node) == 0)))
+            return rows[i].text;
     return NULL;
 }
 
@@ -137,13 +166,23 @@ const char *habit_block(const char *word)
 {
     return find(block_rows, COUNT_OF(block_rows), word);
 }
-const char *habit_setting(const char *word)
+const char *habit_setting(const char *node, const char *word)
 {
-    return find(setting_rows, COUNT_OF(setting_rows), word);
+    return find_of_node(setting_rows, COUNT_OF(setting_rows), node, word);
 }
 const char *habit_word(const char *word)
 {
-    return find(word_rows, COUNT_OF(word_rows), word);
+    const char *text = find(word_rows, COUNT_OF(word_rows), word);
+    for (size_t i = 0; !text && i < COUNT_OF(prefix_rows); i++)
+        if (strncmp(word, prefix_rows[i].word, strlen(prefix_rows[i].word)) == 0) text = prefix_rows[i].text;
+    return text;
+}
+const char *habit_choice(const char *property, const char *word)
+{
+    for (size_t i = 0; i < COUNT_OF(choice_rows); i++)
+        if (strcmp(choice_rows[i].property, property) == 0 && strcmp(choice_rows[i].word, word) == 0)
+            return choice_rows[i].choice;
+    return NULL;
 }
 const char *habit_unit(const char *word)
 {
@@ -163,22 +202,27 @@ const char *habit_property(const char *node, const char *word, unsigned number)
     for (size_t i = 0; i < COUNT_OF(property_rows); i++) {
         if (strcmp(property_rows[i].word, word) != 0) continue;
         if (*property_rows[i].node && strcmp(property_rows[i].node, node) != 0) continue;
-        if (number-- == 0) return property_rows[i].property;
+        if (number-- == 0) return property_rows[i].text;
     }
+    return NULL;
+}
+
+const char *habit_property_of(const char *node, const char *word)
+{
+    for (size_t i = 0; i < COUNT_OF(property_rows); i++)
+        if (strcmp(property_rows[i].word, word) == 0 && strcmp(property_rows[i].node, node) == 0)
+            return property_rows[i].text;
     return NULL;
 }
 
 const char *habit_advice(const char *node, const char *word)
 {
-    for (size_t i = 0; i < COUNT_OF(advice_rows); i++)
-        if (strcmp(advice_rows[i].word, word) == 0 &&
-            (!*advice_rows[i].node || (node && strcmp(advice_rows[i].node, node) == 0)))
-            return advice_rows[i].text;
-    return NULL;
+    return find_of_node(advice_rows, COUNT_OF(advice_rows), node, word);
 }
 
 const char *habit_fill(Arena *arena, const char *pattern, const char *text)
 {
     const char *mark = strchr(pattern, '@');
-    return mark ? arena_format(arena, "%.*s%s%s", (int)(mark - pattern), pattern, text, mark + 1) : pattern;
+    if (!mark) return pattern;
+    return arena_format(arena, "%.*s%s%s", (int)(mark - pattern), pattern, text, mark + 1 + (mark[1] == '*'));
 }

@@ -24,15 +24,17 @@ DirectiveForm habit_directive(const char *word, size_t length);
 const char *habit_directive_pattern(const char *word);
 const char *habit_values(const char *node);
 const char *habit_block(const char *word);
-const char *habit_setting(const char *word);
+const char *habit_setting(const char *node, const char *word); /* node: NULL at the top */
 const char *habit_word(const char *word);
+const char *habit_choice(const char *property, const char *word);
 const char *habit_unit(const char *word);
 const char *habit_property(const char *node, const char *word, unsigned number); /* the candidates, from number 0 */
+const char *habit_property_of(const char *node, const char *word);               /* of nodes of that very type */
 /* Of a word in a node of that type: a hint. */
 const char *habit_advice(const char *node, const char *word);
 bool habit_is_type(const char *word);
 bool habit_is_function(const char *word);
-/* The pattern with text for its '@'. */
+/* The pattern with text for its '@', or "@*". */
 const char *habit_fill(Arena *arena, const char *pattern, const char *text);
 
 #endif

@@ -195,6 +195,8 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
     bool hexadecimal = begin > 0 && lexer->text[begin - 1] == '0' && (wrong[0] == 'x' || wrong[0] == 'X');
     if (hexadecimal)
         diag_hint(lexer->diag, report, "numbers are decimal; a colour is #rrggbb");
+    else if (wrong[0] == 'x' && wrong[1] >= '0' && wrong[1] <= '9') /* 640x480 */
+        diag_hint(lexer->diag, report, "two numbers are a vector: <640, 480>");
     else if (habit_unit(wrong))
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
     else

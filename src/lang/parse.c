@@ -464,6 +464,8 @@ Stmt *parse_def(Parser *parser, Span begin)
     if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
     if (accept(parser, TOKEN_ASSIGN))
         def->body = parse_expr(parser);
+    else if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN && (def->body = parse_braced_body(parser, def)))
+        return stmt;
     else if (parser->panic || parser->token.kind == TOKEN_BRACE_OPEN)
         def->block = parse_node_block(parser, NULL);
     else

@@ -241,8 +241,6 @@ static Expr *parse_list(Parser *parser)
 
 /* ---- operands ---- */
 
-static Expr *parse_add(Parser *parser);
-
 static Expr *fold_vector(Parser *parser, Span span, const ExprList *list)
 {
     Value value = {.kind = value_vector_kind(list->n)};
@@ -381,7 +379,8 @@ static Expr *parse_name(Parser *parser)
     Expr *expr = expr_new(parser, EXPR_NAME, begin);
     expr->as.name.symbol = parser->token.as.symbol;
     advance(parser);
-    if (parse_color_habit(parser, path.names[0]->text)) return poison_expr(parser);
+    const char *word = path.names[0]->text;
+    if (parse_color_habit(parser, word) || parse_array_habit(parser, word, begin)) return poison_expr(parser);
     while (parser->token.kind == TOKEN_DOT && path.n < LIMIT_PATH_NAMES) {
         advance(parser);
         Expr *member = expr_new(parser, EXPR_MEMBER, begin);
@@ -528,7 +527,7 @@ static Expr *parse_post(Parser *parser)
 /* ---- operators, from the tightest to the loosest ---- */
 
 /* unary = ( "-" | "+" ) unary | post [ "^" unary ] ; */
-static Expr *parse_unary(Parser *parser)
+Expr *parse_unary(Parser *parser)
 {
     Span begin = token_span(parser);
     if (parser->panic || !enter(parser)) return poison_expr(parser); /* in panic nothing more is consumed */
@@ -569,7 +568,7 @@ static Expr *parse_mul(Parser *parser)
 {
     Expr *expr = parse_unary(parser);
     for (int links = 0; !parser->panic; links++) {
-        if (parse_percent_habit(parser, expr)) continue;
+        if (parse_percent_habit(parser, expr) || parse_operator_habit(parser, expr->span)) continue;
         TokenKind kind = parser->token.kind;
         Span operator_span = token_span(parser);
         if (kind != TOKEN_STAR && kind != TOKEN_SLASH && kind != TOKEN_PERCENT) break;
@@ -592,7 +591,7 @@ static Expr *parse_mul(Parser *parser)
 }
 
 /* add = mul { ( "+" | "-" ) mul } ; */
-static Expr *parse_add(Parser *parser)
+Expr *parse_add(Parser *parser)
 {
     Expr *expr = parse_mul(parser);
     for (int links = 0; !parser->panic; links++) {
@@ -640,6 +639,12 @@ static Expr *parse_not(Parser *parser)
     if (parser->panic || !comparison_kind(parser->token.kind, &kind)) return expr;
     Span operator_span = token_span(parser);
     advance(parser);
+    if (kind == EXPR_LESS && parser->token.kind == TOKEN_GREATER) {
+        Diagnostic *report = expected_error(parser, "an expression");
+        if (report) diag_hint(parser->diag, report, "write '!=' for what is not equal");
+        parser->panic = false;
+        advance(parser);
+    }
     Expr *b = parse_add(parser);
     expr = binary_expr(parser, kind, expr, operator_span, b);
     if (!parser->panic && comparison_kind(parser->token.kind, &second)) {

@@ -49,9 +49,9 @@ static void advise(Parser *parser, Diagnostic *report, const char *word)
     if (report && advice) diag_hint(parser->diag, report, "%s", advice);
 }
 
-bool starts_value(const Parser *parser)
+static bool begins_value(TokenKind kind)
 {
-    switch (parser->token.kind) {
+    switch (kind) {
     case TOKEN_NUMBER:
     case TOKEN_STRING:
     case TOKEN_COLOR:
@@ -63,6 +63,11 @@ bool starts_value(const Parser *parser)
     case TOKEN_NONE: return true;
     default: return false;
     }
+}
+
+bool starts_value(const Parser *parser)
+{
+    return begins_value(parser->token.kind);
 }
 
 /* ---- looking ahead without reporting ---- */
@@ -185,31 +190,115 @@ void skip_brackets(Parser *parser)
 
 /* ---- values without '=', or without a name ---- */
 
+static bool is_color_word(const char *word)
+{
+    static const char *const words[] = {"rgb", "rgbf", "rgbt", "rgbft", "srgb", "color", "colour"};
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (strcmp(words[i], word) == 0) return true;
+    return false;
+}
+
+static bool at_color_word(const Parser *parser)
+{
+    return parser->token.kind == TOKEN_NAME && is_color_word(parser->token.as.symbol->text);
+}
+
+/* "color rgb <1, 0, 0>" up to the value itself, where that is one. */
+static void skip_color_words(Parser *parser)
+{
+    while (at_color_word(parser)) {
+        TokenKind next = peek(parser).kind;
+        if (next != TOKEN_LESS && next != TOKEN_NUMBER && next != TOKEN_STRING && next != TOKEN_NAME) return;
+        advance(parser);
+    }
+}
+
+static bool is_number_text(const char *text)
+{
+    text += *text == '-';
+    text += *text == '.';
+    return *text >= '0' && *text <= '9';
+}
+
+/* One number, for which a vector is wanted, as that. */
+static const char *vector_text(Arena *arena, const char *value)
+{
+    bool one = is_number_text(value) && !strpbrk(value, " ,*+/");
+    return one ? arena_format(arena, "<%s, %s, %s>", value, value, value) : value;
+}
+
+/* A value of POV-Ray's, and the others that follow it behind commas: its text, for a hint. */
+static const char *foreign_value(Parser *parser, bool color)
+{
+    color |= at_color_word(parser);
+    skip_color_words(parser);
+    bool vector = parser->token.kind == TOKEN_LESS;
+    uint32_t begin = parser->token.begin;
+    parse_add(parser); /* "<0, 0, 0> <1, 1, 1>" compares nothing */
+    const char *value = quote(parser, begin, consumed_end(parser)), *word = habit_word(value);
+    if (parser->panic || !color) return value;
+    return vector && strcmp(value, "...") != 0
+               ? arena_format(parser->arena, "rgb(%.*s)", (int)strlen(value) - 2, value + 1)
+           : word ? word
+                  : value;
+}
+
+/* Does another value follow, behind a comma, or of a transform behind a blank? "rotate y 45" */
+static bool has_further_value(const Parser *parser, bool call)
+{
+    if (parser->token.kind == TOKEN_COMMA) return begins_value(peek(parser).kind);
+    return call && starts_value(parser) && !first_on_line(parser);
+}
+
 /* name value */
 static void value_behind_name(Parser *parser, Path path)
 {
-    const char *word = path.names[path.n - 1]->text;
-    const char *pattern = habit_setting(word);
+    const char *word = path.names[path.n - 1]->text, *advice = NULL;
+    const char *pattern = habit_setting(parser->node, word);
+    if (path.n == 1 && parser->node) advice = habit_advice(parser->node, word);
+    const char *other = parser->node && !pattern ? habit_property_of(parser->node, word) : NULL;
     bool call = path.n == 1 && builtin_find(word) && !(parser->node && pattern);
     Diagnostic *report = report_at(
         parser, behind_last(parser),
         arena_format(parser->arena, "expected '%s' behind '%s', found %s", call ? "(" : "=", word, found_text(parser)));
-    while (parser->token.kind == TOKEN_NAME) { /* color rgb <1, 0, 0> */
-        TokenKind next = peek(parser).kind;
-        if (next != TOKEN_LESS && next != TOKEN_NUMBER && next != TOKEN_STRING && next != TOKEN_NAME) break;
-        advance(parser);
+    const char *value = foreign_value(parser, !call && is_color_word(word));
+    int n = 1;
+    while (parser->node && !parser->panic &&
+           has_further_value(parser, call)) { /* area_light <1, 0, 0>, <0, 0, 1>, 3, 3 */
+        accept(parser, TOKEN_COMMA);
+        value = arena_format(parser->arena, "%s, %s", value, foreign_value(parser, false));
+        n++;
     }
-    uint32_t begin = parser->token.begin;
-    parse_expr(parser);
     if (parser->panic) return;
-    const char *value = quote(parser, begin, consumed_end(parser));
-    if (call)
+    if (call && n == 3) /* translate 1, 2, 3 */
+        hint_write(parser, report, arena_format(parser->arena, "%s(<%s>)", word, value));
+    else if (call)
         hint_write(parser, report, arena_format(parser->arena, "%s(%s)", word, value));
+    else if (advice)
+        advise(parser, report, word);
+    else if (pattern && strstr(pattern, "@*"))
+        hint_write(parser, report, habit_fill(parser->arena, pattern, vector_text(parser->arena, value)));
     else
         hint_write(parser, report,
                    pattern ? habit_fill(parser->arena, pattern, value)
-                           : arena_format(parser->arena, "%s = %s", word, value));
+                           : arena_format(parser->arena, "%s = %s", other ? other : word, value));
     calm_down(parser);
+}
+
+/* "hollow no_shadow": words of POV-Ray that have no value. Does the next one begin something of its own? "right x*1.3" goes on. */
+static bool parse_flag_habit(Parser *parser, Path path)
+{
+    const char *word = path.names[0]->text, *second = parser->token.as.symbol->text;
+    if (path.n > 1 || !parser->node || !habit_advice(parser->node, word) || builtin_find(word)) return false;
+    TokenKind next = peek(parser).kind;
+    bool value = next >= TOKEN_PLUS && next <= TOKEN_CARET; /* x*1.3, and clock by itself */
+    bool truth = strcmp(second, "on") == 0 || strcmp(second, "off") == 0;
+    if (value || next == TOKEN_DOT || (strchr("xyzuvt", *second) && !second[1])) return false;
+    advise(parser, expected_error(parser, arena_format(parser->arena, "'=' and a value behind '%s'", word)), word);
+    parser->panic = false;
+    if (truth) advance(parser);
+    calm_down(parser);
+    return true;
 }
 
 /* The next word of names ("center* radius"), behind which *names moves; *vector: whether it is marked as one. */
@@ -230,20 +319,13 @@ static void values_without_names(Parser *parser, const Path *first)
     Span span = first ? first->span : token_span(parser);
     Diagnostic *report = report_at(parser, span, arena_format(parser->arena, "a value of '%s' has no name", node));
     for (int i = 0; i < MOST_VALUES && !parser->panic; i++) {
-        uint32_t begin = parser->token.begin, end;
-        if (i == 0 && first) {
-            begin = span.begin;
-            end = span.end;
-        } else {
-            parse_expr(parser);
-            end = consumed_end(parser);
-        }
+        bool vector, over = known && !*names;
+        const char *name = next_value_name(parser->arena, &names, &vector);
+        const char *value = i == 0 && first ? quote(parser, span.begin, span.end)
+                                            : foreign_value(parser, known && strcmp(name, "color") == 0);
         if (parser->panic) break;
-        bool vector;
-        const char *name = next_value_name(parser->arena, &names, &vector), *value = quote(parser, begin, end);
-        if (vector && (*value == '-' || (*value >= '0' && *value <= '9')))
-            value = arena_format(parser->arena, "<%s, %s, %s>", value, value, value);
-        hint = arena_format(parser->arena, "%s%s%s = %s", hint ? hint : "", hint ? "  " : "", name, value);
+        if (vector) value = vector_text(parser->arena, value);
+        if (!over) hint = arena_format(parser->arena, "%s%s%s = %s", hint ? hint : "", hint ? "  " : "", name, value);
         if (!accept(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
     }
     if (hint) hint_write(parser, report, hint);
@@ -307,6 +389,39 @@ static bool parse_change(Parser *parser, Path path)
     return true;
 }
 
+/* "a[0] = 5", behind the name */
+static bool parse_element_change(Parser *parser, Path path)
+{
+    if (parser->token.kind != TOKEN_BRACKET_OPEN || path.n > 1 || first_on_line(parser)) return false;
+    Look look;
+    look_from(parser, &look);
+    Token token = parser->token, first = {0}, last = {0};
+    int depth = 0, groups = 0;
+    do {
+        last = token;
+        depth += token.kind == TOKEN_BRACKET_OPEN;
+        depth -= token.kind == TOKEN_BRACKET_CLOSE;
+        groups += token.kind == TOKEN_BRACKET_OPEN && depth == 1;
+        token = lexer_next(&look.lexer);
+        if (first.end == 0) first = token;
+    } while ((depth > 0 || token.kind == TOKEN_BRACKET_OPEN) && token.kind != TOKEN_END &&
+             token.kind != TOKEN_BRACE_CLOSE);
+    if (token.kind != TOKEN_ASSIGN && token.kind != TOKEN_CHANGE) return false;
+    const char *name = path.names[0]->text, *index = quote(parser, first.begin, last.begin);
+    Diagnostic *report = report_at(parser, path.span, "the elements of a list do not change");
+    while (parser->token.kind == TOKEN_BRACKET_OPEN) skip_brackets(parser);
+    advance(parser);
+    uint32_t begin = parser->token.begin;
+    parse_expr(parser);
+    if (parser->panic) return true;
+    const char *value = quote(parser, begin, consumed_end(parser));
+    hint_write(parser, report,
+               groups == 1 ? arena_format(parser->arena, "%s := [for (i in 0..<len(%s)) i == %s ? %s : %s[i]]", name,
+                                          name, index, value, name)
+                           : arena_format(parser->arena, "%s := [...], a new list", name));
+    return true;
+}
+
 bool parse_name_habit(Parser *parser, Path path)
 {
     const char *word = path.names[path.n - 1]->text;
@@ -322,6 +437,7 @@ bool parse_name_habit(Parser *parser, Path path)
                        arena_format(parser->arena, "%s = %s", word, quote(parser, begin, consumed_end(parser))));
         return true;
     }
+    if (parse_element_change(parser, path)) return true;
     bool fresh = first_on_line(parser);
     if (parser->node && parser->token.kind == TOKEN_COMMA && path.n == 1) {
         values_without_names(parser, &path);
@@ -379,7 +495,7 @@ void parse_two_names(Parser *parser, Path path)
     const char *first = path.names[0]->text, *second = parser->token.as.symbol->text;
     const char *nearest = path.n == 1 ? suggest_nearest(first, words, COUNT_OF(words)) : NULL;
     TokenKind next = peek(parser).kind;
-    if (parse_assigned_block(parser, path)) return;
+    if (parse_assigned_block(parser, path) || parse_flag_habit(parser, path)) return;
     if (next == TOKEN_PAREN_OPEN && habit_is_function(first)) {
         Diagnostic *report =
             report_at(parser, path.span, arena_format(parser->arena, "'%s' begins nothing here", first));
@@ -401,7 +517,7 @@ void parse_two_names(Parser *parser, Path path)
     }
     bool fresh = first_on_line(parser);
     if (nearest || (next != TOKEN_ASSIGN && next != TOKEN_NAME && !fresh && !parser->node)) {
-        bool value = !nearest && (builtin_find(first) || habit_setting(first));
+        bool value = !nearest && (builtin_find(first) || habit_setting(parser->node, first));
         if (value) {
             value_behind_name(parser, path);
             return;
@@ -431,9 +547,13 @@ bool parse_block_habit(Parser *parser, Path path)
 {
     const char *text = path.n == 1 ? habit_block(path.names[0]->text) : NULL;
     if (!text || parser->token.kind != TOKEN_BRACE_OPEN || !block_is_foreign(parser)) return false;
-    Diagnostic *report =
-        report_at(parser, path.span,
-                  arena_format(parser->arena, "'%s' and what stands in it are POV-Ray's", path.names[0]->text));
+    const char *word = path.names[0]->text, *ours = strstr(text, word); /* "write: lathe { ... }" */
+    bool known = ours && ours[strlen(word)] == ' ' && ours[strlen(word) + 1] == '{';
+    Diagnostic *report = report_at(
+        parser, path.span,
+        arena_format(parser->arena,
+                     known ? "what stands in this '%s' is POV-Ray's" : "'%s' and what stands in it are POV-Ray's",
+                     word));
     diag_hint(parser->diag, report, "%s", text);
     skip_brackets(parser);
     return true;
@@ -562,14 +682,6 @@ static bool vector_ahead(const Parser *parser)
     return false;
 }
 
-static bool is_color_word(const char *word)
-{
-    static const char *const words[] = {"rgb", "rgbf", "rgbt", "rgbft", "srgb", "color", "colour"};
-    for (size_t i = 0; i < COUNT_OF(words); i++)
-        if (strcmp(words[i], word) == 0) return true;
-    return false;
-}
-
 /* "rgb 1", "rgb <1, .5, 0>" and "color rgb ...", behind the first word */
 bool parse_color_habit(Parser *parser, const char *word)
 {
@@ -592,6 +704,99 @@ bool parse_color_habit(Parser *parser, const char *word)
     hint_write(parser, report, vector ? arena_format(parser->arena, "rgb(%s)", value) : value);
     calm_down(parser);
     return true;
+}
+
+/* ---- values of POV-Ray's ---- */
+
+/* "array[3] {1, 2, 3}" and "array {1, 2, 3}", and functions in braces, "function(x) { 2 * x }", behind the word */
+bool parse_array_habit(Parser *parser, const char *word, Span span)
+{
+    bool array = strcmp(word, "array") == 0, function = strcmp(word, "function") == 0;
+    TokenKind opening = array ? TOKEN_BRACKET_OPEN : TOKEN_PAREN_OPEN,
+              closing = array ? TOKEN_BRACKET_CLOSE : TOKEN_PAREN_CLOSE;
+    if ((!array && !function) || parser->no_blocks) return false;
+    Look look;
+    look_from(parser, &look);
+    Token token = parser->token;
+    for (int depth = 0; (depth > 0 || token.kind == opening) && token.kind != TOKEN_END;
+         token = lexer_next(&look.lexer))
+        depth += (token.kind == opening) - (token.kind == closing);
+    bool bare = token.begin == parser->token.begin; /* nothing in front of the '{' */
+    if (token.kind != TOKEN_BRACE_OPEN || (bare && (function || lexer_next(&look.lexer).kind == TOKEN_NAME)))
+        return false;
+    Diagnostic *report = report_at(parser, span, arena_format(parser->arena, "'%s' is POV-Ray's", word));
+    uint32_t formals = parser->token.begin;
+    while (parser->token.kind == opening) skip_brackets(parser);
+    uint32_t begin = parser->token.begin, behind = consumed_end(parser);
+    skip_brackets(parser);
+    const char *inner = quote(parser, begin, consumed_end(parser));
+    char *list = arena_copy_text(parser->arena, inner, strlen(inner));
+    for (char *c = list; *c; c++) *c = *c == '{' ? '[' : *c == '}' ? ']' : *c;
+    size_t length = strlen(list);
+    if (array)
+        hint_write(parser, report, length > 3 ? list : "[1, 2, 3]");
+    else
+        hint_write(parser, report,
+                   arena_format(parser->arena, "def f%s = ..., in place of let", quote(parser, formals, behind)));
+    return true;
+}
+
+/* "7 mod 3", behind the 7 */
+bool parse_operator_habit(Parser *parser, Span operand)
+{
+    if (parser->token.kind != TOKEN_NAME || first_on_line(parser)) return false;
+    const char *word = parser->token.as.symbol->text;
+    bool mod = strcmp(word, "mod") == 0, div = strcmp(word, "div") == 0;
+    if (!mod && !div) return false;
+    Look look;
+    look_from(parser, &look);
+    TokenKind next = lexer_next(&look.lexer).kind;
+    if (next == TOKEN_NAME) {
+        next = lexer_next(&look.lexer).kind;
+        if (next == TOKEN_BRACE_OPEN || next == TOKEN_ASSIGN) return false;
+    } else if (next != TOKEN_NUMBER) {
+        return false;
+    }
+    Diagnostic *report =
+        report_at(parser, token_span(parser), arena_format(parser->arena, "'%s' is no operator", word));
+    advance(parser);
+    uint32_t begin = parser->token.begin;
+    parse_unary(parser);
+    const char *a = quote(parser, operand.begin, operand.end), *b = quote(parser, begin, consumed_end(parser));
+    hint_write(parser, report, arena_format(parser->arena, mod ? "%s %% %s" : "floor(%s / %s)", a, b));
+    return true;
+}
+
+/* "def f(x) { x * 2 }": what stands in the braces is neither a statement nor a block */
+Expr *parse_braced_body(Parser *parser, const Def *def)
+{
+    Look look;
+    look_from(parser, &look);
+    Token token = lexer_next(&look.lexer);
+    bool computed = token.kind == TOKEN_NUMBER || token.kind == TOKEN_MINUS;
+    if (!computed && (token.kind != TOKEN_NAME || habit_setting(NULL, token.as.symbol->text))) return NULL;
+    int brackets = 0;
+    for (TokenKind before = TOKEN_BRACE_OPEN; token.kind != TOKEN_BRACE_CLOSE; token = lexer_next(&look.lexer)) {
+        TokenKind kind = token.kind;
+        bool two = kind == TOKEN_NAME && (before == TOKEN_NAME || before == TOKEN_PAREN_CLOSE);
+        if (kind == TOKEN_BRACE_OPEN || kind == TOKEN_ASSIGN || kind == TOKEN_CHANGE || kind == TOKEN_END || two)
+            return NULL;
+        computed |= brackets == 0 && kind >= TOKEN_PLUS && kind <= TOKEN_CARET;
+        brackets += (kind == TOKEN_PAREN_OPEN) - (kind == TOKEN_PAREN_CLOSE);
+        before = kind;
+    }
+    if (!computed) return NULL;
+    Span brace = token_span(parser);
+    const char *head = quote(parser, def->span.begin, consumed_end(parser));
+    advance(parser);
+    uint32_t begin = parser->token.begin;
+    Expr *body = parse_expr(parser);
+    if (parser->panic) return body;
+    Diagnostic *report = report_at(parser, brace, "a value stands behind '=', statements stand in braces");
+    hint_write(parser, report,
+               arena_format(parser->arena, "def %s = %s", head, quote(parser, begin, consumed_end(parser))));
+    accept(parser, TOKEN_BRACE_CLOSE);
+    return body;
 }
 
 /* ---- units ---- */
@@ -664,6 +869,14 @@ static const char *loop_text(const Parser *parser, const char *inner)
                         length - (int)(first - comma - 1), first, last_length, last, step);
 }
 
+/* A condition of POV-Ray's, in which '=' compares. */
+static const char *with_equality(const Parser *parser, const char *text)
+{
+    const char *sign = strchr(text, '=');
+    if (!sign || sign == text || strchr("<>!=", sign[-1]) || sign[1] == '=') return text;
+    return arena_format(parser->arena, "%.*s=%s", (int)(sign - text), text, sign);
+}
+
 /* The text behind the directive as the pattern wants it; the parser stands behind what was read. */
 static const char *directive_rest(Parser *parser, DirectiveForm form)
 {
@@ -683,12 +896,12 @@ static const char *directive_rest(Parser *parser, DirectiveForm form)
         uint32_t inner = parser->token.end;
         if (parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
         uint32_t end = consumed_end(parser);
-        if (form == DIRECTIVE_OPENS) return quote(parser, begin, end);
+        if (form == DIRECTIVE_OPENS) return with_equality(parser, quote(parser, begin, end));
         return loop_text(parser, quote(parser, inner, end > inner ? end - 1 : inner));
     }
     if (form == DIRECTIVE_LINE)
         while (!first_on_line(parser) && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_CLOSE)
-            advance(parser);
+            parser->token.kind == TOKEN_BRACE_OPEN ? skip_brackets(parser) : advance(parser);
     return "...";
 }
 

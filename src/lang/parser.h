@@ -26,8 +26,8 @@ typedef struct Parser {
     int depth;          /* of nesting */
     int brackets;       /* open ( and [ of the statement */
     int panic_brackets; /* of them, at the mistake */
-    int calm;             /* tokens consumed since the last report, of whatever kind */
-    uint32_t n_errors;    /* seen so far */
+    int calm;           /* tokens consumed since the last report, of whatever kind */
+    uint32_t n_errors;  /* seen so far */
     int blocks;         /* open { of statements */
     TokenKind previous; /* of the last consumed token */
     const char *node;   /* the word of the node whose block is being read; NULL at
@@ -79,6 +79,8 @@ Stmt *parse_def(Parser *parser, Span begin);               /* behind the word 'd
 Expr *parse_expr(Parser *parser);
 Expr *parse_tern(Parser *parser);
 Expr *parse_prim(Parser *parser);
+Expr *parse_unary(Parser *parser);
+Expr *parse_add(Parser *parser);
 Args parse_args(Parser *parser, Span opening); /* behind the '(' */
 Path parse_path(Parser *parser);
 Expr *expr_new(Parser *parser, ExprKind kind, Span span);
@@ -93,6 +95,9 @@ bool parse_name_habit(Parser *parser, Path path);
 bool parse_block_habit(Parser *parser, Path path);
 bool parse_counting_loop(Parser *parser);
 bool parse_color_habit(Parser *parser, const char *word);
+bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind it */
+bool parse_operator_habit(Parser *parser, Span operand); /* at what stands behind it */
+Expr *parse_braced_body(Parser *parser, const Def *def); /* a value in a def's braces; NULL: there are statements */
 void parse_two_names(Parser *parser, Path path);
 void parse_bare_block(Parser *parser, Block *block);
 void parse_directive(Parser *parser);

@@ -321,9 +321,46 @@ void resolve_function(Resolver *resolver, Expr *expr)
         resolve_expr(resolver, expr);
 }
 
+/* Is pi, which no name of the scene hides, a factor of it, and no unit of an angle? */
+static bool has_factor_pi(const Expr *expr)
+{
+    const Expr *a = expr->as.op.a, *b = expr->as.op.b;
+    switch (expr->kind) {
+    case EXPR_NAME: {
+        const Binding *binding = expr->as.name.symbol->binding;
+        return binding && !binding->has_span && strcmp(expr->as.name.symbol->text, "pi") == 0;
+    }
+    case EXPR_NEGATE:
+    case EXPR_DIVIDE: return has_factor_pi(a);
+    case EXPR_MULTIPLY:
+        if ((a->kind == EXPR_CONSTANT && a->as.constant.unit) || (b->kind == EXPR_CONSTANT && b->as.constant.unit))
+            return false;
+        return has_factor_pi(a) || has_factor_pi(b);
+    case EXPR_ADD:
+    case EXPR_SUBTRACT: return has_factor_pi(a) || has_factor_pi(b);
+    default: return false;
+    }
+}
+
+/* In other languages angles are in radians there, and nothing else would tell. */
+static void warn_of_radians(Resolver *resolver, const Expr *call)
+{
+    static const char *const functions[] = {"sin", "cos", "tan"};
+    const Expr *callee = call->as.call.callee;
+    if (callee->kind != EXPR_NAME || callee->as.name.symbol->binding || call->as.call.args.n != 1) return;
+    const Expr *angle = call->as.call.args.items[0].value;
+    for (size_t i = 0; i < COUNT_OF(functions); i++) {
+        if (strcmp(callee->as.name.symbol->text, functions[i]) != 0 || !has_factor_pi(angle)) continue;
+        Diagnostic *report = diag_report(resolver->diag, D_RADIANS, angle->span,
+                                         "'%s' takes degrees, and this has pi as a factor", functions[i]);
+        diag_hint(resolver->diag, report, "write 180 for pi, or multiply by 1rad");
+    }
+}
+
 static void resolve_call(Resolver *resolver, Expr *expr)
 {
     Expr *callee = expr->as.call.callee;
+    warn_of_radians(resolver, expr);
     resolve_args(resolver, &expr->as.call.args);
     bool silent;
     const Binding *binding = callee_binding(resolver, callee, &silent);

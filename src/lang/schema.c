@@ -242,7 +242,11 @@ static bool check_choice(const Check *check, const char *word, EvalProp *prop)
         size_t n = choice_words(evaluator->arena, type->choices, words, MAX_CHOICES);
         Diagnostic *report = eval_error(evaluator, check->expr, D_UNKNOWN_CHOICE, "'%s' is %s, not '%s'", type->name,
                                         choice_text(evaluator->arena, type->choices), word);
-        diag_suggest(evaluator->diag, report, word, words, n);
+        const char *other = habit_choice(type->name, word);
+        if (other && choice_allows(type->choices, other))
+            diag_hint(evaluator->diag, report, "write: %s", other);
+        else
+            diag_suggest(evaluator->diag, report, word, words, n);
         return false;
     }
     prop->as.text = word;
