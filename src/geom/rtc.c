@@ -123,9 +123,11 @@ static bool take_any(Query *query, Hit *hit)
     return query->blocked;
 }
 
+/* However steeply the ray meets this surface, it may graze one in front of it, which Embree then believes to be behind it. */
 void rtc_shorten(Query *query, const Hit *hit)
 {
-    query->reach = double_min(query->reach, hit->t + window_behind(query, hit));
+    double window = double_max(window_behind(query, hit), doubt_at(query, hit->t));
+    query->reach = double_min(query->reach, hit->t + window);
 }
 
 /* Whether a candidate is there that is computed exactly at once. In an exact search, where the exact ray misses it, its
@@ -607,6 +609,16 @@ void rtc_sort_hits(HitList *hits)
         }
         hits->items[place] = hit;
     }
+}
+
+bool rtc_add_hit(HitList *hits, const Hit *more)
+{
+    Hit *place = rtc_hit_place(hits);
+    if (!place) return false;
+    *place = *more;
+    hits->n++;
+    rtc_sort_hits(hits);
+    return true;
 }
 
 size_t rtc_cluster(const Hit *hits, size_t n_hits)

@@ -166,6 +166,9 @@ size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *beside, HitLis
 enum { RTC_MOST_ASKED = 1 << 16 };
 bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *missed);
 
+/* Puts one hit more into a list, in its place. False when memory ends. */
+bool rtc_add_hit(HitList *hits, const Hit *more);
+
 /* How many of n >= 1 hits in increasing t stand at one place with the first. */
 size_t rtc_cluster(const Hit *hits, size_t n);
 

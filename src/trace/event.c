@@ -219,36 +219,42 @@ static inline bool read_nearest(Path *path, Event *event)
     return true;
 }
 
-/* Where the ray starts within rounding of the edges of an object that it does not start on, the exact ray may come just there
+/* Where a ray starts within rounding of the edges of an object that it does not start on, the exact ray may come just there
  * into a sliver of it that Embree's float ray did not come to before, or out of it: then the ray is in that object from its
  * start on, or no longer in it. Returns whether the list has changed. */
-ATTR_COLD static bool mend_list(Path *path)
+ATTR_COLD static bool mend_list(Tracer *tracer, const Ray *ray, NestList *list)
 {
-    Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
     bool mended = false;
-    if (path->ray.t_min > 0 || compiled->order.policy == NEST_NONE) return false;
-    size_t n = rtc_beside(compiled->rtc, &path->ray, &tracer->beside, &tracer->shadow_hits);
+    if (ray->t_min > 0 || compiled->order.policy == NEST_NONE) return false;
+    size_t n = rtc_beside(compiled->rtc, ray, &tracer->beside, &tracer->along);
     for (size_t i = 0; i < n; i++) {
         Hit *sliver = &tracer->beside.items[i];
         uint32_t hull = compiled->hull_of_object[sliver->object];
-        if (hull == SCENE_NONE || nest_has(&compiled->order, &tracer->list, hull) == sliver->inside) continue;
+        if (hull == SCENE_NONE || nest_has(&compiled->order, list, hull) == sliver->inside) continue;
         NestCrossing crossing;
         sliver->entering = sliver->inside;
-        mended |= path_cross(tracer, &tracer->list, sliver, 1, &crossing);
+        mended |= path_cross(tracer, list, sliver, 1, &crossing);
     }
     return mended;
 }
 
-/* Asks for a surface of an object in front of `end` that the list says must be there; such a one becomes the only hit. */
-static bool find_missed(Path *path, uint32_t object, double *end)
+/* Whether a hit contradicts the list in front of it. */
+static bool is_wrong(const Tracer *tracer, const NestList *list, const Hit *hit)
 {
-    Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
-    bool inside = nest_has(&compiled->order, &tracer->list, compiled->hull_of_object[object]);
-    if (!rtc_find_missed(compiled->rtc, &path->ray, object, !inside, *end, &tracer->hits)) return false;
-    *end = tracer->hits.items[0].t;
-    return true;
+    uint32_t hull = compiled->hull_of_object[hit->object];
+    return hull != SCENE_NONE && nest_has(&compiled->order, list, hull) == hit->entering;
+}
+
+/* Asks for a surface of an object in front of `end` that the list says must be there; such a one becomes the only one of
+ * `missed`. */
+static bool find_missed(const Tracer *tracer, const Ray *ray, const NestList *list, uint32_t object, double end,
+                        HitList *missed)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    bool inside = nest_has(&compiled->order, list, compiled->hull_of_object[object]);
+    return rtc_find_missed(compiled->rtc, ray, object, !inside, end, missed);
 }
 
 /* Where what was found contradicts the list although the ray starts well, Embree has missed a surface on the way: an object is
@@ -257,22 +263,25 @@ ATTR_COLD static bool find_all_missed(Path *path, size_t n_hits)
 {
     Tracer *tracer = path->tracer;
     const CompiledScene *compiled = tracer->world->compiled;
-    const NestOrder *order = &compiled->order;
-    double end = n_hits ? tracer->hits.items[0].t : HUGE_VAL;
+    HitList *hits = &tracer->hits;
+    double end = n_hits ? hits->items[0].t : HUGE_VAL;
     bool found = false;
     for (size_t i = 0; i < n_hits; i++) {
-        Hit hit =
-            tracer->hits.items[i]; /* what is found takes the place of the first, which has been asked about then */
-        uint32_t hull = compiled->hull_of_object[hit.object];
-        if (hull != SCENE_NONE && nest_has(order, &tracer->list, hull) == hit.entering)
-            found |= find_missed(path, hit.object, &end);
+        Hit hit = hits->items[i]; /* what is found takes the place of the first, which has been asked about then */
+        if (!is_wrong(tracer, &tracer->list, &hit) ||
+            !find_missed(tracer, &path->ray, &tracer->list, hit.object, end, hits))
+            continue;
+        end = hits->items[0].t;
+        found = true;
     }
     uint32_t n_hulls = n_hits ? 0 : compiled->n_hulls, asked = 0;
     for (uint32_t hull = 0; hull < n_hulls && asked < RTC_MOST_ASKED; hull++) {
         uint32_t object = compiled->object_of_hull[hull];
-        if (object == SCENE_NONE || !nest_has(order, &tracer->list, hull)) continue;
+        if (object == SCENE_NONE || !nest_has(&compiled->order, &tracer->list, hull)) continue;
         asked += rtc_n_primitives(compiled->rtc, object);
-        found |= find_missed(path, object, &end);
+        if (!find_missed(tracer, &path->ray, &tracer->list, object, end, hits)) continue;
+        end = hits->items[0].t;
+        found = true;
     }
     return found;
 }
@@ -283,7 +292,7 @@ ATTR_COLD static bool read_again(Path *path, Event *event)
     Tracer *tracer = path->tracer;
     path->ray.pass_level = 0;
     path->ray.pass_alike = RTC_NO_PASS;
-    if ((mend_list(path) || tracer->passed.n) && !read_nearest(path, event)) return false;
+    if ((mend_list(tracer, &path->ray, &tracer->list) || tracer->passed.n) && !read_nearest(path, event)) return false;
     bool contradicts =
         event->kind == EVENT_BOUNDARY ? event->crossing.n_faults > 0 : event->kind == EVENT_ESCAPE && !event->clear;
     if (!contradicts || !find_all_missed(path, event->n_cluster)) return true;
@@ -384,8 +393,28 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
     return true;
 }
 
+/* tracer->shadow_list becomes the one at a straight ray's start; false when memory ends. mend: what the ray meets contradicts
+ * the list, so that the ray's start is looked at more closely. */
+static bool begin_straight(Tracer *tracer, const Ray *ray, bool mend)
+{
+    if (!path_cross_towards(tracer, ray, &tracer->shadow_list)) return false;
+    if (UNLIKELY(mend)) mend_list(tracer, ray, &tracer->shadow_list);
+    return true;
+}
+
+/* What is left of a straight ray as it goes through media and past surfaces. */
+typedef struct Straight {
+    Lanes depth, panes;
+    double t_done;
+    uint32_t medium;
+    bool uneven; /* some media on its way vary, shine or mix */
+    bool mended; /* it has been looked at again */
+    size_t n_crossings, n_faults;
+} Straight;
+typedef enum StraightEnd { STRAIGHT_CLEAR, STRAIGHT_BLOCKED, STRAIGHT_CONTRADICTS, STRAIGHT_LOST } StraightEnd;
+
 /* What the media that vary, shine or mix leave of a straight ray that nothing blocks. */
-static Lanes transmit_uneven(Path *path, const Ray *ray)
+static Lanes transmit_uneven(Path *path, const Ray *ray, bool mended)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
@@ -395,7 +424,7 @@ static Lanes transmit_uneven(Path *path, const Ray *ray)
     Lanes left = lanes_all(1);
     uint32_t n_drawn = 0;
     double t_done = 0;
-    if (!path_cross_towards(tracer, ray, list)) tracer->out_of_memory = true;
+    if (!begin_straight(tracer, ray, mended)) tracer->out_of_memory = true;
     for (size_t begin = 0; !lanes_zero(left) && !tracer->out_of_memory; begin = end) {
         double t = begin < n ? hits[begin].t : ray->t_max;
         if (flight_is_uneven(world, list, nest_medium(list)))
@@ -409,55 +438,106 @@ static Lanes transmit_uneven(Path *path, const Ray *ray)
     return left;
 }
 
+/* A place that a straight ray comes to. */
+static inline StraightEnd cross_straight(Path *path, const Ray *ray, const Hit *hits, size_t n, Straight *straight)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    NestCrossing crossing;
+    bool uneven_here = flight_is_uneven(world, &tracer->shadow_list, straight->medium);
+    if (!path_cross(tracer, &tracer->shadow_list, hits, n, &crossing)) return STRAIGHT_LOST;
+    if (UNLIKELY(crossing.n_faults) && !straight->mended) return STRAIGHT_CONTRADICTS;
+    straight->n_crossings += n;
+    straight->n_faults += crossing.n_faults;
+    if (UNLIKELY(world->has_panes)) {
+        size_t n_hulls = 0;
+        for (size_t i = 0; i < n; i++) n_hulls += world->compiled->hull_of_object[hits[i].object] != SCENE_NONE;
+        if (n_hulls < n)
+            straight->panes = lanes_mul(straight->panes, path_pass_panes(path, ray, hits, n, straight->medium));
+        if (!n_hulls) crossing.medium_from = crossing.medium_to = straight->medium;
+        if (lanes_zero(straight->panes)) return STRAIGHT_BLOCKED;
+    }
+    if (crossing.opaque || media_differ(path, crossing.medium_from, crossing.medium_to)) return STRAIGHT_BLOCKED;
+    straight->uneven = straight->uneven || uneven_here;
+    if (LIKELY(!uneven_here))
+        straight->depth = lanes_add(straight->depth, flight_depth(path, straight->medium, hits->t - straight->t_done));
+    straight->t_done = hits->t;
+    straight->medium = crossing.medium_to;
+    return STRAIGHT_CLEAR;
+}
+
+/* From the list at its start to its end, past tracer->shadow_hits. */
+static inline StraightEnd follow_straight(Path *path, const Ray *ray, bool mended, Straight *straight)
+{
+    Tracer *tracer = path->tracer;
+    const Hit *hits = tracer->shadow_hits.items;
+    size_t n_hits = tracer->shadow_hits.n, n;
+    *straight = (Straight){
+        .depth = lanes_all(0), .panes = lanes_all(1), .medium = nest_medium(&tracer->shadow_list), .mended = mended};
+    for (size_t begin = 0; begin < n_hits; begin += n) {
+        n = rtc_cluster(hits + begin, n_hits - begin);
+        StraightEnd end = cross_straight(path, ray, hits + begin, n, straight);
+        if (end != STRAIGHT_CLEAR) return end;
+    }
+    if (LIKELY(!flight_is_uneven(tracer->world, &tracer->shadow_list, straight->medium)))
+        straight->depth =
+            lanes_add(straight->depth, flight_depth(path, straight->medium, ray->t_max - straight->t_done));
+    else
+        straight->uneven = true;
+    return STRAIGHT_CLEAR;
+}
+
+/* Where the hits of a straight ray contradict the list, those that Embree has missed are put among them. */
+ATTR_COLD static void add_missed(Tracer *tracer, const Ray *ray)
+{
+    HitList *hits = &tracer->shadow_hits, *missed = &tracer->along;
+    NestList *list = &tracer->shadow_list;
+    for (size_t i = 0; i < hits->n; i++) {
+        const Hit hit = hits->items[i];
+        NestCrossing crossing;
+        Ray from = *ray; /* behind the surface of that object that was found before this one */
+        for (size_t k = 0; k < i; k++)
+            if (hits->items[k].object == hit.object) from.t_min = hits->items[k].t;
+        if (is_wrong(tracer, list, &hit) && find_missed(tracer, &from, list, hit.object, hit.t, missed) &&
+            rtc_add_hit(hits, missed->items)) {
+            if (!path_cross(tracer, list, missed->items, 1, &crossing)) return;
+            i++;
+        }
+        if (!path_cross(tracer, list, &hit, 1, &crossing)) return;
+    }
+}
+
+/* What a straight ray meets contradicts the list: as path_next_event's read_again. */
+ATTR_COLD static StraightEnd follow_again(Path *path, const Ray *ray, Straight *straight)
+{
+    Tracer *tracer = path->tracer;
+    if (!begin_straight(tracer, ray, true)) return STRAIGHT_LOST;
+    add_missed(tracer, ray);
+    if (!begin_straight(tracer, ray, true)) return STRAIGHT_LOST;
+    return follow_straight(path, ray, true, straight);
+}
+
 bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     tracer->counters.rays++;
-    if (!path_cross_towards(tracer, ray, &tracer->shadow_list)) {
+    if (!begin_straight(tracer, ray, false)) {
         tracer->out_of_memory = true;
         return false;
     }
-    uint32_t medium = nest_medium(&tracer->shadow_list);
-    ray->stops = compiled_stop_class(medium);
+    ray->stops = compiled_stop_class(nest_medium(&tracer->shadow_list));
     if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
-    const Hit *hits = tracer->shadow_hits.items;
-    size_t n = tracer->shadow_hits.n;
-    Lanes depth = lanes_all(0), panes = lanes_all(1);
-    bool uneven = false;
-    double t_done = 0;
-    for (size_t begin = 0; begin < n;) {
-        size_t end = begin + rtc_cluster(hits + begin, n - begin);
-        NestCrossing crossing;
-        bool uneven_here = flight_is_uneven(world, &tracer->shadow_list, medium);
-        if (!path_cross(tracer, &tracer->shadow_list, hits + begin, end - begin, &crossing)) {
-            tracer->out_of_memory = true;
-            return false;
-        }
-        tracer->counters.crossings += end - begin;
-        tracer->counters.nesting_faults += crossing.n_faults;
-        if (UNLIKELY(world->has_panes)) {
-            size_t n_hulls = 0;
-            for (size_t i = begin; i < end; i++)
-                n_hulls += world->compiled->hull_of_object[hits[i].object] != SCENE_NONE;
-            if (n_hulls < end - begin)
-                panes = lanes_mul(panes, path_pass_panes(path, ray, hits + begin, end - begin, medium));
-            if (!n_hulls) crossing.medium_from = crossing.medium_to = medium;
-            if (lanes_zero(panes)) return false;
-        }
-        if (crossing.opaque || media_differ(path, crossing.medium_from, crossing.medium_to)) return false;
-        uneven = uneven || uneven_here;
-        if (LIKELY(!uneven_here)) depth = lanes_add(depth, flight_depth(path, medium, hits[begin].t - t_done));
-        t_done = hits[begin].t;
-        medium = crossing.medium_to;
-        begin = end;
-    }
-    if (LIKELY(!flight_is_uneven(world, &tracer->shadow_list, medium)))
-        depth = lanes_add(depth, flight_depth(path, medium, ray->t_max - t_done));
-    else
-        uneven = true;
-    *transmittance = lanes_mul(flight_attenuation(depth), panes);
-    *medium_at_light = medium;
-    if (UNLIKELY(uneven)) *transmittance = lanes_mul(*transmittance, transmit_uneven(path, ray));
+    Straight straight;
+    StraightEnd end = follow_straight(path, ray, false, &straight);
+    if (UNLIKELY(end == STRAIGHT_CONTRADICTS)) end = follow_again(path, ray, &straight);
+    tracer->counters.crossings += straight.n_crossings;
+    tracer->counters.nesting_faults += straight.n_faults;
+    if (UNLIKELY(end == STRAIGHT_LOST)) tracer->out_of_memory = true;
+    if (end != STRAIGHT_CLEAR) return false;
+    *transmittance = lanes_mul(flight_attenuation(straight.depth), straight.panes);
+    *medium_at_light = straight.medium;
+    if (UNLIKELY(straight.uneven))
+        *transmittance = lanes_mul(*transmittance, transmit_uneven(path, ray, straight.mended));
     return true;
 }

@@ -35,6 +35,7 @@ void tracer_clear(Tracer *tracer)
     hit_list_clear(&tracer->hits);
     hit_list_clear(&tracer->shadow_hits);
     hit_list_clear(&tracer->beside);
+    hit_list_clear(&tracer->along);
     hit_list_clear(&tracer->left);
     hit_list_clear(&tracer->passed);
     nest_list_clear(&tracer->list);

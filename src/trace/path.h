@@ -77,6 +77,7 @@ typedef struct Tracer {
     HitList hits, shadow_hits;
     HitList left;   /* the surfaces that the path's ray starts on */
     HitList beside; /* objects at whose edges it starts; see rtc_beside */
+    HitList along;  /* for finding them, and for what was missed by a straight ray */
     HitList passed; /* silent crossings in front of those hits, found in the same search */
     NestList list, next, shadow_list;
     NestList before; /* behind what was passed */

@@ -697,6 +697,47 @@ static void test_corner_from_afar(void **state)
     destroy(&s);
 }
 
+/* A face that a ray grazes stands just in front of one that it meets steeply, and by Embree's distances often behind it: it is
+ * not lost, whatever the size of its triangles, and of the scene. */
+static void test_grazed_in_front(void **state)
+{
+    (void)state;
+    enum { SCENES = 12, RAYS = 8000 };
+    HitList hits = {0}, plate = {0}, post = {0};
+    int n_met = 0, n_lost = 0;
+    for (int k = 0; k < SCENES; k++) {
+        TestScene s = {0};
+        uint64_t random = hash_u64(1000 + (uint64_t)k);
+        double half = k % 4 == 3 ? 300 : 30;
+        Affine place =
+            turned(360 * unit(&random), random_direction(&random), vec3_scale(random_direction(&random), 100));
+        add(&s, keep_mesh(&s, cut_box_mesh(vec3(-half, -20, -30), vec3(half, 0, 30), k % 3 ? 1 : 4)), NULL, place);
+        add(&s, keep_mesh(&s, box_mesh(vec3(0, -30, -40), vec3(20, 10, 40))), NULL, place);
+        add(&s, keep_mesh(&s, box_mesh(vec3(1399, 0, 0), vec3(1400, 1, 1))), NULL, affine_identity());
+        build(&s);
+        for (int i = 0; i < RAYS; i++) {
+            double slope = 2e-4 * pow(50, unit(&random)), gap = .01 * pow(100, unit(&random));
+            Vec3 aim = vec3(0, -gap * slope, 40 * unit(&random) - 20), along = vec3(1, -slope, unit(&random) - 0.5);
+            Vec3 from = vec3_along(aim, -20 * pow(40, unit(&random)), along);
+            Ray ray = ray_through(affine_point(&place, from), affine_point(&place, aim), 0);
+            if (!rtc_find_missed(s.rtc, &ray, 0, true, HUGE_VAL, &plate) ||
+                !rtc_find_missed(s.rtc, &ray, 1, true, HUGE_VAL, &post))
+                continue;
+            const Hit *first = &plate.items[0], *second = &post.items[0];
+            if (first->t >= second->t || rtc_together(first, second) || !first->clear) continue;
+            n_met++;
+            n_lost += rtc_nearest(s.rtc, &ray, &hits, NULL) == 0 || hits.items[0].object != 0;
+        }
+        destroy(&s);
+    }
+    printf("grazed in front of another: %d lost of %d\n", n_lost, n_met);
+    assert_true(n_met > SCENES * RAYS / 2);
+    assert_int_equal(n_lost, 0);
+    hit_list_clear(&hits);
+    hit_list_clear(&plate);
+    hit_list_clear(&post);
+}
+
 /* Two faces 20 units in the last place apart are two; faces at one place are one cluster. */
 static void test_gap_is_kept(void **state)
 {
@@ -870,6 +911,7 @@ int main(void)
         cmocka_unit_test(test_on_an_edge),
         cmocka_unit_test(test_find_missed),
         cmocka_unit_test(test_corner_from_afar),
+        cmocka_unit_test(test_grazed_in_front),
         cmocka_unit_test(test_gap_is_kept),
         cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
