@@ -742,11 +742,24 @@ ATTR_COLD static size_t search_exactly(Query *query)
     }
 }
 
+/* Whether a ray goes into a ball that nothing else reaches into: it then meets the ball's other side, and that alone. */
+static bool cross_lone(Query *query)
+{
+    const Ray *ray = query->ray;
+    const HitList *hits = query->hits;
+    uint32_t object = ray->left->object;
+    if (!rtc_is_lone(query->scene, object) || ray->t_min > 0 || rtc_passes(query, object)) return false;
+    RtcBall ball = rtc_ball(query->scene, &query->scene->objects[object], ray->time);
+    consider_ball(query, object, &ball);
+    return hits->n == 1 && hits->items[0].cos_normal >= RTC_LONE_COSINE;
+}
+
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
 {
     Query query;
     query_init(&query, scene, ray, hits, passed);
     hits->beside = false;
+    if (ray->n_left == 1 && ray->left->inside && cross_lone(&query)) return 1;
     for (;;) {
         if (UNLIKELY(!search_nearest(&query))) return 0;
         bool good = complete_nearest(&query);

@@ -91,6 +91,7 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
     }
     placed->mirrored = affine_determinant(&object->to_world) < 0;
     placed->ball = is_ball(placed, n_keys);
+    placed->lone = placed->ball && !placed->opaque && n_keys == 0 ? RTC_PERHAPS_LONE : RTC_NOT_LONE;
     for (uint32_t k = 0; object->keys && k < n_keys; k++) {
         double determinant = affine_determinant(&object->keys[k]);
         if (!(determinant != 0) || !isfinite(determinant) || (determinant < 0) != placed->mirrored)

@@ -25,6 +25,9 @@ typedef struct LocalRay {
     Affine moved_to_local;
 } LocalRay;
 
+/* A ray that leaves a lone ball at less than this cosine is searched for as others are. */
+#define RTC_LONE_COSINE 0x1p-4
+
 /* How many hollow pieces of one search are met with all their eighths at once. */
 enum { RTC_WHOLE = 16 };
 
@@ -104,6 +107,14 @@ static inline bool rtc_starts_on(const Ray *ray, uint32_t object)
 /* Computes in double what a candidate is: hit has object and primitive, u and v of a triangle, t of a piece. False when
  * it is not met between t_min and t_max, or is where the ray starts. */
 bool rtc_complete_hit(Query *query, Hit *hit);
+
+/* Whether nothing reaches into an object of which that is not known yet. */
+bool rtc_find_lone(const RtcScene *scene, uint32_t object);
+static inline bool rtc_is_lone(const RtcScene *scene, uint32_t object)
+{
+    unsigned char lone = atomic_load_explicit(&scene->objects[object].lone, memory_order_relaxed);
+    return UNLIKELY(lone == RTC_PERHAPS_LONE) ? rtc_find_lone(scene, object) : lone == RTC_LONE;
+}
 
 /* Whether the ray's line goes through a triangle, and the corners' weights there, up to a common factor. One of
  * neighbours that share an edge is met, or both, or none. */

@@ -30,6 +30,9 @@ typedef struct RtcMaps {
     Affine to_world, to_local; /* at time 0 */
 } RtcMaps;
 
+/* Whether anything else reaches into a ball; see rtc_lone.c. */
+enum { RTC_NOT_LONE, RTC_PERHAPS_LONE, RTC_LONE };
+
 /* One object, ready for tracing. There may be tens of millions: most are balls and instances that are only moved. */
 typedef struct RtcPlaced {
     Vec3 place;
@@ -38,6 +41,7 @@ typedef struct RtcPlaced {
     bool opaque;
     bool ball;           /* of one piece, a sphere, that is always moved, turned and made larger evenly */
     bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
+    atomic_uchar lone;   /* RTC_NOT_LONE and others */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
     uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them */

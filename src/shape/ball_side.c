@@ -77,6 +77,28 @@ static double distance_to_arc(const Piece *piece, double r, double y)
     return double_max(circle, distance_to_box(&box, r, y));
 }
 
+/* Of a torus the circle that reaches over the axis has two sides. */
+static double distance_to_torus(const Piece *piece, double r, double y)
+{
+    return double_min(distance_to_circle(piece->r0, 0, piece->r1, r, y),
+                      distance_to_circle(piece->r0, 0, piece->r1, -r, y));
+}
+
+double piece_distance(const Piece *piece, Vec3 p)
+{
+    double r = sqrt(p.x * p.x + p.z * p.z);
+    switch (piece->kind) {
+    case PIECE_SPHERE: return fabs(vec3_length(p) - piece->r0);
+    case PIECE_BAND: return distance_to_segment(piece, r, p.y);
+    case PIECE_TORUS: return distance_to_torus(piece, r, p.y);
+    case PIECE_OUTER_ARC:
+    case PIECE_INNER_ARC: return distance_to_arc(piece, r, p.y);
+    case PIECE_PLANE: return fabs(p.y);
+    case PIECE_RECT: break;
+    }
+    return vec3_length(vec3(double_max(fabs(p.x) - piece->r0, 0), p.y, double_max(fabs(p.z) - piece->r1, 0)));
+}
+
 /* Whether a step from (r, y) straight away from the axis goes through it; both are off its surface. */
 static bool is_crossed_outwards(const Piece *piece, double r, double y)
 {
@@ -103,8 +125,7 @@ static BallSide of_sphere(const Piece *piece, Vec3 centre, double radius)
 
 static BallSide of_torus(const Piece *piece, double r, double y, double radius)
 {
-    double distance = double_min(distance_to_circle(piece->r0, 0, piece->r1, r, y),
-                                 distance_to_circle(piece->r0, 0, piece->r1, -r, y));
+    double distance = distance_to_torus(piece, r, y);
     double dr = r - piece->r0;
     return side_of(!(distance > radius), dr * dr + y * y < piece->r1 * piece->r1);
 }

@@ -27,7 +27,13 @@ typedef enum BallSide {
  * Always so for what is not closed. */
 BallSide solid_ball_side(const Solid *solid, const ProfileTree *tree, Vec3 centre, double radius);
 
+/* How far a point is from a piece at least, in its frame; of spheres, bands and planes just that far. */
+double piece_distance(const Piece *piece, Vec3 p);
+
 /* ---- meshes (ball_side_mesh.c) ---- */
+
+/* From the origin to a triangle, squared. */
+double squared_to_triangle(const Vec3 corner[3]);
 
 /* A tree of the triangles' boxes. What was made is to be cleared also after a failure. */
 ATTR_NODISCARD Status mesh_box_tree(const Mesh *mesh, BoxTree *tree, Error *error);

@@ -50,8 +50,7 @@ static double squared_to_edge(Vec3 a, Vec3 b)
     return squared(vec3_along(a, double_max(0, double_min(at, 1)), edge));
 }
 
-/* From the origin to a triangle. */
-static double squared_to_triangle(const Vec3 p[3])
+double squared_to_triangle(const Vec3 p[3])
 {
     Vec3 normal = vec3_cross(vec3_sub(p[1], p[0]), vec3_sub(p[2], p[0]));
     double least = HUGE_VAL;

@@ -395,6 +395,86 @@ static void test_turned_and_moving_balls(void **state)
     expect_no_faults(&s, "balls, turned, mirrored and moving", 20);
 }
 
+/* Balls of which some are lone: among each other, in a box, a glass and a larger ball, across their surfaces, and about a plane. */
+static void add_bubbles(TestScene *s, uint64_t seed, uint32_t n)
+{
+    static const double glass_profile[][2] = {{0, -9}, {9, -9}, {9, 9}, {7, 9}, {7, -7}, {0, -7}};
+    Solid *ball = sphere(s, 1), *glass, *plane;
+    Status status = solid_make_lathe(glass_profile, 6, NULL, false, &glass, NULL);
+    glass = keep_solid(s, status, glass);
+    assert_int_equal(solid_new(1, &plane, NULL), STATUS_OK);
+    plane->pieces[0].kind = PIECE_PLANE;
+    keep_solid(s, STATUS_OK, plane);
+    add(s, keep_mesh(s, cut_box_mesh(vec3(-12, -12, -12), vec3(12, 12, 2), 3)), NULL, affine_identity());
+    add(s, NULL, plane, turned(20, vec3(1, 0, 1), vec3(0, -4, 0)));
+    for (uint64_t i = 0; i < n; i++) {
+        double size = i == 0 ? 8 : 0.05 + 0.5 * hash_to_unit(hash_u64(seed + 5 * i));
+        Affine at = turned(0, vec3(1, 0, 0), vec3(0, 0, 0));
+        for (int k = 0; k < 3; k++) at.m[k][k] = size;
+        at.t =
+            vec3(20 * hash_to_unit(hash_u64(seed + 5 * i + 1)) - 10, 20 * hash_to_unit(hash_u64(seed + 5 * i + 2)) - 10,
+                 20 * hash_to_unit(hash_u64(seed + 5 * i + 3)) - 10);
+        if (i == 0) at.t = vec3(0, 0, 0);
+        if (i == 1) at.t = vec3(6 + 1e-6, 0, 0), at.m[0][0] = at.m[1][1] = at.m[2][2] = 2; /* nearly touches it */
+        if (i == 2) at.t = vec3(-4, 0, 0);
+        add(s, NULL, ball, at);
+    }
+    add(s, NULL, glass, turned(10, vec3(1, 0, 0), vec3(0, 0, 0)));
+}
+
+static bool is_same_hit(const Hit *a, const Hit *b)
+{
+    return a->t == b->t && a->object == b->object && a->primitive == b->primitive && a->entering == b->entering &&
+           a->cos_normal == b->cos_normal && a->rounding == b->rounding &&
+           memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
+}
+
+/* What a ray meets that goes into a ball is what a search for everything along it finds first, to the bit, also where the ray is
+ * not searched for because nothing reaches into the ball. */
+static void test_lone_balls(void **state)
+{
+    (void)state;
+    enum { RAYS = 40000 };
+    HitList hits = {0}, left = {0}, all = {0};
+    int n_lone = 0, n_inside = 0;
+    for (int k = 0; k < 4; k++) {
+        TestScene s = {0};
+        add_bubbles(&s, 100 + (uint64_t)k, k % 2 ? 3 : 60); /* not all of so few pieces are Embree's */
+        build(&s);
+        uint64_t random = hash_u64((uint64_t)k);
+        for (int i = 0; i < RAYS; i++) {
+            uint32_t o = 2 + (uint32_t)(unit(&random) * (s.n - 3));
+            Vec3 centre = s.objects[o].to_world.t,
+                 aim = vec3_along(centre, s.objects[o].to_world.m[0][0], random_direction(&random));
+            Ray ray = ray_through(vec3_scale(random_direction(&random), 40), aim, 0);
+            size_t n = 1;
+            assert_true(rtc_all(s.rtc, &ray, false, &all));
+            size_t at = 0;
+            while (at < all.n && (all.items[at].object != o || !all.items[at].entering)) at++;
+            if (at == all.n || rtc_cluster(all.items + at, all.n - at) > 1) continue;
+            if (at > 0 && rtc_together(&all.items[at - 1], &all.items[at])) continue;
+            left.n = 0;
+            *rtc_hit_place(&left) = all.items[at];
+            Vec3 direction = random_direction(&random);
+            if (vec3_dot(direction, vec3_from_f(left.items[0].normal)) > 0) direction = vec3_scale(direction, -1);
+            rtc_leave(s.rtc, &ray, left.items, &n, true, vec3f_from(direction), &ray);
+            if (!left.items[0].inside) continue;
+            n = rtc_nearest(s.rtc, &ray, &hits, NULL);
+            assert_true(rtc_all(s.rtc, &ray, false, &all));
+            assert_int_equal(n, rtc_cluster(all.items, all.n));
+            for (size_t h = 0; h < n; h++) assert_true(is_same_hit(&hits.items[h], &all.items[h]));
+            n_inside++;
+            n_lone += rtc_is_lone(s.rtc, o);
+        }
+        destroy(&s);
+    }
+    printf("%d rays in balls, %d of them in lone ones\n", n_inside, n_lone);
+    assert_true(n_lone > n_inside / 5 && n_lone < n_inside);
+    hit_list_clear(&hits);
+    hit_list_clear(&left);
+    hit_list_clear(&all);
+}
+
 /* More hollow pieces than a search keeps in mind: each crossing is found once, whichever eighths the ray comes through. */
 static void test_many_hollow_pieces(void **state)
 {
@@ -902,6 +982,7 @@ int main(void)
         cmocka_unit_test(test_coincident_boxes),
         cmocka_unit_test(test_solids),
         cmocka_unit_test(test_turned_and_moving_balls),
+        cmocka_unit_test(test_lone_balls),
         cmocka_unit_test(test_many_hollow_pieces),
         cmocka_unit_test(test_coincident_solids),
         cmocka_unit_test(test_planes),
