@@ -347,8 +347,9 @@ static void find_all_factors(const BsdfSpec *spec, const Parts *parts, float eta
                                    &known->to_coated_diffuse};
     for (size_t i = 0; i < sizeof ones / sizeof *ones; i++) fill_with_ones(ones[i]);
     BsdfSpec white = white_cover(spec);
+    const BsdfKept kept = {.balance = known, .inner = -1};
     Bsdf bsdf;
-    bsdf_from_spec(&white, lanes_all(middle_nm), lanes_all(eta_i), lanes_all(eta_i), known, &bsdf);
+    bsdf_from_spec(&white, lanes_all(middle_nm), lanes_all(eta_i), lanes_all(eta_i), &kept, &bsdf);
     work->bsdf = &bsdf;
     const DirectionGrid *found[BSDF_LOBES];
     for (uint32_t i = 0; i < bsdf.n_lobes; i++) {

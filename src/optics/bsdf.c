@@ -47,7 +47,7 @@ static void note_opaque(Bsdf *bsdf, BsdfLobe *lobe, Lanes albedo, bool specular)
         lobe->covered = true;
         bsdf->coat_albedo = lanes_add(bsdf->coat_albedo, part);
         bsdf->coat_share += lobe->share;
-        if (!bsdf->coat.facets.smooth) bsdf->specular_only = false;
+        if (!bsdf->coat->facets.smooth) bsdf->specular_only = false;
     }
     if (!specular) bsdf->specular_only = false;
 }
@@ -109,12 +109,22 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float a
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_PLASTIC, share);
     if (!lobe) return;
-    lobe->as.plastic.base = diffuse_make(albedo, roughness);
+    BsdfPlastic *plastic = &lobe->as.plastic;
+    plastic->base = diffuse_make(albedo, roughness);
     const Balance *balance = bsdf->balance;
     if (balance && balance->plastic_base) lobe->balance = &balance->to_plastic_base;
-    layer_make(eta, alpha_x, alpha_y, tint, balance && balance->skin ? &balance->skin_reflects : NULL,
-               &lobe->as.plastic.layer);
-    if (lobe->as.plastic.base.roughness > 0) layer_find_among(&lobe->as.plastic.layer);
+    layer_make(eta, alpha_x, alpha_y, tint, balance && balance->skin ? &balance->skin_reflects : NULL, &plastic->own);
+    if (plastic->base.roughness > 0) layer_find_among(&plastic->own);
+    plastic->layer = &plastic->own;
+    note_opaque(bsdf, lobe, plastic->base.albedo, false);
+}
+
+void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes albedo, float roughness)
+{
+    BsdfLobe *lobe = add_lobe(bsdf, BSDF_PLASTIC, share);
+    if (!lobe) return;
+    lobe->as.plastic.base = diffuse_make(albedo, roughness);
+    lobe->as.plastic.layer = skin;
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
 
@@ -202,10 +212,16 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
 
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)
 {
-    bsdf->coating = true;
     const Balance *balance = bsdf->balance;
-    layer_make(eta, alpha_x, alpha_y, tint, balance && balance->coat ? &balance->coat_reflects : NULL, &bsdf->coat);
-    layer_find_among(&bsdf->coat);
+    layer_make(eta, alpha_x, alpha_y, tint, balance && balance->coat ? &balance->coat_reflects : NULL, &bsdf->own_coat);
+    layer_find_among(&bsdf->own_coat);
+    bsdf_begin_coat_kept(bsdf, &bsdf->own_coat);
+}
+
+void bsdf_begin_coat_kept(Bsdf *bsdf, const BsdfLayer *coat)
+{
+    bsdf->coating = true;
+    bsdf->coat = coat;
 }
 
 void bsdf_end_coat(Bsdf *bsdf)
@@ -227,18 +243,18 @@ static BsdfCovers covers_at(const Bsdf *bsdf, Vec3f w)
 {
     BsdfCovers covers = {lanes_all(0), lanes_all(1), 1, 1};
     if (bsdf->coat_share > 0 && w.z > 0) {
-        covers.reflectance = layer_reflectance(&bsdf->coat, w);
-        covers.passed = layer_transmittance(&bsdf->coat, w, covers.reflectance);
+        covers.reflectance = layer_reflectance(bsdf->coat, w);
+        covers.passed = layer_transmittance(bsdf->coat, w, covers.reflectance);
     }
     if (!(bsdf->fuzz.share > 0)) return covers;
     covers.fuzz = 1 - fuzz_albedo(&bsdf->fuzz, w);
-    if (bsdf->coat_share > 0 && w.z > 0) covers.skin = fuzz_to_base(&bsdf->fuzz, &bsdf->coat, w);
+    if (bsdf->coat_share > 0 && w.z > 0) covers.skin = fuzz_to_base(&bsdf->fuzz, bsdf->coat, w);
     return covers;
 }
 
 const BsdfLayer *bsdf_layer_over(const Bsdf *bsdf, const BsdfLobe *lobe)
 {
-    return lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer : lobe->covered ? &bsdf->coat : NULL;
+    return lobe->kind == BSDF_PLASTIC ? lobe->as.plastic.layer : lobe->covered ? bsdf->coat : NULL;
 }
 
 /* Over what is diffuse f T(v) T(l) / mean T; the mean is that of all layers together. */
@@ -267,7 +283,8 @@ void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness)
     bsdf->specular_only = false;
     for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
         BsdfLobe *lobe = &bsdf->lobes[i];
-        if (lobe->kind == BSDF_PLASTIC) layer_find_among(&lobe->as.plastic.layer);
+        if (lobe->kind == BSDF_PLASTIC && lobe->as.plastic.layer == &lobe->as.plastic.own)
+            layer_find_among(&lobe->as.plastic.own);
         if (lobe->kind == BSDF_DIFFUSE || lobe->kind == BSDF_TRANSLUCENT || lobe->kind == BSDF_PLASTIC)
             lobe->fuzz_norm = fuzz_norm(bsdf, lobe);
     }
@@ -287,7 +304,7 @@ static BsdfChances chances_of(const Bsdf *bsdf, const BsdfCovers *v)
     }
     if (bsdf->coat_share > 0)
         chances.coat =
-            layer_chance(&bsdf->coat, 1, v->reflectance, lanes_scale(bsdf->coat_albedo, 1 / bsdf->coat_share));
+            layer_chance(bsdf->coat, 1, v->reflectance, lanes_scale(bsdf->coat_albedo, 1 / bsdf->coat_share));
     return chances;
 }
 
@@ -322,7 +339,7 @@ static float balance_of(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view)
 static const BsdfFacets *facets_of(const BsdfLobe *lobe) /* NULL: none that reflect by themselves */
 {
     return lobe->kind == BSDF_CONDUCTOR ? &lobe->as.conductor.facets
-           : lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer.facets
+           : lobe->kind == BSDF_PLASTIC ? &lobe->as.plastic.layer->facets
                                         : NULL;
 }
 
@@ -349,7 +366,7 @@ static LobeOver lobe_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
     over.diffuse *= fuzz_to_diffuse(fuzz, roughness, view, v->fuzz) * fuzz_to_diffuse(fuzz, roughness, light, l->fuzz);
     if (lobe->covered) over.diffuse *= v->skin * l->skin;
     if (lobe->kind == BSDF_PLASTIC) {
-        const BsdfLayer *layer = &lobe->as.plastic.layer;
+        const BsdfLayer *layer = lobe->as.plastic.layer;
         over.diffuse *= fuzz_to_base(fuzz, layer, view) * fuzz_to_base(fuzz, layer, light);
     }
     return over;
@@ -358,7 +375,7 @@ static LobeOver lobe_over(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Ve
 static Lanes coat_over_mirrors(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, Vec3f light, const BsdfCovers *v,
                                const BsdfCovers *l)
 {
-    return layer_over_mirrors(&bsdf->coat, &lobe->as.conductor, view, light, v->reflectance, l->reflectance, v->passed,
+    return layer_over_mirrors(bsdf->coat, &lobe->as.conductor, view, light, v->reflectance, l->reflectance, v->passed,
                               l->passed);
 }
 
@@ -369,8 +386,8 @@ static Lanes diffuse_under_covers(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f 
     Lanes f = lanes_scale(diffuse_evaluate(diffuse, view, light), lobe_over(bsdf, lobe, view, light, v, l).diffuse);
     if (!lobe->covered) return f;
     f = lanes_mul(f, lanes_mul(v->passed, l->passed));
-    f = lanes_mul(f, layer_over_rough_diffuse(&bsdf->coat, diffuse->roughness, view, light));
-    return lanes_mul(f, layer_over_diffuse(&bsdf->coat, diffuse->albedo));
+    f = lanes_mul(f, layer_over_rough_diffuse(bsdf->coat, diffuse->roughness, view, light));
+    return lanes_mul(f, layer_over_diffuse(bsdf->coat, diffuse->albedo));
 }
 
 float bsdf_cover_factor(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w)
@@ -391,7 +408,7 @@ float bsdf_cover_factor(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f w)
 
 static Lanes lobe_see(const BsdfLobe *lobe, Vec3f view)
 {
-    if (lobe->kind == BSDF_PLASTIC) return layer_reflectance(&lobe->as.plastic.layer, view);
+    if (lobe->kind == BSDF_PLASTIC) return layer_reflectance(lobe->as.plastic.layer, view);
     if (lobe->kind == BSDF_BOUNDARY && !lobe->as.boundary.facets.smooth)
         return boundary_missing(&lobe->as.boundary, false, view);
     return lanes_all(0);
@@ -470,11 +487,11 @@ static void covers_evaluate(const Bsdf *bsdf, Vec3f view, Vec3f light, const Bsd
         *pdf_w = lanes_all(pdf * fuzz_probability(bsdf, chances));
     }
     if (bsdf->coat_share > 0) {
-        layer_evaluate(&bsdf->coat, view, light, &f, &pdf);
+        layer_evaluate(bsdf->coat, view, light, &f, &pdf);
         float over = 1;
         if (bsdf->fuzz.share > 0)
-            over = fuzz_to_mirrors(&bsdf->fuzz, &bsdf->coat.facets, view, v->fuzz) *
-                   fuzz_to_mirrors(&bsdf->fuzz, &bsdf->coat.facets, light, l->fuzz);
+            over = fuzz_to_mirrors(&bsdf->fuzz, &bsdf->coat->facets, view, v->fuzz) *
+                   fuzz_to_mirrors(&bsdf->fuzz, &bsdf->coat->facets, light, l->fuzz);
         *f_cos = lanes_add(*f_cos, lanes_scale(f, bsdf->coat_share * over));
         *pdf_w = lanes_add(*pdf_w, lanes_scale(coat_probability(bsdf, chances), pdf));
     }
@@ -573,7 +590,8 @@ static bool sample_part(const Bsdf *bsdf, Vec3f view, float u_choice, const floa
     }
     Lanes coat = coat_probability(bsdf, chances);
     if (bsdf->coat_share > 0 && take(&u_choice, &left, lanes_get(coat, 0))) {
-        if (!bsdf->coat.facets.smooth) return facets_sample_reflection(&bsdf->coat.facets, view, u, &sample->direction);
+        if (!bsdf->coat->facets.smooth)
+            return facets_sample_reflection(&bsdf->coat->facets, view, u, &sample->direction);
         sample->specular = true;
         sample->direction = mirrored(view);
         sample->value = lanes_scale(v->reflectance, bsdf->coat_share * v->fuzz);

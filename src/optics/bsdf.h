@@ -44,7 +44,8 @@ typedef struct Bsdf {
     BsdfChances chances;              /* likewise */
     bool coating;                     /* between bsdf_begin_coat and bsdf_end_coat */
     Lanes opaque_albedo, coat_albedo; /* about, of these lobes: the sums over their shares */
-    BsdfLayer coat;
+    const BsdfLayer *coat;            /* own_coat, or one that was made before */
+    BsdfLayer own_coat;
     BsdfFuzz fuzz;          /* share 0: none */
     const Balance *balance; /* NULL: none */
     BsdfLobe lobes[BSDF_LOBES];
@@ -77,6 +78,8 @@ void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
  * the normal leaves, squared, which is about the colour that a white base gets; 1: clear. */
 void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes albedo,
                       float roughness);
+/* The same with a layer that was made before, with bsdf_kept.h: not owned. */
+void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes albedo, float roughness);
 /* The boundary between the medium of view, eta_i, and the one behind. */
 void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y);
 /* A dielectric sheet without thickness, all its internal reflections summed; eta relative to the medium on both sides;
@@ -86,6 +89,7 @@ void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alp
 /* The one clear layer over the diffuse, conductor and mirror lobes that are added until bsdf_end_coat; as in
  * bsdf_add_plastic. */
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint);
+void bsdf_begin_coat_kept(Bsdf *bsdf, const BsdfLayer *coat); /* as bsdf_add_plastic_kept */
 void bsdf_end_coat(Bsdf *bsdf);
 /* Fibres on all that is opaque: the part of it that they stand on, 0..1; roughness 0..1, how far they are from upright. */
 void bsdf_set_fuzz(Bsdf *bsdf, float share, Lanes color, float roughness);

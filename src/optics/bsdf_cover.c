@@ -108,7 +108,7 @@ Lanes layer_inner_reflectance(Lanes eta, Lanes eta_base)
 void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, Lanes reflectance_v, LobeOver over,
                       Lanes *f_cos, Lanes *pdf_w)
 {
-    const BsdfLayer *layer = &plastic->layer;
+    const BsdfLayer *layer = plastic->layer;
     Lanes reflectance_l = layer_reflectance(layer, light);
     Lanes passed =
         lanes_mul(layer_transmittance(layer, view, reflectance_v), layer_transmittance(layer, light, reflectance_l));
@@ -126,7 +126,7 @@ void plastic_evaluate(const BsdfPlastic *plastic, Vec3f view, Vec3f light, Lanes
 bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v, float u_choice, const float u[2],
                     LobeSample *sample)
 {
-    const BsdfLayer *layer = &plastic->layer;
+    const BsdfLayer *layer = plastic->layer;
     Lanes chance = layer_chance(layer, 1, reflectance_v, plastic->base.albedo);
     if (!lobe_choose(&u_choice, lanes_get(chance, 0))) {
         sample->direction = diffuse_sample(&plastic->base, u_choice, u);

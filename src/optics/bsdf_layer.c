@@ -19,6 +19,7 @@ void layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfK
     layer->facets = facets_make(alpha_x, alpha_y);
     layer->eta = eta;
     layer->known = known;
+    layer->reflectances = layer->facet_reflectances = NULL;
     facets_index(&layer->facets, eta, &layer->index);
     layer->depth = lanes_scale(layer_depth(tint), 0.5f);
     layer->tinted = !lanes_zero(layer->depth);
@@ -52,6 +53,7 @@ Lanes layer_smooth_reflectance(const BsdfLayer *layer, Vec3f w)
 
 Lanes layer_reflectance(const BsdfLayer *layer, Vec3f w)
 {
+    if (layer->reflectances) return lanes_all(layer_read(layer->reflectances, w.z));
     if (layer->known) {
         Lanes beyond = lanes_all(direction_grid_at(&layer->known->grid, w));
         return lanes_clamp(lanes_add(layer_smooth_reflectance(layer, w), beyond), 0, 1);
@@ -85,7 +87,9 @@ void layer_evaluate(const BsdfLayer *layer, Vec3f view, Vec3f light, Lanes *f_co
     *pdf_w = 0;
     if (layer->facets.smooth) return;
     FacetReflection r = facets_reflect(&layer->facets, view, light);
-    *f_cos = lanes_scale(fresnel_dielectric_lanes(r.cosine, lanes_all(1), layer->eta), r.density * r.shadowing);
+    Lanes reflected = layer->facet_reflectances ? lanes_all(layer_read(layer->facet_reflectances, r.cosine))
+                                                : fresnel_dielectric_lanes(r.cosine, lanes_all(1), layer->eta);
+    *f_cos = lanes_scale(reflected, r.density * r.shadowing);
     *pdf_w = r.density;
 }
 

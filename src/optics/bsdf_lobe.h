@@ -75,10 +75,13 @@ typedef struct BsdfLayer {
     Lanes norm;             /* what passes of diffuse light from below, over what passes from above */
     const BsdfKnown *known; /* of what it reflects; NULL: nothing */
     bool tinted;
+    /* layer_read of them gives layer_reflectance, and what one of its facets reflects, for all lanes; NULL: to be computed */
+    const float *reflectances, *facet_reflectances;
 } BsdfLayer;
 
 typedef struct BsdfPlastic {
-    BsdfLayer layer;
+    const BsdfLayer *layer; /* `own`, or one that was made before */
+    BsdfLayer own;
     BsdfDiffuse base;
 } BsdfPlastic;
 
@@ -228,6 +231,14 @@ bool plastic_sample(const BsdfPlastic *plastic, Vec3f view, Lanes reflectance_v,
 Lanes layer_depth(Lanes transmittance);
 /* known: of what it reflects, or NULL; not owned */
 void layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known, BsdfLayer *layer);
+/* Tables by the root of the cosine, as most happens at grazing angles. */
+enum { LAYER_STEPS = 512, LAYER_READINGS = LAYER_STEPS + 2 };
+static inline float layer_read(const float readings[LAYER_READINGS], float cosine)
+{
+    float at = sqrtf(float_min(float_max(cosine, 0), 1)) * LAYER_STEPS;
+    int step = (int)at;
+    return readings[step] + (readings[step + 1] - readings[step]) * (at - (float)step);
+}
 /* What it would reflect if it were about smooth: past the critical angle softly. */
 Lanes layer_smooth_reflectance(const BsdfLayer *layer, Vec3f w);
 /* Fills in `among`, for all that is under the layer but Lambert's law. */

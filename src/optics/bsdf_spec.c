@@ -2,6 +2,9 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/bsdf_spec.h"
 
+/* Where something is asked at one wavelength that is the same at all. */
+static const float any_nm = 550;
+
 void bsdf_spec_init(BsdfSpec *spec)
 {
     *spec = (BsdfSpec){
@@ -44,6 +47,7 @@ Lanes bsdf_weakened(Lanes eta, float weight)
 /* What is asked of all lobes of one surface. */
 typedef struct Making {
     const BsdfSpec *spec;
+    const BsdfKept *kept;
     Bsdf *bsdf;
     Lanes nm, eta_i, base_color;
     float alpha_x, alpha_y;
@@ -69,7 +73,9 @@ static void add_metal(const Making *m, float share, Lanes above)
 static void add_dielectric(const Making *m, float share)
 {
     const BsdfSpec *spec = m->spec;
-    if (spec->specular_weight > 0) {
+    if (m->kept->skin) {
+        bsdf_add_plastic_kept(m->bsdf, share, m->kept->skin, m->base_color, spec->base_diffuse_roughness);
+    } else if (spec->specular_weight > 0) {
         Lanes eta = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
         bsdf_add_plastic(m->bsdf, share, eta, m->alpha_x, m->alpha_y, lanes_all(1), m->base_color,
                          spec->base_diffuse_roughness);
@@ -78,20 +84,36 @@ static void add_dielectric(const Making *m, float share)
     }
 }
 
+float bsdf_inner_reflectance(const BsdfSpec *spec, Lanes eta_i, Lanes wavelength_nm)
+{
+    if (!(spec->specular_weight > 0)) return 0;
+    Lanes coat_ior = spectrum_at(&spec->coat_ior, wavelength_nm), eta = lanes_div(coat_ior, eta_i);
+    Lanes base = lanes_div(spectrum_at(&spec->specular_ior, wavelength_nm), coat_ior);
+    return lanes_mean(layer_inner_reflectance(eta, lanes_mul(bsdf_weakened(base, spec->specular_weight), eta)));
+}
+
+static void begin_coat(const Making *m, Lanes coat_ior)
+{
+    const BsdfSpec *spec = m->spec;
+    float coat_x, coat_y;
+    if (m->kept->coat) {
+        bsdf_begin_coat_kept(m->bsdf, m->kept->coat);
+        return;
+    }
+    bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &coat_x, &coat_y);
+    bsdf_begin_coat(m->bsdf, lanes_div(coat_ior, m->eta_i), coat_x, coat_y, at(m, &spec->coat_color));
+}
+
 /* All that a coat covers, where it does. */
 static void add_coated(const Making *m, float metal, float dielectric)
 {
     const BsdfSpec *spec = m->spec;
+    bool inner_kept = m->kept->coat && m->kept->inner >= 0;
     float skin = 0;
-    Lanes coat_ior = at(m, &spec->coat_ior), eta = lanes_div(coat_ior, m->eta_i);
-    float coat_x, coat_y;
-    bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &coat_x, &coat_y);
-    bsdf_begin_coat(m->bsdf, eta, coat_x, coat_y, at(m, &spec->coat_color));
-    add_metal(m, metal, coat_ior);
-    if (spec->specular_weight > 0 && dielectric > 0) {
-        Lanes inner = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), coat_ior), spec->specular_weight);
-        skin = lanes_mean(layer_inner_reflectance(eta, lanes_mul(inner, eta)));
-    }
+    Lanes coat_ior = at(m, &spec->coat_ior);
+    begin_coat(m, coat_ior);
+    if (metal > 0) add_metal(m, metal, coat_ior);
+    if (dielectric > 0) skin = inner_kept ? m->kept->inner : bsdf_inner_reflectance(spec, m->eta_i, m->nm);
     bsdf_add_mirrors(m->bsdf, dielectric * skin, m->alpha_x, m->alpha_y);
     bsdf_add_diffuse(m->bsdf, dielectric * (1 - skin), m->base_color, spec->base_diffuse_roughness);
     bsdf_end_coat(m->bsdf);
@@ -111,17 +133,19 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
                    phase);
 }
 
-void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const Balance *balance,
+void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const BsdfKept *kept,
                     Bsdf *bsdf)
 {
+    static const BsdfKept nothing = {.inner = -1};
+    if (!kept) kept = &nothing;
     float metal = spec->base_metalness, clear = (1 - metal) * spec->transmission_weight, opaque = 1 - metal - clear;
     float translucent = spec->thin_walled ? opaque * spec->translucency : 0, coat = spec->coat_weight;
-    Making m = {.spec = spec, .bsdf = bsdf, .nm = wavelength_nm, .eta_i = eta_i};
+    Making m = {.spec = spec, .kept = kept, .bsdf = bsdf, .nm = wavelength_nm, .eta_i = eta_i};
     m.base_color = at(&m, &spec->base_color);
     bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &m.alpha_x, &m.alpha_y);
     opaque -= translucent;
     bsdf_begin(bsdf);
-    bsdf_set_balance(bsdf, balance);
+    bsdf_set_balance(bsdf, kept->balance);
     if (metal * (1 - coat) > 0) add_metal(&m, metal * (1 - coat), eta_i);
     if (opaque * (1 - coat) > 0) add_dielectric(&m, opaque * (1 - coat));
     if (coat > 0 && metal + opaque > 0) add_coated(&m, metal * coat, opaque * coat);
@@ -129,4 +153,23 @@ void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lane
     if (clear > 0) add_clear(&m, clear, eta_t);
     if (spec->fuzz_weight > 0)
         bsdf_set_fuzz(bsdf, spec->fuzz_weight, spectrum_at(&spec->fuzz_color, wavelength_nm), spec->fuzz_roughness);
+}
+
+bool bsdf_skin_look(const BsdfSpec *spec, float eta_i, LayerLook *look)
+{
+    if (!(spec->specular_weight > 0) || !spectrum_is_constant(&spec->specular_ior)) return false;
+    float ior = spectrum_at_one(&spec->specular_ior, any_nm);
+    *look = (LayerLook){.eta = lanes_get(bsdf_weakened(lanes_all(ior / eta_i), spec->specular_weight), 0), .tint = 1};
+    bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &look->alpha_x, &look->alpha_y);
+    return true;
+}
+
+bool bsdf_coat_look(const BsdfSpec *spec, float eta_i, LayerLook *look)
+{
+    if (!(spec->coat_weight > 0) || !spectrum_is_constant(&spec->coat_ior) || !spectrum_is_constant(&spec->coat_color))
+        return false;
+    *look = (LayerLook){.eta = spectrum_at_one(&spec->coat_ior, any_nm) / eta_i,
+                        .tint = spectrum_at_one(&spec->coat_color, any_nm)};
+    bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &look->alpha_x, &look->alpha_y);
+    return true;
 }

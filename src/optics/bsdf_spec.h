@@ -8,6 +8,7 @@
 #define MEN_BSDF_SPEC_H
 
 #include "optics/bsdf.h"
+#include "optics/bsdf_kept.h"
 #include "optics/spectrum.h"
 
 /* Weights and roughnesses are in 0..1; a roughness is the artist's, the square root of alpha. bsdf_spec_init gives the
@@ -50,8 +51,15 @@ Lanes bsdf_metal_of_reflectance(Lanes reflectance);
 Lanes bsdf_weakened(Lanes eta, float weight);
 
 /* eta_i: the medium that owns the point; eta_t: the one behind, for what is clear and not thin. specular_weight scales
- * the reflectance through the index: eta such that F0 = weight * F0. balance: of balance.h, or NULL; not owned. */
-void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const Balance *balance,
+ * the reflectance through the index: eta such that F0 = weight * F0. kept: of that surface between these
+ * media, or NULL; not owned. */
+void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const BsdfKept *kept,
                     Bsdf *bsdf);
+/* The layers of a surface, in a medium of index eta_i, that are the same at all wavelengths: false where there is none, or it is not
+ * so. Of its skin, as it stands bare; and of its coat. */
+bool bsdf_skin_look(const BsdfSpec *spec, float eta_i, LayerLook *look);
+bool bsdf_coat_look(const BsdfSpec *spec, float eta_i, LayerLook *look);
+/* What of diffuse light between a coat and the base under it the base's own skin reflects; 0: it has none. */
+float bsdf_inner_reflectance(const BsdfSpec *spec, Lanes eta_i, Lanes wavelength_nm);
 
 #endif

@@ -1,4 +1,4 @@
-/* balances.c - keeping the balances of a scene's surfaces.
+/* balances.c - keeping the balances of a scene's surfaces, and their layers.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/balances.h"
 
@@ -10,8 +10,10 @@
 #include "base/hash.h"
 
 enum { BUCKETS = 256 };
+/* Where a scene's layers look in more ways than these none is kept: their tables would be read from far away in memory. */
+enum { MOST_LOOKS = 256 };
 
-/* What a balance is of. */
+/* What is kept is of that. */
 typedef struct BalanceKey {
     uint32_t surface, medium_from, medium_to;
     uint32_t steps; /* of the numbers that textures say */
@@ -23,12 +25,22 @@ typedef struct Node Node;
 struct Node {
     BalanceKey key;
     Balance *balance; /* NULL: none is wanted */
+    BsdfKept kept;
     Node *next;
+};
+
+/* Layers that look alike are one, whatever surfaces have them. */
+typedef struct LayerNode LayerNode;
+struct LayerNode {
+    KeptLayer layer;
+    LayerNode *next;
 };
 
 /* Of a surface. */
 typedef struct Need {
-    bool any;            /* it may want a balance */
+    bool any;            /* something may be kept: */
+    bool balance;        /* a balance may be wanted */
+    bool skin, coat;     /* these layers are the same at all hits, in a medium that is the same at all wavelengths */
     uint32_t n_textured; /* numbers that textures say, of those that matter */
 } Need;
 
@@ -36,12 +48,14 @@ struct Balances {
     const Scene *scene;
     Need *needs; /* of each surface */
     pthread_mutex_t making;
+    LayerNode *layers; /* for who is making */
     _Atomic(Node *) buckets[BUCKETS];
 };
 
+static const float middle_nm = 550;
+
 static float index_of(const Spectrum *ior)
 {
-    const float middle_nm = 550;
     return spectrum_at_one(ior, middle_nm);
 }
 
@@ -62,8 +76,51 @@ static Need need_of(const Scene *scene, const SceneSurface *surface)
     bool low =
         index_of(&spec->specular_ior) < densest || (spec->coat_weight > 0 && index_of(&spec->coat_ior) < densest);
     const uint32_t most_textured = 3;
-    need.any = need.n_textured <= most_textured && (stretched || (surface->finished && low));
+    need.balance = need.n_textured <= most_textured && (stretched || (surface->finished && low));
+    LayerLook look;
+    bool even = surface->finished && !need.n_textured;
+    need.skin = even && bsdf_skin_look(spec, 1, &look);
+    need.coat = even && bsdf_coat_look(spec, 1, &look);
+    for (uint32_t i = 0; i < surface->n_textures; i++)
+        if (surface->textures[i].offset == offsetof(BsdfSpec, coat_color)) need.coat = false;
+    need.any = need.balance || need.skin || need.coat;
     return need;
+}
+
+/* How layers look that there are in a scene, each once, and all in a vacuum. */
+typedef struct LayerLooks {
+    LayerLook items[MOST_LOOKS];
+    uint32_t n;
+    bool too_many;
+} LayerLooks;
+
+static bool same_look(const LayerLook *a, const LayerLook *b)
+{
+    return a->eta == b->eta && a->alpha_x == b->alpha_x && a->alpha_y == b->alpha_y && a->tint == b->tint;
+}
+
+static void note_look(LayerLooks *looks, const LayerLook *look)
+{
+    for (uint32_t i = looks->n; i > 0; i--)
+        if (same_look(&looks->items[i - 1], look)) return;
+    looks->too_many = looks->n == MOST_LOOKS;
+    if (!looks->too_many) looks->items[looks->n++] = *look;
+}
+
+/* No layer is kept where there are too many: which ones would go by who comes first. */
+static void limit_layers(const Scene *scene, Need *needs)
+{
+    LayerLooks looks = {.n = 0};
+    LayerLook look;
+    for (uint32_t i = 0; i < scene->n_surfaces && !looks.too_many; i++) {
+        const BsdfSpec *spec = &scene->surfaces[i].spec;
+        if (needs[i].skin && bsdf_skin_look(spec, 1, &look)) note_look(&looks, &look);
+        if (needs[i].coat && !looks.too_many && bsdf_coat_look(spec, 1, &look)) note_look(&looks, &look);
+    }
+    for (uint32_t i = 0; i < scene->n_surfaces && looks.too_many; i++) {
+        needs[i].skin = needs[i].coat = false;
+        needs[i].any = needs[i].balance;
+    }
 }
 
 Status balances_new(const Scene *scene, Balances **balances, Error *error)
@@ -79,6 +136,7 @@ Status balances_new(const Scene *scene, Balances **balances, Error *error)
     b->scene = scene;
     b->needs = needs;
     for (uint32_t i = 0; i < scene->n_surfaces; i++) needs[i] = need_of(scene, &scene->surfaces[i]);
+    limit_layers(scene, needs);
     return STATUS_OK;
 }
 
@@ -91,6 +149,10 @@ void balances_free(Balances *balances)
             free(node->balance);
             free(node);
         }
+    for (LayerNode *layer = balances->layers, *next; layer; layer = next) {
+        next = layer->next;
+        free(layer);
+    }
     pthread_mutex_destroy(&balances->making);
     free(balances->needs);
     free(balances);
@@ -122,27 +184,56 @@ static Node *look_up(Balances *balances, uint32_t bucket, const BalanceKey *key)
 }
 
 /* NULL: there is no memory for it. */
+static const BsdfLayer *find_layer(Balances *balances, const LayerLook *look)
+{
+    for (const LayerNode *node = balances->layers; node; node = node->next)
+        if (same_look(&node->layer.look, look)) return &node->layer.layer;
+    LayerNode *node = malloc(sizeof *node);
+    if (!node) return NULL;
+    kept_layer_make(look, &node->layer);
+    node->next = balances->layers;
+    balances->layers = node;
+    return &node->layer.layer;
+}
+
+static void keep_layers(Balances *balances, const BalanceKey *key, const BsdfSpec *spec, BsdfKept *kept)
+{
+    const Need *need = &balances->needs[key->surface];
+    const Spectrum *ior = &balances->scene->media[key->medium_from].ior;
+    LayerLook look;
+    if (!spectrum_is_constant(ior)) return;
+    float eta_i = index_of(ior);
+    if (need->skin && bsdf_skin_look(spec, eta_i, &look)) kept->skin = find_layer(balances, &look);
+    if (!need->coat || !bsdf_coat_look(spec, eta_i, &look)) return;
+    kept->coat = find_layer(balances, &look);
+    if (need->skin) kept->inner = bsdf_inner_reflectance(spec, lanes_all(eta_i), lanes_all(middle_nm));
+}
+
+/* NULL: there is no memory for it. */
 static Node *make(Balances *balances, uint32_t bucket, const BalanceKey *key, const BsdfSpec *spec)
 {
     const SceneMedium *media = balances->scene->media;
     Node *node = calloc(1, sizeof *node);
     if (!node) return NULL;
     float eta_i = index_of(&media[key->medium_from].ior), eta_t = index_of(&media[key->medium_to].ior);
-    if (balance_is_wanted(spec, eta_i, eta_t) && balance_new(spec, eta_i, eta_t, &node->balance) != STATUS_OK) {
+    bool wanted = balances->needs[key->surface].balance && balance_is_wanted(spec, eta_i, eta_t);
+    if (wanted && balance_new(spec, eta_i, eta_t, &node->balance) != STATUS_OK) {
         free(node);
         return NULL;
     }
     node->key = *key;
+    node->kept = (BsdfKept){.balance = node->balance, .inner = -1};
+    if (!node->balance && !key->bare) keep_layers(balances, key, spec, &node->kept);
     node->next = atomic_load_explicit(&balances->buckets[bucket], memory_order_relaxed);
     atomic_store_explicit(&balances->buckets[bucket], node, memory_order_release);
     return node;
 }
 
-const Balance *balances_find(Balances *balances, const BalanceCase *at)
+const BsdfKept *balances_find(Balances *balances, const BalanceCase *at)
 {
     uint32_t number = (uint32_t)(at->surface - balances->scene->surfaces);
     const Need *need = &balances->needs[number];
-    if (!need->any) return NULL;
+    if (!need->any || (at->bare && !need->balance)) return NULL;
     BsdfSpec stepped;
     BalanceKey key = {number, at->medium_from, at->medium_to, 0, at->bare};
     if (need->n_textured) {
@@ -152,7 +243,7 @@ const Balance *balances_find(Balances *balances, const BalanceCase *at)
     uint32_t places = hash_combine(hash_combine(number, key.medium_from), key.medium_to);
     uint32_t bucket = hash_combine(places, key.steps) % BUCKETS;
     Node *node = look_up(balances, bucket, &key);
-    if (node) return node->balance;
+    if (node) return &node->kept;
     if (!need->n_textured) stepped = *at->spec;
     if (at->bare) {
         stepped.transmission_weight = 1;
@@ -163,5 +254,5 @@ const Balance *balances_find(Balances *balances, const BalanceCase *at)
     node = look_up(balances, bucket, &key);
     if (!node) node = make(balances, bucket, &key, &stepped);
     pthread_mutex_unlock(&balances->making);
-    return node ? node->balance : NULL;
+    return node ? &node->kept : NULL;
 }

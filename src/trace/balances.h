@@ -1,4 +1,5 @@
-/* balances.h - the balances (optics/balance.h) of a scene's surfaces between its media, each made when a path first needs it.
+/* balances.h - the balances (optics/balance.h) of a scene's surfaces between its media, and their layers (optics/bsdf_kept.h),
+ * each made when a path first needs it.
  * What they hold depends on the scene alone, not on who comes first.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BALANCES_H
@@ -20,9 +21,9 @@ typedef struct BalanceCase {
     bool bare; /* only the boundary between the media is there */
 } BalanceCase;
 
-/* NULL: the surface does without one, or memory is short. Numbers that textures say are taken in steps: of 1/32 where it is one
- * of them, 1/8 of two, 1/4 of three; where there are more, there is no balance. By any thread; may take some hundredths
+/* NULL: the surface does without, or memory is short. Numbers that textures say are taken in steps: of 1/32 where it is one
+ * of them, 1/8 of two, 1/4 of three; where there are more, there is no balance; and no layers where there is any. By any thread; may take some hundredths
  * of a second, the first time. */
-const Balance *balances_find(Balances *balances, const BalanceCase *at);
+const BsdfKept *balances_find(Balances *balances, const BalanceCase *at);
 
 #endif

@@ -252,13 +252,13 @@ bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, con
                              .medium_from = event->crossing.medium_from,
                              .medium_to = event->crossing.medium_to,
                              .bare = !surface->painted};
-    const Balance *balance = balances_find(path->tracer->world->balances, &met);
+    const BsdfKept *kept = balances_find(path->tracer->world->balances, &met);
     Bsdf bsdf;
     if (surface->painted) {
-        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, balance, &bsdf);
+        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, kept, &bsdf);
     } else {
         bsdf_begin(&bsdf);
-        bsdf_set_balance(&bsdf, balance);
+        bsdf_set_balance(&bsdf, kept ? kept->balance : NULL);
         float alpha_x, alpha_y;
         bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
         bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);

@@ -50,7 +50,8 @@ static const Balance *ask(Fixed *fixed, int surface, float roughness, uint32_t m
     spec.specular_roughness = roughness;
     const BalanceCase at = {
         .surface = &fixed->surfaces[surface], .spec = &spec, .medium_from = medium, .medium_to = medium};
-    return balances_find(fixed->balances, &at);
+    const BsdfKept *kept = balances_find(fixed->balances, &at);
+    return kept ? kept->balance : NULL;
 }
 
 static void each_is_made_once(void **unused)
@@ -82,6 +83,61 @@ static void textures_go_by_steps(void **unused)
     balances_free(fixed.balances);
 }
 
+/* Of one that is round the layers are kept: alike ones once; none where a texture says how rough it is, or where the medium's
+ * index is not one. */
+static void layers_are_kept(void **unused)
+{
+    (void)unused;
+    Fixed fixed;
+    make(&fixed);
+    fixed.surfaces[BRUSHED].spec = fixed.surfaces[ROUND].spec;
+    fixed.surfaces[BRUSHED].spec.coat_weight = 1;
+    balances_free(fixed.balances);
+    Error error;
+    fixed.media[1].ior = spectrum_cauchy(1.32, 0.004, 0);
+    assert_int_equal(balances_new(&fixed.scene, &fixed.balances, &error), STATUS_OK);
+    BalanceCase at = {.surface = &fixed.surfaces[ROUND], .spec = &fixed.surfaces[ROUND].spec};
+    const BsdfKept *bare = balances_find(fixed.balances, &at);
+    assert_true(bare && bare->skin && !bare->coat && !bare->balance);
+    assert_non_null(bare->skin->reflectances);
+    at.surface = &fixed.surfaces[BRUSHED];
+    at.spec = &at.surface->spec;
+    const BsdfKept *coated = balances_find(fixed.balances, &at);
+    assert_true(coated && coated->coat && coated->inner > 0);
+    assert_ptr_equal(coated->skin, bare->skin);
+    at.medium_from = at.medium_to = 1;
+    const BsdfKept *in_water = balances_find(fixed.balances, &at);
+    assert_true(!in_water || (!in_water->skin && !in_water->coat));
+    at = (BalanceCase){.surface = &fixed.surfaces[BUSY], .spec = &fixed.surfaces[BUSY].spec};
+    assert_null(balances_find(fixed.balances, &at));
+    balances_free(fixed.balances);
+}
+
+/* Of more than a few hundred different ones none are, whoever comes first. */
+static void many_layers_are_not_kept(void **unused)
+{
+    (void)unused;
+    enum { MANY = 300 };
+    static SceneSurface surfaces[MANY];
+    Fixed fixed;
+    make(&fixed);
+    balances_free(fixed.balances);
+    for (int n = 200; n <= MANY; n += 100) {
+        for (int i = 0; i < n; i++) {
+            surfaces[i] = fixed.surfaces[ROUND];
+            surfaces[i].spec.specular_roughness = (float)(i + 1) / MANY;
+        }
+        fixed.scene.surfaces = surfaces;
+        fixed.scene.n_surfaces = (uint32_t)n;
+        Error error;
+        assert_int_equal(balances_new(&fixed.scene, &fixed.balances, &error), STATUS_OK);
+        BalanceCase at = {.surface = &surfaces[7], .spec = &surfaces[7].spec};
+        const BsdfKept *kept = balances_find(fixed.balances, &at);
+        assert_true((kept && kept->skin) == (n == 200));
+        balances_free(fixed.balances);
+    }
+}
+
 /* What is not to be made here: a boundary without more, whatever the surface says else. */
 static void bare_boundaries(void **unused)
 {
@@ -93,12 +149,12 @@ static void bare_boundaries(void **unused)
                       .medium_from = 0,
                       .medium_to = 1,
                       .bare = true};
-    const Balance *in = balances_find(fixed.balances, &at);
+    const Balance *in = balances_find(fixed.balances, &at)->balance;
     assert_non_null(in);
     assert_true(in->boundary && !in->skin);
     at.medium_from = 1;
     at.medium_to = 0;
-    const Balance *out = balances_find(fixed.balances, &at);
+    const Balance *out = balances_find(fixed.balances, &at)->balance;
     assert_non_null(out);
     assert_memory_equal(&in->boundary_misses[0].grid, &out->boundary_misses[1].grid, sizeof(DirectionGrid));
     balances_free(fixed.balances);
@@ -135,10 +191,9 @@ static void threads_get_the_same(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_is_made_once),
-        cmocka_unit_test(textures_go_by_steps),
-        cmocka_unit_test(bare_boundaries),
-        cmocka_unit_test(threads_get_the_same),
+        cmocka_unit_test(each_is_made_once), cmocka_unit_test(textures_go_by_steps),
+        cmocka_unit_test(layers_are_kept),   cmocka_unit_test(many_layers_are_not_kept),
+        cmocka_unit_test(bare_boundaries),   cmocka_unit_test(threads_get_the_same),
     };
     return cmocka_run_group_tests_name("balances", tests, NULL, NULL);
 }

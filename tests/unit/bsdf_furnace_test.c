@@ -199,12 +199,24 @@ static void fuzz_keeps_all_light(void **unused)
     }
 }
 
-/* With the balance that it has in scenes, if any; *balance is to be freed. */
+/* With what is kept of it in scenes: the balance, if any, or else layers, of the last surface that was made. *balance is to be
+ * freed. */
 static void make_balanced(const BsdfSpec *spec, float eta_i, float eta_t, Bsdf *bsdf, Balance **balance)
 {
     *balance = NULL;
     if (balance_is_wanted(spec, eta_i, eta_t)) assert_int_equal(balance_new(spec, eta_i, eta_t, balance), STATUS_OK);
-    bsdf_from_spec(spec, lanes(500, 550, 600, 650), lanes_all(eta_i), lanes_all(eta_t), *balance, bsdf);
+    static KeptLayer skin, coat;
+    BsdfKept kept = {.balance = *balance, .inner = -1};
+    LayerLook look;
+    if (!*balance && bsdf_skin_look(spec, eta_i, &look)) {
+        kept_layer_make(&look, &skin);
+        kept.skin = &skin.layer;
+    }
+    if (!*balance && bsdf_coat_look(spec, eta_i, &look)) {
+        kept_layer_make(&look, &coat);
+        kept.coat = &coat.layer;
+    }
+    bsdf_from_spec(spec, lanes(500, 550, 600, 650), lanes_all(eta_i), lanes_all(eta_t), &kept, bsdf);
 }
 
 /* What a scene can say of one surface, all of it white, in three media, from both sides of what is clear: stretched, under
@@ -303,7 +315,8 @@ static void stretched_facets(void **unused)
     const float anisotropies[] = {0.5f, 0.9f}, roughnesses[] = {0.25f, 0.5f, 1};
     for (int kind = 0; kind < STRETCHED_KINDS; kind++) {
         double worst = 0, sum = 0, error = 0;
-        bool noisy = kind == 3 || kind == 5 || kind == 6 || kind == 9 || kind == 10; /* mostly about the critical angle */
+        bool noisy =
+            kind == 3 || kind == 5 || kind == 6 || kind == 9 || kind == 10; /* mostly about the critical angle */
         int n = 0;
         for (int a = 0; a < 2; a++)
             for (int i = 0; i < 3; i++) {
