@@ -51,9 +51,10 @@ typedef struct ShapeFacts {
 typedef struct TextureFacts {
     double least, most; /* of numbers; of light about the mean luminance, twice */
     unsigned cost, depth;
-    bool uses_uv; /* looks at the surface's own coordinates */
-    bool open;    /* least and most are not known: a function's own values are among it */
-    bool formula; /* a function is among it */
+    bool uses_uv;     /* looks at the surface's own coordinates */
+    bool uses_object; /* looks at the place on the object, not only at the one in the world */
+    bool open;        /* least and most are not known: a function's own values are among it */
+    bool formula;     /* a function is among it */
     const EvalProp *function;
 } TextureFacts;
 
@@ -158,7 +159,8 @@ uint32_t build_world_checker(Builder *b, const double rgb[3], const double other
 /* Whether a surface, or one that it is mixed of, has the texture of that row itself. */
 bool build_surface_includes(const Scene *scene, uint32_t surface, uint32_t row, unsigned depth);
 /* Whether a row, or one that it refers to, looks at the surface's own coordinates. */
-bool build_texture_uses_uv(const Builder *b, uint32_t row);
+/* A surface gets that texture: what of places it has to know for it. */
+void build_texture_place(const Builder *b, uint32_t row, SceneSurface *surface);
 /* The row of a texture's node. */
 uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use);
 /* Says where the textures on an object are, if it has any: in the frame of the node that its surface was given to. */

@@ -64,7 +64,7 @@ static void read_texture(Builder *b, const EvalProp *prop, const Parameter *para
         .most = (float)prop->type->max,
         .factor = (float)factor_of(b, parameter)};
     if (!color) *(float *)((char *)&surface->spec + parameter->offset) = (float)(most * factor_of(b, parameter));
-    surface->textures_use_uv = surface->textures_use_uv || build_texture_uses_uv(b, texture->texture);
+    build_texture_place(b, texture->texture, surface);
     surface->n_textures++;
 }
 
@@ -152,7 +152,8 @@ static void read_bump(Builder *b, const EvalNode *node, SceneSurface *surface)
     if (!build_textures_wanted(b)) return;
     surface->bump = build_texture(b, bump, TEXTURE_OF_NUMBERS, &least, &most);
     surface->bump_height = height->as.number;
-    surface->textures_use_uv = surface->textures_use_uv || build_texture_uses_uv(b, surface->bump);
+    build_texture_place(b, surface->bump, surface);
+    surface->textures_use_object = true; /* its slope goes there and back */
 }
 
 static void read_normal_map(Builder *b, const EvalNode *node, SceneSurface *surface)
@@ -173,7 +174,7 @@ static void read_normal_map(Builder *b, const EvalNode *node, SceneSurface *surf
     if (!build_textures_wanted(b)) return;
     b->texture_user = map;
     surface->normal_map = build_texture_row(b, image, TEXTURE_OF_VECTORS);
-    surface->textures_use_uv = true;
+    surface->textures_use_uv = surface->textures_use_object = true;
     surface->normal_x = surface->normal_y = (float)eval_number(node, "normal_strength");
     if (strcmp(eval_word(node, "normal_y"), "down") == 0) surface->normal_y = -surface->normal_y;
 }
@@ -413,7 +414,7 @@ static void shine_by_texture(Builder *b, const EvalNode *node, SceneSurface *sur
     if (!build_textures_wanted(b)) return;
     surface->emission_texture = build_texture(b, eval_prop(node, "emission"), TEXTURE_OF_LIGHT, &least, &most);
     surface->emission_factor = (float)factor;
-    surface->textures_use_uv = surface->textures_use_uv || build_texture_uses_uv(b, surface->emission_texture);
+    build_texture_place(b, surface->emission_texture, surface);
     double mean = 0.5 * (least + most) * factor;
     build_is_bearable(b, build_span(node, "radiance"), fmax(mean, factor));
     surface->emission = spectrum_from_light((const double[3]){mean, mean, mean});

@@ -174,6 +174,7 @@ static void add_facts(TextureFacts *facts, const TextureFacts *of)
 {
     facts->cost += of->cost;
     facts->uses_uv = facts->uses_uv || of->uses_uv;
+    facts->uses_object = facts->uses_object || of->uses_object;
     facts->formula = facts->formula || of->formula;
     if (of->depth >= facts->depth) facts->depth = of->depth + 1;
 }
@@ -393,6 +394,9 @@ uint32_t build_texture_row(Builder *b, const EvalNode *node, TextureUse use)
     if (known) return *known;
     TextureFacts facts = {.cost = 1, .depth = 1};
     Texture texture = make_texture(b, node, use, &facts);
+    bool has_place =
+        texture.kind == TEXTURE_PATTERN || texture.kind == TEXTURE_IMAGE || texture.kind == TEXTURE_FORMULA;
+    facts.uses_object = facts.uses_object || facts.uses_uv || (has_place && !texture.in_world);
     check_size(b, node, &facts);
     if ((texture.kind == TEXTURE_IMAGE && !texture.image) || (texture.kind == TEXTURE_FORMULA && !texture.program)) {
         /* reported */
@@ -417,9 +421,11 @@ uint32_t build_world_checker(Builder *b, const double rgb[3], const double other
     return add_texture(b, &texture, (TextureFacts){.cost = 3, .depth = 2});
 }
 
-bool build_texture_uses_uv(const Builder *b, uint32_t row)
+void build_texture_place(const Builder *b, uint32_t row, SceneSurface *surface)
 {
-    return b->texture_facts[row].uses_uv;
+    const TextureFacts *facts = &b->texture_facts[row];
+    surface->textures_use_uv = surface->textures_use_uv || facts->uses_uv;
+    surface->textures_use_object = surface->textures_use_object || facts->uses_object;
 }
 
 bool build_textures_wanted(const Builder *b)

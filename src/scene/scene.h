@@ -85,8 +85,9 @@ typedef struct SceneSurface {
     float emission_factor;
     uint32_t mix[2];
     const SurfaceTexture *textures;
-    bool textures_use_uv; /* some texture of it asks for the surface's own coordinates */
-    bool thin;            /* light goes through it, or through a part of the mix */
+    bool textures_use_uv;     /* some texture of it asks for the surface's own coordinates, */
+    bool textures_use_object; /* or at least for the place on the object; else for that in the world alone */
+    bool thin;                /* light goes through it, or through a part of the mix */
     double bump_height;
     float normal_x, normal_y; /* factors of the normal map's slopes */
     SceneGrain grain;

@@ -149,7 +149,10 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
     const Scene *scene = path->tracer->world->scene;
     TextureView view;
     texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
-    *spec = surface->spec;
+    if (surface->finished || surface->mixed || surface->painted || surface->roughness > 0)
+        *spec = surface->spec;
+    else
+        spec->base_color = surface->spec.base_color; /* all that is asked of what is matte */
     for (uint32_t i = 0; i < surface->n_textures; i++) {
         const SurfaceTexture *texture = &surface->textures[i];
         void *target = (char *)spec + texture->offset;

@@ -46,8 +46,15 @@ static double stretch_of(const Affine *map)
     return affine_max_stretch(map) * 0.57735026918962576; /* 1 / sqrt(3) */
 }
 
-void texture_view(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit, double footprint,
-                  TextureView *view)
+/* Where a pattern has a face where the surface is, what shows is the inside. */
+static Vec3 beneath(Vec3 place, Vec3 normal)
+{
+    const double deep = 4e-6;
+    return vec3_along(place, -deep * vec3_max_abs(place), normal);
+}
+
+static void view_object(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                        double footprint, TextureView *view)
 {
     const Scene *scene = world->scene;
     const SceneTextureFrame *frame = &scene->texture_frames[scene->objects[hit->object].texture_frame];
@@ -64,19 +71,23 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
     if (surface->textures_use_uv) {
         view_uv(frame, at, outward, place);
     } else {
-        place->uv[0] = place->uv[1] = 0;
         place->du = place->dv = vec3(0, 0, 0);
     }
     place->object = frame->moved ? affine_point(&frame->from_shape, at->local) : at->local;
     place->object_normal = vec3_scale(normal, (view->mirrored ? -1 : 1) / vec3_length(normal));
-    place->world = ray_point(ray, hit->t);
-    place->world_normal = outward;
-    /* Where a pattern has a face where the surface is, what shows is the inside. */
-    const double deep = 4e-6;
-    place->object = vec3_along(place->object, -deep * vec3_max_abs(place->object), place->object_normal);
-    place->world = vec3_along(place->world, -deep * vec3_max_abs(place->world), outward);
-    place->world_footprint = footprint;
+    place->object = beneath(place->object, place->object_normal);
     place->footprint = footprint * stretch_of(view->to_texture);
+}
+
+void texture_view(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit, double footprint,
+                  TextureView *view)
+{
+    TexturePlace *place = &view->at;
+    place->uv[0] = place->uv[1] = 0;
+    if (surface->textures_use_object) view_object(world, surface, ray, hit, footprint, view);
+    place->world_normal = vec3_from_f(hit->normal);
+    place->world = beneath(ray_point(ray, hit->t), place->world_normal);
+    place->world_footprint = footprint;
     place->identity = world->looks[hit->object].identity;
 }
 

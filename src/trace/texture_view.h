@@ -5,7 +5,7 @@
 
 #include "trace/world.h"
 
-/* A place and the maps between it and the world. */
+/* A place and the maps between it and the world; of surfaces whose textures ask for the world alone, only what is about that. */
 typedef struct TextureView {
     TexturePlace at;
     const Affine *to_texture; /* from the world to the frame of the object's textures: one of these two, not copied */

@@ -96,6 +96,7 @@ static void surfaces_are_diffuse_or_checkered(void **state)
     assert_int_equal(f.scene->objects[0].surface, f.scene->objects[1].surface);
     const SceneSurface *s = &f.scene->surfaces[f.scene->objects[2].surface];
     assert_int_equal(s->n_textures, 1);
+    assert_false(s->textures_use_object || s->textures_use_uv);
     assert_near((double)spectrum_at_one(&s->albedo, 550), .8, 1e-4);
     /* squares of 3 in the world, whose layers along y are half a square off the origin */
     static const struct {

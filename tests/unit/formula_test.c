@@ -223,13 +223,20 @@ static void any_property_takes_one(void **state)
         "= f "
         "fuzz = f bump = f bump_height = .1 emission = hot } } "
         "sphere { interior = glass surface = surface { roughness = f anisotropy = g } center = <5, 0, 0> } "
-        "sphere { surface = surface { albedo = mix { blend = f from = g to = .3 } } center = <9, 0, 0> }" FIXTURE_VIEW);
+        "sphere { surface = surface { albedo = mix { blend = f from = g to = .3 } } center = <9, 0, 0> }"
+        "let w = noise { space = world } "
+        "sphere { surface = surface { ior = 1.5 albedo = mix { blend = w from = .2 to = w } } center = <9, 9, 0> }"
+        "sphere { surface = surface { albedo = mix { blend = w from = noise { } to = w } } center = <9, 9, 9> "
+        "}" FIXTURE_VIEW);
     const SceneSurface *all = &f.scene->surfaces[f.scene->objects[0].surface];
     assert_int_equal(all->n_textures, 6);
     assert_true(all->bump != SCENE_NONE && all->emission_texture != SCENE_NONE && all->emits);
     assert_false(all->textures_use_uv);
+    assert_true(all->textures_use_object);
     assert_true(f.scene->surfaces[f.scene->objects[1].surface].textures_use_uv);
     assert_true(f.scene->surfaces[f.scene->objects[2].surface].textures_use_uv);
+    assert_false(f.scene->surfaces[f.scene->objects[3].surface].textures_use_object);
+    assert_true(f.scene->surfaces[f.scene->objects[4].surface].textures_use_object);
     fixture_clear(&f);
 }
 
