@@ -204,12 +204,13 @@ static bool consider_ball(Query *query, uint32_t object, const RtcBall *ball)
  * of the piece is the same each time: so all are taken with the first, unless another piece has its place in the list. */
 typedef enum EighthsTaken { ALL_NOW, ALL_BEFORE, EACH_BY_ITSELF } EighthsTaken;
 
-static inline EighthsTaken take_eighths(Query *query, const RtcPiece *which)
+/* place: the piece's in RtcScene.pieces. */
+static inline EighthsTaken take_eighths(Query *query, uint32_t place)
 {
-    uint32_t *whole = &query->whole[which->first / RTC_SECTORS % RTC_WHOLE];
-    if (*whole == which->first) return ALL_BEFORE;
+    uint32_t *whole = &query->whole[place % RTC_WHOLE];
+    if (*whole == place) return ALL_BEFORE;
     if (UNLIKELY(*whole != RTC_NO_OBJECT)) return EACH_BY_ITSELF;
-    *whole = which->first;
+    *whole = place;
     return ALL_NOW;
 }
 
@@ -218,17 +219,20 @@ static inline void forget_eighths(Query *query)
     memset(query->whole, 0xff, sizeof query->whole);
 }
 
-static bool consider_piece(Query *query, const RtcPiece *which)
+static bool consider_piece(Query *query, const RtcPieceSet *set, uint32_t primitive)
 {
-    if (which->is_ball) return consider_ball(query, which->object, &which->ball);
+    RtcPart part = rtc_part(set, primitive);
+    EighthsTaken taken = ALL_NOW;
+    if (part.sector != RTC_ALL_SECTORS) taken = take_eighths(query, set->first + part.number);
+    if (taken == ALL_BEFORE) return false;
+    const RtcPiece *which = &set->pieces[part.number];
+    if (which->piece == RTC_BALL) return consider_ball(query, which->object, &which->ball);
     const RtcPlaced *object = &query->scene->objects[which->object];
-    if (object->ball) {
+    if (which->moving_ball) {
         RtcBall ball = rtc_ball(query->scene, object, query->ray->time);
         return consider_ball(query, which->object, &ball);
     }
-    EighthsTaken taken = which->sector == RTC_ALL_SECTORS ? ALL_NOW : take_eighths(query, which);
-    if (taken == ALL_BEFORE) return false;
-    rtc_need_frame(query, object);
+    if (query->local.frame != which->frame) rtc_enter_frame(query, object);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
     piece_cross(which->shape, line, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);
@@ -236,7 +240,7 @@ static bool consider_piece(Query *query, const RtcPiece *which)
     for (int i = 0; i < crossings.n; i++) {
         double t = crossings.t[i];
         if (LIKELY(taken == ALL_NOW) ||
-            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == which->sector)
+            rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == part.sector)
             shrink |= take_crossing(query, which->object, which->piece, t, crossings.leaving[i]);
     }
     return shrink;
@@ -402,10 +406,11 @@ void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const RtcPieceSet *set = arguments->geometryUserPtr;
     const RtcScene *scene = set->scene;
-    const RtcPiece *which = &set->pieces[arguments->primID];
+    RtcPart part = rtc_part(set, arguments->primID);
+    const RtcPiece *which = &set->pieces[part.number];
     const RtcPlaced *object = &scene->objects[which->object];
-    const Piece *piece = &object->solid->pieces[which->piece];
-    Box3 local = which->sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, which->sector);
+    const Piece *piece = &object->solid->pieces[which->piece == RTC_BALL ? 0 : which->piece];
+    Box3 local = part.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, part.sector);
     const Affine *keys = object->keys;
     Affine to_world = keys ? keys[arguments->timeStep] : rtc_first_to_world(object);
     Box3 box = affine_box(&to_world, local);
@@ -490,12 +495,13 @@ static inline bool meets_one(const RtcOne *one, const struct RTCRay *ray)
     return float_max(near, ray->tnear) <= float_min(far, ray->tfar);
 }
 
-/* Pieces that Embree does not know, those whose bits are set; shortens Embree's ray where the search may end sooner then. */
-static void consider_own(Query *query, const RtcPiece *pieces, uint32_t n, unsigned met, struct RTCRay *ray)
+/* Primitives that Embree does not know, those whose bits are set; shortens Embree's ray where the search may end sooner
+ * then. */
+static void consider_own(Query *query, uint32_t first, uint32_t n, unsigned met, struct RTCRay *ray)
 {
     bool shrink = false;
     for (uint32_t i = 0; i < n && !query->blocked; i++, met >>= 1)
-        if (met & 1) shrink |= consider_piece(query, &pieces[i]);
+        if (met & 1) shrink |= consider_piece(query, &query->scene->still, first + i);
     if (shrink) ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
 }
 
@@ -522,12 +528,12 @@ static inline void consider_all_own(Query *query, struct RTCRay *ray)
     for (uint32_t i = 0; i < scene->n_planes && !query->blocked; i++) consider_plane(query, &scene->planes[i], ray);
     if (LIKELY(scene->n_few <= RTC_ALONE)) {
         for (uint32_t i = 0; i < scene->n_few; i++)
-            if (meets_one(&scene->alone[i], ray)) consider_own(query, scene->still.pieces + i, 1, 1, ray);
+            if (meets_one(&scene->alone[i], ray)) consider_own(query, i, 1, 1, ray);
         return;
     }
     for (uint32_t i = 0; i < scene->n_few; i += LANES) {
         unsigned met = meets_bounds(&scene->few[i / LANES], ray);
-        if (met) consider_own(query, scene->still.pieces + i, scene->n_few - i, met, ray);
+        if (met) consider_own(query, i, scene->n_few - i, met, ray);
     }
 }
 
@@ -535,8 +541,7 @@ void rtc_piece_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
     if (!arguments->valid[0]) return;
-    const RtcPieceSet *set = arguments->geometryUserPtr;
-    if (consider_piece(query, &set->pieces[arguments->primID])) {
+    if (consider_piece(query, arguments->geometryUserPtr, arguments->primID)) {
         struct RTCRay *ray = &((struct RTCRayHit *)(void *)arguments->rayhit)->ray;
         float tfar = embree_t(query, query->reach);
         ray->tfar = tfar < ray->tfar ? tfar : ray->tfar;
@@ -549,8 +554,7 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 {
     Query *query = (Query *)(void *)arguments->context;
     if (!arguments->valid[0]) return;
-    const RtcPieceSet *set = arguments->geometryUserPtr;
-    if (consider_piece(query, &set->pieces[arguments->primID]))
+    if (consider_piece(query, arguments->geometryUserPtr, arguments->primID))
         ray_of(arguments->ray)->tfar = -INFINITY;
     else
         arguments->valid[0] = 0;

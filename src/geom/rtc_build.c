@@ -330,38 +330,45 @@ static Status add_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Error
 /* Whether a piece is hollow enough for eighths to have much smaller boxes. Not a torus: most rays into its box meet it,
  * often in several eighths, and finding all crossings anew in each costs more (487 ns a ray whole, 627 ns in eighths).
  */
-static uint32_t sectors_of(const Piece *piece)
+static bool is_cut(const Piece *piece)
 {
     if (piece->kind == PIECE_SPHERE || piece->kind == PIECE_TORUS || piece->kind == PIECE_RECT ||
         piece->kind == PIECE_PLANE)
-        return 1;
+        return false;
     HalfBox box = piece_half_bounds(piece);
-    return box.r0 > 0.3 * box.r1 ? RTC_SECTORS : 1;
+    return box.r0 > 0.3 * box.r1;
 }
 
-static void count_pieces(const RtcScene *scene, size_t n[2], size_t *n_planes)
+/* How many pieces of each sort there are; [1] of what moves. */
+typedef struct PieceCounts {
+    size_t whole[2], cut[2], planes;
+} PieceCounts;
+
+static PieceCounts count_pieces(const RtcScene *scene)
 {
-    n[0] = n[1] = *n_planes = 0;
+    PieceCounts counts = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const Solid *solid = scene->objects[i].solid;
-        for (uint32_t k = 0; solid && k < solid->n_pieces; k++)
-            if (solid->pieces[k].kind == PIECE_PLANE)
-                ++*n_planes;
-            else
-                n[scene->objects[i].keys != NULL] += sectors_of(&solid->pieces[k]);
+        bool moves = scene->objects[i].keys != NULL;
+        for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
+            const Piece *piece = &solid->pieces[k];
+            ++*(piece->kind == PIECE_PLANE ? &counts.planes
+                : is_cut(piece)            ? &counts.cut[moves]
+                                           : &counts.whole[moves]);
+        }
     }
+    return counts;
 }
 
-static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piece, uint32_t sector, uint32_t first)
+static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piece)
 {
-    const Piece *shape = &object->solid->pieces[piece];
-    RtcPiece listed = {.object = number, .piece = piece, .first = first, .sector = (uint8_t)sector};
-    listed.is_ball = object->ball && !object->keys;
-    if (listed.is_ball)
-        listed.ball = rtc_ball(NULL, object, 0);
-    else
-        listed.shape = shape;
-    return listed;
+    if (object->ball && !object->keys)
+        return (RtcPiece){.object = number, .piece = RTC_BALL, .ball = rtc_ball(NULL, object, 0)};
+    return (RtcPiece){.object = number,
+                      .piece = piece,
+                      .shape = &object->solid->pieces[piece],
+                      .frame = object->frame,
+                      .moving_ball = object->ball};
 }
 
 static RtcPlane plane_of(const RtcPlaced *object, uint32_t number)
@@ -373,28 +380,27 @@ static RtcPlane plane_of(const RtcPlaced *object, uint32_t number)
 
 static void list_pieces(RtcScene *scene)
 {
+    RtcPiece *whole[2] = {scene->still.pieces, scene->moving.pieces};
+    RtcPiece *cut[2] = {whole[0] + scene->still.n_whole, whole[1] + scene->moving.n_whole};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
         const Solid *solid = object->solid;
-        RtcPieceSet *set = object->keys ? &scene->moving : &scene->still;
+        bool moves = object->keys != NULL;
         for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
-            uint32_t n_sectors = sectors_of(&solid->pieces[k]);
-            uint32_t first = (uint32_t)(set->pieces - scene->pieces) + set->n;
-            if (solid->pieces[k].kind == PIECE_PLANE)
+            const Piece *piece = &solid->pieces[k];
+            if (piece->kind == PIECE_PLANE)
                 scene->planes[scene->n_planes++] = plane_of(object, i);
-            else if (n_sectors == 1)
-                set->pieces[set->n++] = piece_of(object, i, k, RTC_ALL_SECTORS, first);
             else
-                for (uint32_t s = 0; s < n_sectors; s++) set->pieces[set->n++] = piece_of(object, i, k, s, first);
+                *(is_cut(piece) ? cut : whole)[moves]++ = piece_of(object, i, k);
         }
     }
 }
 
 static void add_piece_set(RtcScene *scene, RtcPieceSet *set, uint32_t id)
 {
-    if (!set->n) return;
+    if (!rtc_n_parts(set)) return;
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, set->n);
+    rtcSetGeometryUserPrimitiveCount(geometry, rtc_n_parts(set));
     if (set->moving) rtcSetGeometryTimeStepCount(geometry, scene->n_keys);
     rtcSetGeometryUserData(geometry, set);
     rtcSetGeometryMask(geometry, 0xffffffffU);
@@ -415,7 +421,7 @@ static struct RTCBounds piece_box(RtcPieceSet *set, uint32_t primitive)
 
 static void keep_few(RtcScene *scene)
 {
-    scene->n_few = scene->still.n;
+    scene->n_few = rtc_n_parts(&scene->still);
     for (uint32_t i = 0; i < scene->n_few; i++) {
         struct RTCBounds box = piece_box(&scene->still, i);
         const float lower[3] = {box.lower_x, box.lower_y, box.lower_z};
@@ -434,17 +440,26 @@ static void keep_few(RtcScene *scene)
 
 static Status add_pieces(RtcScene *scene, Error *error)
 {
-    size_t n[2], n_planes;
-    count_pieces(scene, n, &n_planes);
-    if (n[0] + n[1] > UINT32_MAX - 1) return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n[0] + n[1]);
-    scene->pieces = malloc((n[0] + n[1] + 1) * sizeof *scene->pieces);
-    scene->planes = malloc((n_planes + 1) * sizeof *scene->planes);
+    PieceCounts counts = count_pieces(scene);
+    size_t n_still = counts.whole[0] + counts.cut[0], n = n_still + counts.whole[1] + counts.cut[1];
+    if (n + (RTC_SECTORS - 1) * (counts.cut[0] + counts.cut[1]) >= UINT32_MAX)
+        return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n);
+    scene->pieces = malloc((n + 1) * sizeof *scene->pieces);
+    scene->planes = malloc((counts.planes + 1) * sizeof *scene->planes);
     if (!scene->pieces || !scene->planes)
-        return fail_memory(error, (n[0] + n[1] + n_planes) * sizeof *scene->pieces, "the scene's solids");
-    scene->still = (RtcPieceSet){.scene = scene, .pieces = scene->pieces};
-    scene->moving = (RtcPieceSet){.scene = scene, .pieces = scene->pieces + n[0], .moving = true};
+        return fail_memory(error, (n + counts.planes) * sizeof *scene->pieces, "the scene's solids");
+    scene->still = (RtcPieceSet){.scene = scene,
+                                 .pieces = scene->pieces,
+                                 .n_whole = (uint32_t)counts.whole[0],
+                                 .n_cut = (uint32_t)counts.cut[0]};
+    scene->moving = (RtcPieceSet){.scene = scene,
+                                  .pieces = scene->pieces + n_still,
+                                  .first = (uint32_t)n_still,
+                                  .n_whole = (uint32_t)counts.whole[1],
+                                  .n_cut = (uint32_t)counts.cut[1],
+                                  .moving = true};
     list_pieces(scene);
-    if (scene->still.n <= RTC_FEW)
+    if (rtc_n_parts(&scene->still) <= RTC_FEW)
         keep_few(scene);
     else
         add_piece_set(scene, &scene->still, scene->n_objects);

@@ -37,10 +37,10 @@ static double distance_to_box(struct RTCBounds box, Vec3 p)
 static bool is_away_from_piece(const Asked *asked, uint32_t primitive)
 {
     const RtcPieceSet *set = &asked->scene->still;
-    const RtcPiece *which = &set->pieces[primitive];
+    const RtcPiece *which = &set->pieces[rtc_part(set, primitive).number];
     Vec3 centre = asked->ball.centre;
     if (which->object == asked->object) return true;
-    if (which->is_ball)
+    if (which->piece == RTC_BALL)
         return keeps_away(asked, fabs(vec3_length(vec3_sub(which->ball.centre, centre)) - which->ball.radius));
     const RtcPlaced *object = &asked->scene->objects[which->object];
     if (!object->maps) {

@@ -47,8 +47,8 @@ typedef struct Query {
     bool passes; /* nearest query: the ray passes by some objects */
     bool unsure; /* the start, or a hit, is within rounding of a triangle's edge */
     LocalRay local;
-    uint32_t whole[RTC_WHOLE]; /* by the last digits of RtcPiece.first: of which piece all crossings have been taken, whichever
-                                * eighth they are in; RTC_NO_OBJECT: of none */
+    uint32_t whole[RTC_WHOLE]; /* by the last digits of a piece's place in RtcScene.pieces: of which piece all crossings have
+                                * been taken, whichever eighth they are in; RTC_NO_OBJECT: of none */
 } Query;
 
 /* Whether the ray passes by an object. */

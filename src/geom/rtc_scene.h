@@ -56,19 +56,19 @@ typedef struct RtcBall {
     double radius;
 } RtcBall;
 
-/* A primitive of the one user geometry that holds the pieces of all solids: a piece, or an eighth of one. Hollow
- * ones are cut into eighths so that the boxes around them are hollow, too: a ray down through a glass would else be tested
- * against every band that it passes inside of. */
+/* A piece of a solid: all that a ray has to know that does not meet it, for of many little is in the cache. */
 typedef struct RtcPiece {
-    uint32_t object, piece;
-    uint32_t first; /* the place in RtcScene.pieces of the first of the eighths that it is one of */
-    uint8_t sector; /* 0 .. 7 about the axis, or RTC_ALL_SECTORS */
-    bool is_ball;   /* of an object that is a ball, and stands still */
-    union { /* all that a ray has to know that does not meet it: of many objects little is in the cache */
+    uint32_t object, piece; /* piece: RTC_BALL of an object that is a ball, and stands still */
+    union {
         RtcBall ball;
-        const Piece *shape;
+        struct {
+            const Piece *shape;
+            uint32_t frame;   /* the object's */
+            bool moving_ball; /* the object is a ball that moves */
+        };
     };
 } RtcPiece;
+#define RTC_BALL UINT32_MAX
 enum { RTC_SECTORS = 8, RTC_ALL_SECTORS = 8 };
 
 /* A plane without end. Every ray is held against it, by no more than this where it stands still. */
@@ -85,13 +85,31 @@ static inline uint32_t rtc_sector(double x, double z)
     return 2 * quadrant + (fabs(z) >= fabs(x));
 }
 
-/* The pieces of all solids that stand still, or of all that move: Embree's user geometry has one number of keys. */
+/* The pieces of all solids that stand still, or of all that move: Embree's user geometry has one number of keys. Its primitives
+ * are pieces, or eighths of them. Hollow ones are cut into eighths so that the boxes around them are hollow, too: a ray down
+ * through a glass would else be tested against every band that it passes inside of. */
 typedef struct RtcPieceSet {
     struct RtcScene *scene;
-    RtcPiece *pieces; /* primitive numbers of the geometry */
-    uint32_t n;
+    RtcPiece *pieces;
+    uint32_t first;          /* the place of the first of them in RtcScene.pieces */
+    uint32_t n_whole, n_cut; /* those that are one primitive each, and behind them those that are eight */
     bool moving;
 } RtcPieceSet;
+
+/* What a primitive of the user geometry is. */
+typedef struct RtcPart {
+    uint32_t number, sector; /* of the piece in the set; 0 .. 7 about the axis, or RTC_ALL_SECTORS */
+} RtcPart;
+static inline RtcPart rtc_part(const RtcPieceSet *set, uint32_t primitive)
+{
+    if (primitive < set->n_whole) return (RtcPart){primitive, RTC_ALL_SECTORS};
+    uint32_t eighth = primitive - set->n_whole;
+    return (RtcPart){set->n_whole + eighth / RTC_SECTORS, eighth % RTC_SECTORS};
+}
+static inline uint32_t rtc_n_parts(const RtcPieceSet *set)
+{
+    return set->n_whole + RTC_SECTORS * set->n_cut;
+}
 
 /* The bounds of four pieces. */
 typedef struct RtcFour {
