@@ -5,6 +5,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/guide_fit.h"
 
+#include <math.h>
+
 #include "optics/sampling.h"
 
 /* The narrowest spread, in radians, beside the first order's: a tenth of the sun's. */
@@ -54,12 +56,14 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
     return lobe;
 }
 
-/* How wrong a lobe is by what others of its way, from its first to behind its last, say which stand near by: the middle one of
- * three. Where there are none, as wrong at the cell's end as what is not known. */
+/* How wrong a lobe is by what others of its way, from its first to behind its last, say which stand near by. Where light is
+ * folded, as beside the bright lines under waves, several sheets of it lie over each other, and most of the others are of
+ * another one: the second least of six is of the lobe's own. It is then taken for twice as wrong, as that is a little less than
+ * the middle one of those of one sheet. Where there are none, as wrong at the cell's end as what is not known. */
 static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint32_t way[2], uint32_t self, float size)
 {
-    enum { NEAREST = 3 };
-    float distances[NEAREST], bends[NEAREST];
+    enum { NEAREST = 6 };
+    float distances[NEAREST], bends[NEAREST], least = INFINITY, second = INFINITY;
     uint32_t n_near = 0;
     for (uint32_t i = way[0]; i < way[1]; i++) {
         if (i == self) continue;
@@ -73,9 +77,11 @@ static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint3
         bends[k] = vec3f_length(vec3f_along(mine, -1, other)) / distance;
     }
     if (n_near == 0) return UNKNOWN / size;
-    if (n_near < NEAREST) return bends[0];
-    float low = float_min(bends[0], bends[1]), high = float_max(bends[0], bends[1]);
-    return float_max(low, float_min(high, bends[2]));
+    for (uint32_t i = 0; i < n_near; i++) {
+        second = float_min(second, float_max(least, bends[i]));
+        least = float_min(least, bends[i]);
+    }
+    return 2 * (n_near == 1 ? least : second);
 }
 
 static void sort_by_way(Photon *photons, uint32_t n)

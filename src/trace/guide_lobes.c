@@ -20,9 +20,13 @@
 #define NARROW (1.99f / (REACH * TAIL_WIDER))
 /* The square of how far a mean goes from its axis, in the plane: almost a right angle. */
 #define FARTHEST_MEAN 1.9f
-/* Of the lobes of a way those count that are up to so many times as wide, squared, as its narrowest one at a place. Measured:
- * from 2 to all of them pictures have the same error. */
-#define TOO_WIDE 4.0f
+/* Of the lobes of a way those count in full that are up to so many times as wide, squared, as its narrowest one at a place; and in
+ * part those that are not wider by far. Beside a fold of the light the narrow ones may be wrong, and a wider one know better:
+ * without these there were small dark places beside the bright lines on the floor of a pool, with few samples that were
+ * hundreds of times too bright. To count them in full costs more elsewhere. */
+#define WIDE 4.0f
+#define TOO_WIDE 64.0f
+#define WIDE_PART 0.2f
 
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
 {
@@ -91,7 +95,8 @@ static float choose_near(float nearness[], uint32_t n)
 {
     float nearest = 0, sum = 0;
     for (uint32_t k = 0; k < n; k++) nearest = float_max(nearest, nearness[k]);
-    for (uint32_t k = 0; k < n; k++) sum += nearness[k] = nearness[k] * TOO_WIDE >= nearest ? nearness[k] : 0;
+    for (uint32_t k = 0; k < n; k++)
+        sum += nearness[k] *= nearness[k] * WIDE >= nearest ? 1 : nearness[k] * TOO_WIDE >= nearest ? WIDE_PART : 0;
     return sum;
 }
 

@@ -157,8 +157,8 @@ static void sheets(void **state)
         int light = i % 3 == 0;
         photons[i] =
             (Photon){.position = {dice(), 0, dice()}, .flux = 1, .way = (uint32_t)light, .spread = {1e-4f, 0, 1e-4f}};
-        photons[i].slope[0] = vec3f(light ? .1f : -.2f, 0, .05f);
-        photons[i].slope[1] = vec3f(0, 0, light ? .2f : .1f);
+        photons[i].slope[0] = vec3f(light ? .02f : -.04f, 0, .01f); /* so that all lobes know the place about as well */
+        photons[i].slope[1] = vec3f(0, 0, light ? .04f : .02f);
         Vec3f axis = light ? vec3f(0, 1, 0) : vec3f(.6f, .8f, 0), x, y;
         sampling_basis(axis, &x, &y);
         Vec3f p = photons[i].position;
@@ -193,6 +193,27 @@ static void sheets(void **state)
     }
     for (uint32_t k = 0; k < n; k++)
         assert_true(fabs(sums[k] - 1) < 5 * sqrt((squares[k] - sums[k] * sums[k]) / SAMPLES) + 1e-3);
+}
+
+/* Where light is folded the lobe that is nearest may be of another sheet, and sure of itself: one that is a little less sure, and knows
+ * better, has to be asked as well. */
+static void folds(void **state)
+{
+    (void)state;
+    Photon photons[2] = {{.from = {0, 1, 0}, .flux = 1, .spread = {1e-6f, 0, 1e-6f}},
+                         {.from = {.6f, .8f, 0}, .flux = 1, .spread = {25e-6f, 0, 25e-6f}}};
+    GuideLobe lobes[GUIDE_CELL_LOBES];
+    GuideFour fours[GUIDE_CELL_FOURS];
+    uint32_t n = guide_fit(photons, 2, photons, 2, vec3f(0, 0, 0), lobes);
+    lobes[0].bend = lobes[1].bend = 0;
+    guide_lay_in_fours(lobes, n, fours);
+    float sure = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), vec3f(0, 1, 0)),
+          less = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), vec3f(.6f, .8f, 0));
+    printf("    densities of a sure lobe and of one a fifth as sure: %.3g and %.3g, of both alone %.3g and %.3g\n",
+           (double)sure, (double)less, (double)lobe_pdf(&lobes[0], vec3f(0, 0, 0), vec3f(0, 1, 0)),
+           (double)lobe_pdf(&lobes[1], vec3f(0, 0, 0), vec3f(.6f, .8f, 0)));
+    assert_true(less > 5e-3f * lobe_pdf(&lobes[1], vec3f(0, 0, 0), vec3f(.6f, .8f, 0)));
+    assert_true(sure > .7f * lobe_pdf(&lobes[0], vec3f(0, 0, 0), vec3f(0, 1, 0)));
 }
 
 /* What lands behind a slab in the sun is what comes to it, less what is reflected. */
@@ -262,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities),
         cmocka_unit_test(sheets),
+        cmocka_unit_test(folds),
         cmocka_unit_test(flux),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
