@@ -279,7 +279,7 @@ static void build_media(Builder *b)
         if (strcmp(node->type->name, "medium") == 0 && node->name && strcmp(node->name, "air") == 0) medium = node;
     }
     if (medium) {
-        build_medium(b, medium);
+        build_medium_of(b, medium, "the world");
     } else {
         b->scene->media = room_for_one(b->arena, NULL, 0, &b->media_capacity, sizeof *b->scene->media);
         b->scene->media[b->scene->n_media++] = (SceneMedium){

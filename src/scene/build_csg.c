@@ -176,11 +176,11 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     if (!b->only_shapes && !build_matter(b, said ? said : node, &interior, &surface)) return;
     struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE, .frame = *to_world};
     if (interior || surface) whole.matter_span = (interior ? interior : surface)->span;
-    if (interior) whole.medium = build_medium(b, interior->as.node);
     if (surface) whole.surface = build_surface(b, surface->as.node);
     if (surface && !interior) build_needs(b, node, "priority", "on an opaque object");
     whole.object = build_add_object(b, node, SCENE_NONE, to_world);
     SceneObject *object = &scene->objects[whole.object];
+    if (interior) whole.medium = build_medium_of(b, interior->as.node, object->name);
     object->medium = whole.medium;
     object->surface = whole.surface;
     if (interior) build_note_frame(b, whole.object);

@@ -181,6 +181,9 @@ static void density_of(Builder *b, const EvalNode *node, SceneMedium *medium)
         medium->density = build_volume(b, node, "density");
 }
 
+/* Of media without a name, until it is known whose they are. */
+static const char nameless[] = "medium";
+
 uint32_t build_medium(Builder *b, const EvalNode *node)
 {
     Scene *scene = b->scene;
@@ -188,8 +191,7 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     uint32_t known = *build_row_of(b, &b->media, node, scene->n_media, &found);
     if (found) return known;
     SceneMedium medium = {.span = node->span, .ior = spectrum_constant(1), .state = state_of(node)};
-    medium.name =
-        arena_copy_text(b->arena, node->name ? node->name : "medium", strlen(node->name ? node->name : "medium"));
+    medium.name = node->name ? arena_copy_text(b->arena, node->name, strlen(node->name)) : nameless;
     const EvalProp *ior = eval_prop(node, "ior");
     if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
     mixing_of(b, node, &medium);
@@ -205,6 +207,14 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     scene->media = room_for_one(b->arena, scene->media, scene->n_media, &b->media_capacity, sizeof medium);
     scene->media[scene->n_media] = medium;
     return scene->n_media++;
+}
+
+uint32_t build_medium_of(Builder *b, const EvalNode *node, const char *owner)
+{
+    uint32_t number = build_medium(b, node);
+    SceneMedium *medium = &b->scene->media[number];
+    if (medium->name == nameless) medium->name = arena_format(b->arena, "medium of %s", owner);
+    return number;
 }
 
 /* ---- light ---- */

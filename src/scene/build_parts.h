@@ -132,6 +132,8 @@ void build_needs(Builder *b, const EvalNode *node, const char *property, const c
 
 /* build_media.c */
 uint32_t build_medium(Builder *b, const EvalNode *node);
+/* The same, of what fills an object: without a name of its own it is named after the first one. */
+uint32_t build_medium_of(Builder *b, const EvalNode *node, const char *owner);
 /* Whether a radiance can be rendered; reports when not. */
 bool build_is_bearable(Builder *b, Span span, double radiance);
 /* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */

@@ -54,6 +54,23 @@ static void the_text_says_who_is_on_top(void **state)
     free(text);
 }
 
+/* A medium without a name is called after what it fills first; a let names it, too. */
+static void nameless_media_are_told_apart(void **state)
+{
+    (void)state;
+    char *text = report_of(
+        "let oil = medium { ior = 1.45 } let bead = sphere { interior = medium { ior = 1.6 } } bead { } "
+        "bead { translate(9 * x) } sphere ball { interior = oil center = <0, 5, 0> } world { medium = medium { ior = 1.1 } } "
+        "union pair { sphere { center = <0, 9, 0> } interior = medium { ior = 1.7 } } " FIXTURE_VIEW,
+        false);
+    assert_has(text, "  medium of the world  index 1.1");
+    assert_has(text, "  oil                  index 1.45\n");
+    assert_has(text, "  medium of bead 1     index 1.6\n");
+    assert_has(text, "  medium of pair       index 1.7\n");
+    assert_has(text, "bead 2  medium of bead 1 ");
+    free(text);
+}
+
 static void few_pairs_stand_by_themselves(void **state)
 {
     (void)state;
@@ -291,6 +308,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_text_says_who_is_on_top),
+        cmocka_unit_test(nameless_media_are_told_apart),
         cmocka_unit_test(few_pairs_stand_by_themselves),
         cmocka_unit_test(other_policies_decide_otherwise),
         cmocka_unit_test(units_suit_people),
