@@ -58,11 +58,12 @@ static void the_text_says_who_is_on_top(void **state)
 static void nameless_media_are_told_apart(void **state)
 {
     (void)state;
-    char *text = report_of(
-        "let oil = medium { ior = 1.45 } let bead = sphere { interior = medium { ior = 1.6 } } bead { } "
-        "bead { translate(9 * x) } sphere ball { interior = oil center = <0, 5, 0> } world { medium = medium { ior = 1.1 } } "
-        "union pair { sphere { center = <0, 9, 0> } interior = medium { ior = 1.7 } } " FIXTURE_VIEW,
-        false);
+    char *text = report_of("meniscus 1.0 unit mm let oil = medium { ior = 1.45 } let bead = sphere { interior = medium "
+                           "{ ior = 1.6 } } bead { } "
+                           "bead { translate(9 * x) } sphere ball { interior = oil center = <0, 5, 0> } world { medium "
+                           "= medium { ior = 1.1 } } "
+                           "union pair { sphere { center = <0, 9, 0> } interior = medium { ior = 1.7 } } " FIXTURE_VIEW,
+                           false);
     assert_has(text, "  medium of the world  index 1.1");
     assert_has(text, "  oil                  index 1.45\n");
     assert_has(text, "  medium of bead 1     index 1.6\n");
