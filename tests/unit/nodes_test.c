@@ -103,10 +103,12 @@ static void hints_name_what_there_is(void **state)
     (void)state;
 #define HABIT_DIRECTIVE(word, form, pattern)
 #define HABIT_BLOCK(word, text)
-#define HABIT_SETTING(word, pattern)
+#define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
 #define HABIT_WORD(word, text)
+#define HABIT_PREFIX(beginning, text)
+#define HABIT_CHOICE(property, word, choice)
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_UNIT(word, unit)
 #define HABIT_VALUES(node, names) {#node, names},
