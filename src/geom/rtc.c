@@ -746,16 +746,21 @@ ATTR_COLD static size_t search_exactly(Query *query)
     }
 }
 
-/* Whether a ray goes into a ball that nothing else reaches into: it then meets the ball's other side, and that alone. */
+/* Whether a ray goes into an object that nothing else reaches into: it then meets the other side of its surface, and that
+ * alone. */
 static bool cross_lone(Query *query)
 {
     const Ray *ray = query->ray;
-    const HitList *hits = query->hits;
     uint32_t object = ray->left->object;
     if (!rtc_is_lone(query->scene, object) || ray->t_min > 0 || rtc_passes(query, object)) return false;
-    RtcBall ball = rtc_ball(query->scene, &query->scene->objects[object], ray->time);
-    consider_ball(query, object, &ball);
-    return hits->n == 1 && hits->items[0].cos_normal >= RTC_LONE_COSINE;
+    const RtcPlaced *placed = &query->scene->objects[object];
+    if (placed->ball) {
+        RtcBall ball = rtc_ball(query->scene, placed, ray->time);
+        consider_ball(query, object, &ball);
+    } else {
+        rtc_cross_lone_mesh(query, object);
+    }
+    return query->hits->n == 1 && query->hits->items[0].cos_normal >= RTC_LONE_COSINE;
 }
 
 size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)

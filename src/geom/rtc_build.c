@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "geom/rtc_convex.h"
 #include "geom/rtc_scene.h"
 
 /* Meshes of no more triangles than SMALL_MESH are baked even where they are placed more than once, for a ray that comes to
@@ -296,6 +297,7 @@ static Status add_baked(RtcScene *scene, const MeshUse *use, Error *error)
     TRY(bake_mesh(placed, mesh, error));
     TRY(make_quads(mesh, placed->mirrored, error));
     attach(scene->world, quad_geometry(scene, mesh), use->object);
+    if (!placed->opaque && scene->n_keys == 0 && 2 * mesh->n_quads <= RTC_CONVEX_MOST) placed->lone = RTC_PERHAPS_LONE;
     return STATUS_OK;
 }
 
@@ -618,6 +620,7 @@ void rtc_scene_free(RtcScene *scene)
     for (uint32_t i = 0; i < scene->n_meshes; i++) {
         free(scene->meshes[i].moved);
         free(scene->meshes[i].quads);
+        rtc_convex_free(scene->meshes[i].convex);
     }
     free(scene->meshes);
     free(scene->maps);

@@ -25,7 +25,7 @@ typedef struct LocalRay {
     Affine moved_to_local;
 } LocalRay;
 
-/* A ray that leaves a lone ball at less than this cosine is searched for as others are. */
+/* A ray that leaves a lone object at less than this cosine is searched for as others are. */
 #define RTC_LONE_COSINE 0x1p-4
 
 /* How many hollow pieces of one search are met with all their eighths at once. */
@@ -112,9 +112,12 @@ bool rtc_complete_hit(Query *query, Hit *hit);
 bool rtc_find_lone(const RtcScene *scene, uint32_t object);
 static inline bool rtc_is_lone(const RtcScene *scene, uint32_t object)
 {
-    unsigned char lone = atomic_load_explicit(&scene->objects[object].lone, memory_order_relaxed);
+    unsigned char lone = atomic_load_explicit(&scene->objects[object].lone, memory_order_acquire);
     return UNLIKELY(lone == RTC_PERHAPS_LONE) ? rtc_find_lone(scene, object) : lone == RTC_LONE;
 }
+
+/* A ray from within a lone mesh: its way out becomes the one hit. False where that is not clear. */
+bool rtc_cross_lone_mesh(Query *query, uint32_t object);
 
 /* Whether the ray's line goes through a triangle, and the corners' weights there, up to a common factor. One of
  * neighbours that share an edge is met, or both, or none. */

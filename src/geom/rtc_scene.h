@@ -24,13 +24,14 @@ typedef struct RtcMesh {
     uint32_t n_quads;
     bool baked;               /* placed once, or small: it is traced in the world's frame, not as an instance */
     Vec3f *moved;             /* the vertices in the world's frame where it is baked; NULL where the source's are there */
+    _Atomic(struct RtcConvex *) convex; /* of one that is lone; see rtc_lone.c */
 } RtcMesh;
 
 typedef struct RtcMaps {
     Affine to_world, to_local; /* at time 0 */
 } RtcMaps;
 
-/* Whether anything else reaches into a ball; see rtc_lone.c. */
+/* Whether anything else reaches into an object; see rtc_lone.c. */
 enum { RTC_NOT_LONE, RTC_PERHAPS_LONE, RTC_LONE };
 
 /* One object, ready for tracing. There may be tens of millions: most are balls and instances that are only moved. */
@@ -45,7 +46,7 @@ typedef struct RtcPlaced {
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
     uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them */
-    const RtcMesh *mesh;
+    RtcMesh *mesh;
     const Affine *keys;  /* NULL for one that stands still; not owned */
     const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
 } RtcPlaced;

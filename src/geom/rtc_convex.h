@@ -1,0 +1,32 @@
+/* rtc_convex.h - convex meshes of few faces, cut gems above all, as the planes of their faces; private to src/geom/rtc*.c.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_RTC_CONVEX_H
+#define MEN_RTC_CONVEX_H
+
+#include "geom/rtc_scene.h"
+
+/* Meshes of more primitives are not looked at. */
+enum { RTC_CONVEX_MOST = 256 };
+
+typedef struct RtcConvex RtcConvex;
+
+/* The mesh of an object that is baked and does not change its shape, if it is convex to within rounding; else NULL, also where
+ * memory ends. To be freed by rtc_convex_free. */
+RtcConvex *rtc_convex_make(const RtcScene *scene, uint32_t object);
+void rtc_convex_free(RtcConvex *convex);
+/* Around it. */
+RtcBall rtc_convex_ball(const RtcConvex *convex);
+/* Whether the plane of one of its faces has all points on its other side, by more than `margin`. */
+bool rtc_convex_is_apart(const RtcConvex *convex, const Vec3 *points, uint32_t n, double margin);
+/* Whether it is on one side of a plane, by more than `margin`; normal: unit. */
+bool rtc_convex_is_beside(const RtcConvex *convex, Vec3 normal, Vec3 place, double margin);
+bool rtc_convex_is_within(const RtcConvex *convex, const RtcBall *ball, double margin);
+
+/* The face by which a line from within leaves it, as far as float tells; NULL: none. Its triangles, by their primitives. */
+typedef struct RtcFace {
+    uint32_t n;
+    const uint32_t *primitives;
+} RtcFace;
+bool rtc_convex_exit(const RtcConvex *convex, Vec3 from, Vec3f direction, RtcFace *face);
+
+#endif
