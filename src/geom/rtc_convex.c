@@ -18,6 +18,9 @@ typedef struct FourPlanes {
     Lanes x, y, z, height;
 } FourPlanes;
 
+/* It may touch so many planes. */
+enum { CONTACTS = 4 };
+
 struct RtcConvex {
     FourPlanes *fours;
     Plane *planes;
@@ -26,6 +29,8 @@ struct RtcConvex {
     uint32_t n_planes, n_fours, n_triangles;
     Vec3 centre;
     double radius, tolerance;
+    Plane contacts[CONTACTS]; /* higher by the margin; it is above them */
+    uint32_t n_contacts;
 };
 
 void rtc_convex_free(RtcConvex *convex)
@@ -178,7 +183,19 @@ bool rtc_convex_is_apart(const RtcConvex *convex, const Vec3 *points, uint32_t n
     return false;
 }
 
-bool rtc_convex_is_beside(const RtcConvex *convex, Vec3 normal, Vec3 place, double margin)
+static bool add_contact(RtcConvex *convex, Plane plane)
+{
+    for (uint32_t i = 0; i < convex->n_contacts; i++) {
+        const Plane *known = &convex->contacts[i];
+        Vec3 apart = vec3_sub(known->normal, plane.normal);
+        if (vec3_length(apart) * convex->radius + fabs(known->height - plane.height) <= convex->tolerance) return true;
+    }
+    if (convex->n_contacts == CONTACTS) return false;
+    convex->contacts[convex->n_contacts++] = plane;
+    return true;
+}
+
+bool rtc_convex_note_plane(RtcConvex *convex, Vec3 normal, Vec3 place, double margin)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, height = vec3_dot(normal, vec3_sub(place, convex->centre));
     for (uint32_t i = 0; i < 3 * convex->n_triangles; i++) {
@@ -186,7 +203,16 @@ bool rtc_convex_is_beside(const RtcConvex *convex, Vec3 normal, Vec3 place, doub
         low = double_min(low, at);
         high = double_max(high, at);
     }
-    return low > margin || high < -margin;
+    if (low > margin || high < -margin) return true;
+    if (low >= -margin) return add_contact(convex, (Plane){normal, height + margin});
+    return high <= margin && add_contact(convex, (Plane){vec3_scale(normal, -1), margin - height});
+}
+
+bool rtc_convex_is_off(const RtcConvex *convex, Vec3 point)
+{
+    for (uint32_t i = 0; i < convex->n_contacts; i++)
+        if (!(height_over(&convex->contacts[i], vec3_sub(point, convex->centre)) > 0)) return false;
+    return true;
 }
 
 bool rtc_convex_is_within(const RtcConvex *convex, const RtcBall *ball, double margin)

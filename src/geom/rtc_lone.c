@@ -3,7 +3,7 @@
  * A ray that goes into one meets nothing but the other side of its surface, and need not be searched for. Whether an object is lone
  * is found out when a ray first goes into it, for most of very many never are: a question of everything near it, in double. All
  * stays away by a margin, so that nothing stands at one place with the object's surface either, where the ray meets that not too
- * much at a slant.
+ * much at a slant. A mesh may stand on planes: rays that start or leave there are searched for.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "geom/rtc_convex.h"
 #include "geom/rtc_query.h"
@@ -16,8 +16,8 @@
 typedef struct Asked {
     const RtcScene *scene;
     uint32_t object;
-    const RtcConvex *convex; /* NULL: a ball */
-    RtcBall ball;            /* it, or around it, with the margin */
+    RtcConvex *convex; /* NULL: a ball */
+    RtcBall ball;      /* it, or around it, with the margin */
     double margin;
     bool lone;
 } Asked;
@@ -87,7 +87,7 @@ static bool is_away_from_triangle(const Asked *asked, const Vec3 corner[3])
     if (asked->convex) {
         Vec3 normal = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
         return rtc_convex_is_apart(asked->convex, corner, 3, asked->margin) ||
-               rtc_convex_is_beside(asked->convex, normal, corner[0], asked->margin);
+               rtc_convex_note_plane(asked->convex, normal, corner[0], asked->margin);
     }
     Vec3 from_centre[3];
     for (int k = 0; k < 3; k++) from_centre[k] = vec3_sub(corner[k], asked->ball.centre);
@@ -110,7 +110,7 @@ static bool is_away_from_quad(const Asked *asked, uint32_t object, uint32_t quad
 static bool is_away_from_plane(const Asked *asked, const RtcPlane *plane)
 {
     Vec3 normal = vec3_normalize(plane->up);
-    if (asked->convex) return rtc_convex_is_beside(asked->convex, normal, plane->place, asked->margin);
+    if (asked->convex) return rtc_convex_note_plane(asked->convex, normal, plane->place, asked->margin);
     return keeps_away(asked, fabs(vec3_dot(normal, vec3_sub(asked->ball.centre, plane->place))));
 }
 
@@ -136,7 +136,7 @@ static void ask_others(Asked *asked)
 }
 
 /* Whether nothing reaches into an object; ball: around it. */
-static bool find_lone(const RtcScene *scene, uint32_t object, const RtcConvex *convex, RtcBall ball)
+static bool find_lone(const RtcScene *scene, uint32_t object, RtcConvex *convex, RtcBall ball)
 {
     double scale = double_max(scene->reach, vec3_max_abs(ball.centre) + ball.radius),
            margin = MARGIN * TRUSTED_ULPS * UNIT_ROUNDING * scale;
@@ -182,7 +182,9 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
     RtcFace face;
     Hit *hit = rtc_hit_place(query->hits);
     const RtcConvex *convex = atomic_load_explicit(&query->scene->objects[object].mesh->convex, memory_order_acquire);
-    if (!hit || ray->at_edge || !rtc_convex_exit(convex, query->origin, ray->direction, &face)) return false;
+    if (!hit || ray->at_edge || !rtc_convex_is_off(convex, query->origin) ||
+        !rtc_convex_exit(convex, query->origin, ray->direction, &face))
+        return false;
     hit->object = object;
     for (uint32_t i = 0; i < face.n; i++) {
         Vec3 corner[3];
@@ -193,7 +195,7 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
         double sum = weight[0] + weight[1] + weight[2];
         hit->u = (float)(weight[1] / sum);
         hit->v = (float)(weight[2] / sum);
-        bool there = rtc_complete_hit(query, hit) && hit->clear;
+        bool there = rtc_complete_hit(query, hit) && hit->clear && rtc_convex_is_off(convex, ray_point(ray, hit->t));
         query->unsure = false; /* where it is not clear, it is searched for */
         query->hits->n = there;
         return there;

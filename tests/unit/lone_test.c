@@ -91,15 +91,19 @@ static Mesh *stone_mesh(uint32_t n)
     return lathe_mesh(profile, COUNT_OF(profile), n);
 }
 
-/* Stones alone, close to others and to a plane, with a ball in them, in a ball, and across other things. Returns how many. */
+/* Stones alone, close to others, with a ball in them, in a ball, across other things, and standing on a plane. Returns how many. */
 static uint32_t add_stones(TestScene *s)
 {
     Mesh *stones[] = {keep_mesh(s, stone_mesh(8)), keep_mesh(s, box_mesh(vec3(-2, -1, -1), vec3(2, 1, 1))),
                       keep_mesh(s, cut_box_mesh(vec3(-1, -1, -1), vec3(1, 1, 1), 2)), keep_mesh(s, stone_mesh(10))};
-    enum { STONES = 16 };
+    enum { STONES = 16, STANDING = 4 };
     for (int i = 0; i < STONES; i++)
         add(s, stones[i % 4], NULL,
             turned(37 * (i + 1), vec3(1, i % 5, 2), vec3(9 * (i % 4) - 13, 9 * (i / 4) - 13, i % 3)));
+    static const double standing[][3] = {{22, -13, -0.5}, {22, -4, 0.5}, {22, 5, -0.5}, {22, 7, -0.5}};
+    for (int i = 0; i < STANDING; i++) /* on the plane: a face, a tip, and two side by side */
+        add(s, stones[i == 1 ? 0 : 1], NULL,
+            turned(i == 1 ? 90 : 0, vec3(1, 0, 0), vec3(standing[i][0], standing[i][1], standing[i][2])));
     Solid *ball = sphere(s, 1), *plane;
     static const double around[][3] = {{-13, -13, 0}, {-4, -13, 1}, {5, -13, 2}, {14, -13, 0}, {-13, -4, 1}};
     for (size_t i = 0; i < COUNT_OF(around); i++) { /* one in it, one around it, one across its surface, two close by */
@@ -112,7 +116,7 @@ static uint32_t add_stones(TestScene *s)
     plane->pieces[0].kind = PIECE_PLANE;
     add(s, NULL, keep_solid(s, STATUS_OK, plane), turned(90, vec3(1, 0, 0), vec3(0, 0, -1.5))); /* through some */
     add(s, keep_mesh(s, box_mesh(vec3(44, 44, 44), vec3(46, 46, 46))), NULL, affine_identity());
-    return STONES;
+    return STONES + STANDING;
 }
 
 /* The same objects and a ball that moves: nothing is lone then. */
@@ -172,6 +176,7 @@ static void test_lone_stones(void **state)
     }
     printf("%llu rays in stones, %llu of them in lone ones\n", (unsigned long long)n_met, (unsigned long long)n_lone);
     assert_true(rtc_is_lone(s.rtc, 1) && !rtc_is_lone(s.rtc, 0) && !rtc_is_lone(s.rtc, 2));
+    assert_true(rtc_is_lone(s.rtc, 16) && rtc_is_lone(s.rtc, 17));
     assert_true(n_lone > n_met / 4 && n_lone < n_met);
     hit_list_clear(&hits);
     hit_list_clear(&left);
