@@ -177,6 +177,10 @@ size_t rtc_cluster(const Hit *hits, size_t n);
  * Otherwise true. */
 bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList *hits);
 
+/* Whether no surface comes into a ball. False is said more often than it is true: of turned and of stretched pieces boxes count; and
+ * always where anything moves. */
+bool rtc_is_away(const RtcScene *scene, Vec3 centre, double radius);
+
 /* The distance that the coordinates of a point can be off by rounding: four units in the last place of its
  * largest coordinate in float. Surfaces nearer to each other than this stand at one place. */
 double rtc_rounding(Vec3 p);

@@ -202,3 +202,8 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
     }
     return false;
 }
+
+bool rtc_is_away(const RtcScene *scene, Vec3 centre, double radius)
+{
+    return !scene->n_keys && find_lone(scene, RTC_NO_OBJECT, NULL, (RtcBall){centre, radius});
+}

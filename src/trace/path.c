@@ -135,6 +135,8 @@ static bool start_list(Path *path, const SceneCamera *camera)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
+    const NestList *known = lens_list_at(world->lens, path->ray.origin);
+    if (known) return nest_list_copy(&tracer->list, known) == STATUS_OK;
     Status status = world->camera_list_moves
                         ? compiled_interior(world->compiled, vec3f_from(camera->from), path->ray.time,
                                             &tracer->shadow_hits, &tracer->list, NULL)

@@ -191,6 +191,8 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         world->seeks_airlight = world->scatters && world_lights(world)->n;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
+        if (status == STATUS_OK && world->lens_crosses && !world->moves)
+            status = lens_new(compiled, world->camera, &world->lens, error);
         beacons_find(compiled, &world->beacons);
     }
     if (status != STATUS_OK) world_clear(world);
@@ -216,6 +218,7 @@ void world_clear(World *world)
     free(world->portals);
     media_clear(&world->media);
     balances_free(world->balances);
+    lens_free(world->lens);
     for (unsigned reach = 0; reach < REACHES; reach++) {
         free(world->choices[reach].items);
         free(world->choices[reach].of_light);

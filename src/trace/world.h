@@ -10,6 +10,7 @@
 #include "trace/balances.h"
 #include "trace/beacons.h"
 #include "trace/emitter.h"
+#include "trace/lens.h"
 #include "trace/looks.h"
 #include "trace/media.h"
 
@@ -74,7 +75,8 @@ typedef struct World {
     NestList camera_list;      /* the hulls around the camera's centre */
     bool moves;                /* something does while the shutter is open */
     bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
-    bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin */
+    bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin, */
+    Lens *lens;                /* but where this knows it; NULL: nowhere */
     bool has_distant;          /* a light that is infinitely far */
     bool scatters;             /* some medium does */
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
