@@ -297,7 +297,6 @@ static Status add_baked(RtcScene *scene, const MeshUse *use, Error *error)
     TRY(bake_mesh(placed, mesh, error));
     TRY(make_quads(mesh, placed->mirrored, error));
     attach(scene->world, quad_geometry(scene, mesh), use->object);
-    if (!placed->opaque && scene->n_keys == 0 && 2 * mesh->n_quads <= RTC_CONVEX_MOST) placed->lone = RTC_PERHAPS_LONE;
     return STATUS_OK;
 }
 
@@ -326,6 +325,27 @@ static Status add_meshes(RtcScene *scene, const MeshUse *uses, uint32_t n, Error
         if (!baked) TRY(add_shared(scene, uses + i, row, error));
         for (uint32_t k = 0; baked && k < row; k++) TRY(add_baked(scene, &uses[i + k], error));
     }
+    return STATUS_OK;
+}
+
+/* Which mesh objects may be lone. */
+static Status note_convex(RtcScene *scene, const MeshUse *uses, uint32_t n, Error *error)
+{
+    uint32_t n_candidates = 0;
+    if (scene->n_keys) return STATUS_OK;
+    for (uint32_t i = 0; i < n; i++) {
+        RtcPlaced *placed = &scene->objects[uses[i].object];
+        if (placed->opaque || placed->mesh->end || 2 * placed->mesh->n_quads > RTC_CONVEX_MOST) continue;
+        placed->frame = n_candidates++;
+        placed->lone = RTC_PERHAPS_LONE;
+    }
+    if (n_candidates > RTC_CONVEX_OBJECTS) { /* of so many the planes would take too much memory */
+        for (uint32_t i = 0; i < n; i++) scene->objects[uses[i].object].lone = RTC_NOT_LONE;
+        return STATUS_OK;
+    }
+    scene->convex = calloc(n_candidates + 1U, sizeof *scene->convex);
+    if (!scene->convex) return fail_memory(error, n_candidates * sizeof *scene->convex, "the scene's meshes");
+    scene->n_convex = n_candidates;
     return STATUS_OK;
 }
 
@@ -555,6 +575,7 @@ static Status build_world(RtcScene *scene, const MeshUse *uses, uint32_t n_uses,
 {
     scene->world = new_scene(scene);
     TRY(add_meshes(scene, uses, n_uses, error));
+    TRY(note_convex(scene, uses, n_uses, error));
     scene->reach = find_reach(scene);
     TRY(add_pieces(scene, error));
     rtcCommitScene(scene->world);
@@ -620,8 +641,9 @@ void rtc_scene_free(RtcScene *scene)
     for (uint32_t i = 0; i < scene->n_meshes; i++) {
         free(scene->meshes[i].moved);
         free(scene->meshes[i].quads);
-        rtc_convex_free(scene->meshes[i].convex);
     }
+    for (uint32_t i = 0; i < scene->n_convex; i++) rtc_convex_free(scene->convex[i]);
+    free(scene->convex);
     free(scene->meshes);
     free(scene->maps);
     free(scene->objects);

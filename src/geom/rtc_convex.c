@@ -44,6 +44,14 @@ void rtc_convex_free(RtcConvex *convex)
     free(convex);
 }
 
+void rtc_convex_trim(RtcConvex *convex)
+{
+    free(convex->planes);
+    free(convex->corners);
+    convex->planes = NULL;
+    convex->corners = NULL;
+}
+
 static double height_over(const Plane *plane, Vec3 p)
 {
     return vec3_dot(plane->normal, p) - plane->height;
@@ -148,7 +156,7 @@ RtcConvex *rtc_convex_make(const RtcScene *scene, uint32_t object)
 {
     const RtcMesh *mesh = scene->objects[object].mesh;
     uint32_t n = 2 * mesh->n_quads, plane_of[RTC_CONVEX_MOST];
-    if (n > RTC_CONVEX_MOST || !mesh->baked || mesh->end) return NULL;
+    if (n > RTC_CONVEX_MOST) return NULL;
     RtcConvex *convex = calloc(1, sizeof *convex);
     if (!convex) return NULL;
     convex->fours = aligned_alloc(64, (n / LANES + 1) * sizeof *convex->fours);

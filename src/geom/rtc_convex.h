@@ -5,14 +5,16 @@
 
 #include "geom/rtc_scene.h"
 
-/* Meshes of more primitives are not looked at. */
-enum { RTC_CONVEX_MOST = 256 };
+/* Meshes of more primitives are not looked at, nor any where there are more objects of such meshes. */
+enum { RTC_CONVEX_MOST = 256, RTC_CONVEX_OBJECTS = 1 << 16 };
 
 typedef struct RtcConvex RtcConvex;
 
-/* The mesh of an object that is baked and does not change its shape, if it is convex to within rounding; else NULL, also where
- * memory ends. To be freed by rtc_convex_free. */
+/* The mesh of an object, which stands still and keeps its shape, in the world, if it is convex to within rounding; else NULL, also
+ * where memory ends. To be freed by rtc_convex_free. */
 RtcConvex *rtc_convex_make(const RtcScene *scene, uint32_t object);
+/* Keeps what rtc_convex_is_off and rtc_convex_exit need, and no more. */
+void rtc_convex_trim(RtcConvex *convex);
 void rtc_convex_free(RtcConvex *convex);
 /* Around it. */
 RtcBall rtc_convex_ball(const RtcConvex *convex);

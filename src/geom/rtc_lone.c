@@ -156,15 +156,13 @@ static bool find_lone(const RtcScene *scene, uint32_t object, RtcConvex *convex,
 /* The planes of a lone mesh are kept; of several threads that make them the first one's. */
 static bool find_lone_mesh(const RtcScene *scene, uint32_t object)
 {
-    RtcMesh *mesh = scene->objects[object].mesh;
     RtcConvex *convex = rtc_convex_make(scene, object), *other = NULL;
     if (!convex) return false;
-    if (!find_lone(scene, object, convex, rtc_convex_ball(convex))) {
+    bool lone = find_lone(scene, object, convex, rtc_convex_ball(convex));
+    rtc_convex_trim(convex);
+    if (!lone || !atomic_compare_exchange_strong(&scene->convex[scene->objects[object].frame], &other, convex))
         rtc_convex_free(convex);
-        return false;
-    }
-    if (!atomic_compare_exchange_strong(&mesh->convex, &other, convex)) rtc_convex_free(convex);
-    return true;
+    return lone;
 }
 
 bool rtc_find_lone(const RtcScene *scene, uint32_t object)
@@ -181,7 +179,9 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
     const Ray *ray = query->ray;
     RtcFace face;
     Hit *hit = rtc_hit_place(query->hits);
-    const RtcConvex *convex = atomic_load_explicit(&query->scene->objects[object].mesh->convex, memory_order_acquire);
+    const RtcScene *scene = query->scene;
+    const RtcPlaced *placed = &scene->objects[object];
+    const RtcConvex *convex = atomic_load_explicit(&scene->convex[placed->frame], memory_order_acquire);
     if (!hit || ray->at_edge || !rtc_convex_is_off(convex, query->origin) ||
         !rtc_convex_exit(convex, query->origin, ray->direction, &face))
         return false;
@@ -190,11 +190,12 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
         Vec3 corner[3];
         double weight[3];
         hit->primitive = face.primitives[i];
-        rtc_triangle(query->scene, object, hit->primitive, ray->time, corner);
+        rtc_triangle(scene, object, hit->primitive, ray->time, corner);
         if (!rtc_line_meets(query, corner, weight)) continue;
+        bool turned = placed->mirrored && !placed->mesh->baked; /* the corners are, then; see rtc_triangle */
         double sum = weight[0] + weight[1] + weight[2];
-        hit->u = (float)(weight[1] / sum);
-        hit->v = (float)(weight[2] / sum);
+        hit->u = (float)(weight[turned ? 2 : 1] / sum);
+        hit->v = (float)(weight[turned ? 1 : 2] / sum);
         bool there = rtc_complete_hit(query, hit) && hit->clear && rtc_convex_is_off(convex, ray_point(ray, hit->t));
         query->unsure = false; /* where it is not clear, it is searched for */
         query->hits->n = there;

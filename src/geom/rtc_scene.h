@@ -24,7 +24,6 @@ typedef struct RtcMesh {
     uint32_t n_quads;
     bool baked;               /* placed once, or small: it is traced in the world's frame, not as an instance */
     Vec3f *moved;             /* the vertices in the world's frame where it is baked; NULL where the source's are there */
-    _Atomic(struct RtcConvex *) convex; /* of one that is lone; see rtc_lone.c */
 } RtcMesh;
 
 typedef struct RtcMaps {
@@ -45,8 +44,9 @@ typedef struct RtcPlaced {
     atomic_uchar lone;   /* RTC_NOT_LONE and others */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
-    uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them */
-    RtcMesh *mesh;
+    uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them; of a mesh that may
+                          * be lone its place in RtcScene.convex */
+    const RtcMesh *mesh;
     const Affine *keys;  /* NULL for one that stands still; not owned */
     const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
 } RtcPlaced;
@@ -130,6 +130,8 @@ struct RtcScene {
     RTCScene world;
     RtcMesh *meshes;
     uint32_t n_meshes;
+    _Atomic(struct RtcConvex *) *convex; /* of the mesh objects that may be lone, those that are known to be; see rtc_lone.c */
+    uint32_t n_convex;
     RTCScene *shared; /* the scenes of meshes that are placed more than once */
     uint32_t n_shared;
     RtcPlaced *objects;

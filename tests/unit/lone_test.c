@@ -95,11 +95,13 @@ static Mesh *stone_mesh(uint32_t n)
 static uint32_t add_stones(TestScene *s)
 {
     Mesh *stones[] = {keep_mesh(s, stone_mesh(8)), keep_mesh(s, box_mesh(vec3(-2, -1, -1), vec3(2, 1, 1))),
-                      keep_mesh(s, cut_box_mesh(vec3(-1, -1, -1), vec3(1, 1, 1), 2)), keep_mesh(s, stone_mesh(10))};
+                      keep_mesh(s, cut_box_mesh(vec3(-1, -1, -1), vec3(1, 1, 1), 2)), keep_mesh(s, stone_mesh(24))};
     enum { STONES = 16, STANDING = 4 };
-    for (int i = 0; i < STONES; i++)
-        add(s, stones[i % 4], NULL,
-            turned(37 * (i + 1), vec3(1, i % 5, 2), vec3(9 * (i % 4) - 13, 9 * (i / 4) - 13, i % 3)));
+    for (int i = 0; i < STONES; i++) {
+        Affine at = turned(37 * (i + 1), vec3(1, i % 5, 2), vec3(9 * (i % 4) - 13, 9 * (i / 4) - 13, i % 3));
+        for (int row = 0; row < 3 && i > 7; row++) at.m[row][1] *= i % 2 ? -0.7 : 0.8; /* flatter, and mirrored */
+        add(s, stones[i % 4], NULL, at);
+    }
     static const double standing[][3] = {{22, -13, -0.5}, {22, -4, 0.5}, {22, 5, -0.5}, {22, 7, -0.5}};
     for (int i = 0; i < STANDING; i++) /* on the plane: a face, a tip, and two side by side */
         add(s, stones[i == 1 ? 0 : 1], NULL,
