@@ -62,24 +62,37 @@ static Vec3 area_of(const Vec3 corner[3])
     return vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
 }
 
+typedef struct Sized {
+    double area;
+    uint32_t primitive;
+} Sized;
+
+static int compare_sized(const void *left, const void *right)
+{
+    const Sized *a = left, *b = right;
+    if (a->area != b->area) return a->area > b->area ? -1 : 1;
+    return a->primitive < b->primitive ? -1 : a->primitive > b->primitive;
+}
+
 /* The triangles that have an area, the largest first, so that those make the planes. */
 static void list_triangles(RtcConvex *convex, const RtcScene *scene, uint32_t object)
 {
     const RtcMesh *mesh = scene->objects[object].mesh;
+    Sized sized[RTC_CONVEX_MOST];
+    uint32_t n = 0;
     for (uint32_t i = 0; i < 2 * mesh->n_quads; i++) {
         Vec3 corner[3];
         if (i % 2 && mesh_quad_is_single(mesh->quads[i / 2].vertex)) continue;
         rtc_triangle(scene, object, i, 0, corner);
         double area = vec3_length(area_of(corner));
-        if (!(area > 0)) continue;
-        uint32_t at = convex->n_triangles++;
-        for (; at > 0 && vec3_length(area_of(&convex->corners[3 * (at - 1)])) < area; at--) {
-            convex->primitives[at] = convex->primitives[at - 1];
-            memcpy(&convex->corners[3 * at], &convex->corners[3 * (at - 1)], sizeof corner);
-        }
-        convex->primitives[at] = i;
-        memcpy(&convex->corners[3 * at], corner, sizeof corner);
+        if (area > 0) sized[n++] = (Sized){area, i};
     }
+    qsort(sized, n, sizeof *sized, compare_sized);
+    for (uint32_t i = 0; i < n; i++) {
+        convex->primitives[i] = sized[i].primitive;
+        rtc_triangle(scene, object, sized[i].primitive, 0, &convex->corners[3 * i]);
+    }
+    convex->n_triangles = n;
 }
 
 static void centre_it(RtcConvex *convex)
@@ -103,8 +116,15 @@ static bool lies_in(const RtcConvex *convex, const Plane *plane, const Vec3 corn
     return vec3_dot(area_of(corner), plane->normal) > 0;
 }
 
-/* Of which plane each triangle is; the planes are made. */
-static void find_planes(RtcConvex *convex, uint32_t plane_of[RTC_CONVEX_MOST])
+static bool is_above_all(const RtcConvex *convex, const Plane *plane)
+{
+    for (uint32_t i = 0; i < 3 * convex->n_triangles; i++)
+        if (height_over(plane, convex->corners[i]) > convex->tolerance) return false;
+    return true;
+}
+
+/* Of which plane each triangle is; the planes are made. False where the mesh is not convex, which mostly shows at the first. */
+static bool find_planes(RtcConvex *convex, uint32_t plane_of[RTC_CONVEX_MOST])
 {
     for (uint32_t i = 0; i < convex->n_triangles; i++) {
         const Vec3 *corner = &convex->corners[3 * i];
@@ -113,8 +133,11 @@ static void find_planes(RtcConvex *convex, uint32_t plane_of[RTC_CONVEX_MOST])
         plane_of[i] = k;
         if (k < convex->n_planes) continue;
         Vec3 normal = vec3_normalize(area_of(corner));
-        convex->planes[convex->n_planes++] = (Plane){normal, vec3_dot(normal, corner[0])};
+        Plane plane = {normal, vec3_dot(normal, corner[0])};
+        if (!is_above_all(convex, &plane)) return false;
+        convex->planes[convex->n_planes++] = plane;
     }
+    return convex->n_planes >= 4;
 }
 
 /* The primitives by planes. */
@@ -128,14 +151,6 @@ static void sort_primitives(RtcConvex *convex, const uint32_t plane_of[RTC_CONVE
     }
     convex->first[convex->n_planes] = n;
     memcpy(convex->primitives, sorted, n * sizeof *sorted);
-}
-
-static bool is_convex(const RtcConvex *convex)
-{
-    for (uint32_t k = 0; k < convex->n_planes; k++)
-        for (uint32_t i = 0; i < 3 * convex->n_triangles; i++)
-            if (height_over(&convex->planes[k], convex->corners[i]) > convex->tolerance) return false;
-    return convex->n_planes >= 4;
 }
 
 static void fill_fours(RtcConvex *convex)
@@ -167,10 +182,11 @@ RtcConvex *rtc_convex_make(const RtcScene *scene, uint32_t object)
     if (convex->fours && convex->planes && convex->corners && convex->primitives && convex->first) {
         list_triangles(convex, scene, object);
         centre_it(convex);
-        find_planes(convex, plane_of);
-        sort_primitives(convex, plane_of);
-        fill_fours(convex);
-        if (is_convex(convex)) return convex;
+        if (find_planes(convex, plane_of)) {
+            sort_primitives(convex, plane_of);
+            fill_fours(convex);
+            return convex;
+        }
     }
     rtc_convex_free(convex);
     return NULL;
