@@ -10,6 +10,8 @@
 #include "shape/meshed.h"
 
 static const double degree = 3.14159265358979323846 / 180;
+/* How far a side is bent, of its length. */
+#define HOLLOW 1e-5
 enum { MAX_STATIONS = 4000000, MAX_STEPS = 100000, DEGREES_PER_STEP = 5, MAX_CIRCLE = 2048, MIN_CIRCLE = 24 };
 
 typedef struct Station {
@@ -25,6 +27,9 @@ typedef struct Station {
 typedef struct SweepMaker {
     const SweepShape *shape;
     const Outline2 *outline;
+    /* the same with what is straight bent inwards a little: so no triangle of a flat end has three points of one side, which
+     * rounding would turn over */
+    const Outline2 *hollow;
     Station *stations; /* closed: the last is the first again */
     size_t n_stations, capacity;
     double twist, twist_rate; /* in all, in degrees; per length, in radians */
@@ -79,9 +84,17 @@ static double twist_step(const SweepShape *shape)
     return fmin(DEGREES_PER_STEP, sqrt(8 * shape->tolerance / (reach * largest)) / degree);
 }
 
+/* The place at t on a side from a to b, in front of its middle: to the left, where the inside is. */
+static Point2 in_front(Point2 a, Point2 b, double t)
+{
+    double dx = b.x - a.x, dy = b.y - a.y, by = 4 * t * (1 - t) * HOLLOW;
+    return (Point2){a.x + t * dx - by * dy, a.y + t * dy + by * dx};
+}
+
 /* A straight side of the outline becomes a screw by twisting; cut into triangles, it is off by a quarter of how far its
- * ends leave their common plane from station to station. Shorter sides keep that within the tolerance. */
-static Status cut_sides(const SweepShape *shape, Outline2 *cut, Error *error)
+ * ends leave their common plane from station to station. Shorter sides keep that within the tolerance. In `hollow` they are
+ * bent inwards, for the triangles of flat ends. */
+static Status cut_sides(const SweepShape *shape, Outline2 *cut, Outline2 *hollow, Error *error)
 {
     const Outline2 *outline = shape->outline;
     double largest = 0, angle = twist_step(shape) * degree;
@@ -101,9 +114,11 @@ static Status cut_sides(const SweepShape *shape, Outline2 *cut, Error *error)
                 OutlinePoint2 point = {
                     {a->at.x + t * dx, a->at.y + t * dy}, k > 0 ? along : a->arrive, along, a->source};
                 fine = cut->n_points < POLYGON_MAX_POINTS && outline2_add_point(cut, &point);
+                point.at = in_front(a->at, b->at, t);
+                fine = fine && outline2_add_point(hollow, &point);
             }
         }
-        fine = fine && outline2_end_loop(cut);
+        fine = fine && outline2_end_loop(cut) && outline2_end_loop(hollow);
         begin = end;
     }
     return fine ? STATUS_OK : fail_memory(error, cut->n_points * sizeof *cut->points, "a sweep");
@@ -355,7 +370,7 @@ static Status add_flat_end(SweepMaker *maker, const Station *station, bool last,
     uint32_t(*triangles)[3] = NULL;
     size_t n = 0;
     if (station->scale == 0) return STATUS_OK;
-    TRY(polygon_triangulate(maker->outline, &triangles, &n, error));
+    TRY(polygon_triangulate(maker->hollow, &triangles, &n, error));
     uint32_t first = (uint32_t)maker->grower.n_vertices;
     Vec3 normal = last ? station->tangent : negative(station->tangent);
     for (size_t i = 0; i < maker->outline->n_points; i++)
@@ -509,19 +524,21 @@ static Status make_all(SweepMaker *maker, SweepOverlap *overlap, Error *error)
 
 Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overlap, Error *error)
 {
-    Outline2 own = {0}; /* a circle, or the outline with shorter sides */
+    Outline2 own = {0}, hollow = {0}; /* a circle, or the outline with shorter sides */
     SweepMaker maker = {.shape = shape, .outline = shape->outline, .twist = shape->outline ? shape->twist : 0};
     *overlap = (SweepOverlap){0};
     Status status = STATUS_OK;
     if (!shape->outline)
         status = make_circle(shape, &own, error);
     else if (maker.twist != 0)
-        status = cut_sides(shape, &own, error);
+        status = cut_sides(shape, &own, &hollow, error);
     if (own.n_points) maker.outline = &own;
+    maker.hollow = hollow.n_points ? &hollow : maker.outline;
     if (status == STATUS_OK) status = make_all(&maker, overlap, error);
     if (status == STATUS_OK) status = grower_finish(&maker.grower, "the sweep", mesh, error);
     grower_clear(&maker.grower);
     free(maker.stations);
     outline2_clear(&own);
+    outline2_clear(&hollow);
     return status;
 }

@@ -160,6 +160,26 @@ static void sweeps(void **state)
                  pi * .04 * 5 * sqrt(4 * pi * pi + 1), 4e-3, 6);
 }
 
+/* The points that follow a twist along the sides of a flat end lie in a line, but for rounding: no triangle may have three of these. */
+static void twisted_ends_do_not_cross(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 12; i++) {
+        Fixture f;
+        char text[600];
+        snprintf(text, sizeof text,
+                 M "sweep { interior = glass path = [for (k in 0..8) <%g * k, -6 + 1.5 * k, %g * k>] "
+                   "outline = [<.5, -.3>, <4.6, -.12>, <4.8, 0>, <4.6, .12>, <.5, .3>] twist = %d tolerance = %g }" V,
+                 i % 2 ? .3 : 0, i % 2 ? .7 : 0, 30 + 40 * i, i % 3 ? .004 : .0008);
+        fixture_good(&f, text);
+        MeshCrossings found;
+        const Mesh *mesh = f.scene->shapes[f.scene->objects[0].shape].mesh;
+        assert_int_equal(mesh_find_crossings(mesh, NULL, &found, NULL), STATUS_OK);
+        if (found.n > 0) fail_msg("%s: %d crossings", text, (int)found.n);
+        fixture_clear(&f);
+    }
+}
+
 static void sweeps_that_cannot_be(void **state)
 {
     (void)state;
@@ -427,6 +447,7 @@ int main(void)
         cmocka_unit_test(walls_are_numbered_in_order),
         cmocka_unit_test(prisms_that_cannot_be),
         cmocka_unit_test(sweeps),
+        cmocka_unit_test(twisted_ends_do_not_cross),
         cmocka_unit_test(sweeps_that_cannot_be),
         cmocka_unit_test(sweeps_of_all_kinds),
         cmocka_unit_test(superellipsoids),
