@@ -67,17 +67,18 @@ static void add_part(Path *path, FlightParts *parts, const Ray *ray, double t, u
     const SceneMedium *medium = &world->scene->media[number];
     Lanes nm = path->wavelengths.nm;
     if (!medium->absorbs && !medium->scatters && !medium->emits) return;
-    FlightPart *part = &parts->items[parts->n++];
-    *part = (FlightPart){.medium = medium,
-                         .number = number,
-                         .place = media_place(&world->media, world->compiled, hull),
-                         .absorption = flight_absorption(path, number),
-                         .scattering = medium->scatters ? spectrum_at(&medium->scattering, nm) : lanes_all(0),
-                         .emission = medium->emits ? spectrum_at(&medium->emission, nm) : lanes_all(0),
-                         .low = 1,
-                         .high = 1,
-                         .t_end = HUGE_VAL};
+    FlightPart *part = &parts->items[parts->n++]; /* most of it is for what varies, and is set then */
+    part->medium = medium;
+    part->number = number;
+    part->place = media_place(&world->media, world->compiled, hull);
+    part->glow = NULL;
+    part->absorption = flight_absorption(path, number);
+    part->scattering = medium->scatters ? spectrum_at(&medium->scattering, nm) : lanes_all(0);
+    part->emission = medium->emits ? spectrum_at(&medium->emission, nm) : lanes_all(0);
     part->bound = lanes_max(lanes_add(part->absorption, part->scattering));
+    part->low = part->high = 1;
+    part->t_end = HUGE_VAL;
+    part->walks = false;
     if (!part->place) return;
     part->maps = media_maps(world->scene, part->place, ray->time, &part->moved);
     uint32_t glow = medium->emits ? world->media.glow_of_place[part->place - world->media.places] : SCENE_NONE;
@@ -171,7 +172,8 @@ static float weight_of(const Path *path, FlightPart *part, double t)
     if (!part->glow) return 1;
     uint32_t emitter = world->emitters.first_glow + (uint32_t)(part->glow - world->media.glows);
     if (part->glow_choice < 0)
-        part->glow_choice = light_choice(world, path->scatter_lights, emitter, path->scatter_point, path->scatter_normal);
+        part->glow_choice =
+            light_choice(world, path->scatter_lights, emitter, path->scatter_point, path->scatter_normal);
     Vec3 place = ray_point(&path->ray, t), to = vec3_sub(place, path->scatter_point);
     double density = glow_density(part->glow, part->maps, place);
     float pdf = light_pdf_glow(part->glow, 1, density, vec3_dot(to, to)), choices = part->glow_choice;
@@ -320,6 +322,7 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
     Tracer *tracer = path->tracer;
     double t = from, to = from + length;
     if (path->straight) return length;
+    if (flight->budget < 0) flight_draw(path, flight);
     if (!flight_find_parts(path, &tracer->list, &path->ray, t)) {
         tracer->out_of_memory = true;
         return length;
@@ -371,7 +374,7 @@ Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t
         FlightPiece piece = piece_at(parts, t, to);
         double rate = (double)piece.excess, at = t;
         while (rate > 0) {
-            at += -log1p(-(double)draw(key, n_drawn)) / rate;
+            at += (double)-logf(1 - draw(key, n_drawn)) / rate;
             if (!(at < piece.end)) break;
             Lanes scattering, extinction;
             excess_at(parts, at, &scattering, &extinction);

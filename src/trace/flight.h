@@ -12,21 +12,22 @@
 
 /* A flight from one event to the next, through any number of silent crossings. What is sampled never ends a path. */
 typedef struct FreeFlight {
-    float budget; /* of the rate of collisions, over the way, that is left; INFINITY where nothing scatters */
+    float
+        budget; /* of the rate of collisions, over the way, that is left; INFINITY where nothing scatters; below 0 before it is
+                   * drawn, in the first medium that asks for it */
     Lanes scattered, absorbed; /* optical depths used up so far, of every lane, that beta and ratio do not have yet */
     Lanes coefficient;         /* of every lane, of the medium where the path was scattered, at that place */
     uint32_t key, n_drawn;     /* of the flight's own random numbers */
 } FreeFlight;
 
-/* Draws how far, where anything scatters or varies. */
+/* Draws how far. */
 void flight_draw(Path *path, FreeFlight *flight);
 static inline void flight_begin(Path *path, FreeFlight *flight)
 {
     const World *world = path->tracer->world;
-    flight->budget = INFINITY;
+    flight->budget = UNLIKELY(world->scatters || world->media.vary) && !path->straight ? -1 : INFINITY;
     flight->scattered = flight->absorbed = flight->coefficient = lanes_all(0);
     flight->key = flight->n_drawn = 0;
-    if (UNLIKELY(world->scatters || world->media.vary) && !path->straight) flight_draw(path, flight);
 }
 /* What a medium absorbs of the path's wavelengths; zero where it does not. */
 static inline Lanes flight_absorption(Path *path, uint32_t medium)
@@ -54,7 +55,10 @@ static inline double flight_even(Path *path, FreeFlight *flight, uint32_t medium
 {
     const SceneMedium *m = &path->tracer->world->scene->media[medium];
     if (!(length > 0)) return length;
-    if (m->scatters && flight->budget < INFINITY) length = flight_scatter_even(flight, m, length, path->wavelengths.nm);
+    if (m->scatters && flight->budget < INFINITY) {
+        if (flight->budget < 0) flight_draw(path, flight);
+        length = flight_scatter_even(flight, m, length, path->wavelengths.nm);
+    }
     if (m->absorbs)
         flight->absorbed =
             lanes_add(flight->absorbed, lanes_scale(flight_absorption(path, medium), flight_length(length)));

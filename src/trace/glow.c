@@ -210,9 +210,10 @@ Status glows_find(const CompiledScene *compiled, WorldMedia *media, Error *error
 Box3 glow_box(const Scene *scene, const Glow *glow, double time)
 {
     MediumMaps room;
-    Affine to_world;
-    if (!affine_invert(&media_maps(scene, glow->place, time, &room)->to_density, &to_world)) return box3_empty();
-    return affine_box(&to_world, glow->box);
+    const MediumMaps *maps = media_maps(scene, glow->place, time, &room);
+    Affine inverse;
+    const Affine *to_world = media_from_density(glow->place, maps, &inverse);
+    return to_world ? affine_box(to_world, glow->box) : box3_empty();
 }
 
 /* The digits that have chosen a brick are used up; of what is left of them the first ones are evenly spread still, the last
@@ -253,10 +254,11 @@ GlowPoint glow_sample(const Scene *scene, const Glow *glow, double time, double 
                    first[2] + size.z * third_number(left, u));
     MediumMaps room;
     const MediumMaps *maps = media_maps(scene, glow->place, time, &room);
-    Affine to_world;
     GlowPoint point = {.amount = medium->density ? volume_at(medium->density, at) : 1};
-    if (!affine_invert(&maps->to_density, &to_world)) return (GlowPoint){.amount = 0};
-    point.position = affine_point(&to_world, at);
+    Affine inverse;
+    const Affine *to_world = media_from_density(glow->place, maps, &inverse);
+    if (!to_world) return (GlowPoint){.amount = 0};
+    point.position = affine_point(to_world, at);
     point.density = density_in(glow, low) * maps->stretch;
     if (medium->temperature)
         point.kelvin = volume_at(medium->temperature, affine_point(&maps->to_temperature, point.position));

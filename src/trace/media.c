@@ -107,6 +107,12 @@ const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, doubl
     return room;
 }
 
+const Affine *media_from_density(const MediumPlace *place, const MediumMaps *maps, Affine *room)
+{
+    if (maps == &place->maps) return place->has_inverse ? &place->from_density : NULL;
+    return affine_invert(&maps->to_density, room) ? room : NULL;
+}
+
 /* Quotients of Planck's law, with negative exponents only: e^(a0 - a) (1 - e^-a0) / (1 - e^-a), a = h c / (k w T). */
 Lanes media_planck_ratio(const SceneMedium *medium, float kelvin, Lanes wavelength_nm)
 {
@@ -143,6 +149,10 @@ Status media_find(const CompiledScene *compiled, WorldMedia *media, Error *error
         media->mixing_state[i] = scene_mixing_state(&scene->media[i], i == 0);
     }
     TRY(find_places(compiled, media, error));
+    for (uint32_t i = 0; i < media->n_places; i++) {
+        MediumPlace *place = &media->places[i];
+        place->has_inverse = affine_invert(&place->maps.to_density, &place->from_density);
+    }
     return glows_find(compiled, media, error);
 }
 

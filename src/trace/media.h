@@ -20,6 +20,8 @@ typedef struct MediumPlace {
     const Affine *keys;     /* NULL, or the object's places while the shutter is open */
     Affine frame_in_object; /* of what moves */
     MediumMaps maps;        /* of what moves, when the shutter opens */
+    Affine from_density;    /* the inverse of maps.to_density, */
+    bool has_inverse;       /* if there is one */
     bool has_cells;
     int32_t n_cells[3];
     Affine to_cells; /* from the frame */
@@ -58,6 +60,8 @@ bool media_is_there(const CompiledScene *compiled, const WorldMedia *media, cons
                     const NestList *list);
 /* Where the volumes of a place are at a time of the shutter; room is for those that move. */
 const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, double time, MediumMaps *room);
+/* The inverse of to_density of those maps; NULL: there is none. */
+const Affine *media_from_density(const MediumPlace *place, const MediumMaps *maps, Affine *room);
 /* The place of the volumes of a hull's medium (NEST_WORLD: the world's); NULL: it has none. */
 static inline const MediumPlace *media_place(const WorldMedia *media, const CompiledScene *compiled, uint32_t hull)
 {
