@@ -13,12 +13,16 @@
  * RTC_LONE_COSINE or more, and than what is looked at about a start (rtc_look_closer). */
 #define MARGIN (2 / RTC_LONE_COSINE)
 
+/* What has more primitives near it is taken not to be lone: it would take longer to know than it gains. */
+enum { MOST_ASKED = 256 };
+
 typedef struct Asked {
     const RtcScene *scene;
     uint32_t object;
     RtcConvex *convex; /* NULL: a ball */
     RtcBall ball;      /* it, or around it, with the margin */
     double margin;
+    uint32_t n; /* primitives asked about so far */
     bool lone;
 } Asked;
 
@@ -120,7 +124,7 @@ static bool ask(struct RTCPointQueryFunctionArguments *arguments)
     uint32_t object = arguments->context->instStackSize ? arguments->context->instID[0] : arguments->geomID;
     bool away = object < asked->scene->n_objects ? is_away_from_quad(asked, object, arguments->primID)
                                                  : is_away_from_piece(asked, arguments->primID);
-    if (away || !asked->lone) return false;
+    if ((away && ++asked->n <= MOST_ASKED) || !asked->lone) return false;
     asked->lone = false;
     arguments->query->radius = 0; /* nothing more need be asked */
     return true;
@@ -140,7 +144,7 @@ static bool find_lone(const RtcScene *scene, uint32_t object, RtcConvex *convex,
 {
     double scale = double_max(scene->reach, vec3_max_abs(ball.centre) + ball.radius),
            margin = MARGIN * TRUSTED_ULPS * UNIT_ROUNDING * scale;
-    Asked asked = {scene, object, convex, {ball.centre, ball.radius + margin}, margin, true};
+    Asked asked = {scene, object, convex, {ball.centre, ball.radius + margin}, margin, 0, true};
     ask_others(&asked);
     if (!asked.lone) return false;
     struct RTCPointQuery about = {.x = (float)ball.centre.x,
