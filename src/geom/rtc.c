@@ -41,10 +41,33 @@ ATTR_COLD static bool hit_list_grow(HitList *list)
     return true;
 }
 
-/* What rounding makes of distances about t along a ray, at a usual cosine. */
-static inline double doubt_at(const Query *query, double t)
+/* The largest number that Embree may round of what it finds at t. near: of triangles there, as Hit has it. */
+static inline double scale_near(const Query *query, double t, float near)
 {
-    return (4 * TRUSTED_ULPS * UNIT_ROUNDING + EMBREE_NOISE) / USUAL_COSINE * (query->scale + t);
+    return (near > 0 ? double_max(query->start_scale, (double)near) : query->coarse_scale) + t;
+}
+
+/* The same, and *near by the grid, where that could say much less. */
+static inline double scale_at(const Query *query, double t, float *near)
+{
+    *near = 0;
+    if (!(t < query->fine_within)) return query->coarse_scale + t;
+    Vec3 place = vec3_along(query->origin, t, query->direction);
+    *near = rtc_grain_at(&query->scene->grain, lanes((float)place.x, (float)place.y, (float)place.z, 0));
+    return double_max(query->start_scale, (double)*near) + t;
+}
+
+/* What that makes of distances, at a usual cosine. */
+static inline double doubt_of(double scale)
+{
+    return (4 * TRUSTED_ULPS * UNIT_ROUNDING + EMBREE_NOISE) / USUAL_COSINE * scale;
+}
+
+static inline void reach_no_farther(Query *query, double reach, double doubt)
+{
+    if (!(reach < query->reach)) return;
+    query->reach = reach;
+    query->doubt = doubt;
 }
 
 /* How far behind a surface at distance t and cosine c another one can be and still be proposed by
@@ -52,14 +75,16 @@ static inline double doubt_at(const Query *query, double t)
 static double window_behind(const Query *query, const Hit *hit)
 {
     double cosine = double_max(fabs(hit->cos_normal), RTC_LEAST_COSINE);
-    return double_max(query->least_window, (4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t)) / cosine);
+    double noise = EMBREE_NOISE * scale_near(query, hit->t, hit->near);
+    return double_max(query->least_window, (4 * hit->rounding + noise) / cosine);
 }
 
 /* Whether the search went that far. */
 static inline bool reaches_behind(const Query *query, const Hit *hit)
 {
     double cosine = double_max(fabs(hit->cos_normal), RTC_LEAST_COSINE);
-    return 4 * hit->rounding + EMBREE_NOISE * (query->scale + hit->t) <= (query->reach - hit->t) * cosine;
+    double noise = EMBREE_NOISE * scale_near(query, hit->t, hit->near);
+    return 4 * hit->rounding + noise <= (query->reach - hit->t) * cosine;
 }
 
 /* The upper end of Embree's search, for what the true ray calls t. */
@@ -86,6 +111,7 @@ Hit *rtc_hit_place(HitList *list)
 static inline void set_hit(Hit *hit, double t, uint32_t object, uint32_t primitive)
 {
     hit->t = t;
+    hit->near = 0;
     hit->object = object;
     hit->primitive = primitive;
     hit->cos_normal = 0;
@@ -126,8 +152,8 @@ static bool take_any(Query *query, Hit *hit)
 /* However steeply the ray meets this surface, it may graze one in front of it, which Embree then believes to be behind it. */
 void rtc_shorten(Query *query, const Hit *hit)
 {
-    double window = double_max(window_behind(query, hit), doubt_at(query, hit->t));
-    query->reach = double_min(query->reach, hit->t + window);
+    double doubt = doubt_of(scale_near(query, hit->t, hit->near));
+    reach_no_farther(query, hit->t + double_max(window_behind(query, hit), doubt), doubt);
 }
 
 /* Whether a candidate is there that is computed exactly at once. In an exact search, where the exact ray misses it, its
@@ -155,10 +181,11 @@ static bool take_exactly(Query *query, Hit *hit)
 }
 
 /* A candidate of rtc_nearest that is in front of the start for certain: it is put off. */
-static inline bool put_off(Query *query, const Hit *hit)
+static inline bool put_off(Query *query, Hit *hit)
 {
+    double doubt = doubt_of(scale_at(query, hit->t, &hit->near));
     query->hits->n++;
-    query->reach = double_min(query->reach, hit->t + doubt_at(query, hit->t));
+    reach_no_farther(query, hit->t + doubt, doubt);
     return true;
 }
 
@@ -345,7 +372,9 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
         arguments->valid[0] = 0;
         return;
     }
-    double t = (double)embree->tfar - query->back, doubt = doubt_at(query, t);
+    double t = (double)embree->tfar - query->back;
+    float near;
+    double doubt = doubt_of(scale_at(query, t, &near));
     if (UNLIKELY(left || query->exact || found.on_diagonal || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
         consider_at_once(arguments, t);
         return;
@@ -356,12 +385,14 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
         return;
     }
     PREFETCH(&query->scene->objects[found.object].mesh->quads[found.primitive / 2]); /* for when the search is over */
-    set_triangle(&list->items[list->n++], t, &found);
+    Hit *hit = &list->items[list->n++];
+    set_triangle(hit, t, &found);
+    hit->near = near;
     if (list != query->hits) {
         arguments->valid[0] = 0;
         return;
     }
-    query->reach = double_min(query->reach, t + doubt);
+    reach_no_farther(query, t + doubt, doubt);
     embree->tfar = embree_t(query, query->reach); /* accepted: the search goes on up to there */
 }
 
@@ -447,7 +478,8 @@ static bool embree_ray(const Query *query, struct RTCRay *ray)
 {
     Vec3 origin = vec3_add(query->origin, query->ray->nudge);
     Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction)), direction = query->ray->direction;
-    double near = query->t_min > 0 ? query->t_min * (1 - 16 * EMBREE_NOISE) - 16 * EMBREE_NOISE * query->scale : 0;
+    double near = query->t_min;
+    if (near > 0) near -= 16 * EMBREE_NOISE * scale_near(query, near, 0);
     near += double_min(query->back, 0); /* from far away */
     FloatRay parts = {lanes(start.x, start.y, start.z, near > 0 ? (float)near : 0),
                       lanes(direction.x, direction.y, direction.z, (float)query->ray->time)};
@@ -566,6 +598,22 @@ ATTR_COLD static double back_from_afar(const Query *query)
     return 2 * query->scene->reach - vec3_length(query->origin);
 }
 
+/* What float rounds about the ray's start, and so how far before it Embree's begins. */
+static inline void find_scales(Query *query)
+{
+    const RtcGrain *grain = &query->scene->grain;
+    const Ray *ray = query->ray;
+    double far = vec3_max_abs(ray->origin);
+    float near = ray->near;
+    query->scale = double_max(far, query->scene->reach);
+    query->coarse_scale = double_max(far, (double)grain->most);
+    if (!(near > 0) && far < (double)grain->matters)
+        near = rtc_grain_at(grain, lanes((float)ray->origin.x, (float)ray->origin.y, (float)ray->origin.z, 0));
+    query->start_scale = near > 0 ? double_max(far, (double)near) : query->coarse_scale;
+    query->fine_within = (double)grain->matters - query->start_scale;
+    query->back = UNLIKELY(far > 2 * query->scene->reach) ? back_from_afar(query) : START_BACK * query->start_scale;
+}
+
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
 {
     embree_init_context(&query->context);
@@ -573,9 +621,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->ray = ray;
     query->origin = ray->origin;
     query->direction = vec3_from_f(ray->direction);
-    query->scale = double_max(vec3_max_abs(query->origin), scene->reach);
-    query->back = START_BACK * query->scale;
-    if (UNLIKELY(query->scale > 2 * scene->reach)) query->back = back_from_afar(query);
+    find_scales(query);
     query->t_min = ray->t_min;
     query->reach = HUGE_VAL;
     query->least_window = 0;
@@ -676,6 +722,7 @@ static double chain_end(const Hit *last)
 static bool search_nearest(Query *query)
 {
     query->reach = HUGE_VAL;
+    query->doubt = 0;
     query->hits->n = 0;
     if (query->passes) query->passed->n = 0;
     forget_eighths(query);
@@ -713,7 +760,7 @@ bool rtc_complete_hits(Query *query, HitList *hits, double end)
 static bool complete_nearest(Query *query)
 {
     HitList *hits = query->hits;
-    double end = query->reach + doubt_at(query, query->reach);
+    double end = query->reach + query->doubt;
     if (!rtc_complete_hits(query, hits, end)) return false;
     if (query->passes && query->passed->n) rtc_complete_hits(query, query->passed, end);
     return hits->n == 0 || reaches_behind(query, &hits->items[0]);

@@ -555,6 +555,54 @@ static double find_reach(const RtcScene *scene)
     return reach;
 }
 
+/* The box of a mesh wherever it moves. */
+static Box3 box_of_placed_mesh(const RtcScene *scene, const RtcPlaced *object, MeshBox *known)
+{
+    Box3 local = box_of_mesh(known, object->mesh->source, object->mesh->end);
+    Affine to_world = rtc_first_to_world(object);
+    Box3 box = affine_box(&to_world, local);
+    for (uint32_t k = 1; object->keys && k < scene->n_keys; k++)
+        box = box3_union(box, affine_box(&object->keys[k], local));
+    return box;
+}
+
+/* Boxes about so many runs of the triangles of a mesh in the world's frame say well enough where it is. */
+enum { GRAIN_RUNS = 1 << 14 };
+
+static void add_grain_of_runs(RtcGrain *grain, const RtcMesh *mesh)
+{
+    const Vec3f *positions = mesh->moved ? mesh->moved : mesh->source->positions;
+    uint32_t n = mesh->source->n_triangles, run = n / GRAIN_RUNS + 1;
+    for (uint32_t first = 0; first < n; first += run) {
+        Box3 box = box3_empty();
+        for (uint32_t i = first; i < n && i < first + run; i++)
+            for (int k = 0; k < 3; k++)
+                box = box3_add_point(box, vec3_from_f(positions[mesh->source->triangles[i][k]]));
+        rtc_grain_add(grain, box);
+    }
+}
+
+/* How large the coordinates of meshes are, of each, and near each place. */
+static void find_grain(RtcScene *scene)
+{
+    MeshBox known = {0};
+    float most = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const RtcPlaced *object = &scene->objects[i];
+        if (!object->mesh || !object->mesh->source->n_vertices) continue;
+        most = float_max(most, nextafterf((float)reach_of_box(box_of_placed_mesh(scene, object, &known)), INFINITY));
+    }
+    rtc_grain_begin(&scene->grain, most);
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const RtcPlaced *object = &scene->objects[i];
+        if (!object->mesh || !object->mesh->source->n_vertices) continue;
+        if (object->mesh->baked && !object->mesh->end)
+            add_grain_of_runs(&scene->grain, object->mesh);
+        else
+            rtc_grain_add(&scene->grain, box_of_placed_mesh(scene, object, &known));
+    }
+}
+
 static Box3 box_of(struct RTCBounds b)
 {
     if (!(b.lower_x <= b.upper_x)) return box3_empty();
@@ -577,6 +625,7 @@ static Status build_world(RtcScene *scene, const MeshUse *uses, uint32_t n_uses,
     TRY(add_meshes(scene, uses, n_uses, error));
     TRY(note_convex(scene, uses, n_uses, error));
     scene->reach = find_reach(scene);
+    find_grain(scene);
     TRY(add_pieces(scene, error));
     rtcCommitScene(scene->world);
     if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);

@@ -83,6 +83,7 @@ static void take_triangle(Query *query, uint32_t object, uint32_t primitive)
     double sum = weight[0] + weight[1] + weight[2];
     hit->object = object;
     hit->primitive = primitive;
+    hit->near = 0;
     hit->u = sum != 0 ? (float)(weight[turned ? 2 : 1] / sum) : 0;
     hit->v = sum != 0 ? (float)(weight[turned ? 1 : 2] / sum) : 0;
     if (!rtc_complete_hit(query, hit)) return;
@@ -157,6 +158,8 @@ void rtc_look_at(Query *query, const Hit *at)
     Vec3 corner[3], inside = {0, 0, 0}, place = ray_point(query->ray, hit.t);
     double weight[3], sum = 0, far = 0;
     rtc_triangle(query->scene, hit.object, hit.primitive, query->ray->time, corner);
+    double largest = double_max(vec3_max_abs(corner[0]), double_max(vec3_max_abs(corner[1]), vec3_max_abs(corner[2])));
+    double scale = rtc_rounded_scale(query, &query->scene->objects[hit.object], largest, hit.t);
     rtc_line_meets(query, corner, weight);
     double sign = weight[0] + weight[1] + weight[2] < 0 ? -1 : 1;
     for (int k = 0; k < 3; k++) weight[k] = double_max(sign * weight[k], 0), sum += weight[k];
@@ -164,7 +167,7 @@ void rtc_look_at(Query *query, const Hit *at)
     for (int k = 0; k < 3; k++) {
         Vec3 a = corner[(k + 1) % 3], edge = vec3_sub(corner[(k + 2) % 3], a);
         double across = vec3_length(vec3_cross(query->direction, edge));
-        if (weight[k] > LINE_NOISE * (query->scale + hit.t) * across) continue;
+        if (weight[k] > LINE_NOISE * scale * across) continue;
         far = double_max(far, vec3_length(vec3_cross(vec3_sub(inside, a), edge)) / vec3_length(edge));
     }
     look_around(query, inside, far + 2 * vec3_length(vec3_sub(place, inside)) + 8 * hit.rounding);

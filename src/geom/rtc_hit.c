@@ -86,15 +86,6 @@ static bool is_parallel(const Ray *ray, Vec3 normal, double length)
     return false;
 }
 
-/* The coordinates that Embree rounds where a triangle is met at t. */
-static inline double rounded_scale(const Query *query, const RtcPlaced *object, double t)
-{
-    double scale = query->scale + fabs(t);
-    if (LIKELY(object->mesh->baked)) return scale;
-    /* an instance is traced in its own frame: what goes into it and back is rounded, too */
-    return 4 * (scale + vec3_max_abs(object->maps ? object->maps->to_world.t : object->place));
-}
-
 /* Whether a hit is so far from the triangle's edges that no rounding of float takes it to another one. Embree's own weights
  * tell it of nearly all. */
 static inline bool is_clear(const Query *query, const Hit *hit, Vec3 edge1, Vec3 edge2, double slope, double scale)
@@ -116,16 +107,17 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     double length = vec3_length(normal), slope = vec3_dot(normal, query->direction);
     if (!(length > 0) || slope == 0) return false; /* no area, or exactly in the ray's plane: not crossed */
     double t = vec3_dot(normal, vec3_sub(corner.a, query->origin)) / slope, cosine = slope / length;
+    double largest = double_max(vec3_max_abs(corner.a), double_max(vec3_max_abs(corner.b), vec3_max_abs(corner.c)));
+    double scale = rtc_rounded_scale(query, object, largest, t);
     if (UNLIKELY(!(t > query->t_min && t <= ray->t_max))) {
         if (fabs((t - query->t_min) * cosine) <= 2 * rtc_rounding(corner.a) &&
-            !is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t))) {
+            !is_clear(query, hit, edge1, edge2, slope, scale)) {
             query->unsure = true;
             if (query->t_min == 0 && ray->n_left && !rtc_starts_on(ray, hit->object)) query->hits->beside = true;
         }
         return false;
     }
-    double rounding = TRUSTED_ULPS * UNIT_ROUNDING *
-                      double_max(vec3_max_abs(corner.a), double_max(vec3_max_abs(corner.b), vec3_max_abs(corner.c)));
+    double rounding = TRUSTED_ULPS * UNIT_ROUNDING * largest;
     if (ray->n_left) {
         if (is_left(query, hit->object, hit->primitive, t, cosine)) return false;
         if (UNLIKELY(t * fabs(cosine) <= 2 * rounding) && is_parallel(ray, normal, length) && !rtc_meets(query, hit))
@@ -138,7 +130,7 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     hit->rounding = rounding;
     hit->inside = false;
     hit->smooth = object->mesh->source->normals != NULL;
-    hit->clear = is_clear(query, hit, edge1, edge2, slope, rounded_scale(query, object, t));
+    hit->clear = is_clear(query, hit, edge1, edge2, slope, scale);
     if (UNLIKELY(!hit->clear)) query->unsure = true;
     return true;
 }
@@ -365,6 +357,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     next->n_left = n;
     next->start_scale = start_scale;
     next->nudge = vec3_scale(normal, 0.5 * outward * hit->rounding);
+    next->near = hit->near;
     next->at_edge = !clear;
     next->least_slope = (float)least_slope;
 }

@@ -37,9 +37,13 @@ typedef struct Query {
     const Ray *ray;
     Vec3 origin, direction;
     double back;         /* how far Embree's ray starts behind the true one; from far away < 0: in front of it */
-    double scale;        /* coordinates of start and scene, for noise */
+    double scale;        /* coordinates of start and scene, for what double rounds */
+    double start_scale;  /* and of start and triangles near it, for what float does, */
+    double coarse_scale; /* of start and all triangles; */
+    double fine_within;  /* so far along the ray it is worth while to ask which triangles are near */
     double t_min;        /* the ray's, or what has been found to be no more than repetitions of the start */
-    double reach;        /* nearest query: candidates beyond do not matter any more */
+    double reach;        /* nearest query: candidates beyond do not matter any more, */
+    double doubt;        /* and how far what is found there may be off */
     double least_window; /* nearest query, exact: chains are followed at least that far */
     bool all, stop_at_opaque, blocked;
     bool exact; /* nearest query: every candidate is computed exactly as soon as it is found */
@@ -87,6 +91,14 @@ void rtc_enter_frame(Query *query, const RtcPlaced *object);
 static inline void rtc_need_frame(Query *query, const RtcPlaced *object)
 {
     if (query->local.frame != object->frame) rtc_enter_frame(query, object);
+}
+/* The coordinates that Embree rounds where a triangle of an object is met at t; largest: its own. */
+static inline double rtc_rounded_scale(const Query *query, const RtcPlaced *object, double largest, double t)
+{
+    double scale = double_max(query->start_scale, largest) + fabs(t);
+    if (LIKELY(object->mesh->baked)) return scale;
+    /* an instance is traced in its own frame: what goes into it and back is rounded, too */
+    return 4 * (scale + vec3_max_abs(object->maps ? object->maps->to_world.t : object->place));
 }
 /* Whether the ray starts on that primitive: NULL, or where it was hit. */
 static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t primitive)

@@ -8,6 +8,7 @@
 #include "base/lanes.h"
 #include "geom/embree.h"
 #include "geom/rtc.h"
+#include "geom/rtc_grain.h"
 #include "mesh/quads.h"
 
 /* Two triangles, and all that is read of them when one is met: a line of memory. */
@@ -146,7 +147,8 @@ struct RtcScene {
     RtcPlane *planes;          /* tested by themselves */
     uint32_t n_planes;
     Box3 bounds;
-    double reach; /* the largest coordinate of the bounds: the scale of Embree's rounding */
+    double reach; /* the largest coordinate of the bounds */
+    RtcGrain grain;
     atomic_llong bytes;
     Error error; /* the first that Embree reported */
 };

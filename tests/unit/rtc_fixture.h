@@ -83,6 +83,7 @@ typedef struct TestScene {
     uint32_t n_solids;
     RtcScene *rtc;
     bool at_edges; /* the rays are aimed at the edges of triangles */
+    Vec3 up;       /* not zero: walks start on that side of the origin */
     uint32_t n_keys;
     double time; /* of the rays */
 } TestScene;

@@ -74,6 +74,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         nest_list_empty(&list);
         Vec3 aim = vec3_scale(vec3(unit(&random) - 0.5, unit(&random) - 0.5, unit(&random) - 0.5), size);
         Vec3 from = vec3_scale(random_direction(&random), 4 * size);
+        if (vec3_dot(from, s->up) < 0) from = vec3_scale(from, -1);
         if (s->at_edges) aim = place_at_edge(s, &random);
         Ray ray = ray_through(from, aim, s->time);
         for (int bounce = 0; bounce < 40; bounce++) {
@@ -173,6 +174,35 @@ static void test_coincident_boxes(void **state)
     t.t = vec3(0, 0, 0);
     for (uint32_t i = 0; i < s.n; i++) s.objects[i].to_world = t;
     expect_no_faults(&s, "touching boxes with shared faces", 40);
+}
+
+/* Small things on a slab of a thousand times their size, before others of that size far away: coordinates that float rounds
+ * far more coarsely than theirs, in the same scene and on the same faces. */
+static void add_small_on_large(TestScene *s)
+{
+    Affine t = turned(23, vec3(1, 2, 3), vec3(0, 0, 0));
+    s->up = affine_vector(&t, vec3(0, 1, 0));
+    add(s, keep_mesh(s, box_mesh(vec3(-9000, -50, -12000), vec3(15000, 0, 8000))), NULL, t);
+    add(s, keep_mesh(s, box_mesh(vec3(-4, 0, -4), vec3(4, 9, 4))), NULL, t); /* stands on it */
+    add(s, keep_mesh(s, box_mesh(vec3(-3, 1, -3), vec3(3, 6, 3))), NULL, t);
+    add(s, keep_mesh(s, box_mesh(vec3(4, -0.5, -2), vec3(9, 7, 3))), NULL, t); /* in it, and touching the first */
+    add(s, keep_mesh(s, box_mesh(vec3(-9, 0.001, -5), vec3(-4.001, 8, 5))), NULL, t); /* just above it */
+    add(s, keep_mesh(s, box_mesh(vec3(-10000, -50, 5000), vec3(20000, 6000, 9000))), NULL, t);
+    add(s, keep_mesh(s, box_mesh(vec3(-5, 9, -5), vec3(5, 9.01, 5))), NULL, t); /* a lid */
+    for (int i = 0; i < 3; i++)
+        add(s, keep_mesh(s, box_mesh(vec3(-1, -1, -1), vec3(1, 1, 1))), NULL,
+            turned(40 * i, vec3(1, i, 1), vec3(3 * i - 3, 3, 2 * i - 2)));
+}
+
+static void test_small_on_large(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add_small_on_large(&s);
+    expect_no_faults(&s, "small boxes on a large one", 24);
+    TestScene edges = {.at_edges = true};
+    add_small_on_large(&edges);
+    expect_no_faults(&edges, "edges of small boxes on a large one", 24);
 }
 
 static void test_solids(void **state)
@@ -750,6 +780,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_coincident_boxes),
+        cmocka_unit_test(test_small_on_large),
         cmocka_unit_test(test_solids),
         cmocka_unit_test(test_turned_and_moving_balls),
         cmocka_unit_test(test_many_hollow_pieces),
