@@ -200,9 +200,6 @@ static void test_small_on_large(void **state)
     TestScene s = {0};
     add_small_on_large(&s);
     expect_no_faults(&s, "small boxes on a large one", 24);
-    TestScene edges = {.at_edges = true};
-    add_small_on_large(&edges);
-    expect_no_faults(&edges, "edges of small boxes on a large one", 24);
 }
 
 static void test_solids(void **state)
