@@ -19,7 +19,7 @@
 #include "trace/guide.h"
 #include "trace/path.h"
 
-enum { TILE = 16, LARGEST_PASS = 16 };
+enum { TILE = 8, LARGEST_PASS = 16 };
 /* Noise is not judged before this many samples per pixel: fewer say too little about themselves. */
 enum { NOISE_FLOOR = 16 };
 /* Shares of samples are first given out after this part of them, between these bounds; with fewer than the lower one each pixel gets as many. */
