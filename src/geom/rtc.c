@@ -47,13 +47,14 @@ static inline double scale_near(const Query *query, double t, float near)
     return (near > 0 ? double_max(query->start_scale, (double)near) : query->coarse_scale) + t;
 }
 
-/* The same, and *near by the grid, where that could say much less. */
-static inline double scale_at(const Query *query, double t, float *near)
+/* The same, and *near by the grid, where that could say much less. own: the largest coordinate of what is found itself. */
+static inline double scale_at(const Query *query, double t, float own, float *near)
 {
     *near = 0;
     if (!(t < query->fine_within)) return query->coarse_scale + t;
     Vec3 place = vec3_along(query->origin, t, query->direction);
-    *near = rtc_grain_at(&query->scene->grain, lanes((float)place.x, (float)place.y, (float)place.z, 0));
+    *near =
+        float_max(own, rtc_grain_at(&query->scene->grain, lanes((float)place.x, (float)place.y, (float)place.z, 0)));
     return double_max(query->start_scale, (double)*near) + t;
 }
 
@@ -183,7 +184,7 @@ static bool take_exactly(Query *query, Hit *hit)
 /* A candidate of rtc_nearest that is in front of the start for certain: it is put off. */
 static inline bool put_off(Query *query, Hit *hit)
 {
-    double doubt = doubt_of(scale_at(query, hit->t, &hit->near));
+    double doubt = doubt_of(scale_at(query, hit->t, 0, &hit->near));
     query->hits->n++;
     reach_no_farther(query, hit->t + doubt, doubt);
     return true;
@@ -374,7 +375,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
     }
     double t = (double)embree->tfar - query->back;
     float near;
-    double doubt = doubt_of(scale_at(query, t, &near));
+    double doubt = doubt_of(scale_at(query, t, query->scene->objects[found.object].reach, &near));
     if (UNLIKELY(left || query->exact || found.on_diagonal || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
         consider_at_once(arguments, t);
         return;

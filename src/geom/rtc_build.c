@@ -588,9 +588,10 @@ static void find_grain(RtcScene *scene)
     MeshBox known = {0};
     float most = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const RtcPlaced *object = &scene->objects[i];
+        RtcPlaced *object = &scene->objects[i];
         if (!object->mesh || !object->mesh->source->n_vertices) continue;
-        most = float_max(most, nextafterf((float)reach_of_box(box_of_placed_mesh(scene, object, &known)), INFINITY));
+        object->reach = nextafterf((float)reach_of_box(box_of_placed_mesh(scene, object, &known)), INFINITY);
+        most = float_max(most, object->reach);
     }
     rtc_grain_begin(&scene->grain, most);
     for (uint32_t i = 0; i < scene->n_objects; i++) {

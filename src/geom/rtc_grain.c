@@ -6,9 +6,10 @@
 
 #include "base/attr.h"
 
-/* How far from its true place a triangle may be found at a usual cosine, and some more, of its coordinates: see doubt_of
- * (rtc.c). Rays with larger ones have larger doubts of their own. */
-#define BESIDE 0x1p-10
+/* How near such a triangle may be to what is found, of its coordinates. They are at one place within 2^-21; and where something
+ * else is found by a ray, that may be off by the usual doubt (rtc.c) of the ray's own coordinates. Of these it need be no more
+ * than that of a thirtieth of the triangle's, for what float makes of the triangle is a thirtieth of the usual doubt. */
+#define BESIDE 0x1p-17
 /* A ray asks where the meshes' largest coordinate is so many times its own. */
 #define MATTERS 6
 

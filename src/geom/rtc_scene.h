@@ -45,6 +45,7 @@ typedef struct RtcPlaced {
     atomic_uchar lone;   /* RTC_NOT_LONE and others */
     uint32_t stops;      /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
+    float reach;         /* not less than the largest coordinate of its mesh, wherever it moves; 0: it has none */
     uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them; of a mesh that may
                           * be lone its place in RtcScene.convex */
     const RtcMesh *mesh;

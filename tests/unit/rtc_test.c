@@ -178,9 +178,9 @@ static void test_coincident_boxes(void **state)
 
 /* Small things on a slab of a thousand times their size, before others of that size far away: coordinates that float rounds
  * far more coarsely than theirs, in the same scene and on the same faces. */
-static void add_small_on_large(TestScene *s)
+static void add_small_on_large(TestScene *s, double degrees)
 {
-    Affine t = turned(23, vec3(1, 2, 3), vec3(0, 0, 0));
+    Affine t = turned(degrees, vec3(1, 2, 3), vec3(0, 0, 0));
     s->up = affine_vector(&t, vec3(0, 1, 0));
     add(s, keep_mesh(s, box_mesh(vec3(-9000, -50, -12000), vec3(15000, 0, 8000))), NULL, t);
     add(s, keep_mesh(s, box_mesh(vec3(-4, 0, -4), vec3(4, 9, 4))), NULL, t); /* stands on it */
@@ -198,8 +198,11 @@ static void test_small_on_large(void **state)
 {
     (void)state;
     TestScene s = {0};
-    add_small_on_large(&s);
+    add_small_on_large(&s, 23);
     expect_no_faults(&s, "small boxes on a large one", 24);
+    TestScene level = {0};
+    add_small_on_large(&level, 0);
+    expect_no_faults(&level, "small boxes on a large one that is level", 24);
 }
 
 static void test_solids(void **state)
