@@ -80,7 +80,7 @@ typedef struct Ray {
     const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
     double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
-    Vec3 nudge;              /* a step of rounding's size from the origin to the side that the ray is on */
+    Vec3 nudge;              /* a step of the origin's rounding from there to the side that the ray is on */
     float near;              /* the largest coordinate of the triangles near the origin; 0: not known */
     float least_slope;       /* the least cosine to a surface that it starts on; INFINITY: to none */
     bool at_edge;            /* the place at t_min, or an earlier one of its line, is within rounding of a triangle's edge, or

@@ -356,7 +356,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     next->left = hits;
     next->n_left = n;
     next->start_scale = start_scale;
-    next->nudge = vec3_scale(normal, 0.5 * outward * hit->rounding);
+    next->nudge = vec3_scale(normal, 0.5 * outward * double_min(hit->rounding, rtc_rounding(origin)));
     next->near = hit->near;
     next->at_edge = !clear;
     next->least_slope = (float)least_slope;
