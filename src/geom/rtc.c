@@ -53,8 +53,7 @@ static inline double scale_at(const Query *query, double t, float own, float *ne
     *near = 0;
     if (!(t < query->fine_within)) return query->coarse_scale + t;
     Vec3 place = vec3_along(query->origin, t, query->direction);
-    *near =
-        float_max(own, rtc_grain_at(&query->scene->grain, lanes((float)place.x, (float)place.y, (float)place.z, 0)));
+    *near = float_max(own, rtc_grain_at(&query->scene->grain, place));
     return double_max(query->start_scale, (double)*near) + t;
 }
 
@@ -609,7 +608,7 @@ static inline void find_scales(Query *query)
     query->scale = double_max(far, query->scene->reach);
     query->coarse_scale = double_max(far, (double)grain->most);
     if (!(near > 0) && far < (double)grain->matters)
-        near = rtc_grain_at(grain, lanes((float)ray->origin.x, (float)ray->origin.y, (float)ray->origin.z, 0));
+        near = rtc_grain_at(grain, ray->origin);
     query->start_scale = near > 0 ? double_max(far, (double)near) : query->coarse_scale;
     query->fine_within = (double)grain->matters - query->start_scale;
     query->back = UNLIKELY(far > 2 * query->scene->reach) ? back_from_afar(query) : START_BACK * query->start_scale;

@@ -25,11 +25,12 @@ typedef struct RtcGrain {
                 RTC_GRAIN_SLOTS]; /* > 0: as `most`, of triangles near each; x first */
 } RtcGrain;
 
-/* The largest coordinate of the triangles near a place, the fourth lane of which does not matter. */
-static inline float rtc_grain_at(const RtcGrain *grain, Lanes place)
+/* The largest coordinate of the triangles near a place. */
+static inline float rtc_grain_at(const RtcGrain *grain, Vec3 place)
 {
+    Lanes rounded = lanes((float)place.x, (float)place.y, (float)place.z, 0);
     uint32_t bits[LANES];
-    memcpy(bits, &place, sizeof bits);
+    memcpy(bits, &rounded, sizeof bits);
     uint32_t x = grain->slot[bits[0] >> 24], y = grain->slot[bits[1] >> 24], z = grain->slot[bits[2] >> 24];
     return grain->cells[x + RTC_GRAIN_SLOTS * (y + RTC_GRAIN_SLOTS * z)];
 }
