@@ -1,8 +1,8 @@
 /* bsdf_kept.h - what is the same at all hits of a surface between two media, made once: its balance, and clear layers.
  *
  * A layer whose index is the same at all wavelengths reflects as a function of one cosine. It is made once, and what it
- * reflects is read from a table: at each hit three directions are asked for, and Fresnel's equations with what facets add to them are
- * long.
+ * reflects is read from a table: at each hit three directions are asked for, and Fresnel's equations with what facets add
+ * to them are long.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BSDF_KEPT_H
 #define MEN_BSDF_KEPT_H

@@ -21,9 +21,9 @@ typedef struct BalanceCase {
     bool bare; /* only the boundary between the media is there */
 } BalanceCase;
 
-/* NULL: the surface does without, or memory is short. Numbers that textures say are taken in steps: of 1/32 where it is one
- * of them, 1/8 of two, 1/4 of three; where there are more, there is no balance; and no layers where there is any. By any thread; may take some hundredths
- * of a second, the first time. */
+/* NULL: the surface does without, or memory is short. Numbers that textures say are taken in steps: of 1/32 where it
+ * is one of them, 1/8 of two, 1/4 of three; where there are more, there is no balance; and no layers where there is
+ * any. By any thread; may take some hundredths of a second, the first time. */
 const BsdfKept *balances_find(Balances *balances, const BalanceCase *at);
 
 #endif
