@@ -251,7 +251,7 @@ bench-objects: $(BUILD)/bench $(BUILD)/meniscus ## very many objects, and how fa
 	$(BUILD)/bench objects
 	$(PYTHON) tests/bench/language.py $(BUILD)/meniscus
 
-bench-instructions: assets ## which part of all instructions the interior list takes; needs valgrind, minutes
+bench-instructions: assets ## what the interior list costs, in instructions; needs valgrind, minutes
 	$(MAKE) VARIANT=profile build/profile/meniscus build/profile/peers/glass.mns
 	sh tests/bench/instructions.sh build/profile/meniscus build/profile/peers/glass.mns examples/whisky.mns
 .PHONY: bench-objects bench-fireflies bench-noise bench-instructions

@@ -62,13 +62,15 @@ static void check_made(Made *made, const char *path, Status status, const Error 
     bench_fail(path, error);
 }
 
-static Status build(Made *made, const char *path, const char *text, Pool *pool, Error *error)
+/* text: NULL for what is in the file. eval: NULL for a scene as it is. */
+static Status build(Made *made, const char *path, const char *text, const EvalOptions *eval, Pool *pool, Error *error)
 {
     *made = (Made){0};
     arena_init(&made->arena);
     made->sources.arena = &made->arena;
     diag_init(&made->diag, &made->arena, &made->sources);
     SceneOptions options = {.load_image = load_image, .pool = pool};
+    if (eval) options.eval = *eval;
     double start = clock_cpu_s();
     Status status = text ? scene_build_text(path, text, &options, &made->diag, &made->scene, NULL, error)
                          : scene_build(path, &options, &made->diag, &made->scene, NULL, error);
@@ -79,7 +81,7 @@ static Status build(Made *made, const char *path, const char *text, Pool *pool, 
 void made_begin(Made *made, const char *path, const char *text, Pool *pool)
 {
     Error error = {0};
-    check_made(made, path, build(made, path, text, pool, &error), &error);
+    check_made(made, path, build(made, path, text, NULL, pool, &error), &error);
 }
 
 void made_compile(Made *made, const char *path, Pool *pool)
@@ -110,6 +112,13 @@ void made_from_file(Made *made, const char *path)
 {
     make(made, path, NULL, NULL);
 }
+void made_with_params(Made *made, const char *path, const char *const *defines, size_t n)
+{
+    Error error = {0};
+    EvalOptions eval = {.defines = defines, .n_defines = n};
+    check_made(made, path, build(made, path, NULL, &eval, NULL, &error), &error);
+    made_compile(made, path, NULL);
+}
 
 /* Whether all that is wrong with what was built is that it places nothing, or nothing that looks at it. */
 static bool is_only_part(const Made *made)
@@ -123,7 +132,7 @@ static bool is_only_part(const Made *made)
 bool made_from_whole_file(Made *made, const char *path)
 {
     Error error = {0};
-    Status status = build(made, path, NULL, NULL, &error);
+    Status status = build(made, path, NULL, NULL, NULL, &error);
     if (status == STATUS_SCENE && is_only_part(made)) {
         arena_clear(&made->arena);
         return false;

@@ -31,6 +31,7 @@ typedef struct Made {
 void made_from_text(Made *made, const char *text);
 void made_with_pool(Made *made, const char *text, Pool *pool); /* compiled by several threads */
 void made_from_file(Made *made, const char *path);
+void made_with_params(Made *made, const char *path, const char *const *defines, size_t n); /* as with -D, n times */
 /* The same, but false for a file of parts for other scenes, without a camera: then nothing is made. */
 bool made_from_whole_file(Made *made, const char *path);
 /* The two halves of these: the scene's description, from text or, where that is NULL, from the file; and the rest. */

@@ -4,17 +4,6 @@
 
 #include "measure.h"
 
-/* Nothing but opaque things in a closed room, and `n` boxes around all of it, which no ray ever crosses: hulls of air,
- * or opaque, so that the geometry is the same. */
-#define ROOM                                                                                                           \
-    "meniscus 1.0 unit m medium gas { ior = 1 state = gas } "                                                          \
-    "for (i in 1..<%d + 1) { box { %s size = vec3(10 + i) } } "                                                        \
-    "box { size = <8, 6, 8> surface = surface { albedo = .6 } } "                                                      \
-    "for (i in 1..300) { sphere { center = <6 * rnd(1, i) - 3, 4 * rnd(2, i) - 2.5, 6 * rnd(3, i) - 3> radius = .1 "   \
-    "surface = surface { albedo = .7 } } } "                                                                           \
-    "light { from = <0, 2.9, 0> to = <0, 0, 0> size = <2, 2> radiance = 5 } "                                          \
-    "camera { from = <0, 0, 3.8> to = <0, 0, 0> fov = 70 } render { bounces = 8 }"
-
 /* A line of sight through 24 thin sheets: of the block's own medium (silent), or of one that is a little denser; so little
  * that nothing is reflected. */
 #define SHEETS                                                                                                         \
@@ -40,15 +29,15 @@ static void compare_paths(const Made *a, const Made *b, uint32_t samples, double
 
 static void bench_opaque(void)
 {
+    static const char scene[] = "tests/bench/room.mns";
     for (int n = 1; n <= 8; n *= 8) {
         Made with, without;
-        char text[2000], what[100];
+        char what[100], hulls[20];
         double ratio[RUNS];
-        snprintf(text, sizeof text, ROOM, n, "interior = gas");
-        made_from_text(&with, text);
-        snprintf(text, sizeof text, ROOM, n, "surface = surface { }");
-        made_from_text(&without, text);
-        compare_paths(&with, &without, 12, ratio);
+        snprintf(hulls, sizeof hulls, "hulls=%d", n);
+        made_with_params(&with, scene, (const char *[]){hulls, "opaque=false"}, 2);
+        made_with_params(&without, scene, (const char *[]){hulls, "opaque=true"}, 2);
+        compare_paths(&with, &without, 24, ratio);
         snprintf(what, sizeof what, "  opaque objects, a list of %d over an empty one", n);
         print_figure(what, ratio, RUNS, "x");
         made_clear(&with);
