@@ -50,6 +50,38 @@ static void bounds_of(const Photon *photons, uint32_t n, Vec3f *low, Vec3f *high
     }
 }
 
+/* Puts photons below a split first; returns how many they are. */
+static uint32_t put_below_first(Photon *photons, uint32_t n, float split, uint32_t axis)
+{
+    uint32_t below = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (!(guide_coordinate(photons[i].position, axis) < split)) continue;
+        Photon swap = photons[i];
+        photons[i] = photons[below];
+        photons[below++] = swap;
+    }
+    return below;
+}
+
+/* Splits photons near their middle along an axis; returns how many come first, 1 .. n - 1. All that have one coordinate, as those
+ * on a floor do, stay on one side: guide_leaf leads all of them there. */
+static uint32_t split_photons(Photon *photons, uint32_t n, uint32_t axis, float *split)
+{
+    uint32_t below = 0, level = 0;
+    select_middle(photons, n, n / 2, axis);
+    float middle = guide_coordinate(photons[n / 2].position, axis), above = INFINITY;
+    for (uint32_t i = 0; i < n; i++) {
+        float coordinate = guide_coordinate(photons[i].position, axis);
+        below += coordinate < middle;
+        level += coordinate == middle;
+        if (coordinate > middle) above = float_min(above, coordinate);
+    }
+    *split = middle;
+    if (level == n) return n / 2; /* all at one place: half of them are not found again */
+    if (below == 0 || (below + level < n && below + level - n / 2 < n / 2 - below)) *split = above;
+    return put_below_first(photons, n, *split, axis);
+}
+
 static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end)
 {
     Guide *guide = b->guide;
@@ -63,12 +95,12 @@ static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end)
         guide->nodes[node] = (GuideNode){.axis = GUIDE_LEAF, .first = guide->n_cells++};
         return;
     }
-    uint32_t half = n / 2, child = guide->n_nodes;
-    select_middle(b->known + begin, n, half, axis);
+    float split;
+    uint32_t middle = begin + split_photons(b->known + begin, n, axis, &split), child = guide->n_nodes;
     guide->n_nodes += 2;
-    guide->nodes[node] = (GuideNode){guide_coordinate(b->known[begin + half].position, axis), axis, child};
-    make_node(b, child, begin, begin + half);
-    make_node(b, child + 1, begin + half, end);
+    guide->nodes[node] = (GuideNode){split, axis, child};
+    make_node(b, child, begin, middle);
+    make_node(b, child + 1, middle, end);
 }
 
 /* Sorts all photons by the cell that they are in. */
@@ -97,11 +129,9 @@ static Status make_tree(Builder *b, uint32_t n, Error *error)
     Guide *guide = b->guide;
     size_t n_known = 0;
     for (uint32_t i = 0; i < n; i++) n_known += b->photons[i].lobe;
-    /* what is halved had more than GUIDE_CELL_KNOWN, so that each cell has at least half as many */
-    size_t most = 2 * (n_known / GUIDE_CELL_KNOWN) + 2;
-    guide->nodes = malloc(2 * most * sizeof *guide->nodes);
+    guide->nodes = malloc(2 * n_known * sizeof *guide->nodes); /* each cell has at least one */
     b->known = malloc(n_known * sizeof *b->known);
-    b->knowns = malloc((most + 1) * sizeof *b->knowns);
+    b->knowns = malloc((n_known + 1) * sizeof *b->knowns);
     if (!guide->nodes || !b->known || !b->knowns) return fail_memory(error, n_known * sizeof *b->known, "caustics");
     n_known = 0;
     for (uint32_t i = 0; i < n; i++)
@@ -170,6 +200,8 @@ static void gather_lobes(Builder *b)
     }
     GuideFour *fewer = realloc(b->fours, guide->n_fours * sizeof *fewer);
     guide->fours = fewer ? fewer : b->fours;
+    GuideNode *nodes = realloc(guide->nodes, guide->n_nodes * sizeof *nodes);
+    guide->nodes = nodes ? nodes : guide->nodes;
 }
 
 Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, Guide **out, Error *error)

@@ -8,8 +8,8 @@
 #include "base/hash.h"
 #include "optics/sampling.h"
 #include "scene_fixture.h"
-#include "trace/guide.h"
 #include "trace/guide_fit.h"
+#include "trace/guide_parts.h"
 #include "trace/sampler.h"
 
 static const double pi = 3.14159265358979323846;
@@ -216,6 +216,38 @@ static void folds(void **state)
     assert_true(sure > .7f * lobe_pdf(&lobes[0], vec3f(0, 0, 0), vec3f(0, 1, 0)));
 }
 
+/* Photons on floors and walls, that are level with each other there, are found again where they are: in cells whose lobes know of all
+ * that came to them. */
+static void levels(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    Photon *photons = calloc(N, sizeof *photons);
+    for (int i = 0; i < N; i++) {
+        photons[i] = random_photon();
+        photons[i].lobe = 1;
+        photons[i].radiance = 1;
+        switch (i % 6) {
+        case 0: photons[i].position.x = 0; break;
+        case 1: photons[i].position.x = 1; break;
+        case 2: photons[i].position.z = 0; break;
+        default: photons[i].position.y = 0; break;
+        }
+    }
+    Pool *pool;
+    Error error;
+    Guide *guide;
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    printf("    %d photons on a floor and walls: %u cells with %u lobes\n", N, guide->n_cells, guide->n_lobes);
+    assert_int_equal(guide->n_lobes, N + guide->n_cells);
+    for (uint32_t i = 0; i < guide->n_cells; i++)
+        assert_int_equal(guide->cells[i].n_lobes, guide->begins[i + 1] - guide->begins[i] + 1);
+    guide_free(guide);
+    pool_free(pool);
+    free(photons);
+}
+
 /* What lands behind a slab in the sun is what comes to it, less what is reflected. */
 static void flux(void **state)
 {
@@ -281,10 +313,8 @@ static void flux(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(densities),
-        cmocka_unit_test(sheets),
-        cmocka_unit_test(folds),
-        cmocka_unit_test(flux),
+        cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds),
+        cmocka_unit_test(levels),    cmocka_unit_test(flux),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
