@@ -18,7 +18,7 @@ while read -r name limit scene options; do
     if [ "${2:-}" = --make ]; then
         [ "$name" = "${3:-}" ] || continue
         # shellcheck disable=SC2086
-        "$program" render "$scene" $options --size 64x48 --spp 512 --seed 9 --fireflies keep --half -q -o "$reference" < /dev/null || exit 1
+        "$program" render "$scene" $options --size 64x48 --spp 512 --seed 13 --fireflies keep --half -q -o "$reference" < /dev/null || exit 1
     fi
     # shellcheck disable=SC2086
     "$program" render "$scene" $options --size 64x48 --spp 32 --seed 1 -q -o "$scratch/now.exr" < /dev/null 2> "$scratch/err"
