@@ -18,6 +18,14 @@ static void note_places(Diag *diag, Diagnostic *report, const SceneObject *objec
 
 static void warn_of_crossings(const SceneObject *object, const MeshCrossings *found, Diag *diag)
 {
+    if (found->n == 0) {
+        Diagnostic *unsure = diag_report(diag, D_MESH_CROSSES_ITSELF, object->span,
+                                         "the mesh of %s may cross itself: too many of its triangles are close to each "
+                                         "other for all of them to be looked at",
+                                         object->name);
+        diag_hint(diag, unsure, "look at it in a picture: it may have finer folds than are meant");
+        return;
+    }
     Diagnostic *report = diag_report(
         diag, D_MESH_CROSSES_ITSELF, object->span, "the mesh of %s crosses itself: %s%llu pair%s of its triangles %s",
         object->name, found->gave_up ? "at least " : "", (unsigned long long)found->n, found->n == 1 ? "" : "s",

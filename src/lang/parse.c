@@ -561,6 +561,7 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
     parser->no_blocks |= bare;
     if (expect_name(parser, "for the loop", &stmt->as.loop.name, &stmt->as.loop.name_span)) {
         parse_loop_source(parser, stmt);
+        if (!bare && parser->token.kind == TOKEN_COMMA) parse_second_variable(parser, stmt->as.loop.name->text);
         if (bare)
             accept(parser, TOKEN_PAREN_CLOSE);
         else

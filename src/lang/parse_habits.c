@@ -660,6 +660,23 @@ bool parse_counting_loop(Parser *parser)
     return true;
 }
 
+/* for (x in a, y in b), at the comma */
+void parse_second_variable(Parser *parser, const char *first)
+{
+    Look look;
+    look_from(parser, &look);
+    Token name = lexer_next(&look.lexer);
+    if (name.kind != TOKEN_NAME || lexer_next(&look.lexer).kind != TOKEN_IN) return;
+    Diagnostic *report = report_at(parser, token_span(parser), "a loop has one variable");
+    hint_write(parser, report,
+               arena_format(parser->arena, "for (%s in ...) { for (%s in ...) { ... } }", first, name.as.symbol->text));
+    while (parser->token.kind == TOKEN_COMMA) {
+        advance(parser);
+        if (!accept(parser, TOKEN_NAME) || !accept(parser, TOKEN_IN)) return;
+        parse_expr(parser);
+    }
+}
+
 /* ---- colours ---- */
 
 /* Does a vector begin here, and not a comparison: is there a comma before the '>'? In brackets nobody knows: there commas

@@ -94,6 +94,8 @@ void parse_bodiless_def(Parser *parser);
 bool parse_name_habit(Parser *parser, Path path);
 bool parse_block_habit(Parser *parser, Path path);
 bool parse_counting_loop(Parser *parser);
+/* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */
+void parse_second_variable(Parser *parser, const char *first);
 bool parse_color_habit(Parser *parser, const char *word);
 bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind it */
 bool parse_operator_habit(Parser *parser, Span operand); /* at what stands behind it */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/buf.h"
 #include "diag/suggest.h"
 #include "lang/builtin.h"
 #include "lang/habits.h"
@@ -75,13 +76,35 @@ static const Binding *find_export(const File *file, const Symbol *symbol)
     return NULL;
 }
 
+/* What of a file's names may be meant: the one that holds the word; else where they are all listed, or which they are. */
+static void hint_at_exports(Diag *diag, Diagnostic *report, const char *file, const char *wrong, const Words *words)
+{
+    enum { MOST_LISTED = 12 };
+    const char *holder = NULL, *end = strrchr(file, '.');
+    size_t n_holders = 0;
+    for (size_t i = 0; i < words->n; i++)
+        if (strstr(words->items[i], wrong)) holder = words->items[i], n_holders++;
+    if (n_holders == 1) {
+        diag_hint(diag, report, "did you mean '%s'?", holder);
+    } else if (strncmp(file, "std/", 4) == 0 && end) {
+        diag_hint(diag, report, "'meniscus help %.*s' lists what it has", (int)(end - file), file);
+    } else if (words->n > 0 && words->n <= MOST_LISTED) {
+        Buf list = {0};
+        for (size_t i = 0; i < words->n; i++)
+            buf_format(&list, "%s%s", i == 0 ? "" : i + 1 == words->n ? " and " : ", ", words->items[i]);
+        diag_hint(diag, report, "it has %s", buf_text(&list));
+        buf_clear(&list);
+    }
+}
+
 static void report_not_exported(Resolver *resolver, Span span, const File *file, const Symbol *symbol)
 {
     Words words = {0};
     for (uint32_t i = 0; i < file->n_exports; i++) add_word(&words, file->exports[i].symbol->text);
-    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, span, "'%s' has no '%s'",
-                                     resolver->diag->sources->sources[file->source].name, symbol->text);
+    const char *name = resolver->diag->sources->sources[file->source].name;
+    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, span, "'%s' has no '%s'", name, symbol->text);
     diag_suggest(resolver->diag, report, symbol->text, words.items, words.n);
+    if (!report->hint) hint_at_exports(resolver->diag, report, name, symbol->text, &words);
     free(words.items);
 }
 

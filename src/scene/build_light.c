@@ -67,6 +67,8 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
                 diag_hint(b->diag, report, "it does not shine by itself: the light is the environment's");
             else if (strcmp(names[i], "radiance") == 0)
                 diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
+            else if (shape->kind == LIGHT_POINT && strcmp(names[i], "radius") == 0)
+                diag_hint(b->diag, report, "it has no size: sphere and disc are shapes of lights that have one");
             fine = false;
         } else if (!prop && is_named(shape->needs, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
