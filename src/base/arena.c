@@ -87,18 +87,24 @@ char *arena_copy_text(Arena *arena, const char *text, size_t length)
     return copy;
 }
 
+char *arena_format_list(Arena *arena, const char *format, va_list args)
+{
+    va_list again;
+    va_copy(again, args);
+    int length = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    size_t size = (size_t)(length < 0 ? 0 : length) + 1;
+    char *text = arena_alloc(arena, size);
+    vsnprintf(text, size, format, args);
+    return text;
+}
+
 char *arena_format(Arena *arena, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    va_list again;
-    va_copy(again, args);
-    char probe[1];
-    int length = vsnprintf(probe, sizeof probe, format, args);
+    char *text = arena_format_list(arena, format, args);
     va_end(args);
-    char *text = arena_alloc(arena, (size_t)(length < 0 ? 0 : length) + 1);
-    vsnprintf(text, (size_t)(length < 0 ? 0 : length) + 1, format, again);
-    va_end(again);
     return text;
 }
 

@@ -7,6 +7,7 @@
 #define MEN_ARENA_H
 
 #include <setjmp.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -19,7 +20,7 @@ typedef struct Arena {
     size_t used;     /* bytes handed out in the newest block */
     size_t capacity; /* of the newest block */
     size_t total;    /* bytes of all blocks, for limits and statistics */
-    jmp_buf *escape; /* where to jump when memory runs out; set by ARENA_GUARD */
+    jmp_buf *escape; /* where to jump when memory runs out; set by arena_guard */
 } Arena;
 
 void arena_init(Arena *arena);
@@ -34,6 +35,7 @@ void *arena_array(Arena *arena, size_t count, size_t size) ATTR_NODISCARD;
 /* A terminated copy of length bytes. */
 char *arena_copy_text(Arena *arena, const char *text, size_t length) ATTR_NODISCARD;
 char *arena_format(Arena *arena, const char *format, ...) ATTR_PRINTF(2, 3);
+char *arena_format_list(Arena *arena, const char *format, va_list args) ATTR_PRINTF(2, 0);
 
 #define ARENA_NEW(arena, Type) ((Type *)arena_alloc(arena, sizeof(Type)))
 #define ARENA_ARRAY(arena, Type, count) ((Type *)arena_array(arena, count, sizeof(Type)))

@@ -1,4 +1,4 @@
-/* array.h - growth of malloc'd arrays: ARRAY_PUSH(items, n, capacity) makes room for one more.
+/* array.h - growth of malloc'd arrays: ARRAY_ROOM(items, capacity, n) makes room for one more.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_ARRAY_H
 #define MEN_ARRAY_H

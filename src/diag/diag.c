@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "diag/diag.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "diag/limits.h"
@@ -43,20 +42,6 @@ const char *diag_severity_text(DiagSeverity severity)
 {
     static const char *const texts[] = {"error", "warning", "remark"};
     return texts[severity];
-}
-
-static const char *format_text(Arena *arena, const char *format, va_list args) ATTR_PRINTF(2, 0);
-
-static const char *format_text(Arena *arena, const char *format, va_list args)
-{
-    va_list again;
-    va_copy(again, args);
-    int length = vsnprintf(NULL, 0, format, again);
-    va_end(again);
-    size_t size = (size_t)(length < 0 ? 0 : length) + 1;
-    char *text = arena_alloc(arena, size);
-    vsnprintf(text, size, format, args);
-    return text;
 }
 
 static Diagnostic *find_repetition(const Diag *diag, const Diagnostic *wanted)
@@ -146,7 +131,7 @@ Diagnostic *diag_report(Diag *diag, DiagCode code, Span span, const char *format
     report->span = span;
     va_list args;
     va_start(args, format);
-    report->text = format_text(diag->arena, format, args);
+    report->text = arena_format_list(diag->arena, format, args);
     va_end(args);
     return keep(diag, report);
 }
@@ -157,7 +142,7 @@ Diagnostic *diag_report_nowhere(Diag *diag, DiagCode code, const char *format, .
     report->code = code;
     va_list args;
     va_start(args, format);
-    report->text = format_text(diag->arena, format, args);
+    report->text = arena_format_list(diag->arena, format, args);
     va_end(args);
     return keep(diag, report);
 }
@@ -166,7 +151,7 @@ void diag_hint(Diag *diag, Diagnostic *report, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    report->hint = format_text(diag->arena, format, args);
+    report->hint = arena_format_list(diag->arena, format, args);
     va_end(args);
 }
 
@@ -184,7 +169,7 @@ void diag_note(Diag *diag, Diagnostic *report, Span span, const char *format, ..
     note->span = span;
     va_list args;
     va_start(args, format);
-    note->text = format_text(diag->arena, format, args);
+    note->text = arena_format_list(diag->arena, format, args);
     va_end(args);
     add_note(report, note);
 }
@@ -194,7 +179,7 @@ void diag_note_nowhere(Diag *diag, Diagnostic *report, const char *format, ...)
     DiagNote *note = ARENA_NEW(diag->arena, DiagNote);
     va_list args;
     va_start(args, format);
-    note->text = format_text(diag->arena, format, args);
+    note->text = arena_format_list(diag->arena, format, args);
     va_end(args);
     add_note(report, note);
 }
