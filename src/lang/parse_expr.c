@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "lang/parse_habits.h"
 #include "lang/parser.h"
 
 Expr *expr_new(Parser *parser, ExprKind kind, Span span)

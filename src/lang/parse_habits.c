@@ -2,24 +2,22 @@
  * is written here, and then read as it was meant, so that the text behind it is checked and nothing is reported
  * twice.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "lang/parse_habits.h"
+
 #include <string.h>
 
-#include "base/num.h"
 #include "diag/suggest.h"
 #include "lang/builtin.h"
 #include "lang/habits.h"
-#include "lang/parser.h"
 
 enum {
     LONGEST_QUOTE = 60,     /* bytes of the scene in a hint */
     LONGEST_LOOK = 1 << 18, /* bytes to look ahead for a closing brace */
-    NEAR_LOOK = 4096,       /* bytes to look ahead for a closing bracket */
     MOST_LOOKS = 64,        /* of those, for one file */
     MOST_VALUES = 8         /* values without a name that a hint names */
 };
 
-/* The text from begin to end on one line, for a hint. */
-static const char *quote(const Parser *parser, uint32_t begin, uint32_t end)
+const char *quote(const Parser *parser, uint32_t begin, uint32_t end)
 {
     const char *text = parser->lexer.text + begin;
     size_t length = end > begin ? end - begin : 0;
@@ -27,18 +25,22 @@ static const char *quote(const Parser *parser, uint32_t begin, uint32_t end)
     return whole ? arena_copy_text(parser->arena, text, length) : "...";
 }
 
-static Diagnostic *report_at(Parser *parser, Span span, const char *text)
+Diagnostic *report_at(Parser *parser, Span span, const char *format, ...)
 {
+    va_list args;
+    va_start(args, format);
+    const char *text = arena_format_list(parser->arena, format, args);
+    va_end(args);
     return parser_report(parser, D_SYNTAX, span, text);
 }
 
-static Span behind_last(const Parser *parser)
+Span behind_last(const Parser *parser)
 {
     uint32_t end = consumed_end(parser);
     return (Span){parser->lexer.source, end, end};
 }
 
-static void hint_write(Parser *parser, Diagnostic *report, const char *text)
+void hint_write(Parser *parser, Diagnostic *report, const char *text)
 {
     diag_hint(parser->diag, report, "write: %s", text);
 }
@@ -49,47 +51,7 @@ static void advise(Parser *parser, Diagnostic *report, const char *word)
     if (report && advice) diag_hint(parser->diag, report, "%s", advice);
 }
 
-static bool begins_value(TokenKind kind)
-{
-    switch (kind) {
-    case TOKEN_NUMBER:
-    case TOKEN_STRING:
-    case TOKEN_COLOR:
-    case TOKEN_LESS:
-    case TOKEN_MINUS:
-    case TOKEN_BRACKET_OPEN:
-    case TOKEN_TRUE:
-    case TOKEN_FALSE:
-    case TOKEN_NONE: return true;
-    default: return false;
-    }
-}
-
-bool starts_value(const Parser *parser)
-{
-    return begins_value(parser->token.kind);
-}
-
-/* ---- looking ahead without reporting ---- */
-
-typedef struct Look {
-    Lexer lexer;
-    Diag mute;
-} Look;
-
-static void look_from(const Parser *parser, Look *look)
-{
-    look->lexer = parser->lexer;
-    look->mute = (Diag){.arena = parser->diag->arena, .sources = parser->diag->sources};
-    look->lexer.diag = &look->mute;
-}
-
-Token peek(const Parser *parser)
-{
-    Look look;
-    look_from(parser, &look);
-    return lexer_next(&look.lexer);
-}
+/* ---- looking ahead: blocks ---- */
 
 /* How many blocks stay open to the end of the text; -1: there is a '}' too many, so that a '{' must be missing. */
 static long blocks_at_end(Parser *parser)
@@ -141,56 +103,9 @@ static bool block_is_foreign(Parser *parser)
     return foreign;
 }
 
-bool brackets_close_ahead(const Parser *parser, int brackets)
-{
-    Look look;
-    look_from(parser, &look);
-    int braces = 0;
-    for (Token token = parser->token;; token = lexer_next(&look.lexer)) {
-        switch (token.kind) {
-        case TOKEN_PAREN_OPEN:
-        case TOKEN_BRACKET_OPEN: brackets++; break;
-        case TOKEN_PAREN_CLOSE:
-        case TOKEN_BRACKET_CLOSE:
-            if (--brackets == 0) return true;
-            break;
-        case TOKEN_BRACE_OPEN: braces++; break;
-        case TOKEN_BRACE_CLOSE:
-            if (--braces < 0) return false;
-            break;
-        case TOKEN_VAR:
-        case TOKEN_PARAM:
-        case TOKEN_DEF:
-        case TOKEN_DEFAULTS:
-        case TOKEN_WHILE:
-        case TOKEN_USE:
-        case TOKEN_INCLUDE:
-        case TOKEN_SEMICOLON:
-            if (braces == 0) return false;
-            break;
-        case TOKEN_END: return false;
-        default: break;
-        }
-        if (token.begin > parser->token.begin + NEAR_LOOK) return false;
-    }
-}
-
-/* Over what stands in brackets, of which the next token is the opening one. */
-void skip_brackets(Parser *parser)
-{
-    int depth = 0;
-    do {
-        TokenKind kind = parser->token.kind;
-        depth += kind == TOKEN_BRACE_OPEN || kind == TOKEN_PAREN_OPEN || kind == TOKEN_BRACKET_OPEN;
-        depth -= kind == TOKEN_BRACE_CLOSE || kind == TOKEN_PAREN_CLOSE || kind == TOKEN_BRACKET_CLOSE;
-        if (kind == TOKEN_END) return;
-        advance(parser);
-    } while (depth > 0);
-}
-
 /* ---- values without '=', or without a name ---- */
 
-static bool is_color_word(const char *word)
+bool is_color_word(const char *word)
 {
     static const char *const words[] = {"rgb", "rgbf", "rgbt", "rgbft", "srgb", "color", "colour"};
     for (size_t i = 0; i < COUNT_OF(words); i++)
@@ -258,9 +173,8 @@ static void value_behind_name(Parser *parser, Path path)
     if (path.n == 1 && parser->node) advice = habit_advice(parser->node, word);
     const char *other = parser->node && !pattern ? habit_property_of(parser->node, word) : NULL;
     bool call = path.n == 1 && builtin_find(word) && !(parser->node && pattern);
-    Diagnostic *report = report_at(
-        parser, behind_last(parser),
-        arena_format(parser->arena, "expected '%s' behind '%s', found %s", call ? "(" : "=", word, found_text(parser)));
+    Diagnostic *report = report_at(parser, behind_last(parser), "expected '%s' behind '%s', found %s", call ? "(" : "=",
+                                   word, found_text(parser));
     const char *value = foreign_value(parser, !call && is_color_word(word));
     int n = 1;
     while (parser->node && !parser->panic &&
@@ -271,9 +185,9 @@ static void value_behind_name(Parser *parser, Path path)
     }
     if (parser->panic) return;
     if (call && n == 3) /* translate 1, 2, 3 */
-        hint_write(parser, report, arena_format(parser->arena, "%s(<%s>)", word, value));
+        diag_hint(parser->diag, report, "write: %s(<%s>)", word, value);
     else if (call)
-        hint_write(parser, report, arena_format(parser->arena, "%s(%s)", word, value));
+        diag_hint(parser->diag, report, "write: %s(%s)", word, value);
     else if (advice)
         advise(parser, report, word);
     else if (pattern && strstr(pattern, "@*"))
@@ -317,7 +231,7 @@ static void values_without_names(Parser *parser, const Path *first)
 {
     const char *node = parser->node, *known = habit_values(node), *names = known ? known : "", *hint = NULL;
     Span span = first ? first->span : token_span(parser);
-    Diagnostic *report = report_at(parser, span, arena_format(parser->arena, "a value of '%s' has no name", node));
+    Diagnostic *report = report_at(parser, span, "a value of '%s' has no name", node);
     for (int i = 0; i < MOST_VALUES && !parser->panic; i++) {
         bool vector, over = known && !*names;
         const char *name = next_value_name(parser->arena, &names, &vector);
@@ -375,8 +289,7 @@ static bool parse_change(Parser *parser, Path path)
     const char *name = quote(parser, path.span.begin, path.span.end);
     char sign = parser->lexer.text[parser->token.begin];
     Span span = {parser->lexer.source, parser->token.begin, next.end};
-    Diagnostic *report =
-        report_at(parser, span, arena_format(parser->arena, "there is no '%c%c' here", sign, one ? sign : '='));
+    Diagnostic *report = report_at(parser, span, "there is no '%c%c' here", sign, one ? sign : '=');
     advance(parser);
     advance(parser);
     const char *value = "1";
@@ -385,7 +298,7 @@ static bool parse_change(Parser *parser, Path path)
         parse_expr(parser);
         value = quote(parser, begin, consumed_end(parser));
     }
-    hint_write(parser, report, arena_format(parser->arena, "%s := %s %c %s", name, name, sign, value));
+    diag_hint(parser->diag, report, "write: %s := %s %c %s", name, name, sign, value);
     return true;
 }
 
@@ -433,8 +346,7 @@ bool parse_name_habit(Parser *parser, Path path)
         uint32_t begin = parser->token.begin;
         parse_expr(parser);
         if (!parser->panic)
-            hint_write(parser, report,
-                       arena_format(parser->arena, "%s = %s", word, quote(parser, begin, consumed_end(parser))));
+            diag_hint(parser->diag, report, "write: %s = %s", word, quote(parser, begin, consumed_end(parser)));
         return true;
     }
     if (parse_element_change(parser, path)) return true;
@@ -479,7 +391,7 @@ static bool parse_assigned_block(Parser *parser, Path path)
     advance(parser);
     Diagnostic *report = expected_error(parser, "'{'");
     parser->panic = false;
-    hint_write(parser, report, arena_format(parser->arena, "%s %s { ... }", path.names[0]->text, name));
+    diag_hint(parser->diag, report, "write: %s %s { ... }", path.names[0]->text, name);
     advance(parser);
     const char *outer = parser->node;
     parser->node = path.names[0]->text;
@@ -497,9 +409,8 @@ void parse_two_names(Parser *parser, Path path)
     TokenKind next = peek(parser).kind;
     if (parse_assigned_block(parser, path) || parse_flag_habit(parser, path)) return;
     if (next == TOKEN_PAREN_OPEN && habit_is_function(first)) {
-        Diagnostic *report =
-            report_at(parser, path.span, arena_format(parser->arena, "'%s' begins nothing here", first));
-        hint_write(parser, report, arena_format(parser->arena, "def %s(...)", second));
+        Diagnostic *report = report_at(parser, path.span, "'%s' begins nothing here", first);
+        diag_hint(parser->diag, report, "write: def %s(...)", second);
         parse_def(parser, path.span);
         return;
     }
@@ -508,7 +419,7 @@ void parse_two_names(Parser *parser, Path path)
         Diagnostic *report = expected_error(parser, "'{'");
         parser->panic = false;
         if (habit_is_type(first))
-            hint_write(parser, report, arena_format(parser->arena, "let %s = ...", second));
+            diag_hint(parser->diag, report, "write: let %s = ...", second);
         else
             diag_hint(parser->diag, report, "did you mean '%s'?", nearest);
         advance(parser);
@@ -549,11 +460,9 @@ bool parse_block_habit(Parser *parser, Path path)
     if (!text || parser->token.kind != TOKEN_BRACE_OPEN || !block_is_foreign(parser)) return false;
     const char *word = path.names[0]->text, *ours = strstr(text, word); /* "write: lathe { ... }" */
     bool known = ours && ours[strlen(word)] == ' ' && ours[strlen(word) + 1] == '{';
-    Diagnostic *report = report_at(
-        parser, path.span,
-        arena_format(parser->arena,
-                     known ? "what stands in this '%s' is POV-Ray's" : "'%s' and what stands in it are POV-Ray's",
-                     word));
+    Diagnostic *report =
+        report_at(parser, path.span,
+                  known ? "what stands in this '%s' is POV-Ray's" : "'%s' and what stands in it are POV-Ray's", word);
     diag_hint(parser->diag, report, "%s", text);
     skip_brackets(parser);
     return true;
@@ -615,9 +524,8 @@ static bool parse_listed_loop(Parser *parser)
         if (parser->panic) return true;
         parts[n] = quote(parser, begin, consumed_end(parser));
     }
-    hint_write(parser, report,
-               arena_format(parser->arena, "for (%s in %s..%s%s%s) { ... }", variable, parts[0] ? parts[0] : "1",
-                            parts[1] ? parts[1] : "10", parts[2] ? " by " : "", parts[2] ? parts[2] : ""));
+    diag_hint(parser->diag, report, "write: for (%s in %s..%s%s%s) { ... }", variable, parts[0] ? parts[0] : "1",
+              parts[1] ? parts[1] : "10", parts[2] ? " by " : "", parts[2] ? parts[2] : "");
     accept(parser, TOKEN_PAREN_CLOSE);
     return true;
 }
@@ -668,286 +576,10 @@ void parse_second_variable(Parser *parser, const char *first)
     Token name = lexer_next(&look.lexer);
     if (name.kind != TOKEN_NAME || lexer_next(&look.lexer).kind != TOKEN_IN) return;
     Diagnostic *report = report_at(parser, token_span(parser), "a loop has one variable");
-    hint_write(parser, report,
-               arena_format(parser->arena, "for (%s in ...) { for (%s in ...) { ... } }", first, name.as.symbol->text));
+    diag_hint(parser->diag, report, "write: for (%s in ...) { for (%s in ...) { ... } }", first, name.as.symbol->text);
     while (parser->token.kind == TOKEN_COMMA) {
         advance(parser);
         if (!accept(parser, TOKEN_NAME) || !accept(parser, TOKEN_IN)) return;
         parse_expr(parser);
     }
-}
-
-/* ---- colours ---- */
-
-/* Does a vector begin here, and not a comparison: is there a comma before the '>'? In brackets nobody knows: there commas
- * end what a comparison may be the last part of. */
-static bool vector_ahead(const Parser *parser)
-{
-    if (parser->brackets > 0) return false;
-    Look look;
-    look_from(parser, &look);
-    int brackets = 0;
-    for (Token token = lexer_next(&look.lexer); token.begin < parser->token.begin + NEAR_LOOK;
-         token = lexer_next(&look.lexer)) {
-        if (brackets == 0 && token.kind == TOKEN_COMMA) return true;
-        brackets += token.kind == TOKEN_PAREN_OPEN || token.kind == TOKEN_BRACKET_OPEN;
-        brackets -= token.kind == TOKEN_PAREN_CLOSE || token.kind == TOKEN_BRACKET_CLOSE;
-        if (brackets < 0 || token.kind == TOKEN_GREATER || token.kind == TOKEN_ASSIGN ||
-            token.kind == TOKEN_BRACE_OPEN || token.kind == TOKEN_BRACE_CLOSE || token.kind == TOKEN_END)
-            return false;
-    }
-    return false;
-}
-
-/* "rgb 1", "rgb <1, .5, 0>" and "color rgb ...", behind the first word */
-bool parse_color_habit(Parser *parser, const char *word)
-{
-    if (!is_color_word(word) || first_on_line(parser)) return false;
-    if (parser->token.kind == TOKEN_NAME) {
-        TokenKind next = peek(parser).kind;
-        if (!is_color_word(parser->token.as.symbol->text) || (next != TOKEN_NUMBER && next != TOKEN_LESS)) return false;
-    } else if (parser->token.kind != TOKEN_NUMBER && !(parser->token.kind == TOKEN_LESS && vector_ahead(parser))) {
-        return false;
-    }
-    Diagnostic *report =
-        report_at(parser, behind_last(parser),
-                  arena_format(parser->arena, "expected '(' behind '%s', found %s", word, found_text(parser)));
-    if (parser->token.kind == TOKEN_NAME) advance(parser);
-    bool vector = parser->token.kind == TOKEN_LESS;
-    uint32_t begin = parser->token.begin;
-    parse_prim(parser);
-    if (parser->panic) return true;
-    const char *value = quote(parser, begin + vector, consumed_end(parser) - vector);
-    hint_write(parser, report, vector ? arena_format(parser->arena, "rgb(%s)", value) : value);
-    calm_down(parser);
-    return true;
-}
-
-/* ---- values of POV-Ray's ---- */
-
-/* "array[3] {1, 2, 3}" and "array {1, 2, 3}", and functions in braces, "function(x) { 2 * x }", behind the word */
-bool parse_array_habit(Parser *parser, const char *word, Span span)
-{
-    bool array = strcmp(word, "array") == 0, function = strcmp(word, "function") == 0;
-    TokenKind opening = array ? TOKEN_BRACKET_OPEN : TOKEN_PAREN_OPEN,
-              closing = array ? TOKEN_BRACKET_CLOSE : TOKEN_PAREN_CLOSE;
-    if ((!array && !function) || parser->no_blocks) return false;
-    Look look;
-    look_from(parser, &look);
-    Token token = parser->token;
-    for (int depth = 0; (depth > 0 || token.kind == opening) && token.kind != TOKEN_END;
-         token = lexer_next(&look.lexer))
-        depth += (token.kind == opening) - (token.kind == closing);
-    bool bare = token.begin == parser->token.begin; /* nothing in front of the '{' */
-    if (token.kind != TOKEN_BRACE_OPEN || (bare && (function || lexer_next(&look.lexer).kind == TOKEN_NAME)))
-        return false;
-    Diagnostic *report = report_at(parser, span, arena_format(parser->arena, "'%s' is POV-Ray's", word));
-    uint32_t formals = parser->token.begin;
-    while (parser->token.kind == opening) skip_brackets(parser);
-    uint32_t begin = parser->token.begin, behind = consumed_end(parser);
-    skip_brackets(parser);
-    const char *inner = quote(parser, begin, consumed_end(parser));
-    char *list = arena_copy_text(parser->arena, inner, strlen(inner));
-    for (char *c = list; *c; c++) *c = *c == '{' ? '[' : *c == '}' ? ']' : *c;
-    size_t length = strlen(list);
-    if (array)
-        hint_write(parser, report, length > 3 ? list : "[1, 2, 3]");
-    else
-        hint_write(parser, report,
-                   arena_format(parser->arena, "def f%s = ..., in place of let", quote(parser, formals, behind)));
-    return true;
-}
-
-/* "7 mod 3", behind the 7 */
-bool parse_operator_habit(Parser *parser, Span operand)
-{
-    if (parser->token.kind != TOKEN_NAME || first_on_line(parser)) return false;
-    const char *word = parser->token.as.symbol->text;
-    bool mod = strcmp(word, "mod") == 0, div = strcmp(word, "div") == 0;
-    if (!mod && !div) return false;
-    Look look;
-    look_from(parser, &look);
-    TokenKind next = lexer_next(&look.lexer).kind;
-    if (next == TOKEN_NAME) {
-        next = lexer_next(&look.lexer).kind;
-        if (next == TOKEN_BRACE_OPEN || next == TOKEN_ASSIGN) return false;
-    } else if (next != TOKEN_NUMBER) {
-        return false;
-    }
-    Diagnostic *report =
-        report_at(parser, token_span(parser), arena_format(parser->arena, "'%s' is no operator", word));
-    advance(parser);
-    uint32_t begin = parser->token.begin;
-    parse_unary(parser);
-    const char *a = quote(parser, operand.begin, operand.end), *b = quote(parser, begin, consumed_end(parser));
-    hint_write(parser, report, arena_format(parser->arena, mod ? "%s %% %s" : "floor(%s / %s)", a, b));
-    return true;
-}
-
-/* "def f(x) { x * 2 }": what stands in the braces is neither a statement nor a block */
-Expr *parse_braced_body(Parser *parser, const Def *def)
-{
-    Look look;
-    look_from(parser, &look);
-    Token token = lexer_next(&look.lexer);
-    bool computed = token.kind == TOKEN_NUMBER || token.kind == TOKEN_MINUS;
-    if (!computed && (token.kind != TOKEN_NAME || habit_setting(NULL, token.as.symbol->text))) return NULL;
-    int brackets = 0;
-    for (TokenKind before = TOKEN_BRACE_OPEN; token.kind != TOKEN_BRACE_CLOSE; token = lexer_next(&look.lexer)) {
-        TokenKind kind = token.kind;
-        bool two = kind == TOKEN_NAME && (before == TOKEN_NAME || before == TOKEN_PAREN_CLOSE);
-        if (kind == TOKEN_BRACE_OPEN || kind == TOKEN_ASSIGN || kind == TOKEN_CHANGE || kind == TOKEN_END || two)
-            return NULL;
-        computed |= brackets == 0 && kind >= TOKEN_PLUS && kind <= TOKEN_CARET;
-        brackets += (kind == TOKEN_PAREN_OPEN) - (kind == TOKEN_PAREN_CLOSE);
-        before = kind;
-    }
-    if (!computed) return NULL;
-    Span brace = token_span(parser);
-    const char *head = quote(parser, def->span.begin, consumed_end(parser));
-    advance(parser);
-    uint32_t begin = parser->token.begin;
-    Expr *body = parse_expr(parser);
-    if (parser->panic) return body;
-    Diagnostic *report = report_at(parser, brace, "a value stands behind '=', statements stand in braces");
-    hint_write(parser, report,
-               arena_format(parser->arena, "def %s = %s", head, quote(parser, begin, consumed_end(parser))));
-    accept(parser, TOKEN_BRACE_CLOSE);
-    return body;
-}
-
-/* ---- units ---- */
-
-/* "3 mm" is read as "3mm", unless what follows makes the word a name of its own. */
-void parse_apart_unit(Parser *parser, Span number)
-{
-    const Symbol *word = parser->token.as.symbol;
-    const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
-    if (!unit || first_on_line(parser)) return;
-    Look look;
-    look_from(parser, &look);
-    switch (lexer_next(&look.lexer).kind) {
-    case TOKEN_NAME:
-        if (lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN) return;
-        break;
-    case TOKEN_ASSIGN:
-    case TOKEN_CHANGE:
-    case TOKEN_DOT:
-    case TOKEN_PAREN_OPEN:
-    case TOKEN_BRACE_OPEN: return;
-    default: break;
-    }
-    Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
-    hint_write(parser, report, arena_format(parser->arena, "%s%s", quote(parser, number.begin, number.end), unit));
-    advance(parser);
-}
-
-/* A percent sign behind a number, and nothing behind it that the number could be divided by. */
-bool parse_percent_habit(Parser *parser, const Expr *number)
-{
-    if (parser->token.kind != TOKEN_PERCENT || number->kind != EXPR_CONSTANT || !number->literal ||
-        number->as.constant.value.kind != VALUE_NUMBER)
-        return false;
-    Look look;
-    look_from(parser, &look);
-    switch (lexer_next(&look.lexer).kind) {
-    case TOKEN_NAME:
-        if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
-        break;
-    case TOKEN_BRACE_CLOSE:
-    case TOKEN_BRACKET_CLOSE:
-    case TOKEN_PAREN_CLOSE:
-    case TOKEN_COMMA:
-    case TOKEN_SEMICOLON:
-    case TOKEN_END: break;
-    default: return false;
-    }
-    Diagnostic *report = report_at(parser, token_span(parser), "'%' is the remainder of a division, not a hundredth");
-    char text[NUM_TEXT_SIZE];
-    size_t length = num_print(number->as.constant.value.as.number / 100, text);
-    hint_write(parser, report, arena_format(parser->arena, "%.*s", (int)length, text));
-    advance(parser);
-    return true;
-}
-
-/* ---- directives ---- */
-
-/* (I, 1, 9): what stands between the brackets, as a range */
-static const char *loop_text(const Parser *parser, const char *inner)
-{
-    const char *comma = strchr(inner, ','), *second = comma ? strchr(comma + 1, ',') : NULL;
-    if (!second) return "i in 1..9";
-    int length = (int)(second - comma) - 1;
-    const char *first = comma + 1 + strspn(comma + 1, " "), *last = second + 1 + strspn(second + 1, " ");
-    const char *third = strchr(last, ',');
-    int last_length = third ? (int)(third - last) : (int)strlen(last);
-    const char *step = third ? arena_format(parser->arena, " by%s", third + 1) : "";
-    return arena_format(parser->arena, "%.*s in %.*s..%.*s%s", (int)(comma - inner), inner,
-                        length - (int)(first - comma - 1), first, last_length, last, step);
-}
-
-/* A condition of POV-Ray's, in which '=' compares. */
-static const char *with_equality(const Parser *parser, const char *text)
-{
-    const char *sign = strchr(text, '=');
-    if (!sign || sign == text || strchr("<>!=", sign[-1]) || sign[1] == '=') return text;
-    return arena_format(parser->arena, "%.*s=%s", (int)(sign - text), text, sign);
-}
-
-/* The text behind the directive as the pattern wants it; the parser stands behind what was read. */
-static const char *directive_rest(Parser *parser, DirectiveForm form)
-{
-    uint32_t begin = parser->token.begin;
-    if (form == DIRECTIVE_BIND && parser->token.kind == TOKEN_NAME) {
-        Span name = token_span(parser);
-        advance(parser);
-        if (!accept(parser, TOKEN_ASSIGN)) return "NAME = VALUE";
-        parse_expr(parser);
-        uint32_t end = consumed_end(parser);
-        return memchr(parser->lexer.text + begin, '{', end - begin)
-                   ? arena_format(parser->arena, "%s = ...", quote(parser, name.begin, name.end))
-                   : quote(parser, begin, end);
-    }
-    if (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP) {
-        if (parser->token.kind == TOKEN_NAME) advance(parser); /* of a macro */
-        uint32_t inner = parser->token.end;
-        if (parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
-        uint32_t end = consumed_end(parser);
-        if (form == DIRECTIVE_OPENS) return with_equality(parser, quote(parser, begin, end));
-        return loop_text(parser, quote(parser, inner, end > inner ? end - 1 : inner));
-    }
-    if (form == DIRECTIVE_LINE)
-        while (!first_on_line(parser) && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_CLOSE)
-            parser->token.kind == TOKEN_BRACE_OPEN ? skip_brackets(parser) : advance(parser);
-    return "...";
-}
-
-static bool holds_word(const char *text, const char *word)
-{
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
-    for (size_t length; *text; text += length ? length : 1) {
-        length = strspn(text, letters);
-        if (length > 0 && length == strlen(word) && memcmp(text, word, length) == 0) return true;
-    }
-    return false;
-}
-
-void parse_directive(Parser *parser)
-{
-    Span span = token_span(parser);
-    const char *word = quote(parser, span.begin + 1, span.end), *pattern = habit_directive_pattern(word);
-    DirectiveForm form = habit_directive(word, strlen(word));
-    bool inner = parser->directives > 0 && (form == DIRECTIVE_MIDDLE || form == DIRECTIVE_END);
-    Diagnostic *report = NULL; /* the opening one has said it */
-    if (!inner) report = report_at(parser, span, arena_format(parser->arena, "'#%s' is POV-Ray's", word));
-    advance(parser);
-    parser->directives += (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP);
-    parser->directives -= inner && form == DIRECTIVE_END;
-    if (form == DIRECTIVE_MIDDLE && parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
-    uint32_t name_end = parser->token.end, name_begin = parser->token.begin;
-    const char *rest = directive_rest(parser, form), *name = quote(parser, name_begin, name_end);
-    if (form == DIRECTIVE_BIND && strlen(rest) > strlen(name) && holds_word(rest + strlen(name), name)) /* N = N + 1 */
-        pattern = arena_format(parser->arena, "%s := %s, and var %s where it is declared", name,
-                               rest + strlen(name) + strspn(rest + strlen(name), " ="), name);
-    if (report && pattern && !parser->panic) hint_write(parser, report, habit_fill(parser->arena, pattern, rest));
 }

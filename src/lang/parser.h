@@ -1,4 +1,4 @@
-/* parser.h - what parse.c and parse_expr.c share. Each function is named after the nonterminal that it reads.
+/* parser.h - the state of a parser, and what its files share. Functions that read a nonterminal are named after it.
  * The parser looks one token ahead. After a mistake it is in panic: it reports nothing more until the statement loop
  * of a block has found a place to go on from.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -52,7 +52,9 @@ bool expect(Parser *parser, TokenKind kind, const char *context);
 /* Consumes a closing bracket, or reports it as missing with a note on the opening one. */
 bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expected);
 bool expect_name(Parser *parser, const char *context, Symbol **name, Span *span);
-Token peek(const Parser *parser); /* the token behind the next one; nothing is reported */
+bool begins_value(TokenKind kind); /* a constant or a list: a name may begin something else */
+bool starts_value(const Parser *parser);
+void skip_brackets(Parser *parser); /* the next token is the opening one, of whatever kind */
 bool first_on_line(const Parser *parser);
 uint32_t consumed_end(const Parser *parser);  /* where the last consumed token ends */
 const char *found_text(const Parser *parser); /* the next token, for a message */
@@ -61,14 +63,32 @@ Span span_from(const Parser *parser, Span begin); /* from begin to the end of th
 /* Starts panic. NULL when in panic already: there is nothing to add a hint to. */
 Diagnostic *syntax_error(Parser *parser, Span span, const char *format, ...) ATTR_PRINTF(3, 4);
 Diagnostic *limit_error(Parser *parser, Limit limit); /* a syntax error, at the next token */
+void calm_down(Parser *parser);                       /* what comes next is a mistake of its own */
 /* A report of the parser; a scratch one that is not kept so near behind another that it is most likely about the same. */
-void calm_down(Parser *parser); /* what comes next is a mistake of its own */
 Diagnostic *parser_report(Parser *parser, DiagCode code, Span span, const char *text);
 Diagnostic *expected_error(Parser *parser, const char *expected);
 /* Counts one level of nesting, of blocks and brackets together, which bounds the C stack of the parser and of all that
  * walks the tree; false, and the end of this file, when it is too deep. Pairs with leave. */
 bool enter(Parser *parser);
 void leave(Parser *parser);
+
+/* Skips to where a statement of the present block may begin. brackets: how many were open at the mistake;
+ * statement_begin: of the statement with the mistake. */
+void synchronize(Parser *parser, int brackets, uint32_t statement_begin);
+
+/* -- looking ahead without reporting -- */
+enum { NEAR_LOOK = 4096 }; /* bytes to look ahead for a closing bracket */
+
+/* A lexer that begins behind the next token. */
+typedef struct Look {
+    Lexer lexer;
+    Diag mute;
+} Look;
+
+void look_from(const Parser *parser, Look *look);
+Token peek(const Parser *parser); /* the token behind the next one */
+/* Are so many open ones closed before the statement ends? */
+bool brackets_close_ahead(const Parser *parser, int brackets);
 
 /* -- nonterminals -- */
 Stmt *parse_stmt(Parser *parser);
@@ -84,28 +104,5 @@ Expr *parse_add(Parser *parser);
 Args parse_args(Parser *parser, Span opening); /* behind the '(' */
 Path parse_path(Parser *parser);
 Expr *expr_new(Parser *parser, ExprKind kind, Span span);
-
-/* -- the ways of other languages (parse_habits.c): true when something was read, after a report -- */
-bool starts_value(const Parser *parser);
-bool parse_value_habit(Parser *parser);
-bool parse_comma_habit(Parser *parser);
-bool parse_brace_habit(Parser *parser);
-void parse_bodiless_def(Parser *parser);
-bool parse_name_habit(Parser *parser, Path path);
-bool parse_block_habit(Parser *parser, Path path);
-bool parse_counting_loop(Parser *parser);
-/* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */
-void parse_second_variable(Parser *parser, const char *first);
-bool parse_color_habit(Parser *parser, const char *word);
-bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind it */
-bool parse_operator_habit(Parser *parser, Span operand); /* at what stands behind it */
-Expr *parse_braced_body(Parser *parser, const Def *def); /* a value in a def's braces; NULL: there are statements */
-void parse_two_names(Parser *parser, Path path);
-void parse_bare_block(Parser *parser, Block *block);
-void parse_directive(Parser *parser);
-void parse_apart_unit(Parser *parser, Span number);            /* at a name behind the number */
-bool parse_percent_habit(Parser *parser, const Expr *number);  /* at what stands behind a factor */
-bool brackets_close_ahead(const Parser *parser, int brackets); /* so many open ones, before the statement ends */
-void skip_brackets(Parser *parser);
 
 #endif

@@ -1,0 +1,41 @@
+/* parse_habits.h - what is written in the way of other languages, or with a bracket left out. Functions that return a
+ * truth say whether they read something, after a report.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_PARSE_HABITS_H
+#define MEN_PARSE_HABITS_H
+
+#include "lang/parser.h"
+
+/* -- statements (parse_habits.c) -- */
+bool parse_value_habit(Parser *parser); /* a value where a statement should begin */
+bool parse_comma_habit(Parser *parser);
+bool parse_brace_habit(Parser *parser);
+bool parse_name_habit(Parser *parser, Path path);  /* behind a path that nothing of the grammar follows */
+bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
+void parse_two_names(Parser *parser, Path path);   /* behind the first, at the second; no '{' follows */
+void parse_bodiless_def(Parser *parser);
+void parse_bare_block(Parser *parser, Block *block);
+bool parse_counting_loop(Parser *parser); /* behind the '(' of 'for' */
+/* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */
+void parse_second_variable(Parser *parser, const char *first);
+
+/* -- expressions (parse_habits_expr.c) -- */
+bool parse_color_habit(Parser *parser, const char *word);            /* behind the word */
+bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind the word */
+bool parse_operator_habit(Parser *parser, Span operand);             /* at what stands behind it */
+Expr *parse_braced_body(Parser *parser, const Def *def); /* a value in a def's braces; NULL: there are statements */
+void parse_apart_unit(Parser *parser, Span number);      /* at a name behind the number */
+bool parse_percent_habit(Parser *parser, const Expr *number); /* at what stands behind a factor */
+
+/* -- directives (parse_directives.c) -- */
+void parse_directive(Parser *parser);
+
+/* -- what these files share -- */
+/* The text from begin to end on one line, for a hint; "..." where it is too long for that. */
+const char *quote(const Parser *parser, uint32_t begin, uint32_t end);
+Diagnostic *report_at(Parser *parser, Span span, const char *format, ...) ATTR_PRINTF(3, 4);
+Span behind_last(const Parser *parser); /* the empty place behind the last consumed token */
+void hint_write(Parser *parser, Diagnostic *report, const char *text);
+bool is_color_word(const char *word); /* "rgb" and its like */
+
+#endif

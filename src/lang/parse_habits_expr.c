@@ -1,0 +1,198 @@
+/* parse_habits_expr.c - the same within expressions: colours, lists, functions, operators and units in the way of other
+ * languages.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "base/num.h"
+#include "lang/builtin.h"
+#include "lang/habits.h"
+#include "lang/parse_habits.h"
+
+/* ---- colours ---- */
+
+/* Does a vector begin here, and not a comparison: is there a comma before the '>'? In brackets nobody knows: there commas
+ * end what a comparison may be the last part of. */
+static bool vector_ahead(const Parser *parser)
+{
+    if (parser->brackets > 0) return false;
+    Look look;
+    look_from(parser, &look);
+    int brackets = 0;
+    for (Token token = lexer_next(&look.lexer); token.begin < parser->token.begin + NEAR_LOOK;
+         token = lexer_next(&look.lexer)) {
+        if (brackets == 0 && token.kind == TOKEN_COMMA) return true;
+        brackets += token.kind == TOKEN_PAREN_OPEN || token.kind == TOKEN_BRACKET_OPEN;
+        brackets -= token.kind == TOKEN_PAREN_CLOSE || token.kind == TOKEN_BRACKET_CLOSE;
+        if (brackets < 0 || token.kind == TOKEN_GREATER || token.kind == TOKEN_ASSIGN ||
+            token.kind == TOKEN_BRACE_OPEN || token.kind == TOKEN_BRACE_CLOSE || token.kind == TOKEN_END)
+            return false;
+    }
+    return false;
+}
+
+/* "rgb 1", "rgb <1, .5, 0>" and "color rgb ...", behind the first word */
+bool parse_color_habit(Parser *parser, const char *word)
+{
+    if (!is_color_word(word) || first_on_line(parser)) return false;
+    if (parser->token.kind == TOKEN_NAME) {
+        TokenKind next = peek(parser).kind;
+        if (!is_color_word(parser->token.as.symbol->text) || (next != TOKEN_NUMBER && next != TOKEN_LESS)) return false;
+    } else if (parser->token.kind != TOKEN_NUMBER && !(parser->token.kind == TOKEN_LESS && vector_ahead(parser))) {
+        return false;
+    }
+    Diagnostic *report =
+        report_at(parser, behind_last(parser), "expected '(' behind '%s', found %s", word, found_text(parser));
+    if (parser->token.kind == TOKEN_NAME) advance(parser);
+    bool vector = parser->token.kind == TOKEN_LESS;
+    uint32_t begin = parser->token.begin;
+    parse_prim(parser);
+    if (parser->panic) return true;
+    const char *value = quote(parser, begin + vector, consumed_end(parser) - vector);
+    hint_write(parser, report, vector ? arena_format(parser->arena, "rgb(%s)", value) : value);
+    calm_down(parser);
+    return true;
+}
+
+/* ---- values of POV-Ray's ---- */
+
+/* "array[3] {1, 2, 3}" and "array {1, 2, 3}", and functions in braces, "function(x) { 2 * x }", behind the word */
+bool parse_array_habit(Parser *parser, const char *word, Span span)
+{
+    bool array = strcmp(word, "array") == 0, function = strcmp(word, "function") == 0;
+    TokenKind opening = array ? TOKEN_BRACKET_OPEN : TOKEN_PAREN_OPEN,
+              closing = array ? TOKEN_BRACKET_CLOSE : TOKEN_PAREN_CLOSE;
+    if ((!array && !function) || parser->no_blocks) return false;
+    Look look;
+    look_from(parser, &look);
+    Token token = parser->token;
+    for (int depth = 0; (depth > 0 || token.kind == opening) && token.kind != TOKEN_END;
+         token = lexer_next(&look.lexer))
+        depth += (token.kind == opening) - (token.kind == closing);
+    bool bare = token.begin == parser->token.begin; /* nothing in front of the '{' */
+    if (token.kind != TOKEN_BRACE_OPEN || (bare && (function || lexer_next(&look.lexer).kind == TOKEN_NAME)))
+        return false;
+    Diagnostic *report = report_at(parser, span, "'%s' is POV-Ray's", word);
+    uint32_t formals = parser->token.begin;
+    while (parser->token.kind == opening) skip_brackets(parser);
+    uint32_t begin = parser->token.begin, behind = consumed_end(parser);
+    skip_brackets(parser);
+    const char *inner = quote(parser, begin, consumed_end(parser));
+    char *list = arena_copy_text(parser->arena, inner, strlen(inner));
+    for (char *c = list; *c; c++) *c = *c == '{' ? '[' : *c == '}' ? ']' : *c;
+    size_t length = strlen(list);
+    if (array)
+        hint_write(parser, report, length > 3 ? list : "[1, 2, 3]");
+    else
+        diag_hint(parser->diag, report, "write: def f%s = ..., in place of let", quote(parser, formals, behind));
+    return true;
+}
+
+/* "7 mod 3", behind the 7 */
+bool parse_operator_habit(Parser *parser, Span operand)
+{
+    if (parser->token.kind != TOKEN_NAME || first_on_line(parser)) return false;
+    const char *word = parser->token.as.symbol->text;
+    bool mod = strcmp(word, "mod") == 0, div = strcmp(word, "div") == 0;
+    if (!mod && !div) return false;
+    Look look;
+    look_from(parser, &look);
+    TokenKind next = lexer_next(&look.lexer).kind;
+    if (next == TOKEN_NAME) {
+        next = lexer_next(&look.lexer).kind;
+        if (next == TOKEN_BRACE_OPEN || next == TOKEN_ASSIGN) return false;
+    } else if (next != TOKEN_NUMBER) {
+        return false;
+    }
+    Diagnostic *report = report_at(parser, token_span(parser), "'%s' is no operator", word);
+    advance(parser);
+    uint32_t begin = parser->token.begin;
+    parse_unary(parser);
+    const char *a = quote(parser, operand.begin, operand.end), *b = quote(parser, begin, consumed_end(parser));
+    hint_write(parser, report, arena_format(parser->arena, mod ? "%s %% %s" : "floor(%s / %s)", a, b));
+    return true;
+}
+
+/* "def f(x) { x * 2 }": what stands in the braces is neither a statement nor a block */
+Expr *parse_braced_body(Parser *parser, const Def *def)
+{
+    Look look;
+    look_from(parser, &look);
+    Token token = lexer_next(&look.lexer);
+    bool computed = token.kind == TOKEN_NUMBER || token.kind == TOKEN_MINUS;
+    if (!computed && (token.kind != TOKEN_NAME || habit_setting(NULL, token.as.symbol->text))) return NULL;
+    int brackets = 0;
+    for (TokenKind before = TOKEN_BRACE_OPEN; token.kind != TOKEN_BRACE_CLOSE; token = lexer_next(&look.lexer)) {
+        TokenKind kind = token.kind;
+        bool two = kind == TOKEN_NAME && (before == TOKEN_NAME || before == TOKEN_PAREN_CLOSE);
+        if (kind == TOKEN_BRACE_OPEN || kind == TOKEN_ASSIGN || kind == TOKEN_CHANGE || kind == TOKEN_END || two)
+            return NULL;
+        computed |= brackets == 0 && kind >= TOKEN_PLUS && kind <= TOKEN_CARET;
+        brackets += (kind == TOKEN_PAREN_OPEN) - (kind == TOKEN_PAREN_CLOSE);
+        before = kind;
+    }
+    if (!computed) return NULL;
+    Span brace = token_span(parser);
+    const char *head = quote(parser, def->span.begin, consumed_end(parser));
+    advance(parser);
+    uint32_t begin = parser->token.begin;
+    Expr *body = parse_expr(parser);
+    if (parser->panic) return body;
+    Diagnostic *report = report_at(parser, brace, "a value stands behind '=', statements stand in braces");
+    diag_hint(parser->diag, report, "write: def %s = %s", head, quote(parser, begin, consumed_end(parser)));
+    accept(parser, TOKEN_BRACE_CLOSE);
+    return body;
+}
+
+/* ---- units ---- */
+
+/* "3 mm" is read as "3mm", unless what follows makes the word a name of its own. */
+void parse_apart_unit(Parser *parser, Span number)
+{
+    const Symbol *word = parser->token.as.symbol;
+    const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
+    if (!unit || first_on_line(parser)) return;
+    Look look;
+    look_from(parser, &look);
+    switch (lexer_next(&look.lexer).kind) {
+    case TOKEN_NAME:
+        if (lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN) return;
+        break;
+    case TOKEN_ASSIGN:
+    case TOKEN_CHANGE:
+    case TOKEN_DOT:
+    case TOKEN_PAREN_OPEN:
+    case TOKEN_BRACE_OPEN: return;
+    default: break;
+    }
+    Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
+    diag_hint(parser->diag, report, "write: %s%s", quote(parser, number.begin, number.end), unit);
+    advance(parser);
+}
+
+/* A percent sign behind a number, and nothing behind it that the number could be divided by. */
+bool parse_percent_habit(Parser *parser, const Expr *number)
+{
+    if (parser->token.kind != TOKEN_PERCENT || number->kind != EXPR_CONSTANT || !number->literal ||
+        number->as.constant.value.kind != VALUE_NUMBER)
+        return false;
+    Look look;
+    look_from(parser, &look);
+    switch (lexer_next(&look.lexer).kind) {
+    case TOKEN_NAME:
+        if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
+        break;
+    case TOKEN_BRACE_CLOSE:
+    case TOKEN_BRACKET_CLOSE:
+    case TOKEN_PAREN_CLOSE:
+    case TOKEN_COMMA:
+    case TOKEN_SEMICOLON:
+    case TOKEN_END: break;
+    default: return false;
+    }
+    Diagnostic *report = report_at(parser, token_span(parser), "'%%' is the remainder of a division, not a hundredth");
+    char text[NUM_TEXT_SIZE];
+    size_t length = num_print(number->as.constant.value.as.number / 100, text);
+    diag_hint(parser->diag, report, "write: %.*s", (int)length, text);
+    advance(parser);
+    return true;
+}
