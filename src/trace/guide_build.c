@@ -128,7 +128,7 @@ static Status make_tree(Builder *b, uint32_t n, Error *error)
 {
     Guide *guide = b->guide;
     size_t n_known = 0;
-    for (uint32_t i = 0; i < n; i++) n_known += b->photons[i].lobe != 0;
+    for (uint32_t i = 0; i < n; i++) n_known += b->photons[i].lobe;
     guide->nodes = malloc(2 * n_known * sizeof *guide->nodes); /* each cell has at least one */
     b->known = malloc(n_known * sizeof *b->known);
     b->knowns = malloc((n_known + 1) * sizeof *b->knowns);

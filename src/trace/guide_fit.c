@@ -57,8 +57,8 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
 }
 
 /* How wrong a lobe is by what others of its way, from its first to behind its last, say which stand near by. Where light is
- * folded, as beside the bright lines under waves, several sheets of it lie over each other, of which those that are turned over
- * are told apart, but not the others: most of these may be of another one, and the second least of six is of the lobe's own. It is then taken for twice as wrong, as that is a little less than
+ * folded, as beside the bright lines under waves, several sheets of it lie over each other, and most of the others are of
+ * another one: the second least of six is of the lobe's own. It is then taken for twice as wrong, as that is a little less than
  * the middle one of those of one sheet. Where there are none, as wrong at the cell's end as what is not known. */
 static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint32_t way[2], uint32_t self, float size)
 {
@@ -84,18 +84,12 @@ static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint3
     return 2 * (n_near == 1 ? least : second);
 }
 
-/* By ways, and what of them is turned over. */
-static bool is_before(const Photon *a, const Photon *b)
-{
-    return a->way < b->way || (a->way == b->way && a->lobe < b->lobe);
-}
-
 static void sort_by_way(Photon *photons, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
         Photon moved = photons[i];
         uint32_t k = i;
-        for (; k > 0 && is_before(&moved, &photons[k - 1]); k--) photons[k] = photons[k - 1];
+        for (; k > 0 && photons[k - 1].way > moved.way; k--) photons[k] = photons[k - 1];
         photons[k] = moved;
     }
 }
@@ -108,7 +102,7 @@ uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint3
     for (uint32_t i = 0; i < n_known; i++) {
         lobes[i] = lobe_of_photon(&known[i], origin);
         size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
-        if (i > 0 && !is_before(&known[i - 1], &known[i])) continue;
+        if (i > 0 && known[i].way == known[i - 1].way) continue;
         ways[n_ways] = known[i].way, flux[n_ways] = 0;
         first[n_ways++] = i;
     }
@@ -119,14 +113,10 @@ uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint3
         uint32_t k = 0;
         while (k < n_ways && ways[k] != photons[i].way) k++;
         total += photons[i].flux;
-        if (k == n_ways) {
-            lost += photons[i].flux;
-        } else if (k + 1 < n_ways && ways[k + 1] == ways[k]) { /* turned over or not: only the known ones say */
-            flux[k] += .5f * photons[i].flux;
-            flux[k + 1] += .5f * photons[i].flux;
-        } else {
+        if (k < n_ways)
             flux[k] += photons[i].flux;
-        }
+        else
+            lost += photons[i].flux;
     }
     float broad = BROAD + (1 - BROAD) * lost / total;
     for (uint32_t k = 0; k < n_ways; k++) {

@@ -369,15 +369,6 @@ static bool find_neighbour(Job *job, Path *path, const Start *start, int axis, d
     return false;
 }
 
-/* Whether light that starts to the left of the photon's lands to its right: beyond a fold. */
-static bool is_turned_over(const Column columns[2], const Start *start, const Photon *photon)
-{
-    const double *a = columns[0].place, *b = columns[1].place;
-    Vec3 across = vec3_cross(vec3(a[0], a[1], a[2]), vec3(b[0], b[1], b[2]));
-    bool behind = vec3_dot(across, vec3_from_f(photon->from)) < 0;
-    return behind != (vec3_dot(start->normal, vec3_from_f(start->light.direction)) < 0);
-}
-
 /* Finds the photon's neighbours by following four more from starts near by: I.e., its differentials, after L. Schjoth, J.
  * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is
  * known. */
@@ -392,7 +383,6 @@ static void find_neighbours(Job *job, Path *path, const Start *start, Photon *ph
     double turn = fmin(fmax(0.3 * sqrt(spread[0] + spread[2]), 2e-4), 1e-2);
     for (int i = 0; i < n; i++)
         if (!find_neighbour(job, path, start, i, i < 2 ? near : turn, photon, &columns[i])) return;
-    photon->lobe = is_turned_over(columns, start, photon) ? PHOTON_TURNED : PHOTON_UPRIGHT;
     /* by the light's own axes: direction = mean + (a, b) s + (0, c) t */
     Column first = columns[2], second = columns[3];
     double shift[2] = {mean[0] / a, (mean[1] - b * mean[0] / a) / c};
@@ -453,7 +443,7 @@ static void look_around_one(void *context, uint32_t i, unsigned worker)
     Tracer *tracer = &job->tracers[worker];
     Path path = begin_photon(tracer, job->seed, photon->number);
     Start start = {.turned = {0, 0, 0}};
-    photon->lobe = PHOTON_UPRIGHT;
+    photon->lobe = 1;
     tracer->counters.rays += LOOKS / 2; /* about what they take */
     if (choose_start(job->targets, &path, &start)) find_neighbours(job, &path, &start, photon);
 }

@@ -25,11 +25,8 @@ typedef struct Photon {
     float spread[3]; /* covariance about the mean: xx, xy, yy; 0: nothing is known */
     uint32_t number; /* of all that were followed */
     uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
-    uint32_t lobe;   /* 0: photons_look_around was not here; else a PhotonLobe */
+    uint32_t lobe;   /* 1: photons_look_around was here */
 } Photon;
-
-/* Light that a curved surface has folded lies over itself in sheets, every other one turned over. */
-typedef enum PhotonLobe { PHOTON_UPRIGHT = 1, PHOTON_TURNED = 2 } PhotonLobe;
 
 /* Boxes around all that bends or mirrors light. */
 enum { PHOTON_TARGETS = 64 };
