@@ -80,6 +80,13 @@ void *arena_array(Arena *arena, size_t count, size_t size)
     return arena_alloc(arena, count * size);
 }
 
+void *arena_regrow(Arena *arena, const void *items, size_t n, size_t capacity, size_t size)
+{
+    void *grown = arena_array(arena, capacity, size);
+    if (n) memcpy(grown, items, n * size);
+    return grown;
+}
+
 char *arena_copy_text(Arena *arena, const char *text, size_t length)
 {
     char *copy = arena_alloc(arena, length + 1);

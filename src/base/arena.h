@@ -40,6 +40,17 @@ char *arena_format_list(Arena *arena, const char *format, va_list args) ATTR_PRI
 #define ARENA_NEW(arena, Type) ((Type *)arena_alloc(arena, sizeof(Type)))
 #define ARENA_ARRAY(arena, Type, count) ((Type *)arena_array(arena, count, sizeof(Type)))
 
+/* Room for one more of n items of an array in the arena: doubles, from first items on. The old array stays where it was. */
+#define ARENA_ROOM(arena, items, capacity, n, first)                                                                   \
+    do                                                                                                                 \
+        if ((n) == (capacity)) {                                                                                       \
+            (capacity) = (capacity) ? (capacity) * 2 : (first);                                                        \
+            (items) = arena_regrow((arena), (items), (n), (capacity), sizeof *(items));                                \
+        }                                                                                                              \
+    while (0)
+/* An array of capacity items of size bytes, of which the first n are those of items. */
+void *arena_regrow(Arena *arena, const void *items, size_t n, size_t capacity, size_t size) ATTR_NODISCARD;
+
 /* Jumps to the guard, as arena_alloc does, when memory that belongs to the same work ends elsewhere. Does not return. */
 void arena_fail(Arena *arena) ATTR_NORETURN;
 

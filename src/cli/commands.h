@@ -25,14 +25,10 @@ ATTR_NODISCARD Status cmd_version(const Options *options, const Talk *talk, Erro
 /* Wraps text (with `...` shown as '...') at 80 columns, each line indented. column: where the first word goes when
  * something stands on its line already. */
 void help_wrap(Buf *out, const char *text, size_t indent, size_t column);
-/* "-o, --output FILE", "    --stats[=FILE.json]" */
-void help_print_spelling(const OptionRow *row, Buf *out);
 /* Help for one command: a line per option and examples, or everything. */
 void help_print(Command command, bool full, Buf *out);
 /* The list of commands. */
 void help_print_overview(Buf *out);
-/* The completion script of a shell ("bash", "zsh", "fish"); false for another word. */
-bool completion_print(const char *shell, Buf *out);
 
 /* Every command, option and exit status as JSON. */
 void help_print_json(Buf *out);

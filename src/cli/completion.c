@@ -267,7 +267,8 @@ static void print_fish(Buf *out)
     }
 }
 
-bool completion_print(const char *shell, Buf *out)
+/* The completion script of a shell ("bash", "zsh", "fish"); false for another word. */
+static bool completion_print(const char *shell, Buf *out)
 {
     static const struct {
         const char *name;

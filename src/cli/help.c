@@ -58,7 +58,8 @@ void help_wrap(Buf *out, const char *text, size_t indent, size_t column)
     buf_add(out, "\n");
 }
 
-void help_print_spelling(const OptionRow *row, Buf *out)
+/* "-o, --output FILE", "    --stats[=FILE.json]" */
+static void help_print_spelling(const OptionRow *row, Buf *out)
 {
     if (row->letter)
         buf_format(out, "-%c%s", row->letter, row->name ? ", " : "");

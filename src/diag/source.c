@@ -8,13 +8,7 @@
 
 uint32_t source_add(SourceSet *set, const char *name, const char *path, const char *text, size_t length)
 {
-    if (set->n == set->capacity) {
-        uint32_t capacity = set->capacity ? set->capacity * 2 : 8;
-        Source *sources = ARENA_ARRAY(set->arena, Source, capacity);
-        if (set->n) memcpy(sources, set->sources, set->n * sizeof *sources);
-        set->sources = sources;
-        set->capacity = capacity;
-    }
+    ARENA_ROOM(set->arena, set->sources, set->capacity, set->n, 8);
     set->sources[set->n] = (Source){
         .name = arena_copy_text(set->arena, name, strlen(name)),
         .path = path ? arena_copy_text(set->arena, path, strlen(path)) : NULL,

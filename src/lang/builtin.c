@@ -62,7 +62,8 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
     result->kind = VALUE_POISON;
 }
 
-bool builtin_numbers(const BuiltinCall *call, Value *result)
+/* Are all arguments numbers? false after a report. */
+static bool builtin_numbers(const BuiltinCall *call, Value *result)
 {
     for (uint32_t i = 0; i < call->n; i++)
         if (call->args[i].kind != VALUE_NUMBER) {

@@ -7,8 +7,7 @@
 
 /* Reports that argument index has a wrong type; the result becomes poison. */
 void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, Value *result);
-/* Are all arguments numbers, and is the result finite? false after a report. */
-bool builtin_numbers(const BuiltinCall *call, Value *result);
+/* Is the result finite? false after a report. */
 bool builtin_finite(const BuiltinCall *call, Value *result);
 /* What rnd() is made of: for each number from argument `first` on, h = hash_u64(h ^ bits of the double). Vectors count as their
  * elements. false after a report. rnd() starts with the ASCII of "meniscus" and gives hash_to_unit(h). */

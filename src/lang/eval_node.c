@@ -6,15 +6,9 @@
 
 #include "lang/evaluator.h"
 
-void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node)
+static void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node)
 {
-    if (list->n == list->capacity) {
-        size_t capacity = list->capacity ? list->capacity * 2 : 4;
-        EvalNode **items = ARENA_ARRAY(evaluator->arena, EvalNode *, capacity);
-        if (list->n) memcpy(items, list->items, list->n * sizeof(EvalNode *));
-        list->items = items;
-        list->capacity = capacity;
-    }
+    ARENA_ROOM(evaluator->arena, list->items, list->capacity, list->n, 4);
     list->items[list->n++] = node;
 }
 

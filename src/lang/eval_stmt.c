@@ -8,7 +8,7 @@
 
 /* ---- transforms ---- */
 
-void eval_apply_transform(Evaluator *evaluator, const Affine *transform, Span span)
+static void eval_apply_transform(Evaluator *evaluator, const Affine *transform, Span span)
 {
     Target *target = evaluator->target;
     bool fits = target && (target->def || (target->type && target->type->flags & NODE_TRANSFORMS));

@@ -209,7 +209,6 @@ bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const 
 /* ---- statements (eval_stmt.c) ---- */
 
 void eval_block(Evaluator *evaluator, const Block *block);
-void eval_apply_transform(Evaluator *evaluator, const Affine *transform, Span span);
 
 /* ---- nodes (eval_node.c) ---- */
 
@@ -221,7 +220,6 @@ void eval_prop_stmt(Evaluator *evaluator, Stmt *stmt);
 void eval_missing_overrides(Evaluator *evaluator);
 /* Places an instance of a node that a function returned. */
 void eval_place_value(Evaluator *evaluator, const EvalNode *node, Span span);
-void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node);
 
 /* ---- properties (schema.c) ---- */
 

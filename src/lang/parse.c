@@ -216,12 +216,7 @@ static void parse_formals(Parser *parser, Def *def, Span opening)
     while (!parser->panic && parser->token.kind != TOKEN_PAREN_CLOSE) {
         Formal formal;
         if (!parse_formal(parser, &formal)) break;
-        if (def->n_formals == capacity) {
-            capacity = capacity ? capacity * 2 : 4;
-            Formal *formals = ARENA_ARRAY(parser->arena, Formal, capacity);
-            if (def->n_formals) memcpy(formals, def->formals, def->n_formals * sizeof *formals);
-            def->formals = formals;
-        }
+        ARENA_ROOM(parser->arena, def->formals, capacity, def->n_formals, 4);
         def->formals[def->n_formals++] = formal;
         if (!accept(parser, TOKEN_COMMA)) break;
     }
@@ -366,13 +361,7 @@ static Stmt *parse_flow(Parser *parser)
 static void remember_import(Parser *parser, Stmt *stmt)
 {
     File *file = parser->file;
-    if (file->n_imports == file->capacity) {
-        uint32_t capacity = file->capacity ? file->capacity * 2 : 8;
-        Stmt **imports = ARENA_ARRAY(parser->arena, Stmt *, capacity);
-        if (file->n_imports) memcpy(imports, file->imports, file->n_imports * sizeof(Stmt *));
-        file->imports = imports;
-        file->capacity = capacity;
-    }
+    ARENA_ROOM(parser->arena, file->imports, file->capacity, file->n_imports, 8);
     file->imports[file->n_imports++] = stmt;
 }
 
@@ -426,7 +415,7 @@ static Stmt *parse_kids(Parser *parser)
 }
 
 /* path = name [ "." name [ "." name [ "." name ] ] ] ; */
-Path parse_path(Parser *parser)
+static Path parse_path(Parser *parser)
 {
     Path path = {.span = token_span(parser)};
     Span span;

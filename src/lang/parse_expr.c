@@ -147,13 +147,7 @@ typedef struct ExprList {
 
 static void expr_list_add(Parser *parser, ExprList *list, Expr *expr)
 {
-    if (list->n == list->capacity) {
-        uint32_t capacity = list->capacity ? list->capacity * 2 : 4;
-        Expr **items = ARENA_ARRAY(parser->arena, Expr *, capacity);
-        if (list->n) memcpy(items, list->items, list->n * sizeof(Expr *));
-        list->items = items;
-        list->capacity = capacity;
-    }
+    ARENA_ROOM(parser->arena, list->items, list->capacity, list->n, 4);
     list->items[list->n++] = expr;
 }
 
@@ -457,12 +451,7 @@ Args parse_args(Parser *parser, Span opening)
     parser->brackets++;
     while (!parser->panic && parser->token.kind != TOKEN_PAREN_CLOSE) {
         Arg arg = parse_arg(parser);
-        if (args.n == capacity) {
-            capacity = capacity ? capacity * 2 : 4;
-            Arg *items = ARENA_ARRAY(parser->arena, Arg, capacity);
-            if (args.n) memcpy(items, args.items, args.n * sizeof *items);
-            args.items = items;
-        }
+        ARENA_ROOM(parser->arena, args.items, capacity, args.n, 4);
         args.items[args.n++] = arg;
         if (!accept_comma(parser, "',' or ')'", false)) break;
     }

@@ -102,7 +102,6 @@ Expr *parse_prim(Parser *parser);
 Expr *parse_unary(Parser *parser);
 Expr *parse_add(Parser *parser);
 Args parse_args(Parser *parser, Span opening); /* behind the '(' */
-Path parse_path(Parser *parser);
 Expr *expr_new(Parser *parser, ExprKind kind, Span span);
 
 #endif

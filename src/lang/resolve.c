@@ -38,7 +38,7 @@ void scope_end(Resolver *resolver)
     resolver->scope = resolver->scope->outer;
 }
 
-Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
+static Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
 {
     Binding *old = symbol->binding;
     bool again = old && old->scope == resolver->scope;

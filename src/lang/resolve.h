@@ -82,13 +82,10 @@ double srgb_decode(double encoded);
 void resolve_expr(Resolver *resolver, Expr *expr);
 /* Where a property takes a function: the name of one, also of a file in use; all else as resolve_expr does. */
 void resolve_function(Resolver *resolver, Expr *expr);
-void resolve_args(Resolver *resolver, Args *args);
 void resolve_node(Resolver *resolver, NodeExpr *node, bool expression);
 void resolve_block(Resolver *resolver, Block *block);
-Binding *resolve_path(Resolver *resolver, const Path *path);
 void scope_begin(Resolver *resolver);
 void scope_end(Resolver *resolver);
-Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span);
 Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span);
 Slot slot_of(const Resolver *resolver, const Binding *binding);
 void resolve_defaults_of(Resolver *resolver, NodeExpr *node);

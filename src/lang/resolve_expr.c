@@ -109,7 +109,7 @@ static void report_not_exported(Resolver *resolver, Span span, const File *file,
 }
 
 /* What a path with dots leads to through modules; NULL after a report, or for a single name that is not known. */
-Binding *resolve_path(Resolver *resolver, const Path *path)
+static Binding *resolve_path(Resolver *resolver, const Path *path)
 {
     Binding *binding = path->names[0]->binding;
     if (binding) binding->used = true;
@@ -251,7 +251,7 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
 
 /* ---- calls ---- */
 
-void resolve_args(Resolver *resolver, Args *args)
+static void resolve_args(Resolver *resolver, Args *args)
 {
     for (uint32_t i = 0; i < args->n; i++) resolve_expr(resolver, args->items[i].value);
 }

@@ -38,7 +38,8 @@ bool choice_allows(const char *choices, const char *word)
     return false;
 }
 
-size_t choice_words(Arena *arena, const char *choices, const char **words, size_t max)
+/* "a|b|c" as words, for suggestions and messages; returns how many of them there are (at most max are kept). */
+static size_t choice_words(Arena *arena, const char *choices, const char **words, size_t max)
 {
     size_t n = 0;
     for (const char *at = choices; at;) {

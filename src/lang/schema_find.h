@@ -12,8 +12,6 @@ const TermType *schema_term(const Schema *schema, const char *name);
 
 /* Is word one of "a|b|c"? */
 bool choice_allows(const char *choices, const char *word);
-/* "a|b|c" as words, for suggestions and messages; returns how many of them there are (at most max are kept). */
-size_t choice_words(Arena *arena, const char *choices, const char **words, size_t max);
 /* "a, b or c" */
 const char *choice_text(Arena *arena, const char *choices);
 

@@ -9,7 +9,8 @@ uint32_t scene_last_frame(const SceneAnimation *animation)
     return animation->first_frame + (animation->n_frames - 1);
 }
 
-SceneInstant scene_instant(const SceneAnimation *animation, uint32_t frame)
+/* The clock and time of a frame, which must be one of the animation's. */
+static SceneInstant scene_instant(const SceneAnimation *animation, uint32_t frame)
 {
     double n = animation->n_frames, before = (double)frame - animation->first_frame;
     double intervals = animation->cyclic ? n : n - 1;

@@ -32,8 +32,6 @@ typedef struct SceneInstant {
     double clock, time; /* 0..1; in seconds */
 } SceneInstant;
 
-/* The clock and time of a frame, which must be one of the animation's. */
-SceneInstant scene_instant(const SceneAnimation *animation, uint32_t frame);
 /* The frames that there are: the last one's number. */
 uint32_t scene_last_frame(const SceneAnimation *animation);
 
