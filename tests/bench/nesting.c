@@ -52,7 +52,7 @@ static void bench_gap(const char *what, const char *overlapping, const char *gap
     double ratio[RUNS];
     made_from_file(&a, overlapping);
     made_from_file(&b, gap);
-    compare_paths(&a, &b, 4, ratio);
+    compare_paths(&a, &b, 16, ratio);
     print_figure(what, ratio, RUNS, "x");
     made_clear(&a);
     made_clear(&b);
