@@ -310,6 +310,13 @@ static int compare_sizes(const void *left, const void *right)
     return a->object < b->object ? -1 : a->object > b->object;
 }
 
+/* Opaque, and of triangles: where such a one is large, rays near it are searched for as far as its corners are coarse. */
+static bool may_be_ground(const Remarks *r, uint32_t object)
+{
+    uint32_t shape = r->scene->objects[object].shape;
+    return shape != SCENE_NONE && r->scene->shapes[shape].mesh && r->compiled->hull_of_object[object] == SCENE_NONE;
+}
+
 /* The one object beyond a step of a factor of a thousand in the sizes of all. Bubbles are small, but there are many. */
 static void remark_odd_size(Remarks *r)
 {
@@ -331,7 +338,9 @@ static void remark_odd_size(Remarks *r)
                             object->name, factors[i], i ? "larger" : "smaller");
             Buf size = {0};
             report_add_length(&size, r->scene, ends[i]->size);
-            diag_hint(r->diag, report, "it is %s across; is that its unit?", buf_text(&size));
+            diag_hint(r->diag, report, "it is %s across; is that its unit?%s", buf_text(&size),
+                      i && may_be_ground(r, ends[i]->object) ? " A floor takes less time as a ground, which has no end"
+                                                             : "");
             buf_clear(&size);
         }
     }

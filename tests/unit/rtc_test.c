@@ -194,6 +194,16 @@ static void add_small_on_large(TestScene *s, double degrees)
             turned(40 * i, vec3(1, i, 1), vec3(3 * i - 3, 3, 2 * i - 2)));
 }
 
+/* The same on a floor of 20 km. */
+static void test_small_on_kilometres(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add_small_on_large(&s, 0);
+    add(&s, keep_mesh(&s, box_mesh(vec3(-1e6, -60, -1e6), vec3(1e6, 0, 1e6))), NULL, affine_identity());
+    expect_no_faults(&s, "small boxes on kilometres", 24);
+}
+
 static void test_small_on_large(void **state)
 {
     (void)state;
@@ -640,7 +650,39 @@ static void test_gap_is_kept(void **state)
     destroy(&s);
 }
 
-/* A thousand faces at one place are all found. */
+/* A floor of 20 km whose corners are all at one height stands at that height, however coarse they are along it: as it was made,
+ * and moved there from near by. What it was rounded to far from there before it was moved counts. */
+static void test_above_a_large_floor(void **state)
+{
+    (void)state;
+    static const struct {
+        double low, high, moved, pane;
+        size_t met_by_floor; /* what is met at one place with it */
+    } cases[] = {{-50, 0, 0, 0.02, 1}, {-50, 0, 0, 0, 2},      {-25, 25, -25, 0.02, 1},
+                 {-25, 25, -25, 0, 2}, {0, 1e6, -1e6, 0.02, 2}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        TestScene s = {0};
+        add(&s, keep_mesh(&s, box_mesh(vec3(-1e6, cases[i].low, -1e6), vec3(1e6, cases[i].high, 1e6))), NULL,
+            turned(0, vec3(1, 0, 0), vec3(0, cases[i].moved, 0)));
+        add(&s, keep_mesh(&s, box_mesh(vec3(-5, cases[i].pane, -5), vec3(5, cases[i].pane + 1, 5))), NULL,
+            affine_identity());
+        build(&s);
+        for (int from = 0; from < 2; from++) { /* near, and from above */
+            HitList hits = {0};
+            Ray ray = ray_make(vec3(1, from ? 400 : 9, -2), vec3f_normalize(vec3f(0.001F, -1, 0.002F)));
+            assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 1);
+            rtc_pass_on(&ray, hits.items, 1);
+            for (size_t n = 0; n < 2; n += hits.n) {
+                size_t met = rtc_nearest(s.rtc, &ray, &hits, NULL);
+                assert_int_equal(met, cases[i].met_by_floor);
+                rtc_pass_on(&ray, hits.items, met);
+            }
+            hit_list_clear(&hits);
+        }
+        destroy(&s);
+    }
+}
+
 /* Few solids are held against rays by themselves, many are in Embree's hierarchy: the same surfaces are met in both, by
  * rays along axes, too. Spheres far off make many of them. */
 static void test_few_as_many(void **state)
@@ -684,6 +726,7 @@ static void test_few_as_many(void **state)
     hit_list_clear(&many);
 }
 
+/* A thousand faces at one place are all found. */
 static void test_many_at_one_place(void **state)
 {
     (void)state;
@@ -781,6 +824,7 @@ int main(void)
         cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_coincident_boxes),
         cmocka_unit_test(test_small_on_large),
+        cmocka_unit_test(test_small_on_kilometres),
         cmocka_unit_test(test_solids),
         cmocka_unit_test(test_turned_and_moving_balls),
         cmocka_unit_test(test_many_hollow_pieces),
@@ -794,6 +838,7 @@ int main(void)
         cmocka_unit_test(test_corner_from_afar),
         cmocka_unit_test(test_grazed_in_front),
         cmocka_unit_test(test_gap_is_kept),
+        cmocka_unit_test(test_above_a_large_floor),
         cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
         cmocka_unit_test(test_hostile_rays),
