@@ -114,7 +114,8 @@ static double largest_along(Vec3 normal, Vec3 a, Vec3 b, Vec3 c)
 /* What a large triangle's plane can be off by at a place, along its normal: a floor of kilometres whose corners are all at one
  * height stands at that height, and what is a millimetre above it is not at one place with it. What a mesh was rounded to before
  * it was placed counts, too. */
-ATTR_COLD static double face_rounding(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal, double here)
+ATTR_COLD static double face_rounding(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal,
+                                      double here)
 {
     const RtcMesh *mesh = object->mesh;
     if (mesh->end || object->keys) return HUGE_VAL;

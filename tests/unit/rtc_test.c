@@ -658,8 +658,11 @@ static void test_above_a_large_floor(void **state)
     static const struct {
         double low, high, moved, pane;
         size_t met_by_floor; /* what is met at one place with it */
-    } cases[] = {{-50, 0, 0, 0.02, 1}, {-50, 0, 0, 0, 2},      {-25, 25, -25, 0.02, 1},
-                 {-25, 25, -25, 0, 2}, {0, 1e6, -1e6, 0.02, 2}};
+    } cases[] = {{-50, 0, 0, 0.02, 1},
+                 {-50, 0, 0, 0, 2},
+                 {-25, 25, -25, 0.02, 1},
+                 {-25, 25, -25, 0, 2},
+                 {0, 1e6, -1e6, 0.02, 2}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         TestScene s = {0};
         add(&s, keep_mesh(&s, box_mesh(vec3(-1e6, cases[i].low, -1e6), vec3(1e6, cases[i].high, 1e6))), NULL,
