@@ -96,7 +96,7 @@ static inline bool is_clear(const Query *query, const Hit *hit, Vec3 edge1, Vec3
     return LIKELY(nearest * fabs(slope) > EDGE_NOISE * length * scale) || rtc_line_is_clear(query, hit, scale);
 }
 
-/* A face so many times as large as what is at one of its places has corners far away: see face_rounding. */
+/* A face whose coordinates are so many times as large as those of a place on it: see coordinate_across. */
 #define LARGE_FACE 8
 
 static double largest_of(double a, double b, double c)
@@ -111,24 +111,23 @@ static double largest_along(Vec3 normal, Vec3 a, Vec3 b, Vec3 c)
            fabs(normal.z) * largest_of(a.z, b.z, c.z);
 }
 
-/* What a large triangle's plane can be off by at a place, along its normal: a floor of kilometres whose corners are all at one
- * height stands at that height, and what is a millimetre above it is not at one place with it. What a mesh was rounded to before
- * it was placed counts, too. */
-ATTR_COLD static double face_rounding(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal,
-                                      double here)
+/* The coordinate that a large triangle's plane is as coarse as, across: a floor of kilometres whose corners are all at one height
+ * stands at that height, and what is a millimetre above it is not at one place with it. What a mesh was rounded to before it was
+ * placed counts, too. INFINITY: not known. */
+ATTR_COLD static double coordinate_across(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal)
 {
     const RtcMesh *mesh = object->mesh;
-    if (mesh->end || object->keys) return HUGE_VAL;
-    double along = largest_along(normal, corner->a, corner->b, corner->c);
+    if (mesh->end || object->keys) return INFINITY;
+    double across = largest_along(normal, corner->a, corner->b, corner->c);
     if (mesh->moved || !mesh->baked) {
         Affine to_world = rtc_first_to_world(object);
         uint32_t of[3];
         rtc_triangle_of(mesh, hit->primitive, of);
         const Vec3f *local = mesh->source->positions;
-        along += largest_along(affine_normal(&to_world, normal), vec3_from_f(local[of[0]]), vec3_from_f(local[of[1]]),
-                               vec3_from_f(local[of[2]]));
+        across += largest_along(affine_normal(&to_world, normal), vec3_from_f(local[of[0]]), vec3_from_f(local[of[1]]),
+                                vec3_from_f(local[of[2]]));
     }
-    return TRUSTED_ULPS * UNIT_ROUNDING * double_max(here, along);
+    return across;
 }
 
 /* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
@@ -152,10 +151,12 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
         }
         return false;
     }
-    double here = vec3_max_abs(vec3_along(query->origin, t, query->direction));
-    double rounding = TRUSTED_ULPS * UNIT_ROUNDING * largest;
-    if (UNLIKELY(largest > LARGE_FACE * here))
-        rounding = double_min(rounding, face_rounding(object, hit, &corner, vec3_scale(normal, 1 / length), here));
+    double here = vec3_max_abs(vec3_along(query->origin, t, query->direction)), coordinate = largest;
+    if (UNLIKELY(largest > LARGE_FACE * here)) {
+        double across = coordinate_across(object, hit, &corner, vec3_scale(normal, 1 / length));
+        coordinate = double_min(largest, double_max(here, across));
+    }
+    double rounding = TRUSTED_ULPS * UNIT_ROUNDING * coordinate;
     if (ray->n_left) {
         if (is_left(query, hit->object, hit->primitive, t, cosine)) return false;
         if (UNLIKELY(t * fabs(cosine) <= 2 * rounding) && is_parallel(ray, normal, length) && !rtc_meets(query, hit))

@@ -94,23 +94,14 @@ void made_compile(Made *made, const char *path, Pool *pool)
     check_made(made, path, status, &error);
 }
 
-static void make(Made *made, const char *path, const char *text, Pool *pool)
-{
-    made_begin(made, path, text, pool);
-    made_compile(made, path, pool);
-}
-
-void made_from_text(Made *made, const char *text)
-{
-    make(made, "bench", text, NULL);
-}
 void made_with_pool(Made *made, const char *text, Pool *pool)
 {
-    make(made, "bench", text, pool);
+    made_begin(made, "bench", text, pool);
+    made_compile(made, "bench", pool);
 }
-void made_from_file(Made *made, const char *path)
+void made_from_text(Made *made, const char *text)
 {
-    make(made, path, NULL, NULL);
+    made_with_pool(made, text, NULL);
 }
 void made_with_params(Made *made, const char *path, const char *const *defines, size_t n)
 {
@@ -118,6 +109,10 @@ void made_with_params(Made *made, const char *path, const char *const *defines, 
     EvalOptions eval = {.defines = defines, .n_defines = n};
     check_made(made, path, build(made, path, NULL, &eval, NULL, &error), &error);
     made_compile(made, path, NULL);
+}
+void made_from_file(Made *made, const char *path)
+{
+    made_with_params(made, path, NULL, 0);
 }
 
 /* Whether all that is wrong with what was built is that it places nothing, or nothing that looks at it. */
