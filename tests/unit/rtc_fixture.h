@@ -82,8 +82,9 @@ typedef struct TestScene {
     Solid *solids[16];
     uint32_t n_solids;
     RtcScene *rtc;
-    bool at_edges; /* the rays are aimed at the edges of triangles */
-    Vec3 up;       /* not zero: walks start on that side of the origin */
+    bool at_edges;              /* the rays are aimed at the edges of triangles */
+    uint64_t crossings_a_fault; /* there, at least so many for each contradiction; 0: 500,000 */
+    Vec3 up;                    /* not zero: walks start on that side of the origin */
     uint32_t n_keys;
     double time; /* of the rays */
 } TestScene;
