@@ -117,7 +117,7 @@ static double largest_along(Vec3 normal, Vec3 a, Vec3 b, Vec3 c)
 ATTR_COLD static double coordinate_across(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal)
 {
     const RtcMesh *mesh = object->mesh;
-    if (mesh->end || object->keys) return INFINITY;
+    if (mesh->end || object->keys) return (double)INFINITY;
     double across = largest_along(normal, corner->a, corner->b, corner->c);
     if (mesh->moved || !mesh->baked) {
         Affine to_world = rtc_first_to_world(object);
