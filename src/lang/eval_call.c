@@ -54,8 +54,8 @@ static const struct {
     const char *name;
     ValueKind kind;
 } type_names[] = {
-    {"number", VALUE_NUMBER}, {"bool", VALUE_BOOL},   {"string", VALUE_STRING},       {"vec2", VALUE_VECTOR2},
-    {"vec3", VALUE_VECTOR3},  {"vec4", VALUE_VECTOR4}, {"color", VALUE_COLOR},         {"transform", VALUE_TRANSFORM},
+    {"number", VALUE_NUMBER}, {"bool", VALUE_BOOL},    {"string", VALUE_STRING}, {"vec2", VALUE_VECTOR2},
+    {"vec3", VALUE_VECTOR3},  {"vec4", VALUE_VECTOR4}, {"color", VALUE_COLOR},   {"transform", VALUE_TRANSFORM},
     {"list", VALUE_LIST},     {"range", VALUE_RANGE},  {"node", VALUE_NODE},
 };
 
@@ -66,18 +66,21 @@ static void report_unknown_type(Evaluator *evaluator, const Symbol *type, Span t
     Diagnostic *report = eval_report(evaluator, D_UNKNOWN_NAME, type_span, "unknown type '%s'", type->text);
     diag_suggest(evaluator->diag, report, type->text, words, COUNT_OF(words));
     if (!report->hint)
-        diag_hint(evaluator->diag, report,
-                  "the types are number bool string vec2 vec3 vec4 color transform list range node, and the node types");
+        diag_hint(
+            evaluator->diag, report,
+            "the types are number bool string vec2 vec3 vec4 color transform list range node, and the node types");
 }
 
-bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span, const char *name)
+bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span,
+                      const char *name)
 {
     if (!type || value->kind == VALUE_POISON) return true;
     bool fits = false, known = false;
     for (size_t i = 0; i < COUNT_OF(type_names); i++)
         if (strcmp(type->text, type_names[i].name) == 0) {
             known = true;
-            fits = value->kind == type_names[i].kind || (value->kind == VALUE_RANGE && type_names[i].kind == VALUE_LIST) ||
+            fits = value->kind == type_names[i].kind ||
+                   (value->kind == VALUE_RANGE && type_names[i].kind == VALUE_LIST) ||
                    (value->kind == VALUE_NUMBER && type_names[i].kind == VALUE_COLOR);
         }
     const NodeType *node = known ? NULL : schema_node(evaluator->schema, type->text);
@@ -171,7 +174,7 @@ static bool bind_fallbacks(Evaluator *evaluator, const Def *def, Span call_span,
     return fine;
 }
 
-static bool call_begin(Evaluator *evaluator, const Def *def, Span span)
+static bool call_begin(Evaluator *evaluator, Span span)
 {
     if (!eval_step(evaluator, span) || eval_stack_is_deep(evaluator, span)) return false;
     if (evaluator->calls >= evaluator->limits.calls) {
@@ -182,7 +185,6 @@ static bool call_begin(Evaluator *evaluator, const Def *def, Span span)
         evaluator->stop = true;
         return false;
     }
-    (void)def;
     evaluator->calls++;
     return true;
 }
@@ -206,13 +208,13 @@ void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
     const Def *def = expr->as.call.to.def;
     result->kind = VALUE_POISON;
     if (!def->body) {
-        Diagnostic *report =
-            eval_error(evaluator, expr, D_NOT_A_MACRO, "'%s' is a macro: it places nodes and has no value", def->name->text);
+        Diagnostic *report = eval_error(evaluator, expr, D_NOT_A_MACRO,
+                                        "'%s' is a macro: it places nodes and has no value", def->name->text);
         diag_hint(evaluator->diag, report, "a group of what it places is one: group { ... } around it");
         diag_note(evaluator->diag, report, def->span, "declared here");
         return;
     }
-    if (!call_begin(evaluator, def, expr->span)) return;
+    if (!call_begin(evaluator, expr->span)) return;
     Frame frame = frame_of_call(evaluator, def, expr->as.call.hops, expr->span);
     if (bind_args(evaluator, expr, def, frame.slots)) {
         evaluator->frame = &frame;
@@ -237,10 +239,11 @@ void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block)
 {
     const Def *def = expr->as.call.to.def;
     if (block && !def->calls_children) {
-        Diagnostic *report = eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' places no children()", def->name->text);
+        Diagnostic *report =
+            eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' places no children()", def->name->text);
         diag_note(evaluator->diag, report, def->span, "declared here");
     }
-    if (!call_begin(evaluator, def, expr->span)) return;
+    if (!call_begin(evaluator, expr->span)) return;
     Frame frame = frame_of_call(evaluator, def, expr->as.call.hops, expr->span);
     frame.children = block;
     frame.children_frame = evaluator->frame;
@@ -250,7 +253,7 @@ void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block)
 
 void eval_call_macro_values(Evaluator *evaluator, const Def *def, uint32_t hops, const Value *args, Span span)
 {
-    if (!call_begin(evaluator, def, span)) return;
+    if (!call_begin(evaluator, span)) return;
     Frame frame = frame_of_call(evaluator, def, hops, span);
     for (uint32_t i = 0; i < def->n_formals; i++) frame.slots[def->formals[i].slot.index] = args[i];
     run_macro(evaluator, &frame);
@@ -275,8 +278,9 @@ static Frame *capture_frame(Evaluator *evaluator, const Frame *frame)
 static bool takes_arguments(Evaluator *evaluator, Expr *expr, const EvalFunctionValue *function, bool on_surface)
 {
     const Def *def = function->def;
-    const char *forms = on_surface ? "of a place on a surface, f(p), f(x, y, z) or f(u, v), with normal, uv or footprint beside"
-                                   : "of a point, f(p), or of f(x, y, z)";
+    const char *forms =
+        on_surface ? "of a place on a surface, f(p), f(x, y, z) or f(u, v), with normal, uv or footprint beside"
+                   : "of a point, f(p), or of f(x, y, z)";
     uint32_t n_needed = 0;
     for (uint32_t i = 0; i < def->n_formals; i++) n_needed += !def->formals[i].fallback;
     bool fits = def->n_formals >= 1 && def->n_formals <= LIMIT_ARGUMENTS;
@@ -292,7 +296,8 @@ const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_
     uint32_t n_needed = 0;
     for (uint32_t i = 0; i < def->n_formals; i++) n_needed += !def->formals[i].fallback;
     bool by_coordinates = def->n_formals >= 3 && n_needed == 3;
-    if (!takes_arguments(evaluator, expr, &(EvalFunctionValue){.def = def, .by_coordinates = by_coordinates}, on_surface))
+    if (!takes_arguments(evaluator, expr, &(EvalFunctionValue){.def = def, .by_coordinates = by_coordinates},
+                         on_surface))
         return NULL;
     double bytes = (double)evaluator->n_globals * sizeof(Value) + sizeof(Evaluator);
     if (!eval_reserve(evaluator, bytes, expr->span)) return NULL;
@@ -335,7 +340,7 @@ bool eval_call_function(const EvalFunctionValue *function, const Value *args, Va
     *result = value_poison();
     evaluator->stack_base = (uintptr_t)&here;
     evaluator->frame = &top;
-    if (evaluator->stop || !call_begin(evaluator, def, function->span)) return false;
+    if (evaluator->stop || !call_begin(evaluator, function->span)) return false;
     Frame frame = {.def = def, .caller = &top, .call_span = function->span, .lexical = function->lexical};
     frame.slots = take_slots(evaluator, def->n_slots);
     for (uint32_t i = 0; i < def->n_formals; i++) frame.slots[def->formals[i].slot.index] = args[i];
@@ -375,7 +380,8 @@ void eval_call_builtin(Evaluator *evaluator, Expr *expr, Value *result)
         if (LIKELY(value->kind == VALUE_NUMBER)) {
             *result = value_number(builtin->unary(value->as.number));
             if (UNLIKELY(!value_is_finite(result))) {
-                eval_error(evaluator, expr, D_BAD_NUMBER, "%s(%g) is no finite number", builtin->name, value->as.number);
+                eval_error(evaluator, expr, D_BAD_NUMBER, "%s(%g) is no finite number", builtin->name,
+                           value->as.number);
                 result->kind = VALUE_POISON;
             }
             return;

@@ -25,6 +25,13 @@ const char *quote(const Parser *parser, uint32_t begin, uint32_t end)
     return whole ? arena_copy_text(parser->arena, text, length) : "...";
 }
 
+const char *quote_read(Parser *parser, Expr *(*parse)(Parser *))
+{
+    uint32_t begin = parser->token.begin;
+    parse(parser);
+    return quote(parser, begin, consumed_end(parser));
+}
+
 Diagnostic *report_at(Parser *parser, Span span, const char *format, ...)
 {
     va_list args;
@@ -148,9 +155,8 @@ static const char *foreign_value(Parser *parser, bool color)
     color |= at_color_word(parser);
     skip_color_words(parser);
     bool vector = parser->token.kind == TOKEN_LESS;
-    uint32_t begin = parser->token.begin;
-    parse_add(parser); /* "<0, 0, 0> <1, 1, 1>" compares nothing */
-    const char *value = quote(parser, begin, consumed_end(parser)), *word = habit_word(value);
+    const char *value = quote_read(parser, parse_add); /* "<0, 0, 0> <1, 1, 1>" compares nothing */
+    const char *word = habit_word(value);
     if (parser->panic || !color) return value;
     return vector && strcmp(value, "...") != 0
                ? arena_format(parser->arena, "rgb(%.*s)", (int)strlen(value) - 2, value + 1)
@@ -292,12 +298,7 @@ static bool parse_change(Parser *parser, Path path)
     Diagnostic *report = report_at(parser, span, "there is no '%c%c' here", sign, one ? sign : '=');
     advance(parser);
     advance(parser);
-    const char *value = "1";
-    if (!one) {
-        uint32_t begin = parser->token.begin;
-        parse_expr(parser);
-        value = quote(parser, begin, consumed_end(parser));
-    }
+    const char *value = one ? "1" : quote_read(parser, parse_expr);
     diag_hint(parser->diag, report, "write: %s := %s %c %s", name, name, sign, value);
     return true;
 }
@@ -324,10 +325,8 @@ static bool parse_element_change(Parser *parser, Path path)
     Diagnostic *report = report_at(parser, path.span, "the elements of a list do not change");
     while (parser->token.kind == TOKEN_BRACKET_OPEN) skip_brackets(parser);
     advance(parser);
-    uint32_t begin = parser->token.begin;
-    parse_expr(parser);
+    const char *value = quote_read(parser, parse_expr);
     if (parser->panic) return true;
-    const char *value = quote(parser, begin, consumed_end(parser));
     hint_write(parser, report,
                groups == 1 ? arena_format(parser->arena, "%s := [for (i in 0..<len(%s)) i == %s ? %s : %s[i]]", name,
                                           name, index, value, name)
@@ -343,10 +342,8 @@ bool parse_name_habit(Parser *parser, Path path)
         Diagnostic *report = expected_error(parser, arena_format(parser->arena, "'=' behind '%s'", word));
         parser->panic = false;
         advance(parser);
-        uint32_t begin = parser->token.begin;
-        parse_expr(parser);
-        if (!parser->panic)
-            diag_hint(parser->diag, report, "write: %s = %s", word, quote(parser, begin, consumed_end(parser)));
+        const char *value = quote_read(parser, parse_expr);
+        if (!parser->panic) diag_hint(parser->diag, report, "write: %s = %s", word, value);
         return true;
     }
     if (parse_element_change(parser, path)) return true;
@@ -519,10 +516,8 @@ static bool parse_listed_loop(Parser *parser)
     advance(parser);
     for (unsigned n = 0; parser->token.kind == TOKEN_COMMA && n < COUNT_OF(parts); n++) {
         advance(parser);
-        uint32_t begin = parser->token.begin;
-        parse_expr(parser);
+        parts[n] = quote_read(parser, parse_expr);
         if (parser->panic) return true;
-        parts[n] = quote(parser, begin, consumed_end(parser));
     }
     diag_hint(parser->diag, report, "write: for (%s in %s..%s%s%s) { ... }", variable, parts[0] ? parts[0] : "1",
               parts[1] ? parts[1] : "10", parts[2] ? " by " : "", parts[2] ? parts[2] : "");

@@ -33,6 +33,7 @@ void parse_directive(Parser *parser);
 /* -- what these files share -- */
 /* The text from begin to end on one line, for a hint; "..." where it is too long for that. */
 const char *quote(const Parser *parser, uint32_t begin, uint32_t end);
+const char *quote_read(Parser *parser, Expr *(*parse)(Parser *)); /* reads a nonterminal; its text, as quote has it */
 Diagnostic *report_at(Parser *parser, Span span, const char *format, ...) ATTR_PRINTF(3, 4);
 Span behind_last(const Parser *parser); /* the empty place behind the last consumed token */
 void hint_write(Parser *parser, Diagnostic *report, const char *text);

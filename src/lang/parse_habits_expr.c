@@ -105,9 +105,7 @@ bool parse_operator_habit(Parser *parser, Span operand)
     }
     Diagnostic *report = report_at(parser, token_span(parser), "'%s' is no operator", word);
     advance(parser);
-    uint32_t begin = parser->token.begin;
-    parse_unary(parser);
-    const char *a = quote(parser, operand.begin, operand.end), *b = quote(parser, begin, consumed_end(parser));
+    const char *a = quote(parser, operand.begin, operand.end), *b = quote_read(parser, parse_unary);
     hint_write(parser, report, arena_format(parser->arena, mod ? "%s %% %s" : "floor(%s / %s)", a, b));
     return true;
 }

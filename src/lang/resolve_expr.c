@@ -35,7 +35,8 @@ static Words visible_words(const Resolver *resolver, bool functions, bool nodes)
         for (const Symbol *symbol = table->buckets[i]; symbol; symbol = symbol->next_in_bucket)
             if (symbol->binding && !strchr(symbol->text, ' ')) add_word(&words, symbol->text);
     for (size_t i = 0; functions && i < builtin_count(); i++) add_word(&words, builtin_at(i)->name);
-    for (size_t i = 0; functions && i < resolver->schema->n_terms; i++) add_word(&words, resolver->schema->terms[i].name);
+    for (size_t i = 0; functions && i < resolver->schema->n_terms; i++)
+        add_word(&words, resolver->schema->terms[i].name);
     for (size_t i = 0; nodes && i < resolver->schema->n_nodes; i++) add_word(&words, resolver->schema->nodes[i].name);
     return words;
 }
@@ -239,8 +240,8 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         return expr->as.member.base;
     }
     if (!read_swizzle(expr)) {
-        Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span,
-                                         "'.%s' is no component", name->text);
+        Diagnostic *report =
+            diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
         diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
         Expr *base = expr->as.member.base;
         expr->kind = EXPR_POISON;
@@ -270,10 +271,10 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
     const char *name = expr->as.call.name;
     no_names(resolver, args, name);
     if (args->n >= min && args->n <= max) return;
-    const char *wanted = min == max                ? arena_format(resolver->arena, "%u", min)
-                         : max < BUILTIN_MAX_ARGS  ? arena_format(resolver->arena, "%u to %u", min, max)
-                         : args->n < min           ? arena_format(resolver->arena, "at least %u", min)
-                                                   : arena_format(resolver->arena, "at most %u", max);
+    const char *wanted = min == max               ? arena_format(resolver->arena, "%u", min)
+                         : max < BUILTIN_MAX_ARGS ? arena_format(resolver->arena, "%u to %u", min, max)
+                         : args->n < min          ? arena_format(resolver->arena, "at least %u", min)
+                                                  : arena_format(resolver->arena, "at most %u", max);
     Diagnostic *report =
         diag_report(resolver->diag, args->n < min ? D_MISSING_ARGUMENT : D_WRONG_ARGUMENT, expr->span,
                     "'%s' takes %s argument%s, not %u", name, wanted, min == max && min == 1 ? "" : "s", args->n);
@@ -295,7 +296,8 @@ static void report_no_function(Resolver *resolver, const Expr *callee, const Bin
         if (binding->has_span) diag_note(resolver->diag, report, binding->span, "declared here");
         return;
     }
-    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "unknown function '%s'", symbol->text);
+    Diagnostic *report =
+        diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "unknown function '%s'", symbol->text);
     if (schema_node(resolver->schema, symbol->text))
         diag_hint(resolver->diag, report, "'%s' is a node: write '%s { ... }'", symbol->text, symbol->text);
     else if (habit_word(symbol->text))
@@ -380,10 +382,34 @@ static void warn_of_radians(Resolver *resolver, const Expr *call)
     }
 }
 
+static bool is_literal_number(const Expr *expr)
+{
+    return expr->kind == EXPR_CONSTANT && expr->literal && expr->as.constant.value.kind == VALUE_NUMBER;
+}
+
+/* str(x, 0, 2) is POV-Ray's for what text() does: here it would put the two numbers behind x. */
+static void warn_of_format(Resolver *resolver, const Expr *call)
+{
+    const Expr *callee = call->as.call.callee;
+    const Arg *args = call->as.call.args.items;
+    if (callee->kind != EXPR_NAME || callee->as.name.symbol->binding || call->as.call.args.n != 3 ||
+        strcmp(callee->as.name.symbol->text, "str") != 0)
+        return;
+    if (!is_literal_number(args[1].value) || !is_literal_number(args[2].value)) return;
+    double digits = args[2].value->as.constant.value.as.number; /* -1: as many as there are */
+    Diagnostic *report = diag_report(resolver->diag, D_JOINED_NUMBERS, call->span,
+                                     "'str' puts its arguments in a row, also these numbers");
+    if (digits >= 0)
+        diag_hint(resolver->diag, report, "for %g digits behind the point: text(x, %g)", digits, digits);
+    else
+        diag_hint(resolver->diag, report, "leave them out: str(x)");
+}
+
 static void resolve_call(Resolver *resolver, Expr *expr)
 {
     Expr *callee = expr->as.call.callee;
     warn_of_radians(resolver, expr);
+    warn_of_format(resolver, expr);
     resolve_args(resolver, &expr->as.call.args);
     bool silent;
     const Binding *binding = callee_binding(resolver, callee, &silent);
@@ -414,7 +440,8 @@ static void resolve_call(Resolver *resolver, Expr *expr)
 static void report_no_node(Resolver *resolver, const NodeExpr *node)
 {
     const Symbol *symbol = node->path.names[0];
-    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node '%s'", symbol->text);
+    Diagnostic *report =
+        diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node '%s'", symbol->text);
     if (!note_later_declaration(resolver, report, symbol)) suggest_visible(resolver, report, symbol, false, true);
 }
 
