@@ -105,6 +105,13 @@ char *file_real_path(const char *path) { return realpath(path, NULL); }
 
 static Status cannot_write(Error *error, const char *path, int reason)
 {
+    char *folder = reason == ENOENT ? file_folder(path) : NULL; /* with its '/' */
+    bool folder_lacks = folder && *folder && access(folder, F_OK) != 0;
+    if (folder_lacks)
+        fail(error, STATUS_OUTPUT, "cannot write '%s': there is no folder '%.*s'", path, (int)strlen(folder) - 1,
+             folder);
+    free(folder);
+    if (folder_lacks) return STATUS_OUTPUT;
     return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
 }
 

@@ -87,8 +87,11 @@ static Status explain(const char *topic, Buf *out, Error *error)
     const char *habit = habit_block(topic);
     if (habit) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, habit);
     const char *near = nearest_topic(topic);
-    return fail(error, STATUS_USAGE, "there is no help for '%s'%s%s%s", topic, near ? "; did you mean '" : "",
-                near ? near : "", near ? "'?" : "");
+    if (near) return fail(error, STATUS_USAGE, "there is no help for '%s'; did you mean '%s'?", topic, near);
+    return fail(
+        error, STATUS_USAGE,
+        "there is no help for '%s', only for commands, nodes, properties, functions, and the library (help std)",
+        topic);
 }
 
 Status cmd_help(const Options *options, const Talk *talk, Error *error)

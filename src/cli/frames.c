@@ -34,10 +34,13 @@ static Status check_last(const Options *options, const SceneAnimation *animation
 {
     uint32_t first = animation->first_frame, last = scene_last_frame(animation);
     if (wanted <= last) return STATUS_OK;
-    fail(error, STATUS_USAGE, "option '--frames': %u..%u goes beyond the scene's frames, which are %u to %u%s",
-         options->values[OPTION_FRAMES].whole[0], wanted, first, last,
-         animation->n_frames == 1 ? "; --set animation.frames=120 makes an animation of it" : "");
-    return STATUS_USAGE;
+    uint32_t begin = options->values[OPTION_FRAMES].whole[0];
+    if (animation->n_frames > 1)
+        return fail(error, STATUS_USAGE, "option '--frames': %u..%u goes beyond the scene's frames, which are %u to %u",
+                    begin, wanted, first, last);
+    return fail(error, STATUS_USAGE,
+                "option '--frames': %u..%u of a scene that is no animation; --set animation.frames=%u makes it one",
+                begin, wanted, wanted - first + 1);
 }
 
 Status frames_choose(const Options *options, const SceneAnimation *animation, bool all, FrameList *list, Error *error)

@@ -58,7 +58,7 @@ static void report_camera(void *context)
         if (scene->cameras[i].name) names[n++] = scene->cameras[i].name;
     Diagnostic *diagnostic =
         diag_report_nowhere(diag, D_UNKNOWN_CAMERA, "--camera: the scene has no camera '%s'", report->wanted);
-    diag_suggest(diag, diagnostic, report->wanted, names, n);
+    diag_suggest_or_list(diag, diagnostic, report->wanted, names, n, "cameras");
 }
 
 static Status merge_camera(RenderRun *run, Error *error)

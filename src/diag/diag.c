@@ -7,6 +7,8 @@
 #include "diag/limits.h"
 #include "diag/suggest.h"
 
+enum { MOST_LISTED = 12 }; /* words in a note of what there is */
+
 static const struct {
     DiagSeverity severity;
     const char *slug, *cause, *cure;
@@ -188,6 +190,14 @@ void diag_suggest(Diag *diag, Diagnostic *report, const char *wrong, const char 
 {
     const char *nearest = suggest_nearest(wrong, candidates, n);
     if (nearest) diag_hint(diag, report, "did you mean '%s'?", nearest);
+}
+
+void diag_suggest_or_list(Diag *diag, Diagnostic *report, const char *wrong, const char *const *candidates, size_t n,
+                          const char *what)
+{
+    diag_suggest(diag, report, wrong, candidates, n);
+    if (report->hint || n > MOST_LISTED) return;
+    diag_note_nowhere(diag, report, "its %s: %s", what, n ? suggest_list(diag->arena, candidates, n, "and") : "none");
 }
 
 static int compare_places(const Diagnostic *a, const Diagnostic *b)

@@ -84,6 +84,9 @@ void diag_note(Diag *diag, Diagnostic *report, Span span, const char *format, ..
 void diag_note_nowhere(Diag *diag, Diagnostic *report, const char *format, ...) ATTR_PRINTF(3, 4);
 /* "did you mean 'X'?" when exactly one of the candidates is near enough to the wrong word. */
 void diag_suggest(Diag *diag, Diagnostic *report, const char *wrong, const char *const *candidates, size_t n);
+/* The same, and where none is near, a note of what there is: "its cameras: left and right". */
+void diag_suggest_or_list(Diag *diag, Diagnostic *report, const char *wrong, const char *const *candidates, size_t n,
+                          const char *what);
 
 /* A sink and its sources as they are, to come back to: what is added after diag_mark is forgotten by diag_rewind. */
 typedef struct DiagMark {

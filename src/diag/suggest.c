@@ -1,4 +1,4 @@
-/* suggest.c - the restricted Damerau-Levenshtein distance over bytes.
+/* suggest.c - the nearest word by the restricted Damerau-Levenshtein distance over bytes.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "diag/suggest.h"
 
@@ -50,6 +50,15 @@ static int equal_but_for_case(const char *a, const char *b, size_t n)
     for (size_t i = 0; i < n; i++)
         if (lower(a[i]) != lower(b[i])) return 0;
     return 1;
+}
+
+const char *suggest_list(Arena *arena, const char *const *words, size_t n, const char *last)
+{
+    const char *text = n ? words[0] : "nothing";
+    for (size_t i = 1; i < n; i++)
+        text = i + 1 < n ? arena_format(arena, "%s, %s", text, words[i])
+                         : arena_format(arena, "%s %s %s", text, last, words[i]);
+    return text;
 }
 
 const char *suggest_nearest(const char *wrong, const char *const *candidates, size_t n)

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -253,6 +254,8 @@ extern "C" Status color_config_open(const char *config, ColorConfig **out, Error
     ColorConfig *color = nullptr;
     const char *label = config ? config : "built-in";
     struct stat facts; /* yaml-cpp loses memory on a directory */
+    if (config && stat(config, &facts) != 0 && std::strncmp(config, "ocio://", 7) != 0)
+        return fail(error, STATUS_INPUT, "cannot read the OpenColorIO config '%s': %s", config, std::strerror(errno));
     if (config && stat(config, &facts) == 0 && S_ISDIR(facts.st_mode))
         return fail(error, STATUS_INPUT, "cannot read the OpenColorIO config '%s': it is a directory", config);
     Status status = guarded(error, "read the OpenColorIO config", label, [&]() {

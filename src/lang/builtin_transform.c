@@ -41,7 +41,7 @@ static Vec3 vector_of(const Value *value) { return vec3(value->as.v[0], value->a
 void run_rotate(const BuiltinCall *call, Value *result)
 {
     if (call->args[0].kind != VALUE_VECTOR3) {
-        builtin_wrong(call, 0, "an axis and an angle, or a vector of 3 angles", result);
+        builtin_wrong(call, 0, "an axis and an angle, as (y, 45), or a vector of 3 angles", result);
         return;
     }
     Vec3 v = vector_of(&call->args[0]);

@@ -368,7 +368,7 @@ static void report_unused_defines(Evaluator *evaluator)
         const Define *define = &evaluator->defines[i];
         if (define->used) continue;
         Diagnostic *report = eval_report(evaluator, D_UNKNOWN_PARAM, define->span, "the scene has no parameter '%s'", define->name);
-        diag_suggest(evaluator->diag, report, define->name, names, evaluator->n_params);
+        diag_suggest_or_list(evaluator->diag, report, define->name, names, evaluator->n_params, "parameters");
     }
 }
 
@@ -406,9 +406,7 @@ static void run_preset(Evaluator *evaluator)
         return;
     }
     Diagnostic *report = diag_report_nowhere(evaluator->diag, D_UNKNOWN_PRESET, "the scene has no preset '%s'", wanted);
-    diag_suggest(evaluator->diag, report, wanted, names, evaluator->n_presets);
-    for (size_t i = 0; i < evaluator->n_presets && !report->hint; i++)
-        diag_note(evaluator->diag, report, evaluator->presets[i].node->name_span, "there is this one");
+    diag_suggest_or_list(evaluator->diag, report, wanted, names, evaluator->n_presets, "presets");
 }
 
 static void run_scene(Evaluator *evaluator, File *prelude, File *scene)

@@ -66,6 +66,7 @@ static const EvalLibraryFile *library_file(const EvalOptions *options, const cha
  * another version. */
 static const char *search_file(Search *search, const EvalLibraryFile **library)
 {
+    if (library) *library = NULL;
     if (search->name[0] == 0) return NULL;
     if (search->name[0] == '/') return try_folder(search, "", 0);
     const Source *source = &search->diag->sources->sources[search->span.source];
@@ -79,6 +80,15 @@ static const char *search_file(Search *search, const EvalLibraryFile **library)
     return path;
 }
 
+static void suggest_library(const Search *search, Diagnostic *report)
+{
+    const EvalLibrary *library = search->options->library;
+    if (!library) return;
+    const char **names = ARENA_ARRAY(search->diag->arena, const char *, library->n_files);
+    for (size_t i = 0; i < library->n_files; i++) names[i] = library->files[i].name;
+    diag_suggest(search->diag, report, search->name, names, library->n_files);
+}
+
 static void report_missing(const Search *search)
 {
     Diag *diag = search->diag;
@@ -88,17 +98,21 @@ static void report_missing(const Search *search)
         return;
     }
     Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", search->name);
-    const EvalLibrary *library = search->options->library;
-    if (!library) return;
-    const char **names = ARENA_ARRAY(diag->arena, const char *, library->n_files);
-    for (size_t i = 0; i < library->n_files; i++) names[i] = library->files[i].name;
+    const EvalLibraryFile *library;
+    Search whole = *search; /* "std/media" */
+    whole.name = arena_format(diag->arena, "%s.mns", search->name);
     size_t length = strlen(search->name);
     if (length > 4 && strcmp(search->name + length - 4, ".inc") == 0)
         diag_hint(diag, report, "files of POV-Ray's are not read; meniscus help std lists what stands in their place");
+    else if (search_file(&whole, &library) || library)
+        diag_hint(diag, report, "did you mean '%s'?", whole.name);
     else
-        diag_suggest(diag, report, search->name, names, library->n_files);
+        suggest_library(search, report);
     if (!report->hint && strncmp(search->name, "std/", 4) == 0)
         diag_hint(diag, report, "meniscus help std lists what the library has");
+    if (!report->hint && search->name[0] && search->name[0] != '/')
+        diag_hint(diag, report,
+                  "files are sought beside the one that names them, and in the folders of -I and MENISCUS_PATH");
 }
 
 const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, const char *name)

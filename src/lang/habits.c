@@ -215,6 +215,11 @@ const char *habit_property_of(const char *node, const char *word)
     return NULL;
 }
 
+const char *habit_assignment(Arena *arena, const char *candidate, const char *value)
+{
+    return strchr(candidate, '=') ? candidate : arena_format(arena, "%s = %s", candidate, value);
+}
+
 const char *habit_advice(const char *node, const char *word)
 {
     return find_of_node(advice_rows, COUNT_OF(advice_rows), node, word);

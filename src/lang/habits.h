@@ -30,6 +30,8 @@ const char *habit_choice(const char *property, const char *word);
 const char *habit_unit(const char *word);
 const char *habit_property(const char *node, const char *word, unsigned number); /* the candidates, from number 0 */
 const char *habit_property_of(const char *node, const char *word);               /* of nodes of that very type */
+/* What is written for a candidate, with that value where the candidate does not bring its own. */
+const char *habit_assignment(Arena *arena, const char *candidate, const char *value);
 /* Of a word in a node of that type: a hint. */
 const char *habit_advice(const char *node, const char *word);
 bool habit_is_type(const char *word);

@@ -324,7 +324,8 @@ static void parse_loop_source(Parser *parser, Stmt *stmt)
 static void parse_loop_head(Parser *parser, Stmt *stmt)
 {
     Span opening = token_span(parser);
-    bool bare = !expect(parser, TOKEN_PAREN_OPEN, "behind 'for'"), no_blocks = parser->no_blocks;
+    bool bare = !accept(parser, TOKEN_PAREN_OPEN), no_blocks = parser->no_blocks;
+    Diagnostic *report = bare && !parser->panic ? expected_error(parser, "'(' behind 'for'") : NULL;
     if (bare) parser->panic = false; /* go on as if it were there */
     if (!bare && parse_counting_loop(parser)) return;
     parser->brackets += !bare;
@@ -332,6 +333,9 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
     if (expect_name(parser, "for the loop", &stmt->as.loop.name, &stmt->as.loop.name_span)) {
         parse_loop_source(parser, stmt);
         if (!bare && parser->token.kind == TOKEN_COMMA) parse_second_variable(parser, stmt->as.loop.name->text);
+        if (report && !parser->panic)
+            diag_hint(parser->diag, report, "write: for (%s) { ... }",
+                      quote(parser, stmt->as.loop.name_span.begin, consumed_end(parser)));
         if (bare)
             accept(parser, TOKEN_PAREN_CLOSE);
         else
@@ -615,13 +619,28 @@ static void report_stray_close(Parser *parser)
 }
 
 /* file = "meniscus" number [ "unit" unit ] { stmt } ; */
+/* Pictures, meshes and texts in UTF-16 have zeros among their first bytes: one report for all of that. */
+static bool is_text(const File *file, Diag *diag)
+{
+    const Source *source = &diag->sources->sources[file->source];
+    size_t length = source->length < NEAR_LOOK ? source->length : NEAR_LOOK;
+    const char *text = source->text;
+    if (!memchr(text, 0, length) || strstr(text, "meniscus")) return true;
+    Diagnostic *report = diag_report(diag, D_INVALID_UTF8, (Span){file->source, 0, 0}, "the file is no text in UTF-8");
+    bool wide = memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0;
+    diag_hint(diag, report,
+              wide ? "it is in UTF-16: save it as UTF-8" : "meniscus info says what pictures, meshes and grids hold");
+    return false;
+}
+
 void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTable *symbols)
 {
     Parser parser;
-    parser_init(&parser, file, file->source, unit_m > 0 ? unit_m : 1, diag, symbols);
     file->block = ARENA_NEW(diag->arena, Block); /* stays when the tree does not */
     file->block->span = (Span){file->source, 0, 0};
-    file->unit_m = parser.unit_m;
+    file->unit_m = unit_m > 0 ? unit_m : 1;
+    if (has_header && !is_text(file, diag)) return;
+    parser_init(&parser, file, file->source, file->unit_m, diag, symbols);
     if (has_header) {
         parse_header(&parser, unit_m);
         if (parser.panic) synchronize(&parser, 0, 0);

@@ -201,7 +201,7 @@ static void value_behind_name(Parser *parser, Path path)
     else
         hint_write(parser, report,
                    pattern ? habit_fill(parser->arena, pattern, value)
-                           : arena_format(parser->arena, "%s = %s", other ? other : word, value));
+                           : habit_assignment(parser->arena, other ? other : word, value));
     calm_down(parser);
 }
 

@@ -28,12 +28,21 @@ void scope_begin(Resolver *resolver)
     resolver->scope = scope;
 }
 
+static void report_unused(Resolver *resolver, const Binding *binding)
+{
+    const char *name = binding->symbol->text;
+    const Binding *outer = binding->shadowed;
+    Diagnostic *report = diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "'%s' is never used", name);
+    if (!outer || !outer->has_span || outer->kind != BINDING_SLOT || outer->span.source != binding->span.source) return;
+    diag_hint(resolver->diag, report,
+              "to change the '%s' outside of this block write: var %s = ... there, %s := ... here", name, name, name);
+}
+
 void scope_end(Resolver *resolver)
 {
     for (Binding *binding = resolver->scope->bindings; binding; binding = binding->next_in_scope) {
         binding->symbol->binding = binding->shadowed;
-        if (binding->warns && !binding->used && binding->symbol->text[0] != '_')
-            diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "'%s' is never used", binding->symbol->text);
+        if (binding->warns && !binding->used && binding->symbol->text[0] != '_') report_unused(resolver, binding);
     }
     resolver->scope = resolver->scope->outer;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/num.h"
+#include "diag/suggest.h"
 #include "lang/evaluator.h"
 #include "lang/habits.h"
 
@@ -52,20 +53,10 @@ static size_t choice_words(Arena *arena, const char *choices, const char **words
 
 enum { MAX_CHOICES = 64 };
 
-/* "a, b and c" */
-static const char *word_list(Arena *arena, const char *const *words, size_t n, const char *last)
-{
-    const char *text = n ? words[0] : "nothing";
-    for (size_t i = 1; i < n; i++)
-        text = i + 1 < n ? arena_format(arena, "%s, %s", text, words[i])
-                         : arena_format(arena, "%s %s %s", text, last, words[i]);
-    return text;
-}
-
 const char *choice_text(Arena *arena, const char *choices)
 {
     const char *words[MAX_CHOICES];
-    return word_list(arena, words, choice_words(arena, choices, words, MAX_CHOICES), "or");
+    return suggest_list(arena, words, choice_words(arena, choices, words, MAX_CHOICES), "or");
 }
 
 const char *with_article(Arena *arena, const char *name)
@@ -81,8 +72,8 @@ void report_unknown_property(Diag *diag, Span span, const NodeType *type, const 
     Diagnostic *report = diag_report(diag, D_UNKNOWN_PROPERTY, span, "'%s' has no property '%s'", type->name, name);
     const char *other;
     for (unsigned i = 0; (other = habit_property(type->name, name, i)); i++)
-        if (schema_prop(type, other)) {
-            diag_hint(diag, report, "write: %s = ...", other);
+        if (schema_prop(type, arena_copy_text(diag->arena, other, strcspn(other, " ")))) {
+            diag_hint(diag, report, "write: %s", habit_assignment(diag->arena, other, "..."));
             return;
         }
     const char *advice = habit_advice(type->name, name);
@@ -93,7 +84,7 @@ void report_unknown_property(Diag *diag, Span span, const NodeType *type, const 
     diag_suggest(diag, report, name, words, type->n_props);
     if (!report->hint && type->n_props)
         diag_note_nowhere(diag, report, "%s has %s", with_article(diag->arena, type->name),
-                          word_list(diag->arena, words, type->n_props, "and"));
+                          suggest_list(diag->arena, words, type->n_props, "and"));
 }
 
 /* ---- messages ---- */
@@ -139,6 +130,13 @@ typedef struct Check {
     size_t element; /* from 1, of a list; 0: the value itself */
 } Check;
 
+static bool is_name(const char *text)
+{
+    static const char digits[] = "0123456789",
+                      letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_.0123456789";
+    return *text && !strchr(digits, *text) && !text[strspn(text, letters)];
+}
+
 /* How a value of the wanted kind is written, where that is not plain from its name. */
 static void hint_form(const Check *check, const Value *value, Diagnostic *report)
 {
@@ -155,6 +153,11 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
         diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
     if ((kind == PROP_VECTOR2 || kind == PROP_VECTORS2) && parts) diag_hint(diag, report, "write: <x, y>");
+    if (value->kind != VALUE_STRING) return;
+    if (kind == PROP_VECTOR2) diag_hint(diag, report, "write: <x, y>, without quotation marks");
+    if (check->type->flags & PROP_TEXTURE) diag_hint(diag, report, "of a picture write: image { file = \"...\" }");
+    if (kind == PROP_NODE && is_name(value->as.text))
+        diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
 
 static bool wrong_type(const Check *check, const Value *value)
@@ -194,6 +197,17 @@ static bool number_allowed(const PropType *type, double number)
     return !(type->flags & PROP_OPEN_MAX ? number >= type->max : number > type->max);
 }
 
+/* rgb(255, 128, 0) */
+static void hint_bytes(const Check *check, const double *numbers, size_t n, Diagnostic *report)
+{
+    PropKind kind = check->type->kind;
+    if (n != 3 || (kind != PROP_COLOR && kind != PROP_SPECTRUM) || check->type->max != 1) return;
+    for (size_t i = 0; i < n; i++)
+        if (numbers[i] < 0 || numbers[i] > 255 || numbers[i] != floor(numbers[i])) return;
+    diag_hint(check->evaluator->diag, report, "of a screen's values from 0 to 255 write: #%02x%02x%02x",
+              (unsigned)numbers[0], (unsigned)numbers[1], (unsigned)numbers[2]);
+}
+
 static bool check_numbers(const Check *check, const double *numbers, size_t n)
 {
     const PropType *type = check->type;
@@ -204,8 +218,9 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
         if (!isfinite(numbers[i]))
             eval_error(check->evaluator, check->expr, D_BAD_NUMBER, "'%s' is not finite", type->name);
         else if (!number_allowed(type, numbers[i]))
-            eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name, text,
-                       schema_bounds_text(arena, type));
+            hint_bytes(check, numbers, n,
+                       eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name, text,
+                                  schema_bounds_text(arena, type)));
         else
             eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name, text);
         return false;

@@ -345,7 +345,9 @@ static void check_whole(Builder *b)
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
         diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
     else if (!shines && (!scene->environment || environment_is_black(scene->environment)) && !any_emits(scene))
-        diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black");
+        diag_hint(b->diag,
+                  diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black"),
+                  "write: environment { color = .5 }, for light from all around");
     for (uint32_t i = 0; i < scene->n_lights && !scene->environment; i++)
         if (scene->lights[i].kind == LIGHT_PORTAL)
             diag_report(b->diag, D_IDLE_PORTAL, scene->lights[i].span,

@@ -124,7 +124,7 @@ cannot() {
     end
 }
 cannot "cannot write 'folder.exr': it is a folder" -o folder.exr
-cannot "cannot write 'missing/a.exr': No such file or directory" -o missing/a.exr
+cannot "cannot write 'missing/a.exr': there is no folder 'missing'" -o missing/a.exr
 cannot "cannot write 'long.mns/a.exr': Not a directory" -o long.mns/a.exr
 cannot "cannot write 'missing/s.json'" -o a.exr --stats=missing/s.json
 

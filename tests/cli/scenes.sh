@@ -7,6 +7,36 @@ exits 4
 says err "cannot read 'missing.mns': No such file or directory"
 end
 
+begin "a picture, and a text in UTF-16, in place of a scene: one message"
+small_scene
+run render small.mns -o a.exr
+run check a.exr
+exits 3
+says err "a.exr:1:1: error: the file is no text in UTF-8"
+says err "a.exr: 1 error"
+printf '\377\376m\000e\000' > wide.mns
+run check wide.mns
+exits 3
+says err "it is in UTF-16: save it as UTF-8"
+says err "wide.mns: 1 error"
+run fmt --check wide.mns
+exits 3
+end
+
+begin "names that options give and the scene has not: what there is"
+small_scene
+echo 'preset draft { render { samples = 1 } }' >> small.mns
+run check small.mns -D x=1
+exits 3
+says err "its parameters: level"
+run check small.mns --preset x
+exits 3
+says err "its presets: draft"
+run render small.mns --camera x -o a.exr
+exits 3
+says err "its cameras: camera 1"
+end
+
 begin "a folder as a scene: status 4"
 mkdir folder.mns
 run render folder.mns

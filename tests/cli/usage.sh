@@ -62,6 +62,9 @@ refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-me
 refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughnes
 refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
 refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smothstep
+refuses "there is no help for 'window-frames', only for commands, nodes" help window-frames
+refuses "1..10 of a scene that is no animation; --set animation.frames=10 makes it one" render small.mns --frames 1..10
+refuses "to render 'small.mns', write its whole name" small
 
 begin "a file without dot or slash: a hint"
 small_scene
