@@ -161,22 +161,6 @@ static Status create_beside(const char *target, const char *shown, char **tempor
     return cannot_write(error, shown, reason);
 }
 
-Status file_temporary_path(const char *path, char **temporary, Error *error)
-{
-    *temporary = NULL;
-    if (is_plain(path)) {
-        *temporary = copy_of(path);
-        return *temporary ? STATUS_OK : fail_memory(error, strlen(path) + 1, "a file name");
-    }
-    char *target = followed(path);
-    if (!target) return fail_memory(error, strlen(path) + 1, "a file name");
-    int descriptor;
-    Status status = create_beside(target, path, temporary, &descriptor, error);
-    if (status == STATUS_OK) close(descriptor);
-    free(target);
-    return status;
-}
-
 /* The rename itself is on disk only when its folder is. A folder that cannot be opened is no failure: the file
  * is there for every process, only not yet safe from a power cut. */
 static void sync_folder(const char *path)
@@ -207,23 +191,11 @@ static Status rename_followed(const char *temporary, const char *path, Error *er
     return status;
 }
 
-Status file_rename_into_place(const char *temporary, const char *path, Error *error)
-{
-    if (strcmp(temporary, path) == 0) return STATUS_OK;
-    int descriptor = open(temporary, O_RDONLY | O_CLOEXEC);
-    Status status = STATUS_OK;
-    if (descriptor < 0 || fsync(descriptor) != 0) status = cannot_write(error, path, errno);
-    if (descriptor >= 0) close(descriptor);
-    if (status == STATUS_OK) status = rename_followed(temporary, path, error);
-    if (status != STATUS_OK) unlink(temporary);
-    return status;
-}
-
 Status file_create(FileOut *out, const char *path, Error *error)
 {
     *out = (FileOut){.plain = is_plain(path), .path = copy_of(path)};
     if (!out->path) return fail_memory(error, strlen(path) + 1, "a file name");
-    int descriptor;
+    int descriptor = -1;
     if (strcmp(path, "-") == 0) {
         descriptor = dup(STDOUT_FILENO);
     } else if (out->plain) {

@@ -30,12 +30,6 @@ ATTR_NODISCARD Status file_create(FileOut *out, const char *path, Error *error);
 ATTR_NODISCARD Status file_commit(FileOut *out, Error *error);
 void file_abandon(FileOut *out); /* close and delete; safe after a failed create or commit */
 
-/* The two halves for libraries that open files by name themselves: a malloc'd temporary path beside
- * path (same folder), and the sync + rename at the end. For a device or "-" *temporary is a copy of
- * path and the rename is left out. */
-ATTR_NODISCARD Status file_temporary_path(const char *path, char **temporary, Error *error);
-ATTR_NODISCARD Status file_rename_into_place(const char *temporary, const char *path, Error *error);
-
 /* malloc'd folder of path with the trailing '/', "" when it has none; NULL when memory ends */
 char *file_folder(const char *path);
 /* malloc'd absolute path without symbolic links, "." and ".."; NULL when there is no such file */

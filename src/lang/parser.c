@@ -111,6 +111,66 @@ bool expect(Parser *parser, TokenKind kind, const char *context)
     return false;
 }
 
+/* ---- looking ahead without reporting ---- */
+
+/* Words that begin a statement and nothing else; 'let', 'for' and 'if' stand within expressions, too. */
+static bool begins_only_statements(TokenKind kind)
+{
+    switch (kind) {
+    case TOKEN_VAR:
+    case TOKEN_PARAM:
+    case TOKEN_DEF:
+    case TOKEN_DEFAULTS:
+    case TOKEN_WHILE:
+    case TOKEN_USE:
+    case TOKEN_INCLUDE: return true;
+    default: return false;
+    }
+}
+
+void look_from(const Parser *parser, Look *look)
+{
+    look->lexer = parser->lexer;
+    look->mute = (Diag){.arena = parser->diag->arena, .sources = parser->diag->sources};
+    look->lexer.diag = &look->mute;
+}
+
+Token peek(const Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    return lexer_next(&look.lexer);
+}
+
+/* Are so many open ones closed before the statement ends? */
+static bool brackets_close_ahead(const Parser *parser, int brackets)
+{
+    Look look;
+    look_from(parser, &look);
+    int braces = 0;
+    for (Token token = parser->token;; token = lexer_next(&look.lexer)) {
+        switch (token.kind) {
+        case TOKEN_PAREN_OPEN:
+        case TOKEN_BRACKET_OPEN: brackets++; break;
+        case TOKEN_PAREN_CLOSE:
+        case TOKEN_BRACKET_CLOSE:
+            if (--brackets == 0) return true;
+            break;
+        case TOKEN_BRACE_OPEN: braces++; break;
+        case TOKEN_BRACE_CLOSE:
+            if (--braces < 0) return false;
+            break;
+        case TOKEN_END: return false;
+        default:
+            if (braces == 0 && (token.kind == TOKEN_SEMICOLON || begins_only_statements(token.kind))) return false;
+            break;
+        }
+        if (token.begin > parser->token.begin + NEAR_LOOK) return false;
+    }
+}
+
+/* ---- closing brackets ---- */
+
 /* What the elements of a vector have no room for, since '>' ends them. */
 static bool begins_comparison(TokenKind kind)
 {
@@ -204,21 +264,6 @@ bool starts_value(const Parser *parser)
     return begins_value(parser->token.kind);
 }
 
-/* Words that begin a statement and nothing else; 'let', 'for' and 'if' stand within expressions, too. */
-static bool begins_only_statements(TokenKind kind)
-{
-    switch (kind) {
-    case TOKEN_VAR:
-    case TOKEN_PARAM:
-    case TOKEN_DEF:
-    case TOKEN_DEFAULTS:
-    case TOKEN_WHILE:
-    case TOKEN_USE:
-    case TOKEN_INCLUDE: return true;
-    default: return false;
-    }
-}
-
 void skip_brackets(Parser *parser)
 {
     int depth = 0;
@@ -229,48 +274,6 @@ void skip_brackets(Parser *parser)
         if (kind == TOKEN_END) return;
         advance(parser);
     } while (depth > 0);
-}
-
-/* ---- looking ahead without reporting ---- */
-
-void look_from(const Parser *parser, Look *look)
-{
-    look->lexer = parser->lexer;
-    look->mute = (Diag){.arena = parser->diag->arena, .sources = parser->diag->sources};
-    look->lexer.diag = &look->mute;
-}
-
-Token peek(const Parser *parser)
-{
-    Look look;
-    look_from(parser, &look);
-    return lexer_next(&look.lexer);
-}
-
-bool brackets_close_ahead(const Parser *parser, int brackets)
-{
-    Look look;
-    look_from(parser, &look);
-    int braces = 0;
-    for (Token token = parser->token;; token = lexer_next(&look.lexer)) {
-        switch (token.kind) {
-        case TOKEN_PAREN_OPEN:
-        case TOKEN_BRACKET_OPEN: brackets++; break;
-        case TOKEN_PAREN_CLOSE:
-        case TOKEN_BRACKET_CLOSE:
-            if (--brackets == 0) return true;
-            break;
-        case TOKEN_BRACE_OPEN: braces++; break;
-        case TOKEN_BRACE_CLOSE:
-            if (--braces < 0) return false;
-            break;
-        case TOKEN_END: return false;
-        default:
-            if (braces == 0 && (token.kind == TOKEN_SEMICOLON || begins_only_statements(token.kind))) return false;
-            break;
-        }
-        if (token.begin > parser->token.begin + NEAR_LOOK) return false;
-    }
 }
 
 /* ---- the way back from a mistake ---- */

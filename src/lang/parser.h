@@ -87,8 +87,6 @@ typedef struct Look {
 
 void look_from(const Parser *parser, Look *look);
 Token peek(const Parser *parser); /* the token behind the next one */
-/* Are so many open ones closed before the statement ends? */
-bool brackets_close_ahead(const Parser *parser, int brackets);
 
 /* -- nonterminals -- */
 Stmt *parse_stmt(Parser *parser);

@@ -40,18 +40,6 @@ Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool normals, bool uv
     return STATUS_OK;
 }
 
-Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error)
-{
-    Mesh *made;
-    TRY(mesh_new(mesh->n_vertices, mesh->n_triangles, mesh->normals != NULL, mesh->uvs != NULL, &made, error));
-    memcpy(made->positions, mesh->positions, mesh->n_vertices * sizeof *made->positions);
-    memcpy(made->triangles, mesh->triangles, mesh->n_triangles * sizeof *made->triangles);
-    if (made->normals) memcpy(made->normals, mesh->normals, mesh->n_vertices * sizeof *made->normals);
-    if (made->uvs) memcpy(made->uvs, mesh->uvs, mesh->n_vertices * 2 * sizeof *made->uvs);
-    *copy = made;
-    return STATUS_OK;
-}
-
 /* All that makes a vertex itself, as bits; -0 is 0. */
 enum { MAX_VERTEX_WORDS = 8 };
 typedef struct VertexKey {

@@ -25,7 +25,6 @@ void mesh_free(Mesh *mesh); /* the arrays and the mesh itself; NULL is fine */
 /* A mesh with zeroed arrays of that size; normals and uvs only when asked for. */
 ATTR_NODISCARD Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool normals, bool uvs, Mesh **mesh,
                                Error *error);
-ATTR_NODISCARD Status mesh_copy(const Mesh *mesh, Mesh **copy, Error *error);
 
 /* Whether two meshes differ in nothing but places and normals. */
 bool mesh_same_triangles(const Mesh *a, const Mesh *b);
@@ -124,8 +123,5 @@ double mesh_volume(const Mesh *mesh);
  * on the rounds and meet the flat faces' own at their borders). STATUS_SCENE when the box has no volume or
  * the bevel is more than half of its shortest side. */
 ATTR_NODISCARD Status mesh_make_box(Vec3 from, Vec3 to, double bevel, unsigned segments, Mesh **mesh, Error *error);
-/* A sphere about the origin: an icosahedron whose triangles were split in four `subdivisions` times (0..9),
- * 20 * 4^subdivisions triangles, vertices on the sphere, with the sphere's normals. */
-ATTR_NODISCARD Status mesh_make_sphere(double radius, unsigned subdivisions, Mesh **mesh, Error *error);
 
 #endif

@@ -527,55 +527,6 @@ void piece_gradients(const Piece *piece, Vec3 p, Vec3 *du, Vec3 *dv)
     }
 }
 
-/* x moved into [low + margin, high - margin]; the middle when that is empty */
-static double keep_inside(double x, double low, double high, double margin)
-{
-    if (!(high - low > 2 * margin)) return 0.5 * (low + high);
-    return fmin(fmax(x, low + margin), high - margin);
-}
-
-static Vec3 arc_inset(const Piece *piece, Vec3 p, double margin)
-{
-    Tube tube = tube_of(piece);
-    double r = sqrt(p.x * p.x + p.z * p.z);
-    double r0 = piece->r0 - tube.centre_r, y0 = piece->y0 - tube.centre_y;
-    double whole = arc_angle(piece, piece->r1, piece->y1), length = sqrt(tube.squared) * whole;
-    double along = length * arc_fraction(piece, r, p.y);
-    double low = 0, high = length;
-    /* The pole of a sphere is no edge. */
-    if (tube.centre_r == 0 && piece->r0 == 0) low = -length;
-    if (tube.centre_r == 0 && piece->r1 == 0) high = 2 * length;
-    double kept = keep_inside(along, low, high, margin);
-    if (kept == along) return p;
-    double angle = arc_side(piece) * whole * clamp_unit(kept / length), c = cos(angle), s = sin(angle);
-    double new_r = fmax(tube.centre_r + r0 * c - y0 * s, 0);
-    Vec3 out = away_from_axis(p);
-    return vec3(out.x * new_r, tube.centre_y + r0 * s + y0 * c, out.z * new_r);
-}
-
-Vec3 piece_inset(const Piece *piece, Vec3 p, double margin)
-{
-    if (piece->kind == PIECE_RECT)
-        return vec3(keep_inside(p.x, -piece->r0, piece->r0, margin), 0,
-                    keep_inside(p.z, -piece->r1, piece->r1, margin));
-    if (is_arc(piece)) return arc_inset(piece, p, margin);
-    if (piece->kind != PIECE_BAND) return p;
-    double er = piece->r1 - piece->r0;
-    double ey = piece->y1 - piece->y0;
-    double length = sqrt(er * er + ey * ey);
-    double along = length * band_fraction(piece, sqrt(p.x * p.x + p.z * p.z), p.y);
-    double low = 0, high = length;
-    /* A disc has no edge at its centre; a cone's tip is one. */
-    if (ey == 0 && piece->r0 == 0) low = -length;
-    if (ey == 0 && piece->r1 == 0) high = 2 * length;
-    double kept = keep_inside(along, low, high, margin);
-    if (kept == along) return p;
-    double s = clamp_unit(kept / length);
-    double r = piece->r0 + s * er;
-    Vec3 out = away_from_axis(p);
-    return vec3(out.x * r, piece->y0 + s * ey, out.z * r);
-}
-
 HalfBox piece_half_bounds(const Piece *piece)
 {
     if (piece->kind == PIECE_TORUS)

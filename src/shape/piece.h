@@ -89,9 +89,6 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
 /* How u and v change at a point of the surface: their gradients along it, in the piece's frame; zero on the axis, where u
  * has none. */
 void piece_gradients(const Piece *piece, Vec3 p, Vec3 *du, Vec3 *dv);
-/* The point nearest to p (a point on the surface) that keeps at least `margin` from the piece's edges,
- * along the surface; the middle when the piece is narrower than that. */
-Vec3 piece_inset(const Piece *piece, Vec3 p, double margin);
 Box3 piece_bounds(const Piece *piece);
 /* The area of a piece in its own frame; 0 for a plane without end. */
 double piece_area(const Piece *piece);

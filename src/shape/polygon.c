@@ -32,22 +32,6 @@ bool outline2_end_loop(Outline2 *outline)
     return true;
 }
 
-double polygon_area(const Outline2 *outline)
-{
-    double area = 0;
-    size_t begin = 0;
-    for (size_t loop = 0; loop < outline->n_loops; loop++) {
-        size_t end = outline->loop_ends[loop];
-        for (size_t i = begin; i < end; i++) {
-            Point2 a = outline->points[i].at, b = outline->points[i + 1 < end ? i + 1 : begin].at,
-                   o = outline->points[begin].at;
-            area += 0.5 * ((a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x));
-        }
-        begin = end;
-    }
-    return area;
-}
-
 /* ---- edges ---- */
 
 /* Part of an edge of the outline, as it is walked, with what it needs to become an edge of the result. */

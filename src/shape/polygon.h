@@ -56,7 +56,4 @@ ATTR_NODISCARD Status polygon_clean(Outline2 *outline, FillRule rule, Error *err
 ATTR_NODISCARD Status polygon_triangulate(const Outline2 *outline, uint32_t (**triangles)[3], size_t *n_triangles,
                                           Error *error);
 
-/* Enclosed area; positive with the inside on the left. */
-double polygon_area(const Outline2 *outline);
-
 #endif

@@ -143,32 +143,7 @@ static void test_refusals(void **state)
     assert_int_equal(mesh_make_box(vec3(0, 0, 0), vec3(1, 1, 1), 0.1, 0, &mesh, &error), STATUS_SCENE);
     assert_int_equal(mesh_make_box(vec3(0, 0, 0), vec3(1, 1, 1), 0.1, 257, &mesh, &error), STATUS_SCENE);
     assert_int_equal(mesh_make_box(vec3(0, 0, (double)NAN), vec3(1, 1, 1), 0, 0, &mesh, &error), STATUS_SCENE);
-    assert_int_equal(mesh_make_sphere(0, 1, &mesh, &error), STATUS_SCENE);
-    assert_int_equal(mesh_make_sphere(1, 10, &mesh, &error), STATUS_SCENE);
     assert_null(mesh);
-}
-
-static void test_sphere(void **state)
-{
-    (void)state;
-    const double radius = 3;
-    double volume = 4 * pi / 3 * 27, error_before = HUGE_VAL;
-    for (unsigned subdivisions = 0; subdivisions <= 6; subdivisions++) {
-        Mesh *mesh = NULL;
-        assert_int_equal(mesh_make_sphere(radius, subdivisions, &mesh, NULL), STATUS_OK);
-        assert_int_equal(mesh->n_triangles, 20U << 2 * subdivisions);
-        MeshReport report = inspected(mesh);
-        assert_true(report.closed);
-        assert_int_equal(report.n_components, 1);
-        double off = volume - report.volume;
-        assert_true(off > 0 && off < error_before / 2.5);
-        error_before = off;
-        for (uint32_t i = 0; i < mesh->n_vertices; i++) {
-            assert_near(vec3_length(vec3_from_f(mesh->positions[i])), radius, 1e-6);
-            assert_near(vec3_dot(vec3_from_f(mesh->positions[i]), vec3_from_f(mesh->normals[i])), radius, 1e-6);
-        }
-        mesh_free(mesh);
-    }
 }
 
 int main(void)
@@ -180,7 +155,6 @@ int main(void)
         cmocka_unit_test(test_faces_stay_flat),
         cmocka_unit_test(test_bevels_at_their_limits),
         cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_sphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,14 +3,15 @@
 #include "test.h"
 
 #include "base/hash.h"
+#include "icosphere.h"
 #include "mesh/exact.h"
 #include "mesh_joined.h"
 #include "near.h"
 
 static Mesh *sphere(Vec3 center, double radius, unsigned subdivisions)
 {
-    Mesh *mesh = NULL;
-    assert_int_equal(mesh_make_sphere(radius, subdivisions, &mesh, NULL), STATUS_OK);
+    Mesh *mesh = icosphere(radius, subdivisions);
+    assert_non_null(mesh);
     Affine shift = affine_identity();
     shift.t = center;
     mesh_transform(mesh, &shift);

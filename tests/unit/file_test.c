@@ -116,28 +116,6 @@ static void test_write_failures(void **state)
     assert_non_null(strstr(error.text, "/dev/full"));
 }
 
-static void test_halves(void **state)
-{
-    char *temporary;
-    Error error;
-    (void)state;
-    assert_int_equal(file_temporary_path(in_folder("half"), &temporary, &error), STATUS_OK);
-    assert_string_not_equal(temporary, in_folder("half"));
-    FILE *stream = fopen(temporary, "wb");
-    assert_non_null(stream);
-    fputs("half", stream);
-    fclose(stream);
-    assert_false(file_exists(in_folder("half")));
-    assert_int_equal(file_rename_into_place(temporary, in_folder("half"), &error), STATUS_OK);
-    expect_text(in_folder("half"), "half");
-    free(temporary);
-    assert_int_equal(file_temporary_path("/dev/null", &temporary, &error), STATUS_OK);
-    assert_string_equal(temporary, "/dev/null");
-    assert_int_equal(file_rename_into_place(temporary, "/dev/null", &error), STATUS_OK);
-    free(temporary);
-    unlink(in_folder("half"));
-}
-
 static void test_names(void **state)
 {
     (void)state;
@@ -157,8 +135,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_write_and_read), cmocka_unit_test(test_abandon),
         cmocka_unit_test(test_link_and_mode),  cmocka_unit_test(test_read_failures),
-        cmocka_unit_test(test_write_failures), cmocka_unit_test(test_halves),
-        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_write_failures), cmocka_unit_test(test_names),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -4,6 +4,7 @@
 #include "test.h"
 
 #include "base/hash.h"
+#include "icosphere.h"
 #include "mesh_joined.h"
 #include "near.h"
 #include "nest/cross.h"
@@ -18,8 +19,8 @@ static void drop_normals(Mesh *mesh)
 /* A radius below 0: inside out. */
 static Mesh *sphere(Vec3 center, double radius, unsigned subdivisions)
 {
-    Mesh *mesh = NULL;
-    assert_int_equal(mesh_make_sphere(fabs(radius), subdivisions, &mesh, NULL), STATUS_OK);
+    Mesh *mesh = icosphere(fabs(radius), subdivisions);
+    assert_non_null(mesh);
     drop_normals(mesh);
     Affine shift = affine_identity();
     shift.t = center;

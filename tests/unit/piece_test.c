@@ -297,9 +297,6 @@ static void test_open_pieces(void **state)
     assert_near(root.normal.y, 1, 0);
     assert_near(root.u, 0.75, 0);
     assert_near(root.v, 1, 0);
-    Vec3 inset = piece_inset(&rect, vec3(2, 0, -1), 0.25);
-    assert_near(inset.x, 1.75, 0);
-    assert_near(inset.z, -0.75, 0);
     assert_true(isinf(piece_bounds(&plane).max.x));
     assert_near(piece_bounds(&rect).max.z, 1, 0);
 }
@@ -378,39 +375,6 @@ static void test_shared_walls_coincide(void **state)
     assert_true(n_shared > 50000);
     solid_free(glass);
     solid_free(drink);
-}
-
-static void test_inset(void **state)
-{
-    (void)state;
-    Piece band = piece_make_band(1, 0, 4, 4); /* 5 long */
-    Vec3 p = piece_inset(&band, vec3(0, 0, 1), 0.5);
-    assert_near(p.z, 1.3, 1e-15);
-    assert_near(p.y, 0.4, 1e-15);
-    p = piece_inset(&band, vec3(0, 0, 1), 3);
-    assert_near(p.z, 2.5, 1e-15);
-    Vec3 inside = vec3(0, 2, 2.5);
-    p = piece_inset(&band, inside, 0.5);
-    assert_memory_equal(&p, &inside, sizeof p);
-    /* a disc has no edge at its centre, a cone's tip is one */
-    Piece disc = piece_make_band(0, 1, 2, 1);
-    p = piece_inset(&disc, vec3(0, 1, 0), 0.5);
-    assert_near(p.x, 0, 0);
-    p = piece_inset(&disc, vec3(0, 1, -2), 0.5);
-    assert_near(p.z, -1.5, 1e-15);
-    /* an arc by its angle; a pole is no edge */
-    Piece arc = {.kind = PIECE_OUTER_ARC, .r0 = 5, .y0 = 1, .r1 = 3, .y1 = 3, .centre_r = 3, .centre_y = 1};
-    p = piece_inset(&arc, vec3(0, 1, 5), pi / 3); /* of a quarter of 2 pi */
-    assert_near(p.z, 3 + 2 * cos(pi / 6), 1e-14);
-    assert_near(p.y, 1 + 2 * sin(pi / 6), 1e-14);
-    Piece cap = piece_make_zone(0, 2, 0, 0, 2);
-    Vec3 pole = vec3(0, 2, 0);
-    p = piece_inset(&cap, pole, 0.5);
-    assert_memory_equal(&p, &pole, sizeof p);
-    Piece tip = piece_make_band(3, 0, 0, 4);
-    p = piece_inset(&tip, vec3(0, 4, 0), 1);
-    assert_near(hypot(p.x, p.z), 0.6, 1e-15);
-    assert_near(p.y, 3.2, 1e-15);
 }
 
 /* Normals are gradients of the distance, u goes around and v along; the half of an arc that turns inwards faces the
@@ -533,7 +497,6 @@ int main(void)
         cmocka_unit_test(test_arcs_and_tori),
         cmocka_unit_test(test_normals_are_gradients),
         cmocka_unit_test(test_shared_walls_coincide),
-        cmocka_unit_test(test_inset),
         cmocka_unit_test(test_volumes_and_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
