@@ -1,330 +1,32 @@
 /* geometry.c - answers about the shape of nodes.
  *
- * A node is built as for the picture, into a scene of its own (a Model) without its own transforms, so that all
- * instances of a prototype share one; what is asked is carried into the Model's frame. Rays are traced by geom/rtc,
- * whose directions are floats, and then met with the surface that was found once more, in double. Of combinations
- * (nest/csg.h) all operands are traced, and the surfaces are where what holds the ray changes.
+ * A node is built as for the picture, into a scene of its own (a Model, scene/geometry_models.h) without its own transforms,
+ * so that all instances of a prototype share one; what is asked is carried into the Model's frame. Rays are traced by
+ * geom/rtc, whose directions are floats, and then met with the surface that was found once more, in double. Of
+ * combinations (nest/csg.h) all operands are traced, and the surfaces are where what holds the ray changes.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/geometry.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/array.h"
 #include "base/hash.h"
-#include "nest/csg.h"
 #include "scene/build_parts.h"
+#include "scene/geometry_models.h"
 #include "scene/lines.h"
 
 enum {
-    MODELS_MAX = 1000,     /* kept at a time; each has an Embree device of its own */
-    ASKED_MAX = 100000,    /* nodes, instances of the models */
     SCATTER_TRIALS = 256,  /* rays that find out how many surfaces a ray can meet */
     SCATTER_RAYS = 100000, /* after which there is no surface to be found */
-    VOLUME_LINES = 6000,   /* of each direction, to measure a combination: an error of about 1e-3 of plain ones */
-    STEPS_TO_BUILD = 500   /* what a model counts, at least: the time of so many rays */
+    VOLUME_LINES = 6000    /* of each direction, to measure a combination: an error of about 1e-3 of plain ones */
 };
-#define MODEL_BYTES_MAX ((size_t)1 << 30)
 
-/* What answers need of an object of the model. */
-typedef struct Part {
-    Affine to_shape;
-    bool closed, plane;
-    uint32_t operand; /* of a combination, the number of it; SCENE_NONE */
-    int32_t net;      /* how often a ray left it, less how often it entered it: 0 between questions */
-} Part;
-
-typedef struct Model {
-    const EvalNode *origin; /* the node without its transforms */
-    Scene *scene;
-    Part *parts;                      /* beside the objects */
-    NestCsg csg;                      /* its operands begin with 0; hulls are the rows of combinations */
-    NestList held;                    /* operands that hold the ray: empty between questions */
-    RtcScene *rtc;                    /* NULL until a ray is asked for */
-    Box3 bounds;
-    uint32_t first_open, first_unbounded; /* objects; SCENE_NONE */
-    bool mistaken;                    /* diag says why */
-    bool measured;                    /* volume is known */
-    double volume;
-    size_t bytes;
-} Model;
-
-/* A node that was asked of. */
-typedef struct Asked {
-    const EvalNode *node;
-    Model *model;
-    Affine to_model;
-    bool flat, has_bounds;
-    Box3 bounds;
-    size_t most_hits; /* scatter: of the rays that were tried; 0: none were */
-} Asked;
-
-typedef struct Table {
-    void **items; /* Model or Asked: both begin with the node */
-    size_t n, capacity;
-} Table;
-
-typedef struct Geometry {
-    const SceneOptions *options;
-    Diag *diag;
-    uint64_t *steps;
-    Table models, asked;
-    Asked *last;
-    size_t bytes;
-    HitList hits;
-    EvalHit *found;
-    size_t found_capacity;
-} Geometry;
-
-/* ---- what is remembered ---- */
-
-static const EvalNode *node_of(const void *item)
-{
-    return *(const EvalNode *const *)item;
-}
-
-/* Where the node stands, or a free place. */
-static void **table_place(const Table *table, const EvalNode *node)
-{
-    size_t place = (size_t)hash_u64((uintptr_t)node) & (table->capacity - 1);
-    while (table->items[place] && node_of(table->items[place]) != node) place = (place + 1) & (table->capacity - 1);
-    return &table->items[place];
-}
-
-static void *table_find(const Table *table, const EvalNode *node)
-{
-    return table->capacity ? *table_place(table, node) : NULL;
-}
-
-static bool table_reserve(Table *table)
-{
-    if (2 * (table->n + 1) <= table->capacity) return true;
-    Table grown = {.capacity = table->capacity ? 2 * table->capacity : 64, .n = table->n};
-    grown.items = calloc(grown.capacity, sizeof *grown.items);
-    if (!grown.items) return false;
-    for (size_t i = 0; i < table->capacity; i++)
-        if (table->items[i]) *table_place(&grown, node_of(table->items[i])) = table->items[i];
-    free(table->items);
-    *table = grown;
-    return true;
-}
-
-/* after table_reserve */
-static void table_add(Table *table, void *item)
-{
-    *table_place(table, node_of(item)) = item;
-    table->n++;
-}
-
-static void model_free(Model *model)
-{
-    rtc_scene_free(model->rtc);
-    scene_free(model->scene);
-    nest_list_clear(&model->held);
-    free(model->csg.trees);
-    free(model->csg.tree_of_operand);
-    free(model->parts);
-    free(model);
-}
-
-static void forget(Geometry *geometry)
-{
-    for (size_t i = 0; i < geometry->models.capacity; i++)
-        if (geometry->models.items[i]) model_free(geometry->models.items[i]);
-    for (size_t i = 0; i < geometry->asked.capacity; i++) free(geometry->asked.items[i]);
-    free(geometry->models.items);
-    free(geometry->asked.items);
-    geometry->models = geometry->asked = (Table){0};
-    geometry->last = NULL;
-    geometry->bytes = 0;
-}
-
-static void *geometry_open(const void *context, Diag *diag, uint64_t *steps)
-{
-    Geometry *geometry = calloc(1, sizeof *geometry);
-    if (!geometry) return NULL;
-    geometry->options = context;
-    geometry->diag = diag;
-    geometry->steps = steps;
-    return geometry;
-}
-
-static void geometry_close(void *state)
-{
-    Geometry *geometry = state;
-    forget(geometry);
-    hit_list_clear(&geometry->hits);
-    free(geometry->found);
-    free(geometry);
-}
-
-/* ---- building ---- */
-
-typedef struct BuildTask {
-    Builder builder;
-    EvalNode node;
-} BuildTask;
-
-static void build_node(void *context)
-{
-    BuildTask *task = context;
-    Affine frame = affine_identity();
-    build_visit(&task->builder, &task->node, &frame);
-}
-
-static size_t mesh_bytes(const Mesh *mesh)
-{
-    return mesh ? mesh->n_vertices * sizeof(Vec3f) + mesh->n_triangles * sizeof *mesh->triangles : 0;
-}
-
-static bool is_plane(const SceneShape *shape)
-{
-    return shape->solid && shape->solid->n_pieces == 1 && shape->solid->pieces[0].kind == PIECE_PLANE;
-}
-
-static Status describe_parts(Model *model, const ShapeFacts *facts, Error *error)
-{
-    Scene *scene = model->scene;
-    model->parts = calloc(scene->n_objects + 1U, sizeof *model->parts);
-    if (!model->parts) return fail_memory(error, scene->n_objects * sizeof *model->parts, "the shape of a node");
-    model->bounds = box3_empty();
-    model->first_open = model->first_unbounded = SCENE_NONE;
-    for (uint32_t i = scene->n_objects; i-- > 0;) {
-        const SceneObject *object = &scene->objects[i];
-        Part *part = &model->parts[i];
-        part->operand = SCENE_NONE;
-        part->closed = true;
-        Box3 bounds = scene_object_bounds(scene, object, NULL);
-        if (object->part_of == SCENE_NONE && box3_is_unbounded(bounds))
-            model->first_unbounded = i;
-        if (object->part_of == SCENE_NONE && !box3_is_empty(bounds)) model->bounds = box3_union(model->bounds, bounds);
-        if (object->shape == SCENE_NONE) continue;
-        part->plane = is_plane(&scene->shapes[object->shape]);
-        part->closed = facts[object->shape].closed;
-        if (!affine_invert(&object->to_world, &part->to_shape))
-            return fail(error, STATUS_SCENE, "the transforms of %s squash it flat", object->name);
-        if (!part->closed) model->first_open = i;
-    }
-    model->bytes = sizeof *model + scene->arena.total + scene->n_objects * (sizeof *model->parts + sizeof *scene->objects);
-    for (uint32_t i = 0; i < scene->n_shapes; i++) model->bytes += mesh_bytes(scene->shapes[i].mesh);
-    return STATUS_OK;
-}
-
-/* Which operand is what, and of which combination. */
-static Status describe_combinations(Model *model, Error *error)
-{
-    const Scene *scene = model->scene;
-    NestCsg *csg = &model->csg;
-    *csg = (NestCsg){0, scene->n_operands, scene->n_trees, scene->n_parts, scene->parts, NULL, NULL};
-    csg->trees = malloc((scene->n_trees + 1U) * sizeof *csg->trees);
-    csg->tree_of_operand = malloc((scene->n_operands + 1U) * sizeof *csg->tree_of_operand);
-    if (!csg->trees || !csg->tree_of_operand || nest_list_reserve(&model->held, scene->n_operands) != STATUS_OK)
-        return fail_memory(error, scene->n_operands * sizeof *csg->trees, "a combination of objects");
-    for (uint32_t i = 0; i < scene->n_trees; i++)
-        csg->trees[i] = (NestTree){scene->trees[i].root, scene->trees[i].object};
-    for (uint32_t i = 0; i < scene->n_operands; i++) {
-        const SceneObject *object = &scene->objects[scene->operands[i]];
-        model->parts[scene->operands[i]].operand = i;
-        csg->tree_of_operand[i] = scene->objects[object->part_of].tree;
-    }
-    return STATUS_OK;
-}
-
-static Status build_model(Geometry *geometry, Model *model, Error *error)
-{
-    Scene *scene = model->scene = calloc(1, sizeof *scene);
-    if (!scene) return fail_memory(error, sizeof *scene, "the shape of a node");
-    arena_init(&scene->arena);
-    Diag *diag = geometry->diag;
-    BuildTask task = {.node = *model->origin,
-                      .builder = {.scene = scene,
-                                  .arena = &scene->arena,
-                                  .diag = diag,
-                                  .options = geometry->options,
-                                  .eval_options = scene_eval_options(geometry->options),
-                                  .black = SCENE_NONE,
-                                  .grey = SCENE_NONE,
-                                  .only_shapes = true,
-                                  .error = error}};
-    task.node.transform = affine_identity();
-    uint32_t n_errors = diag->n_errors;
-    const DiagChain *chain = diag->chain;
-    bool done = arena_guard(&scene->arena, build_node, &task);
-    diag->chain = chain;
-    if (!done) return fail(error, STATUS_NOMEM, "out of memory for the shape of a node");
-    TRY(task.builder.status);
-    model->mistaken = diag->n_errors != n_errors;
-    if (model->mistaken) return STATUS_OK;
-    TRY(describe_parts(model, task.builder.facts, error));
-    return describe_combinations(model, error);
-}
-
-static Status find_model(Geometry *geometry, const EvalNode *origin, Model **out, Error *error)
-{
-    *out = table_find(&geometry->models, origin);
-    if (*out) return STATUS_OK;
-    Model *model = calloc(1, sizeof *model);
-    if (!model || !table_reserve(&geometry->models)) {
-        free(model);
-        return fail_memory(error, sizeof(Model), "the shape of a node");
-    }
-    model->origin = origin;
-    nest_list_init(&model->held);
-    Status status = build_model(geometry, model, error);
-    if (status != STATUS_OK) {
-        model_free(model);
-        return status;
-    }
-    table_add(&geometry->models, model);
-    geometry->bytes += model->bytes;
-    *geometry->steps += STEPS_TO_BUILD + model->bytes / 64;
-    *out = model;
-    return STATUS_OK;
-}
-
-static Status ask_first(Geometry *geometry, const EvalNode *node, Asked **out, Error *error)
-{
-    if (geometry->bytes > MODEL_BYTES_MAX || geometry->models.n >= MODELS_MAX || geometry->asked.n >= ASKED_MAX)
-        forget(geometry);
-    const EvalNode *origin = node;
-    while (origin->prototype) origin = origin->prototype;
-    Model *model;
-    TRY(find_model(geometry, origin, &model, error));
-    Asked *asked = calloc(1, sizeof *asked);
-    if (!asked || !table_reserve(&geometry->asked)) {
-        free(asked);
-        return fail_memory(error, sizeof(Asked), "the shape of a node");
-    }
-    *asked = (Asked){.node = node, .model = model};
-    asked->flat = !affine_invert(&node->transform, &asked->to_model);
-    table_add(&geometry->asked, asked);
-    *out = asked;
-    return STATUS_OK;
-}
-
-/* What is known of the node, which is built when it is asked of for the first time. */
-static Status ask(Geometry *geometry, const EvalNode *node, Asked **out, Error *error)
-{
-    Asked *asked = geometry->last;
-    if (!asked || asked->node != node) asked = table_find(&geometry->asked, node);
-    if (!asked) TRY(ask_first(geometry, node, &asked, error));
-    geometry->last = asked;
-    *out = asked;
-    const Scene *scene = asked->model->scene;
-    if (asked->model->mistaken) return fail(error, STATUS_SCENE, "%s", "");
-    if (asked->flat) return fail(error, STATUS_SCENE, "the transforms of this %s squash it flat", node->type->name);
-    if (scene->n_objects == 0 && !(node->type->flags & NODE_CHILDREN))
-        return fail(error, STATUS_SCENE, "a %s has no shape: ask of an object, or of a group of them",
-                    node->type->name);
-    return STATUS_OK;
-}
+/* ---- what has no answer ---- */
 
 static Status refuse_unbounded(const Asked *asked, const char *what, Error *error)
 {
     const Model *model = asked->model;
     if (model->first_unbounded == SCENE_NONE) return STATUS_OK;
-    return fail(error, STATUS_SCENE, "'%s' has no end, and so no %s", model->scene->objects[model->first_unbounded].name,
-                what);
+    return fail(error, STATUS_SCENE, "'%s' has no end, and so no %s",
+                model->scene->objects[model->first_unbounded].name, what);
 }
 
 static Status refuse_open(const Asked *asked, Error *error)
@@ -361,34 +63,13 @@ static Status find_bounds(Asked *asked, Error *error)
 static Status geometry_bounds(void *state, const EvalNode *node, Box3 *box, Error *error)
 {
     Asked *asked;
-    TRY(ask(state, node, &asked, error));
+    TRY(geometry_ask(state, node, &asked, error));
     TRY(find_bounds(asked, error));
     *box = asked->bounds;
     return STATUS_OK;
 }
 
 /* ---- rays ---- */
-
-static Status need_rtc(Geometry *geometry, Model *model, Error *error)
-{
-    if (model->rtc) return STATUS_OK;
-    const Scene *scene = model->scene;
-    RtcObject *objects = malloc((scene->n_objects + 1U) * sizeof *objects);
-    if (!objects) return fail_memory(error, scene->n_objects * sizeof *objects, "the shape of a node");
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        objects[i] = (RtcObject){.to_world = scene->objects[i].to_world};
-        if (scene->objects[i].shape == SCENE_NONE) continue; /* a combination: its operands have the geometry */
-        objects[i].mesh = scene->shapes[scene->objects[i].shape].mesh;
-        objects[i].solid = scene->shapes[scene->objects[i].shape].solid;
-    }
-    Status status = rtc_scene_new(objects, scene->n_objects, 0, 1, &model->rtc, error);
-    free(objects);
-    TRY(status);
-    size_t bytes = rtc_scene_bytes(model->rtc);
-    model->bytes += bytes;
-    geometry->bytes += bytes;
-    return STATUS_OK;
-}
 
 /* A ray in the frame of the model; t of the true ray is t of rtc's divided by length. */
 typedef struct ModelRay {
@@ -467,7 +148,7 @@ static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from, Vec3
 static Status trace_all(Geometry *geometry, Model *model, const Ray *ray, Error *error)
 {
     HitList *hits = &geometry->hits;
-    TRY(need_rtc(geometry, model, error));
+    TRY(geometry_need_rtc(geometry, model, error));
     rtc_all(model->rtc, ray, false, hits);
     ++*geometry->steps;
     if (hits->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray");
@@ -496,7 +177,8 @@ static void find_held(Model *model, const HitList *hits, Vec3 start)
     for (size_t i = 0; i < hits->n; i++) model->parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < hits->n; i++) {
         Part *part = &model->parts[hits->items[i].object];
-        if (part->net > 0 && part->operand != SCENE_NONE && !part->plane) nest_csg_pass(&model->csg, &model->held, part->operand, true);
+        if (part->net > 0 && part->operand != SCENE_NONE && !part->plane)
+            nest_csg_pass(&model->csg, &model->held, part->operand, true);
         part->net = 0;
     }
 }
@@ -559,7 +241,7 @@ static Status trace(Geometry *geometry, const Asked *asked, const ModelRay *ray,
         if (!all && hits->n > 1) hits->n = 1;
         return STATUS_OK;
     }
-    TRY(need_rtc(geometry, model, error));
+    TRY(geometry_need_rtc(geometry, model, error));
     if (rtc_nearest(model->rtc, &ray->ray, hits, NULL)) hits->n = 1;
     ++*geometry->steps;
     return hits->out_of_memory ? fail(error, STATUS_NOMEM, "out of memory for the surfaces along a ray") : STATUS_OK;
@@ -572,7 +254,7 @@ static Status geometry_hits(void *state, const EvalNode *node, Vec3 from, Vec3 d
     Asked *asked;
     ModelRay ray;
     *n = 0;
-    TRY(ask(geometry, node, &asked, error));
+    TRY(geometry_ask(geometry, node, &asked, error));
     TRY(model_ray(asked, from, direction, &ray, error));
     TRY(trace(geometry, asked, &ray, all, error));
     for (size_t i = 0; i < geometry->hits.n; i++) {
@@ -595,7 +277,8 @@ static Status inside_along(Geometry *geometry, Model *model, Vec3 point, int dir
     TRY(trace_all(geometry, model, &ray, error));
     *inside = false;
     for (uint32_t i = 0; i < model->scene->n_objects; i++)
-        if (model->parts[i].plane && model->parts[i].operand == SCENE_NONE) *inside = *inside || below_plane(model, i, point);
+        if (model->parts[i].plane && model->parts[i].operand == SCENE_NONE)
+            *inside = *inside || below_plane(model, i, point);
     for (size_t i = 0; i < hits->n; i++) model->parts[hits->items[i].object].net += hits->items[i].entering ? -1 : 1;
     for (size_t i = 0; i < hits->n; i++) {
         const Part *part = &model->parts[hits->items[i].object];
@@ -616,7 +299,7 @@ static Status geometry_inside(void *state, const EvalNode *node, Vec3 point, boo
 {
     Geometry *geometry = state;
     Asked *asked;
-    TRY(ask(geometry, node, &asked, error));
+    TRY(geometry_ask(geometry, node, &asked, error));
     TRY(refuse_open(asked, error));
     Model *model = asked->model;
     Vec3 p = affine_point(&asked->to_model, point);
@@ -656,7 +339,7 @@ static Status measure_combination(Geometry *geometry, Model *model, uint32_t obj
 static Status geometry_volume(void *state, const EvalNode *node, double *volume, Error *error)
 {
     Asked *asked;
-    TRY(ask(state, node, &asked, error));
+    TRY(geometry_ask(state, node, &asked, error));
     TRY(refuse_unbounded(asked, "volume", error));
     TRY(refuse_open(asked, error));
     Model *model = asked->model;
@@ -720,7 +403,7 @@ static Status geometry_scatter(void *state, const EvalNode *node, uint64_t seed,
     Asked *asked;
     Vec3 start, direction;
     ModelRay ray;
-    TRY(ask(geometry, node, &asked, error));
+    TRY(geometry_ask(geometry, node, &asked, error));
     TRY(refuse_unbounded(asked, "evenly distributed places", error));
     TRY(find_most_hits(geometry, asked, error));
     for (int i = 0; i < SCATTER_RAYS; i++) {
