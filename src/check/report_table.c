@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "base/utf8.h"
 #include "check/report_parts.h"
 
@@ -22,15 +23,9 @@ static unsigned text_width(const char *text)
 Buf *report_row(ReportTable *table)
 {
     size_t n = (table->n_rows + 1) * table->n_columns;
-    if (n > table->capacity) {
-        size_t capacity = 2 * n;
-        Buf *grown = realloc(table->cells, capacity * sizeof *grown);
-        if (!grown) {
-            table->failed = true;
-            return table->spare;
-        }
-        table->cells = grown;
-        table->capacity = capacity;
+    if (!array_reserve(&table->cells, &table->capacity, n, sizeof *table->cells)) {
+        table->failed = true;
+        return table->spare;
     }
     Buf *row = table->cells + table->n_rows++ * table->n_columns;
     for (unsigned i = 0; i < table->n_columns; i++) row[i] = (Buf){0};

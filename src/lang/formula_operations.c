@@ -164,13 +164,7 @@ typedef struct Items {
 
 static void add_item(Compiler *c, Items *items, const Form *form)
 {
-    if (items->n == items->capacity) {
-        size_t capacity = items->capacity ? 2 * items->capacity : 16;
-        Form *larger = ARENA_ARRAY(c->evaluator->arena, Form, capacity);
-        if (items->n) memcpy(larger, items->items, items->n * sizeof *larger);
-        items->items = larger;
-        items->capacity = capacity;
-    }
+    ARENA_ROOM(c->evaluator->arena, items->items, items->capacity, items->n, 16);
     items->items[items->n++] = *form;
     items->known = items->known && form->known;
 }

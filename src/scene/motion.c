@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "scene/build_parts.h"
 
 /* ---- which object is which ---- */
@@ -51,7 +52,8 @@ typedef struct Finder {
     Scene *scene;
     Diag *diag;
     Error *error;
-    uint32_t n_keys, motions_capacity;
+    uint32_t n_keys;
+    size_t motions_capacity;
     bool *shape_reported;
 } Finder;
 
@@ -69,13 +71,9 @@ static Status move_thing(Finder *f, uint32_t *motion, const Affine *first, const
     Scene *scene = f->scene;
     if (*motion == SCENE_NONE) {
         if (same_map(first, to_world)) return STATUS_OK;
-        if (scene->n_motions == f->motions_capacity) {
-            uint32_t capacity = f->motions_capacity ? 2 * f->motions_capacity : 16;
-            Affine *motions = realloc(scene->motions, (size_t)capacity * f->n_keys * sizeof *motions);
-            if (!motions) return fail_memory(f->error, (size_t)capacity * f->n_keys * sizeof *motions, "what moves");
-            scene->motions = motions;
-            f->motions_capacity = capacity;
-        }
+        size_t bytes = f->n_keys * sizeof *scene->motions;
+        if (!array_reserve(&scene->motions, &f->motions_capacity, scene->n_motions + 1U, bytes))
+            return fail_memory(f->error, (scene->n_motions + 1U) * bytes, "what moves");
         *motion = scene->n_motions++;
         for (uint32_t k = 0; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *first;
     }
