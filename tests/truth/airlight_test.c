@@ -7,12 +7,6 @@
     "meniscus 1.0 unit m ground { surface = surface { albedo = .8 } }\n"                                               \
     "camera { from = <0, .1, 4.5>  to = <0, 0, 0>  fov = .01deg }\n"
 
-static Estimate ratio_of(Estimate a, Estimate b)
-{
-    double ratio = a.mean / b.mean;
-    return (Estimate){ratio, ratio * hypot(a.error / a.mean, b.error / b.mean)};
-}
-
 /* ---- hulls that shine ---- */
 
 /* A ball of clear gas shines in all directions as much for each volume. What a small surface gets from it falls with the
@@ -72,7 +66,7 @@ static void shining_hulls_agree(void **state)
         char text[1000];
         snprintf(text, sizeof text, FLOOR "%s", cases[i].scene);
         Estimate sought = truth_measure(text, NULL, 512, false), chance = truth_measure(text, NULL, 1024, true);
-        truth_expect(cases[i].what, 1, ratio_of(sought, chance), 4, 0.03);
+        truth_expect(cases[i].what, 1, truth_ratio(sought, chance), 4, 0.03);
     }
 }
 
@@ -250,7 +244,7 @@ static void looks_agree(void **state)
         char text[1600];
         snprintf(text, sizeof text, "meniscus 1.0 unit m %s" EYE, cases[i].scene);
         Estimate with = measure(text, cases[i].samples, true), without = measure(text, cases[i].samples, false);
-        truth_expect(cases[i].what, 1, ratio_of(with, without), 4, 0.05);
+        truth_expect(cases[i].what, 1, truth_ratio(with, without), 4, 0.05);
         print_message("    %.3g times the variance\n", pow(with.error / without.error, 2));
     }
 }

@@ -96,8 +96,7 @@ static void wrong_guesses_cost_nothing_but_noise(void **state)
         truth_clear(&picture);
         fixture_clear(&scene);
     }
-    truth_expect("a blob: by light, and by Fresnel alone", seen[1].mean,
-                 (Estimate){seen[0].mean, hypot(seen[0].error, seen[1].error)}, 4, 0.003);
+    truth_alike("a blob: by light, and by Fresnel alone", seen[1], seen[0], 4, 0.003);
 }
 
 int main(void)

@@ -224,10 +224,7 @@ static void agree_in_fog(void **state)
         RenderSettings looking = truth_small(512);
         looking.caustics = CAUSTICS_OFF;
         Estimate sampled = truth_measure_as(text, NULL, &looking), chance = truth_measure(text, NULL, 2048, true);
-        double error = hypot(sampled.error, chance.error);
-        truth_figure(cases[i].what, chance.mean, sampled.mean, error);
-        assert_true(sampled.error < 0.005 * sampled.mean && chance.error < 0.005 * chance.mean);
-        assert_near(sampled.mean, chance.mean, 4 * error);
+        truth_alike(cases[i].what, chance, sampled, 4, 0.008);
     }
 }
 
@@ -269,10 +266,7 @@ static void through_panes(void **state)
         RenderSettings looking = truth_small(512);
         looking.caustics = CAUSTICS_OFF;
         Estimate sampled = truth_measure_as(text, NULL, &looking), chance = truth_measure(text, NULL, 2048, true);
-        double error = hypot(sampled.error, chance.error);
-        truth_figure(cases[i].what, chance.mean, sampled.mean, error);
-        assert_true(sampled.error < 0.005 * sampled.mean && chance.error < 0.006 * chance.mean);
-        assert_near(sampled.mean, chance.mean, 4 * error);
+        truth_alike(cases[i].what, chance, sampled, 4, 0.008);
     }
 }
 

@@ -97,10 +97,7 @@ static void looked_for_or_by_chance(void **state)
         snprintf(text, sizeof text, FLOOR "%s\n", cases[i].object);
         Estimate sampled = truth_measure(text, NULL, 1024, false), chance = truth_measure(text, NULL, 8192, true);
         truth_check(cases[i].what, sampled.mean, sampled, 4, 0.006);
-        double error = hypot(sampled.error, chance.error);
-        truth_figure(cases[i].what, chance.mean, sampled.mean, error);
-        assert_true(chance.error <= 0.02 * chance.mean);
-        assert_near(sampled.mean, chance.mean, 4 * error);
+        truth_alike(cases[i].what, chance, sampled, 4, 0.02);
     }
 }
 
@@ -222,9 +219,7 @@ static void floor_under_a_sky(void **state)
     char text[1000];
     snprintf(text, sizeof text, FLOOR "%s", sky);
     Estimate sampled = truth_measure(text, NULL, 1024, false), chance = truth_measure(text, NULL, 4096, true);
-    double error = hypot(sampled.error, chance.error);
-    truth_figure("floor under a sky, looked for and by chance", chance.mean, sampled.mean, error);
-    assert_near(sampled.mean, chance.mean, 4 * error + 1e-6);
+    truth_alike("floor under a sky, looked for and by chance", chance, sampled, 4, 0.02);
     snprintf(text, sizeof text, FLOOR "%s", sun);
     Estimate lit = truth_measure(text, NULL, 1024, false);
     snprintf(text, sizeof text, FLOOR "%s%s", sun, shade);
@@ -295,10 +290,8 @@ static void portals_in_a_room(void **state)
         Estimate without = truth_measure(text, NULL, 512, false), chance = truth_measure(text, NULL, 2048, true);
         snprintf(text, sizeof text, FLOOR "%s%s" PORTAL("<30, 14, 12>", "<0, 14, 12>", "<16, 12>"), room, skies[i]);
         Estimate with = truth_measure(text, NULL, 512, false);
-        truth_figure("a room with a portal and without", without.mean, with.mean, hypot(without.error, with.error));
-        assert_near(with.mean, without.mean, 4 * hypot(without.error, with.error));
-        truth_figure("a room with a portal and by chance", chance.mean, with.mean, hypot(chance.error, with.error));
-        assert_near(with.mean, chance.mean, 4 * hypot(chance.error, with.error));
+        truth_alike("a room with a portal and without", without, with, 4, 0.05);
+        truth_alike("a room with a portal and by chance", chance, with, 4, 0.05);
         double gain = pow(without.error / with.error, 2);
         print_message("      as good as %.1f times as many samples without\n", gain);
         assert_true(gain > 1.5 && with.error < 0.015 * with.mean);

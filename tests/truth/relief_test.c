@@ -38,18 +38,10 @@ static void white_furnaces(void **state)
     for (size_t i = 0; i < COUNT_OF(things); i++)
         for (size_t k = 0; k < COUNT_OF(reliefs); k++) {
             char thing[400], text[1200], what[140];
-            const char *hole = strstr(things[i], "%s");
-            snprintf(thing, sizeof thing, "%.*s%s%s", (int)(hole - things[i]), things[i], reliefs[k], hole + 2);
+            truth_fill(thing, sizeof thing, things[i], reliefs[k]);
             snprintf(text, sizeof text, HEAD "%s" VIEW TRUTH_WHITE_SKY, thing);
             snprintf(what, sizeof what, "%.55s..., relief %zu", things[i], k);
-            Picture picture = truth_render_text(text, WIDTH, 128);
-            Estimate mean = truth_mean(&picture, -1);
-            truth_figure(what, 1, mean.mean, mean.error);
-            worst = fmax(worst, fabs(mean.mean - 1));
-            if (!(fabs(mean.mean - 1) <= 0.005 + 3 * mean.error))
-                fail_msg("%s: %.5f +- %.5f", what, mean.mean, mean.error);
-            assert_true(mean.error < 0.01);
-            truth_clear(&picture);
+            worst = fmax(worst, fabs(truth_white(what, text, WIDTH, 128, 0.005) - 1));
         }
     printf("    at worst %.5f off\n", worst);
 }
@@ -72,9 +64,7 @@ static void lights_are_found_alike(void **state)
             seen[chance] = truth_mean(&picture, -1);
             truth_clear(&picture);
         }
-        truth_figure(finishes[i], seen[0].mean, seen[1].mean, hypot(seen[0].error, seen[1].error));
-        double apart = fabs(seen[0].mean - seen[1].mean);
-        if (!(apart <= 4 * hypot(seen[0].error, seen[1].error))) fail_msg("%s: %g apart", finishes[i], apart);
+        truth_alike(finishes[i], seen[0], seen[1], 4, 0.05);
     }
 }
 
@@ -123,9 +113,7 @@ static void textures_shine(void **state)
         Estimate seen[4];
         for (int k = 0; k < 4; k++) { /* the last by chance */
             char thing[400], text[1200];
-            const char *hole = strstr(shapes[i], "%s");
-            snprintf(thing, sizeof thing, "%.*s%s%s", (int)(hole - shapes[i]), shapes[i], emissions[k < 3 ? k : 2],
-                     hole + 2);
+            truth_fill(thing, sizeof thing, shapes[i], emissions[k < 3 ? k : 2]);
             snprintf(text, sizeof text,
                      HEAD
                      "medium nearly { ior = 1.0000001 state = gas } %s ground { surface = surface { albedo = .8 } } %s "
@@ -137,10 +125,7 @@ static void textures_shine(void **state)
         }
         printf("    %.20s: a constant gives %.4f, a texture that is one %.4f\n", shapes[i], seen[0].mean, seen[1].mean);
         assert_near(seen[1].mean / seen[0].mean, 1, 1e-4);
-        truth_figure("by sampling and by chance", seen[2].mean, seen[3].mean, hypot(seen[2].error, seen[3].error));
-        double apart = fabs(seen[2].mean - seen[3].mean);
-        if (!(apart <= 4 * hypot(seen[2].error, seen[3].error))) fail_msg("%s: %g apart", shapes[i], apart);
-        assert_true(seen[3].error < 0.05 * seen[3].mean);
+        truth_alike("by sampling and by chance", seen[2], seen[3], 4, 0.05);
     }
 }
 

@@ -246,6 +246,18 @@ void truth_expect(const char *what, double expected, Estimate measured, double s
     truth_check(what, expected, measured, sigmas, resolution);
 }
 
+void truth_alike(const char *what, Estimate expected, Estimate measured, double sigmas, double resolution)
+{
+    measured.error = hypot(measured.error, expected.error);
+    truth_expect(what, expected.mean, measured, sigmas, resolution);
+}
+
+Estimate truth_ratio(Estimate a, Estimate b)
+{
+    double ratio = a.mean / b.mean;
+    return (Estimate){ratio, fabs(ratio) * hypot(a.error / a.mean, b.error / b.mean)};
+}
+
 void truth_count(FaultCount *count, const RenderStats *stats)
 {
     count->crossings += stats->crossings;
@@ -313,6 +325,24 @@ Estimate truth_measure_as(const char *text, double (*sky)(double), const RenderS
     truth_clear(&picture);
     fixture_clear(&scene);
     return mean;
+}
+
+double truth_white(const char *what, const char *text, uint32_t width, uint32_t samples, double tolerance)
+{
+    Picture picture = truth_render_text(text, width, samples);
+    Estimate mean = truth_mean(&picture, -1);
+    truth_figure(what, 1, mean.mean, mean.error);
+    if (!(fabs(mean.mean - 1) <= tolerance + 3 * mean.error)) fail_msg("%s: %.5f +- %.5f", what, mean.mean, mean.error);
+    assert_true(mean.error < 0.01);
+    truth_clear(&picture);
+    return mean.mean;
+}
+
+void truth_fill(char *text, size_t size, const char *pattern, const char *value)
+{
+    const char *hole = strstr(pattern, "%s");
+    assert_non_null(hole);
+    assert_in_range(snprintf(text, size, "%.*s%s%s", (int)(hole - pattern), pattern, value, hole + 2), 1, size - 1);
 }
 
 Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance)

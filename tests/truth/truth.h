@@ -79,6 +79,10 @@ void truth_figure(const char *what, double expected, double measured, double err
 void truth_check(const char *what, double expected, Estimate measured, double sigmas, double resolution);
 /* Both. */
 void truth_expect(const char *what, double expected, Estimate measured, double sigmas, double resolution);
+/* The same of two estimates that are independent of each other. */
+void truth_alike(const char *what, Estimate expected, Estimate measured, double sigmas, double resolution);
+/* a / b of such ones, with the error that follows. */
+Estimate truth_ratio(Estimate a, Estimate b);
 
 /* Crossings of all renders so far, for the faults per million. */
 typedef struct FaultCount {
@@ -96,6 +100,10 @@ double truth_fresnel(double cosine, double ior_from, double ior_to);
 double truth_two_skies(double elevation);
 /* The text under two skies, with as many bounces as it takes; its nesting must be without faults. */
 Picture truth_render_text(const char *text, uint32_t width, uint32_t samples);
+/* A picture of the text, which is to be 1 everywhere, within tolerance and three standard errors of the mean; that. */
+double truth_white(const char *what, const char *text, uint32_t width, uint32_t samples, double tolerance);
+/* The pattern with value in place of its "%s". */
+void truth_fill(char *text, size_t size, const char *pattern, const char *value);
 /* The mean of a small picture of the text, which shows the same everywhere. sky: NULL, or of its image. */
 Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance);
 /* The same, rendered in a way of one's own: truth_small's, and what is changed of it. */

@@ -39,11 +39,6 @@ static Estimate mean_of(const char *text, uint32_t samples, bool furnace, int ch
     return mean;
 }
 
-static Estimate quotient(Estimate a, Estimate b)
-{
-    return (Estimate){a.mean / b.mean, fabs(a.mean / b.mean) * hypot(a.error / a.mean, b.error / b.mean)};
-}
-
 static Estimate scaled(Estimate a, double by)
 {
     return (Estimate){a.mean * by, a.error * by};
@@ -114,7 +109,7 @@ static void transmittance(void **state)
                      densities[i].formula, parts[k][0], parts[k][1]);
             snprintf(what, sizeof what, "transmittance of %s that %s", densities[i].name, losses[k]);
             truth_expect(what, exp(-0.7 * depth_of(&densities[i], -1, 1)),
-                         quotient(mean_of(text, 128, false, ALL), clear), 4, 0.01);
+                         truth_ratio(mean_of(text, 128, false, ALL), clear), 4, 0.01);
         }
 }
 
@@ -147,7 +142,7 @@ static void places(void **state)
     };
     Estimate clear = mean_of(HEAD LAMP, 16, false, ALL);
     for (size_t i = 0; i < COUNT_OF(cases); i++)
-        truth_expect(cases[i].name, exp(-cases[i].depth), quotient(mean_of(cases[i].text, 64, false, ALL), clear), 4,
+        truth_expect(cases[i].name, exp(-cases[i].depth), truth_ratio(mean_of(cases[i].text, 64, false, ALL), clear), 4,
                      0.01);
 }
 
@@ -169,8 +164,8 @@ static void shadow_rays(void **state)
                  densities[i].formula, view);
         char what[100];
         snprintf(what, sizeof what, "sunlight through %s", densities[i].name);
-        truth_expect(what, exp(-0.7 * depth_of(&densities[i], -1, 1)), quotient(mean_of(text, 64, false, ALL), clear),
-                     4, 0.01);
+        truth_expect(what, exp(-0.7 * depth_of(&densities[i], -1, 1)),
+                     truth_ratio(mean_of(text, 64, false, ALL), clear), 4, 0.01);
     }
 }
 
@@ -198,7 +193,7 @@ static void colors(void **state)
         char what[100];
         for (int i = 0; i < 2; i++) of[i] = truth_mean(&pictures[i], channel);
         snprintf(what, sizeof what, "%s through waves of a fog that is bluest, over an even one", names[channel]);
-        truth_expect(what, 1, quotient(of[1], of[0]), 4, 0.02);
+        truth_expect(what, 1, truth_ratio(of[1], of[0]), 4, 0.02);
         printf("  noise of %s: %.2g of its mean in a pixel of 128 samples, %.2g in the even fog\n", names[channel],
                of[1].error / of[1].mean * WIDTH, of[0].error / of[0].mean * WIDTH);
         assert_true(of[1].error < 3 * of[0].error + 0.001 * of[0].mean);
@@ -299,7 +294,7 @@ static void mixing_adds_up(void **state)
         total[i] = truth_total(&picture);
         truth_clear(&picture);
     }
-    truth_expect("two smokes that make up an even one, over that", 1, quotient(total[0], total[1]), 4, 0.01);
+    truth_expect("two smokes that make up an even one, over that", 1, truth_ratio(total[0], total[1]), 4, 0.01);
 }
 
 /* ---- light ---- */
@@ -411,7 +406,7 @@ static void flames(void **state)
         total[i] = truth_total(&picture);
         truth_clear(&picture);
     }
-    truth_expect("a flame's light found by sampling, and by chance", 1, quotient(total[0], total[1]), 4, 0.02);
+    truth_expect("a flame's light found by sampling, and by chance", 1, truth_ratio(total[0], total[1]), 4, 0.02);
 }
 
 int main(void)

@@ -1,20 +1,12 @@
 /* bsdf_test.c - samples against densities, densities against samples, reciprocity, and what must never happen.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
-/* before cmocka, which makes a macro of fail */
 #include "bsdf_cases.h"
 #include "optics/balance.h"
-
-#include <cmocka.h>
 
 static const float view_cosines[] = {0.95f, 0.5f, 0.12f};
 

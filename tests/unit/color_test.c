@@ -1,19 +1,12 @@
 /* color_test.c - the standard data, what is derived from it, and colours from sampled wavelengths.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "test.h"
 
-/* before cmocka, which makes a macro of fail */
+#include <math.h>
+
 #include "base/hash.h"
 #include "optics/color.h"
 #include "optics/observer.h"
-
-#include <cmocka.h>
 
 static void observer_adds_up(void **unused)
 {

@@ -1,18 +1,10 @@
 /* compare_test.c - sums against values worked out by hand, FLIP against an implementation by its definition.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-/* before cmocka, which makes a macro of fail */
 #include "image/compare.h"
-
-#include <cmocka.h>
 
 enum { WIDTH = 31, HEIGHT = 23 };
 

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "base/hash.h"
+#include "dice.h"
 #include "nest/cross.h"
 #include "scene_fixture.h"
 
@@ -18,13 +18,12 @@ typedef struct Model {
     NestTree trees[2];
     uint32_t tree_of_operand[OPERANDS];
     NestCsg csg;
-    uint64_t seed;
+    Dice dice;
 } Model;
 
-static uint32_t pick(Model *model, uint32_t n)
+static uint32_t pick(Model *model, int n)
 {
-    model->seed = hash_u64(model->seed + 1);
-    return (uint32_t)(model->seed >> 32) % n;
+    return (uint32_t)dice_below(&model->dice, n);
 }
 
 /* Fills a part with operands, in order of their numbers. */
@@ -47,7 +46,7 @@ static void grow(Model *model, uint32_t part, uint32_t tree, uint32_t depth)
 /* Two combinations: hull 1, and an opaque one. */
 static void make_model(Model *model, uint64_t seed)
 {
-    *model = (Model){.seed = seed};
+    *model = (Model){.dice = {seed << 32}};
     model->csg = (NestCsg){.first_operand = HULLS,
                            .n_trees = 2,
                            .n_parts = 2,
@@ -95,7 +94,7 @@ static void check_crossings(NestPolicy policy, uint64_t seed, uint64_t *n_flips)
         uint32_t n = 1 + pick(&model, 3), n_all = HULLS + model.csg.n_operands;
         bool opaque_before = plain(&model, 1, inside);
         for (uint32_t i = 0; i < n; i++) {
-            uint32_t pass = pick(&model, n_all);
+            uint32_t pass = pick(&model, (int)n_all);
             bool again = pass == 1; /* hull 1 is a combination and crossed through its operands only */
             for (uint32_t k = 0; k < i; k++) again = again || passes[k].hull == pass;
             if (again) {
@@ -165,12 +164,6 @@ static void volumes_are_measured(void **state)
     fixture_clear(&scene);
 }
 
-static double uniform(uint64_t *seed, double from, double to)
-{
-    *seed = hash_u64(*seed + 1);
-    return from + (to - from) * hash_to_unit(*seed);
-}
-
 /* Inside the pierced cube of the scene below, by its formula. */
 static bool in_pierced_cube(Vec3 p)
 {
@@ -192,11 +185,10 @@ static void interiors_of_points_are_found(void **state)
     HitList hits = {0};
     NestList list;
     nest_list_init(&list);
-    uint64_t seed = 5;
+    Dice dice = {5};
     int n_inside = 0;
     for (int i = 0; i < 20000; i++) {
-        Vec3 p = vec3(uniform(&seed, -12, 12), uniform(&seed, -12, 12), uniform(&seed, -12, 12));
-        p = vec3_from_f(vec3f_from(p));
+        Vec3 p = vec3_from_f(vec3f_from(dice_point(&dice, 12)));
         assert_int_equal(compiled_interior(scene.compiled, vec3f_from(p), 0, &hits, &list, NULL), STATUS_OK);
         uint32_t n = nest_list_count(&list) - compiled_operands_in(scene.compiled, &list);
         if ((n == 1) != in_pierced_cube(p)) fail_msg("<%.9g, %.9g, %.9g>: in %u hulls", p.x, p.y, p.z, n);

@@ -1,4 +1,4 @@
-/* dice.h - random numbers for tests of geometry: the same ones in every run.
+/* dice.h - random numbers for tests: the same ones in every run.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TEST_DICE_H
 #define MEN_TEST_DICE_H
@@ -16,6 +16,19 @@ typedef struct Dice {
 static inline double dice_unit(Dice *dice)
 {
     return hash_to_unit(hash_u64(dice->state++));
+}
+
+/* a whole number from 0 to n - 1 */
+static inline int dice_below(Dice *dice, int n)
+{
+    return (int)(dice_unit(dice) * n);
+}
+
+/* coordinates of -reach to reach */
+static inline Vec3 dice_point(Dice *dice, double reach)
+{
+    double x = dice_unit(dice), y = dice_unit(dice), z = dice_unit(dice);
+    return vec3((2 * x - 1) * reach, (2 * y - 1) * reach, (2 * z - 1) * reach);
 }
 
 static inline Vec3 dice_direction(Dice *dice)

@@ -1,18 +1,11 @@
 /* environment_test.c - environments: look-up, density and samples agree with each other.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "test.h"
 
-/* before cmocka, which makes a macro of fail */
+#include <math.h>
+
 #include "base/hash.h"
 #include "optics/texture.h"
-
-#include <cmocka.h>
 
 static const double pi = 3.14159265358979323846;
 

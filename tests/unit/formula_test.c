@@ -7,26 +7,21 @@
 
 #include "lang_fixture.h"
 
-#include "base/hash.h"
+#include "dice.h"
 #include "lang/formula.h"
 #include "near.h"
 #include "optics/surface_texture.h"
 #include "scene_fixture.h"
 
-static double unit(uint64_t *state)
+static void random_inputs(Dice *dice, double inputs[PROGRAM_INPUTS])
 {
-    return hash_to_unit(hash_u64((*state)++));
-}
-
-static void random_inputs(uint64_t *dice, double inputs[PROGRAM_INPUTS])
-{
-    for (int i = 0; i < 3; i++) inputs[PROGRAM_POINT + i] = 8 * unit(dice) - 4;
-    Vec3 normal = vec3_normalize(vec3(unit(dice) - 0.5, unit(dice) - 0.5, unit(dice) - 0.5));
+    for (int i = 0; i < 3; i++) inputs[PROGRAM_POINT + i] = 8 * dice_unit(dice) - 4;
+    Vec3 normal = vec3_normalize(vec3(dice_unit(dice) - 0.5, dice_unit(dice) - 0.5, dice_unit(dice) - 0.5));
     inputs[PROGRAM_NORMAL] = normal.x;
     inputs[PROGRAM_NORMAL + 1] = normal.y;
     inputs[PROGRAM_NORMAL + 2] = normal.z;
-    for (int i = 0; i < 2; i++) inputs[PROGRAM_UV + i] = unit(dice);
-    inputs[PROGRAM_FOOTPRINT] = 0.1 * unit(dice);
+    for (int i = 0; i < 2; i++) inputs[PROGRAM_UV + i] = dice_unit(dice);
+    inputs[PROGRAM_FOOTPRINT] = 0.1 * dice_unit(dice);
 }
 
 /* What functions can do, each with its parameters. */
@@ -89,7 +84,7 @@ static void programs_give_what_the_evaluation_gives(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT_OF(functions); i++) {
         Run run;
-        uint64_t dice = i;
+        Dice dice = {i};
         const EvalProp *function = function_of(&run, functions[i]);
         const Program *program = formula_compile(function->as.function, &run.arena);
         if (!program) {
@@ -162,10 +157,10 @@ static void formulas_agree_with_patterns(void **state)
         uint32_t rows[2];
         (void)texture_of(f.scene, 0, &rows[0]);
         assert_int_equal(texture_of(f.scene, 1, &rows[1])->kind, TEXTURE_FORMULA);
-        uint64_t dice = i;
+        Dice dice = {i};
         for (int k = 0; k < 2000; k++) {
             TexturePlace at = {.identity = 5};
-            at.object = vec3(9 * unit(&dice) - 4, 9 * unit(&dice) - 4, 9 * unit(&dice) - 4);
+            at.object = vec3(9 * dice_unit(&dice) - 4, 9 * dice_unit(&dice) - 4, 9 * dice_unit(&dice) - 4);
             at.world = vec3_add(at.object, vec3(1, 2, 3));
             at.object_normal = at.world_normal = vec3(0, 1, 0);
             Lanes nm = lanes(450, 520, 590, 650);

@@ -1,19 +1,12 @@
 /* fresnel_test.c - reflectance and refraction against the textbook's equations in long double.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "test.h"
 
-/* before cmocka, which makes a macro of fail */
+#include <math.h>
+
 #include "base/hash.h"
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
-
-#include <cmocka.h>
 
 static float random_unit(uint32_t *state)
 {

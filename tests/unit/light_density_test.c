@@ -98,7 +98,8 @@ static Verdict judge(const World *world, Vec3 from, Vec3f normal, const LightSam
             const Hit *hit = &hits->items[i];
             if (sample->object != RTC_NO_OBJECT && hit->object != sample->object) continue;
             if (sample->primitive != RTC_NO_OBJECT && hit->primitive != sample->primitive) continue;
-            double off = (double)light_pdf_hit(world, world_lights(world), from, normal, &ray, hit) / (double)sample->pdf_w - 1;
+            double off =
+                (double)light_pdf_hit(world, world_lights(world), from, normal, &ray, hit) / (double)sample->pdf_w - 1;
             if (fabs(off) >= fabs(best)) continue;
             best = off;
             cosine = fabs(hit->cos_normal);
@@ -134,10 +135,84 @@ static Status load_picture(void *context, const char *path, const char *space, f
     return STATUS_OK;
 }
 
+/* Of the bins: what the densities come to, with the variance of the quadrature, and how many samples fell there. */
+typedef struct Table {
+    double expected[ROWS * COLUMNS], uncertain[ROWS * COLUMNS];
+    int counted[ROWS * COLUMNS];
+    double inside, inside_variance; /* sums of the first two */
+    int n_good, n_beside, n_odd;    /* samples: with a density, of those outside of all bins, with another density */
+} Table;
+
+static void integrate(const World *world, const Case *c, const Bins *bins, Dice *dice, Table *table)
+{
+    HitList hits = {0};
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        double sum = 0, last = 0, squares = 0;
+        for (int k = 0; k < FINE * FINE; k++) {
+            double row = i / COLUMNS + (k / FINE + dice_unit(dice)) / FINE,
+                   column = i % COLUMNS + (k % FINE + dice_unit(dice)) / FINE;
+            double density = density_at(world, c->from, c->normal, direction_in(bins, row, column), 0, &hits);
+            sum += density;
+            if (k % FINE) squares += 0.5 * pow(density - last, 2); /* from one stratum to the next */
+            last = density;
+        }
+        const double n = FINE * FINE, solid_angle = 2 * pi * bins->cap / (ROWS * COLUMNS);
+        table->expected[i] = sum / n * solid_angle;
+        table->uncertain[i] = squares / (FINE * (FINE - 1)) / n * solid_angle * solid_angle;
+        table->inside += table->expected[i];
+        table->inside_variance += table->uncertain[i];
+    }
+    hit_list_clear(&hits);
+}
+
+static void draw(const World *world, const Case *c, const Bins *bins, Dice *dice, Table *table)
+{
+    HitList hits = {0};
+    for (int i = 0; i < SAMPLES; i++) {
+        float u[2] = {(float)fmin(dice_unit(dice), 1 - 0x1p-24), (float)fmin(dice_unit(dice), 1 - 0x1p-24)};
+        LightSample sample;
+        light_sample(world, world_lights(world), c->from, c->normal, 0, dice_unit(dice), u, some_wavelengths(),
+                     &sample);
+        if (!(sample.pdf_w > 0)) continue;
+        assert_false(sample.delta);
+        assert_near((double)vec3f_length(sample.direction), 1, 1e-6);
+        Verdict verdict = judge(world, c->from, c->normal, &sample, 0, &hits);
+        if (verdict == GRAZING) continue;
+        table->n_good++;
+        table->n_odd += verdict == NOT_SO;
+        int bin = bin_of(bins, sample.direction);
+        if (bin < 0)
+            table->n_beside++;
+        else
+            table->counted[bin]++;
+    }
+    hit_list_clear(&hits);
+}
+
+/* What is expected in few samples makes up one bin together. */
+static double chi_square(const Table *table, double *n_bins)
+{
+    double chi = 0, rest_expected = 0, rest_uncertain = 0, rest_counted = 0;
+    *n_bins = 0;
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        double mean = table->expected[i] * SAMPLES, uncertain = table->uncertain[i] * SAMPLES * SAMPLES;
+        if (mean < 8) {
+            rest_expected += mean;
+            rest_uncertain += uncertain;
+            rest_counted += table->counted[i];
+            continue;
+        }
+        chi += pow(table->counted[i] - mean, 2) / (mean + uncertain);
+        ++*n_bins;
+    }
+    if (rest_expected <= 8) return chi;
+    ++*n_bins;
+    return chi + pow(rest_counted - rest_expected, 2) / (rest_expected + rest_uncertain);
+}
+
 static void run_case(const Case *c)
 {
-    static double expected[ROWS * COLUMNS], uncertain[ROWS * COLUMNS]; /* and the variance of the quadrature */
-    static int counted[ROWS * COLUMNS];
+    static Table table;
     char text[2000];
     Fixture f;
     snprintf(text, sizeof text, "meniscus 1.0 unit mm camera { from = <0, 0, 900>  to = <0, 0, 0> }\n%s\n", c->scene);
@@ -150,318 +225,276 @@ static void run_case(const Case *c)
     assert_int_equal(world_init(&world, f.compiled, 0, 8, false, NULL, &f.error), STATUS_OK);
     Bins bins = bins_about(c->from, c->towards, c->half_angle);
     Dice dice = {11};
-    HitList hits = {0};
-    memset(counted, 0, sizeof counted);
-    double inside = 0, inside_variance = 0;
-    for (int i = 0; i < ROWS * COLUMNS; i++) {
-        double sum = 0, last = 0, squares = 0;
-        for (int k = 0; k < FINE * FINE; k++) {
-            double row = i / COLUMNS + (k / FINE + dice_unit(&dice)) / FINE,
-                   column = i % COLUMNS + (k % FINE + dice_unit(&dice)) / FINE;
-            double density = density_at(&world, c->from, c->normal, direction_in(&bins, row, column), 0, &hits);
-            sum += density;
-            if (k % FINE) squares += 0.5 * pow(density - last, 2); /* from one stratum to the next */
-            last = density;
-        }
-        const double n = FINE * FINE, solid_angle = 2 * pi * bins.cap / (ROWS * COLUMNS);
-        expected[i] = sum / n * solid_angle;
-        uncertain[i] = squares / (FINE * (FINE - 1)) / n * solid_angle * solid_angle;
-        inside += expected[i];
-        inside_variance += uncertain[i];
-    }
-    int n_good = 0, n_beside = 0, n_odd = 0;
-    for (int i = 0; i < SAMPLES; i++) {
-        float u[2] = {(float)fmin(dice_unit(&dice), 1 - 0x1p-24), (float)fmin(dice_unit(&dice), 1 - 0x1p-24)};
-        LightSample sample;
-        light_sample(&world, world_lights(&world), c->from, c->normal, 0, dice_unit(&dice), u, some_wavelengths(), &sample);
-        if (!(sample.pdf_w > 0)) continue;
-        assert_false(sample.delta);
-        assert_near((double)vec3f_length(sample.direction), 1, 1e-6);
-        Verdict verdict = judge(&world, c->from, c->normal, &sample, 0, &hits);
-        if (verdict == GRAZING) continue;
-        n_good++;
-        n_odd += verdict == NOT_SO;
-        int bin = bin_of(&bins, sample.direction);
-        if (bin < 0)
-            n_beside++;
-        else
-            counted[bin]++;
-    }
-    double chi = 0, rest_expected = 0, rest_uncertain = 0, rest_counted = 0, n_bins = 0;
-    for (int i = 0; i < ROWS * COLUMNS; i++) {
-        double mean = expected[i] * SAMPLES;
-        if (mean < 8) { /* too few for the test by themselves */
-            rest_expected += mean;
-            rest_uncertain += uncertain[i] * SAMPLES * SAMPLES;
-            rest_counted += counted[i];
-            continue;
-        }
-        chi += pow(counted[i] - mean, 2) / (mean + uncertain[i] * SAMPLES * SAMPLES);
-        n_bins++;
-    }
-    if (rest_expected > 8) {
-        chi += pow(rest_counted - rest_expected, 2) / (rest_expected + rest_uncertain);
-        n_bins++;
-    }
+    table = (Table){.n_good = 0};
+    integrate(&world, c, &bins, &dice, &table);
+    draw(&world, c, &bins, &dice, &table);
+    double n_bins, chi = chi_square(&table, &n_bins), n_inside = table.n_good - table.n_beside;
     if (!(n_bins > 0)) { /* nothing is sampled, and nothing has a density */
-        assert_int_equal(n_good, 0);
+        assert_int_equal(table.n_good, 0);
         assert_true(c->least <= 0);
         n_bins = 1;
     }
     double z = (cbrt(chi / n_bins) - (1 - 2 / (9 * n_bins))) / sqrt(2 / (9 * n_bins)); /* Wilson and Hilferty */
     printf("%-42s chi-square %6.1f over %3.0f bins, %5.2f standard deviations; density %.4f, samples %.4f\n", c->what,
-           chi, n_bins, z, inside, (double)(n_good - n_beside) / SAMPLES);
+           chi, n_bins, z, table.inside, n_inside / SAMPLES);
     assert_true(z < 4);
-    assert_true(n_odd <= 0.002 * n_good); /* at edges, which rounding of the direction may miss */
-    assert_true((double)n_good / SAMPLES >= c->least);
-    assert_near(inside, (double)(n_good - n_beside) / SAMPLES, 4 * sqrt(inside_variance + 0.25 / SAMPLES));
-    hit_list_clear(&hits);
+    assert_true(table.n_odd <= 0.002 * table.n_good); /* at edges, which rounding of the direction may miss */
+    assert_true((double)table.n_good / SAMPLES >= c->least);
+    assert_near(table.inside, n_inside / SAMPLES, 4 * sqrt(table.inside_variance + 0.25 / SAMPLES));
     world_clear(&world);
     fixture_clear(&f);
 }
 
 #define GLOW "surface = surface { albedo = 0  emission = 1  radiance = 2 }"
-static const Vec3 origin = {0, 0, 0};
-static const Vec3f up = {0, 1, 0}, anywhere = {0, 0, 0}; /* light may come from */
+#define ORIGIN                                                                                                         \
+    {                                                                                                                  \
+        0, 0, 0                                                                                                        \
+    }
+/* the normal: where light may come from */
+#define UP                                                                                                             \
+    {                                                                                                                  \
+        0, 1, 0                                                                                                        \
+    }
+#define ANYWHERE                                                                                                       \
+    {                                                                                                                  \
+        0, 0, 0                                                                                                        \
+    }
+
+static const Case lamps[] = {
+    {"quad", "light { from = <3, 20, 0>  to = <0, 0, 4>  size = <30, 12> }", ORIGIN, UP, {3, 20, 0}, 1.0, 0.99},
+    {"quad, near and aslant",
+     "light { from = <3, 2, 0>  to = <-9, 0, 4>  size = <3, 12> }",
+     ORIGIN,
+     UP,
+     {3, 2, 0},
+     1.6,
+     0.4},
+    {"disc",
+     "light { shape = disc  from = <-3, 20, 0>  to = <0, 0, 4>  radius = 9 }",
+     ORIGIN,
+     UP,
+     {-3, 20, 0},
+     0.6,
+     0.99},
+    {"sphere", "light { shape = sphere  from = <4, 20, 1>  radius = 9 }", ORIGIN, UP, {4, 20, 1}, 0.5, 0.99},
+    {"sphere, far",
+     "light { shape = sphere  from = <4, 20000, 1>  radius = 9 }",
+     ORIGIN,
+     UP,
+     {4, 20000, 1},
+     6e-4,
+     0.99},
+    {"sphere, its surface very near",
+     "light { shape = sphere  from = <0, 10, 0>  radius = 9.99 }",
+     ORIGIN,
+     UP,
+     {0, 10, 0},
+     1.6,
+     0.97},
+    {"distant, wide",
+     "light { shape = distant  from = <4, 9, 2>  to = <0, 0, 0>  angle = 70deg }",
+     ORIGIN,
+     UP,
+     {4, 9, 2},
+     0.7,
+     0.99},
+    {"distant, the sun",
+     "light { shape = distant  from = <4, 9, 2>  to = <0, 0, 0> }",
+     ORIGIN,
+     UP,
+     {4, 9, 2},
+     0.006,
+     0.99},
+    {"three lights, in a medium",
+     "light { from = <3, 20, 0>  to = <0, 0, 4>  size = <30, 12> } light { shape = disc  from = <-30, 3, 0>  to = "
+     "<0, 0, 4>  radius = 9  radiance = 3 } light { shape = sphere  from = <4, -20, 9>  radius = 5 }",
+     ORIGIN,
+     ANYWHERE,
+     {1, 0, 0},
+     3.14159,
+     0.99}};
 
 static void lights(void **state)
 {
     (void)state;
-    const Case cases[] = {
-        {"quad", "light { from = <3, 20, 0>  to = <0, 0, 4>  size = <30, 12> }", origin, up, {3, 20, 0}, 1.0, 0.99},
-        {"quad, near and aslant",
-         "light { from = <3, 2, 0>  to = <-9, 0, 4>  size = <3, 12> }",
-         origin,
-         up,
-         {3, 2, 0},
-         1.6,
-         0.4},
-        {"disc",
-         "light { shape = disc  from = <-3, 20, 0>  to = <0, 0, 4>  radius = 9 }",
-         origin,
-         up,
-         {-3, 20, 0},
-         0.6,
-         0.99},
-        {"sphere", "light { shape = sphere  from = <4, 20, 1>  radius = 9 }", origin, up, {4, 20, 1}, 0.5, 0.99},
-        {"sphere, far",
-         "light { shape = sphere  from = <4, 20000, 1>  radius = 9 }",
-         origin,
-         up,
-         {4, 20000, 1},
-         6e-4,
-         0.99},
-        {"sphere, its surface very near",
-         "light { shape = sphere  from = <0, 10, 0>  radius = 9.99 }",
-         origin,
-         up,
-         {0, 10, 0},
-         1.6,
-         0.97},
-        {"distant, wide",
-         "light { shape = distant  from = <4, 9, 2>  to = <0, 0, 0>  angle = 70deg }",
-         origin,
-         up,
-         {4, 9, 2},
-         0.7,
-         0.99},
-        {"distant, the sun",
-         "light { shape = distant  from = <4, 9, 2>  to = <0, 0, 0> }",
-         origin,
-         up,
-         {4, 9, 2},
-         0.006,
-         0.99},
-        {"three lights, in a medium",
-         "light { from = <3, 20, 0>  to = <0, 0, 4>  size = <30, 12> } light { shape = disc  from = <-30, 3, 0>  to = "
-         "<0, 0, 4>  radius = 9  radiance = 3 } light { shape = sphere  from = <4, -20, 9>  radius = 5 }",
-         origin,
-         anywhere,
-         {1, 0, 0},
-         3.14159,
-         0.99}};
-    for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
+    for (size_t i = 0; i < COUNT_OF(lamps); i++) run_case(&lamps[i]);
 }
 
 /* Every kind of a solid's pieces, and meshes; turned, stretched and mirrored. */
+static const Case shining[] = {
+    {"ball", "sphere { center = <4, 20, 1>  radius = 9 " GLOW " }", ORIGIN, UP, {4, 20, 1}, 0.5, 0.99},
+    {"ball, mirrored",
+     "sphere { radius = 1  scale(<9, -9, 9>)  translate(<4, 20, 1>) " GLOW " }",
+     ORIGIN,
+     UP,
+     {4, 20, 1},
+     0.5,
+     0.99},
+    {"ball from inside: found by chance", "sphere { radius = 50 " GLOW " }", ORIGIN, UP, {4, 20, 1}, 3.14159, 0},
+    {"ellipsoid",
+     "ellipsoid { center = <5, 18, 3>  radii = <12, 3, 6>  rotate(z, 30deg) " GLOW " }",
+     ORIGIN,
+     ANYWHERE,
+     {0, 18, 3},
+     1.2,
+     0.3},
+    {"box", "box { from = <-5, 9, -5>  to = <5, 12, 9>  rotate(y, 20deg) " GLOW " }", ORIGIN, UP, {0, 10, 1}, 1.0, 0.2},
+    {"box, mirrored and stretched",
+     "box { from = <-5, 9, -5>  to = <5, 12, 9>  scale(<-2, 1, .5>) " GLOW " }",
+     ORIGIN,
+     UP,
+     {0, 10, 1},
+     1.2,
+     0.2},
+    {"cylinder, aslant",
+     "cylinder { from = <-10, 12, 4>  to = <12, 20, -3>  radius = 3 " GLOW " }",
+     ORIGIN,
+     UP,
+     {1, 16, 0},
+     1.0,
+     0.2},
+    {"cone, stretched",
+     "cone { from = <0, 9, 0>  to = <4, 25, 4>  radius_from = 8  radius_to = 2  scale(<1, 1, .4>) " GLOW " }",
+     ORIGIN,
+     ANYWHERE,
+     {1, 12, 0},
+     1.0,
+     0.2},
+    {"torus",
+     "torus { radius = 8  tube = 3  rotate(x, 70deg)  translate(<3, 14, -4>) " GLOW " }",
+     ORIGIN,
+     UP,
+     {3, 14, -4},
+     1.3,
+     0.2},
+    {"lathe with arcs",
+     "lathe { profile = [<0, 20>, <12, 12>, <11, 10>, <0, 17>]  rounding = [0, .5, .4, 0] " GLOW " }",
+     ORIGIN,
+     UP,
+     {0, 15, 0},
+     1.2,
+     0.2},
+    {"a mesh of eight triangles",
+     "mesh { positions = [<9, 20, 0>, <-9, 20, 0>, <0, 29, 0>, <0, 11, 0>, <0, 20, 9>, <0, 20, -9>]  triangles = "
+     "[<0, 2, 4>, <2, 1, 4>, <1, 3, 4>, <3, 0, 4>, <2, 0, 5>, <1, 2, 5>, <3, 1, 5>, <0, 3, 5>] " GLOW " }",
+     ORIGIN,
+     UP,
+     {0, 20, 0},
+     0.7,
+     0.3},
+    {"an open sheet, from behind",
+     "mesh { positions = [<-15, 20, -6>, <15, 20, -6>, <15, 22, 6>]  triangles = [<0, 1, 2>] " GLOW " }",
+     ORIGIN,
+     UP,
+     {3, 20, -2},
+     0.9,
+     0.99},
+    {"many tubes",
+     "sweep { outline = [for (i in 0..<8) <1.5 * cos(45 * i), 1.5 * sin(45 * i)>]\n"
+     "path = [for (i in 0..24) <7 * cos(30 * i), 10 + .5 * i, 7 * sin(30 * i)>] " GLOW " }",
+     ORIGIN,
+     UP,
+     {0, 16, 0},
+     0.9,
+     0.4},
+    {"surfaces, lights and a sky",
+     "sphere { center = <4, 20, 1>  radius = 4 " GLOW " } box { from = <-9, 9, -9>  to = <-5, 12, -3> " GLOW " }\n"
+     "light { from = <9, 8, 0>  to = <0, 0, 4>  size = <6, 6> } environment { }",
+     ORIGIN,
+     ANYWHERE,
+     {0, 1, 0},
+     3.14159,
+     0.7}};
+
 static void surfaces_that_shine(void **state)
 {
     (void)state;
-    const Case cases[] = {
-        {"ball", "sphere { center = <4, 20, 1>  radius = 9 " GLOW " }", origin, up, {4, 20, 1}, 0.5, 0.99},
-        {"ball, mirrored",
-         "sphere { radius = 1  scale(<9, -9, 9>)  translate(<4, 20, 1>) " GLOW " }",
-         origin,
-         up,
-         {4, 20, 1},
-         0.5,
-         0.99},
-        {"ball from inside: found by chance", "sphere { radius = 50 " GLOW " }", origin, up, {4, 20, 1}, 3.14159, 0},
-        {"ellipsoid",
-         "ellipsoid { center = <5, 18, 3>  radii = <12, 3, 6>  rotate(z, 30deg) " GLOW " }",
-         origin,
-         anywhere,
-         {0, 18, 3},
-         1.2,
-         0.3},
-        {"box",
-         "box { from = <-5, 9, -5>  to = <5, 12, 9>  rotate(y, 20deg) " GLOW " }",
-         origin,
-         up,
-         {0, 10, 1},
-         1.0,
-         0.2},
-        {"box, mirrored and stretched",
-         "box { from = <-5, 9, -5>  to = <5, 12, 9>  scale(<-2, 1, .5>) " GLOW " }",
-         origin,
-         up,
-         {0, 10, 1},
-         1.2,
-         0.2},
-        {"cylinder, aslant",
-         "cylinder { from = <-10, 12, 4>  to = <12, 20, -3>  radius = 3 " GLOW " }",
-         origin,
-         up,
-         {1, 16, 0},
-         1.0,
-         0.2},
-        {"cone, stretched",
-         "cone { from = <0, 9, 0>  to = <4, 25, 4>  radius_from = 8  radius_to = 2  scale(<1, 1, .4>) " GLOW " }",
-         origin,
-         anywhere,
-         {1, 12, 0},
-         1.0,
-         0.2},
-        {"torus",
-         "torus { radius = 8  tube = 3  rotate(x, 70deg)  translate(<3, 14, -4>) " GLOW " }",
-         origin,
-         up,
-         {3, 14, -4},
-         1.3,
-         0.2},
-        {"lathe with arcs",
-         "lathe { profile = [<0, 20>, <12, 12>, <11, 10>, <0, 17>]  rounding = [0, .5, .4, 0] " GLOW " }",
-         origin,
-         up,
-         {0, 15, 0},
-         1.2,
-         0.2},
-        {"a mesh of eight triangles",
-         "mesh { positions = [<9, 20, 0>, <-9, 20, 0>, <0, 29, 0>, <0, 11, 0>, <0, 20, 9>, <0, 20, -9>]  triangles = "
-         "[<0, 2, 4>, <2, 1, 4>, <1, 3, 4>, <3, 0, 4>, <2, 0, 5>, <1, 2, 5>, <3, 1, 5>, <0, 3, 5>] " GLOW " }",
-         origin,
-         up,
-         {0, 20, 0},
-         0.7,
-         0.3},
-        {"an open sheet, from behind",
-         "mesh { positions = [<-15, 20, -6>, <15, 20, -6>, <15, 22, 6>]  triangles = [<0, 1, 2>] " GLOW " }",
-         origin,
-         up,
-         {3, 20, -2},
-         0.9,
-         0.99},
-        {"many tubes",
-         "sweep { outline = [for (i in 0..<8) <1.5 * cos(45 * i), 1.5 * sin(45 * i)>]\n"
-         "path = [for (i in 0..24) <7 * cos(30 * i), 10 + .5 * i, 7 * sin(30 * i)>] " GLOW " }",
-         origin,
-         up,
-         {0, 16, 0},
-         0.9,
-         0.4},
-        {"surfaces, lights and a sky",
-         "sphere { center = <4, 20, 1>  radius = 4 " GLOW " } box { from = <-9, 9, -9>  to = <-5, 12, -3> " GLOW " }\n"
-         "light { from = <9, 8, 0>  to = <0, 0, 4>  size = <6, 6> } environment { }",
-         origin,
-         anywhere,
-         {0, 1, 0},
-         3.14159,
-         0.7}};
-    for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
+    for (size_t i = 0; i < COUNT_OF(shining); i++) run_case(&shining[i]);
 }
 
 #define WINDOW(z) "light { shape = portal  from = <30, 20, " z ">  to = <0, 20, 0>  size = <20, 30> }"
 
+static const Case skies[] = {
+    {"the same from everywhere: left to chance", "environment { color = 2 }", ORIGIN, UP, {0, 1, 0}, 3.14159, 0},
+    {"an image, turned",
+     "environment { image = \"/dev/null\"  rotate(x, 40deg)  rotate(y, 70deg) }",
+     ORIGIN,
+     UP,
+     {0, 1, 0},
+     3.14159,
+     0.99},
+    {"a sky", "environment { sky = clear  disc = false }", ORIGIN, UP, {0, 1, 0}, 3.14159, 0.99},
+    {"an overcast sky", "environment { sky = overcast }", ORIGIN, UP, {0, 1, 0}, 3.14159, 0.99},
+    {"through a window", "environment { color = 2 } " WINDOW("0"), ORIGIN, ANYWHERE, {30, 20, 0}, 0.6, 0.99},
+    {"through a window, beyond it too",
+     "environment { color = 2 } " WINDOW("0"),
+     ORIGIN,
+     ANYWHERE,
+     {30, 20, 0},
+     3.14159,
+     0.99},
+    {"through a window, an image",
+     "environment { image = \"/dev/null\"  rotate(x, 40deg) } " WINDOW("0"),
+     ORIGIN,
+     UP,
+     {30, 20, 0},
+     0.6,
+     0.99},
+    {"through a window, a sky",
+     "environment { sky = clear  disc = false  azimuth = 70deg } " WINDOW("0"),
+     ORIGIN,
+     UP,
+     {30, 20, 0},
+     0.6,
+     0.99},
+    {"two windows, side by side",
+     "environment { color = 2 } " WINDOW("-12") WINDOW("12"),
+     ORIGIN,
+     UP,
+     {30, 20, 0},
+     0.9,
+     0.99},
+    {"windows of two walls, that overlap",
+     "environment { image = \"/dev/null\" } " WINDOW("-4")
+         WINDOW("4") "light { shape = portal  from = <0, 20, 30>  to = <0, 20, 0>  size = <20, 30> }",
+     ORIGIN,
+     UP,
+     {30, 20, 20},
+     1.2,
+     0.99},
+    {"very near to a window",
+     "environment { color = 2 } " WINDOW("0"),
+     {29.9, 20, 3},
+     ANYWHERE,
+     {30, 20, 0},
+     1.6,
+     0.99},
+    {"a window behind the surface",
+     "environment { color = 2 } " WINDOW("0"),
+     {0, 90, 0},
+     UP,
+     {0, 200, 0},
+     3.14159,
+     0.99},
+    {"from outside of a window",
+     "environment { color = 2 } " WINDOW("0"),
+     {60, 20, 0},
+     ANYWHERE,
+     {30, 20, 0},
+     3.14159,
+     0.99},
+    {"a window far away",
+     "environment { color = 2 } " WINDOW("0"),
+     {-60000, 20, 0},
+     ANYWHERE,
+     {30, 20, 0},
+     4e-4,
+     0.99}};
+
 static void outside(void **state)
 {
     (void)state;
-    const Case cases[] = {
-        {"the same from everywhere: left to chance", "environment { color = 2 }", origin, up, {0, 1, 0}, 3.14159, 0},
-        {"an image, turned",
-         "environment { image = \"/dev/null\"  rotate(x, 40deg)  rotate(y, 70deg) }",
-         origin,
-         up,
-         {0, 1, 0},
-         3.14159,
-         0.99},
-        {"a sky", "environment { sky = clear  disc = false }", origin, up, {0, 1, 0}, 3.14159, 0.99},
-        {"an overcast sky", "environment { sky = overcast }", origin, up, {0, 1, 0}, 3.14159, 0.99},
-        {"through a window", "environment { color = 2 } " WINDOW("0"), origin, anywhere, {30, 20, 0}, 0.6, 0.99},
-        {"through a window, beyond it too",
-         "environment { color = 2 } " WINDOW("0"),
-         origin,
-         anywhere,
-         {30, 20, 0},
-         3.14159,
-         0.99},
-        {"through a window, an image",
-         "environment { image = \"/dev/null\"  rotate(x, 40deg) } " WINDOW("0"),
-         origin,
-         up,
-         {30, 20, 0},
-         0.6,
-         0.99},
-        {"through a window, a sky",
-         "environment { sky = clear  disc = false  azimuth = 70deg } " WINDOW("0"),
-         origin,
-         up,
-         {30, 20, 0},
-         0.6,
-         0.99},
-        {"two windows, side by side",
-         "environment { color = 2 } " WINDOW("-12") WINDOW("12"),
-         origin,
-         up,
-         {30, 20, 0},
-         0.9,
-         0.99},
-        {"windows of two walls, that overlap",
-         "environment { image = \"/dev/null\" } " WINDOW("-4")
-             WINDOW("4") "light { shape = portal  from = <0, 20, 30>  to = <0, 20, 0>  size = <20, 30> }",
-         origin,
-         up,
-         {30, 20, 20},
-         1.2,
-         0.99},
-        {"very near to a window",
-         "environment { color = 2 } " WINDOW("0"),
-         {29.9, 20, 3},
-         anywhere,
-         {30, 20, 0},
-         1.6,
-         0.99},
-        {"a window behind the surface",
-         "environment { color = 2 } " WINDOW("0"),
-         {0, 90, 0},
-         up,
-         {0, 200, 0},
-         3.14159,
-         0.99},
-        {"from outside of a window",
-         "environment { color = 2 } " WINDOW("0"),
-         {60, 20, 0},
-         anywhere,
-         {30, 20, 0},
-         3.14159,
-         0.99},
-        {"a window far away",
-         "environment { color = 2 } " WINDOW("0"),
-         {-60000, 20, 0},
-         anywhere,
-         {30, 20, 0},
-         4e-4,
-         0.99}};
-    for (size_t i = 0; i < COUNT_OF(cases); i++) run_case(&cases[i]);
+    for (size_t i = 0; i < COUNT_OF(skies); i++) run_case(&skies[i]);
 }
 
 int main(void)

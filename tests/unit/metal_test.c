@@ -6,7 +6,6 @@
 #include <math.h>
 
 #include "base/hash.h"
-#include "optics/color.h"
 #include "optics/fresnel.h"
 #include "optics/metal.h"
 

@@ -3,20 +3,9 @@
 #include "test.h"
 
 #include "base/attr.h"
-#include "base/hash.h"
+#include "dice.h"
 #include "near.h"
 #include "optics/pattern.h"
-
-static double unit(uint64_t *state)
-{
-    return hash_to_unit(hash_u64((*state)++));
-}
-
-static Vec3 somewhere(uint64_t *state, double reach)
-{
-    double x = unit(state), y = unit(state), z = unit(state);
-    return vec3((2 * x - 1) * reach, (2 * y - 1) * reach, (2 * z - 1) * reach);
-}
 
 static double at(const Pattern *pattern, Vec3 p)
 {
@@ -57,10 +46,10 @@ static void patterns_are_within_0_and_1(void **state)
     (void)state;
     static const double reaches[] = {1e-300, 1, 1e3, 1e9, 1e18, 1e300};
     for (size_t i = 0; i < COUNT_OF(all); i++) {
-        uint64_t dice = i;
+        Dice dice = {i};
         double least = 1, most = 0;
         for (int k = 0; k < 6000; k++) {
-            double value = at(&all[i], somewhere(&dice, k % 2 ? 5 : reaches[(size_t)k / 2 % COUNT_OF(reaches)]));
+            double value = at(&all[i], dice_point(&dice, k % 2 ? 5 : reaches[(size_t)k / 2 % COUNT_OF(reaches)]));
             if (!(value >= 0 && value <= 1)) fail_msg("pattern %zu is %g", i, value);
             least = fmin(least, value);
             most = fmax(most, value);
@@ -102,11 +91,11 @@ static double specified_noise(Vec3 p, uint64_t seed, unsigned shift)
 static void noise_is_as_specified(void **state)
 {
     (void)state;
-    uint64_t dice = 7;
+    Dice dice = {7};
     double squares = 0;
     enum { N = 20000 };
     for (int i = 0; i < N; i++) {
-        Vec3 p = somewhere(&dice, i % 3 ? 100 : 1e9);
+        Vec3 p = dice_point(&dice, i % 3 ? 100 : 1e9);
         uint64_t seed = hash_u64((uint64_t)i) >> (i % 64);
         double value = noise_gradient(p, seed);
         assert_near(value, specified_noise(p, seed, 0), 0);
@@ -132,9 +121,9 @@ static void smooth_patterns_are_continuous(void **state)
     static const size_t smooth[] = {2, 6, 7, 8, 9, 13, 14, 15, 17, 18};
     const double step = 1e-6;
     for (size_t i = 0; i < COUNT_OF(smooth); i++) {
-        uint64_t dice = 100 + i;
+        Dice dice = {100 + i};
         for (int k = 0; k < 20000; k++) {
-            Vec3 p = somewhere(&dice, 4), q = vec3_add(p, somewhere(&dice, step));
+            Vec3 p = dice_point(&dice, 4), q = vec3_add(p, dice_point(&dice, step));
             double jump = fabs(at(&all[smooth[i]], p) - at(&all[smooth[i]], q));
             /* agate rises like a root from its valleys */
             double bound = all[smooth[i]].kind == PATTERN_AGATE ? 3e-4 : 400 * step;
@@ -146,11 +135,11 @@ static void smooth_patterns_are_continuous(void **state)
 static void patterns_repeat(void **state)
 {
     (void)state;
-    uint64_t dice = 3;
+    Dice dice = {3};
     const Pattern *checker = &all[0], *brick = &all[1], *hexagon = &all[3], *ramp = &all[4], *radial = &all[5];
     const double side = sqrt(3.0);
     for (int k = 0; k < 5000; k++) {
-        Vec3 p = somewhere(&dice, 20);
+        Vec3 p = dice_point(&dice, 20);
         assert_near(at(checker, vec3_add(p, vec3(1, 0, 0))), 1 - at(checker, p), 0);
         assert_near(at(checker, vec3_add(p, vec3(1, 0, -1))), at(checker, p), 0);
         assert_near(at(brick, vec3_add(p, vec3(8, 6, 9))), at(brick, p), 0);
@@ -173,11 +162,11 @@ static void patterns_repeat(void **state)
 
 static double mean(const Pattern *pattern, Vec3 normal)
 {
-    uint64_t dice = 9;
+    Dice dice = {9};
     double sum = 0;
     enum { N = 200000 };
     for (int k = 0; k < N; k++) {
-        PatternPlace place = {.p = somewhere(&dice, 36), .normal = normal};
+        PatternPlace place = {.p = dice_point(&dice, 36), .normal = normal};
         sum += pattern_at(pattern, &place);
     }
     return sum / N;
@@ -200,9 +189,9 @@ static void parts_are_as_they_should(void **state)
 static void cells_are_the_nearest(void **state)
 {
     (void)state;
-    uint64_t dice = 21;
+    Dice dice = {21};
     for (int k = 0; k < 3000; k++) {
-        Vec3 p = somewhere(&dice, 50);
+        Vec3 p = dice_point(&dice, 50);
         double nearest = HUGE_VAL, second = HUGE_VAL;
         for (int i = 0; i < 343; i++) {
             double cell[3] = {floor(p.x) + i % 7 - 3, floor(p.y) + i / 7 % 7 - 3, floor(p.z) + i / 49 - 3};
@@ -236,9 +225,9 @@ static void footprints_smooth(void **state)
         double sum[2] = {0}, squares[2] = {0};
         enum { N = 20000 };
         for (int far = 0; far < 2; far++) {
-            uint64_t dice = 4;
+            Dice dice = {4};
             for (int k = 0; k < N; k++) {
-                PatternPlace place = {.p = somewhere(&dice, 50), .footprint = far ? 1e6 : 0};
+                PatternPlace place = {.p = dice_point(&dice, 50), .footprint = far ? 1e6 : 0};
                 double value = pattern_at(&all[i], &place);
                 sum[far] += value / N;
                 squares[far] += value * value / N;
@@ -295,11 +284,11 @@ static void footprints_are_averaged(void **state)
     const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     enum { PLACES = 250 };
     for (size_t c = 0; c < COUNT_OF(cases); c++) {
-        uint64_t dice = 50 + c;
+        Dice dice = {50 + c};
         double squares = 0, bias = 0;
         for (int i = 0; i < PLACES; i++) {
-            double width = 0.02 * pow(200, unit(&dice)); /* 0.02 to 4 */
-            PatternPlace place = {.p = somewhere(&dice, 20), .normal = axes[cases[c].axis], .footprint = width};
+            double width = 0.02 * pow(200, dice_unit(&dice)); /* 0.02 to 4 */
+            PatternPlace place = {.p = dice_point(&dice, 20), .normal = axes[cases[c].axis], .footprint = width};
             double found = pattern_at(&cases[c].pattern, &place);
             double wanted =
                 sampled(&cases[c].pattern, &place, axes[(cases[c].axis + 1) % 3], axes[(cases[c].axis + 2) % 3]);
@@ -316,13 +305,13 @@ static void footprints_are_averaged(void **state)
 static void parts_of_a_footprint(void **state)
 {
     (void)state;
-    uint64_t dice = 9;
+    Dice dice = {9};
     for (size_t i = 0; i < COUNT_OF(all); i++)
         for (int k = 0; k < 3000; k++) {
             PatternParts parts;
-            PatternPlace place = {.p = somewhere(&dice, k % 3 ? 9 : 1e6),
+            PatternPlace place = {.p = dice_point(&dice, k % 3 ? 9 : 1e6),
                                   .normal = axis_of(k),
-                                  .footprint = pow(10, 4 * unit(&dice) - 3)};
+                                  .footprint = pow(10, 4 * dice_unit(&dice) - 3)};
             pattern_parts(&all[i], &place, &parts);
             double sum = 0;
             assert_true(parts.n >= 1 && parts.n <= PATTERN_MOST_PARTS);

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <png.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "image/image.h"

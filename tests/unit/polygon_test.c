@@ -2,25 +2,13 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-#include <stdlib.h>
 
-#include "base/hash.h"
+#include "dice.h"
 #include "shape/contour.h"
 #include "shape/meshed.h"
 #include "near.h"
 
 static const double pi = 3.14159265358979323846;
-
-static double random_unit(uint64_t *state)
-{
-    *state = hash_u64(*state);
-    return hash_to_unit(*state);
-}
-
-static int random_below(uint64_t *state, int n)
-{
-    return (int)(random_unit(state) * n);
-}
 
 static void add_corner(Outline2 *outline, double x, double y)
 {
@@ -90,14 +78,14 @@ static void unions_of_rectangles(void **state)
 {
     (void)state;
     enum { GRID = 12 };
-    uint64_t seed = 1;
+    Dice dice = {1};
     for (int round = 0; round < 3000; round++) {
         bool covered[GRID][GRID] = {{false}};
         Outline2 outline = {0};
-        int n = 1 + random_below(&seed, 9), cells = 0;
+        int n = 1 + dice_below(&dice, 9), cells = 0;
         for (int i = 0; i < n; i++) {
-            int x0 = random_below(&seed, GRID - 1), y0 = random_below(&seed, GRID - 1);
-            int x1 = x0 + 1 + random_below(&seed, GRID - x0 - 1), y1 = y0 + 1 + random_below(&seed, GRID - y0 - 1);
+            int x0 = dice_below(&dice, GRID - 1), y0 = dice_below(&dice, GRID - 1);
+            int x1 = x0 + 1 + dice_below(&dice, GRID - x0 - 1), y1 = y0 + 1 + dice_below(&dice, GRID - y0 - 1);
             for (int x = x0; x < x1; x++)
                 for (int y = y0; y < y1; y++) covered[x][y] = true;
             add_corner(&outline, x0, y0);
@@ -118,13 +106,12 @@ static void unions_of_rectangles(void **state)
 static void unions_of_triangles(void **state)
 {
     (void)state;
-    uint64_t seed = 2;
+    Dice dice = {2};
     for (int round = 0; round < 1500; round++) {
         Outline2 outline = {0};
-        int n = 3 * (1 + random_below(&seed, 8)), coarse = round % 2 ? 8 : 1 << 20;
+        int n = 3 * (1 + dice_below(&dice, 8)), coarse = round % 2 ? 8 : 1 << 20;
         for (int i = 0; i < n; i++) {
-            add_corner(&outline, random_below(&seed, coarse) * 10.0 / coarse,
-                       random_below(&seed, coarse) * 10.0 / coarse);
+            add_corner(&outline, dice_below(&dice, coarse) * 10.0 / coarse, dice_below(&dice, coarse) * 10.0 / coarse);
             if (i % 3 == 2) end_loop(&outline);
         }
         double sum = 0; /* of the triangles' areas: what is united is not larger, and not smaller than the largest */
@@ -142,19 +129,19 @@ static void unions_of_triangles(void **state)
 static void stars_with_holes(void **state)
 {
     (void)state;
-    uint64_t seed = 3;
+    Dice dice = {3};
     for (int round = 0; round < 1500; round++) {
         Outline2 outline = {0};
         double expected = 0;
-        int n_holes = random_below(&seed, 6);
+        int n_holes = dice_below(&dice, 6);
         for (int loop = 0; loop <= n_holes; loop++) {
-            int n = 3 + random_below(&seed, 40);
-            bool hole = loop > 0, backward = random_unit(&seed) < 0.5;
+            int n = 3 + dice_below(&dice, 40);
+            bool hole = loop > 0, backward = dice_unit(&dice) < 0.5;
             double cx = hole ? 3 * cos(2 * pi * loop / n_holes) : 0, cy = hole ? 3 * sin(2 * pi * loop / n_holes) : 0;
             double area = 0, first_x = 0, first_y = 0, last_x = 0, last_y = 0;
             for (int i = 0; i < n; i++) {
                 double angle = 2 * pi * i / n * (backward ? -1 : 1) + 0.1;
-                double r = hole ? 0.1 + 1.3 * random_unit(&seed) : 10 + 8 * random_unit(&seed);
+                double r = hole ? 0.1 + 1.3 * dice_unit(&dice) : 10 + 8 * dice_unit(&dice);
                 double x = cx + r * cos(angle), y = cy + r * sin(angle);
                 if (i)
                     area += last_x * y - last_y * x;

@@ -1,18 +1,11 @@
 /* spectrum_test.c - every kind of spectrum at its known values.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "test.h"
 
-/* before cmocka, which makes a macro of fail */
+#include <math.h>
+
 #include "optics/color.h"
 #include "optics/spectrum.h"
-
-#include <cmocka.h>
 
 static void constants(void **unused)
 {

@@ -1,21 +1,12 @@
 /* upsample_test.c - colours to spectra and back.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "test.h"
 
-/* before cmocka, which makes a macro of fail */
-#include "base/hash.h"
+#include <math.h>
+
+#include "dice.h"
 #include "optics/color.h"
 #include "optics/observer.h"
-
-#include <cmocka.h>
-
-static double random_unit(uint32_t *state) { return hash_to_unit(hash_u64((*state)++)); }
 
 static double largest_error(const double a[3], const double b[3])
 {
@@ -38,12 +29,12 @@ static void color_of_reflectance(const Spectrum *reflectance, double rgb[3])
 static void reflectances_come_back(void **unused)
 {
     (void)unused;
-    uint32_t state = 1;
+    Dice dice = {1};
     double worst = 0, sum = 0;
     enum { N = 3000 };
     for (int i = 0; i < N; i++) {
         double rgb[3], back[3];
-        for (int c = 0; c < 3; c++) rgb[c] = random_unit(&state);
+        for (int c = 0; c < 3; c++) rgb[c] = dice_unit(&dice);
         if (i % 3 == 1) rgb[i / 3 % 3] = 0; /* the faces, edges and corners of the cube as well */
         if (i % 3 == 2) rgb[i / 3 % 3] = 1;
         if (i % 9 == 5) rgb[(i / 3 + 1) % 3] = 0;
@@ -83,11 +74,11 @@ static void greys_are_constant(void **unused)
 static void lights_come_back(void **unused)
 {
     (void)unused;
-    uint32_t state = 2;
+    Dice dice = {2};
     double worst = 0;
     for (int i = 0; i < 2000; i++) {
-        double rgb[3], back[3], size = pow(10, 12 * random_unit(&state) - 6), largest = 0;
-        for (int c = 0; c < 3; c++) rgb[c] = size * (i % 4 == 1 && c == i / 4 % 3 ? 0 : random_unit(&state));
+        double rgb[3], back[3], size = pow(10, 12 * dice_unit(&dice) - 6), largest = 0;
+        for (int c = 0; c < 3; c++) rgb[c] = size * (i % 4 == 1 && c == i / 4 % 3 ? 0 : dice_unit(&dice));
         if (i % 4 == 2) rgb[0] = rgb[1] = 0;
         for (int c = 0; c < 3; c++) largest = fmax(largest, rgb[c]);
         Spectrum light = spectrum_from_light(rgb);
@@ -118,12 +109,12 @@ static double table_error(const double rgb[3])
 static void table_comes_back(void **unused)
 {
     (void)unused;
-    uint32_t state = 3;
+    Dice dice = {3};
     double worst = 0, sum = 0, worst_scaled = 0;
     enum { N = 40000 };
     for (int i = 0; i < N; i++) {
         double rgb[3], power = i % 2 ? 1 : 2.2; /* as many dark colours as light ones */
-        for (int c = 0; c < 3; c++) rgb[c] = 0.001 + 0.998 * pow(random_unit(&state), power);
+        for (int c = 0; c < 3; c++) rgb[c] = 0.001 + 0.998 * pow(dice_unit(&dice), power);
         double error = table_error(rgb);
         worst = fmax(worst, error);
         sum += error * error;
@@ -163,11 +154,11 @@ static void table_comes_back(void **unused)
 static void table_has_no_seams(void **unused)
 {
     (void)unused;
-    uint32_t state = 4;
+    Dice dice = {4};
     float worst = 0;
     for (int i = 0; i < 20000; i++) {
         float a[3], b[3];
-        for (int c = 0; c < 3; c++) a[c] = b[c] = 0.05f + 0.9f * (float)random_unit(&state);
+        for (int c = 0; c < 3; c++) a[c] = b[c] = 0.05f + 0.9f * (float)dice_unit(&dice);
         a[1] = a[0];
         b[1] = a[0] * 1.0001f;
         float first[3], second[3];

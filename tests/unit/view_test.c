@@ -1,22 +1,14 @@
 /* view_test.c - colour management: known values, awkward values, unknown names, other configurations.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-/* before cmocka, which makes a macro of fail */
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/config.h"
 #include "image/view.h"
-
-#include <cmocka.h>
 
 static ColorConfig *config;
 

@@ -8,7 +8,7 @@
 #include <zlib.h>
 
 #include "base/file.h"
-#include "base/hash.h"
+#include "dice.h"
 #include "optics/nanovdb.h"
 #include "temporary.h"
 
@@ -51,18 +51,13 @@ static Volume *make(Field *field, int32_t nx, int32_t ny, int32_t nz, float outs
     return volume;
 }
 
-static double random_unit(uint32_t *state)
-{
-    return (double)hash_to_unit_f(hash_u32((*state)++));
-}
-
 static void looks_up(void **state)
 {
     (void)state;
     Volume *volume = make(linear, 20, 9, 14, 7);
-    uint32_t seed = 1;
+    Dice dice = {1};
     for (int i = 0; i < 20000; i++) {
-        Vec3 p = vec3(19 * random_unit(&seed), 8 * random_unit(&seed), 13 * random_unit(&seed));
+        Vec3 p = vec3(19 * dice_unit(&dice), 8 * dice_unit(&dice), 13 * dice_unit(&dice));
         double expected = linear(p.x, p.y, p.z);
         if (fabs((double)volume_at(volume, p) - expected) > 1e-5 * expected) fail_msg("at %g %g %g", p.x, p.y, p.z);
     }
@@ -122,10 +117,10 @@ static void walks(void **state)
     map.m[0][1] = 0.3;
     map.m[2][2] = 2;
     map.t = vec3(1, -2, 3);
-    uint32_t seed = 7;
+    Dice dice = {7};
     for (int i = 0; i < 4000; i++) {
-        Vec3 origin = vec3(40 * random_unit(&seed) - 10, 40 * random_unit(&seed) - 10, 40 * random_unit(&seed) - 10);
-        Vec3 along = vec3(random_unit(&seed) - 0.5, random_unit(&seed) - 0.5, random_unit(&seed) - 0.5);
+        Vec3 origin = vec3(40 * dice_unit(&dice) - 10, 40 * dice_unit(&dice) - 10, 40 * dice_unit(&dice) - 10);
+        Vec3 along = vec3(dice_unit(&dice) - 0.5, dice_unit(&dice) - 0.5, dice_unit(&dice) - 0.5);
         if (i % 4 == 1) along.x = 0;
         if (i % 8 == 3) along.y = along.z = 0;
         if (i % 8 == 5) origin = vec3(8, 8, 16); /* on sides and edges of bricks */
@@ -318,13 +313,13 @@ static void survives_any_bytes(void **state)
     size_t length, grid;
     unsigned char *file = plain_file(&length, &grid);
     unsigned char *copy = malloc(length);
-    uint32_t seed = 99;
+    Dice dice = {99};
     unsigned n_read = 0;
     for (int i = 0; i < 600; i++) {
         memcpy(copy, file, length);
         size_t reach = i % 3 == 0 ? grid : i % 3 == 1 ? grid + 1000 : length;
         for (int n = 0; n < 1 + i % 4; n++)
-            copy[(size_t)(random_unit(&seed) * (double)reach)] = (unsigned char)hash_u32(seed++);
+            copy[(size_t)(dice_unit(&dice) * (double)reach)] = (unsigned char)dice_below(&dice, 256);
         Error error = {0};
         Status status = read_bytes(copy, length, &error);
         n_read += status == STATUS_OK;
