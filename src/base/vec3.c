@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/vec3.h"
 
-#include <string.h>
-
 Affine affine_compose(const Affine *a, const Affine *b)
 {
     Affine c;

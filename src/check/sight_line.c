@@ -3,7 +3,6 @@
 #include "check/sight_line.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/array.h"
 #include "check/report_parts.h"

@@ -1,9 +1,7 @@
 /* cmd_render.c - the command render: from a scene to pictures.
  * Everything that can be found wrong cheaply is found before the first ray: options, outputs, display and view.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/clock.h"
 #include "check/report.h"

@@ -8,7 +8,6 @@
 
 #include "base/file.h"
 #include "cli/render_run.h"
-#include "cli/signals.h"
 #include "render/early.h"
 
 static const double usual_interval_s = 300;

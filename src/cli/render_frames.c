@@ -1,6 +1,5 @@
 /* render_frames.c - the frames of a render: which ones, their files, and each in its turn.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

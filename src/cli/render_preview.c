@@ -1,6 +1,5 @@
 /* render_preview.c - the picture so far, in a file that viewers watch.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/render_run.h"

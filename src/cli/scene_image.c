@@ -1,6 +1,5 @@
 /* scene_image.c - reads the images that a scene names, as linear colours of the working space.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "cli/scene_input.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

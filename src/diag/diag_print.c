@@ -1,6 +1,5 @@
 /* diag_print.c - reports as text: the message, the source line, a caret under the place, hints and notes.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <stdio.h>
 #include <string.h>
 
 #include "base/utf8.h"

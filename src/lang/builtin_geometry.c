@@ -1,7 +1,6 @@
 /* builtin_geometry.c - the functions of the language that ask for the shape of a node. The answers come from the
  * EvalGeometry of the layer above; here arguments are checked and each ray is counted as a step.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "base/hash.h"
 #include "lang/builtin_run.h"
 
 /* "scatter" in ASCII: shares no values with rnd and noise */

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/buf.h"
 #include "lang/evaluator.h"
 
 static bool any_poison(const Value *a, const Value *b)

@@ -15,7 +15,6 @@
 #include "lang/builtin.h"
 #include "lang/flat_function.h"
 #include "lang/resolve.h"
-#include "lang/schema_find.h"
 #include "lang/value.h"
 
 enum { LINE_WIDTH = 110, INDENT = 2, DEEPEST_BLOCK = 90 };

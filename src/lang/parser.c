@@ -4,7 +4,6 @@
 #include "lang/parser.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* ---- tokens ---- */
 

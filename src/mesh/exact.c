@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "mesh/exact.h"
 
-#include <stddef.h>
-
 /* A number as a sum of doubles that do not overlap, the smallest first, with no zeros among them. */
 enum { MOST_TERMS = 48 }; /* 24 products of three floats, two doubles each */
 typedef struct Sum {

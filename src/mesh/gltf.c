@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "base/file.h"
 #include "mesh/gltf_data.h"
 
 enum {

@@ -2,7 +2,6 @@
  * what they cannot say there is an error now and not a black spot in the picture.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
-#include <string.h>
 
 #include "base/hash.h"
 #include "lang/schema_find.h"

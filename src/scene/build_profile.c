@@ -4,7 +4,6 @@
  * vertical angles, the horizontal ones, and the candela values.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/num.h"

@@ -3,8 +3,6 @@
  * What a shape's properties say about its place goes into the object's transform, so that equal shapes are
  * one Solid or Mesh however many objects use it. Boxes keep their coordinates.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/array.h"

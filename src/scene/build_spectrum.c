@@ -2,7 +2,6 @@
  * a text file, checked and brought to the wavelengths that spectra are kept at.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/num.h"

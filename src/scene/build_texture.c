@@ -4,10 +4,8 @@
  * values a texture can take is known before any is looked up, so that a roughness above 1 is an error here and not a
  * surprise in the picture.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/hash.h"
 #include "lang/schema_find.h"
 #include "optics/color.h"
 #include "scene/build_parts.h"

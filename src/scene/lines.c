@@ -3,7 +3,6 @@
 #include "scene/lines.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/array.h"
 #include "base/hash.h"

@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "shape/glyphs.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include <ft2build.h>

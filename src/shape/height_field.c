@@ -1,7 +1,6 @@
 /* height_field.c - a landscape of heights as a closed solid, with sides and a bottom.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "shape/meshed.h"

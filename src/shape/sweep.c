@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "shape/contour.h"
 #include "shape/meshed.h"
 
 static const double degree = 3.14159265358979323846 / 180;
