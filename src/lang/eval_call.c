@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "diag/suggest.h"
 #include "lang/evaluator.h"
 
 /* ---- memory of frames: a stack in chunks that never move ---- */
@@ -66,9 +67,8 @@ static void report_unknown_type(Evaluator *evaluator, const Symbol *type, Span t
     Diagnostic *report = eval_report(evaluator, D_UNKNOWN_NAME, type_span, "unknown type '%s'", type->text);
     diag_suggest(evaluator->diag, report, type->text, words, COUNT_OF(words));
     if (!report->hint)
-        diag_hint(
-            evaluator->diag, report,
-            "the types are number bool string vec2 vec3 vec4 color transform list range node, and the node types");
+        diag_hint(evaluator->diag, report, "the types are %s, and those of nodes",
+                  suggest_list(evaluator->arena, words, COUNT_OF(words), "and"));
 }
 
 bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span,

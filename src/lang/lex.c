@@ -35,6 +35,15 @@ const UnitType *unit_at(size_t index)
     return index < COUNT_OF(unit_table) ? &unit_table[index] : NULL;
 }
 
+const char *unit_list(Arena *arena, PropUnit measure)
+{
+    const char *list = "";
+    for (size_t i = 0; i < COUNT_OF(unit_table); i++)
+        if (measure == UNIT_ANY || unit_table[i].measure == measure)
+            list = arena_format(arena, "%s%s%s", list, *list ? " " : "", unit_table[i].name);
+    return list;
+}
+
 const char *unit_of_length(double size_m)
 {
     for (size_t i = 0; i < COUNT_OF(unit_table); i++)
@@ -201,7 +210,7 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
     else
         diag_suggest(lexer->diag, report, wrong, names, COUNT_OF(names));
-    if (!report->hint) diag_hint(lexer->diag, report, "the units are nm um mm cm m km in ft deg rad turn ms s K");
+    if (!report->hint) diag_hint(lexer->diag, report, "the units are %s", unit_list(lexer->diag->arena, UNIT_ANY));
 }
 
 static void read_number(Lexer *lexer, Token *token)

@@ -59,6 +59,7 @@ bool lexer_plain_number(Lexer *lexer, double *number, const UnitType **unit);
 
 const UnitType *unit_of(const char *text, size_t length); /* NULL when there is no such unit */
 const UnitType *unit_at(size_t index);                      /* NULL behind the last */
+const char *unit_list(Arena *arena, PropUnit measure);      /* "nm um mm ..."; UNIT_ANY: all */
 const char *unit_of_length(double size_m);                    /* "mm" for .001; NULL when there is none */
 const char *token_text(TokenKind kind);                   /* "'{'", "a name", "'while'" */
 const char *unit_measure_text(PropUnit measure);          /* "a length" */

@@ -594,8 +594,8 @@ static void parse_header(Parser *parser, double unit_m)
     if (parser->token.kind == TOKEN_NAME || parser->token.kind == TOKEN_IN)
         unit = unit_of(parser->token.as.symbol->text, parser->token.as.symbol->length);
     if (!unit || unit->measure != UNIT_LENGTH) {
-        diag_report(parser->diag, D_UNKNOWN_UNIT, file->unit_span,
-                    "expected a unit of length: nm um mm cm m km in ft, found %s", found_text(parser));
+        diag_report(parser->diag, D_UNKNOWN_UNIT, file->unit_span, "expected a unit of length: %s, found %s",
+                    unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
         if (parser->token.kind == TOKEN_NAME) advance(parser);
         return;
     }

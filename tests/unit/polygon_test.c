@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-
 #include "dice.h"
 #include "shape/contour.h"
 #include "shape/meshed.h"
