@@ -160,7 +160,7 @@ void rtc_shorten(Query *query, const Hit *hit)
  * neighbours are noted that are there instead. */
 static bool is_there(Query *query, const HitList *list, Hit *hit)
 {
-    bool triangle = query->scene->objects[hit->object].mesh;
+    bool triangle = query->scene->objects[hit->object].is_mesh;
     if (query->exact && triangle && rtc_has_hit(list, hit->object, hit->primitive)) return false;
     if (!rtc_complete_hit(query, hit)) return false;
     if (LIKELY(!query->exact || hit->clear) || rtc_meets(query, hit)) return true;
@@ -216,10 +216,11 @@ static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double 
 }
 
 /* A ball is met where it is, without a frame. */
-static bool consider_ball(Query *query, uint32_t object, const RtcBall *ball)
+static bool consider_ball(Query *query, uint32_t object)
 {
+    RtcBall ball = rtc_ball(query->scene, &query->scene->objects[object], query->ray->time);
     PieceCrossings crossings;
-    piece_cross_ball(ball->radius, vec3_sub(query->origin, ball->centre), query->direction, query->t_min,
+    piece_cross_ball(ball.radius, vec3_sub(query->origin, ball.centre), query->direction, query->t_min,
                      double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++)
@@ -248,18 +249,13 @@ static inline void forget_eighths(Query *query)
 
 static bool consider_piece(Query *query, const RtcPieceSet *set, uint32_t primitive)
 {
+    if (primitive < set->n_balls) return consider_ball(query, set->balls[primitive]);
     RtcPart part = rtc_part(set, primitive);
     EighthsTaken taken = ALL_NOW;
     if (part.sector != RTC_ALL_SECTORS) taken = take_eighths(query, set->first + part.number);
     if (taken == ALL_BEFORE) return false;
     const RtcPiece *which = &set->pieces[part.number];
-    if (which->piece == RTC_BALL) return consider_ball(query, which->object, &which->ball);
-    const RtcPlaced *object = &query->scene->objects[which->object];
-    if (which->moving_ball) {
-        RtcBall ball = rtc_ball(query->scene, object, query->ray->time);
-        return consider_ball(query, which->object, &ball);
-    }
-    if (query->local.frame != which->frame) rtc_enter_frame(query, object);
+    if (query->local.frame != which->frame) rtc_enter_frame(query, &query->scene->objects[which->object]);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
     piece_cross(which->shape, line, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);
@@ -433,17 +429,27 @@ static Box3 sector_bounds(const Piece *piece, uint32_t sector)
     return box;
 }
 
+/* Around a primitive of the user geometry, in the frame of its object. */
+static Box3 local_bounds(const RtcPieceSet *set, uint32_t primitive, uint32_t *object)
+{
+    if (primitive < set->n_balls) {
+        *object = set->balls[primitive];
+        return piece_bounds(&set->scene->objects[*object].solid->pieces[0]);
+    }
+    RtcPart part = rtc_part(set, primitive);
+    const RtcPiece *which = &set->pieces[part.number];
+    *object = which->object;
+    return part.sector == RTC_ALL_SECTORS ? piece_bounds(which->shape) : sector_bounds(which->shape, part.sector);
+}
+
 void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const RtcPieceSet *set = arguments->geometryUserPtr;
     const RtcScene *scene = set->scene;
-    RtcPart part = rtc_part(set, arguments->primID);
-    const RtcPiece *which = &set->pieces[part.number];
-    const RtcPlaced *object = &scene->objects[which->object];
-    const Piece *piece = &object->solid->pieces[which->piece == RTC_BALL ? 0 : which->piece];
-    Box3 local = part.sector == RTC_ALL_SECTORS ? piece_bounds(piece) : sector_bounds(piece, part.sector);
-    const Affine *keys = object->keys;
-    Affine to_world = keys ? keys[arguments->timeStep] : rtc_first_to_world(object);
+    uint32_t number;
+    Box3 local = local_bounds(set, arguments->primID, &number);
+    const RtcPlaced *object = &scene->objects[number];
+    Affine to_world = object->moves ? object->keys[arguments->timeStep] : rtc_first_to_world(object);
     Box3 box = affine_box(&to_world, local);
     /* larger by more than Embree's float ray can run beside the exact one (rtc_leave) */
     double margin = 4 * TRUSTED_ULPS * UNIT_ROUNDING * scene->reach;
@@ -801,12 +807,10 @@ static bool cross_lone(Query *query)
     uint32_t object = ray->left->object;
     if (!rtc_is_lone(query->scene, object) || ray->t_min > 0 || rtc_passes(query, object)) return false;
     const RtcPlaced *placed = &query->scene->objects[object];
-    if (placed->ball) {
-        RtcBall ball = rtc_ball(query->scene, placed, ray->time);
-        consider_ball(query, object, &ball);
-    } else {
+    if (placed->ball)
+        consider_ball(query, object);
+    else
         rtc_cross_lone_mesh(query, object);
-    }
     return query->hits->n == 1 && query->hits->items[0].cos_normal >= RTC_LONE_COSINE;
 }
 
@@ -879,7 +883,7 @@ bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, boo
     Query query;
     HitList none = {0};
     Hit first = {.t = end};
-    uint32_t n = scene->objects[object].mesh ? rtc_n_primitives(scene, object) : 0;
+    uint32_t n = scene->objects[object].is_mesh ? rtc_n_primitives(scene, object) : 0;
     if (n > RTC_MOST_ASKED) return false;
     query_init(&query, scene, ray, &none, NULL);
     for (uint32_t i = 0; i < n; i++) {

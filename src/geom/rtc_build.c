@@ -60,15 +60,18 @@ static bool is_even(const Affine *map)
     return s > 0;
 }
 
-/* Whether an object is a ball wherever it moves; sets its scale where it is turned. */
+/* Whether an object is a ball wherever it moves; sets its radius where it stands still. */
 static bool is_ball(RtcPlaced *placed, uint32_t n_keys)
 {
-    if (!placed->solid || placed->solid->n_pieces != 1 || placed->solid->pieces[0].kind != PIECE_SPHERE) return false;
-    for (uint32_t k = 0; placed->keys && k < n_keys; k++) /* between keys that are turned it is none */
+    if (placed->is_mesh || !placed->solid || placed->solid->n_pieces != 1 ||
+        placed->solid->pieces[0].kind != PIECE_SPHERE)
+        return false;
+    for (uint32_t k = 0; placed->moves && k < n_keys; k++) /* between keys that are turned it is none */
         if (!is_even(&placed->keys[k])) return false;
-    if (placed->keys || !placed->maps) return true;
-    double scale = affine_even_scale(&placed->maps->to_world, 5e-15); /* rounding leaves some 1e-16 */
-    if (scale > 0) placed->scale = scale;
+    if (placed->moves) return true;
+    /* rounding leaves some 1e-16 of turned ones */
+    double scale = placed->mapped ? affine_even_scale(&placed->maps->to_world, 5e-15) : placed->scale;
+    if (scale > 0) placed->radius = scale * placed->solid->pieces[0].r0;
     return scale > 0;
 }
 
@@ -77,18 +80,23 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
                            Error *error)
 {
     Affine to_local;
-    *placed = (RtcPlaced){.solid = object->solid,
-                          .keys = object->keys,
-                          .opaque = object->opaque,
+    *placed = (RtcPlaced){.place = object->to_world.t,
+                          .scale = object->to_world.m[0][0],
+                          .solid = object->solid,
+                          .frame = i,
                           .pass_level = RTC_NO_PASS,
                           .pass_alike = RTC_NO_PASS,
-                          .place = object->to_world.t,
-                          .scale = object->to_world.m[0][0]};
+                          .opaque = object->opaque,
+                          .is_mesh = object->mesh != NULL,
+                          .moves = object->keys != NULL};
     if (!affine_invert(&object->to_world, &to_local))
         return fail(error, STATUS_SCENE, "the transform of object %u is singular: it has no volume", i);
-    if (!is_even(&object->to_world)) {
+    if (placed->moves) {
+        placed->keys = object->keys;
+    } else if (!is_even(&object->to_world)) {
         *maps = (RtcMaps){object->to_world, to_local};
         placed->maps = maps;
+        placed->mapped = true;
     }
     placed->mirrored = affine_determinant(&object->to_world) < 0;
     placed->ball = is_ball(placed, n_keys);
@@ -104,7 +112,7 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
 /* Whether two objects that stand still stand in one frame, bit by bit. */
 static bool is_same_frame(const RtcPlaced *a, const RtcPlaced *b)
 {
-    if (a->keys || b->keys) return false;
+    if (a->moves || b->moves) return false;
     Affine of_a = rtc_first_to_world(a), of_b = rtc_first_to_world(b);
     return memcmp(&of_a, &of_b, sizeof of_a) == 0;
 }
@@ -114,17 +122,20 @@ static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *
     size_t n_maps = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         RtcObject object = describe(context, i);
-        n_maps += !is_even(&object.to_world);
+        n_maps += !object.keys && !is_even(&object.to_world);
     }
     scene->maps = malloc((n_maps + 1) * sizeof *scene->maps);
     if (!scene->maps) return fail_memory(error, n_maps * sizeof *scene->maps, "the scene's objects");
     RtcMaps *maps = scene->maps;
+    const RtcPlaced *last = NULL; /* that has a frame: balls need none */
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         RtcObject object = describe(context, i);
-        TRY(place_object(&scene->objects[i], &object, maps, scene->n_keys, i, error));
-        maps += scene->objects[i].maps != NULL;
-        bool same = i > 0 && is_same_frame(&scene->objects[i - 1], &scene->objects[i]);
-        scene->objects[i].frame = same ? scene->objects[i - 1].frame : i;
+        RtcPlaced *placed = &scene->objects[i];
+        TRY(place_object(placed, &object, maps, scene->n_keys, i, error));
+        maps += placed->mapped;
+        if (placed->ball) continue;
+        if (last && is_same_frame(last, placed)) placed->frame = last->frame;
+        last = placed;
     }
     return STATUS_OK;
 }
@@ -223,11 +234,10 @@ static void add_instances(RtcScene *scene, const RtcMesh *mesh, const MeshUse *u
         const RtcPlaced *placed = &scene->objects[uses[i].object];
         RTCGeometry instance = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(instance, shared);
-        const Affine *keys = placed->keys;
-        Affine to_world = rtc_first_to_world(placed);
-        uint32_t n_steps = keys ? scene->n_keys : 1;
+        Affine first = rtc_first_to_world(placed);
+        uint32_t n_steps = placed->moves ? scene->n_keys : 1;
         if (n_steps > 1) rtcSetGeometryTimeStepCount(instance, n_steps);
-        for (uint32_t k = 0; k < n_steps; k++) set_transform(instance, k, keys ? &keys[k] : &to_world);
+        for (uint32_t k = 0; k < n_steps; k++) set_transform(instance, k, k > 0 ? &placed->keys[k] : &first);
         rtcSetGeometryMask(instance, 0xffffffffU);
         rtcCommitGeometry(instance);
         attach(scene->world, instance, uses[i].object);
@@ -263,7 +273,7 @@ static bool may_bake(const RtcScene *scene, const MeshUse *uses, uint32_t n)
 {
     if (uses->mesh_end || (n > 1 && uses->mesh->n_triangles > SMALL_MESH)) return false;
     for (uint32_t i = 0; i < n; i++)
-        if (scene->objects[uses[i].object].keys) return false;
+        if (scene->objects[uses[i].object].moves) return false;
     return true;
 }
 
@@ -363,17 +373,24 @@ static bool is_cut(const Piece *piece)
 
 /* How many pieces of each sort there are; [1] of what moves. */
 typedef struct PieceCounts {
-    size_t whole[2], cut[2], planes;
+    size_t balls[2], whole[2], cut[2], planes;
 } PieceCounts;
+
+/* The pieces of an object that are met in its frame: none of a mesh or of a ball. */
+static uint32_t n_framed_pieces(const RtcPlaced *object)
+{
+    return object->is_mesh || object->ball || !object->solid ? 0 : (uint32_t)object->solid->n_pieces;
+}
 
 static PieceCounts count_pieces(const RtcScene *scene)
 {
     PieceCounts counts = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const Solid *solid = scene->objects[i].solid;
-        bool moves = scene->objects[i].keys != NULL;
-        for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
-            const Piece *piece = &solid->pieces[k];
+        const RtcPlaced *object = &scene->objects[i];
+        bool moves = object->moves;
+        counts.balls[moves] += object->ball;
+        for (uint32_t k = 0; k < n_framed_pieces(object); k++) {
+            const Piece *piece = &object->solid->pieces[k];
             ++*(piece->kind == PIECE_PLANE ? &counts.planes
                 : is_cut(piece)            ? &counts.cut[moves]
                                            : &counts.whole[moves]);
@@ -384,34 +401,29 @@ static PieceCounts count_pieces(const RtcScene *scene)
 
 static RtcPiece piece_of(const RtcPlaced *object, uint32_t number, uint32_t piece)
 {
-    if (object->ball && !object->keys)
-        return (RtcPiece){.object = number, .piece = RTC_BALL, .ball = rtc_ball(NULL, object, 0)};
-    return (RtcPiece){.object = number,
-                      .piece = piece,
-                      .shape = &object->solid->pieces[piece],
-                      .frame = object->frame,
-                      .moving_ball = object->ball};
+    return (RtcPiece){.object = number, .piece = piece, .shape = &object->solid->pieces[piece], .frame = object->frame};
 }
 
-static RtcPlane plane_of(const RtcPlaced *object, uint32_t number)
+static RtcPlane plane_of(const RtcScene *scene, const RtcPlaced *object, uint32_t number)
 {
-    Affine to_local = rtc_first_to_local(object);
+    Affine to_local = rtc_to_local(scene, object, 0);
     const double *up = to_local.m[1];
-    return (RtcPlane){number, object->keys != NULL, vec3(up[0], up[1], up[2]), object->place};
+    return (RtcPlane){number, object->moves, vec3(up[0], up[1], up[2]), object->place};
 }
 
 static void list_pieces(RtcScene *scene)
 {
+    uint32_t *balls[2] = {scene->still.balls, scene->moving.balls};
     RtcPiece *whole[2] = {scene->still.pieces, scene->moving.pieces};
     RtcPiece *cut[2] = {whole[0] + scene->still.n_whole, whole[1] + scene->moving.n_whole};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
-        const Solid *solid = object->solid;
-        bool moves = object->keys != NULL;
-        for (uint32_t k = 0; solid && k < solid->n_pieces; k++) {
-            const Piece *piece = &solid->pieces[k];
+        bool moves = object->moves;
+        if (object->ball) *balls[moves]++ = i;
+        for (uint32_t k = 0; k < n_framed_pieces(object); k++) {
+            const Piece *piece = &object->solid->pieces[k];
             if (piece->kind == PIECE_PLANE)
-                scene->planes[scene->n_planes++] = plane_of(object, i);
+                scene->planes[scene->n_planes++] = plane_of(scene, object, i);
             else
                 *(is_cut(piece) ? cut : whole)[moves]++ = piece_of(object, i, k);
         }
@@ -463,20 +475,26 @@ static void keep_few(RtcScene *scene)
 static Status add_pieces(RtcScene *scene, Error *error)
 {
     PieceCounts counts = count_pieces(scene);
-    size_t n_still = counts.whole[0] + counts.cut[0], n = n_still + counts.whole[1] + counts.cut[1];
-    if (n + (RTC_SECTORS - 1) * (counts.cut[0] + counts.cut[1]) >= UINT32_MAX)
-        return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n);
+    size_t n_still = counts.whole[0] + counts.cut[0], n = n_still + counts.whole[1] + counts.cut[1],
+           n_balls = counts.balls[0] + counts.balls[1];
+    if (n_balls + n + (RTC_SECTORS - 1) * (counts.cut[0] + counts.cut[1]) >= UINT32_MAX)
+        return fail(error, STATUS_NOMEM, "%zu analytic pieces are too many", n_balls + n);
+    scene->balls = malloc((n_balls + 1) * sizeof *scene->balls);
     scene->pieces = malloc((n + 1) * sizeof *scene->pieces);
     scene->planes = malloc((counts.planes + 1) * sizeof *scene->planes);
-    if (!scene->pieces || !scene->planes)
-        return fail_memory(error, (n + counts.planes) * sizeof *scene->pieces, "the scene's solids");
+    if (!scene->balls || !scene->pieces || !scene->planes)
+        return fail_memory(error, (n_balls + n + counts.planes) * sizeof *scene->pieces, "the scene's solids");
     scene->still = (RtcPieceSet){.scene = scene,
+                                 .balls = scene->balls,
                                  .pieces = scene->pieces,
+                                 .n_balls = (uint32_t)counts.balls[0],
                                  .n_whole = (uint32_t)counts.whole[0],
                                  .n_cut = (uint32_t)counts.cut[0]};
     scene->moving = (RtcPieceSet){.scene = scene,
+                                  .balls = scene->balls + counts.balls[0],
                                   .pieces = scene->pieces + n_still,
                                   .first = (uint32_t)n_still,
+                                  .n_balls = (uint32_t)counts.balls[1],
                                   .n_whole = (uint32_t)counts.whole[1],
                                   .n_cut = (uint32_t)counts.cut[1],
                                   .moving = true};
@@ -531,8 +549,8 @@ static double mesh_reach(const RtcPlaced *object, const Affine *to_world, MeshBo
 /* The largest coordinate of an object under one of its maps, if it is beyond `reach`. */
 static double object_reach(const RtcPlaced *object, const Affine *to_world, MeshBox *known, double reach)
 {
-    if (object->mesh) reach = mesh_reach(object, to_world, known, reach);
-    for (uint32_t k = 0; object->solid && k < object->solid->n_pieces; k++) {
+    if (object->is_mesh) return mesh_reach(object, to_world, known, reach);
+    for (uint32_t k = 0; object->solid && k < (uint32_t)object->solid->n_pieces; k++) {
         const Piece *piece = &object->solid->pieces[k];
         if (piece->kind == PIECE_PLANE) continue;
         reach = fmax(reach, reach_of_box(affine_box(to_world, piece_bounds(piece))));
@@ -547,10 +565,10 @@ static double find_reach(const RtcScene *scene)
     MeshBox known = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
-        const Affine *keys = object->keys;
         Affine to_world = rtc_first_to_world(object);
         reach = object_reach(object, &to_world, &known, reach);
-        for (uint32_t k = 1; keys && k < scene->n_keys; k++) reach = object_reach(object, &keys[k], &known, reach);
+        for (uint32_t k = 1; object->moves && k < scene->n_keys; k++)
+            reach = object_reach(object, &object->keys[k], &known, reach);
     }
     return reach;
 }
@@ -561,7 +579,7 @@ static Box3 box_of_placed_mesh(const RtcScene *scene, const RtcPlaced *object, M
     Box3 local = box_of_mesh(known, object->mesh->source, object->mesh->end);
     Affine to_world = rtc_first_to_world(object);
     Box3 box = affine_box(&to_world, local);
-    for (uint32_t k = 1; object->keys && k < scene->n_keys; k++)
+    for (uint32_t k = 1; object->moves && k < scene->n_keys; k++)
         box = box3_union(box, affine_box(&object->keys[k], local));
     return box;
 }
@@ -589,14 +607,14 @@ static void find_grain(RtcScene *scene)
     float most = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         RtcPlaced *object = &scene->objects[i];
-        if (!object->mesh || !object->mesh->source->n_vertices) continue;
+        if (!object->is_mesh || !object->mesh->source->n_vertices) continue;
         object->reach = nextafterf((float)reach_of_box(box_of_placed_mesh(scene, object, &known)), INFINITY);
         most = float_max(most, object->reach);
     }
     rtc_grain_begin(&scene->grain, most);
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const RtcPlaced *object = &scene->objects[i];
-        if (!object->mesh || !object->mesh->source->n_vertices) continue;
+        if (!object->is_mesh || !object->mesh->source->n_vertices) continue;
         if (object->mesh->baked && !object->mesh->end)
             add_grain_of_runs(&scene->grain, object->mesh);
         else
@@ -671,7 +689,7 @@ Status rtc_scene_new_from(RtcDescribe *describe, const void *context, uint32_t n
     if (!scene) return fail_memory(error, sizeof *scene, "the scene");
     scene->n_objects = n_objects;
     scene->n_keys = n_keys;
-    scene->objects = calloc(n_objects + 1U, sizeof *scene->objects);
+    scene->objects = aligned_alloc(RTC_LINE, ((size_t)n_objects + 1) * sizeof *scene->objects);
     Status status = scene->objects ? build(scene, describe, context, n_threads, error)
                                    : fail_memory(error, n_objects * sizeof *scene->objects, "the scene's objects");
     if (status != STATUS_OK) {
@@ -698,6 +716,7 @@ void rtc_scene_free(RtcScene *scene)
     free(scene->maps);
     free(scene->objects);
     free(scene->shared);
+    free(scene->balls);
     free(scene->pieces);
     free(scene->planes);
     free(scene);

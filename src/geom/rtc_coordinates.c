@@ -41,7 +41,7 @@ void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool
     coordinates->to_local = rtc_to_local(scene, object, ray->time);
     coordinates->uv[0] = coordinates->uv[1] = 0;
     coordinates->du = coordinates->dv = vec3(0, 0, 0);
-    if (object->mesh) {
+    if (object->is_mesh) {
         mesh_coordinates(object, hit, with_uv, coordinates);
         return;
     }
@@ -62,7 +62,7 @@ void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2])
     const RtcPlaced *object = &scene->objects[hit->object];
     uv[0] = hit->u;
     uv[1] = hit->v;
-    if (object->mesh) return;
+    if (object->is_mesh) return;
     Affine to_local = rtc_to_local(scene, object, ray->time);
     PieceRoot root;
     piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),

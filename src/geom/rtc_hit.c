@@ -65,7 +65,7 @@ static inline Corners triangle_corners(const RtcScene *scene, const RtcPlaced *o
 uint32_t rtc_n_primitives(const RtcScene *scene, uint32_t object)
 {
     const RtcPlaced *placed = &scene->objects[object];
-    return placed->mesh ? 2 * placed->mesh->n_quads : placed->solid ? (uint32_t)placed->solid->n_pieces : 0;
+    return placed->is_mesh ? 2 * placed->mesh->n_quads : placed->solid ? (uint32_t)placed->solid->n_pieces : 0;
 }
 
 void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, double time, Vec3 corner[3])
@@ -117,7 +117,7 @@ static double largest_along(Vec3 normal, Vec3 a, Vec3 b, Vec3 c)
 ATTR_COLD static double coordinate_across(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal)
 {
     const RtcMesh *mesh = object->mesh;
-    if (mesh->end || object->keys) return (double)INFINITY;
+    if (mesh->end || object->moves) return (double)INFINITY;
     double across = largest_along(normal, corner->a, corner->b, corner->c);
     if (mesh->moved || !mesh->baked) {
         Affine to_world = rtc_first_to_world(object);
@@ -179,10 +179,10 @@ void rtc_enter_frame(Query *query, const RtcPlaced *object)
     LocalRay *local = &query->local;
     local->frame = object->frame;
     local->to_local = NULL;
-    if (object->keys) {
+    if (object->moves) {
         local->moved_to_local = rtc_to_local(query->scene, object, query->ray->time);
         local->to_local = &local->moved_to_local;
-    } else if (object->maps) {
+    } else if (object->mapped) {
         local->to_local = &object->maps->to_local;
     } else {
         double smaller = object->scale == 1 ? 1 : 1 / object->scale;
@@ -234,14 +234,14 @@ static bool complete_piece(Query *query, const RtcPlaced *object, Hit *hit)
 bool rtc_complete_hit(Query *query, Hit *hit)
 {
     const RtcPlaced *object = &query->scene->objects[hit->object];
-    if (object->mesh) return complete_triangle(query, object, hit);
+    if (object->is_mesh) return complete_triangle(query, object, hit);
     return object->ball ? complete_ball(query, object, hit) : complete_piece(query, object, hit);
 }
 
 bool rtc_is_plane(const RtcScene *scene, uint32_t object)
 {
-    const Solid *solid = scene->objects[object].solid;
-    return solid && solid->pieces[0].kind == PIECE_PLANE;
+    const RtcPlaced *placed = &scene->objects[object];
+    return !placed->is_mesh && placed->solid && placed->solid->pieces[0].kind == PIECE_PLANE;
 }
 
 bool rtc_below_plane(const RtcScene *scene, uint32_t object, Vec3 point, double time)
@@ -268,7 +268,7 @@ static Vec3f mesh_shading(const RtcScene *scene, const RtcPlaced *object, double
         local = vec3f_add(vec3f_scale(local, 1 - (float)time), vec3f_scale(end, (float)time));
     }
     Vec3 world = vec3_from_f(local);
-    if (object->maps || object->keys) {
+    if (object->mapped || object->moves) {
         Affine to_local = rtc_to_local(scene, object, time);
         world = affine_normal(&to_local, world);
     }
@@ -293,7 +293,7 @@ static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const
 Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    return object->mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
+    return object->is_mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 
 /* Keeps one hit of each object, the one nearest to where the new ray starts, and all triangles that have that very point in
@@ -304,7 +304,7 @@ ATTR_COLD static size_t keep_at_start(const RtcScene *scene, const Ray *ray, Hit
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
         size_t other = through ? i + 1 : 0, end = through ? n : i;
-        bool at_start = scene->objects[hits[i].object].mesh && fabs(hits[i].t - start) <= noise;
+        bool at_start = scene->objects[hits[i].object].is_mesh && fabs(hits[i].t - start) <= noise;
         while (!at_start && other < end && hits[other].object != hits[i].object) other++;
         if (at_start || other == end) hits[kept++] = hits[i];
     }
@@ -388,7 +388,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     clear = clear && (double)ray->least_slope * hit->t > 4 * hit->rounding;
     /* The chord of a creeping ray may rise less above the surface than double can tell, and would then not be seen to
      * end. */
-    if (UNLIKELY(fabs(slope) < CREEPING_COSINE) && scene->objects[hit->object].solid)
+    if (UNLIKELY(fabs(slope) < CREEPING_COSINE) && !scene->objects[hit->object].is_mesh)
         origin = vec3_along(origin, 0.25 * outward * DOUBLE_NOISE * start_scale, normal);
     ray_begin(next, origin, direction);
     next->time = time;

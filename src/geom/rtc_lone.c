@@ -66,18 +66,25 @@ static struct RTCBounds box_of_part(const RtcPieceSet *set, uint32_t primitive)
     return box;
 }
 
-/* A piece that stands still. */
+/* A ball that stands still, */
+static bool is_away_from_ball(const Asked *asked, uint32_t object)
+{
+    if (object == asked->object) return true;
+    RtcBall ball = rtc_ball(asked->scene, &asked->scene->objects[object], 0);
+    if (asked->convex) return is_apart_from_ball(asked, &ball);
+    return keeps_away(asked, fabs(vec3_length(vec3_sub(ball.centre, asked->ball.centre)) - ball.radius));
+}
+
+/* and any piece that does. */
 static bool is_away_from_piece(const Asked *asked, uint32_t primitive)
 {
     const RtcPieceSet *set = &asked->scene->still;
-    const RtcPiece *which = &set->pieces[rtc_part(set, primitive).number];
     Vec3 centre = asked->ball.centre;
+    if (primitive < set->n_balls) return is_away_from_ball(asked, set->balls[primitive]);
+    const RtcPiece *which = &set->pieces[rtc_part(set, primitive).number];
     if (which->object == asked->object) return true;
-    if (which->piece == RTC_BALL && asked->convex) return is_apart_from_ball(asked, &which->ball);
-    if (which->piece == RTC_BALL)
-        return keeps_away(asked, fabs(vec3_length(vec3_sub(which->ball.centre, centre)) - which->ball.radius));
     const RtcPlaced *object = &asked->scene->objects[which->object];
-    if (!object->maps) {
+    if (!object->mapped) {
         Vec3 local = vec3_scale(vec3_sub(centre, object->place), 1 / object->scale);
         if (keeps_away(asked, object->scale * piece_distance(which->shape, local))) return true;
         if (!asked->convex) return false;

@@ -98,7 +98,7 @@ static inline double rtc_rounded_scale(const Query *query, const RtcPlaced *obje
     double scale = double_max(query->start_scale, largest) + fabs(t);
     if (LIKELY(object->mesh->baked)) return scale;
     /* an instance is traced in its own frame: what goes into it and back is rounded, too */
-    return 4 * (scale + vec3_max_abs(object->maps ? object->maps->to_world.t : object->place));
+    return 4 * (scale + vec3_max_abs(object->place));
 }
 /* Whether the ray starts on that primitive: NULL, or where it was hit. */
 static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t primitive)

@@ -34,24 +34,39 @@ typedef struct RtcMaps {
 /* Whether anything else reaches into an object; see rtc_lone.c. */
 enum { RTC_NOT_LONE, RTC_PERHAPS_LONE, RTC_LONE };
 
-/* One object, ready for tracing. There may be tens of millions: most are balls and instances that are only moved. */
+/* One object, ready for tracing, in one line of memory: there may be tens of millions, most of them balls and instances that
+ * are only moved, of which a ray is to read no more than that. */
 typedef struct RtcPlaced {
-    Vec3 place;
-    double scale;        /* > 0; of a ball under a map of its own: that map's */
-    const Solid *solid;
-    bool opaque;
-    bool ball;           /* of one piece, a sphere, that is always moved, turned and made larger evenly */
-    bool mirrored;       /* the transform turns orientation round (instances: normals must be turned too) */
-    atomic_uchar lone;   /* RTC_NOT_LONE and others */
-    uint32_t stops;      /* the classes of rays that it stops, opaque or not */
+    Vec3 place; /* of the origin of its frame, at time 0 */
+    union {
+        const RtcMaps *maps; /* of one that is mapped */
+        const Affine *keys;  /* of one that moves, as many as RtcScene.n_keys; not owned */
+        double scale;        /* > 0; of all others */
+    };
+    union {
+        const Solid *solid;  /* NULL for a combination, whose operands have the surfaces */
+        const RtcMesh *mesh; /* of one that is a mesh */
+    };
+    union {
+        double radius; /* of a ball that stands still */
+        struct {
+            uint32_t frame; /* objects in a row that stand in one frame have the number of the first of them; of a mesh that
+                             * may be lone its place in RtcScene.convex */
+            float reach;    /* of a mesh: not less than its largest coordinate, wherever it moves; 0: it has none */
+        };
+    };
+    uint32_t stops; /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
-    float reach;         /* not less than the largest coordinate of its mesh, wherever it moves; 0: it has none */
-    uint32_t frame;      /* objects in a row that stand in one frame have the number of the first of them; of a mesh that may
-                          * be lone its place in RtcScene.convex */
-    const RtcMesh *mesh;
-    const Affine *keys;  /* NULL for one that stands still; not owned */
-    const RtcMaps *maps; /* NULL where it is moved and made larger evenly, by place and scale */
+    bool opaque : 1;
+    bool mirrored : 1; /* the transform turns orientation round (instances: normals must be turned too) */
+    bool is_mesh : 1;
+    bool moves : 1;
+    bool mapped : 1; /* it stands still, and more is done to it than moving it and making it larger evenly */
+    bool ball : 1;   /* of one piece, a sphere, that is always moved, turned and made larger evenly */
+    atomic_uchar lone; /* RTC_NOT_LONE and others */
 } RtcPlaced;
+enum { RTC_LINE = 64 };
+_Static_assert(sizeof(RtcPlaced) <= RTC_LINE, "an object is one line of memory");
 
 /* A ball in the world. */
 typedef struct RtcBall {
@@ -59,19 +74,12 @@ typedef struct RtcBall {
     double radius;
 } RtcBall;
 
-/* A piece of a solid: all that a ray has to know that does not meet it, for of many little is in the cache. */
+/* A piece of a solid that is no ball: all that a ray has to know that does not meet it, for of many little is in the cache. */
 typedef struct RtcPiece {
-    uint32_t object, piece; /* piece: RTC_BALL of an object that is a ball, and stands still */
-    union {
-        RtcBall ball;
-        struct {
-            const Piece *shape;
-            uint32_t frame;   /* the object's */
-            bool moving_ball; /* the object is a ball that moves */
-        };
-    };
+    uint32_t object, piece;
+    const Piece *shape;
+    uint32_t frame; /* the object's */
 } RtcPiece;
-#define RTC_BALL UINT32_MAX
 enum { RTC_SECTORS = 8, RTC_ALL_SECTORS = 8 };
 
 /* A plane without end. Every ray is held against it, by no more than this where it stands still. */
@@ -93,25 +101,28 @@ static inline uint32_t rtc_sector(double x, double z)
  * through a glass would else be tested against every band that it passes inside of. */
 typedef struct RtcPieceSet {
     struct RtcScene *scene;
+    uint32_t *balls; /* the objects that are balls, which are met without frames */
     RtcPiece *pieces;
-    uint32_t first;          /* the place of the first of them in RtcScene.pieces */
-    uint32_t n_whole, n_cut; /* those that are one primitive each, and behind them those that are eight */
+    uint32_t first;  /* the place of the first of them in RtcScene.pieces */
+    uint32_t n_balls, n_whole, n_cut; /* primitives are the balls, behind them the pieces that are one each, and behind them
+                                       * those that are eight */
     bool moving;
 } RtcPieceSet;
 
-/* What a primitive of the user geometry is. */
+/* What a primitive of the user geometry is that is no ball. */
 typedef struct RtcPart {
     uint32_t number, sector; /* of the piece in the set; 0 .. 7 about the axis, or RTC_ALL_SECTORS */
 } RtcPart;
 static inline RtcPart rtc_part(const RtcPieceSet *set, uint32_t primitive)
 {
-    if (primitive < set->n_whole) return (RtcPart){primitive, RTC_ALL_SECTORS};
-    uint32_t eighth = primitive - set->n_whole;
+    uint32_t place = primitive - set->n_balls;
+    if (place < set->n_whole) return (RtcPart){place, RTC_ALL_SECTORS};
+    uint32_t eighth = place - set->n_whole;
     return (RtcPart){set->n_whole + eighth / RTC_SECTORS, eighth % RTC_SECTORS};
 }
 static inline uint32_t rtc_n_parts(const RtcPieceSet *set)
 {
-    return set->n_whole + RTC_SECTORS * set->n_cut;
+    return set->n_balls + set->n_whole + RTC_SECTORS * set->n_cut;
 }
 
 /* The bounds of four pieces. */
@@ -140,6 +151,7 @@ struct RtcScene {
     uint32_t n_objects;
     RtcMaps *maps; /* of the objects that have them */
     uint32_t n_keys;
+    uint32_t *balls;           /* of the two sets */
     RtcPiece *pieces;          /* of the two sets */
     RtcPieceSet still, moving; /* bounded ones */
     uint32_t n_few;            /* of the still ones, all if they are few, which Embree then does not know; else 0 */
@@ -157,13 +169,15 @@ struct RtcScene {
 /* The maps at time 0. The numbers of an even one are those that affine_invert gives. */
 static inline Affine rtc_first_to_world(const RtcPlaced *object)
 {
-    if (object->maps) return object->maps->to_world;
+    if (object->moves) return object->keys[0];
+    if (object->mapped) return object->maps->to_world;
     double s = object->scale;
     return (Affine){{{s, 0, 0}, {0, s, 0}, {0, 0, s}}, object->place};
 }
-static inline Affine rtc_first_to_local(const RtcPlaced *object)
+/* Of an object that stands still. */
+static inline Affine rtc_still_to_local(const RtcPlaced *object)
 {
-    if (object->maps) return object->maps->to_local;
+    if (object->mapped) return object->maps->to_local;
     double s = object->scale, i = s * s / (s * (s * s));
     Affine map = {{{i, 0, 0}, {0, i, 0}, {0, 0, i}}, {0, 0, 0}};
     map.t = vec3_scale(affine_vector(&map, object->place), -1);
@@ -179,27 +193,26 @@ static inline void rtc_triangle_of(const RtcMesh *mesh, uint32_t primitive, uint
 /* Where a placed object is. */
 static inline Affine rtc_to_world(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    const Affine *keys = object->keys;
-    return keys ? affine_between(keys, scene->n_keys, time) : rtc_first_to_world(object);
+    return object->moves ? affine_between(object->keys, scene->n_keys, time) : rtc_first_to_world(object);
 }
 static inline Affine rtc_to_local(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    if (!object->keys) return rtc_first_to_local(object);
+    if (!object->moves) return rtc_still_to_local(object);
     Affine map = affine_between(object->keys, scene->n_keys, time), inverse;
-    return affine_invert(&map, &inverse) ? inverse : rtc_first_to_local(object); /* singular between two keys that are not */
+    if (affine_invert(&map, &inverse) || affine_invert(&object->keys[0], &inverse)) return inverse;
+    return affine_identity(); /* not come to: it is singular between two keys, and not at them */
 }
 
 /* Where an object is that is a ball. */
 static inline Vec3 rtc_ball_centre(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    return object->keys ? affine_between(object->keys, scene->n_keys, time).t : object->place;
+    return UNLIKELY(object->moves) ? affine_between(object->keys, scene->n_keys, time).t : object->place;
 }
 static inline RtcBall rtc_ball(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    double radius = object->solid->pieces[0].r0;
-    if (!object->keys) return (RtcBall){object->place, object->scale * radius};
+    if (LIKELY(!object->moves)) return (RtcBall){object->place, object->radius};
     Affine to_world = affine_between(object->keys, scene->n_keys, time);
-    return (RtcBall){to_world.t, to_world.m[0][0] * radius};
+    return (RtcBall){to_world.t, to_world.m[0][0] * object->solid->pieces[0].r0};
 }
 
 /* The callbacks of rtc.c that rtc_build.c hands to Embree. */
