@@ -29,7 +29,8 @@ void bsdf_alphas(float roughness, float anisotropy, float *alpha_x, float *alpha
     *alpha_x = float_min(*alpha_x, 1);
 }
 
-Lanes bsdf_metal_of_reflectance(Lanes reflectance)
+/* The real index 1 and the imaginary part that reflect `reflectance` head on. */
+static Lanes metal_of_reflectance(Lanes reflectance)
 {
     /* head on, with n = 1: R = k^2 / (4 + k^2) */
     Lanes held = lanes_clamp(reflectance, 0, 0.9999f);
@@ -65,7 +66,7 @@ static void add_metal(const Making *m, float share, Lanes above)
         n = lanes_div(at(m, &m->spec->metal_n), above);
         k = lanes_div(at(m, &m->spec->metal_k), above);
     } else {
-        k = bsdf_metal_of_reflectance(m->base_color);
+        k = metal_of_reflectance(m->base_color);
     }
     bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y);
 }

@@ -44,8 +44,6 @@ void bsdf_spec_init(BsdfSpec *spec);
 /* alpha along the tangent and across of a roughness and an anisotropy: OpenPBR 1.1, "Microfacet model". Facets take the
  * smaller of two alphas as at least STRETCHED_LEAST_RATIO of the larger. */
 void bsdf_alphas(float roughness, float anisotropy, float *alpha_x, float *alpha_y);
-/* The real index 1 and the imaginary part that reflect `reflectance` head on. */
-Lanes bsdf_metal_of_reflectance(Lanes reflectance);
 
 /* The index on the same side of 1 whose head-on reflectance is weight times as large. */
 Lanes bsdf_weakened(Lanes eta, float weight);

@@ -106,8 +106,8 @@ bool flight_next_mixing(const World *world, const NestList *list, uint32_t mediu
     return false;
 }
 
-/* The owner's medium, and those that mix with it. */
-bool flight_find_parts(Path *path, const NestList *list, const Ray *ray, double t)
+/* Sets tracer->parts to all that fills a place: the owner's medium, and those that mix with it. False when memory ends. */
+static bool find_parts(Path *path, const NestList *list, const Ray *ray, double t)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
@@ -323,7 +323,7 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
     double t = from, to = from + length;
     if (path->straight) return length;
     if (flight->budget < 0) flight_draw(path, flight);
-    if (!flight_find_parts(path, &tracer->list, &path->ray, t)) {
+    if (!find_parts(path, &tracer->list, &path->ray, t)) {
         tracer->out_of_memory = true;
         return length;
     }
@@ -366,7 +366,7 @@ Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t
     FlightParts *parts = &path->tracer->parts;
     Lanes depth = lanes_all(0), of_scattering = depth, left = lanes_all(1);
     uint32_t key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce + 1);
-    if (!flight_find_parts(path, list, ray, t)) {
+    if (!find_parts(path, list, ray, t)) {
         path->tracer->out_of_memory = true;
         return left;
     }

@@ -88,8 +88,6 @@ Lanes flight_transmit(Path *path, const Ray *ray, const NestList *list, double t
                       Lanes *scattered);
 /* Goes through the hulls whose media add to one that owns a place; *i: 0 before the first. */
 bool flight_next_mixing(const World *world, const NestList *list, uint32_t medium, uint32_t *i, uint32_t *hull);
-/* Sets tracer->parts to all that fills a place; false when memory ends. */
-bool flight_find_parts(Path *path, const NestList *list, const Ray *ray, double t);
 /* The density of one of them at a t of its present piece. */
 static inline float flight_part_density(const FlightPart *part, double t)
 {

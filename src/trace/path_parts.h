@@ -223,8 +223,6 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
 /* Adds what reaches the camera of a radiance seen at the end of the path. */
 void path_add_radiance(Path *path, Lanes factor, Lanes basic);
-/* The surface of that number, or one of those that it is a mix of, by its weight. */
-const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t surface);
 /* The reflectance of an opaque surface where it was hit. */
 Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm);
 /* A place within a medium where the path is scattered. */

@@ -27,7 +27,8 @@ static float mix_weight(const Path *path, const Event *event, const SceneSurface
     return spec.mix_weight;
 }
 
-const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t number)
+/* The surface of that number, or one of those that it is a mix of, by its weight. */
+static const SceneSurface *surface_of(const Path *path, const Event *event, uint32_t number)
 {
     const SceneSurface *surfaces = path->tracer->world->scene->surfaces, *surface = &surfaces[number];
     if (LIKELY(!surface->mixed)) return surface;
@@ -224,7 +225,7 @@ bool path_shade_opaque(Path *path, Event *event)
     path->from.rarity = 0;
     if (look->light != SCENE_NONE || look->surface == SCENE_NONE) return false;
     SurfacePlace place = path_place(path, event);
-    const SceneSurface *surface = path_surface(path, event, look->surface);
+    const SceneSurface *surface = surface_of(path, event, look->surface);
     const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
     if (UNLIKELY(surface_has_textures(surface))) {
@@ -363,7 +364,7 @@ bool path_cross_boundary(Path *path, Event *event)
     Lanes eta_i = path_ior(path, event->crossing.medium_from), eta_t = path_ior(path, event->crossing.medium_to);
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
-    const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
+    const SceneSurface *surface = number == SCENE_NONE ? NULL : surface_of(path, event, number);
     if (surface && (surface->roughness > 0 || surface->painted)) {
         const BsdfSpec *spec = &surface->spec;
         BsdfSpec textured;
