@@ -53,10 +53,13 @@ static const char *operator_text(ExprKind kind)
 
 static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, const Value *b, Value *result)
 {
-    if (!any_poison(a, b))
+    result->kind = VALUE_POISON;
+    if (any_poison(a, b)) return;
+    Diagnostic *report =
         eval_error(evaluator, expr, D_WRONG_TYPE, "'%s' does not work between %s and %s", operator_text(expr->kind),
                    value_describe(evaluator->arena, a), value_describe(evaluator->arena, b));
-    result->kind = VALUE_POISON;
+    if (expr->kind == EXPR_ADD && (a->kind == VALUE_STRING || b->kind == VALUE_STRING))
+        diag_hint(evaluator->diag, report, "write: str(a, b), for texts and what becomes one");
 }
 
 static void not_finite(Evaluator *evaluator, Expr *expr, const char *what, Value *result)

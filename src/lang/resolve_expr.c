@@ -288,7 +288,9 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
 static void report_no_function(Resolver *resolver, const Expr *callee, const Binding *binding)
 {
     if (callee->kind != EXPR_NAME) {
-        diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "this cannot be called");
+        Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "this cannot be called");
+        const char *name = callee->kind == EXPR_MEMBER ? callee->as.member.name->text : NULL;
+        if (name && builtin_find(name)) diag_hint(resolver->diag, report, "write: %s(...)", name); /* Math.sqrt(2) */
         return;
     }
     const Symbol *symbol = callee->as.name.symbol;

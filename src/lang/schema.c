@@ -130,11 +130,32 @@ typedef struct Check {
     size_t element; /* from 1, of a list; 0: the value itself */
 } Check;
 
+static bool node_allowed(const PropType *type, const Value *value)
+{
+    return value->kind == VALUE_NODE && (!type->choices || choice_allows(type->choices, value->as.node->type->name));
+}
+
 static bool is_name(const char *text)
 {
     static const char digits[] = "0123456789",
                       letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_.0123456789";
     return *text && !strchr(digits, *text) && !text[strspn(text, letters)];
+}
+
+/* A node that another property is for, a colour for a node that has one, and a name in quotation marks. */
+static void hint_node(const Check *check, const Value *value, Diagnostic *report)
+{
+    Diag *diag = check->evaluator->diag;
+    const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
+    const NodeType *wanted = check->type->choices ? schema_node(check->evaluator->schema, check->type->choices) : NULL;
+    for (size_t i = 0; owner && value->kind == VALUE_NODE && i < owner->n_props; i++)
+        if (owner->props[i].kind == PROP_NODE && owner->props[i].choices && node_allowed(&owner->props[i], value))
+            diag_hint(diag, report, "write: %s = ...", owner->props[i].name);
+    for (size_t i = 0; wanted && value->kind == VALUE_COLOR && !report->hint && i < wanted->n_props; i++)
+        if (wanted->props[i].kind == PROP_COLOR)
+            diag_hint(diag, report, "write: %s { %s = ... }", wanted->name, wanted->props[i].name);
+    if (value->kind == VALUE_STRING && is_name(value->as.text))
+        diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
 
 /* How a value of the wanted kind is written, where that is not plain from its name. */
@@ -153,11 +174,10 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
         diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
     if ((kind == PROP_VECTOR2 || kind == PROP_VECTORS2) && parts) diag_hint(diag, report, "write: <x, y>");
+    if (kind == PROP_NODE) hint_node(check, value, report);
     if (value->kind != VALUE_STRING) return;
     if (kind == PROP_VECTOR2) diag_hint(diag, report, "write: <x, y>, without quotation marks");
     if (check->type->flags & PROP_TEXTURE) diag_hint(diag, report, "of a picture write: image { file = \"...\" }");
-    if (kind == PROP_NODE && is_name(value->as.text))
-        diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
 
 static bool wrong_type(const Check *check, const Value *value)
@@ -297,11 +317,6 @@ static bool check_spectrum(const Check *check, const Value *value, EvalProp *pro
                                                           : SPECTRUM_VECTOR;
     memcpy(prop->as.spectrum.rgb, value->as.v, width * sizeof(double));
     return check_numbers(check, value->as.v, width);
-}
-
-static bool node_allowed(const PropType *type, const Value *value)
-{
-    return value->kind == VALUE_NODE && (!type->choices || choice_allows(type->choices, value->as.node->type->name));
 }
 
 /* ---- lists ---- */
