@@ -16,6 +16,7 @@ typedef struct ColorSource {
     ColorConfig *config;
 } ColorSource;
 
+/* Opens it where it is not open yet. */
 ATTR_NODISCARD Status color_source_open(ColorSource *color, Error *error);
 
 typedef struct SceneInput {

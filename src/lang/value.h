@@ -132,6 +132,7 @@ bool record_field(const Record *record, const char *name, Value *field);
 /* Does any type of record have such a field? */
 bool record_knows(const char *name);
 
+/* Of the same kind and equal in all; lists element by element, ranges as lists, nodes only where they are one. */
 bool value_equal(const Value *a, const Value *b);
 /* Appends the value as print() shows it; quoted: texts within a list stand in quotes. */
 void value_print(Buf *out, const Value *value, bool quoted);

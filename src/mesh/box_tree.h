@@ -12,7 +12,7 @@ typedef struct FloatBox {
     float min[3], max[3];
 } FloatBox;
 
-FloatBox float_box_empty(void);
+FloatBox float_box_empty(void); /* min above max: it meets nothing, and grows to what is added */
 void float_box_add(FloatBox *box, const FloatBox *other);
 void float_box_add_point(FloatBox *box, Vec3f p);
 static inline bool float_boxes_meet(const FloatBox *a, const FloatBox *b)

@@ -37,6 +37,7 @@ static inline const FilmPixel *film_pixel(const Film *film, uint32_t x, uint32_t
     return &film->pixels[(size_t)y * film->width + x];
 }
 
+/* Black, without samples. STATUS_NOMEM. */
 ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Error *error);
 void film_clear(Film *film);
 /* One sample, of a pixel in their order. Returns whether the sample, or the sum, was brighter than the film can hold (it is then

@@ -24,8 +24,8 @@ void tally_clear(Tally *tally);
 /* n of them, and the array; NULL is fine. */
 void tallies_free(Tally *tallies, size_t n);
 
+/* As bytes, and from them: over what is there. false where that cannot be, or memory ends. */
 void tally_save(const Tally *tally, Buf *out);
-/* Over what is there. false where that cannot be, or memory ends. */
 bool tally_load(Tally *tally, BufReader *in);
 
 #endif

@@ -16,9 +16,9 @@ typedef enum Aov {
 /* Bit 1 << AOV_... for each. */
 typedef uint32_t AovSet;
 
-const char *aov_name(Aov aov);
+const char *aov_name(Aov aov);     /* as --aov takes it */
 const char *aov_channels(Aov aov); /* with '|' between them */
-const char *aov_doc(Aov aov);
+const char *aov_doc(Aov aov);      /* one sentence for the manual */
 /* AOV_COUNT when there is none of that name, of which `length` bytes count. */
 Aov aov_named(const char *name, size_t length);
 

@@ -116,12 +116,14 @@ static inline double middle_extent(Box3 box)
     return fmax(fmin(s.x, s.y), fmin(fmax(s.x, s.y), s.z));
 }
 
+/* By a length on all sides. */
 static inline Box3 widened(Box3 box, double by)
 {
     Vec3 margin = vec3(by, by, by);
     return (Box3){vec3_sub(box.min, margin), vec3_add(box.max, margin)};
 }
 
+/* How far off a point in the box may be, by the rounding of its coordinates. */
 static inline double box_rounding(Box3 box)
 {
     double largest = fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
@@ -134,6 +136,7 @@ static inline double margin_of(Box3 box)
     return RELATION_GAP_PART * middle_extent(box) + 2 * box_rounding(box);
 }
 
+/* What is in both; min above max on an axis on which they are apart. */
 static inline Box3 common(Box3 a, Box3 b)
 {
     return (Box3){vec3(fmax(a.min.x, b.min.x), fmax(a.min.y, b.min.y), fmax(a.min.z, b.min.z)),
