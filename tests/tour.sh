@@ -1,5 +1,5 @@
 #!/bin/sh
-# src/README.md names every file of src, and no file that is not there.
+# src/README.md names every file of src, no file that is not there, and every source that the code cites.
 # usage: tests/tour.sh [MENISCUS]
 # SPDX-License-Identifier: Apache-2.0
 set -u
@@ -18,6 +18,12 @@ for name in $(grep -oE '`[a-z]+/[a-z0-9_]+(\.[a-z]+)?`' README.md | tr -d '`' | 
     if [ -e "$match" ]; then n_passed=$((n_passed + 1)); else
         n_failed=$((n_failed + 1))
         echo "not ok - README.md names $name, which is not there"
+    fi
+done
+for key in $(grep -rohE '\[[A-Z][A-Za-z]+[0-9]{2}\]' --include='*.[ch]' . | tr -d '[]' | sort -u); do
+    if grep -qF "**[$key]**" README.md; then n_passed=$((n_passed + 1)); else
+        n_failed=$((n_failed + 1))
+        echo "not ok - README.md does not say what [$key] is"
     fi
 done
 echo "$n_passed passed, $n_failed failed"
