@@ -125,6 +125,7 @@ static void hints_name_what_there_is(void **state)
             if (!is_property(hints[i].node, name, length))
                 fail_msg("no property '%.*s' of '%s'", (int)length, name, hints[i].node);
             name += length;
+            if (strncmp(name, " =", 2) == 0) break; /* the rest is an example */
         }
 }
 
