@@ -302,23 +302,6 @@ extern "C" const char *color_config_default_view(const ColorConfig *config, cons
     return name_or_null([=]() { return config->config->getDefaultView(display); });
 }
 
-extern "C" const char *color_config_space(const ColorConfig *config, int index)
-{
-    return name_or_null([=]() {
-        return index >= 0 && index < config->config->getNumColorSpaces()
-                   ? config->config->getColorSpaceNameByIndex(index)
-                   : nullptr;
-    });
-}
-
-extern "C" const char *color_config_scene_linear(const ColorConfig *config)
-{
-    return name_or_null([=]() {
-        OCIO::ConstColorSpaceRcPtr space = config->config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
-        return space ? space->getName() : nullptr;
-    });
-}
-
 extern "C" Status color_view(const ColorConfig *config, const char *display, const char *view, Image *image,
                              Error *error)
 {

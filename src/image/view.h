@@ -18,9 +18,6 @@ const char *color_config_display(const ColorConfig *config, int index);
 const char *color_config_view(const ColorConfig *config, const char *display, int index);
 const char *color_config_default_display(const ColorConfig *config);
 const char *color_config_default_view(const ColorConfig *config, const char *display);
-const char *color_config_space(const ColorConfig *config, int index);
-/* The colour space of role scene_linear. */
-const char *color_config_scene_linear(const ColorConfig *config);
 
 /* Applies a display and view (NULL: the defaults) to R, G, B (and keeps A) of a scene-linear picture of the
  * working space (linear Rec.709, D65); the result is display-referred in 0..1. Not-a-numbers become 0, values are held to

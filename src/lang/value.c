@@ -108,7 +108,7 @@ Value list_builder_finish(ListBuilder *builder)
 
 /* ---- records ---- */
 
-const RecordType record_types[RECORD_COUNT] = {
+static const RecordType record_types[RECORD_COUNT] = {
     [RECORD_HIT] = {"hit", 3, {{"point", VALUE_VECTOR3}, {"normal", VALUE_VECTOR3}, {"distance", VALUE_NUMBER}}},
     [RECORD_PLACE] = {"scatter", 2, {{"point", VALUE_VECTOR3}, {"normal", VALUE_VECTOR3}}},
     [RECORD_BOUNDS] = {"bounds", 4,

@@ -67,7 +67,6 @@ struct Record {
     double numbers[]; /* of one field after the other */
 };
 typedef enum RecordKind { RECORD_HIT, RECORD_PLACE, RECORD_BOUNDS, RECORD_COUNT } RecordKind;
-extern const RecordType record_types[RECORD_COUNT];
 
 /* Lists whose elements are all numbers, or all vectors of one size, or all colours are stored as plain doubles. */
 struct List {

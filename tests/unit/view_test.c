@@ -68,7 +68,6 @@ static void middle_grey_is_where_aces_puts_it(void **state)
     assert_view(NULL, NULL, 0.18f, 0.35595);
     assert_string_equal(color_config_default_display(config), "sRGB");
     assert_string_equal(color_config_default_view(config, "sRGB"), "ACES 1.0 SDR");
-    assert_string_equal(color_config_scene_linear(config), "lin_rec709");
 }
 
 static void assert_space(const char *space, float r, float g, float b, double x, double y, double z)
@@ -168,11 +167,8 @@ static void names_are_listed_to_their_end(void **state)
     assert_string_equal(color_config_display(config, 0), "sRGB");
     for (n = 0; color_config_view(config, "Display P3", n);) n++;
     assert_int_equal(n, 3);
-    for (n = 0; color_config_space(config, n);) n++;
-    assert_true(n >= 10);
     assert_null(color_config_display(config, -1));
     assert_null(color_config_view(config, "absent", 0));
-    assert_null(color_config_space(config, 1000));
 }
 
 /* --- other configurations --- */
@@ -214,7 +210,6 @@ static void a_config_is_reached_through_interchange(void **state)
                               "    to_reference: !<BuiltinTransform> {style: ACEScg_to_ACES2065-1}\n" CONFIG_OUT,
                               &color, &error);
     if (status != STATUS_OK) fail_msg("%s", error.text);
-    assert_string_equal(color_config_scene_linear(color), "ap1");
     float rgb[3] = {1, .18f, 0}, ap1[3] = {1, 0, 0};
     assert_int_equal(view_pixel(color, "d", "plain", rgb, &error), STATUS_OK);
     assert_near(rgb[0], 1, 1e-4);
