@@ -193,16 +193,10 @@ typedef struct Need {
 } Need;
 
 static const Need needs[] = {
-    {"specular", "ior", "without an 'ior'"},
-    {"tint", "transmission", "without 'transmission'"},
-    {"film", "transmission", "without 'transmission'"},
-    {"coat_ior", "coat", "without a coat"},
-    {"coat_roughness", "coat", "without a coat"},
-    {"coat_anisotropy", "coat", "without a coat"},
-    {"coat_tint", "coat", "without a coat"},
-    {"fuzz_color", "fuzz", "without 'fuzz'"},
-    {"fuzz_roughness", "fuzz", "without 'fuzz'"},
-    {"weight", "mix", "without a 'mix'"},
+    {"specular", "ior", "without an 'ior'"},      {"coat_ior", "coat", "without a coat"},
+    {"coat_roughness", "coat", "without a coat"}, {"coat_anisotropy", "coat", "without a coat"},
+    {"coat_tint", "coat", "without a coat"},      {"fuzz_color", "fuzz", "without 'fuzz'"},
+    {"fuzz_roughness", "fuzz", "without 'fuzz'"}, {"weight", "mix", "without a 'mix'"},
 };
 
 static bool is_on(const EvalNode *node, const char *property) /* set, and if a number, not 0 */
@@ -214,18 +208,23 @@ static bool is_on(const EvalNode *node, const char *property) /* set, and if a n
 static void check_needs(Builder *b, const EvalNode *node)
 {
     static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
-    static const char *const of_thin[] = {"tint", "film", "translucency"};
+    static const char *const of_pane[] = {"tint", "film"};
+    bool thin = eval_truth(node, "thin"), pane = is_on(node, "transmission");
     for (size_t i = 0; i < COUNT_OF(needs); i++)
         if (!is_on(node, needs[i].other)) build_needs(b, node, needs[i].property, needs[i].words);
-    for (size_t i = 0; !eval_truth(node, "thin") && i < COUNT_OF(of_thin); i++)
-        build_needs(b, node, of_thin[i], "without thin = true");
+    for (size_t i = 0; (!thin || !pane) && i < COUNT_OF(of_pane); i++)
+        build_needs(b, node, of_pane[i],
+                    thin   ? "without 'transmission'"
+                    : pane ? "without thin = true"
+                           : "without thin = true and 'transmission'");
+    if (!thin) build_needs(b, node, "translucency", "without thin = true");
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
     static const char *const of_grain[] = {"grain", "grain_angle"};
     bool grained = is_on(node, "anisotropy") || is_on(node, "coat_anisotropy");
     for (size_t i = 0; !grained && i < COUNT_OF(of_grain); i++)
         build_needs(b, node, of_grain[i], "without 'anisotropy'");
-    if (!eval_truth(node, "thin") || is_on(node, "transmission") || is_on(node, "translucency")) return;
+    if (!thin || pane || is_on(node, "translucency")) return;
     Diagnostic *report =
         diag_report(b->diag, D_MISSING_PROPERTY, build_span(node, "thin"), "nothing goes through this thin surface");
     diag_hint(b->diag, report,
