@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "scene/combinations.h"
 #include "scene/lines.h"
 #include "scene/relations.h"
 
@@ -126,119 +127,6 @@ static Status find_unbounded(CompiledScene *compiled, Error *error)
     return STATUS_OK;
 }
 
-/* The measuring of a combination, in tasks that are always the same. */
-enum {
-    MEASURE_LINES = 6000 /* of each direction; the error is about 1e-3 of the volume for plain shapes */,
-    MEASURE_TASKS = 8
-};
-typedef struct Measure {
-    const CompiledScene *compiled;
-    Probe *probes; /* of each worker */
-    unsigned n_probes;
-    uint32_t hull;
-    double volume[LINE_DIRECTIONS * MEASURE_TASKS];
-} Measure;
-
-static void task_of_measure(void *context, uint32_t number, unsigned worker)
-{
-    Measure *measure = context;
-    Probe *probe = &measure->probes[worker];
-    LineSet set;
-    Line line;
-    line_set_begin(&set, measure->compiled->hull_bounds[measure->hull], (int)(number / MEASURE_TASKS), MEASURE_LINES,
-                   measure->hull);
-    uint32_t n = line_set_size(&set), part = number % MEASURE_TASKS;
-    uint32_t begin = n * part / MEASURE_TASKS, end = n * (part + 1) / MEASURE_TASKS;
-    double volume = 0;
-    line_set_skip(&set, begin);
-    for (uint32_t i = begin; i < end && line_set_next(&set, &line); i++) {
-        probe_surfaces(probe, measure->compiled, &line, SCENE_NONE);
-        probe_intervals(probe, measure->compiled, &line);
-        for (uint32_t k = probe->first[measure->hull]; k != INTERVAL_NONE; k = probe->intervals[k].next)
-            volume += line.area * (probe->intervals[k].end - probe->intervals[k].begin) / LINE_DIRECTIONS;
-    }
-    measure->volume[number] = volume;
-}
-
-static double measure_combination(Measure *measure, Pool *pool, uint32_t hull)
-{
-    double volume = 0;
-    measure->hull = hull;
-    pool_run(pool, COUNT_OF(measure->volume), task_of_measure, measure);
-    for (size_t i = 0; i < COUNT_OF(measure->volume); i++) volume += measure->volume[i];
-    return volume;
-}
-
-static Status measure_init(Measure *measure, const CompiledScene *compiled, unsigned n_workers, Error *error)
-{
-    *measure = (Measure){.compiled = compiled, .probes = calloc(n_workers, sizeof *measure->probes)};
-    if (!measure->probes) return fail_memory(error, n_workers * sizeof *measure->probes, "the volumes of combinations");
-    while (measure->n_probes < n_workers) TRY(probe_init(&measure->probes[measure->n_probes++], compiled, error));
-    return STATUS_OK;
-}
-
-/* Says whether memory lasted. */
-static bool measure_clear(Measure *measure)
-{
-    bool lasted = true;
-    for (unsigned i = 0; i < measure->n_probes; i++) {
-        lasted = lasted && !measure->probes[i].out_of_memory;
-        probe_clear(&measure->probes[i]);
-    }
-    free(measure->probes);
-    return lasted;
-}
-
-/* The mesh that a combination is all layers of, or SCENE_NONE. */
-static uint32_t layered_mesh(const Scene *scene, const SceneTree *tree)
-{
-    const NestPart *root = &scene->parts[tree->root];
-    const SceneObject *first = root->n_children ? &scene->objects[scene->operands[root->begin]] : NULL;
-    if (!first || first->shape == SCENE_NONE || scene->shapes[first->shape].layer_of == SCENE_NONE) return SCENE_NONE;
-    uint32_t mesh = scene->shapes[first->shape].layer_of;
-    bool whole = root->operation == NEST_UNION && root->n_children == scene->shapes[mesh].parts.n_layers &&
-                 root->end - root->begin == root->n_children;
-    for (uint32_t i = root->begin; whole && i < root->end; i++)
-        whole = scene->shapes[scene->objects[scene->operands[i]].shape].layer_of == mesh;
-    return whole ? mesh : SCENE_NONE;
-}
-
-/* What a combination encloses has no closed form: it is measured along evenly spread lines; once for all that are the
- * same mesh. */
-static Status measure_combinations(CompiledScene *compiled, Pool *pool, Error *error)
-{
-    const Scene *scene = compiled->scene;
-    Measure measure;
-    double *of_mesh = calloc(scene->n_shapes + 1U, sizeof *of_mesh); /* in the mesh's own frame; 0: not known */
-    if (!of_mesh) return fail_memory(error, scene->n_shapes * sizeof *of_mesh, "the volumes of combinations");
-    Status status = measure_init(&measure, compiled, pool_threads(pool), error);
-    for (uint32_t t = 0; status == STATUS_OK && t < compiled->csg.n_trees; t++) {
-        uint32_t hull = compiled->csg.trees[t].hull, mesh = layered_mesh(scene, &scene->trees[t]);
-        if (hull == NEST_OPAQUE || compiled->unbounded[hull] || box3_is_empty(compiled->hull_bounds[hull])) continue;
-        uint32_t first = scene->operands[scene->parts[scene->trees[t].root].begin];
-        double scale = fabs(affine_determinant(&scene->objects[first].to_world));
-        double volume = mesh == SCENE_NONE ? 0 : of_mesh[mesh] * scale;
-        if (!(volume > 0)) volume = measure_combination(&measure, pool, hull);
-        if (mesh != SCENE_NONE) of_mesh[mesh] = volume / scale;
-        compiled->hulls[hull].volume = volume;
-    }
-    if (!measure_clear(&measure) && status == STATUS_OK) status = fail_memory(error, 0, "the volumes of combinations");
-    free(of_mesh);
-    return status;
-}
-
-static void report_empty_combinations(const CompiledScene *compiled, Diag *diag)
-{
-    for (uint32_t t = 0; t < compiled->csg.n_trees; t++) {
-        uint32_t hull = compiled->csg.trees[t].hull;
-        const SceneObject *object = &compiled->scene->objects[compiled->scene->trees[t].object];
-        if (hull == NEST_OPAQUE || compiled->hulls[hull].volume > 0) continue;
-        Diagnostic *report =
-            diag_report(diag, D_EMPTY_COMBINATION, object->span, "nothing is left of %s", object->name);
-        diag_hint(diag, report, "do its operands meet?");
-    }
-}
-
 /* ---- order ---- */
 
 /* Hulls of one medium merge, whichever is on top, and those that mix are on top of nothing: there is nothing to order. */
@@ -311,8 +199,8 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
     TRY(number_operands(compiled, error));
     TRY(build_geometry(compiled, pool, error));
     TRY(find_unbounded(compiled, error));
-    if (compiled->csg.n_trees) TRY(measure_combinations(compiled, pool, error));
-    if (diag) report_empty_combinations(compiled, diag);
+    if (compiled->csg.n_trees) TRY(combinations_measure(compiled, pool, error));
+    if (compiled->csg.n_trees && diag) TRY(combinations_report_empty(compiled, diag, error));
     TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, &compiled->meetings, &compiled->n_meetings,
                        error));
     TRY(build_order(compiled, policy, error));
