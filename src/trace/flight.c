@@ -107,7 +107,7 @@ bool flight_next_mixing(const World *world, const NestList *list, uint32_t mediu
 }
 
 /* Sets tracer->parts to all that fills a place: the owner's medium, and those that mix with it. False when memory ends. */
-static bool find_parts(Path *path, const NestList *list, const Ray *ray, double t)
+ATTR_APART static bool find_parts(Path *path, const NestList *list, const Ray *ray, double t)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;

@@ -27,11 +27,10 @@ static float mix_weight(const Path *path, const Event *event, const SceneSurface
     return spec.mix_weight;
 }
 
-/* The surface of that number, or one of those that it is a mix of, by its weight. */
-static const SceneSurface *surface_of(const Path *path, const Event *event, uint32_t number)
+/* One of the surfaces that one is a mix of, by its weight. */
+ATTR_APART static const SceneSurface *one_of_mix(const Path *path, const Event *event, const SceneSurface *surface)
 {
-    const SceneSurface *surfaces = path->tracer->world->scene->surfaces, *surface = &surfaces[number];
-    if (LIKELY(!surface->mixed)) return surface;
+    const SceneSurface *surfaces = path->tracer->world->scene->surfaces;
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_MIX));
     while (surface->mixed) {
         float weight = mix_weight(path, event, surface);
@@ -40,6 +39,12 @@ static const SceneSurface *surface_of(const Path *path, const Event *event, uint
         surface = &surfaces[surface->mix[second]];
     }
     return surface;
+}
+
+static inline const SceneSurface *surface_of(const Path *path, const Event *event, uint32_t number)
+{
+    const SceneSurface *surface = &path->tracer->world->scene->surfaces[number];
+    return LIKELY(!surface->mixed) ? surface : one_of_mix(path, event, surface);
 }
 
 Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm)
