@@ -103,18 +103,22 @@ size_t edit_distance(const std::string &a, const std::string &b)
     return row[b.size()];
 }
 
-/* The name that is meant: the same but for capitals. Otherwise empty, and *nearest is what comes closest. */
-std::string match_name(const std::string &wanted, const std::vector<std::string> &names, std::string *nearest)
+/* The name that is meant: the same but for capitals. Otherwise empty, and *hint, for behind a message, is the one that is
+ * near enough to be meant, or all of them where they are few. */
+std::string match_name(const std::string &wanted, const std::vector<std::string> &names, std::string *hint)
 {
-    size_t best = std::string::npos;
+    const size_t few = 8;
+    size_t best = wanted.size() / 2 + 1;
+    hint->clear();
     for (const std::string &name : names) {
         size_t distance = edit_distance(lower(wanted), lower(name));
         if (distance == 0) return name;
-        if (distance < best) {
-            best = distance;
-            *nearest = name;
-        }
+        if (distance >= best) continue;
+        best = distance;
+        *hint = "; did you mean '" + name + "'?";
     }
+    if (!hint->empty() || names.size() > few) return std::string();
+    for (const std::string &name : names) *hint += (hint->empty() ? "; there is '" : ", '") + name + "'";
     return std::string();
 }
 
@@ -191,17 +195,16 @@ Status connect(ColorConfig *color, const char *label, Error *error)
 Status choose_view(const ColorConfig *color, const char *display, const char *view, std::string *display_name,
                    std::string *view_name, Error *error)
 {
-    std::string nearest;
+    std::string hint;
     std::string wanted = display ? display : color->config->getDefaultDisplay();
-    *display_name = match_name(wanted, displays_of(color->config), &nearest);
+    *display_name = match_name(wanted, displays_of(color->config), &hint);
     if (display_name->empty())
-        return fail(error, STATUS_USAGE, "there is no display '%s'; did you mean '%s'?", wanted.c_str(),
-                    nearest.c_str());
+        return fail(error, STATUS_USAGE, "there is no display '%s'%s", wanted.c_str(), hint.c_str());
     wanted = view ? view : color->config->getDefaultView(display_name->c_str());
-    *view_name = match_name(wanted, views_of(color->config, *display_name), &nearest);
+    *view_name = match_name(wanted, views_of(color->config, *display_name), &hint);
     if (view_name->empty())
-        return fail(error, STATUS_USAGE, "the display '%s' has no view '%s'; did you mean '%s'?",
-                    display_name->c_str(), wanted.c_str(), nearest.c_str());
+        return fail(error, STATUS_USAGE, "the display '%s' has no view '%s'%s", display_name->c_str(), wanted.c_str(),
+                    hint.c_str());
     return STATUS_OK;
 }
 
@@ -322,10 +325,9 @@ extern "C" Status color_to_working(const ColorConfig *config, const char *space,
     return guarded(error, "convert from the color space", space, [&]() {
         OCIO::ConstColorSpaceRcPtr from = config->config->getColorSpace(space); /* by name, alias or role */
         if (!from) {
-            std::string nearest;
-            match_name(space, spaces_of(config->config), &nearest);
-            return fail(error, STATUS_USAGE, "there is no color space '%s'; did you mean '%s'?", space,
-                        nearest.c_str());
+            std::string hint;
+            match_name(space, spaces_of(config->config), &hint);
+            return fail(error, STATUS_USAGE, "there is no color space '%s'%s", space, hint.c_str());
         }
         if (from->isData()) return STATUS_OK;
         OCIO::ConstCPUProcessorRcPtr processor =

@@ -113,8 +113,6 @@ void solid_free(Solid *solid); /* NULL is fine */
 ATTR_NODISCARD Status solid_new(uint32_t n_pieces, Solid **solid, Error *error);
 /* A band with the shading normals of its own surface at both ends; v runs from 0 to 1. The ends differ. */
 Piece piece_make_band(double r0, double y0, double r1, double y1);
-/* A part of a sphere about (0, centre_y) from one point to another, v from 0 to 1. */
-Piece piece_make_zone(double centre_y, double r0, double y0, double r1, double y1);
 /* The volume between a band or an arc and the axis, positive where it faces away from the axis; the sum over a closed
  * solid is its volume. */
 double piece_volume(const Piece *piece);

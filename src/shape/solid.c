@@ -42,7 +42,8 @@ Piece piece_make_band(double r0, double y0, double r1, double y1)
                    .v1 = 1};
 }
 
-Piece piece_make_zone(double centre_y, double r0, double y0, double r1, double y1)
+/* A part of a sphere about (0, centre_y) from one point to another, v from 0 to 1. */
+static Piece make_zone(double centre_y, double r0, double y0, double r1, double y1)
 {
     return (Piece){.kind = PIECE_OUTER_ARC,
                    .r0 = r0,
@@ -113,9 +114,9 @@ Status solid_make_capsule(double radius, double height, Solid **solid, Error *er
                     height);
     TRY(solid_new(3, solid, error));
     Piece *pieces = (*solid)->pieces;
-    pieces[0] = piece_make_zone(0, 0, -radius, radius, 0);
+    pieces[0] = make_zone(0, 0, -radius, radius, 0);
     pieces[1] = piece_make_band(radius, 0, radius, height);
-    pieces[2] = piece_make_zone(height, radius, height, 0, height + radius);
+    pieces[2] = make_zone(height, radius, height, 0, height + radius);
     double cap = pi / 2 * radius, whole = 2 * cap + height;
     pieces[0].v1 = pieces[1].v0 = (float)(cap / whole);
     pieces[1].v1 = pieces[2].v0 = (float)((cap + height) / whole);

@@ -155,6 +155,9 @@ static void unknown_names_come_with_the_nearest(void **state)
     assert_string_equal(error.text, "there is no display 'Display-P3'; did you mean 'Display P3'?");
     assert_int_equal(color_to_working(config, "ACESgc", rgb, 1, &error), STATUS_USAGE);
     assert_string_equal(error.text, "there is no color space 'ACESgc'; did you mean 'ACEScg'?");
+    assert_int_equal(view_pixel(config, "sRGB", "film", rgb, &error), STATUS_USAGE);
+    assert_string_equal(error.text,
+                        "the display 'sRGB' has no view 'film'; there is 'ACES 1.0 SDR', 'Un-tone-mapped', 'Raw'");
     assert_int_equal(view_pixel(config, "srgb", "raw", rgb, &error), STATUS_OK);
 }
 
