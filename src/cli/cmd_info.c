@@ -204,6 +204,8 @@ static Status describe(const char *path, Facts *facts, Error *error)
     if (mesh_has_reader(extension)) return describe_mesh(path, facts, error);
     if (strcasecmp(extension, "nvdb") == 0) return describe_grids(path, facts, error);
     if (strcasecmp(extension, "exr") == 0) return describe_exr(path, facts, error);
+    if (strcasecmp(extension, "mns") == 0)
+        return fail(error, STATUS_USAGE, "'%s' is a scene; 'meniscus check %s' says what it holds", path, path);
     return describe_picture(path, facts, error);
 }
 

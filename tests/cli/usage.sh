@@ -65,6 +65,8 @@ refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smot
 refuses "there is no help for 'window-frames', only for commands, nodes" help window-frames
 refuses "1..10 of a scene that is no animation; --set animation.frames=10 makes it one" render small.mns --frames 1..10
 refuses "to render 'small.mns', write its whole name" small
+refuses "'small.mns' is a scene; 'meniscus check small.mns' says what it holds" info small.mns
+refuses "the display 'sRGB' has no view 'film'; there is 'ACES 1.0 SDR'" small.mns -o a.png --view film
 
 begin "a file without dot or slash: a hint"
 small_scene
