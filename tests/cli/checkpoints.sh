@@ -6,8 +6,7 @@ stop_and_resume() {
     file=$1 stops=0 status=130 wait=0.9 kept=no
     shift
     while [ $status -eq 130 ] && [ $stops -lt 40 ]; do
-        timeout -s INT --preserve-status $wait "$program" render kept.mns -o "$file.exr" --resume -j $((1 + stops % 2)) "$@" > out 2> err
-        status=$?
+        run_until $wait INT render kept.mns -o "$file.exr" --resume -j $((1 + stops % 2)) "$@"
         [ ! -s "$file.checkpoint.exr" ] || kept=yes # a stop before the first sample leaves none
         stops=$((stops + 1))
         wait=$((1 + stops / 4)).5
@@ -198,8 +197,7 @@ kept_scene
 echo 'animation { frames = 2 }' >> kept.mns
 run render kept.mns -s 600 -q -o 'whole.#.exr'
 exits 0
-timeout -s INT --preserve-status 0.6 "$program" render kept.mns -s 600 -o 'a.#.exr' --resume > out 2> err
-status=$?
+run_until 0.6 INT render kept.mns -s 600 -o 'a.#.exr' --resume
 exits 130
 says err 'of this frame a checkpoint is kept'
 run render kept.mns -s 600 -o 'a.#.exr' --resume --skip-existing

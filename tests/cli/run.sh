@@ -41,6 +41,13 @@ run() {
     status=$?
     [ $status -lt 129 ] || flunk "died with status $status: meniscus $*"
 }
+# run_until SECONDS SIGNAL ARGUMENT...: the same, stopped by the signal after so long
+run_until() {
+    stop_after=$1 stop_by=$2
+    shift 2
+    timeout -s "$stop_by" --preserve-status "$stop_after" "$program" "$@" > out 2> err
+    status=$?
+}
 exits() { [ "$status" -eq "$1" ] || flunk "exit status $status, not $1"; }
 # says FILE TEXT: FILE (out, err, ...) holds TEXT; says_not: it does not
 says() { grep -qF -e "$2" "$1" || flunk "$1 does not say: $2"; }

@@ -3,8 +3,7 @@
 
 begin "INT writes the picture and ends by INT"
 long_scene
-timeout -s INT --preserve-status 1 "$program" render long.mns -o a.exr > out 2> err
-status=$?
+run_until 1 INT render long.mns -o a.exr
 exits 130
 there a.exr
 says err "stopping"
@@ -17,8 +16,7 @@ end
 begin "TERM and HUP as well"
 long_scene
 for signal in TERM:143 HUP:129; do
-    timeout -s "${signal%:*}" --preserve-status 1 "$program" render long.mns -o "$signal.exr" -q > out 2> err
-    status=$?
+    run_until 1 "${signal%:*}" render long.mns -o "$signal.exr" -q
     exits "${signal#*:}"
     there "$signal.exr"
 done
