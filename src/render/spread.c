@@ -27,6 +27,8 @@ enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256, FARTHEST = 209 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
 #define FAINT 0.25
+/* A haze of one colour is seen sooner than a grey one: how much sooner, for each unit of tint. */
+#define TINTED 6.0
 /* Of what a usual pixel gets, the part that a black one does. */
 #define TO_BLACK (1 / 6.0)
 /* Rows that a thread gathers at a time. */
@@ -85,6 +87,7 @@ static const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_t y)
 typedef struct Lone {
     uint32_t x, y, thing;
     double light, rgb[3]; /* as parts of its pixel's mean */
+    double seen;          /* its light, as a haze of it is seen */
     double
         reference; /* what is usual there: the most of what is plain: the brightest pixel next to it, the mean around */
     double black, slope; /* what a pixel gets by its own light: black + slope * light, but 1 at most */
@@ -319,7 +322,7 @@ static int find_radius(const Maps *maps, const Lone *lone, double *weights)
         *weights = sums.weights - sums.weights_by_distance / end;
         if (sums.alike >= enough) return radius;
         double plain = (sums.light - sums.light_by_distance / end) / *weights;
-        alone = lone->light * own / (*weights * fmin(lone->reference, plain)); /* what the sample adds where it is */
+        alone = lone->seen * own / (*weights * fmin(lone->reference, plain)); /* what the sample adds where it is */
         if (sums.alike * alone <= UNSEEN) return radius;
     }
     return alone > FAINT ? 0 : radius;
@@ -379,6 +382,14 @@ static Span weights_of_row(const Maps *maps, const Lone *lone, const Way *way, u
     return spans[0];
 }
 
+/* How far from grey: 0 is grey, 1.4 the light of one primary; more is that of one wavelength. */
+static double tint_of(const double rgb[3], double light)
+{
+    double mean = (rgb[0] + rgb[1] + rgb[2]) / 3, apart = 0;
+    for (int c = 0; c < 3; c++) apart += (rgb[c] - mean) * (rgb[c] - mean);
+    return sqrt(apart / 3) / light;
+}
+
 static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
 {
     const BrightPixel *pixel = bright_at(maps, x, y);
@@ -393,6 +404,7 @@ static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
                  .slope = reference > 0 ? (1 - TO_BLACK) / reference : 0,
                  .least = light * ALIKE};
     for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
+    lone.seen = lone.light * (1 + TINTED * tint_of(lone.rgb, lone.light));
     return lone;
 }
 

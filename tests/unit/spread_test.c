@@ -158,6 +158,21 @@ static void what_would_be_seen_anywhere_stays(void **state)
     end(&films);
 }
 
+/* The same light, spread over all there is, is not much of a haze where it is grey, and is where it is of one colour. */
+static void one_colour_is_seen_sooner(void **state)
+{
+    (void)state;
+    for (int tinted = 0; tinted < 2; tinted++) {
+        Films films;
+        begin(&films);
+        fill(&films, 64);
+        add(&films, 20, 20, tinted ? (float[]){5400, 300, 300} : (float[]){2000, 2000, 2000}, left_and_right(20));
+        resolve(&films, whole);
+        assert_int_equal(films.way.samples, !tinted);
+        end(&films);
+    }
+}
+
 /* A line that each of its pixels has found a few times stays a line. */
 static void what_is_thin_stays_thin(void **state)
 {
@@ -409,6 +424,7 @@ int main(void)
         cmocka_unit_test(a_lone_sample_is_spread),
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
+        cmocka_unit_test(one_colour_is_seen_sooner),
         cmocka_unit_test(what_is_thin_stays_thin),
         cmocka_unit_test(the_brightest_are_held),
         cmocka_unit_test(nothing_goes_to_nothing),
