@@ -14,6 +14,7 @@
  * away from everything is shown from nearer by: in float, coordinates out there are too coarse to aim with.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -370,7 +371,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
     }
     double t = (double)embree->tfar - query->back;
     float near;
-    double doubt = doubt_of(scale_at(query, t, query->scene->objects[found.object].reach, &near));
+    double doubt = doubt_of(scale_at(query, t, query->scene->objects[found.object].grain, &near));
     if (UNLIKELY(left || query->exact || found.on_diagonal || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
         consider_at_once(arguments, t);
         return;
@@ -411,56 +412,6 @@ void rtc_filter_any(const struct RTCFilterFunctionNArguments *arguments)
     if (!end) arguments->valid[0] = 0;
 }
 
-/* Around an eighth: the corners of its profile are extreme, as sine and cosine are monotonic in between. */
-static Box3 sector_bounds(const Piece *piece, uint32_t sector)
-{
-    static const double half = 0.70710678118654757;
-    static const double ends[RTC_SECTORS + 1][2] = {{1, 0},         {half, half}, {0, 1},        {-half, half}, {-1, 0},
-                                                    {-half, -half}, {0, -1},      {half, -half}, {1, 0}};
-    /* rtc_sector counts by quadrants and then by the larger coordinate: to the order of angles */
-    static const uint32_t by_angle[RTC_SECTORS] = {0, 1, 3, 2, 4, 5, 7, 6};
-    uint32_t k = by_angle[sector];
-    HalfBox half_box = piece_half_bounds(piece);
-    Box3 box = box3_empty();
-    for (uint32_t end = k; end <= k + 1; end++) {
-        box = box3_add_point(box, vec3(half_box.r0 * ends[end][0], half_box.y0, half_box.r0 * ends[end][1]));
-        box = box3_add_point(box, vec3(half_box.r1 * ends[end][0], half_box.y1, half_box.r1 * ends[end][1]));
-    }
-    return box;
-}
-
-/* Around a primitive of the user geometry, in the frame of its object. */
-static Box3 local_bounds(const RtcPieceSet *set, uint32_t primitive, uint32_t *object)
-{
-    if (primitive < set->n_balls) {
-        *object = set->balls[primitive];
-        return piece_bounds(&set->scene->objects[*object].solid->pieces[0]);
-    }
-    RtcPart part = rtc_part(set, primitive);
-    const RtcPiece *which = &set->pieces[part.number];
-    *object = which->object;
-    return part.sector == RTC_ALL_SECTORS ? piece_bounds(which->shape) : sector_bounds(which->shape, part.sector);
-}
-
-void rtc_piece_bounds(const struct RTCBoundsFunctionArguments *arguments)
-{
-    const RtcPieceSet *set = arguments->geometryUserPtr;
-    const RtcScene *scene = set->scene;
-    uint32_t number;
-    Box3 local = local_bounds(set, arguments->primID, &number);
-    const RtcPlaced *object = &scene->objects[number];
-    Affine to_world = object->moves ? object->keys[arguments->timeStep] : rtc_first_to_world(object);
-    Box3 box = affine_box(&to_world, local);
-    /* larger by more than Embree's float ray can run beside the exact one (rtc_leave) */
-    double margin = 4 * TRUSTED_ULPS * UNIT_ROUNDING * scene->reach;
-    arguments->bounds_o->lower_x = (float)(box.min.x - margin);
-    arguments->bounds_o->lower_y = (float)(box.min.y - margin);
-    arguments->bounds_o->lower_z = (float)(box.min.z - margin);
-    arguments->bounds_o->upper_x = (float)(box.max.x + margin);
-    arguments->bounds_o->upper_y = (float)(box.max.y + margin);
-    arguments->bounds_o->upper_z = (float)(box.max.z + margin);
-}
-
 /* A ray as Embree reads it: its start and least distance, its direction and time, each as four lanes. */
 typedef struct FloatRay {
     Lanes start, direction;
@@ -482,7 +433,7 @@ static inline bool is_tame(Lanes part)
 /* False for a ray that Embree cannot be asked about. */
 static bool embree_ray(const Query *query, struct RTCRay *ray)
 {
-    Vec3 origin = vec3_add(query->origin, query->ray->nudge);
+    Vec3 origin = vec3_add(query->origin, *query->nudge);
     Vec3f start = vec3f_from(vec3_along(origin, -query->back, query->direction)), direction = query->ray->direction;
     double near = query->t_min;
     if (near > 0) near -= 16 * EMBREE_NOISE * scale_near(query, near, 0);
@@ -598,12 +549,6 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
         arguments->valid[0] = 0;
 }
 
-/* Everything that Embree knows of is within `reach` along each axis. */
-ATTR_COLD static double back_from_afar(const Query *query)
-{
-    return 2 * query->scene->reach - vec3_length(query->origin);
-}
-
 /* What float rounds about the ray's start, and so how far before it Embree's begins. */
 static inline void find_scales(Query *query)
 {
@@ -613,11 +558,13 @@ static inline void find_scales(Query *query)
     float near = ray->near;
     query->scale = double_max(far, query->scene->reach);
     query->coarse_scale = double_max(far, (double)grain->most);
-    if (!(near > 0) && far < (double)grain->matters)
-        near = rtc_grain_at(grain, ray->origin);
+    if (!(near > 0) && far < (double)grain->matters) near = rtc_grain_at(grain, ray->origin);
     query->start_scale = near > 0 ? double_max(far, (double)near) : query->coarse_scale;
     query->fine_within = (double)grain->matters - query->start_scale;
-    query->back = UNLIKELY(far > 2 * query->scene->reach) ? back_from_afar(query) : START_BACK * query->start_scale;
+    query->back = START_BACK * query->start_scale;
+    query->nudge = &ray->nudge;
+    query->unseen = 0;
+    if (UNLIKELY(far > RTC_AFAR * query->scene->piece_reach)) rtc_start_from_afar(query);
 }
 
 static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitList *hits, HitList *passed)
@@ -665,6 +612,22 @@ void rtc_sort_hits(HitList *hits)
         }
         hits->items[place] = hit;
     }
+}
+
+/* Sorts what a search has found. What it was shown more than once is there as often: one of each is kept. */
+static void sort_found(const Query *query, HitList *hits)
+{
+    rtc_sort_hits(hits);
+    if (LIKELY(query->unseen == 0)) return;
+    size_t n = 0;
+    for (size_t i = 0; i < hits->n; i++) {
+        const Hit *hit = &hits->items[i];
+        size_t k = n;
+        while (k > 0 && compare_hits(&hits->items[k - 1], hit) == 0 && hits->items[k - 1].entering != hit->entering)
+            k--;
+        if (k == 0 || compare_hits(&hits->items[k - 1], hit) != 0) hits->items[n++] = *hit;
+    }
+    hits->n = n;
 }
 
 bool rtc_add_hit(HitList *hits, const Hit *more)
@@ -724,6 +687,29 @@ static double chain_end(const Hit *last)
     return last->t + 2 * last->rounding / double_max(fabs(last->cos_normal), RTC_LEAST_COSINE);
 }
 
+/* Shows Embree a ray from afar again, from nearer by. What it finds once more is the same, and is dropped later. */
+ATTR_COLD static void search_from_nearer(Query *query)
+{
+    const RtcScene *scene = query->scene;
+    const double back = query->back, unseen = query->unseen;
+    const Vec3 *nudge = query->nudge;
+    struct RTCRayHit embree;
+    double end;
+    while (!query->blocked && rtc_next_start(query, &end) && embree_ray(query, &embree.ray)) {
+        consider_own(query, 0, scene->n_few, UINT_MAX, &embree.ray);
+        embree.ray.tfar = float_min(embree.ray.tfar, embree_t(query, end));
+        embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        if (query->all)
+            embree_occluded(scene->world, &query->context, &embree.ray);
+        else
+            embree_intersect(scene->world, &query->context, &embree);
+    }
+    query->back = back;
+    query->nudge = nudge;
+    query->unseen = unseen;
+}
+
 /* False where nothing can be searched. */
 static bool search_nearest(Query *query)
 {
@@ -738,6 +724,7 @@ static bool search_nearest(Query *query)
     embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     embree_intersect(query->scene->world, &query->context, &embree);
+    if (UNLIKELY(query->unseen > 0)) search_from_nearer(query);
     return true;
 }
 
@@ -756,7 +743,7 @@ bool rtc_complete_hits(Query *query, HitList *hits, double end)
         n++;
     }
     hits->n = n;
-    if (n > 1) rtc_sort_hits(hits);
+    if (n > 1) sort_found(query, hits);
     return n_elsewhere == 0;
 }
 
@@ -789,7 +776,7 @@ ATTR_COLD static size_t search_exactly(Query *query)
     for (;;) {
         if (!search_nearest(query)) return 0;
         if (query->unsure) rtc_look_closer(query);
-        rtc_sort_hits(hits);
+        sort_found(query, hits);
         if (query->passes) rtc_complete_hits(query, query->passed, query->reach);
         size_t n = nearest_place(query);
         if (n <= 1) return n;
@@ -867,6 +854,7 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     consider_all_own(&query, &embree);
     if (query.blocked) return false;
     embree_occluded(scene->world, &query.context, &embree);
+    if (UNLIKELY(query.unseen > 0)) search_from_nearer(&query);
     if (query.blocked) return false;
     rtc_complete_hits(&query, hits, HUGE_VAL);
     if (UNLIKELY(query.unsure)) {

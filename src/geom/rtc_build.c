@@ -155,18 +155,13 @@ static Status bake_mesh(const RtcPlaced *placed, RtcMesh *mesh, Error *error)
     return STATUS_OK;
 }
 
-static const Vec3f *positions_of(const RtcMesh *mesh)
-{
-    return mesh->moved ? mesh->moved : mesh->source->positions;
-}
-
 /* turned: the transform of a baked mesh mirrors. */
 static Status make_quads(RtcMesh *mesh, bool turned, Error *error)
 {
     MeshQuad *pairs;
     uint32_t n;
     TRY(mesh_pair_triangles(mesh->source, &pairs, &n, error));
-    const Vec3f *positions = positions_of(mesh);
+    const Vec3f *positions = rtc_positions(mesh);
     mesh->quads = aligned_alloc(64, (n + (size_t)1) * sizeof *mesh->quads);
     mesh->n_quads = n;
     for (uint32_t i = 0; mesh->quads && i < n; i++) {
@@ -184,7 +179,7 @@ static Status make_quads(RtcMesh *mesh, bool turned, Error *error)
 static RTCGeometry quad_geometry(RtcScene *scene, const RtcMesh *mesh)
 {
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_QUAD);
-    const Vec3f *positions[2] = {positions_of(mesh), mesh->end ? mesh->end->positions : NULL};
+    const Vec3f *positions[2] = {rtc_positions(mesh), mesh->end ? mesh->end->positions : NULL};
     unsigned n_times = mesh->end ? 2 : 1;
     rtcSetGeometryTimeStepCount(geometry, n_times);
     for (unsigned k = 0; k < n_times; k++)
@@ -507,121 +502,6 @@ static Status add_pieces(RtcScene *scene, Error *error)
     return STATUS_OK;
 }
 
-/* The box of a mesh, and the one before: instances of one mesh mostly stand in a row. */
-typedef struct MeshBox {
-    const Mesh *mesh, *end;
-    Box3 box;
-} MeshBox;
-
-static double reach_of_box(Box3 box)
-{
-    return fmax(vec3_max_abs(box.min), vec3_max_abs(box.max));
-}
-
-static Box3 box_of_mesh(MeshBox *known, const Mesh *mesh, const Mesh *end)
-{
-    if (known->mesh == mesh && known->end == end) return known->box;
-    *known = (MeshBox){mesh, end, box3_empty()};
-    for (uint32_t k = 0; k < mesh->n_vertices; k++) {
-        known->box = box3_add_point(known->box, vec3_from_f(mesh->positions[k]));
-        if (end) known->box = box3_add_point(known->box, vec3_from_f(end->positions[k]));
-    }
-    return known->box;
-}
-
-/* The largest coordinate of a mesh under a map, if it is beyond `reach`. Most of many instances are within: their boxes
- * show that. */
-static double mesh_reach(const RtcPlaced *object, const Affine *to_world, MeshBox *known, double reach)
-{
-    const double rounding = 1 + 1e-12;
-    const Mesh *mesh = object->mesh->source, *end = object->mesh->end;
-    if (!mesh->n_vertices) return reach;
-    double most = reach_of_box(affine_box(to_world, box_of_mesh(known, mesh, end)));
-    if (most * rounding < reach) return reach;
-    if (is_even(to_world)) return double_max(reach, most);
-    for (uint32_t k = 0; k < mesh->n_vertices; k++) {
-        reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(mesh->positions[k]))));
-        if (end) reach = fmax(reach, vec3_max_abs(affine_point(to_world, vec3_from_f(end->positions[k]))));
-    }
-    return reach;
-}
-
-/* The largest coordinate of an object under one of its maps, if it is beyond `reach`. */
-static double object_reach(const RtcPlaced *object, const Affine *to_world, MeshBox *known, double reach)
-{
-    if (object->is_mesh) return mesh_reach(object, to_world, known, reach);
-    for (uint32_t k = 0; object->solid && k < (uint32_t)object->solid->n_pieces; k++) {
-        const Piece *piece = &object->solid->pieces[k];
-        if (piece->kind == PIECE_PLANE) continue;
-        reach = fmax(reach, reach_of_box(affine_box(to_world, piece_bounds(piece))));
-    }
-    return reach;
-}
-
-/* The largest coordinate of anything bounded; the boxes of the pieces are widened in proportion to it. */
-static double find_reach(const RtcScene *scene)
-{
-    double reach = 0;
-    MeshBox known = {0};
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const RtcPlaced *object = &scene->objects[i];
-        Affine to_world = rtc_first_to_world(object);
-        reach = object_reach(object, &to_world, &known, reach);
-        for (uint32_t k = 1; object->moves && k < scene->n_keys; k++)
-            reach = object_reach(object, &object->keys[k], &known, reach);
-    }
-    return reach;
-}
-
-/* The box of a mesh wherever it moves. */
-static Box3 box_of_placed_mesh(const RtcScene *scene, const RtcPlaced *object, MeshBox *known)
-{
-    Box3 local = box_of_mesh(known, object->mesh->source, object->mesh->end);
-    Affine to_world = rtc_first_to_world(object);
-    Box3 box = affine_box(&to_world, local);
-    for (uint32_t k = 1; object->moves && k < scene->n_keys; k++)
-        box = box3_union(box, affine_box(&object->keys[k], local));
-    return box;
-}
-
-/* Boxes about so many runs of the triangles of a mesh in the world's frame say well enough where it is. */
-enum { GRAIN_RUNS = 1 << 14 };
-
-static void add_grain_of_runs(RtcGrain *grain, const RtcMesh *mesh)
-{
-    const Vec3f *positions = mesh->moved ? mesh->moved : mesh->source->positions;
-    uint32_t n = mesh->source->n_triangles, run = n / GRAIN_RUNS + 1;
-    for (uint32_t first = 0; first < n; first += run) {
-        Box3 box = box3_empty();
-        for (uint32_t i = first; i < n && i < first + run; i++)
-            for (int k = 0; k < 3; k++)
-                box = box3_add_point(box, vec3_from_f(positions[mesh->source->triangles[i][k]]));
-        rtc_grain_add(grain, box);
-    }
-}
-
-/* How large the coordinates of meshes are, of each, and near each place. */
-static void find_grain(RtcScene *scene)
-{
-    MeshBox known = {0};
-    float most = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        RtcPlaced *object = &scene->objects[i];
-        if (!object->is_mesh || !object->mesh->source->n_vertices) continue;
-        object->reach = nextafterf((float)reach_of_box(box_of_placed_mesh(scene, object, &known)), INFINITY);
-        most = float_max(most, object->reach);
-    }
-    rtc_grain_begin(&scene->grain, most);
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const RtcPlaced *object = &scene->objects[i];
-        if (!object->is_mesh || !object->mesh->source->n_vertices) continue;
-        if (object->mesh->baked && !object->mesh->end)
-            add_grain_of_runs(&scene->grain, object->mesh);
-        else
-            rtc_grain_add(&scene->grain, box_of_placed_mesh(scene, object, &known));
-    }
-}
-
 static Box3 box_of(struct RTCBounds b)
 {
     if (!(b.lower_x <= b.upper_x)) return box3_empty();
@@ -643,8 +523,7 @@ static Status build_world(RtcScene *scene, const MeshUse *uses, uint32_t n_uses,
     scene->world = new_scene(scene);
     TRY(add_meshes(scene, uses, n_uses, error));
     TRY(note_convex(scene, uses, n_uses, error));
-    scene->reach = find_reach(scene);
-    find_grain(scene);
+    rtc_find_reach(scene);
     TRY(add_pieces(scene, error));
     rtcCommitScene(scene->world);
     if (scene->error.status != STATUS_OK) return fail(error, scene->error.status, "%s", scene->error.text);

@@ -34,11 +34,11 @@ void rtc_grain_begin(RtcGrain *grain, float most)
     for (size_t i = 0; i < COUNT_OF(grain->cells); i++) grain->cells[i] = FLT_MIN;
 }
 
-void rtc_grain_add(RtcGrain *grain, Box3 box)
+void rtc_grain_add(RtcGrain *grain, Box3 box, double coordinate)
 {
-    double reach = double_max(vec3_max_abs(box.min), vec3_max_abs(box.max)), beside = BESIDE * reach;
+    double beside = BESIDE * coordinate;
     const double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
-    float coordinates = nextafterf((float)reach, INFINITY);
+    float coordinates = nextafterf((float)coordinate, INFINITY);
     uint32_t first[3], last[3];
     for (int axis = 0; axis < 3; axis++) {
         first[axis] = grain->slot[highest_byte((float)(low[axis] - beside))];

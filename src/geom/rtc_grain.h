@@ -6,7 +6,8 @@
  * grid says how large the coordinates are of what stands near a place. Its cells grow with the distance from the origin, as
  * floats do: the next one begins where a coordinate has four times the size.
  *
- * Pieces are exact, and need none of this: only meshes count.
+ * Pieces are exact, and need none of this: only meshes count. Of these faces that are level count by their height alone; see
+ * rtc_reach.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_RTC_GRAIN_H
 #define MEN_RTC_GRAIN_H
@@ -18,7 +19,7 @@
 enum { RTC_GRAIN_SLOTS = 16 };
 
 typedef struct RtcGrain {
-    float most;        /* not less than any coordinate of the meshes; 0: there are none */
+    float most;        /* not less than any coordinate of the meshes that counts; 0: there are none */
     float matters;     /* rays whose own coordinates and lengths are larger need not ask */
     uint8_t slot[256]; /* of a coordinate, by the highest byte of it as a float: its sign, and its power of 4 */
     float cells[RTC_GRAIN_SLOTS * RTC_GRAIN_SLOTS *
@@ -37,7 +38,7 @@ static inline float rtc_grain_at(const RtcGrain *grain, Vec3 place)
 
 /* Begins a grid for meshes whose coordinates are no larger than `most`. */
 void rtc_grain_begin(RtcGrain *grain, float most);
-/* Adds triangles within a box. */
-void rtc_grain_add(RtcGrain *grain, Box3 box);
+/* Adds triangles within a box; coordinate: the largest that float rounds there. */
+void rtc_grain_add(RtcGrain *grain, Box3 box, double coordinate);
 
 #endif

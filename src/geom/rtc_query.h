@@ -11,6 +11,8 @@
 #define TRUSTED_ULPS 4.0
 #define EMBREE_NOISE 0x1p-20
 #define START_BACK 0x1p-9
+/* Rays are from afar that start so many times as far away as RtcScene.piece_reach. */
+#define RTC_AFAR 2
 /* What double precision makes of a point on a surface. */
 #define DOUBLE_NOISE 0x1p-42
 
@@ -36,7 +38,9 @@ typedef struct Query {
     const RtcScene *scene;
     const Ray *ray;
     Vec3 origin, direction;
-    double back;         /* how far Embree's ray starts behind the true one; from far away < 0: in front of it */
+    double back;         /* how far Embree's ray starts behind the true one; from far away < 0: in front of it, */
+    const Vec3 *nudge;   /* and how far beside it */
+    double unseen;       /* from afar: pieces nearer to the world's origin than this may not be seen; see rtc_afar.c */
     double scale;        /* coordinates of start and scene, for what double rounds */
     double start_scale;  /* and of start and triangles near it, for what float does, */
     double coarse_scale; /* of start and all triangles; */
@@ -137,6 +141,12 @@ bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3]);
 /* Whether it goes through the triangle of a hit, and so far from the edges that Embree's line meets it, too. scale: the
  * coordinates that Embree rounds. */
 bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale);
+/* A ray from afar: where Embree's starts, and what is not seen from there. */
+void rtc_start_from_afar(Query *query);
+/* The next place from which it is to be shown to Embree, as far as the one after that, at `end`. False where it has been shown
+ * from near enough. */
+bool rtc_next_start(Query *query, double *end);
+
 /* Where a query is unsure, Embree's float ray may have met other triangles than the exact ray does, or missed some. Looks about
  * the place of a hit, as far as the triangle's edges are that it is near to, and as the hit is outside of them: notes the
  * others that the exact ray meets. */

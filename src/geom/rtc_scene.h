@@ -52,7 +52,7 @@ typedef struct RtcPlaced {
         struct {
             uint32_t frame; /* objects in a row that stand in one frame have the number of the first of them; of a mesh that
                              * may be lone its place in RtcScene.convex */
-            float reach;    /* of a mesh: not less than its largest coordinate, wherever it moves; 0: it has none */
+            float grain;    /* of a mesh: not less than the coordinates that float rounds where it is met, but for the place's */
         };
     };
     uint32_t stops; /* the classes of rays that it stops, opaque or not */
@@ -161,6 +161,7 @@ struct RtcScene {
     uint32_t n_planes;
     Box3 bounds;
     double reach; /* the largest coordinate of the bounds */
+    double piece_reach; /* the coordinate to which the boxes of pieces are made, and those of farther ones to their own */
     RtcGrain grain;
     atomic_llong bytes;
     Error error; /* the first that Embree reported */
@@ -190,6 +191,12 @@ static inline void rtc_triangle_of(const RtcMesh *mesh, uint32_t primitive, uint
     mesh_quad_triangle(mesh->quads[primitive / 2].vertex, primitive % 2, vertices);
 }
 
+/* The vertices of a mesh where Embree has them: in the world's frame if it is baked. */
+static inline const Vec3f *rtc_positions(const RtcMesh *mesh)
+{
+    return mesh->moved ? mesh->moved : mesh->source->positions;
+}
+
 /* Where a placed object is. */
 static inline Affine rtc_to_world(const RtcScene *scene, const RtcPlaced *object, double time)
 {
@@ -214,6 +221,12 @@ static inline RtcBall rtc_ball(const RtcScene *scene, const RtcPlaced *object, d
     Affine to_world = affine_between(object->keys, scene->n_keys, time);
     return (RtcBall){to_world.t, to_world.m[0][0] * object->solid->pieces[0].r0};
 }
+
+/* Finds how large the coordinates are, of the scene and from place to place: reach, piece_reach and grain; once all meshes are
+ * there. */
+void rtc_find_reach(RtcScene *scene);
+/* What piece_reach is, by the scene's reach and what the sizes of pieces are on the whole. */
+double rtc_piece_reach(double reach, double size);
 
 /* The callbacks of rtc.c that rtc_build.c hands to Embree. */
 void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments);

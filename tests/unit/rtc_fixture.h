@@ -85,6 +85,7 @@ typedef struct TestScene {
     bool at_edges;              /* the rays are aimed at the edges of triangles */
     uint64_t crossings_a_fault; /* there, at least so many for each contradiction; 0: 500,000 */
     Vec3 up;                    /* not zero: walks start on that side of the origin */
+    double from;                /* so far away from it; 0: four times the size of what they are aimed at */
     uint32_t n_keys;
     double time; /* of the rays */
 } TestScene;

@@ -73,7 +73,7 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
         uint64_t random = hash_u64(seed + w);
         nest_list_empty(&list);
         Vec3 aim = vec3_scale(vec3(unit(&random) - 0.5, unit(&random) - 0.5, unit(&random) - 0.5), size);
-        Vec3 from = vec3_scale(random_direction(&random), 4 * size);
+        Vec3 from = vec3_scale(random_direction(&random), s->from > 0 ? s->from : 4 * size);
         if (vec3_dot(from, s->up) < 0) from = vec3_scale(from, -1);
         if (s->at_edges) aim = place_at_edge(s, &random);
         Ray ray = ray_through(from, aim, s->time);
@@ -220,26 +220,41 @@ static void test_small_on_large(void **state)
     expect_no_faults(&edges, "edges of small boxes on a large one", 24);
 }
 
-static void test_solids(void **state)
+static void add_solids(TestScene *s)
 {
-    (void)state;
-    TestScene s = {0};
-    Solid *ball = sphere(&s, 1);
+    Solid *ball = sphere(s, 1);
     for (int i = 0; i < 12; i++) {
         Affine scaled = turned(0, vec3(1, 0, 0), vec3(4 * cos(i), 3 * sin(2 * i), i - 6));
         for (int k = 0; k < 3; k++) scaled.m[k][k] = 2 + 0.5 * i;
-        add(&s, NULL, ball, scaled);
+        add(s, NULL, ball, scaled);
     }
     Solid *drink, *tumbler;
     static const double profile[][2] = {{0, 0}, {8, 0}, {8.5, 1}, {9, 18}, {8.4, 18}, {7.4, 3}, {0, 3}};
     static const double rounding[] = {0, 0, 0.4, 0.2, 0.2, 0.6, 0};
     Status status = solid_make_lathe(profile, 7, rounding, false, &tumbler, NULL);
-    tumbler = keep_solid(&s, status, tumbler);
+    tumbler = keep_solid(s, status, tumbler);
     status = solid_make_cone(7.45, 8, 8, 0, &drink, NULL);
-    drink = keep_solid(&s, status, drink);
-    add(&s, NULL, tumbler, turned(20, vec3(0, 0, 1), vec3(0, -9, 0)));
-    add(&s, NULL, drink, turned(20, vec3(0, 0, 1), vec3(-1, -6.1, 0)));
+    drink = keep_solid(s, status, drink);
+    add(s, NULL, tumbler, turned(20, vec3(0, 0, 1), vec3(0, -9, 0)));
+    add(s, NULL, drink, turned(20, vec3(0, 0, 1), vec3(-1, -6.1, 0)));
+}
+
+static void test_solids(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    add_solids(&s);
     expect_no_faults(&s, "spheres, a turned glass and a cone", 40);
+}
+
+/* The same on a floor of 20 km, by rays that come from its ends. */
+static void test_solids_on_kilometres(void **state)
+{
+    (void)state;
+    TestScene s = {.up = {0, 1, 0}, .from = 9e5};
+    add_solids(&s);
+    add(&s, keep_mesh(&s, box_mesh(vec3(-1e6, -60, -1e6), vec3(1e6, -14, 1e6))), NULL, affine_identity());
+    expect_no_faults(&s, "spheres, a turned glass and a cone on kilometres", 40);
 }
 
 /* Balls as no frame shows them: turned, mirrored, and on their way. What is met of them lies on them, and walks through them
@@ -834,6 +849,7 @@ int main(void)
         cmocka_unit_test(test_small_on_large),
         cmocka_unit_test(test_small_on_kilometres),
         cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_solids_on_kilometres),
         cmocka_unit_test(test_turned_and_moving_balls),
         cmocka_unit_test(test_many_hollow_pieces),
         cmocka_unit_test(test_coincident_solids),
