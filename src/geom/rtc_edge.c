@@ -10,6 +10,8 @@
 
 /* How far Embree's line may run beside the exact one, of the coordinates: the nudge, and some roundings. */
 #define LINE_NOISE 0x1p-19
+/* The slope from one triangle of a quad to the other at which both are one plane. */
+#define FLAT 0x1p-20
 /* Below this cosine a ray that starts within rounding of a plane may meet it where Embree does not look. */
 #define CREEPING 0x1p-10
 
@@ -32,6 +34,19 @@ bool rtc_meets(const Query *query, const Hit *hit)
     return rtc_line_meets(query, corner, weight);
 }
 
+/* Whether the other triangle of a quad goes on in the plane of this one, so that their edge is none: a ray that meets this one
+ * meets what stands there, and one that leaves it does not come to the other. That edge is the one from corner 1 to 2. */
+static bool is_flat(const Query *query, const Hit *hit, const Vec3 corner[3])
+{
+    Vec3 twin[3];
+    if (mesh_quad_is_single(query->scene->objects[hit->object].mesh->quads[hit->primitive / 2].vertex)) return false;
+    rtc_triangle(query->scene, hit->object, hit->primitive ^ 1, query->ray->time, twin);
+    Vec3 edge = vec3_sub(corner[2], corner[1]), out = vec3_sub(twin[0], corner[1]),
+         normal = vec3_cross(edge, vec3_sub(corner[0], corner[1])), across = vec3_cross(out, edge);
+    double slope = vec3_dot(normal, across);
+    return slope > 0 && fabs(vec3_dot(normal, out)) * vec3_length(edge) <= FLAT * slope;
+}
+
 bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale)
 {
     Vec3 corner[3];
@@ -41,7 +56,7 @@ bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale)
     for (int i = 0; i < 3; i++) {
         Vec3 edge = vec3_sub(corner[(i + 2) % 3], corner[(i + 1) % 3]);
         double noise = LINE_NOISE * scale, across = vec3_length(vec3_cross(query->direction, edge));
-        if (fabs(weight[i]) <= noise * across) return false;
+        if (fabs(weight[i]) <= noise * across && (i > 0 || !is_flat(query, hit, corner))) return false;
     }
     return true;
 }

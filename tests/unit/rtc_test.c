@@ -706,6 +706,25 @@ static void test_above_a_large_floor(void **state)
     }
 }
 
+/* The edge between the halves of a flat face is none, however coarse they are; that of a folded one is. */
+static void test_halves_of_a_face(void **state)
+{
+    (void)state;
+    for (int folded = 0; folded < 2; folded++) {
+        TestScene s = {0};
+        Mesh *floor = keep_mesh(&s, box_mesh(vec3(-1e6, -50, -1e6), vec3(1e6, 0, 1e6)));
+        if (folded) floor->positions[3].y = 1000;
+        add(&s, floor, NULL, affine_identity());
+        build(&s);
+        HitList hits = {0};
+        Ray ray = ray_make(vec3(5.0001, 9, 5), vec3f(0, -1, 0));
+        assert_int_equal(rtc_nearest(s.rtc, &ray, &hits, NULL), 1);
+        assert_int_equal(hits.items[0].clear, !folded);
+        hit_list_clear(&hits);
+        destroy(&s);
+    }
+}
+
 /* Few solids are held against rays by themselves, many are in Embree's hierarchy: the same surfaces are met in both, by
  * rays along axes, too. Spheres far off make many of them. */
 static void test_few_as_many(void **state)
@@ -863,6 +882,7 @@ int main(void)
         cmocka_unit_test(test_grazed_in_front),
         cmocka_unit_test(test_gap_is_kept),
         cmocka_unit_test(test_above_a_large_floor),
+        cmocka_unit_test(test_halves_of_a_face),
         cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
         cmocka_unit_test(test_hostile_rays),
