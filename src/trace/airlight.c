@@ -280,13 +280,13 @@ void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool u
     if (!(look.light.pdf_w > 0)) return;
     Lanes factor = scattered_at(path, &look, medium, uneven), light;
     if (lanes_zero(factor)) return;
-    Ray ray;
-    ray_begin(&ray, ray_point(&path->ray, look.t), look.light.direction);
-    ray.time = path->ray.time;
-    if (!path_turn_aside(path->tracer, look.t)) {
+    if (!path_turn_aside(path->tracer, &look.t)) {
         path->tracer->out_of_memory = true;
         return;
     }
+    Ray ray;
+    ray_begin(&ray, ray_point(&path->ray, look.t), look.light.direction);
+    ray.time = path->ray.time;
     bool arrives = path_light_arrives(path, &look.light, &ray, &light);
     path_turn_back(path->tracer);
     if (arrives) flight_add_light(path, flight, lanes_mul(factor, light));

@@ -82,15 +82,24 @@ static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
     return true;
 }
 
-/* Crosses what the ray has passed up to there, place by place. *clear: all of it was silent, and agrees with the list. */
-static bool cross_passed(Tracer *tracer, NestList *list, double end, bool *clear)
+/* From where on the list behind the surfaces at one place holds. Several are crossed together, and in between no list does: a ray
+ * that grazes a bubble is inside of it there. */
+static inline double end_of_place(const Hit *hits, size_t n)
+{
+    return LIKELY(n == 1) ? hits->t : hits[n - 1].t + hits[n - 1].rounding;
+}
+
+/* Crosses what the ray has passed up to *end, place by place; where *end is in the midst of a place, it becomes the end of
+ * that. *clear: all of it was silent, and agrees with the list. */
+static bool cross_passed(Tracer *tracer, NestList *list, double *end, bool *clear)
 {
     const Hit *hits = tracer->passed.items;
     size_t n = tracer->passed.n, cluster;
-    for (size_t i = 0; i < n && hits[i].t < end; i += cluster) {
+    for (size_t i = 0; i < n && hits[i].t < *end; i += cluster) {
         NestCrossing crossing;
         cluster = rtc_cluster(hits + i, n - i);
         if (!path_cross(tracer, list, hits + i, cluster, &crossing)) return false;
+        *end = double_max(*end, end_of_place(hits + i, cluster));
         *clear = *clear && !crossing.n_faults && crossing.medium_from == crossing.medium_to;
     }
     return true;
@@ -102,11 +111,12 @@ static inline bool pass_by(Tracer *tracer, Event *event)
     const CompiledScene *compiled = tracer->world->compiled;
     const Hit *hits = tracer->passed.items;
     size_t n = tracer->passed.n;
+    double end = HUGE_VAL;
     event->before = tracer->list.point;
     for (size_t i = 0; i < n; i++) {
         if (UNLIKELY(rtc_cluster(hits + i, n - i) > 1)) {
             tracer->before.point = tracer->list.point;
-            bool good = cross_passed(tracer, &tracer->before, HUGE_VAL, &event->clear);
+            bool good = cross_passed(tracer, &tracer->before, &end, &event->clear);
             event->before = tracer->before.point;
             return good;
         }
@@ -117,7 +127,7 @@ static inline bool pass_by(Tracer *tracer, Event *event)
     return true;
 }
 
-bool path_turn_aside(Tracer *tracer, double t)
+bool path_turn_aside(Tracer *tracer, double *t)
 {
     bool clear = true;
     if (!tracer->passed.n) return true;
@@ -167,6 +177,7 @@ static inline bool read_nearest(Path *path, Event *event)
     const NestList *before = &tracer->list;
     const NestPoint *point = &tracer->list.point;
     bool narrow = compiled->order.narrow;
+    double end = HUGE_VAL;
     event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
     event->medium = nest_medium(before);
     event->clear = !tracer->hits.beside;
@@ -178,7 +189,7 @@ static inline bool read_nearest(Path *path, Event *event)
         point = &event->before;
         if (narrow ? !pass_by(tracer, event)
                    : nest_list_copy(&tracer->before, &tracer->list) != STATUS_OK ||
-                         !cross_passed(tracer, &tracer->before, HUGE_VAL, &event->clear))
+                         !cross_passed(tracer, &tracer->before, &end, &event->clear))
             return false;
         if (!event->clear) return true; /* to be read again, one by one */
     }
@@ -341,7 +352,7 @@ void path_next_event(Path *path, Event *event)
         const Hit *hits = tracer->hits.items;
         size_t n = event->n_cluster;
         uint32_t medium = event->medium;
-        double t = n ? hits[0].t : HUGE_VAL, length = t - t_done;
+        double t = n ? hits[0].t : HUGE_VAL, length = double_max(t - t_done, 0);
         uneven = flight_is_uneven(world, &tracer->list, medium);
         if (UNLIKELY(path->looks)) airlight_look(path, &flight, medium, uneven, t_done, length, silent);
         double flown = LIKELY(!uneven) ? flight_even(path, &flight, medium, length)
@@ -350,11 +361,10 @@ void path_next_event(Path *path, Event *event)
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
             airlight_note(path, &flight, event->t);
             bool clear = true;
-            if (!cross_passed(tracer, &tracer->list, event->t, &clear)) event->kind = EVENT_LOST;
+            if (!cross_passed(tracer, &tracer->list, &event->t, &clear)) event->kind = EVENT_LOST;
             break;
         }
         if (tracer->passed.n) take_before(tracer, event);
-        t_done = t;
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {
             event->kind = EVENT_OPAQUE;
@@ -372,6 +382,7 @@ void path_next_event(Path *path, Event *event)
             event->kind = EVENT_GIVE_UP;
             return;
         }
+        t_done = end_of_place(hits, n);
         path_go_behind(tracer, event);
         rtc_pass_on(&path->ray, hits, n);
     }

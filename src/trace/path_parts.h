@@ -176,8 +176,8 @@ static inline Status path_copy_behind(const Tracer *tracer, const Event *event, 
 }
 
 /* tracer->list is the one at a t of the path's ray, up to its next event, until path_turn_back is called; false when memory
- * ends, and then it is as before. */
-bool path_turn_aside(Tracer *tracer, double t);
+ * ends, and then it is as before. Where *t is in the midst of several surfaces at one place, it becomes the end of that. */
+bool path_turn_aside(Tracer *tracer, double *t);
 void path_turn_back(Tracer *tracer);
 /* Crosses the hulls among hits[0 .. n), all at one place. */
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
