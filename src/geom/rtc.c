@@ -42,20 +42,20 @@ ATTR_COLD static bool hit_list_grow(HitList *list)
     return true;
 }
 
-/* The largest number that Embree may round of what it finds at t. near: of triangles there, as Hit has it. */
-static inline double scale_near(const Query *query, double t, float near)
+/* The largest number that Embree may round of what it finds at t. grain: of triangles there, as Hit has it. */
+static inline double scale_near(const Query *query, double t, float grain)
 {
-    return (near > 0 ? double_max(query->start_scale, (double)near) : query->coarse_scale) + t;
+    return (grain > 0 ? double_max(query->start_scale, (double)grain) : query->coarse_scale) + t;
 }
 
-/* The same, and *near by the grid, where that could say much less. own: the largest coordinate of what is found itself. */
-static inline double scale_at(const Query *query, double t, float own, float *near)
+/* The same, and *grain by the grid, where that could say much less. own: of what is found itself. */
+static inline double scale_at(const Query *query, double t, float own, float *grain)
 {
-    *near = 0;
+    *grain = 0;
     if (!(t < query->fine_within)) return query->coarse_scale + t;
     Vec3 place = vec3_along(query->origin, t, query->direction);
-    *near = float_max(own, rtc_grain_at(&query->scene->grain, place));
-    return double_max(query->start_scale, (double)*near) + t;
+    *grain = float_max(own, rtc_grain_at(&query->scene->grain, place));
+    return double_max(query->start_scale, (double)*grain) + t;
 }
 
 /* What that makes of distances, at a usual cosine. */
@@ -76,7 +76,7 @@ static inline void reach_no_farther(Query *query, double reach, double doubt)
 static double window_behind(const Query *query, const Hit *hit)
 {
     double cosine = double_max(fabs(hit->cos_normal), RTC_LEAST_COSINE);
-    double noise = EMBREE_NOISE * scale_near(query, hit->t, hit->near);
+    double noise = EMBREE_NOISE * scale_near(query, hit->t, hit->grain);
     return double_max(query->least_window, (4 * hit->rounding + noise) / cosine);
 }
 
@@ -84,7 +84,7 @@ static double window_behind(const Query *query, const Hit *hit)
 static inline bool reaches_behind(const Query *query, const Hit *hit)
 {
     double cosine = double_max(fabs(hit->cos_normal), RTC_LEAST_COSINE);
-    double noise = EMBREE_NOISE * scale_near(query, hit->t, hit->near);
+    double noise = EMBREE_NOISE * scale_near(query, hit->t, hit->grain);
     return 4 * hit->rounding + noise <= (query->reach - hit->t) * cosine;
 }
 
@@ -112,7 +112,7 @@ Hit *rtc_hit_place(HitList *list)
 static inline void set_hit(Hit *hit, double t, uint32_t object, uint32_t primitive)
 {
     hit->t = t;
-    hit->near = 0;
+    hit->grain = 0;
     hit->object = object;
     hit->primitive = primitive;
     hit->cos_normal = 0;
@@ -153,7 +153,7 @@ static bool take_any(Query *query, Hit *hit)
 /* However steeply the ray meets this surface, it may graze one in front of it, which Embree then believes to be behind it. */
 void rtc_shorten(Query *query, const Hit *hit)
 {
-    double doubt = doubt_of(scale_near(query, hit->t, hit->near));
+    double doubt = doubt_of(scale_near(query, hit->t, hit->grain));
     reach_no_farther(query, hit->t + double_max(window_behind(query, hit), doubt), doubt);
 }
 
@@ -184,7 +184,7 @@ static bool take_exactly(Query *query, Hit *hit)
 /* A candidate of rtc_nearest that is in front of the start for certain: it is put off. */
 static inline bool put_off(Query *query, Hit *hit)
 {
-    double doubt = doubt_of(scale_at(query, hit->t, 0, &hit->near));
+    double doubt = doubt_of(scale_at(query, hit->t, 0, &hit->grain));
     query->hits->n++;
     reach_no_farther(query, hit->t + doubt, doubt);
     return true;
@@ -370,8 +370,8 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
         return;
     }
     double t = (double)embree->tfar - query->back;
-    float near;
-    double doubt = doubt_of(scale_at(query, t, query->scene->objects[found.object].grain, &near));
+    float grain;
+    double doubt = doubt_of(scale_at(query, t, query->scene->objects[found.object].grain, &grain));
     if (UNLIKELY(left || query->exact || found.on_diagonal || !(t > query->t_min + doubt && t < ray->t_max - doubt))) {
         consider_at_once(arguments, t);
         return;
@@ -384,7 +384,7 @@ void rtc_filter_nearest(const struct RTCFilterFunctionNArguments *arguments)
     PREFETCH(&query->scene->objects[found.object].mesh->quads[found.primitive / 2]); /* for when the search is over */
     Hit *hit = &list->items[list->n++];
     set_triangle(hit, t, &found);
-    hit->near = near;
+    hit->grain = grain;
     if (list != query->hits) {
         arguments->valid[0] = 0;
         return;
@@ -555,7 +555,7 @@ static inline void find_scales(Query *query)
     const RtcGrain *grain = &query->scene->grain;
     const Ray *ray = query->ray;
     double far = vec3_max_abs(ray->origin);
-    float near = ray->near;
+    float near = ray->grain;
     query->scale = double_max(far, query->scene->reach);
     query->coarse_scale = double_max(far, (double)grain->most);
     if (!(near > 0) && far < (double)grain->matters) near = rtc_grain_at(grain, ray->origin);

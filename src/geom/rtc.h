@@ -81,7 +81,7 @@ typedef struct Ray {
     size_t n_left;
     double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
     Vec3 nudge;              /* a step of the origin's rounding from there to the side that the ray is on */
-    float near;              /* the largest coordinate of the triangles near the origin; 0: not known */
+    float grain;             /* the largest coordinate of the triangles near the origin; 0: not known */
     float least_slope;       /* the least cosine to a surface that it starts on; INFINITY: to none */
     bool at_edge;            /* the place at t_min, or an earlier one of its line, is within rounding of a triangle's edge, or
                               * of a surface that the ray before started on: Embree may miss what is there */
@@ -102,7 +102,7 @@ static inline void ray_begin(Ray *ray, Vec3 origin, Vec3f direction)
     ray->n_left = 0;
     ray->start_scale = 0;
     ray->nudge = vec3(0, 0, 0);
-    ray->near = 0;
+    ray->grain = 0;
     ray->least_slope = INFINITY;
     ray->at_edge = false;
 }
@@ -128,7 +128,7 @@ struct Hit {
                             * from the surface there, and comes no more to one that is flat */
     bool smooth;           /* the shading normal may be another than this one */
     bool clear;            /* so far from the triangle's edges that no rounding of float reaches them; true of pieces */
-    float near;            /* the largest coordinate of the triangles near it; 0: not known */
+    float grain;           /* the largest coordinate of the triangles near it; 0: not known */
 };
 
 /* A growing list of hits, one per worker, reused from ray to ray. */

@@ -98,7 +98,7 @@ static void take_triangle(Query *query, uint32_t object, uint32_t primitive)
     double sum = weight[0] + weight[1] + weight[2];
     hit->object = object;
     hit->primitive = primitive;
-    hit->near = 0;
+    hit->grain = 0;
     hit->u = sum != 0 ? (float)(weight[turned ? 2 : 1] / sum) : 0;
     hit->v = sum != 0 ? (float)(weight[turned ? 1 : 2] / sum) : 0;
     if (!rtc_complete_hit(query, hit)) return;

@@ -396,7 +396,7 @@ static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, H
     next->n_left = n;
     next->start_scale = start_scale;
     next->nudge = vec3_scale(normal, 0.5 * outward * double_min(hit->rounding, rtc_rounding(origin)));
-    next->near = hit->near;
+    next->grain = hit->grain;
     next->at_edge = !clear;
     next->least_slope = (float)least_slope;
 }

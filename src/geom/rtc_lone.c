@@ -197,7 +197,7 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
         !rtc_convex_exit(convex, query->origin, ray->direction, &face))
         return false;
     hit->object = object;
-    hit->near = 0;
+    hit->grain = 0;
     for (uint32_t i = 0; i < face.n; i++) {
         Vec3 corner[3];
         double weight[3];
