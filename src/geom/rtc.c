@@ -200,11 +200,20 @@ static bool note_passed(Query *query, Hit *hit, bool certain)
 /* Whether a crossing of a piece that the ray starts on is that start. */
 static bool is_start(const Query *query, const Hit *left, double t, bool leaving)
 {
-    return t <= DOUBLE_NOISE * double_max(query->scale, query->ray->start_scale) && left->inside != leaving;
+    return t <= rtc_start_noise(query->scale, query->ray) && left->inside != leaving;
+}
+
+/* The ray starts right behind a surface of a solid. Where it is none that it starts on, it has come there in a corner so narrow
+ * that double does not tell the two apart, and what is known of the solid is to be looked at again. */
+ATTR_COLD static bool note_behind(Query *query, uint32_t object)
+{
+    if (!rtc_starts_on(query->ray, object)) query->hits->beside = true;
+    return false;
 }
 
 static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double t, bool leaving)
 {
+    if (UNLIKELY(t <= query->t_min)) return note_behind(query, object);
     const Hit *left = rtc_find_left(query->ray, object, piece);
     if (left && is_start(query, left, t, leaving)) return false;
     bool passing = rtc_passes(query, object);
@@ -221,7 +230,7 @@ static bool consider_ball(Query *query, uint32_t object)
 {
     RtcBall ball = rtc_ball(query->scene, &query->scene->objects[object], query->ray->time);
     PieceCrossings crossings;
-    piece_cross_ball(ball.radius, vec3_sub(query->origin, ball.centre), query->direction, query->t_min,
+    piece_cross_ball(ball.radius, vec3_sub(query->origin, ball.centre), query->direction, query->pieces_from,
                      double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++)
@@ -259,7 +268,7 @@ static bool consider_piece(Query *query, const RtcPieceSet *set, uint32_t primit
     if (query->local.frame != which->frame) rtc_enter_frame(query, &query->scene->objects[which->object]);
     const PieceLine *line = &query->local.line;
     PieceCrossings crossings;
-    piece_cross(which->shape, line, query->t_min, double_min(query->ray->t_max, query->reach), &crossings);
+    piece_cross(which->shape, line, query->pieces_from, double_min(query->ray->t_max, query->reach), &crossings);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++) {
         double t = crossings.t[i];
@@ -505,7 +514,7 @@ static void consider_plane(Query *query, const RtcPlane *plane, struct RTCRay *r
     }
     if (slope == 0) return;
     double t = -height / slope;
-    if (!(t > query->t_min && t <= double_min(query->ray->t_max, query->reach))) return;
+    if (!(t > query->pieces_from && t <= double_min(query->ray->t_max, query->reach))) return;
     if (take_crossing(query, plane->object, 0, t, slope > 0))
         ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
 }
@@ -575,7 +584,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->origin = ray->origin;
     query->direction = vec3_from_f(ray->direction);
     find_scales(query);
-    query->t_min = ray->t_min;
+    query->t_min = query->pieces_from = ray->t_min;
     query->reach = HUGE_VAL;
     query->least_window = 0;
     query->all = query->stop_at_opaque = query->blocked = query->exact = false;
@@ -773,6 +782,7 @@ ATTR_COLD static size_t search_exactly(Query *query)
     HitList *hits = query->hits;
     query->exact = true;
     query->least_window = 0;
+    if (query->ray->at_edge && query->t_min == 0) query->pieces_from = -rtc_start_noise(query->scale, query->ray);
     for (;;) {
         if (!search_nearest(query)) return 0;
         if (query->unsure) rtc_look_closer(query);
@@ -826,7 +836,7 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
             query.passes = false;
             passed->n = 0;
         } else {
-            query.t_min = behind;
+            query.t_min = query.pieces_from = behind;
         }
     }
 }

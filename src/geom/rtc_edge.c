@@ -251,11 +251,36 @@ static bool find_beside(struct RTCPointQueryFunctionArguments *arguments)
     return false;
 }
 
+/* Solids that the ray's line crosses where double cannot tell it from the start. */
+static void find_solids_beside(const Beside *beside, HitList *along)
+{
+    const Ray *ray = beside->ray;
+    double noise = rtc_start_noise(double_max(vec3_max_abs(ray->origin), beside->scene->reach), ray);
+    Ray across;
+    ray_begin(&across, ray_point(ray, -noise), ray->direction);
+    across.time = ray->time;
+    across.t_max = 2 * noise;
+    rtc_all(beside->scene, &across, false, along);
+    for (size_t i = 0; i < along->n; i++) {
+        uint32_t object = along->items[i].object;
+        if (beside->scene->objects[object].is_mesh || rtc_starts_on(ray, object) ||
+            hit_of_object(beside->found, object))
+            continue;
+        Hit *hit = rtc_hit_place(beside->found);
+        if (!hit) return;
+        hit->object = object;
+        beside->found->n++;
+    }
+}
+
 size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *found, HitList *along)
 {
     Beside beside = {scene, ray, 2 * rtc_rounding(ray->origin), found};
     found->n = 0;
-    if (ray->n_left) ask_around(scene, ray->origin, ray->time, beside.radius, find_beside, &beside);
+    if (ray->n_left) {
+        ask_around(scene, ray->origin, ray->time, beside.radius, find_beside, &beside);
+        find_solids_beside(&beside, along);
+    }
     if (!found->n) return 0;
     Ray onward = *ray;
     onward.t_min = 0;

@@ -46,6 +46,7 @@ typedef struct Query {
     double coarse_scale; /* of start and all triangles; */
     double fine_within;  /* so far along the ray it is worth while to ask which triangles are near */
     double t_min;        /* the ray's, or what has been found to be no more than repetitions of the start */
+    double pieces_from;  /* the same, or less, where pieces are asked whether the ray starts right behind them */
     double reach;        /* nearest query: candidates beyond do not matter any more, */
     double doubt;        /* and how far what is found there may be off */
     double least_window; /* nearest query, exact: chains are followed at least that far */
@@ -103,6 +104,11 @@ static inline double rtc_rounded_scale(const Query *query, const RtcPlaced *obje
     if (LIKELY(object->mesh->baked)) return scale;
     /* an instance is traced in its own frame: what goes into it and back is rounded, too */
     return 4 * (scale + vec3_max_abs(object->place));
+}
+/* How far along a ray double may take its start to be off; scale: the largest coordinate of its start and of the scene. */
+static inline double rtc_start_noise(double scale, const Ray *ray)
+{
+    return DOUBLE_NOISE * double_max(scale, ray->start_scale);
 }
 /* Whether the ray starts on that primitive: NULL, or where it was hit. */
 static inline const Hit *rtc_find_left(const Ray *ray, uint32_t object, uint32_t primitive)

@@ -706,6 +706,55 @@ static void test_above_a_large_floor(void **state)
     }
 }
 
+/* Walks into the corner between a ball and a face that cuts it, until double does not tell the two apart. At each turn on the
+ * face, in the ball, the ray out of it meets the ball's surface, or is said to start outside. Returns whether it came to that. */
+static bool walk_into_corner(const TestScene *s, Vec3 from)
+{
+    const Vec3f up = vec3f_normalize(vec3f(1, 0.02F, 0)), down = vec3f_normalize(vec3f(1, -0.2F, 0));
+    HitList hits = {0}, left = {0}, beside = {0}, along = {0};
+    bool outside = false, on_face = false;
+    Ray ray = ray_make(from, down);
+    for (int turn = 0; turn < 60 && !outside; turn++, on_face = !on_face) {
+        size_t n = rtc_nearest(s->rtc, &ray, &hits, NULL);
+        if (n > 1) break; /* both at one place */
+        if (on_face && (n == 0 || hits.items[0].object != 0)) {
+            assert_true(hits.beside);
+            assert_int_equal(rtc_beside(s->rtc, &ray, &beside, &along), 1);
+            assert_int_equal(beside.items[0].object, 0);
+            assert_false(beside.items[0].inside);
+            outside = true;
+            break;
+        }
+        assert_int_equal(n, 1);
+        assert_int_equal(hits.items[0].object, on_face ? 0 : 1);
+        rtc_leave(s->rtc, &ray, hits.items, &n, false, on_face ? down : up, &ray);
+        HitList swap = left; /* the ray refers to it */
+        left = hits;
+        hits = swap;
+    }
+    hit_list_clear(&hits);
+    hit_list_clear(&left);
+    hit_list_clear(&beside);
+    hit_list_clear(&along);
+    return outside;
+}
+
+static void test_into_narrow_corners(void **state)
+{
+    (void)state;
+    TestScene s = {0};
+    Solid *ball = NULL;
+    assert_int_equal(solid_new(1, &ball, NULL), STATUS_OK);
+    ball->pieces[0] = (Piece){.kind = PIECE_SPHERE, .r0 = 1};
+    add(&s, NULL, keep_solid(&s, STATUS_OK, ball), turned(0, vec3(1, 0, 0), vec3(140, -0.995, 30)));
+    add(&s, keep_mesh(&s, box_mesh(vec3(130, -5, 20), vec3(150, 0, 40))), NULL, affine_identity());
+    build(&s);
+    int n_outside = 0;
+    for (int i = 0; i < 200; i++) n_outside += walk_into_corner(&s, vec3(140 + 1e-4 * i, 0.002, 30 + 3e-4 * i));
+    assert_true(n_outside > 20);
+    destroy(&s);
+}
+
 /* The edge between the halves of a flat face is none, however coarse they are; that of a folded one is. */
 static void test_halves_of_a_face(void **state)
 {
@@ -882,6 +931,7 @@ int main(void)
         cmocka_unit_test(test_grazed_in_front),
         cmocka_unit_test(test_gap_is_kept),
         cmocka_unit_test(test_above_a_large_floor),
+        cmocka_unit_test(test_into_narrow_corners),
         cmocka_unit_test(test_halves_of_a_face),
         cmocka_unit_test(test_few_as_many),
         cmocka_unit_test(test_many_at_one_place),
