@@ -105,18 +105,23 @@ static bool cross_passed(Tracer *tracer, NestList *list, double *end, bool *clea
     return true;
 }
 
+static bool cross_all_passed(Tracer *tracer, NestList *list, bool *clear)
+{
+    double end = HUGE_VAL;
+    return cross_passed(tracer, list, &end, clear);
+}
+
 /* The same up to the event's surfaces, where lists keep hulls as bits, into event->before. */
 static inline bool pass_by(Tracer *tracer, Event *event)
 {
     const CompiledScene *compiled = tracer->world->compiled;
     const Hit *hits = tracer->passed.items;
     size_t n = tracer->passed.n;
-    double end = HUGE_VAL;
     event->before = tracer->list.point;
     for (size_t i = 0; i < n; i++) {
         if (UNLIKELY(rtc_cluster(hits + i, n - i) > 1)) {
             tracer->before.point = tracer->list.point;
-            bool good = cross_passed(tracer, &tracer->before, &end, &event->clear);
+            bool good = cross_all_passed(tracer, &tracer->before, &event->clear);
             event->before = tracer->before.point;
             return good;
         }
@@ -177,7 +182,6 @@ static inline bool read_nearest(Path *path, Event *event)
     const NestList *before = &tracer->list;
     const NestPoint *point = &tracer->list.point;
     bool narrow = compiled->order.narrow;
-    double end = HUGE_VAL;
     event->n_cluster = rtc_nearest(compiled->rtc, &path->ray, &tracer->hits, &tracer->passed);
     event->medium = nest_medium(before);
     event->clear = !tracer->hits.beside;
@@ -189,7 +193,7 @@ static inline bool read_nearest(Path *path, Event *event)
         point = &event->before;
         if (narrow ? !pass_by(tracer, event)
                    : nest_list_copy(&tracer->before, &tracer->list) != STATUS_OK ||
-                         !cross_passed(tracer, &tracer->before, &end, &event->clear))
+                         !cross_all_passed(tracer, &tracer->before, &event->clear))
             return false;
         if (!event->clear) return true; /* to be read again, one by one */
     }
