@@ -29,6 +29,7 @@ for program in "$@"; do
     n_passed=$((n_passed + passed)) n_failed=$((n_failed + failed))
     echo "$name: $passed passed, $failed failed, $(($(date +%s) - before)) s"
     if [ "$failed" -gt 0 ]; then
+        sed -n '/^not ok/,/^ok/p' "$log" | sed 's/^/    /' | head -60 # of many tests these may be long gone by the end
         sed 's/^/    /' "$log" | tail -60
     else
         grep -vE '^\[|^ok |^[0-9]+ passed|^$' "$log" | sed 's/^/    /' | head -60
