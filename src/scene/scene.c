@@ -1,4 +1,4 @@
-/* scene.c - letting go of a scene; the bounds of an object, where cameras are.
+/* scene.c - letting go of a scene; what tells objects apart, the bounds of an object, where cameras are.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/scene.h"
 
@@ -29,6 +29,16 @@ NestState scene_mixing_state(const SceneMedium *medium, bool is_world)
     const float most_gaseous_ior = 1.01f; /* air: 1.0003; the densest vapours 1.002 */
     if (medium->state != NEST_STATE_UNKNOWN) return medium->state;
     return medium->mixes || is_world || spectrum_max(&medium->ior) <= most_gaseous_ior ? NEST_GAS : NEST_STATE_UNKNOWN;
+}
+
+uint64_t scene_texture_identity(const Scene *scene, uint32_t object)
+{
+    const char *name = scene->objects[scene_whole(scene, object)].name;
+    size_t length = strlen(name), digits = length;
+    while (digits > 0 && name[digits - 1] >= '0' && name[digits - 1] <= '9') digits--;
+    if (digits == length || digits < 2 || name[digits - 1] != '_') return hash_bytes(name, length, 0);
+    uint64_t word = hash_bytes(name, digits - 1, 0);
+    return hash_bytes_more(hash_bytes_more(word, " ", 1), name + digits, length - digits);
 }
 
 /* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the

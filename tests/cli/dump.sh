@@ -46,6 +46,21 @@ says out 'ball { interior = air  surface = none  matrix('
 says_not out 'for ('
 end
 
+begin "dump --flat: what varies from object to object of a loop's name does so in the dump"
+cat > boards.mns <<'SCENE'
+meniscus 1.0 unit cm
+let wood = surface { albedo = variation { } }
+for (i in 1..4) { box board { size = <1, 1, 1>  surface = wood  translate(x * 2 * i) } }
+for (i in 1..2) { sphere { surface = wood  translate(y * 3 * i) } }
+box board_of_oak { size = <1, 1, 1>  surface = wood  translate(z * 5) }
+camera { from = <0, 3, -30>  to = <0, 0, 0> }
+environment { }
+SCENE
+same_flat boards.mns
+run dump boards.mns
+says out 'box board_4 { '
+end
+
 begin "dump --flat: functions become defs, with the values that they saw"
 cat > functions.mns <<'SCENE'
 meniscus 1.0 unit cm
