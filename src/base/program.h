@@ -46,8 +46,21 @@ typedef enum ProgramOp {
     PROGRAM_ENTRY /* of the registers from number b on, c of them, the one of whole number a; NaN beyond */
 } ProgramOp;
 
+/* How the values of a function of one number go, for its bounds. */
+typedef enum ProgramShape {
+    PROGRAM_SHAPE_UNKNOWN,
+    PROGRAM_SHAPE_RISES,        /* never falls, as computed */
+    PROGRAM_SHAPE_NEARLY_RISES, /* never falls, but for rounding */
+    PROGRAM_SHAPE_NEARLY_FALLS,
+    PROGRAM_SHAPE_VALLEY, /* falls to 0 at 0, and rises from there */
+    PROGRAM_SHAPE_SAW,    /* x - floor(x) */
+    PROGRAM_SHAPE_SINE,   /* of degrees */
+    PROGRAM_SHAPE_COSINE
+} ProgramShape;
+
 typedef struct ProgramStep {
     uint16_t op, to, a, b, c; /* registers */
+    uint16_t shape;           /* of unary: a ProgramShape */
     double (*unary)(double x);
 } ProgramStep;
 
@@ -62,6 +75,15 @@ typedef struct Program {
 
 /* outputs: n_outputs of them. Allocates nothing; may run in any number of threads at once. */
 void program_run(const Program *program, const double inputs[PROGRAM_INPUTS], double *outputs);
+
+/* What a number is between, both ends included; from -HUGE_VAL to HUGE_VAL it can be anything, NaN too. */
+typedef struct ProgramRange {
+    double low, high;
+} ProgramRange;
+
+bool program_range_is_known(ProgramRange range); /* a finite number between finite ends */
+/* What program_run() gives is within these for all inputs that are within theirs (program_bounds.c). */
+void program_bound(const Program *program, const ProgramRange inputs[PROGRAM_INPUTS], ProgramRange *outputs);
 uint64_t program_hash(const Program *program);
 
 #endif

@@ -49,10 +49,12 @@ uint16_t formula_step(Compiler *c, const Expr *expr, ProgramOp op, uint16_t a, u
     return to;
 }
 
-uint16_t formula_unary(Compiler *c, const Expr *expr, double (*unary)(double), uint16_t a)
+uint16_t formula_unary(Compiler *c, const Expr *expr, double (*unary)(double), ProgramShape shape, uint16_t a)
 {
     uint16_t to = new_register(c, expr);
-    if (!c->failed) c->steps[c->n_steps++] = (ProgramStep){.op = PROGRAM_UNARY, .to = to, .a = a, .unary = unary};
+    if (!c->failed)
+        c->steps[c->n_steps++] =
+            (ProgramStep){.op = PROGRAM_UNARY, .to = to, .a = a, .shape = (uint16_t)shape, .unary = unary};
     return to;
 }
 

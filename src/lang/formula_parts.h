@@ -69,7 +69,7 @@ Form *formula_slot(const Compiler *c, Slot slot); /* NULL: it is not of a def th
  * computed twice. */
 uint16_t formula_constant(Compiler *c, const Expr *expr, double x);
 uint16_t formula_step(Compiler *c, const Expr *expr, ProgramOp op, uint16_t a, uint16_t b, uint16_t third);
-uint16_t formula_unary(Compiler *c, const Expr *expr, double (*unary)(double), uint16_t a);
+uint16_t formula_unary(Compiler *c, const Expr *expr, double (*unary)(double), ProgramShape shape, uint16_t a);
 /* Numbers the registers as programs do; outputs too. false: there are too many. */
 bool formula_pack(const Compiler *c, Program *program, Arena *arena);
 

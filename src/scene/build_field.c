@@ -30,6 +30,18 @@ bool build_field_value(const SceneField *field, Vec3 p, double *value)
     return eval_function_at(field->function, p, value);
 }
 
+bool build_field_bounds(const SceneField *field, Box3 box, double *low, double *high)
+{
+    if (!field->program) return false;
+    const ProgramRange inputs[PROGRAM_INPUTS] = {
+        {box.min.x, box.max.x}, {box.min.y, box.max.y}, {box.min.z, box.max.z}};
+    ProgramRange value;
+    program_bound(field->program, inputs, &value);
+    *low = value.low;
+    *high = value.high;
+    return program_range_is_known(value);
+}
+
 /* A layer in the making. */
 typedef struct LayerTask {
     const SceneField *field;
@@ -43,8 +55,9 @@ static void task_of_line(void *context, uint32_t j, unsigned worker)
     const LayerTask *task = context;
     const FieldLayer *layer = task->layer;
     double *values = task->values + (size_t)j * layer->n[0];
+    const uint8_t *wanted = layer->wanted ? layer->wanted + (size_t)j * layer->n[0] : NULL;
     for (uint32_t i = 0; i < layer->n[0]; i++)
-        values[i] = run(task->field->program, layer->point(layer->context, i, j, layer->k));
+        if (!wanted || wanted[i]) values[i] = run(task->field->program, layer->point(layer->context, i, j, layer->k));
 }
 
 bool build_field_layer(const SceneField *field, const FieldLayer *layer, double *values)
@@ -56,7 +69,7 @@ bool build_field_layer(const SceneField *field, const FieldLayer *layer, double 
         pool_run(shared ? field->pool : NULL, layer->n[1], task_of_line, &task);
     }
     for (size_t i = 0; i < n; i++) {
-        if (field->program && isfinite(values[i])) continue;
+        if ((layer->wanted && !layer->wanted[i]) || (field->program && isfinite(values[i]))) continue;
         Vec3 p = layer->point(layer->context, (uint32_t)(i % layer->n[0]), (uint32_t)(i / layer->n[0]), layer->k);
         if (!eval_function_at(field->function, p, &values[i])) return false;
     }

@@ -94,12 +94,23 @@ static Vec3 lattice_point(const void *context, uint32_t i, uint32_t j, uint32_t 
                 lattice->origin.z + lattice->step.z * k);
 }
 
-static bool function_layer(void *context, const Lattice *lattice, uint32_t k, double *values)
+static bool function_bounds(void *context, Box3 box, double *low, double *high)
 {
     const Isosurface *isosurface = context;
-    const FieldLayer layer = {lattice, lattice_point, {lattice->n[0], lattice->n[1]}, k};
+    double least, most;
+    if (!build_field_bounds(&isosurface->field, box, &least, &most)) return false;
+    *low = isosurface->threshold - most;
+    *high = isosurface->threshold - least;
+    return true;
+}
+
+static bool function_layer(void *context, const Lattice *lattice, uint32_t k, const uint8_t *wanted, double *values)
+{
+    const Isosurface *isosurface = context;
+    const FieldLayer layer = {lattice, lattice_point, {lattice->n[0], lattice->n[1]}, k, wanted};
     if (!build_field_layer(&isosurface->field, &layer, values)) return false;
-    for (size_t i = 0; i < (size_t)lattice->n[0] * lattice->n[1]; i++) values[i] = isosurface->threshold - values[i];
+    for (size_t i = 0; i < (size_t)lattice->n[0] * lattice->n[1]; i++)
+        if (!wanted || wanted[i]) values[i] = isosurface->threshold - values[i];
     return true;
 }
 
@@ -115,11 +126,12 @@ static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Spa
     if (!build_check_reach(b, node->span, "isosurface", bounds)) return STATUS_SCENE;
     const EvalProp *tolerance = eval_prop(node, "tolerance"), *function = eval_prop(node, "function");
     Isosurface context = {build_field(b, function->as.function), eval_number(node, "threshold")};
-    const ImplicitField field = {&context, function_layer, function_value, NULL};
+    const ImplicitField field = {&context, function_layer, function_value, NULL, function_bounds};
     const ImplicitOptions options = {.bounds = bounds,
                                      .tolerance = tolerance ? tolerance->as.number : vec3_max_abs(size) / 2000,
                                      .cells = (uint32_t)eval_number(node, "cells"),
-                                     .max_points = 16000000};
+                                     .max_points = 16000000,
+                                     .pool = b->options->pool};
     double reached = 0;
     *span = function->span;
     TRY(mesh_make_implicit(&field, &options, "the isosurface", mesh, &reached, error));

@@ -188,11 +188,14 @@ typedef struct SceneField {
 SceneField build_field(const Builder *b, const EvalFunctionValue *function);
 /* False after a report. Not from within a task. */
 bool build_field_value(const SceneField *field, Vec3 p, double *value);
+/* What its values at the points of a box are between; false where that is not known. */
+bool build_field_bounds(const SceneField *field, Box3 box, double *low, double *high);
 /* Points (i, j) of layer k of a grid, i < n[0], j < n[1]. */
 typedef struct FieldLayer {
     const void *context;
     Vec3 (*point)(const void *context, uint32_t i, uint32_t j, uint32_t k);
     uint32_t n[2], k;
+    const uint8_t *wanted; /* those that are asked; NULL: all. The values of the others are left as they are, finite */
 } FieldLayer;
 /* values[j * n[0] + i], by all threads; false after a report, of the first point that has no value. */
 bool build_field_layer(const SceneField *field, const FieldLayer *layer, double *values);

@@ -62,7 +62,7 @@ static Vec3 corner_at(const void *context, uint32_t i, uint32_t j, uint32_t k)
 static bool ask_corners(Builder *b, const EvalProp *function, const char *what, const Corners *corners, float *values)
 {
     const SceneField field = build_field(b, function->as.function);
-    FieldLayer layer = {corners, corner_at, {(uint32_t)corners->n[0], (uint32_t)corners->n[1]}, 0};
+    FieldLayer layer = {corners, corner_at, {(uint32_t)corners->n[0], (uint32_t)corners->n[1]}, 0, NULL};
     size_t n = (size_t)layer.n[0] * layer.n[1];
     double *asked = ARENA_ARRAY(b->eval_options.arena, double, n);
     for (; layer.k < (uint32_t)corners->n[2]; layer.k++) {

@@ -105,8 +105,9 @@ static bool points_between(double low, double high, double origin, double step, 
 }
 
 /* Each part adds to the points that it reaches. */
-static bool blob_layer(void *context, const Lattice *lattice, uint32_t k, double *values)
+static bool blob_layer(void *context, const Lattice *lattice, uint32_t k, const uint8_t *wanted, double *values)
 {
+    (void)wanted; /* it has no bounds */
     const Blob *blob = context;
     double z = lattice->origin.z + lattice->step.z * k;
     for (size_t i = 0; i < (size_t)lattice->n[0] * lattice->n[1]; i++) values[i] = -blob->threshold;
@@ -204,7 +205,7 @@ static Status make_blob(Blob *blob, const BlobComponent *components, double tole
         return fail(error, STATUS_SCENE, "the blob has no component with a positive strength");
     TRY(make_cells(blob, error));
     double extent = vec3_max_abs(vec3_sub(blob->bounds.max, blob->bounds.min));
-    const ImplicitField field = {blob, blob_layer, blob_value, blob_gradient};
+    const ImplicitField field = {blob, blob_layer, blob_value, blob_gradient, NULL};
     const ImplicitOptions options = {.bounds = blob->bounds,
                                      .tolerance = tolerance > 0 ? tolerance : extent / 4000,
                                      .cells = (uint32_t)fmin(fmax(48, 10 * extent / smallest), 1000),

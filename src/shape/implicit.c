@@ -13,6 +13,7 @@
 
 #include "base/array.h"
 #include "mesh/grower.h"
+#include "shape/implicit_blocks.h"
 
 #define NO_VERTEX UINT32_MAX
 enum { EDGES_PER_POINT = 8 /* the first is not used */, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
@@ -24,7 +25,9 @@ typedef struct Marcher {
     size_t width, height;  /* of a layer with what is around it */
     double *values[2];     /* of layer k and k + 1 */
     uint32_t *vertices[2]; /* on the edges that begin at a point: [point][direction] */
+    Blocks blocks;
     double *row;
+    uint8_t *wanted; /* of the row */
     Grower grower;
     float *samples; /* distances of the surface from triangles */
     size_t n_samples, samples_capacity, n_seen;
@@ -244,7 +247,9 @@ static void fill_layer(Marcher *marcher, size_t k, unsigned at)
     memset(marcher->vertices[at], 0xff, n_points * EDGES_PER_POINT * sizeof *marcher->vertices[at]);
     for (size_t i = 0; i < n_points; i++) values[i] = -1;
     if (k == 0 || k > marcher->lattice.n[2]) return;
-    if (!marcher->field->layer(marcher->field->context, &marcher->lattice, (uint32_t)(k - 1), marcher->row)) {
+    const uint8_t *wanted = marcher->blocks.sides ? marcher->wanted : NULL;
+    if (wanted) blocks_of_layer(&marcher->blocks, &marcher->lattice, (uint32_t)(k - 1), marcher->wanted, marcher->row);
+    if (!marcher->field->layer(marcher->field->context, &marcher->lattice, (uint32_t)(k - 1), wanted, marcher->row)) {
         marcher->stopped = true;
         return;
     }
@@ -272,12 +277,14 @@ static void clear_marcher(Marcher *marcher)
         free(marcher->values[i]);
         free(marcher->vertices[i]);
     }
+    blocks_clear(&marcher->blocks);
     free(marcher->row);
+    free(marcher->wanted);
     free(marcher->samples);
     grower_clear(&marcher->grower);
 }
 
-static Status march(Marcher *marcher, Error *error)
+static Status march(Marcher *marcher, Pool *pool, Error *error)
 {
     size_t n_points = marcher->width * marcher->height;
     for (int i = 0; i < 2; i++) {
@@ -285,8 +292,11 @@ static Status march(Marcher *marcher, Error *error)
         marcher->vertices[i] = malloc(n_points * EDGES_PER_POINT * sizeof(uint32_t));
     }
     marcher->row = malloc(n_points * sizeof(double));
-    if (!marcher->values[0] || !marcher->values[1] || !marcher->vertices[0] || !marcher->vertices[1] || !marcher->row)
+    marcher->wanted = malloc(n_points);
+    if (!marcher->values[0] || !marcher->values[1] || !marcher->vertices[0] || !marcher->vertices[1] || !marcher->row ||
+        !marcher->wanted)
         return fail_memory(error, n_points * 100, "an implicit surface");
+    TRY(blocks_make(marcher->field, &marcher->lattice, pool, &marcher->blocks, error));
     fill_layer(marcher, 0, 0);
     for (size_t k = 0; k <= marcher->lattice.n[2] && !marcher->stopped; k++) {
         fill_layer(marcher, k + 1, 1);
@@ -327,7 +337,7 @@ Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *opt
         if (*mesh && fineness < 1) break;
         marcher.width = marcher.lattice.n[0] + 2;
         marcher.height = marcher.lattice.n[1] + 2;
-        Status status = march(&marcher, error);
+        Status status = march(&marcher, options->pool, error);
         if (status == STATUS_OK && marcher.stopped) status = STATUS_SCENE;
         Mesh *made = NULL;
         if (status == STATUS_OK && !marcher.grower.n_triangles && !marcher.grower.out_of_memory)

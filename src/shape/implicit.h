@@ -3,6 +3,7 @@
 #ifndef MEN_IMPLICIT_H
 #define MEN_IMPLICIT_H
 
+#include "base/pool.h"
 #include "mesh/mesh.h"
 
 /* The points of a grid: origin + step * (i, j, k), i < n[0], j < n[1], k < n[2]. */
@@ -15,10 +16,13 @@ typedef struct Lattice {
  * field knows why. */
 typedef struct ImplicitField {
     void *context;
-    /* values[j * n[0] + i] of the points of layer k */
-    bool (*layer)(void *context, const Lattice *lattice, uint32_t k, double *values);
+    /* values[j * n[0] + i] of the points of layer k; of those whose wanted[] is 0 they stay what they are. NULL: all are */
+    bool (*layer)(void *context, const Lattice *lattice, uint32_t k, const uint8_t *wanted, double *values);
     bool (*value)(void *context, Vec3 p, double *value);
     bool (*gradient)(void *context, Vec3 p, Vec3 *gradient); /* NULL: by differences of values */
+    /* What all values of a layer's points within the box are between; false where that is not known. Asked by any thread.
+     * NULL: never known */
+    bool (*bounds)(void *context, Box3 box, double *low, double *high);
 } ImplicitField;
 
 typedef struct ImplicitOptions {
@@ -26,6 +30,7 @@ typedef struct ImplicitOptions {
     double tolerance;    /* how far the surface may be from the triangles */
     uint32_t cells;      /* along the longest side of the bounds, to begin with: what is smaller can be missed */
     uint64_t max_points; /* of the finest grid */
+    Pool *pool;          /* may be NULL */
 } ImplicitOptions;
 
 /* Marching tetrahedra: cubes of a grid are cut into six tetrahedra each, of which neighbours share whole faces, so
