@@ -47,6 +47,7 @@ group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4 * 30
 group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5 * 30cm, 0, 40cm>) }
 assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
 assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
+assert(len(shapes.hold_edges([for (a in 0..90 by 5) 100 * <cos(a), sin(a)>, <0, 200>], 1)) == 24)  // held: the ends alone
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
 group { shapes.ring(4, 20mm) { ball { } }  translate(<6 * 30cm, 0, 40cm>) }
 group { shapes.row(4, 20mm * z) { ball { } }  translate(<7 * 30cm, 0, 40cm>) }
