@@ -46,13 +46,30 @@ const char *diag_severity_text(DiagSeverity severity)
     return texts[severity];
 }
 
+/* What one call leads to in the library follows from the first error there. */
+static bool is_consequence(const Diagnostic *first, const Diagnostic *report)
+{
+    return first->in_library && report->in_library && first->severity == DIAG_ERROR && report->severity == DIAG_ERROR;
+}
+
 static Diagnostic *find_repetition(const Diag *diag, const Diagnostic *wanted)
 {
     for (Diagnostic *d = diag->first; d; d = d->next)
-        if (d->code == wanted->code && d->has_span == wanted->has_span && d->span.source == wanted->span.source &&
-            d->span.begin == wanted->span.begin && strcmp(d->text, wanted->text) == 0)
+        if (d->has_span == wanted->has_span && d->span.source == wanted->span.source &&
+            d->span.begin == wanted->span.begin &&
+            ((d->code == wanted->code && strcmp(d->text, wanted->text) == 0) || is_consequence(d, wanted)))
             return d;
     return NULL;
+}
+
+/* ---- places ---- */
+
+Span diag_author_place(const SourceSet *sources, Span span, const DiagChain *chain)
+{
+    const DiagChain *link = chain;
+    if (!sources->sources[span.source].library) return span;
+    while (link && sources->sources[link->span.source].library) link = link->outer;
+    return link ? link->span : span;
 }
 
 /* ---- frames ---- */
@@ -114,11 +131,20 @@ static void append(Diag *diag, Diagnostic *report)
     diag->last = report;
 }
 
+static void move_to_author(Diag *diag, Diagnostic *report)
+{
+    Span met = report->span;
+    report->span = diag_author_place(diag->sources, met, diag->chain);
+    report->in_library = report->span.source != met.source;
+    if (report->in_library) diag_note(diag, report, met, "met here, in the standard library");
+}
+
 static Diagnostic *keep(Diag *diag, Diagnostic *report)
 {
     report->severity = diag_table[report->code].severity;
     if (diag->warnings_are_errors && report->severity == DIAG_WARNING) report->severity = DIAG_ERROR;
     if (diag->in_frame) add_frames(diag->arena, report, diag->frame, diag->frame, 0);
+    if (report->has_span) move_to_author(diag, report);
     if (find_repetition(diag, report)) return report; /* hints for it go to the copy that is not kept */
     if (*count_of(diag, report->severity) < diag->limit) report->chain = copy_chain(diag->arena, diag->chain);
     append(diag, report);

@@ -53,6 +53,7 @@ struct Diagnostic {
     DiagSeverity severity;
     bool has_span;
     Span span;
+    bool in_library; /* met there, and reported at the call that led there */
     const char *text;
     const char *hint; /* NULL, or an edit: "did you mean 'ior'?" */
     DiagNote *notes;
@@ -73,9 +74,12 @@ typedef struct Diag {
 } Diag;
 
 void diag_init(Diag *diag, Arena *arena, SourceSet *sources);
+/* Where the author of a scene can mend what is at span: there, or, in the standard library, at the call that led into it. */
+Span diag_author_place(const SourceSet *sources, Span span, const DiagChain *chain);
 /* Reports at a place; severity is the code's own. Returns the report so that hints and notes can
  * be added; never NULL (past the limit it is a scratch report that is not kept). A second report of
- * the same code at the same place and text is dropped. */
+ * the same code at the same place and text is dropped. What is met in the standard library is reported at the author's
+ * place, with a note of where; of several errors that one call leads to there, the first. */
 Diagnostic *diag_report(Diag *diag, DiagCode code, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
 /* The same for mistakes without a place in a text. */
 Diagnostic *diag_report_nowhere(Diag *diag, DiagCode code, const char *format, ...) ATTR_PRINTF(3, 4);

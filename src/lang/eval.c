@@ -228,6 +228,7 @@ static File *parse_import(Loader *loader, const Stmt *stmt, const char *path, co
         return NULL;
     }
     uint32_t source = source_add(diag->sources, library ? library->name : path, path, text, length);
+    diag->sources->sources[source].library = library != NULL;
     File *file = new_file(loader, source, path);
     DiagChain *chain = ARENA_NEW(loader->arena, DiagChain);
     *chain = (DiagChain){diag->chain, span, stmt->as.import.include ? "included from" : "used from"};

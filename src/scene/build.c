@@ -164,6 +164,11 @@ bool build_check_transform(Builder *b, const EvalNode *node, const Affine *map)
     return false;
 }
 
+Span build_author_place(const Builder *b, const EvalNode *node)
+{
+    return diag_author_place(b->diag->sources, node->span, node->chain);
+}
+
 Span build_span(const EvalNode *node, const char *property)
 {
     const EvalProp *prop = eval_prop(node, property);

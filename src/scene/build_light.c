@@ -198,8 +198,11 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (b->only_shapes) return;
     const LightShape *shape = shape_of(node);
-    SceneLight light = {
-        .kind = shape->kind, .span = node->span, .object = SCENE_NONE, .motion = SCENE_NONE, .identity = b->where};
+    SceneLight light = {.kind = shape->kind,
+                        .span = build_author_place(b, node),
+                        .object = SCENE_NONE,
+                        .motion = SCENE_NONE,
+                        .identity = b->where};
     double scale = light.kind == LIGHT_DISTANT ? 1 : affine_even_scale(to_world, 1e-6);
     Affine frame;
     if (!check_properties(b, node, shape) || !local_frame(b, node, &frame)) return;
@@ -307,7 +310,7 @@ static void add_sun(Builder *b, const EvalNode *node, double elevation, const fl
     Scene *scene = b->scene;
     double half_angle = 0.5 * suns_angle * degree, sine = sin(half_angle);
     SceneLight light = {.kind = LIGHT_DISTANT,
-                        .span = node->span,
+                        .span = build_author_place(b, node),
                         .object = SCENE_NONE,
                         .motion = SCENE_NONE,
                         .to_world = affine_identity(),

@@ -123,6 +123,8 @@ bool build_text_file(Builder *b, Span span, const char *name, size_t most_bytes,
 bool build_check_reach(Builder *b, Span span, const char *what, Box3 bounds);
 /* Reports a map that flattens or is not finite. */
 bool build_check_transform(Builder *b, const EvalNode *node, const Affine *map);
+/* Where the author of the scene wrote what the node is, for reports of what comes of it. */
+Span build_author_place(const Builder *b, const EvalNode *node);
 /* The span of the property where it is set, else of the node. */
 Span build_span(const EvalNode *node, const char *property);
 /* Reports when both are set; word says what the pair means. Returns true when all is well. */

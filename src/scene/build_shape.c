@@ -120,7 +120,7 @@ uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uin
     if (!ARRAY_ROOM(scene->objects, b->objects_capacity, scene->n_objects)) arena_fail(b->arena);
     scene->objects[scene->n_objects] = (SceneObject){
         .name = name,
-        .span = node->span,
+        .span = build_author_place(b, node),
         .shape = shape,
         .to_world = *to_world,
         .medium = SCENE_NONE,

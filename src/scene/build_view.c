@@ -85,7 +85,9 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     if (b->only_shapes) return;
     Scene *scene = b->scene;
     const EvalProp *from = eval_prop(node, "from");
-    SceneCamera camera = {.name = build_name(b, node, node->type->name), .span = node->span, .identity = b->where};
+    SceneCamera camera = {.name = build_name(b, node, node->type->name),
+                          .span = build_author_place(b, node),
+                          .identity = b->where};
     camera.from = affine_point(to_world, vec3(from->as.vector[0], from->as.vector[1], from->as.vector[2]));
     /* the lens is round whatever the transforms: it grows with the mean scale */
     camera.lens_radius = eval_number(node, "aperture") / 2 * cbrt(fabs(affine_determinant(to_world)));

@@ -189,7 +189,8 @@ says err "meniscus help std lists what the library has"
 printf 'meniscus 1.0 unit mm\nuse "std/glassware.mns" as g\nuse "std/media.mns" as m\ng.tumbler { drink = m.water  level = 500mm }\n' > high.mns
 run check high.mns
 exits 3
-matches err '^std/glassware\.mns:[0-9]+:[0-9]+: error: the level 500 is not between the floor at 11 and the rim at 92'
+matches err '^high\.mns:4:1: error: the level 500 is not between the floor at 11 and the rim at 92'
+matches err '^std/glassware\.mns:[0-9]+:[0-9]+: note: met here, in the standard library'
 says err "called from high.mns:4"
 end
 
