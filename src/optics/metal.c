@@ -90,16 +90,6 @@ static const Metal metals[] = {
 };
 enum { METALS = sizeof metals / sizeof *metals, MOST_ROWS = 64 };
 
-size_t metal_count(void)
-{
-    return METALS;
-}
-
-const char *metal_name(size_t index)
-{
-    return index < METALS ? metals[index].name : NULL;
-}
-
 static Spectrum column_spectrum(const Metal *metal, int column, float *table)
 {
     double pairs[2 * MOST_ROWS];

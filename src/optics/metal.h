@@ -8,9 +8,6 @@
 
 #include "optics/spectrum.h"
 
-/* How many metals there are, and their names in the order of the alphabet; NULL beyond. */
-size_t metal_count(void);
-const char *metal_name(size_t index);
 /* Real and imaginary part of a metal's index relative to vacuum; false when no metal has the name. n_table, k_table:
  * SPECTRUM_SAMPLES floats each, of the caller's, that the spectra refer to. */
 bool metal_index(const char *name, Spectrum *n, Spectrum *k, float *n_table, float *k_table);

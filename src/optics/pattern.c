@@ -329,12 +329,3 @@ void pattern_parts(const Pattern *pattern, const PatternPlace *given, PatternPar
     case PATTERN_AGATE: one_part(parts, agate(pattern, &place)); break;
     }
 }
-
-double pattern_at(const Pattern *pattern, const PatternPlace *place)
-{
-    PatternParts parts;
-    pattern_parts(pattern, place, &parts);
-    double sum = 0;
-    for (int i = 0; i < parts.n; i++) sum += parts.part[i] * parts.value[i];
-    return clamp_unit(sum);
-}

@@ -85,8 +85,6 @@ typedef struct PatternParts {
     double value[PATTERN_MOST_PARTS], part[PATTERN_MOST_PARTS];
 } PatternParts;
 void pattern_parts(const Pattern *pattern, const PatternPlace *place, PatternParts *parts);
-/* Their mean. */
-double pattern_at(const Pattern *pattern, const PatternPlace *place);
 /* A wave of period 1; 0..1. */
 double pattern_wave(PatternWave wave, double x);
 /* Noise that moves a point about: three noises of that many octaves, each of half the size and weight of the one before;

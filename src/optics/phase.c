@@ -43,17 +43,6 @@ Phase phase_droplets(double d)
     return (Phase){1 - weight_d, {make_lobe(g_hg, 0), make_lobe(g_d, alpha)}};
 }
 
-static double lobe_mean_cosine(PhaseLobe lobe)
-{
-    double g = lobe.g, a = lobe.alpha;
-    return g * (1 + a * (3 + 2 * g * g) / 5) / (1 + a * (1 + 2 * g * g) / 3);
-}
-
-double phase_mean_cosine(const Phase *phase)
-{
-    return phase->weight * lobe_mean_cosine(phase->lobes[0]) + (1 - phase->weight) * lobe_mean_cosine(phase->lobes[1]);
-}
-
 static double lobe_scale(PhaseLobe lobe)
 {
     double g2 = lobe.g * lobe.g;

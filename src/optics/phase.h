@@ -30,8 +30,6 @@ Phase phase_two_hg(double g1, double g2, double weight);
 /* Droplets of water, 5 to 50 micrometres across: J. Jendersie, E. d'Eon, "An Approximate Mie Scattering Function for
  * Fog and Cloud Rendering", SIGGRAPH Talks (2023), eq. 4 to 7. */
 Phase phase_droplets(double diameter_um);
-/* The mean of the cosine. */
-double phase_mean_cosine(const Phase *phase);
 /* Per steradian. */
 float phase_evaluate(const Phase *phase, float cosine);
 /* u uniform in [0, 1)^2; *pdf_w is what phase_evaluate says of the direction. */

@@ -167,14 +167,6 @@ static bool is_even(const Environment *environment)
     return !environment->is_image || !(environment->power > 0);
 }
 
-float environment_pdf(const Environment *environment, Vec3f direction)
-{
-    if (is_even(environment)) return sphere_pdf();
-    EnvironmentPlace place = place_of(environment, direction);
-    Corners corners = corners_of(environment, place.row, place.column);
-    return pdf_at(environment, &place, &corners, direction);
-}
-
 /* So many steps, or fewer, are mostly left between two hints. */
 enum { HINTED_STEPS = 4 };
 
@@ -322,12 +314,6 @@ Vec3f environment_sample_place(const Environment *environment, float u, float v,
         return direction;
     }
     return sample_cells(environment, u, v, pdf_w, place);
-}
-
-Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w)
-{
-    EnvironmentPlace place;
-    return environment_sample_place(environment, u, v, pdf_w, &place);
 }
 
 float environment_luminance(const Environment *environment, Vec3f direction)

@@ -30,10 +30,7 @@ Lanes environment_radiance(const Environment *environment, Vec3f direction, Lane
 /* Its luminance, as the density below has it. */
 float environment_luminance(const Environment *environment, Vec3f direction);
 unsigned environment_width(const Environment *environment); /* of the image, in pixels; 0: the same everywhere */
-/* Picks a direction in proportion to luminance times solid angle; pdf_w per steradian, > 0. */
-Vec3f environment_sample(const Environment *environment, float u, float v, float *pdf_w);
-float environment_pdf(const Environment *environment, Vec3f direction);
-/* Both at once take little longer than one: the radiance, and the density. */
+/* The radiance, and the density with which environment_sample_place picks the direction, per steradian. */
 Lanes environment_look(const Environment *environment, Vec3f direction, Lanes wavelength_nm, float *pdf_w);
 /* Where a direction lies in an image: the cell between the centres of four pixels, and the place in it, each 0..1. What is
  * there is fetched from memory meanwhile, for whom it may concern: */
@@ -42,7 +39,7 @@ typedef struct EnvironmentPlace {
     float across, down; /* down: in the polar angle */
 } EnvironmentPlace;
 EnvironmentPlace environment_find(const Environment *environment, Vec3f direction, float *pdf_w);
-/* environment_sample, and environment_find of what was picked. */
+/* Picks a direction in proportion to luminance times solid angle, and finds what was picked; pdf_w per steradian, > 0. */
 Vec3f environment_sample_place(const Environment *environment, float u, float v, float *pdf_w, EnvironmentPlace *place);
 Lanes environment_radiance_at(const Environment *environment, const EnvironmentPlace *place, Lanes wavelength_nm);
 /* Integral of luminance over the sphere, for choosing between lights (a coarse image's is off by a few percent

@@ -346,13 +346,3 @@ float volume_walk_value(const VolumeWalk *walk, double t)
     }
     return value_in_brick(walk->volume, &walk->volume->bricks[walk->brick], within);
 }
-
-size_t volume_walk_brick(const VolumeWalk *walk, double t)
-{
-    if (!walk->inside) return SIZE_MAX;
-    if (walk->low != walk->high) return walk->brick;
-    double place[3];
-    float within[3];
-    point_of(walk, t, place);
-    return brick_at(walk->volume, place, within);
-}

@@ -68,7 +68,7 @@ typedef struct VolumeWalk {
     float low, high;                /* bounds of the value in the present piece */
     int32_t cell[3];                /* the brick, and on which side of all of them where it is none */
     bool inside, left;
-    size_t brick;
+    size_t brick; /* of a piece whose value is not the same all through: those may be many bricks */
 } VolumeWalk;
 
 /* At t of a line; to_lattice maps the line's frame to lattice coordinates. */
@@ -78,7 +78,5 @@ void volume_walk_start(VolumeWalk *walk, const Volume *volume, const Affine *to_
 void volume_walk_next(VolumeWalk *walk);
 /* The value at a t of the present piece. */
 float volume_walk_value(const VolumeWalk *walk, double t);
-/* The brick of the present piece at t; SIZE_MAX outside of the grid. A piece may be several bricks that are alike. */
-size_t volume_walk_brick(const VolumeWalk *walk, double t);
 
 #endif

@@ -23,6 +23,19 @@ static Vec3f direction_at(double u, double v)
     return vec3f((float)(sin(polar) * sin(angle)), (float)cos(polar), (float)(-sin(polar) * cos(angle)));
 }
 
+static Vec3f sample(const Environment *environment, float u, float v, float *pdf_w)
+{
+    EnvironmentPlace place;
+    return environment_sample_place(environment, u, v, pdf_w, &place);
+}
+
+static float density_of(const Environment *environment, Vec3f direction)
+{
+    float pdf_w;
+    environment_find(environment, direction, &pdf_w);
+    return pdf_w;
+}
+
 static Lanes some_wavelengths(void)
 {
     return lanes(420, 500, 580, 660);
@@ -109,7 +122,7 @@ static void density_is_normalized_and_covers_the_light(void **unused)
                 double v = (y + 0.5) / ROWS;
                 Vec3f direction = direction_at((x + 0.5) / COLUMNS, v);
                 double solid_angle = 2 * pi * pi / ((double)ROWS * COLUMNS) * sin(pi * v);
-                float pdf = environment_pdf(environment, direction), radiance = grey_at(environment, direction);
+                float pdf = density_of(environment, direction), radiance = grey_at(environment, direction);
                 total += (double)pdf * solid_angle;
                 light += (double)radiance * solid_angle;
                 assert_true(radiance <= 0 || pdf > 0);
@@ -146,7 +159,7 @@ static void samples_integrate_the_image(void **unused)
         uint32_t state = (uint32_t)kind * 1000003U;
         for (int i = 0; i < SAMPLES; i++) {
             float u = random_unit(&state), v = random_unit(&state), pdf;
-            Vec3f direction = environment_sample(environment, u, v, &pdf);
+            Vec3f direction = sample(environment, u, v, &pdf);
             assert_true(pdf > 0 && isfinite(pdf));
             assert_float_equal(vec3f_length(direction), 1, 1e-6f);
             double estimate = (double)(grey_at(environment, direction) / pdf);
@@ -180,17 +193,17 @@ static void samples_follow_the_density(void **unused)
                     for (int i = 0; i < FINE; i++) {
                         double u = (x + (i + 0.5) / FINE) / COLUMNS, v = (y + (j + 0.5) / FINE) / ROWS;
                         double cell = 2 * pi * pi * sin(pi * v) / ((double)ROWS * COLUMNS * FINE * FINE);
-                        expected[y][x] += SAMPLES * cell * (double)environment_pdf(environment, direction_at(u, v));
+                        expected[y][x] += SAMPLES * cell * (double)density_of(environment, direction_at(u, v));
                     }
             }
         uint32_t state = (uint32_t)kind * 7919U + 3;
         for (int i = 0; i < SAMPLES; i++) {
             float u = random_unit(&state), v = random_unit(&state), pdf;
-            Vec3f d = environment_sample(environment, u, v, &pdf);
+            Vec3f d = sample(environment, u, v, &pdf);
             if (i % 64 == 0) { /* both at once, and each by itself */
                 float at_once;
                 Lanes nm = lanes(450, 520, 590, 650), radiance = environment_look(environment, d, nm, &at_once);
-                assert_true(at_once == environment_pdf(environment, d));
+                assert_true(at_once == density_of(environment, d));
                 assert_true(lanes_equal(radiance, environment_radiance(environment, d, nm)));
             }
             int x = (int)((0.5 + atan2((double)d.x, -(double)d.z) / (2 * pi)) * COLUMNS);
@@ -233,7 +246,7 @@ static void samples_know_their_places(void **unused)
             float there = lanes_get(environment_radiance_at(environment, &place, some_wavelengths()), 0);
             float found = lanes_get(environment_radiance(environment, direction, some_wavelengths()), 0);
             assert_float_equal(there / found, 1, 2e-4f);
-            assert_float_equal(pdf / environment_pdf(environment, direction), 1, 2e-3f);
+            assert_float_equal(pdf / density_of(environment, direction), 1, 2e-3f);
         }
         environment_free(environment);
         free(rgb);
@@ -252,9 +265,9 @@ static void constant_is_uniform(void **unused)
     uint32_t state = 1;
     for (int i = 0; i < 20000; i++) {
         float u = random_unit(&state), v = random_unit(&state), pdf;
-        Vec3f direction = environment_sample(environment, u, v, &pdf);
+        Vec3f direction = sample(environment, u, v, &pdf);
         assert_float_equal(pdf, (float)(1 / (4 * pi)), 1e-9f);
-        assert_float_equal(environment_pdf(environment, direction), (float)(1 / (4 * pi)), 1e-9f);
+        assert_float_equal(density_of(environment, direction), (float)(1 / (4 * pi)), 1e-9f);
         assert_float_equal(vec3f_length(direction), 1, 1e-6f);
         sum += (double)direction.y;
         Lanes difference = lanes_sub(environment_radiance(environment, direction, nm), white_at(nm));
@@ -271,7 +284,7 @@ static void constant_is_uniform(void **unused)
     environment = make_image(rgb, WIDTH, HEIGHT, 1);
     for (int i = 0; i < 20000; i++) {
         float u = random_unit(&state), v = random_unit(&state), pdf;
-        Vec3f direction = environment_sample(environment, u, v, &pdf);
+        Vec3f direction = sample(environment, u, v, &pdf);
         assert_float_equal(pdf * 4 * (float)pi, 1, 1e-5f);
         assert_float_equal(grey_at(environment, direction), 1, 3e-7f);
     }
@@ -303,7 +316,7 @@ static void black_bad_and_tiny_images(void **unused)
     Environment *environment = make_image(black, 2, 2, 1);
     float pdf;
     assert_true(environment_is_black(environment));
-    Vec3f direction = environment_sample(environment, 0, 0, &pdf);
+    Vec3f direction = sample(environment, 0, 0, &pdf);
     assert_true(pdf > 0);
     assert_true(lanes_zero(environment_radiance(environment, direction, some_wavelengths())));
     environment_free(environment);
@@ -313,7 +326,7 @@ static void black_bad_and_tiny_images(void **unused)
     assert_int_equal(environment_new_image(one, 1, 1u << 20, 1, &environment, &error), STATUS_INPUT);
 
     environment = make_image(one, 1, 1, 1);
-    direction = environment_sample(environment, 0.999999f, 0.999999f, &pdf);
+    direction = sample(environment, 0.999999f, 0.999999f, &pdf);
     assert_float_equal(pdf * 4 * (float)pi, 1, 1e-5f);
     /* every corner of the sphere, and no direction at all, are read within the image */
     const float axis[3] = {-1, 0, 1};

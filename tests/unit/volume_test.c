@@ -98,10 +98,8 @@ static void walk_line(const Volume *volume, const Affine *map, Vec3 origin, Vec3
                 near_side = near_side || fabs(at[axis]) < 1e-6 || fabs(at[axis] - volume->n_points[axis] + 1) < 1e-6;
             if (value < walk.low || value > walk.high) fail_msg("%g is outside of its bounds", (double)value);
             if (!near_side && fabsf(value - expected) > 1e-4f) fail_msg("%g, not %g", (double)value, (double)expected);
-            if (walk.inside && !near_side) {
-                size_t brick = volume_walk_brick(&walk, next);
-                assert_true(value >= volume->bricks[brick].low && value <= volume->bricks[brick].high);
-            }
+            if (walk.inside && walk.low != walk.high)
+                assert_true(value >= volume->bricks[walk.brick].low && value <= volume->bricks[walk.brick].high);
         }
         t = walk.t_end;
         if (isinf(t)) break;
