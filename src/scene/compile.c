@@ -393,24 +393,34 @@ static void sort_list(const CompiledScene *compiled, NestList *list)
     }
 }
 
-/* The object whose surface is at the point. Of three directions at right angles at least one is within 55 degrees of
- * the normal, so that a surface within the rounding along the normal shows within twice the rounding along it. */
-static uint32_t surface_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits)
+static void add_surface(SurfacesHere *here, const Hit *hit)
+{
+    for (uint32_t i = 0; i < here->n; i++)
+        if (here->objects[i] == hit->object && fabsf(vec3f_dot(here->normals[i], hit->normal)) > 0.9999f) return;
+    here->too_many = here->n == COUNT_OF(here->objects);
+    if (here->too_many) return;
+    here->objects[here->n] = hit->object;
+    here->normals[here->n++] = hit->normal;
+}
+
+/* Of three directions at right angles at least one is within 55 degrees of a normal, so that a surface within the
+ * rounding along the normal shows within twice the rounding along it. */
+void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits, SurfacesHere *here)
 {
     double rounding = rtc_rounding(point);
-    for (int i = 0; i < LINE_DIRECTIONS; i++) {
+    *here = (SurfacesHere){0};
+    for (int i = 0; i < LINE_DIRECTIONS && !here->too_many; i++) {
         Vec3f direction = vec3f_from(line_direction(i));
         Ray ray = ray_make(vec3_along(point, -2 * rounding, vec3_from_f(direction)), direction);
         ray.time = time;
         ray.t_max = 4 * rounding;
         rtc_all(compiled->rtc, &ray, false, hits);
-        for (size_t k = 0; k < hits->n; k++) {
+        for (size_t k = 0; k < hits->n && !here->too_many; k++) {
             const Hit *hit = &hits->items[k];
             Vec3 from_point = vec3_sub(ray_point(&ray, hit->t), point);
-            if (fabs(vec3_dot(from_point, vec3_from_f(hit->normal))) <= rounding) return hit->object;
+            if (fabs(vec3_dot(from_point, vec3_from_f(hit->normal))) <= rounding) add_surface(here, hit);
         }
     }
-    return SCENE_NONE;
 }
 
 Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits, NestList *list,
@@ -431,15 +441,12 @@ Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time
     if (status != STATUS_OK) return status;
     sort_list(compiled, list);
     nest_order_settle(&compiled->order, list);
-    if (on_surface) *on_surface = surface_at(compiled, at, time, hits);
+    if (on_surface) {
+        SurfacesHere here;
+        compiled_surfaces_at(compiled, at, time, hits, &here);
+        *on_surface = here.n ? here.objects[0] : SCENE_NONE;
+    }
     return hits->out_of_memory ? STATUS_NOMEM : STATUS_OK;
-}
-
-/* ---- cameras ---- */
-
-static void add_medium(Buf *buf, const CompiledScene *compiled, uint32_t medium)
-{
-    buf_format(buf, "%s%s", buf->length ? ", " : "", compiled->scene->media[medium].name);
 }
 
 uint32_t compiled_operands_in(const CompiledScene *compiled, const NestList *list)
@@ -448,72 +455,4 @@ uint32_t compiled_operands_in(const CompiledScene *compiled, const NestList *lis
     if (!compiled->order.csg) return 0;
     while (n_operands < n && nest_item(&compiled->order, list, n_operands) >= compiled->n_hulls) n_operands++;
     return n_operands;
-}
-
-/* The media from the outside in, the world's own left out: a camera in the air may expect [air] or []. */
-static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list)
-{
-    const NestOrder *order = &compiled->order;
-    uint32_t n = camera->n_expect, first = compiled_operands_in(compiled, list),
-             n_hulls = nest_list_count(list) - first;
-    const uint32_t *expect = camera->expect;
-    if (n && expect[0] == 0 && (n_hulls == 0 || compiled->hulls[nest_item(order, list, first)].medium != 0)) {
-        expect++;
-        n--;
-    }
-    if (n != n_hulls) return false;
-    for (uint32_t i = 0; i < n; i++)
-        if (expect[i] != compiled->hulls[nest_item(order, list, first + i)].medium) return false;
-    return true;
-}
-
-static Status report_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list,
-                                 Diag *diag, Error *error)
-{
-    Buf is = {0}, expected = {0};
-    const NestOrder *order = &compiled->order;
-    uint32_t n = nest_list_count(list), first = compiled_operands_in(compiled, list);
-    for (uint32_t i = first; i < n; i++) add_medium(&is, compiled, compiled->hulls[nest_item(order, list, i)].medium);
-    for (uint32_t i = 0; i < camera->n_expect; i++) add_medium(&expected, compiled, camera->expect[i]);
-    if (first == n) buf_format(&is, "only the world's %s", compiled->scene->media[0].name);
-    if (is.failed || expected.failed) {
-        buf_clear(&is);
-        buf_clear(&expected);
-        return fail_memory(error, 0, "a message");
-    }
-    Diagnostic *report = diag_report(diag, D_CAMERA_EXPECTATION, camera->expect_span, "%s is in %s, not in [%s]",
-                                     camera->name, buf_text(&is), buf_text(&expected));
-    for (uint32_t i = first; i < n; i++) {
-        uint32_t hull = nest_item(order, list, i);
-        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[hull]];
-        diag_note(diag, report, object->span, "it is inside of %s", object->name);
-    }
-    buf_clear(&is);
-    buf_clear(&expected);
-    return STATUS_SCENE;
-}
-
-Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_number, Diag *diag, Error *error)
-{
-    const SceneCamera *camera = &compiled->scene->cameras[camera_number];
-    HitList hits = {0};
-    NestList list;
-    nest_list_init(&list);
-    uint32_t on_surface;
-    Status status = compiled_interior(compiled, vec3f_from(camera->from), 0, &hits, &list, &on_surface);
-    if (status != STATUS_OK) {
-        status = fail(error, status, "out of memory while looking where the camera is");
-    } else if (on_surface != SCENE_NONE) {
-        const SceneObject *object = &compiled->scene->objects[on_surface];
-        Diagnostic *report = diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s is exactly on the surface of %s",
-                                         camera->name, object->name);
-        diag_note(diag, report, object->span, "%s is here", object->name);
-        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
-        status = STATUS_SCENE;
-    } else if (camera->expect && !meets_expectation(compiled, camera, &list)) {
-        status = report_expectation(compiled, camera, &list, diag, error);
-    }
-    nest_list_clear(&list);
-    hit_list_clear(&hits);
-    return status;
 }

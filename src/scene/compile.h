@@ -107,6 +107,19 @@ static inline void compiled_let_pass(const CompiledScene *compiled, const NestLi
 ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits,
                                         NestList *list, uint32_t *on_surface);
 
+/* The surfaces that a point is on, to within rounding; too_many: there are more. */
+typedef struct SurfacesHere {
+    uint32_t n;
+    bool too_many;
+    uint32_t objects[6];
+    Vec3f normals[6];
+} SurfacesHere;
+void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits, SurfacesHere *here);
+
+/* The hulls that hold a camera's centre, as by compiled_interior. A camera that stands on the surface of an operand where
+ * its combination has none is moved off that, by some roundings, so that its rays have it on one side. */
+ATTR_NODISCARD Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list,
+                                     uint32_t *on_surface);
 /* Reports a camera that is on a surface, or in other media than its `expect` says; STATUS_SCENE after that. */
 ATTR_NODISCARD Status compile_check_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag, Error *error);
 

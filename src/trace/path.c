@@ -277,13 +277,13 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     path.decision.of_pixel = LIKELY(!world->trial.choices_apart);
     float u[2], lens[2] = {0, 0};
     sampler_stream_2d(&pixel->place, path.sampler.index_reversed, u);
-    if (world->camera->lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);
+    if (world->camera.lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);
     path.wavelengths = choose_wavelengths(world, pixel);
     bool box = world->scene->film.box;
     FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
     double time = world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
     SceneCamera moved;
-    const SceneCamera *camera = world->camera;
+    const SceneCamera *camera = &world->camera;
     if (camera->keys) {
         moved = scene_camera_at(world->scene, camera, time);
         camera = &moved;

@@ -129,13 +129,13 @@ static bool is_one_light(const World *world, const LightChoices *choices)
 static bool camera_list_may_move(const World *world)
 {
     const CompiledScene *compiled = world->compiled;
-    if (world->camera->keys) return true;
+    if (world->camera.keys) return true;
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
         const SceneObject *object = &world->scene->objects[i];
         uint32_t hull = compiled_hull(compiled, i);
         if (hull == SCENE_NONE || object->shape == SCENE_NONE) continue;
         if (object->motion == SCENE_NONE && !world->scene->shapes[object->shape].mesh_end) continue;
-        if (box3_holds_point(compiled->hull_bounds[hull], world->camera->from)) return true;
+        if (box3_holds_point(compiled->hull_bounds[hull], world->camera.from)) return true;
     }
     return false;
 }
@@ -143,7 +143,7 @@ static bool camera_list_may_move(const World *world)
 /* Whether a surface of some hull may lie between the camera's centre and a point of its lens. */
 static bool lens_may_cross(const World *world)
 {
-    const SceneCamera *camera = world->camera;
+    const SceneCamera *camera = &world->camera;
     if (!(camera->lens_radius > 0)) return false;
     for (uint32_t h = 0; h < world->compiled->n_hulls; h++) {
         Box3 box = world->compiled->hull_bounds[h];
@@ -165,7 +165,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
     nest_list_init(&world->camera_list);
     if (camera >= compiled->scene->n_cameras)
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
-    world->camera = &compiled->scene->cameras[camera];
+    world->camera = compiled->scene->cameras[camera];
     Status status = media_find(compiled, &world->media, error);
     if (status == STATUS_OK) status = looks_find(world->scene, &world->looks, error);
     if (status == STATUS_OK) status = balances_new(world->scene, &world->balances, error);
@@ -179,8 +179,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         for (unsigned reach = 0; reach < REACHES; reach++)
             world->choices[reach].one = is_one_light(world, &world->choices[reach]);
         uint32_t on_surface;
-        status =
-            compiled_interior(compiled, vec3f_from(world->camera->from), 0, &hits, &world->camera_list, &on_surface);
+        status = compiled_stand(compiled, &world->camera, &hits, &world->camera_list, &on_surface);
         if (status != STATUS_OK) fail_memory(error, hits.capacity * sizeof(Hit), "the camera's surroundings");
         hit_list_clear(&hits);
         world->moves = world->scene->n_keys > 0;
@@ -192,7 +191,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);
         if (status == STATUS_OK && world->lens_crosses && !world->moves)
-            status = lens_new(compiled, world->camera, &world->lens, error);
+            status = lens_new(compiled, &world->camera, &world->lens, error);
         beacons_find(compiled, &world->beacons);
     }
     if (status != STATUS_OK) world_clear(world);

@@ -59,7 +59,6 @@ typedef struct Trial {
 typedef struct World {
     const CompiledScene *compiled;
     const Scene *scene;
-    const SceneCamera *camera;
     ObjectLook *looks;             /* of the scene's objects */
     LightChoices choices[REACHES]; /* for places that these kinds of light reach */
     uint8_t *reach;                /* of each medium: how far light may come straight into it; see light_reach.h */
@@ -86,6 +85,7 @@ typedef struct World {
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
+    SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
 
 /* pool: whose threads help, or NULL */

@@ -549,6 +549,29 @@ static void cameras_are_where_they_are_expected(void **state)
     check_cameras("camera eye { from = <1, 1, 25> }", D_CAMERA_ON_SURFACE, "pane");
 }
 
+/* The faces of a cutter at x = 30 and x = 41 reach beyond the ball of radius 3 about <40, 0, 0>. */
+#define CUT "difference cut { interior = glass  sphere { center = <40, 0, 0> radius = 3 } " \
+            "box { from = <30, -9, -9> to = <41, 9, 9> } }"
+
+static void cameras_may_stand_on_what_is_no_surface(void **state)
+{
+    (void)state;
+    check_cameras(CUT "camera { from = <41, 8, 0> to = <0, 8, 0> expect = [] }", D_COUNT, "");
+    check_cameras(CUT "camera { from = <30, 9, 9> to = <40, 0, 0> expect = [] }", D_COUNT, "");
+    check_cameras(CUT "camera { from = <37, 0, 0> to = <50, 0, 0> expect = [] }", D_COUNT, ""); /* the ball's own */
+    check_cameras(CUT "camera eye { from = <41, 1, 0> to = <50, 0, 0> }", D_CAMERA_ON_SURFACE, "box");
+    check_cameras(CUT "camera eye { from = <43, 0, 0> to = <50, 0, 0> }", D_CAMERA_ON_SURFACE, "sphere");
+    check_cameras("union { interior = glass  box { from = <40, 0, 0> to = <42, 9, 9> }  box { from = <41, 0, 0> "
+                  "to = <50, 9, 9> } } camera { from = <41, 5, 5> to = <50, 5, 5> expect = [glass] }",
+                  D_COUNT, "");
+    check_cameras("union { interior = glass  box { from = <40, 0, 0> to = <41, 9, 9> }  box { from = <41, 0, 0> "
+                  "to = <50, 9, 9> } } camera { from = <41, 5, 5> to = <50, 5, 5> }",
+                  D_CAMERA_ON_SURFACE, "");
+    check_cameras(CUT "box { interior = glass  from = <30, 0, 0> to = <33, 9, 9> }"
+                      "camera eye { from = <30, 5, 5> to = <50, 0, 0> }",
+                  D_CAMERA_ON_SURFACE, "box");
+}
+
 /* The box of a mesh stands in for its vertices where the map keeps the axes, and gives the same bits. */
 static void bounds_of_many_are_those_of_each(void **state)
 {
@@ -588,6 +611,7 @@ int main(void)
         cmocka_unit_test(hulls_are_found_through_a_thousand_shells),
         cmocka_unit_test(random_points_agree_with_formulas),
         cmocka_unit_test(cameras_are_where_they_are_expected),
+        cmocka_unit_test(cameras_may_stand_on_what_is_no_surface),
     };
     return cmocka_run_group_tests_name("compile", tests, NULL, NULL);
 }

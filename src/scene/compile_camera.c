@@ -1,0 +1,162 @@
+/* compile_camera.c - cameras: where their rays start, which must be on no surface, and in which media.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/compile.h"
+
+/* ---- on the surface of an operand ---- */
+
+/* The operands in the list, without those whose surfaces are here: of them it tells nothing. */
+static Status sure_operands(const CompiledScene *compiled, const NestList *list, const SurfacesHere *here,
+                            NestList *operands)
+{
+    uint32_t n = compiled_operands_in(compiled, list);
+    nest_list_empty(operands);
+    TRY(nest_list_reserve(operands, n + here->n));
+    for (uint32_t i = 0; i < n; i++) nest_csg_pass(&compiled->csg, operands, nest_item(&compiled->order, list, i), true);
+    for (uint32_t k = 0; k < here->n; k++)
+        nest_csg_pass(&compiled->csg, operands, compiled->hull_of_object[here->objects[k]], false);
+    return STATUS_OK;
+}
+
+/* Whether the combination holds the point when it is inside of those surfaces' operands that are set in `sides`. */
+static bool holds_at(const CompiledScene *compiled, uint32_t tree, const SurfacesHere *here, uint32_t sides,
+                     NestList *operands)
+{
+    const NestCsg *csg = &compiled->csg;
+    for (uint32_t i = 0; i < here->n; i++)
+        if (sides >> i & 1) nest_csg_pass(csg, operands, compiled->hull_of_object[here->objects[i]], true);
+    bool holds = nest_csg_holds(csg, tree, operands);
+    for (uint32_t i = 0; i < here->n; i++)
+        nest_csg_pass(csg, operands, compiled->hull_of_object[here->objects[i]], false);
+    return holds;
+}
+
+/* Whether the surfaces here are all of operands, and of none is it a surface of the combination: all around the point
+ * that has the same value, whichever of the operands hold it there. */
+static Status are_no_surfaces(const CompiledScene *compiled, const NestList *list, const SurfacesHere *here, bool *result)
+{
+    *result = !here->too_many;
+    for (uint32_t i = 0; i < here->n; i++) {
+        uint32_t operand = compiled->hull_of_object[here->objects[i]];
+        *result &= operand != SCENE_NONE && operand >= compiled->n_hulls;
+    }
+    if (!*result) return STATUS_OK;
+    NestList operands;
+    nest_list_init(&operands);
+    Status status = sure_operands(compiled, list, here, &operands);
+    for (uint32_t i = 0; status == STATUS_OK && i < here->n; i++) {
+        uint32_t tree = nest_csg_tree(&compiled->csg, compiled->hull_of_object[here->objects[i]]);
+        bool holds = holds_at(compiled, tree, here, 0, &operands);
+        for (uint32_t sides = 1; sides < 1u << here->n; sides++)
+            *result &= holds_at(compiled, tree, here, sides, &operands) == holds;
+    }
+    nest_list_clear(&operands);
+    return status;
+}
+
+/* A place off those surfaces, to one side or the other of each, and on no other; false when none was found. */
+static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, HitList *hits, Vec3 *point)
+{
+    enum { ROUNDINGS = 4 };
+    for (uint32_t sides = 0; sides < 1u << here->n; sides++) {
+        SurfacesHere there;
+        Vec3 place = *point;
+        for (uint32_t i = 0; i < here->n; i++)
+            place = vec3_along(place, (sides >> i & 1 ? -ROUNDINGS : ROUNDINGS) * rtc_rounding(*point),
+                               vec3_from_f(here->normals[i]));
+        place = vec3_from_f(vec3f_from(place)); /* whose hulls are found for float */
+        compiled_surfaces_at(compiled, place, 0, hits, &there);
+        if (there.n) continue;
+        *point = place;
+        return true;
+    }
+    return false;
+}
+
+Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list,
+                      uint32_t *on_surface)
+{
+    TRY(compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface));
+    if (*on_surface == SCENE_NONE || camera->keys) return STATUS_OK;
+    SurfacesHere here;
+    bool none;
+    compiled_surfaces_at(compiled, vec3_from_f(vec3f_from(camera->from)), 0, hits, &here);
+    TRY(are_no_surfaces(compiled, list, &here, &none));
+    if (!none || !step_off(compiled, &here, hits, &camera->from)) return STATUS_OK;
+    return compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface);
+}
+
+/* ---- reports ---- */
+
+static void add_medium(Buf *buf, const CompiledScene *compiled, uint32_t medium)
+{
+    buf_format(buf, "%s%s", buf->length ? ", " : "", compiled->scene->media[medium].name);
+}
+
+/* The media from the outside in, the world's own left out: a camera in the air may expect [air] or []. */
+static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list)
+{
+    const NestOrder *order = &compiled->order;
+    uint32_t n = camera->n_expect, first = compiled_operands_in(compiled, list),
+             n_hulls = nest_list_count(list) - first;
+    const uint32_t *expect = camera->expect;
+    if (n && expect[0] == 0 && (n_hulls == 0 || compiled->hulls[nest_item(order, list, first)].medium != 0)) {
+        expect++;
+        n--;
+    }
+    if (n != n_hulls) return false;
+    for (uint32_t i = 0; i < n; i++)
+        if (expect[i] != compiled->hulls[nest_item(order, list, first + i)].medium) return false;
+    return true;
+}
+
+static Status report_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list,
+                                 Diag *diag, Error *error)
+{
+    Buf is = {0}, expected = {0};
+    const NestOrder *order = &compiled->order;
+    uint32_t n = nest_list_count(list), first = compiled_operands_in(compiled, list);
+    for (uint32_t i = first; i < n; i++) add_medium(&is, compiled, compiled->hulls[nest_item(order, list, i)].medium);
+    for (uint32_t i = 0; i < camera->n_expect; i++) add_medium(&expected, compiled, camera->expect[i]);
+    if (first == n) buf_format(&is, "only the world's %s", compiled->scene->media[0].name);
+    if (is.failed || expected.failed) {
+        buf_clear(&is);
+        buf_clear(&expected);
+        return fail_memory(error, 0, "a message");
+    }
+    Diagnostic *report = diag_report(diag, D_CAMERA_EXPECTATION, camera->expect_span, "%s is in %s, not in [%s]",
+                                     camera->name, buf_text(&is), buf_text(&expected));
+    for (uint32_t i = first; i < n; i++) {
+        uint32_t hull = nest_item(order, list, i);
+        const SceneObject *object = &compiled->scene->objects[compiled->object_of_hull[hull]];
+        diag_note(diag, report, object->span, "it is inside of %s", object->name);
+    }
+    buf_clear(&is);
+    buf_clear(&expected);
+    return STATUS_SCENE;
+}
+
+Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_number, Diag *diag, Error *error)
+{
+    const SceneCamera *camera = &compiled->scene->cameras[camera_number];
+    SceneCamera standing = *camera;
+    HitList hits = {0};
+    NestList list;
+    nest_list_init(&list);
+    uint32_t on_surface;
+    Status status = compiled_stand(compiled, &standing, &hits, &list, &on_surface);
+    if (status != STATUS_OK) {
+        status = fail(error, status, "out of memory while looking where the camera is");
+    } else if (on_surface != SCENE_NONE) {
+        const SceneObject *object = &compiled->scene->objects[on_surface];
+        Diagnostic *report = diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s is exactly on the surface of %s",
+                                         camera->name, object->name);
+        diag_note(diag, report, object->span, "%s is here", object->name);
+        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
+        status = STATUS_SCENE;
+    } else if (camera->expect && !meets_expectation(compiled, camera, &list)) {
+        status = report_expectation(compiled, camera, &list, diag, error);
+    }
+    nest_list_clear(&list);
+    hit_list_clear(&hits);
+    return status;
+}
