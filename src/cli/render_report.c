@@ -18,6 +18,36 @@ static const char *plural(uint64_t n)
     return n == 1 ? "" : "s";
 }
 
+/* By how many stops half of the picture, or more, is above white. */
+static int stops_above_white(const Image *image)
+{
+    enum { STOPS = 64 };
+    size_t n_pixels = (size_t)image->width * image->height, n = 0, n_of_stop[STOPS] = {0};
+    int green = image_channel(image, "G");
+    if (green < 0) return 0;
+    for (size_t i = 0; i < n_pixels; i++) {
+        float value = image->pixels[i * image->n_channels + (unsigned)green];
+        if (value >= 1 && isfinite(value)) n_of_stop[ilogbf(value) < STOPS ? ilogbf(value) : STOPS - 1]++;
+    }
+    int stop = STOPS;
+    while (stop > 0 && 2 * n <= n_pixels) n += n_of_stop[--stop];
+    return stop;
+}
+
+/* The commonest reason is a lamp of so many watts, as in a room, above a table of centimetres. */
+static void warn_of_white(const RenderRun *run)
+{
+    enum { CLIPPED = 3 };
+    bool png = false;
+    for (size_t i = 0; i < run->outputs.n; i++) png |= run->outputs.items[i].png;
+    int stops = png && run->n_rendered == 0 ? stops_above_white(&run->image) : 0;
+    if (stops >= CLIPPED)
+        talk_warning(run->talk,
+                     "half of the picture is %d stops or more above white: give it %.0f times less light, or write an .exr "
+                     "file and: meniscus view --exposure %d",
+                     stops, ldexp(1, stops + 1), -stops - 1);
+}
+
 void render_warn(const RenderRun *run)
 {
     const RenderStats *stats = &run->stats;
@@ -32,6 +62,7 @@ void render_warn(const RenderRun *run)
     if (limit)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
     if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
+    warn_of_white(run);
     if (saturated)
         talk_warning(talk, "%llu sample%s brighter than the film can hold, and held at its limit", saturated, plural(saturated));
 }

@@ -283,3 +283,16 @@ run render glints.mns --fireflies drop
 exits 2
 says err "spread"
 end
+
+begin "a picture that is white all over: a warning, with what to do; none for EXR alone, and none where it is not"
+small_scene
+sed -e 's/environment { color = 1 }/environment { color = 1000 }/' small.mns > white.mns
+run render white.mns -o white.png
+exits 0
+says err "warning: half of the picture is 8 stops or more above white: give it 512 times less light"
+says err "meniscus view --exposure -9"
+run render white.mns -o white.exr
+says_not err "above white"
+run render small.mns -o small.png
+says_not err "above white"
+end
