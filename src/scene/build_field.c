@@ -21,13 +21,16 @@ static double run(const Program *program, Vec3 p)
     return value;
 }
 
+bool build_field_shared_value(const SceneField *field, Vec3 p, double *value)
+{
+    if (!field->program) return false;
+    *value = run(field->program, p);
+    return isfinite(*value);
+}
+
 bool build_field_value(const SceneField *field, Vec3 p, double *value)
 {
-    if (field->program) {
-        *value = run(field->program, p);
-        if (isfinite(*value)) return true;
-    }
-    return eval_function_at(field->function, p, value);
+    return build_field_shared_value(field, p, value) || eval_function_at(field->function, p, value);
 }
 
 bool build_field_bounds(const SceneField *field, Box3 box, double *low, double *high)

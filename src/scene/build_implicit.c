@@ -60,7 +60,7 @@ static Status make_blob(Builder *b, const EvalNode *node, Mesh **mesh, Span *spa
     const BlobComponent *components = read_components(b, node);
     if (!components) return STATUS_SCENE;
     TRY(mesh_make_blob(components, node->n_children, eval_number(node, "threshold"),
-                       tolerance ? tolerance->as.number : 0, mesh, &reached, error));
+                       tolerance ? tolerance->as.number : 0, b->options->pool, mesh, &reached, error));
     if (tolerance) check_reached(b, node, reached, tolerance->as.number);
     return STATUS_OK;
 }
@@ -83,6 +83,14 @@ static bool function_value(void *context, Vec3 p, double *value)
 {
     const Isosurface *isosurface = context;
     if (!build_field_value(&isosurface->field, p, value)) return false;
+    *value = isosurface->threshold - *value;
+    return true;
+}
+
+static bool function_shared_value(void *context, Vec3 p, double *value)
+{
+    const Isosurface *isosurface = context;
+    if (!build_field_shared_value(&isosurface->field, p, value)) return false;
     *value = isosurface->threshold - *value;
     return true;
 }
@@ -126,7 +134,8 @@ static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Spa
     if (!build_check_reach(b, node->span, "isosurface", bounds)) return STATUS_SCENE;
     const EvalProp *tolerance = eval_prop(node, "tolerance"), *function = eval_prop(node, "function");
     Isosurface context = {build_field(b, function->as.function), eval_number(node, "threshold")};
-    const ImplicitField field = {&context, function_layer, function_value, NULL, function_bounds};
+    bool (*shared)(void *, Vec3, double *) = context.field.program ? function_shared_value : NULL;
+    const ImplicitField field = {&context, function_layer, function_value, shared, NULL, function_bounds};
     const ImplicitOptions options = {.bounds = bounds,
                                      .tolerance = tolerance ? tolerance->as.number : vec3_max_abs(size) / 2000,
                                      .cells = (uint32_t)eval_number(node, "cells"),

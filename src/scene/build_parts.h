@@ -190,6 +190,8 @@ typedef struct SceneField {
 SceneField build_field(const Builder *b, const EvalFunctionValue *function);
 /* False after a report. Not from within a task. */
 bool build_field_value(const SceneField *field, Vec3 p, double *value);
+/* From any thread: false where build_field_value has to be asked. */
+bool build_field_shared_value(const SceneField *field, Vec3 p, double *value);
 /* What its values at the points of a box are between; false where that is not known. */
 bool build_field_bounds(const SceneField *field, Box3 box, double *low, double *high);
 /* Points (i, j) of layer k of a grid, i < n[0], j < n[1]. */

@@ -188,8 +188,8 @@ static Status make_cells(Blob *blob, Error *error)
     return STATUS_OK;
 }
 
-static Status make_blob(Blob *blob, const BlobComponent *components, double tolerance, Mesh **mesh, double *reached,
-                        Error *error)
+static Status make_blob(Blob *blob, const BlobComponent *components, double tolerance, Pool *pool, Mesh **mesh,
+                        double *reached, Error *error)
 {
     double smallest = HUGE_VAL;
     blob->bounds = box3_empty();
@@ -205,22 +205,23 @@ static Status make_blob(Blob *blob, const BlobComponent *components, double tole
         return fail(error, STATUS_SCENE, "the blob has no component with a positive strength");
     TRY(make_cells(blob, error));
     double extent = vec3_max_abs(vec3_sub(blob->bounds.max, blob->bounds.min));
-    const ImplicitField field = {blob, blob_layer, blob_value, blob_gradient, NULL};
+    const ImplicitField field = {blob, blob_layer, blob_value, blob_value, blob_gradient, NULL};
     const ImplicitOptions options = {.bounds = blob->bounds,
                                      .tolerance = tolerance > 0 ? tolerance : extent / 4000,
                                      .cells = (uint32_t)fmin(fmax(48, 10 * extent / smallest), 1000),
-                                     .max_points = 20000000};
+                                     .max_points = 20000000,
+                                     .pool = pool};
     return mesh_make_implicit(&field, &options, "the blob", mesh, reached, error);
 }
 
-Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance, Mesh **mesh,
-                      double *reached, Error *error)
+Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance, Pool *pool,
+                      Mesh **mesh, double *reached, Error *error)
 {
     Blob blob = {.n_parts = n, .threshold = threshold};
     if (n == 0) return fail(error, STATUS_SCENE, "the blob has no components");
     blob.parts = malloc(n * sizeof *blob.parts);
     if (!blob.parts) return fail_memory(error, n * sizeof *blob.parts, "a blob");
-    Status status = make_blob(&blob, components, tolerance, mesh, reached, error);
+    Status status = make_blob(&blob, components, tolerance, pool, mesh, reached, error);
     free(blob.parts);
     free(blob.first);
     free(blob.items);

@@ -8,6 +8,7 @@
 #include "shape/implicit.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,7 +17,22 @@
 #include "shape/implicit_blocks.h"
 
 #define NO_VERTEX UINT32_MAX
+#define CROSSING 0x80000000U /* no vertex yet: from here on the numbers of crossings */
 enum { EDGES_PER_POINT = 8 /* the first is not used */, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
+enum { CHUNK = 32 /* places on the surface that a thread takes at once */ };
+
+/* Where the surface crosses an edge: all those of a layer are found, by all threads, before its triangles are made. */
+typedef struct Crossing {
+    Vec3 inner, outer;
+    double inner_value, outer_value;
+    Vec3 at, normal; /* found */
+} Crossing;
+
+/* How far the surface is from the middle of a triangle. */
+typedef struct Sample {
+    Vec3 middle;
+    float distance; /* found; HUGE_VALF: nothing can be said */
+} Sample;
 
 /* A point of the grid counts from 0 in the layer around, so that 1 .. n are the field's. */
 typedef struct Marcher {
@@ -29,8 +45,11 @@ typedef struct Marcher {
     double *row;
     uint8_t *wanted; /* of the row */
     Grower grower;
-    float *samples; /* distances of the surface from triangles */
+    Crossing *crossings; /* of the layer at hand */
+    size_t n_crossings, crossings_capacity;
+    Sample *samples;
     size_t n_samples, samples_capacity, n_seen;
+    Pool *pool;
     bool stopped;
 } Marcher;
 
@@ -52,40 +71,81 @@ static double shortest_step(const Marcher *marcher)
     return fmin(step.x, fmin(step.y, step.z));
 }
 
-static double field_value(Marcher *marcher, Vec3 p)
+/* ---- asking the function ---- */
+
+/* One who asks, until there is no answer. */
+typedef struct Asker {
+    const Marcher *marcher;
+    bool (*value)(void *context, Vec3 p, double *value);
+    bool stopped;
+} Asker;
+
+static double field_value(Asker *asker, Vec3 p)
 {
     double value = -1;
-    if (!marcher->stopped && !marcher->field->value(marcher->field->context, p, &value)) marcher->stopped = true;
+    if (!asker->stopped && !asker->value(asker->marcher->field->context, p, &value)) asker->stopped = true;
     return value;
 }
 
-static Vec3 field_gradient(Marcher *marcher, Vec3 p)
+static Vec3 field_gradient(Asker *asker, Vec3 p)
 {
+    const ImplicitField *field = asker->marcher->field;
     Vec3 gradient = {0, 0, 0};
-    if (marcher->field->gradient) {
-        if (!marcher->stopped && !marcher->field->gradient(marcher->field->context, p, &gradient))
-            marcher->stopped = true;
+    if (field->gradient) {
+        if (!asker->stopped && !field->gradient(field->context, p, &gradient)) asker->stopped = true;
         return gradient;
     }
-    double h = 1e-3 * shortest_step(marcher);
-    gradient.x = field_value(marcher, vec3(p.x + h, p.y, p.z)) - field_value(marcher, vec3(p.x - h, p.y, p.z));
-    gradient.y = field_value(marcher, vec3(p.x, p.y + h, p.z)) - field_value(marcher, vec3(p.x, p.y - h, p.z));
-    gradient.z = field_value(marcher, vec3(p.x, p.y, p.z + h)) - field_value(marcher, vec3(p.x, p.y, p.z - h));
+    double h = 1e-3 * shortest_step(asker->marcher);
+    gradient.x = field_value(asker, vec3(p.x + h, p.y, p.z)) - field_value(asker, vec3(p.x - h, p.y, p.z));
+    gradient.y = field_value(asker, vec3(p.x, p.y + h, p.z)) - field_value(asker, vec3(p.x, p.y - h, p.z));
+    gradient.z = field_value(asker, vec3(p.x, p.y, p.z + h)) - field_value(asker, vec3(p.x, p.y, p.z - h));
     return vec3_scale(gradient, 0.5 / h);
 }
 
-/* The part of the way from an inner to an outer point, by the Illinois variant of regula falsi. */
-static double find_root(Marcher *marcher, Vec3 inner, double inner_value, Vec3 outer, double outer_value)
+/* Things of which each asks for itself. */
+typedef struct Asking {
+    Marcher *marcher;
+    void (*item)(Marcher *marcher, size_t index, Asker *asker);
+    size_t n;
+    atomic_bool unanswered;
+} Asking;
+
+static void task_of_chunk(void *context, uint32_t index, unsigned worker)
 {
-    double a = 0, b = 1, fa = inner_value, fb = outer_value, t = 0;
-    Vec3 along = vec3_sub(outer, inner);
-    double small = 1e-7 * (inner_value - outer_value);
+    (void)worker;
+    Asking *asking = context;
+    Asker asker = {asking->marcher, asking->marcher->field->shared_value, false};
+    size_t first = (size_t)index * CHUNK;
+    for (size_t i = first; i < first + CHUNK && i < asking->n; i++) asking->item(asking->marcher, i, &asker);
+    if (asker.stopped) atomic_store(&asking->unanswered, true);
+}
+
+/* By all threads; where that is not possible, or one of them had no answer, one after the other. */
+static void ask_all(Marcher *marcher, size_t n, void (*item)(Marcher *marcher, size_t index, Asker *asker))
+{
+    Asking asking = {.marcher = marcher, .item = item, .n = n};
+    if (marcher->stopped) return;
+    if (marcher->field->shared_value) {
+        pool_run(n > CHUNK ? marcher->pool : NULL, (uint32_t)((n + CHUNK - 1) / CHUNK), task_of_chunk, &asking);
+        if (!atomic_load(&asking.unanswered)) return;
+    }
+    Asker asker = {marcher, marcher->field->value, false};
+    for (size_t i = 0; i < n && !asker.stopped; i++) item(marcher, i, &asker);
+    marcher->stopped = asker.stopped;
+}
+
+/* The part of the way from an inner to an outer point, by the Illinois variant of regula falsi. */
+static double find_root(Asker *asker, const Crossing *crossing)
+{
+    double a = 0, b = 1, fa = crossing->inner_value, fb = crossing->outer_value, t = 0;
+    Vec3 along = vec3_sub(crossing->outer, crossing->inner);
+    double small = 1e-7 * (fa - fb);
     int side = 0;
     for (int i = 0; i < ROOT_STEPS; i++) {
         t = fb < fa ? (a * -fb + b * fa) / (fa - fb) : 0.5 * (a + b);
         if (!(t > a && t < b)) t = 0.5 * (a + b);
-        double f = field_value(marcher, vec3_along(inner, t, along));
-        if (fabs(f) <= small || marcher->stopped) break;
+        double f = field_value(asker, vec3_along(crossing->inner, t, along));
+        if (fabs(f) <= small || asker->stopped) break;
         if (f > 0) {
             a = t;
             fa = f;
@@ -99,6 +159,22 @@ static double find_root(Marcher *marcher, Vec3 inner, double inner_value, Vec3 o
         }
     }
     return t;
+}
+
+static void place_crossing(Marcher *marcher, size_t index, Asker *asker)
+{
+    Crossing *crossing = &marcher->crossings[index];
+    double t = find_root(asker, crossing);
+    crossing->at = vec3_along(crossing->inner, t, vec3_sub(crossing->outer, crossing->inner));
+    crossing->normal = vec3_scale(field_gradient(asker, crossing->at), -1);
+}
+
+static void take_sample(Marcher *marcher, size_t index, Asker *asker)
+{
+    Sample *sample = &marcher->samples[index];
+    double slope = vec3_length(field_gradient(asker, sample->middle)), value = field_value(asker, sample->middle);
+    double distance = fmin(fabs(value) / slope, vec3_length(marcher->lattice.step));
+    sample->distance = slope > 0 ? (float)distance : HUGE_VALF;
 }
 
 /* ---- tetrahedra ---- */
@@ -121,24 +197,58 @@ static Vec3 cube_point(const Marcher *marcher, const Cube *cube, unsigned corner
     return grid_point(marcher, cube->i + (corner & 1), cube->j + (corner >> 1 & 1), cube->k + (corner >> 2));
 }
 
+/* What is on the edge between two corners: a vertex, or a crossing. */
+static uint32_t *edge_place(const Marcher *marcher, const Cube *cube, unsigned one, unsigned other)
+{
+    unsigned low = one & other, direction = one ^ other;
+    size_t i = cube->i + (low & 1), j = cube->j + (low >> 1 & 1);
+    return &marcher->vertices[low >> 2][(j * marcher->width + i) * EDGES_PER_POINT + direction];
+}
+
+static double value_at_corner(const Marcher *marcher, const Cube *cube, unsigned corner)
+{
+    return corner_value(marcher, cube->i + (corner & 1), cube->j + (corner >> 1 & 1), corner >> 2);
+}
+
+/* Notes where the surface crosses the edge between two corners. */
+static void note_crossing(Marcher *marcher, const Cube *cube, unsigned inner, unsigned outer)
+{
+    uint32_t *place = edge_place(marcher, cube, inner, outer);
+    if (*place != NO_VERTEX || is_around(marcher, cube, outer)) return;
+    if (!ARRAY_ROOM(marcher->crossings, marcher->crossings_capacity, marcher->n_crossings)) {
+        marcher->grower.out_of_memory = true;
+        return;
+    }
+    marcher->crossings[marcher->n_crossings] = (Crossing){.inner = cube_point(marcher, cube, inner),
+                                                          .outer = cube_point(marcher, cube, outer),
+                                                          .inner_value = value_at_corner(marcher, cube, inner),
+                                                          .outer_value = value_at_corner(marcher, cube, outer)};
+    *place = CROSSING + (uint32_t)marcher->n_crossings++;
+}
+
+static void note_crossings(Marcher *marcher, const Cube *cube)
+{
+    for (unsigned high = 1; high < 8; high++)
+        for (unsigned low = 0; low < high; low++) {
+            if ((low & high) != low) continue; /* no edge of a tetrahedron */
+            bool low_is_inside = value_at_corner(marcher, cube, low) > 0;
+            if (low_is_inside == (value_at_corner(marcher, cube, high) > 0)) continue;
+            note_crossing(marcher, cube, low_is_inside ? low : high, low_is_inside ? high : low);
+        }
+}
+
 /* The vertex on the edge between two corners, one of which is inside. */
 static uint32_t edge_vertex(Marcher *marcher, const Cube *cube, unsigned inner, unsigned outer)
 {
-    unsigned low = inner & outer, direction = inner ^ outer;
-    size_t i = cube->i + (low & 1), j = cube->j + (low >> 1 & 1);
-    uint32_t *vertex = &marcher->vertices[low >> 2][(j * marcher->width + i) * EDGES_PER_POINT + direction];
-    if (*vertex != NO_VERTEX) return *vertex;
-    Vec3 at = cube_point(marcher, cube, inner), normal = {0, 0, 0};
-    if (!is_around(marcher, cube, outer)) {
-        double from = corner_value(marcher, cube->i + (inner & 1), cube->j + (inner >> 1 & 1), inner >> 2);
-        double to = corner_value(marcher, cube->i + (outer & 1), cube->j + (outer >> 1 & 1), outer >> 2);
-        Vec3 end = cube_point(marcher, cube, outer);
-        double t = find_root(marcher, at, from, end, to);
-        at = vec3_along(at, t, vec3_sub(end, at));
-        normal = vec3_scale(field_gradient(marcher, at), -1);
-    }
-    *vertex = grower_vertex(&marcher->grower, at, normal);
-    return *vertex;
+    uint32_t *place = edge_place(marcher, cube, inner, outer);
+    if (*place < CROSSING) return *place;
+    size_t number = *place - CROSSING;
+    if (number < marcher->n_crossings)
+        *place = grower_vertex(&marcher->grower, marcher->crossings[number].at, marcher->crossings[number].normal);
+    else
+        *place = grower_vertex(&marcher->grower, cube_point(marcher, cube, inner), vec3(0, 0, 0));
+    if (*place >= CROSSING) marcher->grower.out_of_memory = true;
+    return *place;
 }
 
 static Vec3 grown_point(const Marcher *marcher, uint32_t vertex)
@@ -146,24 +256,20 @@ static Vec3 grown_point(const Marcher *marcher, uint32_t vertex)
     return vec3_from_f(marcher->grower.positions[vertex]);
 }
 
-/* How far the surface is from the middle of a triangle, by the function's slope along the normal. */
-static void take_sample(Marcher *marcher, Vec3 a, Vec3 b, Vec3 c)
+static void note_sample(Marcher *marcher, Vec3 a, Vec3 b, Vec3 c)
 {
-    Vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3);
-    double slope = vec3_length(field_gradient(marcher, middle));
-    double value = field_value(marcher, middle);
-    if (!(slope > 0) || marcher->grower.out_of_memory) return;
     if (!ARRAY_ROOM(marcher->samples, marcher->samples_capacity, marcher->n_samples)) {
         marcher->grower.out_of_memory = true;
         return;
     }
-    marcher->samples[marcher->n_samples++] = (float)fmin(fabs(value) / slope, vec3_length(marcher->lattice.step));
+    Vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3);
+    marcher->samples[marcher->n_samples++] = (Sample){.middle = middle};
 }
 
 static int compare_samples(const void *left, const void *right)
 {
-    const float *a = left, *b = right;
-    return *a < *b ? -1 : *a > *b;
+    const Sample *a = left, *b = right;
+    return a->distance < b->distance ? -1 : a->distance > b->distance;
 }
 
 /* The distance that all samples but one in a hundred keep to: where the surface meets itself at a point or an edge, the
@@ -172,7 +278,9 @@ static double measured_distance(Marcher *marcher)
 {
     if (!marcher->n_samples) return 0;
     qsort(marcher->samples, marcher->n_samples, sizeof *marcher->samples, compare_samples);
-    return (double)marcher->samples[(marcher->n_samples - 1) - marcher->n_samples / 100];
+    size_t n = marcher->n_samples;
+    while (n > 0 && marcher->samples[n - 1].distance == HUGE_VALF) n--;
+    return n ? (double)marcher->samples[(n - 1) - n / 100].distance : 0;
 }
 
 static void add_triangle(Marcher *marcher, uint32_t a, uint32_t b, uint32_t c, bool flat)
@@ -185,7 +293,7 @@ static void add_triangle(Marcher *marcher, uint32_t a, uint32_t b, uint32_t c, b
         b = grower_vertex(&marcher->grower, pb, normal);
         c = grower_vertex(&marcher->grower, pc, normal);
     } else if (marcher->n_seen++ % SAMPLE_STRIDE == 0) {
-        take_sample(marcher, pa, pb, pc);
+        note_sample(marcher, pa, pb, pc);
     }
     grower_triangle(&marcher->grower, a, b, c);
 }
@@ -199,8 +307,7 @@ static void march_tetrahedron(Marcher *marcher, const Cube *cube, const unsigned
     for (int pass = 0; pass < 2; pass++) /* those inside first */
         for (int c = 0; c < 4; c++) {
             unsigned corner = corners[c];
-            double value = corner_value(marcher, cube->i + (corner & 1), cube->j + (corner >> 1 & 1), corner >> 2);
-            if ((value > 0) != (pass == 0)) continue;
+            if ((value_at_corner(marcher, cube, corner) > 0) != (pass == 0)) continue;
             placed[n_placed] = c;
             order[n_placed++] = corner;
             n_inside += pass == 0;
@@ -258,7 +365,7 @@ static void fill_layer(Marcher *marcher, size_t k, unsigned at)
                marcher->lattice.n[0] * sizeof *values);
 }
 
-static void march_layer(Marcher *marcher, size_t k)
+static void for_crossed_cubes(Marcher *marcher, size_t k, void (*use)(Marcher *marcher, const Cube *cube))
 {
     for (size_t j = 0; j + 1 < marcher->height; j++)
         for (size_t i = 0; i + 1 < marcher->width; i++) {
@@ -267,8 +374,17 @@ static void march_layer(Marcher *marcher, size_t k)
             size_t w = marcher->width;
             int n = (low[0] > 0) + (low[1] > 0) + (low[w] > 0) + (low[w + 1] > 0) + (high[0] > 0) + (high[1] > 0) +
                     (high[w] > 0) + (high[w + 1] > 0);
-            if (n > 0 && n < 8) march_cube(marcher, &(Cube){i, j, k});
+            if (n > 0 && n < 8) use(marcher, &(Cube){i, j, k});
         }
+}
+
+static void march_layer(Marcher *marcher, size_t k)
+{
+    marcher->n_crossings = 0;
+    for_crossed_cubes(marcher, k, note_crossings);
+    if (marcher->grower.out_of_memory) return;
+    ask_all(marcher, marcher->n_crossings, place_crossing);
+    if (!marcher->stopped) for_crossed_cubes(marcher, k, march_cube);
 }
 
 static void clear_marcher(Marcher *marcher)
@@ -280,11 +396,12 @@ static void clear_marcher(Marcher *marcher)
     blocks_clear(&marcher->blocks);
     free(marcher->row);
     free(marcher->wanted);
+    free(marcher->crossings);
     free(marcher->samples);
     grower_clear(&marcher->grower);
 }
 
-static Status march(Marcher *marcher, Pool *pool, Error *error)
+static Status march(Marcher *marcher, Error *error)
 {
     size_t n_points = marcher->width * marcher->height;
     for (int i = 0; i < 2; i++) {
@@ -296,7 +413,7 @@ static Status march(Marcher *marcher, Pool *pool, Error *error)
     if (!marcher->values[0] || !marcher->values[1] || !marcher->vertices[0] || !marcher->vertices[1] || !marcher->row ||
         !marcher->wanted)
         return fail_memory(error, n_points * 100, "an implicit surface");
-    TRY(blocks_make(marcher->field, &marcher->lattice, pool, &marcher->blocks, error));
+    TRY(blocks_make(marcher->field, &marcher->lattice, marcher->pool, &marcher->blocks, error));
     fill_layer(marcher, 0, 0);
     for (size_t k = 0; k <= marcher->lattice.n[2] && !marcher->stopped; k++) {
         fill_layer(marcher, k + 1, 1);
@@ -308,6 +425,7 @@ static Status march(Marcher *marcher, Pool *pool, Error *error)
         marcher->values[1] = values;
         marcher->vertices[1] = vertices;
     }
+    ask_all(marcher, marcher->n_samples, take_sample);
     return STATUS_OK;
 }
 
@@ -332,12 +450,12 @@ Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *opt
     double step = vec3_max_abs(size) / options->cells;
     *mesh = NULL;
     for (int round = 0; round < MAX_ROUNDS; round++) {
-        Marcher marcher = {.field = field, .lattice = lattice_of(options->bounds, step)};
+        Marcher marcher = {.field = field, .lattice = lattice_of(options->bounds, step), .pool = options->pool};
         double fineness = cbrt((double)options->max_points / n_points_of(&marcher.lattice));
         if (*mesh && fineness < 1) break;
         marcher.width = marcher.lattice.n[0] + 2;
         marcher.height = marcher.lattice.n[1] + 2;
-        Status status = march(&marcher, options->pool, error);
+        Status status = march(&marcher, error);
         if (status == STATUS_OK && marcher.stopped) status = STATUS_SCENE;
         Mesh *made = NULL;
         if (status == STATUS_OK && !marcher.grower.n_triangles && !marcher.grower.out_of_memory)

@@ -19,7 +19,9 @@ typedef struct ImplicitField {
     /* values[j * n[0] + i] of the points of layer k; of those whose wanted[] is 0 they stay what they are. NULL: all are */
     bool (*layer)(void *context, const Lattice *lattice, uint32_t k, const uint8_t *wanted, double *values);
     bool (*value)(void *context, Vec3 p, double *value);
-    bool (*gradient)(void *context, Vec3 p, Vec3 *gradient); /* NULL: by differences of values */
+    /* The same, asked by any thread, and false where it is value() that has to be asked. NULL: it always has to */
+    bool (*shared_value)(void *context, Vec3 p, double *value);
+    bool (*gradient)(void *context, Vec3 p, Vec3 *gradient); /* asked by any thread; NULL: by differences of values */
     /* What all values of a layer's points within the box are between; false where that is not known. Asked by any thread.
      * NULL: never known */
     bool (*bounds)(void *context, Box3 box, double *low, double *high);
@@ -52,6 +54,6 @@ typedef struct BlobComponent {
 
 /* Where the densities add up to more than the threshold. tolerance 0: a 4000th of its extent. */
 ATTR_NODISCARD Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance,
-                                     Mesh **mesh, double *reached, Error *error);
+                                     Pool *pool, Mesh **mesh, double *reached, Error *error);
 
 #endif

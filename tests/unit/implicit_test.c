@@ -1,5 +1,6 @@
 /* implicit_test.c - bounds of functions of the scene: they hold for every operation, blocks of the grid that are left out for
- * them hold no crossing, and the mesh of an isosurface is the same without them.
+ * them hold no crossing, and the mesh of an isosurface is the same without them, and without
+ * threads.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
@@ -236,7 +237,7 @@ static void blocks_left_out_hold_no_crossing(void **state)
         const Lattice *lattice = &lattices[n % 3];
         size_t n_points = (size_t)lattice->n[0] * lattice->n[1];
         Asked asked = {open_function(&run, functions[n / 3].text), 0};
-        const ImplicitField field = {&asked, give_layer, give_value, NULL, give_bounds};
+        const ImplicitField field = {&asked, give_layer, give_value, NULL, NULL, give_bounds};
         Blocks blocks = {.sides = NULL};
         assert_int_equal(blocks_make(&field, lattice, NULL, &blocks, NULL), STATUS_OK);
         uint8_t *wanted = malloc(n_points);
@@ -268,18 +269,23 @@ static void assert_same_bits(const Mesh *a, const Mesh *b)
     assert_memory_equal(a->triangles, b->triangles, a->n_triangles * sizeof *a->triangles);
 }
 
-static void meshes_are_the_same_without_bounds(void **state)
+static void meshes_are_the_same_without_bounds_and_threads(void **state)
 {
     (void)state;
-    const ImplicitOptions options = {
-        .bounds = {{-1.5, -1.25, -1}, {2, 1.5, 1.25}}, .tolerance = 1e-3, .cells = 24, .max_points = 100000};
+    Pool *pool;
+    assert_int_equal(pool_new(3, &pool, NULL), STATUS_OK);
+    const ImplicitOptions options = {.bounds = {{-1.5, -1.25, -1}, {2, 1.5, 1.25}},
+                                     .tolerance = 1e-3,
+                                     .cells = 24,
+                                     .max_points = 100000,
+                                     .pool = pool};
     size_t n_made = 0;
     for (size_t i = 0; i < COUNT_OF(functions); i++) {
         Run run;
         const Program *program = open_function(&run, functions[i].text);
         Asked with = {program, 0}, without = {program, 0};
-        const ImplicitField bounded = {&with, give_layer, give_value, NULL, give_bounds};
-        const ImplicitField plain = {&without, give_layer, give_value, NULL, NULL};
+        const ImplicitField bounded = {&with, give_layer, give_value, give_value, NULL, give_bounds};
+        const ImplicitField plain = {&without, give_layer, give_value, NULL, NULL, NULL};
         Mesh *one = NULL, *other = NULL;
         double reached, other_reached;
         Error error;
@@ -296,6 +302,7 @@ static void meshes_are_the_same_without_bounds(void **state)
         mesh_free(other);
         run_close(&run);
     }
+    pool_free(pool);
     assert_true(n_made >= COUNT_OF(functions) * 3 / 4);
 }
 
@@ -305,7 +312,7 @@ int main(void)
         cmocka_unit_test(values_are_within_their_bounds),
         cmocka_unit_test(bounds_are_close),
         cmocka_unit_test(blocks_left_out_hold_no_crossing),
-        cmocka_unit_test(meshes_are_the_same_without_bounds),
+        cmocka_unit_test(meshes_are_the_same_without_bounds_and_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -419,6 +419,10 @@ static void isosurfaces(void **state)
     REFUSED("def f(a, b) = 1 isosurface { interior = ice function = f }", D_WRONG_TYPE);
     REFUSED("def f(p) = p isosurface { interior = ice function = f }", D_WRONG_TYPE);
     REFUSED("def f(p) = 1 / (p.x - p.x) isosurface { interior = ice function = f }", D_BAD_NUMBER);
+    /* at the points of the grid it has values, and none at some between them */
+    REFUSED("def f(p) = p.y - .515 + 0 * sqrt(.25 - abs(frac(24 * p.y + .5) - .5)) isosurface { interior = ice "
+            "function = f }",
+            D_BAD_NUMBER);
     REFUSED("def f(p) = 1 isosurface { interior = ice function = f }", D_DEGENERATE_SHAPE);
     REFUSED("def f(p) = f(p) isosurface { interior = ice function = f }", D_TOO_DEEP);
     REFUSED("def f(p) { sphere { interior = ice } } isosurface { interior = ice function = f }", D_WRONG_TYPE);
