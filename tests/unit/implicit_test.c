@@ -27,6 +27,7 @@ static const struct {
     {"f(p) = p.x < p.y and p.z >= 0 or not (p.x > 1) ? p.x + 1 : p.y <= p.z ? p.y - 1 : -2", 1},
     {"f(p) = (p.x > 0) == (p.y > 0) ? p.z : p == round(p) ? 1 : -.5", 1},
     {"f(p) = clamp(p.x, -.5, .5) + clamp(2, p.y, p.z) + (p.z < p.x ? p.z : p.x) + (p.y > 1 ? p.y : 1)", 1},
+    {"f(p) = (p.y < p.z ? p.y : -9) + (p.y < p.z ? p.z : 9) + (p.x <= p.z ? -9 : p.x) + (p.x <= p.z ? 9 : p.z)", 1},
     {"f(p) = min(p.x, p.y, 1) + max(p.y, p.z) - max(abs(p.x), abs(p.z))", 1},
     {"f(p) = atan2(p.z, p.x) / 360 + atan2(p.y, 1) + atan2(-1, p.x)", 1},
     {"f(p) = mix(p.x, p.y, p.z) + mix(1, 2, p.x) + mix(p.x * 1e6, -p.y, round(p.z))", 1},
