@@ -21,6 +21,9 @@ enum { FEW = 8, FEW_PART = 4 };
 #define STANDS_OUT 0.2
 /* Pixels around, for what is usual there. */
 enum { AROUND = 2 };
+/* A pixel is a hole by what it has less than this one of those next to it, counted from the darkest: holes may be two or three
+ * in a row, and what is beside an edge is none. */
+enum { HOLE_RANK = 3 };
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
  * away many, else their discs would be seen. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256, FARTHEST = 209 };
@@ -150,6 +153,25 @@ static double reference_at(const Maps *maps, uint32_t x, uint32_t y)
         for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++)
             most = fmaxf(most, maps->looks.plain[place_in(area, u, v)]);
     return (double)most;
+}
+
+/* By how much a pixel would be darker than those next to it, were all its samples that have few alike to go. Where light is
+ * folded or a shadow ends, neighbours may have found by many samples what a pixel has found by one. */
+static double hole_at(const Maps *maps, uint32_t x, uint32_t y)
+{
+    const uint32_t *area = maps->area;
+    float darkest[HOLE_RANK];
+    uint32_t n = 0;
+    for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
+        for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++) {
+            float light = maps->looks.plain[place_in(area, u, v)];
+            if ((u == x && v == y) || (n == HOLE_RANK && light >= darkest[n - 1])) continue;
+            uint32_t k = n < HOLE_RANK ? n++ : HOLE_RANK - 1;
+            for (; k > 0 && darkest[k - 1] > light; k--) darkest[k] = darkest[k - 1];
+            darkest[k] = light;
+        }
+    if (n < HOLE_RANK) return 0;
+    return fmax((double)darkest[HOLE_RANK - 1] - (double)maps->looks.plain[place_in(area, x, y)], 0);
 }
 
 static void look_at_row(void *context, uint32_t index, unsigned worker)
@@ -430,12 +452,16 @@ static void find_ways_of_pixel(const Maps *maps, uint32_t x, uint32_t y, Row *ro
     const BrightPixel *bright = bright_at(maps, x, y);
     uint32_t n = film_pixel(maps->film, x, y)->n;
     if (n < SPREAD_LEAST_SAMPLES || is_plain(bright, n)) return;
-    double much = STANDS_OUT * n * reference_at(maps, x, y);
+    double much = STANDS_OUT * n * reference_at(maps, x, y), hole = hole_at(maps, x, y);
     for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
         Lone lone = lone_at(maps, x, y, i);
         Way way = {.x = x, .kept = (uint8_t)i, .part = 1};
-        if (!find_way(maps, &lone, &way) || way.part == 0) continue;
+        bool goes = find_way(maps, &lone, &way);
+        /* what fills a hole stays */
+        way.part = goes ? fmin(way.part, 1 - fmin(hole / lone.seen, 1)) : 0;
+        hole = fmax(hole - (1 - way.part) * lone.light, 0);
+        if (way.part == 0) continue;
         if (!ARRAY_ROOM(row->ways, row->capacity, row->n)) {
             row->out_of_memory = true;
             return;

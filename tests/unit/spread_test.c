@@ -173,6 +173,31 @@ static void one_colour_is_seen_sooner(void **state)
     }
 }
 
+/* Light that all around have found by many samples, and a pixel or two by one: that fills these up, and the rest goes. */
+static void no_hole_is_left(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            bool hole = y == 20 && (x == 12 || x == 13);
+            float light = hole ? 0.3f : 1.0f, lone = hole ? 80.0f : 1.0f;
+            for (int i = 0; i < 63; i++) add(&films, x, y, (float[]){light, light, light}, 7);
+            add(&films, x, y, (float[]){lone, lone, lone}, 7);
+        }
+    resolve(&films, whole);
+    assert_int_equal(films.way.samples, 2);
+    for (uint32_t x = 12; x < 14; x++) {
+        float kept = pixel_of(&films.kept, x, 20)[1], after = pixel_of(&films.spread, x, 20)[1];
+        assert_true(kept > 1.5f && after > 0.98f && after < 1.05f);
+    }
+    double all[3], right[3];
+    gains(&films, all, right);
+    for (int c = 0; c < 3; c++) assert_near(all[c], 0, 1e-12);
+    end(&films);
+}
+
 /* A line that each of its pixels has found a few times stays a line. */
 static void what_is_thin_stays_thin(void **state)
 {
@@ -425,6 +450,7 @@ int main(void)
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(one_colour_is_seen_sooner),
+        cmocka_unit_test(no_hole_is_left),
         cmocka_unit_test(what_is_thin_stays_thin),
         cmocka_unit_test(the_brightest_are_held),
         cmocka_unit_test(nothing_goes_to_nothing),
