@@ -15,6 +15,8 @@
 #define UNKNOWN 0.05f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
+/* The cosine of half a radian: directions that are farther apart are not of one sheet of light. */
+#define ONE_SHEET 0.88f
 
 static GuideLobe lobe_of_photon(const Photon *photon, Vec3f origin)
 {
@@ -94,24 +96,54 @@ static void sort_by_way(Photon *photons, uint32_t n)
     }
 }
 
+/* Of the sheets of light, by number up to n, that which a photon is of: of its way, the nearest by direction; n: none. */
+static uint32_t sheet_of(const Photon *photon, const Photon *const sheets[], uint32_t n)
+{
+    uint32_t nearest = n;
+    float most = -2;
+    for (uint32_t k = 0; k < n; k++) {
+        float cosine = vec3f_dot(photon->from, sheets[k]->from);
+        if (sheets[k]->way == photon->way && cosine > most) most = cosine, nearest = k;
+    }
+    return nearest;
+}
+
+/* Light of one way that comes from quite other directions is another sheet: through the top and through a side of the water in a
+ * pool, which are one object. What is known of the side, which is level, is known better than what is known of the waves on
+ * top, and would be asked in its place. Photons that are known become sorted by sheets; returns how many these are, and where
+ * each begins. */
+static uint32_t sort_by_sheet(Photon *known, uint32_t n, uint32_t *first)
+{
+    uint32_t n_sheets = 0, done = 0;
+    sort_by_way(known, n);
+    while (done < n) {
+        first[n_sheets++] = done;
+        const Photon leader = known[done];
+        for (uint32_t i = done; i < n && known[i].way == leader.way; i++) {
+            if (vec3f_dot(known[i].from, leader.from) < ONE_SHEET) continue;
+            Photon moved = known[i];
+            known[i] = known[done];
+            known[done++] = moved;
+        }
+    }
+    first[n_sheets] = n;
+    return n_sheets;
+}
+
 uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint32_t n, Vec3f origin, GuideLobe *lobes)
 {
-    uint32_t ways[GUIDE_CELL_KNOWN], first[GUIDE_CELL_KNOWN + 1], n_ways = 0;
+    const Photon *sheets[GUIDE_CELL_KNOWN];
+    uint32_t first[GUIDE_CELL_KNOWN + 1], n_ways = sort_by_sheet(known, n_known, first);
     float flux[GUIDE_CELL_KNOWN], total = 0, lost = 0, sum = 0, size = 0;
-    sort_by_way(known, n_known);
     for (uint32_t i = 0; i < n_known; i++) {
         lobes[i] = lobe_of_photon(&known[i], origin);
         size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
-        if (i > 0 && known[i].way == known[i - 1].way) continue;
-        ways[n_ways] = known[i].way, flux[n_ways] = 0;
-        first[n_ways++] = i;
     }
-    first[n_ways] = n_known;
+    for (uint32_t k = 0; k < n_ways; k++) sheets[k] = &known[first[k]], flux[k] = 0;
     GuideFour fours[GUIDE_CELL_FOURS];
     guide_lay_in_fours(lobes, n_known, fours);
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t k = 0;
-        while (k < n_ways && ways[k] != photons[i].way) k++;
+        uint32_t k = sheet_of(&photons[i], sheets, n_ways);
         total += photons[i].flux;
         if (k < n_ways)
             flux[k] += photons[i].flux;
