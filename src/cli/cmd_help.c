@@ -12,14 +12,22 @@
 #include "scene/build.h"
 #include "scene/library.h"
 
+/* Each once: between two that are as near none is the nearest. */
+static void add_topic(const char **names, size_t *n, const char *name)
+{
+    size_t k = 0;
+    while (k < *n && strcmp(names[k], name) != 0) k++;
+    if (k == *n) names[(*n)++] = name;
+}
+
 /* Everything that has help, for did-you-mean. */
 static const char *nearest_topic(const char *wrong)
 {
     const Schema *schema = scene_schema();
     size_t n_props = 0;
     for (size_t i = 0; i < schema->n_nodes; i++) n_props += schema->nodes[i].n_props;
-    const char **names = malloc((COMMAND_COUNT + schema->n_nodes + n_props + builtin_count() + schema->n_terms + D_COUNT +
-                                 std_library.n_files) *
+    const char **names = malloc((COMMAND_COUNT + schema->n_nodes + n_props + OPTION_COUNT + builtin_count() +
+                                 schema->n_terms + D_COUNT + std_library.n_files) *
                                 sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
@@ -27,12 +35,9 @@ static const char *nearest_topic(const char *wrong)
         if (command_row(command)->summary) names[n++] = command_row(command)->name;
     for (size_t i = 0; i < schema->n_nodes; i++) names[n++] = schema->nodes[i].name;
     for (size_t i = 0; i < schema->n_nodes; i++)
-        for (size_t p = 0; p < schema->nodes[i].n_props; p++) {
-            const char *name = schema->nodes[i].props[p].name;
-            size_t k = 0; /* each once: between two that are as near none is the nearest */
-            while (k < n && strcmp(names[k], name) != 0) k++;
-            if (k == n) names[n++] = name;
-        }
+        for (size_t p = 0; p < schema->nodes[i].n_props; p++) add_topic(names, &n, schema->nodes[i].props[p].name);
+    for (OptionKey key = 0; key < OPTION_COUNT; key++)
+        if (option_row(key)->help && option_row(key)->name) add_topic(names, &n, option_row(key)->name);
     for (size_t i = 0; i < builtin_count(); i++) names[n++] = builtin_at(i)->name;
     for (size_t i = 0; i < schema->n_terms; i++) names[n++] = schema->terms[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
@@ -61,7 +66,7 @@ static void explain_library(const char *topic, Buf *out)
         library_print_file(file, out);
 }
 
-/* A word can be a command and a node (render), or a node and a function (noise): then both are explained. */
+/* A word can be a command and a node (render), a node, a function and an option (noise): then all are explained. */
 static Status explain(const char *topic, Buf *out, Error *error)
 {
     Command command = command_named(topic);
@@ -81,6 +86,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
         if (out->length) buf_add(out, "\nAs a property:\n\n");
         reference_print_property(topic, out);
     }
+    if (help_has_option(topic)) help_print_option(topic, out);
     if (code != D_COUNT) reference_print_diagnostic(code, out);
     explain_library(topic, out);
     if (out->length) return STATUS_OK;
@@ -90,7 +96,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
     if (near) return fail(error, STATUS_USAGE, "there is no help for '%s'; did you mean '%s'?", topic, near);
     return fail(
         error, STATUS_USAGE,
-        "there is no help for '%s', only for commands, nodes, properties, functions, and the library (help std)",
+        "there is no help for '%s', only for commands, their options, nodes, properties, functions, and the library (help std)",
         topic);
 }
 

@@ -159,6 +159,42 @@ void help_print(Command command, bool full, Buf *out)
         buf_format(out, "\n'meniscus %s --help' says all.\n", row->name);
 }
 
+/* "render, check and view" */
+static void print_commands_of(OptionKey key, Buf *out)
+{
+    unsigned n = 0, k = 0;
+    for (Command command = 0; command < COMMAND_COUNT; command++)
+        n += command_row(command)->summary && command_has_option(command, key);
+    for (Command command = 0; command < COMMAND_COUNT; command++) {
+        if (!command_row(command)->summary || !command_has_option(command, key)) continue;
+        buf_format(out, "%s%s", k == 0 ? "" : k + 1 == n ? " and " : ", ", command_row(command)->name);
+        k++;
+    }
+}
+
+bool help_has_option(const char *name)
+{
+    for (OptionKey key = 0; key < OPTION_COUNT; key++) {
+        const OptionRow *row = option_row(key);
+        if (row->help && row->name && strcmp(row->name, name) == 0) return true;
+    }
+    return false;
+}
+
+void help_print_option(const char *name, Buf *out)
+{
+    for (OptionKey key = 0; key < OPTION_COUNT; key++) {
+        const OptionRow *row = option_row(key);
+        if (!row->help || !row->name || strcmp(row->name, name) != 0) continue;
+        if (out->length) buf_add(out, "\n");
+        buf_add(out, "As an option of ");
+        print_commands_of(key, out);
+        buf_add(out, ":\n\n");
+        print_option_fully(row, out);
+        out->length--; /* the empty line behind it */
+    }
+}
+
 void help_print_overview(Buf *out)
 {
     buf_add(out, "meniscus - render nested transparent volumes: glass, liquids, ice, bubbles\n\n"

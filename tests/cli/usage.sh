@@ -62,7 +62,8 @@ refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-me
 refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughnes
 refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
 refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smothstep
-refuses "there is no help for 'window-frames', only for commands, nodes" help window-frames
+refuses "there is no help for 'exposur'; did you mean 'exposure'?" help exposur
+refuses "there is no help for 'window-frames', only for commands, their options, nodes" help window-frames
 refuses "1..10 of a scene that is no animation; --set animation.frames=10 makes it one" render small.mns --frames 1..10
 refuses "to render 'small.mns', write its whole name" small
 refuses "'small.mns' is a scene; 'meniscus check small.mns' says what it holds" info small.mns
@@ -132,6 +133,12 @@ run help noise
 says out "octaves"
 says out "As a function:"
 says out "As a property:"
+says out "As an option of render:"
+run help exposure
+matches out '^As an option of view:$'
+matches out '^      --exposure STOPS$'
+run help quiet
+matches out '^As an option of render.* and .*:$'
 run help thin
 says out "it has no inside"
 run help ior
