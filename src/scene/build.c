@@ -186,10 +186,11 @@ bool build_exclude(Builder *b, const EvalNode *node, const char *property, const
     return false;
 }
 
-void build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed)
+Diagnostic *build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed)
 {
     const EvalProp *prop = eval_prop(node, property);
-    if (prop) diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "'%s' has no effect %s", property, needed);
+    if (!prop) return NULL;
+    return diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "'%s' has no effect %s", property, needed);
 }
 
 /* ---- the walk ---- */

@@ -80,7 +80,8 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
         Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, tint->span, "'tint' needs a 'depth'");
         diag_hint(b->diag, report, "depth is the length of the medium after which white light has this colour");
     } else if (depth && !tint) {
-        build_needs(b, node, "depth", "without a 'tint'");
+        Diagnostic *report = build_needs(b, node, "depth", "without a 'tint'");
+        diag_hint(b->diag, report, "tint is the colour of white light after that length: tint = rgb(.8, .9, 1)");
     } else if (tint) {
         medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, build_new_table(b));
     } else if (absorption) {
@@ -127,7 +128,8 @@ static void scattering_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     medium->scatters = !spectrum_is_zero(&medium->scattering);
     medium->phase = phase_isotropic();
     if (phase) phase_of(b, phase, &medium->phase);
-    if (!scattering) build_needs(b, node, "phase", "without 'scattering'");
+    Diagnostic *report = scattering ? NULL : build_needs(b, node, "phase", "without 'scattering'");
+    if (report) diag_hint(b->diag, report, "how much scatters in a length: scattering = 2 / 1cm");
 }
 
 static NestState state_of(const EvalNode *node)
@@ -142,10 +144,11 @@ static void glow_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 {
     const EvalProp *emission = eval_prop(node, "emission"), *temperature = eval_prop(node, "temperature");
     medium->emission = spectrum_constant(0);
-    if (!emission) build_needs(b, node, "radiance", "without an 'emission'");
+    Diagnostic *report = emission ? NULL : build_needs(b, node, "radiance", "without an 'emission'");
+    if (report) diag_hint(b->diag, report, "the colour of the light: emission = #fff");
     if (temperature && (!emission || !is_term(emission, "blackbody"))) {
-        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, temperature->span,
-                                         "'temperature' needs emission = blackbody(kelvin)");
+        report = diag_report(b->diag, D_MISSING_PROPERTY, temperature->span,
+                             "'temperature' needs emission = blackbody(kelvin)");
         diag_hint(b->diag, report, "'radiance' is that of places which are as hot as that; others follow");
         return;
     }

@@ -129,8 +129,9 @@ Span build_author_place(const Builder *b, const EvalNode *node);
 Span build_span(const EvalNode *node, const char *property);
 /* Reports when both are set; word says what the pair means. Returns true when all is well. */
 bool build_exclude(Builder *b, const EvalNode *node, const char *property, const char *other);
-/* Reports a property that has no effect without another, or with another value of it. */
-void build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed);
+/* Reports a property that has no effect without another, or with another value of it; returns the report, NULL where the
+ * property is not set. */
+Diagnostic *build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed);
 
 /* build_media.c */
 uint32_t build_medium(Builder *b, const EvalNode *node);

@@ -189,14 +189,20 @@ static uint32_t add_surface(Builder *b, SceneSurface surface)
 
 /* Properties that have no effect without another. */
 typedef struct Need {
-    const char *property, *other, *words;
+    const char *property, *other, *words, *hint;
 } Need;
 
+#define COAT "without a coat", "a clear coat over all of it: coat = 1"
+#define FUZZ "without 'fuzz'", "as on cloth: fuzz = .5"
 static const Need needs[] = {
-    {"specular", "ior", "without an 'ior'"},      {"coat_ior", "coat", "without a coat"},
-    {"coat_roughness", "coat", "without a coat"}, {"coat_anisotropy", "coat", "without a coat"},
-    {"coat_tint", "coat", "without a coat"},      {"fuzz_color", "fuzz", "without 'fuzz'"},
-    {"fuzz_roughness", "fuzz", "without 'fuzz'"}, {"weight", "mix", "without a 'mix'"},
+    {"specular", "ior", "without an 'ior'", "as plastic and varnish have it: ior = 1.5"},
+    {"coat_ior", "coat", COAT},
+    {"coat_roughness", "coat", COAT},
+    {"coat_anisotropy", "coat", COAT},
+    {"coat_tint", "coat", COAT},
+    {"fuzz_color", "fuzz", FUZZ},
+    {"fuzz_roughness", "fuzz", FUZZ},
+    {"weight", "mix", "without a 'mix'", "a mixture of two: mix = [a, b]"},
 };
 
 static bool is_on(const EvalNode *node, const char *property) /* set, and if a number, not 0 */
@@ -210,8 +216,11 @@ static void check_needs(Builder *b, const EvalNode *node)
     static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
     static const char *const of_pane[] = {"tint", "film"};
     bool thin = eval_truth(node, "thin"), pane = is_on(node, "transmission");
-    for (size_t i = 0; i < COUNT_OF(needs); i++)
-        if (!is_on(node, needs[i].other)) build_needs(b, node, needs[i].property, needs[i].words);
+    for (size_t i = 0; i < COUNT_OF(needs); i++) {
+        const Need *need = &needs[i];
+        Diagnostic *report = is_on(node, need->other) ? NULL : build_needs(b, node, need->property, need->words);
+        if (report) diag_hint(b->diag, report, "%s", need->hint);
+    }
     for (size_t i = 0; (!thin || !pane) && i < COUNT_OF(of_pane); i++)
         build_needs(b, node, of_pane[i],
                     thin   ? "without 'transmission'"
@@ -331,7 +340,8 @@ static void check_opaque(Builder *b, const EvalNode *node)
                                          "this object has no interior for light to go through");
         diag_hint(b->diag, report, "name one, interior = a medium, or make the surface thin = true");
     } else if (is_on(node, "transmission") && !eval_prop(node, "ior")) {
-        build_needs(b, node, "transmission", "without an 'ior'");
+        Diagnostic *report = build_needs(b, node, "transmission", "without an 'ior'");
+        if (report) diag_hint(b->diag, report, "a pane of glass: ior = 1.5");
     }
     static const char *const of_facets[] = {"roughness", "anisotropy"};
     for (size_t i = 0; !facets && i < COUNT_OF(of_facets); i++) {
