@@ -86,7 +86,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
         if (out->length) buf_add(out, "\nAs a property:\n\n");
         reference_print_property(topic, out);
     }
-    if (help_has_option(topic)) help_print_option(topic, out);
+    help_print_option(topic, out);
     if (code != D_COUNT) reference_print_diagnostic(code, out);
     explain_library(topic, out);
     if (out->length) return STATUS_OK;

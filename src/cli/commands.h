@@ -27,8 +27,7 @@ ATTR_NODISCARD Status cmd_version(const Options *options, const Talk *talk, Erro
 void help_wrap(Buf *out, const char *text, size_t indent, size_t column);
 /* Help for one command: a line per option and examples, or everything. */
 void help_print(Command command, bool full, Buf *out);
-/* All options of that name, without their two hyphens, each with the commands that have it. */
-bool help_has_option(const char *name);
+/* All options of that name, without their two hyphens, each with the commands that have it; nothing where there is none. */
 void help_print_option(const char *name, Buf *out);
 /* The list of commands. */
 void help_print_overview(Buf *out);

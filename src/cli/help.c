@@ -124,7 +124,6 @@ static void print_option_fully(const OptionRow *row, Buf *out)
         buf_add_repeat(out, ' ', OPTION_INDENT);
         buf_format(out, "Example: %s\n", row->example);
     }
-    buf_add(out, "\n");
 }
 
 static void print_options(Command command, bool full, Buf *out)
@@ -135,10 +134,12 @@ static void print_options(Command command, bool full, Buf *out)
         if (!command_has_option(command, key) || !row->help) continue;
         if (strcmp(group, row->group) != 0) buf_format(out, "%s%s:\n", full && *group ? "" : "\n", row->group);
         group = row->group;
-        if (full)
+        if (full) {
             print_option_fully(row, out);
-        else
+            buf_add(out, "\n");
+        } else {
             print_option_line(row, out);
+        }
     }
 }
 
@@ -172,15 +173,6 @@ static void print_commands_of(OptionKey key, Buf *out)
     }
 }
 
-bool help_has_option(const char *name)
-{
-    for (OptionKey key = 0; key < OPTION_COUNT; key++) {
-        const OptionRow *row = option_row(key);
-        if (row->help && row->name && strcmp(row->name, name) == 0) return true;
-    }
-    return false;
-}
-
 void help_print_option(const char *name, Buf *out)
 {
     for (OptionKey key = 0; key < OPTION_COUNT; key++) {
@@ -191,7 +183,6 @@ void help_print_option(const char *name, Buf *out)
         print_commands_of(key, out);
         buf_add(out, ":\n\n");
         print_option_fully(row, out);
-        out->length--; /* the empty line behind it */
     }
 }
 
