@@ -96,14 +96,16 @@ static void sort_by_way(Photon *photons, uint32_t n)
     }
 }
 
-/* Of the sheets of light, by number up to n, that which a photon is of: of its way, the nearest by direction; n: none. */
-static uint32_t sheet_of(const Photon *photon, const Photon *const sheets[], uint32_t n)
+/* Of the n sheets of light, each by the first photon that is known of it, that which a photon is of: of its way, the nearest by
+ * direction; n: none. */
+static uint32_t sheet_of(const Photon *photon, const Photon *known, const uint32_t *first, uint32_t n)
 {
     uint32_t nearest = n;
     float most = -2;
     for (uint32_t k = 0; k < n; k++) {
-        float cosine = vec3f_dot(photon->from, sheets[k]->from);
-        if (sheets[k]->way == photon->way && cosine > most) most = cosine, nearest = k;
+        const Photon *sheet = &known[first[k]];
+        float cosine = vec3f_dot(photon->from, sheet->from);
+        if (sheet->way == photon->way && cosine > most) most = cosine, nearest = k;
     }
     return nearest;
 }
@@ -132,26 +134,25 @@ static uint32_t sort_by_sheet(Photon *known, uint32_t n, uint32_t *first)
 
 uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint32_t n, Vec3f origin, GuideLobe *lobes)
 {
-    const Photon *sheets[GUIDE_CELL_KNOWN];
-    uint32_t first[GUIDE_CELL_KNOWN + 1], n_ways = sort_by_sheet(known, n_known, first);
+    uint32_t first[GUIDE_CELL_KNOWN + 1], n_sheets = sort_by_sheet(known, n_known, first);
     float flux[GUIDE_CELL_KNOWN], total = 0, lost = 0, sum = 0, size = 0;
     for (uint32_t i = 0; i < n_known; i++) {
         lobes[i] = lobe_of_photon(&known[i], origin);
         size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
     }
-    for (uint32_t k = 0; k < n_ways; k++) sheets[k] = &known[first[k]], flux[k] = 0;
+    for (uint32_t k = 0; k < n_sheets; k++) flux[k] = 0;
     GuideFour fours[GUIDE_CELL_FOURS];
     guide_lay_in_fours(lobes, n_known, fours);
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t k = sheet_of(&photons[i], sheets, n_ways);
+        uint32_t k = sheet_of(&photons[i], known, first, n_sheets);
         total += photons[i].flux;
-        if (k < n_ways)
+        if (k < n_sheets)
             flux[k] += photons[i].flux;
         else
             lost += photons[i].flux;
     }
     float broad = BROAD + (1 - BROAD) * lost / total;
-    for (uint32_t k = 0; k < n_ways; k++) {
+    for (uint32_t k = 0; k < n_sheets; k++) {
         float weight = total > lost ? flux[k] * (1 - broad) / (total - lost) : 0;
         sum += weight;
         for (uint32_t i = first[k]; i < first[k + 1]; i++) {
