@@ -95,11 +95,9 @@ static bool function_shared_value(void *context, Vec3 p, double *value)
     return true;
 }
 
-static Vec3 lattice_point(const void *context, uint32_t i, uint32_t j, uint32_t k)
+static Vec3 layer_point(const void *context, uint32_t i, uint32_t j, uint32_t k)
 {
-    const Lattice *lattice = context;
-    return vec3(lattice->origin.x + lattice->step.x * i, lattice->origin.y + lattice->step.y * j,
-                lattice->origin.z + lattice->step.z * k);
+    return lattice_point(context, i, j, k);
 }
 
 static bool function_bounds(void *context, Box3 box, double *low, double *high)
@@ -115,7 +113,7 @@ static bool function_bounds(void *context, Box3 box, double *low, double *high)
 static bool function_layer(void *context, const Lattice *lattice, uint32_t k, const uint8_t *wanted, double *values)
 {
     const Isosurface *isosurface = context;
-    const FieldLayer layer = {lattice, lattice_point, {lattice->n[0], lattice->n[1]}, k, wanted};
+    const FieldLayer layer = {lattice, layer_point, {lattice->n[0], lattice->n[1]}, k, wanted};
     if (!build_field_layer(&isosurface->field, &layer, values)) return false;
     for (size_t i = 0; i < (size_t)lattice->n[0] * lattice->n[1]; i++)
         if (!wanted || wanted[i]) values[i] = isosurface->threshold - values[i];

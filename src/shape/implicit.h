@@ -12,6 +12,12 @@ typedef struct Lattice {
     uint32_t n[3];
 } Lattice;
 
+static inline Vec3 lattice_point(const Lattice *lattice, uint32_t i, uint32_t j, uint32_t k)
+{
+    return vec3(lattice->origin.x + lattice->step.x * i, lattice->origin.y + lattice->step.y * j,
+                lattice->origin.z + lattice->step.z * k);
+}
+
 /* A continuous function that is positive inside. The calls return false when they cannot go on; whoever gave the
  * field knows why. */
 typedef struct ImplicitField {
