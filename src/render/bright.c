@@ -24,11 +24,11 @@ void bright_film_clear(BrightFilm *film)
     *film = (BrightFilm){0};
 }
 
-void bright_film_forget(BrightFilm *film)
+void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y)
 {
-    size_t n = (size_t)film->width * film->height;
-    if (film->pixels) memset(film->pixels, 0, n * sizeof *film->pixels);
-    for (size_t i = 0; film->slices && i < n; i++) {
+    size_t row = (size_t)y * film->width;
+    if (film->pixels) memset(&film->pixels[row + x0], 0, (x1 - x0) * sizeof *film->pixels);
+    for (size_t i = row + x0; film->slices && i < row + x1; i++) {
         tally_clear(&film->slices[i].things);
         film->slices[i] = (BrightSlice){0};
     }

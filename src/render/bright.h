@@ -46,7 +46,7 @@ typedef struct BrightFilm {
 
 ATTR_NODISCARD Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error);
 void bright_film_clear(BrightFilm *film);
-void bright_film_forget(BrightFilm *film); /* all samples */
+void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y); /* as film_forget_row */
 /* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. A pixel belongs to one thread at a time. */
 void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing);
 /* Rows as bytes, and joining two, as film_save_row and its like have it; also of films without pixels. next: of a film that

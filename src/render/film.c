@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "render/pixel_noise.h"
 #include "render/spread.h"
@@ -24,6 +25,11 @@ void film_clear(Film *film)
 {
     free(film->pixels);
     *film = (Film){0};
+}
+
+void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y)
+{
+    memset(&film->pixels[(size_t)y * film->width + x0], 0, (x1 - x0) * sizeof *film->pixels);
 }
 
 static double held(double value, double largest, bool *saturated)

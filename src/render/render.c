@@ -455,6 +455,15 @@ static void count_before(Job *job)
     job->first_samples = job->samples = (uint64_t)(stats.mean_samples * (double)job->n_pixels + 0.5);
 }
 
+static void forget_row(void *context, uint32_t index, unsigned worker)
+{
+    (void)worker;
+    RenderState *state = ((Job *)context)->state;
+    const uint32_t *crop = state->crop;
+    film_forget_row(&state->film, crop[0], crop[2], crop[1] + index);
+    bright_film_forget_row(&state->bright, crop[0], crop[2], crop[1] + index);
+}
+
 /* What this render's samples come to; nothing so far. */
 static Status state_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
 {
@@ -508,7 +517,11 @@ static Status job_init(Job *job, Error *error)
     job->tile_done = calloc((size_t)job->tiles_x * job->tiles_y, sizeof *job->tile_done);
     if (!job->tracers || !job->saturated || !job->tile_done)
         return fail_memory(error, job->n_threads * sizeof *job->tracers, "threads");
-    if (!job->state->film.pixels) TRY(state_init(job->state, settings, job->world, error));
+    if (!job->state->film.pixels) {
+        TRY(state_init(job->state, settings, job->world, error));
+        /* memory that is read before it is written is mapped twice, and the second time interrupts all threads */
+        pool_run(job->pool, crop[3] - crop[1], forget_row, job);
+    }
     job->state->aovs.world = job->world;
     count_before(job);
     for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
@@ -519,8 +532,7 @@ static Status job_init(Job *job, Error *error)
 static Status forget_samples(Job *job, Error *error)
 {
     RenderState *state = job->state;
-    memset(state->film.pixels, 0, (size_t)state->film.width * state->film.height * sizeof *state->film.pixels);
-    bright_film_forget(&state->bright);
+    pool_run(job->pool, state->crop[3] - state->crop[1], forget_row, job);
     aov_film_clear(&state->aovs);
     TRY(aov_film_init(&state->aovs, job->settings->aovs, aov_film_unit(job->world), state->film.width,
                       state->film.height, error));
