@@ -149,7 +149,7 @@ void render_summarize(const RenderRun *run)
     else if (render_is_uneven(settings))
         summarize_noise(run, &line);
     else
-        buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->samples));
+        buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->stopped ? wanted : stats->samples));
     if (run->slices) buf_format(&line, ", %u to %u of %u", settings->first_sample + 1, settings->end_sample, settings->samples);
     if (stats->spread_samples) buf_format(&line, ", %.2g %% of the light spread", 100 * stats->spread_light);
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,

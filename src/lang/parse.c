@@ -232,8 +232,9 @@ Stmt *parse_def(Parser *parser, Span begin)
     if (!expect_name(parser, "to declare", &def->name, &def->span)) return NULL;
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
+    const char *head = quote(parser, def->span.begin, consumed_end(parser));
     if (accept(parser, TOKEN_ASSIGN))
-        def->body = parse_expr(parser);
+        def->body = parser->token.kind == TOKEN_BRACE_OPEN ? parse_names_and_value(parser, head) : parse_expr(parser);
     else if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN && (def->body = parse_braced_body(parser, def)))
         return stmt;
     else if (parser->panic || parser->token.kind == TOKEN_BRACE_OPEN)

@@ -690,7 +690,12 @@ static Expr *parse_let(Parser *parser)
     Span begin = token_span(parser);
     if (!enter(parser)) return poison_expr(parser);
     advance(parser);
-    Expr *expr = expr_new(parser, EXPR_LET, begin);
+    Expr *expr = parse_bare_let(parser, begin);
+    if (expr) {
+        leave(parser);
+        return expr;
+    }
+    expr = expr_new(parser, EXPR_LET, begin);
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "behind 'let' in an expression"))
         expr->as.let.bindings = parse_args(parser, opening);

@@ -110,9 +110,93 @@ bool parse_operator_habit(Parser *parser, Span operand)
     return true;
 }
 
+/* Is what stands in the braces here a row of lets, and then a word 'return'? */
+static bool returns_value(const Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    Token token = lexer_next(&look.lexer);
+    if (token.kind != TOKEN_LET) return false;
+    while (token.kind != TOKEN_END && token.kind != TOKEN_BRACE_OPEN && token.kind != TOKEN_BRACE_CLOSE) {
+        if (token.kind == TOKEN_NAME && strcmp(token.as.symbol->text, "return") == 0) return true;
+        token = lexer_next(&look.lexer);
+    }
+    return false;
+}
+
+/* "{ let h = p.x  return h + 1 }" at its brace, as the body of a def */
+Expr *parse_names_and_value(Parser *parser, const char *head)
+{
+    Span brace = token_span(parser);
+    Diagnostic *report = report_at(parser, brace, "a value stands behind '=', statements stand in braces");
+    Expr *body = expr_new(parser, EXPR_LET, brace);
+    Args *bindings = &body->as.let.bindings;
+    uint32_t capacity = 0;
+    const char *names = "";
+    advance(parser);
+    while (!parser->panic && accept(parser, TOKEN_LET)) {
+        Arg arg = {0};
+        if (!expect_name(parser, "to declare", &arg.name, &arg.name_span)) break;
+        if (!expect(parser, TOKEN_ASSIGN, "and a value behind the name")) break;
+        uint32_t begin = parser->token.begin;
+        arg.value = parse_expr(parser);
+        ARENA_ROOM(parser->arena, bindings->items, capacity, bindings->n, 4);
+        bindings->items[bindings->n++] = arg;
+        names = arena_format(parser->arena, "%s%s%s = %s", names, *names ? ", " : "", arg.name->text,
+                             quote(parser, begin, consumed_end(parser)));
+        accept(parser, TOKEN_SEMICOLON);
+    }
+    if (!parser->panic && accept(parser, TOKEN_BRACE_CLOSE)) {
+        diag_hint(parser->diag, report, "write: def %s { ... } for a macro, which places nodes and has no value", head);
+        body->as.let.body = expr_new(parser, EXPR_POISON, brace);
+        return body;
+    }
+    bool word = parser->token.kind == TOKEN_NAME && strcmp(parser->token.as.symbol->text, "return") == 0;
+    if (word && !parser->panic) advance(parser);
+    uint32_t begin = parser->token.begin;
+    body->as.let.body = parse_expr(parser);
+    const char *value = quote(parser, begin, consumed_end(parser));
+    if (bindings->n > 0) value = arena_format(parser->arena, "let (%s) %s", names, value);
+    if (!parser->panic) diag_hint(parser->diag, report, "write: def %s = %s", head, value);
+    accept(parser, TOKEN_SEMICOLON);
+    if (!parser->panic) expect_close(parser, TOKEN_BRACE_CLOSE, brace, "'}'");
+    body->span = span_from(parser, brace);
+    return body;
+}
+
+/* "let h = p.x in h + 1", at the h */
+Expr *parse_bare_let(Parser *parser, Span begin)
+{
+    if (parser->token.kind != TOKEN_NAME || peek(parser).kind != TOKEN_ASSIGN) return NULL;
+    Diagnostic *report = report_at(parser, token_span(parser), "expected '(' behind 'let' in an expression, found %s",
+                                   found_text(parser));
+    Expr *expr = expr_new(parser, EXPR_LET, begin);
+    expr->as.let.bindings = (Args){ARENA_NEW(parser->arena, Arg), 1};
+    Arg *arg = expr->as.let.bindings.items;
+    if (!expect_name(parser, "to declare", &arg->name, &arg->name_span)) return expr;
+    advance(parser);
+    uint32_t value = parser->token.begin;
+    arg->value = parse_expr(parser);
+    const char *binding = arena_format(parser->arena, "let (%s = %s)", arg->name->text,
+                                       quote(parser, value, consumed_end(parser)));
+    if (parser->panic || !accept(parser, TOKEN_IN)) {
+        if (!parser->panic) hint_write(parser, report, arena_format(parser->arena, "%s ...", binding));
+        expr->as.let.body = arg->value;
+        return expr;
+    }
+    uint32_t body = parser->token.begin;
+    expr->as.let.body = parse_expr(parser);
+    expr->span = span_from(parser, begin);
+    hint_write(parser, report,
+               arena_format(parser->arena, "%s %s", binding, quote(parser, body, consumed_end(parser))));
+    return expr;
+}
+
 /* "def f(x) { x * 2 }": what stands in the braces is neither a statement nor a block */
 Expr *parse_braced_body(Parser *parser, const Def *def)
 {
+    if (returns_value(parser))
+        return parse_names_and_value(parser, quote(parser, def->span.begin, consumed_end(parser)));
     Look look;
     look_from(parser, &look);
     Token token = lexer_next(&look.lexer);

@@ -113,7 +113,15 @@ static void phase_of(Builder *b, const EvalProp *prop, Phase *phase)
     } else if (is_term(prop, "rayleigh")) {
         *phase = phase_draine(0, 1);
     } else if (is_term(prop, "droplets")) {
-        if (is_within(b, prop, "the diameter in micrometres", args[0], 5, 50)) *phase = phase_droplets(args[0]);
+        double micrometres = args[0];
+        double of_length = micrometres * b->result.unit_m * 1e6; /* were it a length, which is in the scene's unit */
+        if (micrometres < 5 && of_length >= 4.999 && of_length <= 50.001) {
+            Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                                             "the diameter of droplets() is a number of micrometres, without a unit");
+            diag_hint(b->diag, report, "write: droplets(%g)", of_length);
+        } else if (is_within(b, prop, "the diameter in micrometres", micrometres, 5, 50)) {
+            *phase = phase_droplets(micrometres);
+        }
     } else {
         diag_report(b->diag, D_WRONG_TYPE, prop->span,
                     "'phase' is hg(g), draine(g, alpha), two_hg(g1, g2, weight), rayleigh() or droplets(diameter), not %s()",
