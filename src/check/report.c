@@ -179,7 +179,7 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
     if (medium->mixes)
         buf_add(&row[1], "mixes");
     else
-        buf_format(&row[1], "index %.4g", (double)spectrum_at_one(&medium->ior, 589.3f));
+        buf_format(&row[1], "index %.4g", (double)spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
     if (medium->disperses)
         buf_format(&row[2], "%.4g .. %.4g, 700 to 400 nm", (double)spectrum_at_one(&medium->ior, 700),
                    (double)spectrum_at_one(&medium->ior, 400));

@@ -155,9 +155,20 @@ void build_film(Builder *b, const EvalNode *node)
     film->n_outputs = (uint32_t)output->as.list.n;
 }
 
+static void leave_dispersion_out(Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_media; i++) {
+        SceneMedium *medium = &scene->media[i];
+        if (!medium->disperses) continue;
+        medium->ior = spectrum_constant(spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+        medium->disperses = false;
+    }
+}
+
 void build_render(Builder *b, const EvalNode *node)
 {
     SceneRender *render = &b->scene->render;
+    if (!eval_truth(node, "dispersion")) leave_dispersion_out(b->scene);
     render->samples = (uint32_t)eval_number(node, "samples");
     render->samples_given = eval_prop(node, "samples") != NULL;
     render->adaptive = eval_truth(node, "adaptive");

@@ -23,6 +23,8 @@
 #include "scene/aov.h"
 
 #define SCENE_NONE UINT32_MAX
+/* The wavelength of the one index that stands for a medium's where only one can: the middle of sodium's yellow lines. */
+#define SCENE_INDEX_NM 589.3f
 
 typedef struct SceneMedium {
     const char *name;

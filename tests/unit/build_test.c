@@ -53,6 +53,27 @@ static void media_keep_their_properties(void **state)
     fixture_clear(&f);
 }
 
+#define DISPERSING \
+    "medium m { ior = cauchy(1.3239, 3.1e-3)  tint = rgb(.5, .25, .125)  depth = 1 } medium t { ior = 1.5 }" \
+    "sphere a { interior = m } sphere b { interior = t }"
+
+static void dispersion_can_be_left_out(void **state)
+{
+    (void)state;
+    Fixture with, without;
+    GOOD(&with, DISPERSING "render { }");
+    GOOD(&without, DISPERSING "render { dispersion = false }");
+    const SceneMedium *m = medium_of(&without, "a"), *t = medium_of(&without, "b");
+    assert_true(medium_of(&with, "a")->disperses && !m->disperses);
+    assert_true(spectrum_is_constant(&m->ior));
+    assert_near((double)spectrum_at_one(&m->ior, 400), 1.3239 + 3.1e-3 / (.5893 * .5893), 1e-5);
+    assert_false(spectrum_is_constant(&m->absorption)); /* colours stay */
+    assert_true(spectrum_at_one(&t->ior, 400) == 1.5f);
+    assert_true(with.scene->hash != without.scene->hash);
+    fixture_clear(&with);
+    fixture_clear(&without);
+}
+
 static void the_world_is_air_unless_it_is_not(void **state)
 {
     (void)state;
@@ -678,6 +699,7 @@ int main(void)
         cmocka_unit_test(surfaces_are_checked),
         cmocka_unit_test(surfaces_become_parameters),
         cmocka_unit_test(media_keep_their_properties),
+        cmocka_unit_test(dispersion_can_be_left_out),
         cmocka_unit_test(the_world_is_air_unless_it_is_not),
         cmocka_unit_test(wrong_media_are_refused),
         cmocka_unit_test(surfaces_are_diffuse_or_checkered),
