@@ -152,6 +152,33 @@ static void remark_indifferent(Remarks *r)
     free(suspect);
 }
 
+/* What a gas hides of a liquid that only sticks out of it. Of one that is wholly inside nothing is hidden, so that a
+ * hair's breadth decides whether a stream is there. */
+static void remark_mostly_hidden(Remarks *r)
+{
+    const double most = 0.9; /* of the liquid's volume */
+    const CompiledScene *compiled = r->compiled;
+    Tally tally = {.code = D_MOSTLY_HIDDEN};
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        if (!pair->overlaps || pair->relation != NEST_PARTIAL) continue;
+        ReportVerdict verdict = report_verdict(compiled, pair);
+        if (verdict.kind != VERDICT_RULE || verdict.rule != NEST_BY_STATE) continue;
+        const SceneMedium *medium = &r->scene->media[compiled->hulls[verdict.bottom].medium];
+        double hidden = pair->overlap_volume / compiled->hulls[verdict.bottom].volume;
+        if (medium->state != NEST_LIQUID || hidden < most || is_one_of_many(r, verdict.bottom)) continue;
+        if (r->scene->media[compiled->hulls[verdict.top].medium].state != NEST_GAS || !tally_next(&tally)) continue;
+        const SceneObject *liquid = report_object(compiled, verdict.bottom), *gas = report_object(compiled, verdict.top);
+        Diagnostic *report =
+            diag_report(r->diag, D_MOSTLY_HIDDEN, liquid->span,
+                        "%s is hidden in %s but for %.2g %% of it, as gas is on top of a liquid that is not wholly inside",
+                        liquid->name, gas->name, 100 * fmax(0, 1 - hidden));
+        diag_note(r->diag, report, gas->span, "%s is here", gas->name);
+        diag_hint(r->diag, report, "let it end within %s, or give it a larger priority", gas->name);
+    }
+    tally_end(r, &tally);
+}
+
 static bool encloses(const Scene *scene, const SceneObject *object)
 {
     if (object->shape == SCENE_NONE) return false; /* a combination: its operands say nothing by themselves */
@@ -495,6 +522,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_close_order(&r);
         remark_near_coincidence(&r);
         remark_indifferent(&r);
+        remark_mostly_hidden(&r);
         remark_enclosed(&r);
         remark_behind_ground(&r);
         remark_odd_size(&r);
