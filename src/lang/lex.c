@@ -206,6 +206,8 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
         diag_hint(lexer->diag, report, "numbers are decimal; a colour is #rrggbb");
     else if (wrong[0] == 'x' && wrong[1] >= '0' && wrong[1] <= '9') /* 640x480 */
         diag_hint(lexer->diag, report, "two numbers are a vector: <640, 480>");
+    else if (strcmp(wrong, "W") == 0)
+        diag_hint(lexer->diag, report, "power is in watts, and radiance in W/(m^2 sr), without a unit");
     else if (habit_unit(wrong))
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
     else

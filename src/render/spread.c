@@ -9,6 +9,7 @@
 
 #include "base/array.h"
 #include "render/around.h"
+#include "render/thing_boxes.h"
 
 /* Measured on the examples, by the error against pictures of many samples, by dots that are left (bench fireflies), and by
  * eye: what is spread too near makes discs of the same brightness; too little, dots. */
@@ -72,6 +73,7 @@ typedef struct Maps {
     const uint32_t *area;
     uint32_t width, height;
     Looks looks;
+    ThingBoxes boxes; /* of what is seen in the area */
     Row *rows;
     SpreadPixel *pixels;
 } Maps;
@@ -95,6 +97,7 @@ typedef struct Lone {
         reference; /* what is usual there: the most of what is plain: the brightest pixel next to it, the mean around */
     double black, slope; /* what a pixel gets by its own light: black + slope * light, but 1 at most */
     float least;         /* of comparable samples */
+    ThingBox box;        /* where the thing is seen: nothing is to be found beyond it */
 } Lone;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
@@ -250,17 +253,18 @@ static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *s
     return alike;
 }
 
-/* A part of the area: from x0, y0 up to but without x1, y1. */
+/* A part of the thing's box: from x0, y0 up to but without x1, y1. */
 typedef struct Square {
     uint32_t x0, y0, x1, y1;
 } Square;
 
-static Square square_around(const uint32_t area[4], const Lone *lone, int radius)
+static Square square_around(const Lone *lone, int radius)
 {
     uint32_t r = (uint32_t)radius;
-    return (Square){lone->x > area[0] + r ? lone->x - r : area[0], lone->y > area[1] + r ? lone->y - r : area[1],
-                    lone->x + r < area[2] ? lone->x + r + 1 : area[2],
-                    lone->y + r < area[3] ? lone->y + r + 1 : area[3]};
+    const ThingBox *box = &lone->box;
+    return (Square){lone->x > box->x0 + r ? lone->x - r : box->x0, lone->y > box->y0 + r ? lone->y - r : box->y0,
+                    lone->x + r < box->x1 ? lone->x + r + 1 : box->x1,
+                    lone->y + r < box->y1 ? lone->y + r + 1 : box->y1};
 }
 
 /* What is found around a sample: sums over the pixels of a disc, such that they grow with it. */
@@ -315,7 +319,7 @@ static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint3
 /* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough. */
 static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, uint32_t enough, Around *sums)
 {
-    Square square = square_around(maps->area, lone, outer);
+    Square square = square_around(lone, outer);
     for (uint32_t y = square.y0; y < square.y1; y++) {
         int dy = abs((int)y - (int)lone->y);
         Span discs[2], squares[2];
@@ -360,7 +364,7 @@ static int find_radius(const Maps *maps, const Lone *lone, double *weights)
 static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
 {
     double n = 0, n_squared = 0, found = 0, products = 0, squares = 0, pixels = 0;
-    Square square = square_around(maps->area, lone, way->radius);
+    Square square = square_around(lone, way->radius);
     for (uint32_t y = square.y0; y < square.y1; y++)
         for (uint32_t x = square.x0; x < square.x1; x++) {
             if (!(weight_of(&maps->looks, lone, place_in(maps->area, x, y)) > 0)) continue;
@@ -391,7 +395,7 @@ static double crowd(const Maps *maps, const Lone *lone, const Way *way, uint32_t
 /* What pixels of a row, as far as the sample's disc holds them, get of it. */
 static Span weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
 {
-    Square square = square_around(maps->area, lone, way->radius);
+    Square square = square_around(lone, way->radius);
     Span spans[2];
     double dy = (double)y - lone->y;
     find_spans(&square, lone, -1, half_width(abs((int)y - (int)lone->y), way->radius), spans);
@@ -425,6 +429,8 @@ static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
                  .black = reference > 0 ? TO_BLACK : 1,
                  .slope = reference > 0 ? (1 - TO_BLACK) / reference : 0,
                  .least = light * ALIKE};
+    const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
+    if (box) lone.box = *box;
     for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
     lone.seen = lone.light * (1 + TINTED * tint_of(lone.rgb, lone.light));
     return lone;
@@ -438,7 +444,7 @@ static bool find_way(const Maps *maps, const Lone *lone, Way *way)
     if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
     if (!(way->crowding > 0)) return radius > 0;
     way->weights = 0;
-    Square square = square_around(maps->area, lone, radius);
+    Square square = square_around(lone, radius);
     for (uint32_t y = square.y0; y < square.y1; y++) {
         double weights[2 * NEAR + 1];
         Span span = weights_of_row(maps, lone, way, y, weights);
@@ -501,7 +507,7 @@ static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, ui
     Lone lone = lone_at(maps, way->x, y, way->kept);
     for (int c = 0; c < 3; c++) lone.rgb[c] *= way->part;
     double squared = square_of_luminance(lone.rgb);
-    Square square = square_around(maps->area, &lone, way->radius);
+    Square square = square_around(&lone, way->radius);
     for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++) {
         double weights[2 * FARTHEST + 1];
         Span span = weights_of_row(maps, &lone, way, v, weights);
@@ -553,7 +559,18 @@ static void maps_clear(Maps *maps)
     free(looks->plain);
     free(looks->around);
     free(looks->brightest);
+    thing_boxes_clear(&maps->boxes);
     free(maps->rows);
+}
+
+static bool find_boxes(Maps *maps)
+{
+    const Looks *looks = &maps->looks;
+    for (uint32_t y = maps->area[1]; y < maps->area[3]; y++)
+        for (uint32_t x = maps->area[0]; x < maps->area[2]; x++)
+            for (size_t i = place_in(maps->area, x, y), k = 0; k < BRIGHT_THINGS && looks->shares[k][i] > 0; k++)
+                if (!thing_boxes_add(&maps->boxes, looks->things[k][i], x, y)) return false;
+    return true;
 }
 
 /* false when memory ends. */
@@ -563,6 +580,10 @@ static bool find_and_go(Maps *maps, Pool *pool, Spread *spread)
     float *scratch = calloc(n, sizeof *scratch);
     if (!scratch) return false;
     pool_run(pool, maps->height, look_at_row, maps);
+    if (!find_boxes(maps)) {
+        free(scratch);
+        return false;
+    }
     mean_around(maps->looks.plain, maps->width, maps->height, AROUND, scratch, maps->looks.around);
     free(scratch);
     pool_run(pool, maps->height, find_ways_of_row, maps);

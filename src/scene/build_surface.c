@@ -321,6 +321,12 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
         if (coat)
             diag_hint(b->diag, report,
                       "a coat on glass is a medium of its own: put a slightly larger object around this one");
+        else if (strcmp(name, "film") == 0)
+            diag_hint(b->diag, report,
+                      "light interferes in thin surfaces: put one close around it, surface { thin = true  ior = 1.4  "
+                      "transmission = 1  film = 300nm }");
+        else if (strcmp(name, "ior") == 0)
+            diag_hint(b->diag, report, "the index is that of its medium, the interior");
         else if (!thin && !shines)
             diag_hint(b->diag, report, "transmission = .5 makes it half clear and half painted, 0 all painted");
         break;
