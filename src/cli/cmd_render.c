@@ -44,7 +44,6 @@ static Status prepare(RenderRun *run, Error *error)
     TRY(render_plan_preview(run, error));
     if (option_given(options, OPTION_AOV) && !run->plan.has_exr)
         talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
-    signals_take_wishes();
     if (run->plan.has_png || run->preview.png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
     return STATUS_OK;
@@ -183,6 +182,7 @@ Status cmd_render(const Options *options, const Talk *talk, Error *error)
 {
     double now = clock_now_s();
     RenderRun run = {.options = options, .talk = talk, .noise = -1, .start_s = now, .command_start_s = now};
+    signals_take_wishes(); /* from the first moment: it may come while a scene is built */
     scene_input_init(&run.input, options, talk);
     Status status = prepare(&run, error);
     if (status == STATUS_OK) {

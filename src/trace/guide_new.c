@@ -69,6 +69,12 @@ typedef struct Harvest {
     double mean_visits;
 } Harvest;
 
+/* Then what the last step has left is not whole, and nothing of it is used. */
+static bool is_stopped(const Harvest *harvest)
+{
+    return harvest->settings->stop && *harvest->settings->stop;
+}
+
 static Status follow_round(Harvest *harvest, uint32_t n, Error *error)
 {
     if (!array_reserve(&harvest->landed, &harvest->capacity, harvest->n + n, sizeof *harvest->landed))
@@ -97,7 +103,8 @@ static bool is_unforeseen(const Harvest *harvest, const Photon *photon)
     return guide_sample_of(harvest->guide, cell, 0.5f, photon) > FIREFLY * mean;
 }
 
-/* Makes lobes of those photons from number `begin` on that are not foreseen, at most so many of them, and the guide anew.
+/* Makes lobes of those photons from number `begin` on that are not foreseen, at most so many of them, and the guide anew, but
+ * after a stop.
  * *flux: theirs, as a part of all these photons'. */
 static Status learn(Harvest *harvest, size_t begin, uint32_t most, double *flux, Error *error)
 {
@@ -116,6 +123,7 @@ static Status learn(Harvest *harvest, size_t begin, uint32_t most, double *flux,
         photons_look_around(&harvest->source, harvest->landed + begin, which, n, harvest->pool, &harvest->rays, error);
     free(which);
     TRY(status);
+    if (is_stopped(harvest)) return STATUS_OK;
     guide_free(harvest->guide);
     harvest->guide = NULL;
     return guide_build(harvest->landed, (uint32_t)harvest->n, harvest->followed, harvest->pool, &harvest->guide, error);
@@ -135,11 +143,6 @@ static Status try_out(Harvest *harvest, uint64_t one_in, Error *error)
 }
 
 /* ---- rounds ---- */
-
-static bool is_stopped(const Harvest *harvest)
-{
-    return harvest->settings->stop && *harvest->settings->stop;
-}
 
 /* No more rounds. What is there is used. */
 static bool is_over(const Harvest *harvest)
@@ -190,6 +193,8 @@ static Status begin(Harvest *harvest, float flux, bool *worth, Error *error)
     if (!always) *worth = harvest->flux > (double)(LEAST_PART * flux) * harvest->followed;
     if (!*worth) return STATUS_OK;
     TRY(learn(harvest, 0, FIRST_LOBES, &part, error));
+    *worth = !is_stopped(harvest);
+    if (!*worth) return STATUS_OK;
     TRY(try_out(harvest, 2 * TRIED_PART, error));
     *worth = always || harvest->worth.gain > LEAST_GAIN || harvest->worth.promise > LEAST_PROMISE;
     if (!*worth) return STATUS_OK;
@@ -231,6 +236,7 @@ static Status finish(Harvest *harvest, bool *worth, Error *error)
     for (double granted = 0; harvest->rays_granted > 1.5 * granted; grant(harvest)) {
         granted = harvest->rays_granted;
         TRY(go_on(harvest, error));
+        if (is_stopped(harvest)) break;
         TRY(try_out(harvest, TRIED_PART, error));
     }
     *worth = always || harvest->worth.gain > LEAST_USE;
@@ -264,7 +270,7 @@ Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, 
     PhotonTargets targets;
     photon_targets(world, &targets);
     Harvest harvest = {.settings = settings,
-                       .source = {world, &targets, 0, settings->seed},
+                       .source = {.world = world, .targets = &targets, .seed = settings->seed, .stop = settings->stop},
                        .pool = pool,
                        .start_s = clock_now_s(),
                        .unforeseen = 1};

@@ -206,7 +206,13 @@ typedef struct Job {
     Photon *photons;
     const uint32_t *which;
     Tracer *tracers;
+    const volatile sig_atomic_t *stop;
 } Job;
+
+static bool is_stopped(const Job *job)
+{
+    return job->stop && *job->stop;
+}
 
 static Path begin_photon(Tracer *tracer, uint32_t seed, uint32_t number)
 {
@@ -425,6 +431,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         Start start;
         Photon *photon = &job->photons[i];
         *photon = (Photon){.flux = 0};
+        if (is_stopped(job)) continue;
         if (!start_photon(job, &job->tracers[worker], number, &path, &start)) continue;
         float radiance = lanes_mean(start.light.radiance);
         if (follow_photon(&path, radiance * start.flux_times_n, photon)) {
@@ -439,6 +446,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
 static void look_around_one(void *context, uint32_t i, unsigned worker)
 {
     Job *job = context;
+    if (is_stopped(job)) return;
     Photon *photon = &job->photons[job->which[i]];
     Tracer *tracer = &job->tracers[worker];
     Path path = begin_photon(tracer, job->seed, photon->number);
@@ -474,7 +482,8 @@ Status photons_trace(const PhotonSource *source, uint32_t first, uint32_t n, Poo
                .seed = source->seed,
                .first = first,
                .n = n,
-               .photons = photons};
+               .photons = photons,
+               .stop = source->stop};
     return run_job(&job, pool, (n + BATCH - 1) / BATCH, trace_batch, rays, error);
 }
 
@@ -486,7 +495,8 @@ Status photons_look_around(const PhotonSource *source, Photon *photons, const ui
                .threshold = source->threshold,
                .seed = source->seed,
                .photons = photons,
-               .which = which};
+               .which = which,
+               .stop = source->stop};
     return run_job(&job, pool, n, look_around_one, rays, error);
 }
 

@@ -8,6 +8,8 @@
 #ifndef MEN_PHOTON_H
 #define MEN_PHOTON_H
 
+#include <signal.h>
+
 #include "base/pool.h"
 #include "trace/path.h"
 
@@ -47,6 +49,7 @@ typedef struct PhotonSource {
     const PhotonTargets *targets;
     float threshold;
     uint32_t seed;
+    const volatile sig_atomic_t *stop; /* NULL, or not 0 to give up: photons that are left then have no flux and no lobe */
 } PhotonSource;
 
 /* Follows the photons first .. first + n - 1: number i into photons[i - first], a function of seed and i alone. Their flux is

@@ -43,3 +43,26 @@ status=$?
 exits 0
 there a.exr
 end
+
+begin "USR1 while the scene is read is a wish like any other"
+small_scene
+{ cat small.mns; echo 'var n = 0  while (n < 30000000) { n := n + 1 }'; } > slow.mns
+"$program" render slow.mns -o a.exr 2> err &
+child=$!
+sleep 0.3
+kill -USR1 $child || flunk "it has ended already"
+wait $child
+status=$?
+exits 0
+there a.exr
+end
+
+begin "TERM while photons are followed: there is no checkpoint without samples, and none is told of"
+kept_scene
+sed -i -e 's/samples = 200/samples = 1000000  caustics = on/' kept.mns
+run_until 1.5 TERM render kept.mns -o a.exr --size 640x480 --checkpoint 5m
+exits 143
+gone a.checkpoint.exr
+matches err '^wrote a\.exr \(640 x 480, no samples yet,'
+says_not err "to go on from"
+end

@@ -295,7 +295,7 @@ static void flux(void **state)
     photon_targets(&world, &targets);
     assert_int_equal(targets.n, 1);
     Photon *photons = calloc(N, sizeof *photons), *again = calloc(N, sizeof *again);
-    PhotonSource source = {&world, &targets, 0, 1};
+    PhotonSource source = {.world = &world, .targets = &targets, .seed = 1};
     uint64_t rays = 0;
     assert_int_equal(photons_trace(&source, 0, N, pool, photons, &rays, &error), STATUS_OK);
     double landed = 0, sent = (double)photon_flux(&world, &targets), square = 0;
@@ -327,6 +327,15 @@ static void flux(void **state)
     assert_int_equal(photons_trace(&source, 1000, N - 1000, alone, again + 1000, &rays, &error), STATUS_OK);
     assert_int_equal(photons_look_around(&source, again, landed_ones, LOOKED, alone, &rays, &error), STATUS_OK);
     assert_memory_equal(photons, again, N * sizeof *photons);
+    /* after a stop there is nothing more to wait for */
+    volatile sig_atomic_t stop = 1;
+    source.stop = &stop;
+    rays = 0;
+    assert_int_equal(photons_look_around(&source, again, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
+    assert_memory_equal(photons, again, N * sizeof *photons);
+    assert_int_equal(photons_trace(&source, 0, N, pool, again, &rays, &error), STATUS_OK);
+    for (int i = 0; i < N; i++) assert_true(again[i].flux == 0);
+    assert_int_equal(rays, 0);
     free(photons);
     free(again);
     pool_free(alone);
