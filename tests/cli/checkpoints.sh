@@ -1,5 +1,6 @@
 # checkpoints.sh - renders that are stopped and go on: to the same picture, bit for bit; and what is refused.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # stop_and_resume NAME ARGUMENT...: NAME.exr, rendered with INT after INT, by one thread and two
 stop_and_resume() {

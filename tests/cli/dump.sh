@@ -1,5 +1,6 @@
 # dump.sh - dump --flat: a scene with everything expanded is a scene of the same meaning.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "dump --flat: every example keeps its hash"
 all_scenes

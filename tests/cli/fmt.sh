@@ -1,5 +1,6 @@
 # fmt.sh - fmt: idempotent, and neither a token nor a comment is lost.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 
 begin "fmt: what is laid out stays as it is"

@@ -1,5 +1,6 @@
 # frames.sh - animations: which frames, what they are called, what is left out, and what stops them.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # a scene of 6 frames, whose camera comes nearer
 moving_scene() {

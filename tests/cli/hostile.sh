@@ -1,5 +1,6 @@
 # hostile.sh - scenes that are made to hang or to fill the memory end soon, in an error, within the memory they are given.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # ends SECONDS SLUG: check of hostile.mns ends in an error of that slug, with a hint, within so many seconds of the
 # processor, and in 6 GB of address space

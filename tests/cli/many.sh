@@ -1,5 +1,6 @@
 # many.sh - a scene of very many objects fits in memory, in proportion to their number.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 many() {
     cat > many.mns << 'END'

@@ -1,5 +1,6 @@
 # merge.sh - slices of a render, and the picture that they make.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # slices RANGE...: the files RANGE.exr, with the options in $options
 slices() {

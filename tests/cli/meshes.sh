@@ -1,5 +1,6 @@
 # meshes.sh - mesh files at their worst: what is wrong is said, and nothing crashes.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 tetrahedron() { # tetrahedron SIZE: as OBJ, on standard output
     printf 'v 0 0 0\nv %s 0 0\nv 0 %s 0\nv 0 0 %s\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' "$1" "$1" "$1"

@@ -1,5 +1,6 @@
 # progress.sh - the forms of progress, and colours.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "plain progress where there is no terminal"
 small_scene

@@ -1,5 +1,6 @@
 # scenes.sh - scenes that cannot be read or have mistakes, and standard input.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "a missing scene: status 4"
 run render missing.mns

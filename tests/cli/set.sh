@@ -1,5 +1,6 @@
 # set.sh - --set and --preset: settings of a scene from the command line.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "--set: a setting, a type, a name, whatever the scene says"
 small_scene

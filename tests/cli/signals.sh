@@ -1,5 +1,6 @@
 # signals.sh - a render that is stopped.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "INT writes the picture and ends by INT"
 long_scene

@@ -1,5 +1,6 @@
 # std.sh - the standard library: found, explained, and right in any unit.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # Everything that the library places, once, and every function.
 std_scene() {

@@ -1,5 +1,6 @@
 # textures.sh - pictures on surfaces as a user meets them: files of each kind, colour spaces, damage, what is said of them.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # png NAME WIDTH HEIGHT R G B: a picture of one colour
 png() {

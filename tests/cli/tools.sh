@@ -1,5 +1,6 @@
 # tools.sh - view, compare, info, bench, completion, version.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "compare: equal pictures, different ones, other sizes"
 small_scene

@@ -1,5 +1,6 @@
 # usage.sh - options and commands: what is refused, and how it is said.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 # refuses TEXT ARGUMENT...: status 2, nothing on standard output, TEXT on standard error
 refuses() {

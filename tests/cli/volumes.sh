@@ -1,5 +1,6 @@
 # volumes.sh - grids of files, and media that vary, shine and mix, as a user meets them.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 smoke_scene() {
     cp "$root/tests/unit/voxels.nvdb" .
