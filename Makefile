@@ -64,7 +64,7 @@ FLAGS_arm64 := -O3
 FLAGS := $(FLAGS_$(VARIANT)) -ffp-contract=off -fno-math-errno -fno-trapping-math
 WERROR ?=
 CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSION='"$(VERSION)"' -DMEN_EMBREE=$(EMBREE_VERSION) \
-  -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"' $(EXR_CFLAGS) $(patsubst -I%,-isystem %,$(FREETYPE_CFLAGS)) $(CPPFLAGS)
+  $(EXR_CFLAGS) $(patsubst -I%,-isystem %,$(FREETYPE_CFLAGS)) $(CPPFLAGS)
 CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
 LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(JPEG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) -lstdc++ -lpthread -lm
@@ -111,6 +111,12 @@ $(BUILD)/flags: force
 	@mkdir -p $(BUILD)
 	@echo '$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(CXX) $(CXXFLAGS_ALL)' | cmp -s - $@ || \
 	  echo '$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(CXX) $(CXXFLAGS_ALL)' > $@
+# So is the one that knows the data folder, and no other, so that `make install PREFIX=...` need not build all again.
+$(BUILD)/data-folder: force
+	@mkdir -p $(BUILD)
+	@echo '$(datarootdir)/meniscus' | cmp -s - $@ || echo '$(datarootdir)/meniscus' > $@
+$(BUILD)/lang/find.o: private CPPFLAGS_ALL += -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"'
+$(BUILD)/lang/find.o: $(BUILD)/data-folder
 .PHONY: force
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
