@@ -24,6 +24,7 @@ static const char *kind_text(PropKind kind)
         [PROP_VECTOR3] = "vector of 3",
         [PROP_COLOR] = "colour",
         [PROP_SPECTRUM] = "number, colour, vector of 3 or spectrum",
+        [PROP_NUMBER_OR_TERM] = "number or spectrum",
         [PROP_TERM] = "term",
         [PROP_NODE] = "a",
         [PROP_NUMBERS] = "list of numbers",

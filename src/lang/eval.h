@@ -47,7 +47,7 @@ typedef struct EvalProp {
                 double rgb[3]; /* NUMBER: rgb[0]; COLOR, VECTOR: all three */
                 const EvalTerm *term; /* TERM */
             };
-        } spectrum; /* PROP_SPECTRUM, PROP_TERM */
+        } spectrum; /* PROP_SPECTRUM, PROP_NUMBER_OR_TERM, PROP_TERM */
         const EvalNode *node;
         const EvalFunctionValue *function; /* PROP_FUNCTION */
         struct {

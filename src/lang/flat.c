@@ -343,6 +343,7 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_VECTOR3: print_vector(out, VALUE_VECTOR3, prop->as.vector); break;
     case PROP_COLOR: print_vector(out, VALUE_COLOR, prop->as.vector); break;
     case PROP_SPECTRUM:
+    case PROP_NUMBER_OR_TERM:
     case PROP_TERM: print_spectrum(flat, prop); break;
     case PROP_NODE: print_reference(flat, prop->as.node); break;
     case PROP_NUMBERS: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_NUMBER); break;

@@ -177,6 +177,8 @@ static void resolve_name(Resolver *resolver, Expr *expr)
         diag_hint(resolver->diag, report, "'%s' is a function: write '%s(...)'", symbol->text, symbol->text);
     else if (unit_of(symbol->text, symbol->length) && symbol->length > 1) /* 5 / cm; single letters are names, too */
         diag_hint(resolver->diag, report, "a unit stands behind a number: 1%s", symbol->text);
+    else if (schema_node(resolver->schema, symbol->text)) /* let s = sphere ball { ... } */
+        diag_hint(resolver->diag, report, "write: %s { ... }, as a value without a name of its own", symbol->text);
     else if (!note_later_declaration(resolver, report, symbol))
         suggest_visible(resolver, report, symbol, false, false);
 }

@@ -101,6 +101,7 @@ static const char *plain_kind_text(Arena *arena, const PropType *type)
     case PROP_VECTOR3: return "a vector of 3";
     case PROP_COLOR: return "a colour";
     case PROP_SPECTRUM: return "a number, a colour, a vector of 3 or a term";
+    case PROP_NUMBER_OR_TERM: return "a number or a term such as cauchy()";
     case PROP_TERM: return "a term";
     case PROP_NODE: return type->choices ? with_article(arena, choice_text(arena, type->choices)) : "a node";
     case PROP_NUMBERS: return "a list of numbers";
@@ -311,7 +312,8 @@ static bool check_spectrum(const Check *check, const Value *value, EvalProp *pro
         prop->as.spectrum.term = value->as.term;
         return true;
     }
-    if (check->type->kind == PROP_TERM || (width != 1 && width != 3)) return wrong_type(check, value);
+    PropKind kind = check->type->kind;
+    if (kind == PROP_TERM || (width != 1 && (width != 3 || kind == PROP_NUMBER_OR_TERM))) return wrong_type(check, value);
     prop->as.spectrum.form = value->kind == VALUE_NUMBER  ? SPECTRUM_NUMBER
                              : value->kind == VALUE_COLOR ? SPECTRUM_COLOR
                                                           : SPECTRUM_VECTOR;
@@ -515,6 +517,7 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
     case PROP_VECTOR3: return check_vector(check, value, 3, prop);
     case PROP_COLOR: return check_color(check, value, prop);
     case PROP_SPECTRUM:
+    case PROP_NUMBER_OR_TERM:
     case PROP_TERM: return check_spectrum(check, value, prop);
     case PROP_NODE:
         if (!node_allowed(type, value)) return wrong_type(check, value);

@@ -19,6 +19,7 @@ typedef enum PropKind {
     PROP_VECTOR3,
     PROP_COLOR,    /* a number becomes grey */
     PROP_SPECTRUM, /* a number, a colour, a vector of 3 (per unit, red green blue), or a term such as cauchy() */
+    PROP_NUMBER_OR_TERM,
     PROP_TERM,     /* only a term, such as hg(.85) */
     PROP_NODE,     /* a node of type `choices` */
     PROP_NUMBERS,  /* lists of these */
