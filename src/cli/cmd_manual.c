@@ -134,15 +134,14 @@ static void print_exit_statuses(Buf *out)
 {
     static const struct {
         int exit_status;
-        const char *name, *text;
+        const char *text;
     } rows[] = {
-#define STATUS(name, exit_status, text) {exit_status, #name, text},
+#define STATUS(name, exit_status, text) {exit_status, text},
 #include "base/status.def"
 #undef STATUS
     };
     buf_add(out, ".Bl -tag -width Ds -compact\n");
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        if (strcmp(rows[i].name, "STOPPED") == 0) continue; /* goes with checkpoints */
         bool same = i > 0 && rows[i].exit_status == rows[i - 1].exit_status;
         if (!same) buf_format(out, ".It %d\n", rows[i].exit_status);
         mdoc_sentence(out, rows[i].text);

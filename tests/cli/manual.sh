@@ -1,5 +1,6 @@
 # manual.sh - help, tables and manual pages agree (that the pages are fresh and well-formed: tests/man.sh).
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "help --json is JSON, and --help and the pages name every option in it"
 run help --json
@@ -81,5 +82,16 @@ for scene in manual*.mns; do
     exits 0
     run render "$scene" --size 16x12 -s 1 -q -o manual.exr
     exits 0
+done
+end
+
+begin "the message that the manual shows is the one that is printed; every event of --log-format json is named there"
+{ echo 'meniscus 1.0 unit mm'; echo 'medium glass { iorr = 1.5 }'; } > glass.mns
+run check glass.mns
+exits 3
+sed -n '/^\.Bd -literal/,/^\.Ed/p;/^\.Ed/q' "$root/man/meniscus-diagnostics.7" | sed -e '/^\./d' -e "s/\\\\(aq/'/g" -e 's/\\//g' > shown
+head -n "$(wc -l < shown)" err | cmp -s - shown || flunk "$(cat shown)"
+for event in $(sed -n -e 's/.*talk_event[a-z_]*([^"]*"\([a-z]*\)".*/\1/p' -e 's/.*\\"event\\": \\"\([a-z]*\).*/\1/p' "$root"/src/cli/*.c | sort -u); do
+    matches "$root/man/meniscus-render.1" "^\.It Li (.* , )?$event( , |\$)"
 done
 end
