@@ -112,6 +112,7 @@ static Status cannot_write(Error *error, const char *path, int reason)
              folder);
     free(folder);
     if (folder_lacks) return STATUS_OUTPUT;
+    if (strcmp(path, "-") == 0) return fail(error, STATUS_OUTPUT, "cannot write to standard output: %s", strerror(reason));
     return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
 }
 

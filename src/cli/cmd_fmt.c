@@ -1,5 +1,6 @@
 /* cmd_fmt.c - the command fmt: scenes laid out in one way.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,8 +37,9 @@ static Status write_file(const char *path, const Buf *text, Error *error)
     FileOut file;
     TRY(file_create(&file, path, error));
     if (fwrite(buf_text(text), 1, text->length, file.stream) != text->length) {
+        int reason = errno;
         file_abandon(&file);
-        return fail(error, STATUS_OUTPUT, "cannot write '%s'", path);
+        return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
     }
     return file_commit(&file, error);
 }

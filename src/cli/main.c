@@ -1,8 +1,10 @@
 /* main.c - finds the command, runs it, and turns what became of it into an exit status.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "cli/commands.h"
@@ -103,8 +105,17 @@ static Status dispatch(int argc, char **argv)
     return unknown_command(word, &talk, &error);
 }
 
+/* A standard stream that is closed would leave its number to the next file that is opened, and messages would end in a
+ * picture. What stands there instead cannot be read or written either. */
+static void occupy_closed_streams(void)
+{
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; stream++)
+        if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;
+}
+
 int main(int argc, char **argv)
 {
+    occupy_closed_streams();
     /* A closed pipe, or a file beyond a limit, is an output that cannot be written, and not a reason to lose the others. */
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGPIPE, &ignore, NULL);

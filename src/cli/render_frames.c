@@ -32,6 +32,16 @@ static Status name_stats(RenderRun *run, uint32_t frame, Error *error)
     return run->stats_path ? STATUS_OK : fail_memory(error, strlen(run->stats_name) + 1, "the name of the statistics");
 }
 
+/* Two of one name would end as one file, or as one text on standard output. */
+static Status check_stats(const RenderRun *run, const OutputList *list, Error *error)
+{
+    for (size_t i = 0; run->stats_path && i < list->n; i++)
+        if (strcmp(list->items[i].path, run->stats_path) == 0)
+            return fail(error, STATUS_USAGE, "'%s' is both an output and the statistics; let one have another name",
+                        run->stats_path);
+    return STATUS_OK;
+}
+
 static Status probe_frame(RenderRun *run, uint32_t frame, Error *error)
 {
     OutputList list;
@@ -39,8 +49,9 @@ static Status probe_frame(RenderRun *run, uint32_t frame, Error *error)
     if (status == STATUS_OK) status = outputs_probe(&list, error);
     bool done = option_given(run->options, OPTION_SKIP_EXISTING) && outputs_exist(&list);
     if (status == STATUS_OK && !done) status = render_name_checkpoint(run, &list, true, error);
-    outputs_clear(&list);
     if (status == STATUS_OK) status = name_stats(run, frame, error);
+    if (status == STATUS_OK) status = check_stats(run, &list, error);
+    outputs_clear(&list);
     return status == STATUS_OK && run->stats_path ? output_probe(run->stats_path, error) : status;
 }
 

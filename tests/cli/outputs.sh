@@ -1,5 +1,6 @@
 # outputs.sh - what is written, where, and what happens when it cannot be.
 # SPDX-License-Identifier: Apache-2.0
+: "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
 begin "the default output: the scene's name in the current folder"
 mkdir scenes
@@ -150,6 +151,25 @@ exits 5
 says err "Broken pipe"
 end
 
+begin "standard streams that are closed: their numbers are no file's, and standard output is told of"
+small_scene
+"$program" render small.mns -o - 2> err >&-
+status=$?
+exits 5
+says err "cannot write to standard output: "
+"$program" render - < small.mns > out 2> err <&-
+status=$?
+exits 4
+long_scene
+"$program" render long.mns -o a.exr -t 2 2>&- &
+child=$!
+sleep 0.5
+[ ! -d /proc/$child/fd ] || [ "$(readlink /proc/$child/fd/2)" = /dev/null ] || flunk "number 2 is another file's"
+wait $child
+status=$?
+exits 0
+end
+
 begin "a failed write leaves the old file"
 small_scene
 echo old > a.exr
@@ -167,6 +187,12 @@ is_json stats.json
 says stats.json '"nestingFaults": 0'
 run render small.mns --stats -o a.exr
 matches err '^rays +[0-9]+'
+run render small.mns --stats=a.exr -o a.exr
+exits 2
+says err "'a.exr' is both an output and the statistics"
+run render small.mns --stats=- -o -
+exits 2
+empty out
 run render small.mns --stats -o a.exr --log-format json
 while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
 says err '"event": "done"'
