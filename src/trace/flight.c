@@ -21,11 +21,20 @@
 #include "optics/sampling.h"
 #include "trace/airlight.h"
 
+/* A budget is never nothing: a flight that ended where it began, at a surface, would leave the next ray on that surface without
+ * a word of which side of it it is on. One random number in 2^24 is 0; this is the mean of what it stands for. */
+#define LEAST_BUDGET 0x1p-25f
+
+static inline float draw_budget(float u)
+{
+    return float_max(-logf(1 - u), LEAST_BUDGET);
+}
+
 /* ---- even media ---- */
 
 void flight_draw(Path *path, FreeFlight *flight)
 {
-    flight->budget = -logf(1 - sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
+    flight->budget = draw_budget(sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));
     if (path->tracer->world->media.vary) flight->key = sampler_key(&path->sampler, DIM_FLIGHTS + 2 * path->bounce);
 }
 
@@ -37,8 +46,7 @@ double flight_scatter_even(FreeFlight *flight, const SceneMedium *medium, double
     if (scattered) length = reach / hero;
     flight->scattered = lanes_add(flight->scattered, lanes_scale(coefficient, flight_length(length)));
     flight->coefficient = coefficient;
-    flight->budget -= (float)(hero * length);
-    if (scattered || flight->budget < 0) flight->budget = 0;
+    flight->budget = float_max(flight->budget - (float)(hero * length), LEAST_BUDGET);
     return length;
 }
 
@@ -344,17 +352,17 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
         flight->absorbed = lanes_add(flight->absorbed, lanes_scale(piece.absorption, way));
         t = collides ? t + step : piece.end;
         if (!collides) {
-            if (rate > 0) flight->budget = float_max(flight->budget - (float)(rate * step), 0);
+            if (rate > 0) flight->budget = float_max(flight->budget - (float)(rate * step), LEAST_BUDGET);
             continue;
         }
         const FlightPart *by = collide(path, flight, &piece, t);
         if (by) {
             *medium = by->number;
-            flight->budget = 0;
+            flight->budget = LEAST_BUDGET;
             flight->coefficient = lanes_scale(by->scattering, flight_part_density(by, t));
             return t - from < length ? t - from : nextafter(length, 0);
         }
-        flight->budget = -logf(1 - draw(flight->key, &flight->n_drawn));
+        flight->budget = draw_budget(draw(flight->key, &flight->n_drawn));
     }
     return length;
 }
