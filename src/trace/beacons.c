@@ -116,6 +116,9 @@ static float brightness_of(double luminance, double mean)
 
 static void set_flat(FlatBeacons *four, int lane, const Lamp *lamp, float brightness)
 {
+    double width = vec3_length(lamp->side[0]), depth = vec3_length(lamp->side[1]);
+    set3(four->ball, lane, lamp->centre);
+    lanes_set(&four->ball_radius, lane, (float)(lamp->disc ? fmax(width, depth) : hypot(width, depth)));
     set3(four->normal, lane, lamp->normal);
     lanes_set(&four->height, lane, (float)vec3_dot(lamp->normal, lamp->centre));
     for (int i = 0; i < 2; i++) {
@@ -212,6 +215,26 @@ typedef struct Ways {
     Lanes place[3], along[3], up[3];
 } Ways;
 
+/* Of lines that come so near to a point, and not all of that behind their starts, a number <= 0. It errs on that side. */
+static inline Lanes missed_by(Lanes distance2, Lanes along, Lanes radius)
+{
+    const float rounding = 0x1p-18f;
+    Lanes beside2 = lanes_sub(lanes_scale(distance2, 1 - rounding), lanes_mul(along, along));
+    Lanes missed = lanes_sub(beside2, lanes_mul(radius, radius));
+    return lanes_select_less(lanes_sub(lanes_all(0), along), radius, missed, lanes_all(1));
+}
+
+/* Whether either way comes through one of the balls around four lamps. */
+static inline bool comes_near(const FlatBeacons *four, const Ways *ways)
+{
+    Lanes to[3];
+    for (int i = 0; i < 3; i++) to[i] = lanes_sub(four->ball[i], ways->place[i]);
+    Lanes along = dot(to, ways->along), up = dot(to, ways->up), distance2 = dot(to, to);
+    Lanes missed = lanes_lesser(missed_by(distance2, lanes_add(along, up), four->ball_radius),
+                                missed_by(distance2, lanes_sub(along, up), four->ball_radius));
+    return lanes_not_above(missed, lanes_all(0)) != 0;
+}
+
 static inline Lanes met_flat(const FlatBeacons *four, Lanes height, Lanes cosine, const Lanes begin[2],
                              const Lanes step[2])
 {
@@ -226,6 +249,7 @@ static inline Lanes met_flat(const FlatBeacons *four, Lanes height, Lanes cosine
 
 static inline void look_flat(const FlatBeacons *four, const Ways *ways, Lanes most[2])
 {
+    if (LIKELY(!comes_near(four, ways))) return;
     Lanes height = lanes_sub(four->height, dot(four->normal, ways->place)), begin[2], along[2], up[2], steps[2][2];
     Lanes normal_along = dot(four->normal, ways->along), normal_up = dot(four->normal, ways->up);
     for (int i = 0; i < 2; i++) {

@@ -15,6 +15,7 @@
 /* Four lamps that are flat, or round; brightness 1: none. Those that are infinitely far are as round ones at distance 1
  * from wherever a path is. */
 typedef struct FlatBeacons {
+    Lanes ball[3], ball_radius;  /* around each: most lines miss it; radius 0: no lamp */
     Lanes normal[3], height;     /* of the plane: a place on it, times the normal */
     Lanes side[2][3], middle[2]; /* coordinates on the lamp, -1 .. 1 */
     Lanes is_disc, brightness;
