@@ -450,20 +450,14 @@ static void run_assert(const BuiltinCall *call, Value *result)
 
 /* ---- the table ---- */
 
-#define UNARY(name) run_unary
-#define VALUE(name) run_##name
-#define STATEMENT(name) run_##name
-#define UNARY_FUNCTION(name) unary_##name
-#define VALUE_FUNCTION(name) NULL
-#define STATEMENT_FUNCTION(name) NULL
-#define UNARY_STATEMENT false
-#define VALUE_STATEMENT false
-#define STATEMENT_STATEMENT true
-
 static const Builtin builtin_table[] = {
-#define FUNC(name, min, max, form, doc) {#name, min, max, form##_STATEMENT, form##_FUNCTION(name), form(name), doc},
+#define UNARY(name, shape, doc) {#name, 1, 1, false, unary_##name, PROGRAM_SHAPE_##shape, run_unary, doc},
+#define VALUE(name, min, max, doc) {#name, min, max, false, NULL, PROGRAM_SHAPE_UNKNOWN, run_##name, doc},
+#define STATEMENT(name, min, max, doc) {#name, min, max, true, NULL, PROGRAM_SHAPE_UNKNOWN, run_##name, doc},
 #include "lang/funcs.def"
-#undef FUNC
+#undef UNARY
+#undef VALUE
+#undef STATEMENT
 };
 
 size_t builtin_count(void) { return COUNT_OF(builtin_table); }

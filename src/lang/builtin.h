@@ -3,6 +3,7 @@
 #ifndef MEN_BUILTIN_H
 #define MEN_BUILTIN_H
 
+#include "base/program.h"
 #include "lang/ast.h"
 
 struct Evaluator;
@@ -20,6 +21,7 @@ struct Builtin {
     unsigned min_args, max_args;
     bool is_statement;         /* print, warn, assert: has no value */
     double (*unary)(double x); /* a function of a number that also works on each element of a vector or colour */
+    ProgramShape shape;        /* of that function */
     void (*run)(const BuiltinCall *call, Value *result);
     const char *doc;
 };

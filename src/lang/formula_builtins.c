@@ -58,30 +58,13 @@ static uint16_t root(const Call *call, uint16_t x)
     return formula_unary(call->c, call->expr, square_root, PROGRAM_SHAPE_RISES, x);
 }
 
-static ProgramShape shape_of(const Builtin *builtin)
-{
-    static const struct {
-        const char *name;
-        ProgramShape shape;
-    } shapes[] = {
-        {"sin", PROGRAM_SHAPE_SINE},          {"cos", PROGRAM_SHAPE_COSINE},       {"asin", PROGRAM_SHAPE_NEARLY_RISES},
-        {"acos", PROGRAM_SHAPE_NEARLY_FALLS}, {"atan", PROGRAM_SHAPE_NEARLY_RISES}, {"sqrt", PROGRAM_SHAPE_RISES},
-        {"abs", PROGRAM_SHAPE_VALLEY},        {"floor", PROGRAM_SHAPE_RISES},      {"ceil", PROGRAM_SHAPE_RISES},
-        {"round", PROGRAM_SHAPE_RISES},       {"frac", PROGRAM_SHAPE_SAW},         {"sign", PROGRAM_SHAPE_RISES},
-        {"exp", PROGRAM_SHAPE_NEARLY_RISES},  {"log", PROGRAM_SHAPE_NEARLY_RISES}, {"log10", PROGRAM_SHAPE_NEARLY_RISES},
-    };
-    for (size_t i = 0; i < COUNT_OF(shapes); i++)
-        if (strcmp(shapes[i].name, builtin->name) == 0) return shapes[i].shape;
-    return PROGRAM_SHAPE_UNKNOWN;
-}
-
 static Form unary(const Call *call)
 {
     Form result = call->args[0];
-    ProgramShape shape = shape_of(call->builtin);
     if (width_of(&result) == 0) return wrong(call, 0, "a number, a vector or a colour");
     for (unsigned i = 0; i < width_of(&call->args[0]); i++)
-        result.at[i] = formula_unary(call->c, call->expr, call->builtin->unary, shape, at(call, &call->args[0], i));
+        result.at[i] =
+            formula_unary(call->c, call->expr, call->builtin->unary, call->builtin->shape, at(call, &call->args[0], i));
     return result;
 }
 
