@@ -98,14 +98,11 @@ static Status look_through_pixel(Check *check, Error *error)
     FilmPoint point = {at[0] + 0.5, at[1] + 0.5, scene->film.width, scene->film.height};
     const float middle[2] = {0.5f, 0.5f};
     SceneCamera camera = scene->cameras[0];
-    HitList hits = {0};
     NestList list;
-    uint32_t on_surface;
     nest_list_init(&list);
-    Status status = compiled_stand(check->input.compiled, &camera, &hits, &list, &on_surface);
+    Status status = compiled_stand(check->input.compiled, &camera, &list, NULL, error);
     nest_list_clear(&list);
-    hit_list_clear(&hits);
-    if (status != STATUS_OK) return fail(error, status, "out of memory while looking where the camera is");
+    TRY(status);
     Ray ray;
     camera_ray(&camera, point, middle, &ray);
     return sight_line_find(check->input.compiled, &ray, &check->sight, error);

@@ -116,10 +116,11 @@ typedef struct SurfacesHere {
 } SurfacesHere;
 void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits, SurfacesHere *here);
 
-/* The hulls that hold a camera's centre, as by compiled_interior. A camera that stands on the surface of an operand where
- * its combination has none is moved off that, by some roundings, so that its rays have it on one side. */
-ATTR_NODISCARD Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list,
-                                     uint32_t *on_surface);
+/* The hulls that hold a camera's centre, and the surface (may be NULL) that it is on, as by compiled_interior. A camera that
+ * stands on the surface of an operand where its combination has none is moved off that, by some roundings, so that its rays
+ * have it on one side. STATUS_NOMEM. */
+ATTR_NODISCARD Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, NestList *list,
+                                     uint32_t *on_surface, Error *error);
 /* Reports a camera that is on a surface, or in other media than its `expect` says; STATUS_SCENE after that. */
 ATTR_NODISCARD Status compile_check_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag, Error *error);
 

@@ -72,8 +72,7 @@ static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, Hi
     return false;
 }
 
-Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list,
-                      uint32_t *on_surface)
+static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list, uint32_t *on_surface)
 {
     TRY(compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface));
     if (*on_surface == SCENE_NONE || camera->keys) return STATUS_OK;
@@ -83,6 +82,16 @@ Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, HitLis
     TRY(are_no_surfaces(compiled, list, &here, &none));
     if (!none || !step_off(compiled, &here, hits, &camera->from)) return STATUS_OK;
     return compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface);
+}
+
+Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, NestList *list, uint32_t *on_surface, Error *error)
+{
+    HitList hits = {0};
+    uint32_t surface;
+    Status status = stand(compiled, camera, &hits, list, on_surface ? on_surface : &surface);
+    if (status != STATUS_OK) status = fail_memory(error, hits.capacity * sizeof *hits.items, "the camera's surroundings");
+    hit_list_clear(&hits);
+    return status;
 }
 
 /* ---- reports ---- */
@@ -139,24 +148,20 @@ Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_numbe
 {
     const SceneCamera *camera = &compiled->scene->cameras[camera_number];
     SceneCamera standing = *camera;
-    HitList hits = {0};
     NestList list;
     nest_list_init(&list);
     uint32_t on_surface;
-    Status status = compiled_stand(compiled, &standing, &hits, &list, &on_surface);
-    if (status != STATUS_OK) {
-        status = fail(error, status, "out of memory while looking where the camera is");
-    } else if (on_surface != SCENE_NONE) {
+    Status status = compiled_stand(compiled, &standing, &list, &on_surface, error);
+    if (status == STATUS_OK && on_surface != SCENE_NONE) {
         const SceneObject *object = &compiled->scene->objects[on_surface];
         Diagnostic *report = diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s is exactly on the surface of %s",
                                          camera->name, object->name);
         diag_note(diag, report, object->span, "%s is here", object->name);
         diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
         status = STATUS_SCENE;
-    } else if (camera->expect && !meets_expectation(compiled, camera, &list)) {
+    } else if (status == STATUS_OK && camera->expect && !meets_expectation(compiled, camera, &list)) {
         status = report_expectation(compiled, camera, &list, diag, error);
     }
     nest_list_clear(&list);
-    hit_list_clear(&hits);
     return status;
 }

@@ -175,13 +175,9 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
     if (status == STATUS_OK) status = light_reach_find(world, error);
     if (status == STATUS_OK) status = find_portals(world, error);
     if (status == STATUS_OK) {
-        HitList hits = {0};
         for (unsigned reach = 0; reach < REACHES; reach++)
             world->choices[reach].one = is_one_light(world, &world->choices[reach]);
-        uint32_t on_surface;
-        status = compiled_stand(compiled, &world->camera, &hits, &world->camera_list, &on_surface);
-        if (status != STATUS_OK) fail_memory(error, hits.capacity * sizeof(Hit), "the camera's surroundings");
-        hit_list_clear(&hits);
+        status = compiled_stand(compiled, &world->camera, &world->camera_list, NULL, error);
         world->moves = world->scene->n_keys > 0;
         for (uint32_t i = 0; i < world->scene->n_lights; i++)
             world->has_distant |= world->scene->lights[i].kind == LIGHT_DISTANT;
