@@ -202,31 +202,45 @@ static const Need needs[] = {
     {"coat_tint", "coat", COAT},
     {"fuzz_color", "fuzz", FUZZ},
     {"fuzz_roughness", "fuzz", FUZZ},
+    {"translucency", "thin", "without thin = true", "a leaf: thin = true  albedo = rgb(.2, .4, .1)  translucency = .5"},
     {"weight", "mix", "without a 'mix'", "a mixture of two: mix = [a, b]"},
 };
 
-static bool is_on(const EvalNode *node, const char *property) /* set, and if a number, not 0 */
+static bool is_on(const EvalNode *node, const char *property) /* set, and neither 0 nor false */
 {
     const EvalProp *prop = eval_prop(node, property);
+    if (prop && prop->type->kind == PROP_BOOL) return prop->as.truth;
     return prop && (prop->textured || prop->type->kind != PROP_NUMBER || prop->as.number > 0);
+}
+
+#define TINTS "what is clear has the tint of its medium, medium glass { ior = 1.5  tint = rgb(.6, .9, .7)  depth = 1cm }"
+#define FILM "thin = true  ior = 1.4  transmission = 1  film = 300nm"
+
+/* What only panes have, which are thin and let light through. */
+static void check_pane(Builder *b, const EvalNode *node, bool thin, bool pane)
+{
+    static const struct {
+        const char *property, *hint;
+    } rows[] = {{"tint", TINTS ", what is matte an albedo"}, {"film", "as a soap film has it: " FILM}};
+    const char *without = thin   ? "without 'transmission'"
+                          : pane ? "without thin = true"
+                                 : "without thin = true and 'transmission'";
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        Diagnostic *report = build_needs(b, node, rows[i].property, without);
+        if (report && !thin) diag_hint(b->diag, report, "%s", rows[i].hint);
+    }
 }
 
 static void check_needs(Builder *b, const EvalNode *node)
 {
     static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
-    static const char *const of_pane[] = {"tint", "film"};
     bool thin = eval_truth(node, "thin"), pane = is_on(node, "transmission");
     for (size_t i = 0; i < COUNT_OF(needs); i++) {
         const Need *need = &needs[i];
         Diagnostic *report = is_on(node, need->other) ? NULL : build_needs(b, node, need->property, need->words);
         if (report) diag_hint(b->diag, report, "%s", need->hint);
     }
-    for (size_t i = 0; (!thin || !pane) && i < COUNT_OF(of_pane); i++)
-        build_needs(b, node, of_pane[i],
-                    thin   ? "without 'transmission'"
-                    : pane ? "without thin = true"
-                           : "without thin = true and 'transmission'");
-    if (!thin) build_needs(b, node, "translucency", "without thin = true");
+    if (!thin || !pane) check_pane(b, node, thin, pane);
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
     static const char *const of_grain[] = {"grain", "grain_angle"};
@@ -323,8 +337,9 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
                       "a coat on glass is a medium of its own: put a slightly larger object around this one");
         else if (strcmp(name, "film") == 0)
             diag_hint(b->diag, report,
-                      "light interferes in thin surfaces: put one close around it, surface { thin = true  ior = 1.4  "
-                      "transmission = 1  film = 300nm }");
+                      "light interferes in thin surfaces: put one close around it, surface { " FILM " }");
+        else if (strcmp(name, "tint") == 0)
+            diag_hint(b->diag, report, TINTS);
         else if (strcmp(name, "ior") == 0)
             diag_hint(b->diag, report, "the index is that of its medium, the interior");
         else if (!thin && !shines)
