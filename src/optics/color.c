@@ -70,16 +70,6 @@ void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float
                  (float)observer_rgb_from_xyz[c][2] * lanes_get(sum, 2);
 }
 
-void color_from_spectrum(const Spectrum *emission, double rgb[3])
-{
-    rgb[0] = rgb[1] = rgb[2] = 0;
-    for (int node = 0; node < OBSERVER_NODES; node++) {
-        double weight[3], radiance = (double)spectrum_at_one(emission, (float)observer_node(node));
-        observer_node_rgb(node, weight);
-        for (int c = 0; c < 3; c++) rgb[c] += weight[c] * radiance;
-    }
-}
-
 double spectrum_luminance(const Spectrum *spectrum)
 {
     double weighted = 0, total = 0;

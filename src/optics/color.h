@@ -52,8 +52,6 @@ static inline float color_luminance(const float rgb[3])
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }
 
-/* Exact resolution of a whole spectrum (sum over the table), for set-up and tests. */
-void color_from_spectrum(const Spectrum *emission, double rgb[3]);
 /* Mean of the spectrum under the luminous efficiency y: 1 for white_at and for the constant 1. */
 double spectrum_luminance(const Spectrum *spectrum);
 

@@ -1,5 +1,5 @@
 /* observer.h - the tables behind color.c: the CIE 1931 observer, D65, Rec.709's matrix and the
- * distribution of a path's wavelengths. For src/optics only; others use color.h.
+ * distribution of a path's wavelengths. For src/optics and tests only; others use color.h.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_OBSERVER_H
 #define MEN_OBSERVER_H

@@ -1,4 +1,4 @@
-/* sampling.h - directions and discs from two uniform numbers, and weights for combining techniques.
+/* sampling.h - directions and discs from two uniform numbers, and the weight for combining techniques.
  * u and v are in [0,1). Maps without a seam where there is a choice, so that low-discrepancy points
  * stay well spread.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -135,17 +135,12 @@ static inline double sampling_exponential_pdf(double t, double rate, double end)
     return -rate * exp(-rate * t) / expm1(-rate * end);
 }
 
-/* Weights of a sample of density pdf_a where another technique has pdf_b there: E. Veach, "Robust Monte
+/* Weight of a sample of density pdf_a where another technique has pdf_b there: E. Veach, "Robust Monte
  * Carlo Methods for Light Transport Simulation" (1997), 9.2.2. Formed from the ratio, so that densities
  * up to FLT_MAX do not overflow. pdf_a > 0. */
 static inline float sampling_balance(float pdf_a, float pdf_b)
 {
     return 1 / (1 + pdf_b / pdf_a);
-}
-static inline float sampling_power(float pdf_a, float pdf_b) /* exponent 2 */
-{
-    float ratio = pdf_b / pdf_a;
-    return 1 / (1 + ratio * ratio);
 }
 
 #endif

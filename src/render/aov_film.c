@@ -60,23 +60,17 @@ uint32_t aov_hash(const char *name)
     return hash ^ hash >> 16;
 }
 
-/* Exponents of zeros, denormals, infinities and NaN are avoided. */
-static uint32_t plain_hash(const char *name)
+uint32_t aov_id(const char *name)
 {
     uint32_t hash = aov_hash(name), exponent = hash >> 23 & 255;
     return exponent == 0 || exponent == 255 ? hash ^ 1U << 23 : hash;
 }
 
-static float hash_as_float(uint32_t hash)
+float aov_id_float(uint32_t id)
 {
     float value;
-    memcpy(&value, &hash, sizeof value);
+    memcpy(&value, &id, sizeof value);
     return value;
-}
-
-float aov_hash_float(const char *name)
-{
-    return hash_as_float(plain_hash(name));
 }
 
 static void id_color(const char *name, float rgb[3])
@@ -186,9 +180,9 @@ void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight
     if (!film->objects) return;
     const Scene *scene = film->world->scene;
     uint32_t material = material_of(scene, sight->object);
-    bool kept = tally_add(&film->objects[pixel], plain_hash(object_name(scene, sight->object)), 1);
+    bool kept = tally_add(&film->objects[pixel], aov_id(object_name(scene, sight->object)), 1);
     if (material != SCENE_NONE)
-        kept = tally_add(&film->materials[pixel], plain_hash(material_name(scene, material)), 1) && kept;
+        kept = tally_add(&film->materials[pixel], aov_id(material_name(scene, material)), 1) && kept;
     if (!kept) film->out_of_memory = true;
 }
 
@@ -243,7 +237,7 @@ static int compare_ranked(const void *left, const void *right)
 {
     const TallyItem *a = left, *b = right;
     if (a->n != b->n) return a->n > b->n ? -1 : 1;
-    float x = hash_as_float(a->id), y = hash_as_float(b->id);
+    float x = aov_id_float(a->id), y = aov_id_float(b->id);
     return x < y ? -1 : x > y;
 }
 
@@ -256,7 +250,7 @@ static void put_ranks(const Tally *tally, uint32_t n_samples, float *out)
     if (n > 1) qsort(ranked, n, sizeof *ranked, compare_ranked);
     for (uint32_t i = 0; i < RANKS; i++) {
         bool there = i < n && n_samples;
-        out[2 * i] = there ? hash_as_float(ranked[i].id) : 0;
+        out[2 * i] = there ? aov_id_float(ranked[i].id) : 0;
         out[2 * i + 1] = there ? (float)((double)ranked[i].n / n_samples) : 0;
     }
     if (ranked != few) free(ranked);
@@ -382,7 +376,7 @@ static void add_color(JsonWriter *json, const char *name)
 static void add_hash(JsonWriter *json, const char *name)
 {
     char hash[16];
-    snprintf(hash, sizeof hash, "%08x", (unsigned)plain_hash(name));
+    snprintf(hash, sizeof hash, "%08x", (unsigned)aov_id(name));
     json_add_text(json, name, hash);
 }
 

@@ -46,7 +46,9 @@ void aov_visit_attributes(AovSet set, const Scene *scene,
 
 /* MurmurHash3_x86_32 (A. Appleby, public domain algorithm), seed 0: what Cryptomatte names things by. */
 uint32_t aov_hash(const char *name);
-/* The hash with an exponent that makes it a plain float, bit by bit (Cryptomatte 1.2, "hash conversion"). */
-float aov_hash_float(const char *name);
+/* The hash with an exponent of none of 0, denormals, infinity and NaN; and its bits as that float, as which it stands in
+ * pictures (Cryptomatte 1.2, "hash conversion"). */
+uint32_t aov_id(const char *name);
+float aov_id_float(uint32_t id);
 
 #endif

@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
+#include "exact_color.h"
+
 static const double degree = TRUTH_PI / 180;
 static const double water = 1.33;
 

@@ -74,8 +74,8 @@ static void mattes_add_up(void **state)
     Fixture f;
     Image image;
     render(SCENE, (AovSet)1 << AOV_CRYPTOMATTE | (AovSet)1 << AOV_OBJECT, 1, &f, &image);
-    double tank = (double)aov_hash_float("tank"), ball = (double)aov_hash_float("ball");
-    double water = (double)aov_hash_float("water"), clay = (double)aov_hash_float("clay");
+    double tank = (double)aov_id_float(aov_id("tank")), ball = (double)aov_id_float(aov_id("ball"));
+    double water = (double)aov_id_float(aov_id("water")), clay = (double)aov_id_float(aov_id("clay"));
     unsigned n_mixed = 0, n_ball = 0;
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
@@ -128,7 +128,7 @@ static void what_is_seen_first(void **state)
            "camera { from = <0, 0, 100> to = <0, 0, 0> fov = 6 } environment { }",
            ALL, 1, &f, &image);
     uint32_t m = SIDE / 2;
-    assert_true(value(&image, m, m, "CryptoObject00.R") == (double)aov_hash_float("cut"));
+    assert_true(value(&image, m, m, "CryptoObject00.R") == (double)aov_id_float(aov_id("cut")));
     assert_near(value(&image, m, m, "CryptoObject00.G"), 1, 0);
     assert_true(value(&image, m, m, "P.Z") >= 1.49 && value(&image, m, m, "P.Z") < 1.7);
     assert_true(value(&image, m, m, "N.Z") > 0.9); /* towards the camera, though the ball looks the other way */
@@ -148,7 +148,7 @@ static void names_are_hashed_as_others_do(void **state)
     for (int i = 0; i < 10000; i++) {
         char name[24];
         snprintf(name, sizeof name, "bubble %d", i);
-        assert_true(isnormal(aov_hash_float(name)));
+        assert_true(isnormal(aov_id_float(aov_id(name))));
     }
 }
 

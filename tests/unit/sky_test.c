@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include "exact_color.h"
 #include "near.h"
 
 #include "base/clock.h"

@@ -4,6 +4,7 @@
 
 #include "base/attr.h"
 #include "base/hash.h"
+#include "exact_color.h"
 #include "near.h"
 #include "optics/color.h"
 #include "optics/texture_image.h"

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "dice.h"
+#include "exact_color.h"
 #include "optics/color.h"
 #include "optics/observer.h"
 
