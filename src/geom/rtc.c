@@ -561,15 +561,15 @@ void rtc_piece_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 /* What float rounds about the ray's start, and so how far before it Embree's begins. */
 static inline void find_scales(Query *query)
 {
-    const RtcGrain *grain = &query->scene->grain;
+    const RtcGrain *grains = &query->scene->grain;
     const Ray *ray = query->ray;
     double far = vec3_max_abs(ray->origin);
-    float near = ray->grain;
+    float grain = ray->grain;
     query->scale = double_max(far, query->scene->reach);
-    query->coarse_scale = double_max(far, (double)grain->most);
-    if (!(near > 0) && far < (double)grain->matters) near = rtc_grain_at(grain, ray->origin);
-    query->start_scale = near > 0 ? double_max(far, (double)near) : query->coarse_scale;
-    query->fine_within = (double)grain->matters - query->start_scale;
+    query->coarse_scale = double_max(far, (double)grains->most);
+    if (!(grain > 0) && far < (double)grains->matters) grain = rtc_grain_at(grains, ray->origin);
+    query->start_scale = grain > 0 ? double_max(far, (double)grain) : query->coarse_scale;
+    query->fine_within = (double)grains->matters - query->start_scale;
     query->back = START_BACK * query->start_scale;
     query->nudge = &ray->nudge;
     query->unseen = 0;

@@ -195,8 +195,8 @@ Expr *parse_bare_let(Parser *parser, Span begin)
 /* "def f(x) { x * 2 }": what stands in the braces is neither a statement nor a block */
 Expr *parse_braced_body(Parser *parser, const Def *def)
 {
-    if (returns_value(parser))
-        return parse_names_and_value(parser, quote(parser, def->span.begin, consumed_end(parser)));
+    const char *head = quote(parser, def->span.begin, consumed_end(parser));
+    if (returns_value(parser)) return parse_names_and_value(parser, head);
     Look look;
     look_from(parser, &look);
     Token token = lexer_next(&look.lexer);
@@ -212,17 +212,7 @@ Expr *parse_braced_body(Parser *parser, const Def *def)
         brackets += (kind == TOKEN_PAREN_OPEN) - (kind == TOKEN_PAREN_CLOSE);
         before = kind;
     }
-    if (!computed) return NULL;
-    Span brace = token_span(parser);
-    const char *head = quote(parser, def->span.begin, consumed_end(parser));
-    advance(parser);
-    uint32_t begin = parser->token.begin;
-    Expr *body = parse_expr(parser);
-    if (parser->panic) return body;
-    Diagnostic *report = report_at(parser, brace, "a value stands behind '=', statements stand in braces");
-    diag_hint(parser->diag, report, "write: def %s = %s", head, quote(parser, begin, consumed_end(parser)));
-    accept(parser, TOKEN_BRACE_CLOSE);
-    return body;
+    return computed ? parse_names_and_value(parser, head) : NULL;
 }
 
 /* ---- units ---- */
