@@ -281,9 +281,9 @@ golden: all assets ## make one reference picture anew: make golden NAME=whisky
 
 # make fuzz SECONDS=600 FUZZERS=eval; what is found stands in build/fuzz/found and belongs into tests/fuzz/corpus/NAME.
 SECONDS ?= 60
-fuzz: ## run each fuzzer for SECONDS (default 60); needs clang and libclang-rt-14-dev
+fuzz: $(BUILD)/meniscus ## run each fuzzer for SECONDS (default 60); needs clang and libclang-rt-14-dev
 	$(MAKE) VARIANT=fuzz CC=clang CXX=clang++ $(FUZZERS:%=build/fuzz/fuzz/%)
-	$(PYTHON) tests/fuzz/seeds.py build/fuzz/seeds
+	$(PYTHON) tests/fuzz/seeds.py build/fuzz/seeds $(BUILD)/meniscus
 	@mkdir -p build/fuzz/found
 	@for name in $(FUZZERS); do mkdir -p build/fuzz/corpus/$$name build/fuzz/seeds/$$name tests/fuzz/corpus/$$name; echo "fuzz: $$name, $(SECONDS) s"; \
 	  ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 build/fuzz/fuzz/$$name build/fuzz/corpus/$$name tests/fuzz/corpus/$$name \

@@ -9,7 +9,7 @@ seeds=$(mktemp -d) || exit 2
 trap 'rm -rf "$seeds"' EXIT
 TMPDIR=$seeds
 export TMPDIR
-"${PYTHON:-python3}" "$root/tests/fuzz/seeds.py" "$seeds" || exit 2
+"${PYTHON:-python3}" "$root/tests/fuzz/seeds.py" "$seeds" "$1" || exit 2
 n_passed=0 n_failed=0
 for source in "$root"/tests/fuzz/*.c; do
     name=$(basename "$source" .c)

@@ -1,16 +1,8 @@
 /* png.c - any file is a picture in PNG, or refused.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "fuzz.h"
-#include "image/image.h"
+#include "fuzz_image.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const char *path = fuzz_file(data, size);
-    Image image = {0};
-    Error error = {0};
-    Status status = png_read(path, &image, &error);
-    FUZZ_HOLDS(status == STATUS_OK ? image.width > 0 && image.height > 0 && image.pixels : error.text[0]);
-    image_clear(&image);
-    unlink(path);
-    return 0;
+    return fuzz_image(png_read, data, size);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Small right inputs for the fuzzers to begin with, beside the scenes of examples, tests and the library.
 
-usage: seeds.py FOLDER      makes FOLDER/NAME/ for each fuzzer
+usage: seeds.py FOLDER MENISCUS     makes FOLDER/NAME/ for each fuzzer; the states of renders are written by the program
 SPDX-License-Identifier: Apache-2.0
 """
 import base64
@@ -10,6 +10,7 @@ import json
 import os
 import shutil
 import struct
+import subprocess
 import sys
 import zlib
 
@@ -17,6 +18,15 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
 LARGEST_SCENE = 20000
+NOT_FINISHED = 75  # the exit status
+SMALL_SCENE = """meniscus 1.0
+medium water { ior = 1.33 }
+sphere drop { interior = water }
+ground { y = -1  surface = surface { albedo = .5 } }
+light { from = <3, 5, -3>  to = <0, 0, 0>  size = <.2, .2>  radiance = 400 }
+camera { from = <0, 1, -6>  to = <0, 0, 0> }
+film { size = <6, 4> }
+"""
 
 
 def put(folder, name, text):
@@ -77,6 +87,17 @@ def png(depth, kind):
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
+def jpeg(components, progressive):
+    """8 by 8 pixels of grey. Each table of codes has one, of one bit, which says that there is no more."""
+    segment = lambda marker, body: bytes([0xff, marker]) + struct.pack(">H", len(body) + 2) + body
+    codes = lambda kind: segment(0xc4, bytes([kind << 4, 1] + 15 * [0] + [0]))
+    frame = struct.pack(">BHHB", 8, 8, 8, components) + b"".join(bytes([i, 0x11, 0]) for i in range(components))
+    scan = bytes([components]) + b"".join(bytes([i, 0]) for i in range(components)) + bytes([0, 0 if progressive else 63, 0])
+    bits = (components * ("0" if progressive else "00")).ljust(8, "1")
+    return (b"\xff\xd8" + segment(0xdb, b"\0" + 64 * b"\1") + segment(0xc2 if progressive else 0xc0, frame) + codes(0) + codes(1) +
+            segment(0xda, scan) + bytes([int(bits, 2)]) + b"\xff\xd9")
+
+
 def exr(half, compression):
     attribute = lambda name, kind, value: name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
     channels = b"".join(c + b"\0" + struct.pack("<iB3xii", 1 if half else 2, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
@@ -93,8 +114,27 @@ def exr(half, compression):
             b"".join(struct.pack("<ii", j, len(row)) + row for j in range(2)))
 
 
+def states(folder, program):
+    """Of renders by samples, as slices are, and of one that has not come to its end."""
+    scene = os.path.join(folder, "small.mns")
+    put(folder, "small.mns", SMALL_SCENE)
+    runs = {"whole": ["-s", "8", "--sample-range", "1..8"],
+            "slice": ["-s", "8", "--sample-range", "3..6", "--aov", "cryptomatte,depth,object", "--crop", "1,1,5,4"],
+            "adaptive": ["-s", "1000000", "--adaptive", "on", "--time-limit", "1s", "--checkpoint", "1m"]}
+    for name, options in runs.items():
+        command = [program, "render", scene, "-q", "-j1", "--caustics", "off", "-o", os.path.join(folder, name + ".exr")]
+        if subprocess.run(command + options, check=False).returncode not in (0, NOT_FINISHED):
+            sys.exit(f"seeds.py: no state of a render, {name}")
+    os.replace(os.path.join(folder, "adaptive.checkpoint.exr"), os.path.join(folder, "adaptive.exr"))
+    os.remove(scene)
+
+
 def main():
     top = sys.argv[1]
+    states(os.path.join(top, "checkpoint"), sys.argv[2])
+    for name in ("whole", "slice"):  # pictures, too: compressed, with many channels and attributes
+        os.makedirs(os.path.join(top, "exr"), exist_ok=True)
+        shutil.copy(os.path.join(top, "checkpoint", name + ".exr"), os.path.join(top, "exr"))
     for name in ("lex_parse", "eval", "fmt"):
         put(os.path.join(top, name), "header.mns", "meniscus 1.0 unit mm\n")
         scenes(os.path.join(top, name))
@@ -113,6 +153,9 @@ def main():
     put(os.path.join(top, "gltf"), "seed.glb", packed)
     for depth, kind in ((8, 2), (16, 2), (8, 6), (8, 0), (8, 3), (1, 0)):
         put(os.path.join(top, "png"), f"{depth}-{kind}.png", png(depth, kind))
+    for components in (1, 3):
+        for progressive in (False, True):
+            put(os.path.join(top, "jpeg"), f"{components}-{progressive}.jpg", jpeg(components, progressive))
     for half in (True, False):
         for compression in (0, 1, 3):
             put(os.path.join(top, "exr"), f"{half}-{compression}.exr", exr(half, compression))
