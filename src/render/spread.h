@@ -12,8 +12,9 @@
  *   wherever it goes makes less of a blemish where it is, and stays.
  * - Where comparable samples of near pixels differ in number beyond chance, those with more of them get more: lines and points
  *   stay as sharp as they were found.
- * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Those that are
- *   darker than their surroundings get less, so that textures and shadows keep their contrast.
+ * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. A medium that
+ *   scatters behind clear things is a thing of its own. Those that are darker than their surroundings get less, so that
+ *   textures and shadows keep their contrast.
  *
  * With more samples each adds less, and has more beside it, so that less is shared out, and in the end nothing: the picture
  * converges to what it would without. The neighbourhood is that of a nearest-neighbour density estimate [LQ65]. Energy is

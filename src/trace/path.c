@@ -183,10 +183,11 @@ ATTR_COLD static void look_ahead(const Path *path)
     nest_list_clear(&kept);
 }
 
-/* The object that an event is at; what scatters in front of all objects is one more. */
-static uint32_t seen_first(const World *world, const Event *event)
+/* The object that an event is at; what scatters in front of all objects is one more, and what does behind boundaries alone
+ * more than that, by its medium: wax in a clear oil is seen apart from the oil, though the glass around both is met first. */
+static uint32_t seen_first(const World *world, const Event *event, bool first)
 {
-    if (event->kind == EVENT_SCATTER) return world->scene->n_objects;
+    if (event->kind == EVENT_SCATTER) return world->scene->n_objects + (first ? 0 : 1 + event->medium);
     if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return SCENE_NONE;
     const ObjectLook *look = &world->looks[event->hit.object];
     return look->light != SCENE_NONE ? SCENE_NONE : look->whole;
@@ -198,12 +199,14 @@ static bool follow(Path *path, bool first)
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const bool textured = world->scene->n_textures > 0;
+    bool clear = first; /* nothing but boundaries so far */
     if (UNLIKELY(tracer->notes_sight && world->scatters)) look_ahead(path);
     for (;; first = false) {
         Event event;
         path_next_event(path, &event);
         if (textured) path_reach(path, &event);
-        if (first) tracer->seen = seen_first(world, &event);
+        if (first || (clear && event.kind == EVENT_SCATTER)) tracer->seen = seen_first(world, &event, first);
+        clear = clear && event.kind == EVENT_BOUNDARY;
         if (UNLIKELY(first && tracer->notes_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;

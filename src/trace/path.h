@@ -90,7 +90,8 @@ typedef struct Tracer {
     struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
     struct Tracer *prober;      /* follows what guides send out, while the path waits; NULL: not yet needed */
     uint32_t
-        seen; /* what the last path met first: the object, a combination's own row; SCENE_NONE: nothing, or a light */
+        seen; /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also
+               * behind boundaries; SCENE_NONE: nothing, or a light */
     bool out_of_memory;
     bool notes_sight; /* of each path: */
     FirstSight first_sight;

@@ -443,6 +443,40 @@ static void rendered(void **state)
     fixture_clear(&scene);
 }
 
+/* Wax in a clear oil, lit by a lamp in the oil that few paths find: what is found in the wax stays in the wax, though the oil
+ * is met first everywhere, and stays as dark as it is. */
+static void what_scatters_in_something_clear_stays_there(void **state)
+{
+    (void)state;
+    enum { WIDTH = 40 };
+    Fixture scene;
+    fixture_compile(&scene,
+                    "meniscus 1.0 unit mm environment { strength = .02 } "
+                    "box { size = <6, 6, 6> interior = medium { ior = 1.36 } } "
+                    "sphere { radius = 1 interior = medium { ior = 1.44 scattering = 4 / 1mm } } "
+                    "light { shape = sphere from = <0, -2.6, 0> radius = .3 radiance = 60 } "
+                    "camera { from = <0, 0, 20> fov = 12 }",
+                    1);
+    double sums[2][2] = {{0}}; /* without and with: of the oil, and of the wax, which is seen up to 0.25 */
+    for (int k = 0; k < 2; k++) {
+        RenderSettings settings = {.width = WIDTH, .height = WIDTH, .samples = 64, .bounces = 64, .spreads = k > 0};
+        RenderStats stats;
+        Image image;
+        Error error;
+        settings.caustics = CAUSTICS_OFF;
+        assert_int_equal(render_image(scene.compiled, &settings, NULL, NULL, &image, &stats, &error), STATUS_OK);
+        for (int y = 0; y < WIDTH; y++)
+            for (int x = 0; x < WIDTH; x++) {
+                double distance = hypot(x - WIDTH / 2 + 0.5, y - WIDTH / 2 + 0.5) / WIDTH;
+                sums[k][distance < 0.26] += (double)pixel_of(&image, (uint32_t)x, (uint32_t)y)[1];
+            }
+        image_clear(&image);
+    }
+    assert_true(sums[0][1] > 2 * sums[0][0]);
+    for (int wax = 0; wax < 2; wax++) assert_near(sums[1][wax] / sums[0][wax], 1, 0.05);
+    fixture_clear(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -460,6 +494,7 @@ int main(void)
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(order_and_area),
         cmocka_unit_test(rendered),
+        cmocka_unit_test(what_scatters_in_something_clear_stays_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
