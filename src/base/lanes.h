@@ -79,6 +79,14 @@ static inline void lanes_set(Lanes *a, int lane, float x)
 {
     a->v[lane] = x;
 }
+/* The first lane and another one in each other's place. */
+static inline Lanes lanes_exchange(Lanes a, int lane)
+{
+    float first = lanes_get(a, 0);
+    lanes_set(&a, 0, lanes_get(a, lane));
+    lanes_set(&a, lane, first);
+    return a;
+}
 static inline Lanes lanes_load(const float values[LANES])
 {
     Lanes a;

@@ -130,41 +130,6 @@ static bool survives(Path *path)
     return true;
 }
 
-/* The list at the ray's real origin: from the camera's centre on along the lens. */
-static bool start_list(Path *path, const SceneCamera *camera)
-{
-    Tracer *tracer = path->tracer;
-    const World *world = tracer->world;
-    const NestList *known = lens_list_at(world->lens, path->ray.origin);
-    if (known) return nest_list_copy(&tracer->list, known) == STATUS_OK;
-    Status status = world->camera_list_moves
-                        ? compiled_interior(world->compiled, vec3f_from(camera->from), path->ray.time,
-                                            &tracer->shadow_hits, &tracer->list, NULL)
-                        : nest_list_copy(&tracer->list, &world->camera_list);
-    if (status != STATUS_OK) return false;
-    if (!world->lens_crosses) return true;
-    Vec3 offset = vec3_sub(path->ray.origin, camera->from);
-    double length = vec3_length(offset);
-    if (!(length > 0)) return true;
-    Ray ray = ray_make(camera->from, vec3f_from(vec3_scale(offset, 1 / length)));
-    ray.time = path->ray.time;
-    ray.t_max = length;
-    tracer->counters.rays++;
-    rtc_all(world->compiled->rtc, &ray, false, &tracer->shadow_hits);
-    NestCrossing crossing;
-    for (size_t i = 0; i < tracer->shadow_hits.n; i++)
-        if (!path_cross(tracer, &tracer->list, &tracer->shadow_hits.items[i], 1, &crossing)) return false;
-    return true;
-}
-
-/* A place after the pixel's filter: u in [0,1) to an offset from its middle, with a tent of radius 1 in (-1, 1). */
-static double filtered(bool box, float u)
-{
-    if (box) return (double)u - 0.5;
-    double v = 2 * (double)u, from_end = double_min(v, 2 - v);
-    return copysign(1 - sqrt(from_end), v - 1); /* which half it is in, no branch could foretell */
-}
-
 /* What the camera's ray would meet first if no medium scattered it. The path stays as it is. */
 ATTR_COLD static void look_ahead(const Path *path)
 {
@@ -193,7 +158,7 @@ static uint32_t seen_first(const World *world, const Event *event, bool first)
     return look->light != SCENE_NONE ? SCENE_NONE : look->whole;
 }
 
-/* Returns whether the camera's ray met anything. */
+/* Returns whether the first ray met anything. */
 static bool follow(Path *path, bool first)
 {
     Tracer *tracer = path->tracer;
@@ -243,67 +208,7 @@ void path_follow(Path *path)
     follow(path, false);
 }
 
-/* A pixel's samples follow each other, and have most of what their first numbers take in common. */
-static const PixelSampler *find_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+bool path_follow_from_camera(Path *path)
 {
-    PixelSampler *pixel = &tracer->pixel;
-    SamplePattern pattern = tracer->world->trial.pattern;
-    bool alike = LIKELY(pattern != PATTERN_INDEPENDENT);
-    if (!alike || !pixel->made || pixel->seed != seed || pixel->x != x || pixel->y != y) {
-        Sampler first = LIKELY(pattern == PATTERN_SHARED) ? sampler_make(seed, x, y, 0)
-                        : alike                           ? sampler_make_alone(seed, x, y, 0)
-                                                          : sampler_make_independent(seed, x, y, index);
-        *pixel = (PixelSampler){.made = true, .seed = seed, .x = x, .y = y, .sampler = first};
-        pixel->place = sampler_stream(&first, DIM_PIXEL);
-        pixel->wavelength = sampler_stream(&first, DIM_WAVELENGTH);
-    }
-    if (alike) pixel->sampler.index_reversed = reverse_bits(index);
-    return pixel;
-}
-
-static WavelengthSample choose_wavelengths(const World *world, const PixelSampler *pixel)
-{
-    const Sampler *sampler = &pixel->sampler;
-    if (UNLIKELY(world->trial.wavelengths_by_chance))
-        return wavelengths_sample(hash_to_unit_f(sampler_key(sampler, DIM_WAVELENGTH)));
-    return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
-}
-
-void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
-                  uint32_t index, float rgb[3], float *alpha)
-{
-    const World *world = tracer->world;
-    Path path;
-    const PixelSampler *pixel = find_sampler(tracer, seed, x, y, index);
-    path_init(&path, tracer, pixel->sampler);
-    path.looks = world->seeks_airlight;
-    path.decision.of_pixel = LIKELY(!world->trial.choices_apart);
-    float u[2], lens[2] = {0, 0};
-    sampler_stream_2d(&pixel->place, path.sampler.index_reversed, u);
-    if (world->camera.lens_radius > 0) sampler_2d(&path.sampler, DIM_LENS, lens);
-    path.wavelengths = choose_wavelengths(world, pixel);
-    bool box = world->scene->film.box;
-    FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
-    double time = world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
-    SceneCamera moved;
-    const SceneCamera *camera = &world->camera;
-    if (camera->keys) {
-        moved = scene_camera_at(world->scene, camera, time);
-        camera = &moved;
-    }
-    camera_ray(camera, point, lens, &path.ray);
-    path.ray.time = time;
-    path.cone_spread = (float)(camera->tan_half_width / width); /* half a pixel at distance 1 */
-    tracer->counters.paths++;
-    bool met = true;
-    if (start_list(&path, camera))
-        met = follow(&path, true);
-    else
-        tracer->out_of_memory = true;
-    *alpha = met || world->scene->environment ? 1 : 0;
-    color_from_lanes(path.radiance, &path.wavelengths, rgb);
-    if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
-        tracer->counters.bad_samples++;
-        rgb[0] = rgb[1] = rgb[2] = 0;
-    }
+    return follow(path, true);
 }

@@ -70,6 +70,9 @@ typedef struct Path {
     bool cone_bent;       /* it has gone through a boundary, or off a mirror */
     bool straight;        /* media do not scatter it: it only looks what is there */
     bool looks;           /* for light that media scatter towards it */
+    bool bent_apart;      /* it has come to a boundary where each of its wavelengths would go on in another way, */
+    bool again;           /* and this is the second path of its sample: see sample.c */
+    int index_lane;       /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
     uint32_t n_scattered; /* in media, so far */
     uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
     PathMedia media;
@@ -90,6 +93,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->scatter_pdf = -1;
     path->scatter_lights = world_lights(tracer->world);
     path->probing.guide.share = 0;
+    path->index_lane = -1;
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }
 
@@ -132,12 +136,17 @@ typedef struct Event {
     uint32_t medium;  /* and what scatters there; else what fills the way to the surfaces */
 } Event;
 
+static inline bool medium_disperses(const World *world, uint32_t medium)
+{
+    return world->scene->media[medium].ior.kind != SPECTRUM_CONSTANT;
+}
+
 static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
 {
     return spectrum_at(&world->scene->media[medium].ior, wavelength_nm);
 }
 
-/* The same of the path's own wavelengths, looked up once. */
+/* The index that a path takes for its own wavelengths, looked up once. */
 static inline Lanes path_ior(Path *path, uint32_t medium)
 {
     const Spectrum *ior = &path->tracer->world->scene->media[medium].ior;
@@ -146,6 +155,7 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
     uint32_t i = medium % PATH_MEDIA;
     if (kept->ior_of[i] != medium + 1) {
         kept->ior[i] = spectrum_at(ior, path->wavelengths.nm);
+        if (path->index_lane >= 0) kept->ior[i] = lanes_all(lanes_get(kept->ior[i], path->index_lane));
         kept->ior_of[i] = medium + 1;
     }
     return kept->ior[i];
@@ -239,7 +249,7 @@ static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
     GuideAt at = guide_find(guide, place);
     float part = float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1); /* the same for any hero */
     if (in_medium) part /= (float)(1 + path->n_scattered);
-    if (UNLIKELY(path->tracer->ledger) && at.share > 0)
+    if (UNLIKELY(path->tracer->ledger) && at.share > 0 && !path->again)
         guide_note(path->tracer->ledger, &at, GUIDE_VISIT, part, lanes_mean(path->beta) / lanes_mean(path->ratio));
     at.share *= part;
     return at;
@@ -269,6 +279,8 @@ static inline float path_found_part(Path *path, float radiance)
 }
 /* Follows a path to its end, from where it is (path.c). */
 void path_follow(Path *path);
+/* The same from the camera; returns whether its ray meets anything. */
+bool path_follow_from_camera(Path *path);
 /* What an opaque surface that was hit shines by itself. */
 void path_add_emission(Path *path, const Hit *hit);
 /* A hit of an opaque surface. Returns whether the path goes on. */

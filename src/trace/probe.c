@@ -49,7 +49,7 @@ float path_weigh_probing(Path *path, float radiance)
 void path_note_found(Path *path, Lanes light)
 {
     PathProbing *probing = &path->probing;
-    bool noted = probing->found && probing->part > 0;
+    bool noted = probing->found && probing->part > 0 && !path->again; /* both paths of a sample find much the same */
     probing->found = false;
     if (!noted) return;
     float rgb[3], ratio = 1 / probing->part - 1;

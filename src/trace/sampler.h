@@ -25,6 +25,7 @@ enum {
     DIM_WAVELENGTH,        /* 1 */
     DIM_PATH,              /* the first bounce's group begins here */
     DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
+    DIM_INDICES = 0x48000000, /* 1: which wavelengths' indices a sample's paths take, see sample.c */
     DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
     DIM_PROBES = 0x70000000, /* 2 for each bounce: the direction of a probe, see probe.c */

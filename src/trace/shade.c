@@ -366,7 +366,9 @@ bool path_cross_boundary(Path *path, Event *event)
 {
     const World *world = path->tracer->world;
     path->from.rarity = 0;
-    Lanes eta_i = path_ior(path, event->crossing.medium_from), eta_t = path_ior(path, event->crossing.medium_to);
+    uint32_t from = event->crossing.medium_from, to = event->crossing.medium_to;
+    Lanes eta_i = path_ior(path, from), eta_t = path_ior(path, to);
+    path->bent_apart |= medium_disperses(world, from) || medium_disperses(world, to);
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : surface_of(path, event, number);

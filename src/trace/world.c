@@ -181,7 +181,10 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         world->moves = world->scene->n_keys > 0;
         for (uint32_t i = 0; i < world->scene->n_lights; i++)
             world->has_distant |= world->scene->lights[i].kind == LIGHT_DISTANT;
-        for (uint32_t i = 0; i < world->scene->n_media; i++) world->scatters |= world->scene->media[i].scatters;
+        for (uint32_t i = 0; i < world->scene->n_media; i++) {
+            world->scatters |= world->scene->media[i].scatters;
+            world->disperses |= world->scene->media[i].ior.kind != SPECTRUM_CONSTANT;
+        }
         for (uint32_t i = 0; i < world->scene->n_objects; i++) world->has_panes |= scene_is_pane(world->scene, i);
         world->seeks_airlight = world->scatters && world_lights(world)->n;
         world->camera_list_moves = world->moves && camera_list_may_move(world);

@@ -53,6 +53,7 @@ typedef struct Trial {
     bool wavelengths_by_chance; /* those of one pixel are not evenly spread */
     bool choices_apart;         /* of ways, lights and lobes: no third coordinates to the places and directions */
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
+    bool hero_alone;            /* goes on where boundaries bend wavelengths apart */
     float roulette_below;       /* what paths carry that are left to chance */
 } Trial;
 
@@ -77,7 +78,8 @@ typedef struct World {
     bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin, */
     Lens *lens;                /* but where this knows it; NULL: nowhere */
     bool has_distant;          /* a light that is infinitely far */
-    bool scatters;             /* some medium does */
+    bool disperses;            /* some medium does, */
+    bool scatters;             /* and scatters */
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
     Trial trial;

@@ -1,0 +1,174 @@
+/* sample.c - a sample of a pixel: its path from the camera, or two where wavelengths go different ways.
+ *
+ * Where the index of a medium changes with the wavelength, each of a path's four would be bent another way at a boundary. If one of
+ * them went on alone, as in [WNDWH14], what is behind glass would be seen in one colour of the rainbow a sample, and these
+ * colours would be most of the noise. So a path bends all of its wavelengths alike, by the indices of one of them, k: as if the
+ * scene were seen through glass that does not disperse. It finds L(j, k) for each wavelength j, where L(k, k) is what is
+ * asked for. Where it comes to a boundary that tells them apart, a second path follows by the same random numbers, by the
+ * indices of another of the four, m. Mostly both see nearly the same. The four radiances of the sample are then
+ *     at k      2 L(k, k) - 2 s L(k, m)
+ *     at m      2 L(m, m) - 2 s L(m, k)
+ *     at others   s (L(j, k) + L(j, m))
+ * k and m are any two, as likely as any others: in the mean over them j has 2 L(j, j) half of the time, and of each L(j, k)
+ * with k not j it has -2 s one time in six and s two times in six, which is nothing. So this is without bias for any s. With s = 1/2
+ * a sample of what does not depend on the indices has no noise of colour; where the two paths see nothing alike, as in a cut
+ * diamond, 0 has the least. SHARED is between: squared error after equal time, of one wavelength that goes on alone, over this: see
+ * the bench of samples.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/path_parts.h"
+
+#define SHARED 0.4f
+
+/* The list at the ray's real origin: from the camera's centre on along the lens. */
+static bool start_list(Path *path, const SceneCamera *camera)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const NestList *known = lens_list_at(world->lens, path->ray.origin);
+    if (known) return nest_list_copy(&tracer->list, known) == STATUS_OK;
+    Status status = world->camera_list_moves
+                        ? compiled_interior(world->compiled, vec3f_from(camera->from), path->ray.time,
+                                            &tracer->shadow_hits, &tracer->list, NULL)
+                        : nest_list_copy(&tracer->list, &world->camera_list);
+    if (status != STATUS_OK) return false;
+    if (!world->lens_crosses) return true;
+    Vec3 offset = vec3_sub(path->ray.origin, camera->from);
+    double length = vec3_length(offset);
+    if (!(length > 0)) return true;
+    Ray ray = ray_make(camera->from, vec3f_from(vec3_scale(offset, 1 / length)));
+    ray.time = path->ray.time;
+    ray.t_max = length;
+    tracer->counters.rays++;
+    rtc_all(world->compiled->rtc, &ray, false, &tracer->shadow_hits);
+    NestCrossing crossing;
+    for (size_t i = 0; i < tracer->shadow_hits.n; i++)
+        if (!path_cross(tracer, &tracer->list, &tracer->shadow_hits.items[i], 1, &crossing)) return false;
+    return true;
+}
+
+/* A place after the pixel's filter: u in [0,1) to an offset from its middle, with a tent of radius 1 in (-1, 1). */
+static double filtered(bool box, float u)
+{
+    if (box) return (double)u - 0.5;
+    double v = 2 * (double)u, from_end = double_min(v, 2 - v);
+    return copysign(1 - sqrt(from_end), v - 1); /* which half it is in, no branch could foretell */
+}
+
+/* A pixel's samples follow each other, and have most of what their first numbers take in common. */
+static const PixelSampler *find_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+{
+    PixelSampler *pixel = &tracer->pixel;
+    SamplePattern pattern = tracer->world->trial.pattern;
+    bool alike = LIKELY(pattern != PATTERN_INDEPENDENT);
+    if (!alike || !pixel->made || pixel->seed != seed || pixel->x != x || pixel->y != y) {
+        Sampler first = LIKELY(pattern == PATTERN_SHARED) ? sampler_make(seed, x, y, 0)
+                        : alike                           ? sampler_make_alone(seed, x, y, 0)
+                                                          : sampler_make_independent(seed, x, y, index);
+        *pixel = (PixelSampler){.made = true, .seed = seed, .x = x, .y = y, .sampler = first};
+        pixel->place = sampler_stream(&first, DIM_PIXEL);
+        pixel->wavelength = sampler_stream(&first, DIM_WAVELENGTH);
+    }
+    if (alike) pixel->sampler.index_reversed = reverse_bits(index);
+    return pixel;
+}
+
+/* Lanes of the wavelengths whose indices the first path of a sample takes, and the second. */
+typedef struct IndexLanes {
+    int first, second;
+} IndexLanes;
+
+/* The first is the one that is spread most evenly over a pixel's samples; the hero is any of the four, whatever these two are, so
+ * that each is the hero as often as the balance heuristic takes it to be. */
+static IndexLanes choose_indices(const PixelSampler *pixel, WavelengthSample *wavelengths)
+{
+    int choice = (int)(sampler_1d(&pixel->sampler, DIM_INDICES) * (LANES * (LANES - 1)));
+    IndexLanes lanes = {.first = choice / (LANES - 1)};
+    lanes.second = (lanes.first + 1 + choice % (LANES - 1)) % LANES;
+    wavelengths->nm = lanes_exchange(wavelengths->nm, lanes.first);
+    wavelengths->pdf = lanes_exchange(wavelengths->pdf, lanes.first);
+    return lanes;
+}
+
+static Lanes share_out(Lanes first, Lanes second, IndexLanes at)
+{
+    Lanes sum = lanes_scale(lanes_add(first, second), SHARED);
+    lanes_set(&sum, at.first, 2 * lanes_get(first, at.first) - 2 * SHARED * lanes_get(second, at.first));
+    lanes_set(&sum, at.second, 2 * lanes_get(second, at.second) - 2 * SHARED * lanes_get(first, at.second));
+    return sum;
+}
+
+static WavelengthSample choose_wavelengths(const World *world, const PixelSampler *pixel)
+{
+    const Sampler *sampler = &pixel->sampler;
+    if (UNLIKELY(world->trial.wavelengths_by_chance))
+        return wavelengths_sample(hash_to_unit_f(sampler_key(sampler, DIM_WAVELENGTH)));
+    return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
+}
+
+/* Returns whether the camera's ray met anything. */
+static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point, const WavelengthSample *wavelengths,
+                        int index_lane, bool again, Path *path)
+{
+    const World *world = tracer->world;
+    path_init(path, tracer, pixel->sampler);
+    path->looks = world->seeks_airlight;
+    path->decision.of_pixel = LIKELY(!world->trial.choices_apart);
+    path->wavelengths = *wavelengths;
+    path->index_lane = index_lane;
+    path->again = again;
+    float lens[2] = {0, 0};
+    if (world->camera.lens_radius > 0) sampler_2d(&path->sampler, DIM_LENS, lens);
+    double time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
+    SceneCamera moved;
+    const SceneCamera *camera = &world->camera;
+    if (camera->keys) {
+        moved = scene_camera_at(world->scene, camera, time);
+        camera = &moved;
+    }
+    camera_ray(camera, point, lens, &path->ray);
+    path->ray.time = time;
+    path->cone_spread = (float)(camera->tan_half_width / point.width); /* half a pixel at distance 1 */
+    if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path);
+    tracer->out_of_memory = true;
+    return true;
+}
+
+/* The second path of a sample. What is told of a sample besides its light is of the first one. */
+static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
+                          const WavelengthSample *wavelengths, int index_lane)
+{
+    Path path;
+    uint32_t seen = tracer->seen;
+    bool notes_sight = tracer->notes_sight;
+    tracer->notes_sight = false;
+    (void)follow_path(tracer, pixel, point, wavelengths, index_lane, true, &path);
+    tracer->notes_sight = notes_sight;
+    tracer->seen = seen;
+    return path.radiance;
+}
+
+void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
+                  uint32_t index, float rgb[3], float *alpha)
+{
+    const World *world = tracer->world;
+    const PixelSampler *pixel = find_sampler(tracer, seed, x, y, index);
+    float u[2];
+    sampler_stream_2d(&pixel->place, pixel->sampler.index_reversed, u);
+    bool box = world->scene->film.box;
+    FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
+    WavelengthSample wavelengths = choose_wavelengths(world, pixel);
+    IndexLanes lanes = {-1, -1};
+    if (world->disperses && LIKELY(!world->trial.hero_alone)) lanes = choose_indices(pixel, &wavelengths);
+    Path path;
+    bool met = follow_path(tracer, pixel, point, &wavelengths, lanes.first, false, &path);
+    tracer->counters.paths++;
+    if (path.bent_apart && lanes.first >= 0)
+        path.radiance =
+            share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes.second), lanes);
+    *alpha = met || world->scene->environment ? 1 : 0;
+    color_from_lanes(path.radiance, &wavelengths, rgb);
+    if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
+        tracer->counters.bad_samples++;
+        rgb[0] = rgb[1] = rgb[2] = 0;
+    }
+}
