@@ -249,7 +249,8 @@ bench-fireflies: $(BUILD)/bench assets ## single pixels that are far too bright,
 	$(BUILD)/bench fireflies 96 $(wildcard examples/*.mns)
 
 bench-noise: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## ways to take samples, and the stated noise over the error that is there; minutes
-	$(BUILD)/bench sampling $(BUILD)/peers/glass.mns $(addprefix examples/,whisky.mns tea.mns surfaces.mns)
+	$(BUILD)/bench sampling $(BUILD)/peers/glass.mns $(addprefix examples/,whisky.mns tea.mns surfaces.mns still-life.mns \
+	  cut-glass.mns round-solids.mns)
 	$(BUILD)/bench stated $(addprefix examples/,surfaces.mns snells-window.mns whisky.mns tea.mns diamond.mns candles.mns whisky-sun.mns)
 
 # MENISCUS_BENCH_OBJECTS=10000000 make bench-objects: that many objects instead of a million

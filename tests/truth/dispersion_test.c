@@ -1,0 +1,105 @@
+/* dispersion_test.c - two paths a sample where wavelengths are bent apart (trace/sample.c): the light is what one wavelength that
+ * goes on alone finds, and there is less noise. (What the light is, by closed forms, stands in refraction_test.c.)
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+enum { PICTURE = 16, SAMPLES = 64, SEEDS = 24, PARTS = 4, CHANNELS = 3 };
+
+/* The four quarters of a picture, of each seed. */
+typedef struct Parts {
+    double value[PARTS][CHANNELS][SEEDS];
+} Parts;
+
+static void measure(const char *text, bool hero_alone, Parts *parts)
+{
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, SAMPLES);
+    settings.trial.hero_alone = hero_alone;
+    memset(parts, 0, sizeof *parts);
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+        Picture picture;
+        settings.seed = seed + (hero_alone ? SEEDS : 0);
+        truth_render(&scene, &settings, 0, &picture);
+        assert_int_equal(picture.stats.nesting_faults, 0);
+        for (uint32_t i = 0; i < (uint32_t)(PICTURE * PICTURE); i++) {
+            uint32_t x = i % PICTURE, y = i / PICTURE;
+            int part = 2 * (y >= PICTURE / 2) + (x >= PICTURE / 2);
+            for (int c = 0; c < CHANNELS; c++)
+                parts->value[part][c][seed] += truth_channel(&picture, x, y, c) * PARTS / (PICTURE * PICTURE);
+        }
+        truth_clear(&picture);
+    }
+    fixture_clear(&scene);
+}
+
+#define LIGHTS                                                                                                         \
+    "ground { y = -20  surface = surface { albedo = rgb(.7, .5, .3) } }\n"                                             \
+    "light { from = <-60, 70, -20>  to = <0, 0, 0>  size = <60, 60>  radiance = 12 }\n"                                \
+    "light { shape = sphere  from = <70, 30, -30>  radius = 12  radiance = 20 }\n" TRUTH_SKY
+#define CAMERA "camera { from = <0, 20, -120>  to = <3, 0, 0>  fov = 22deg }\n"
+
+static const struct {
+    const char *name, *text;
+    double gain; /* of squared error, at least */
+} scenes[] = {
+    {"glasses in each other",
+     "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012)  absorption = <.02, .01, .03> / 1mm }\n"
+     "medium flint { ior = cauchy(1.6, .03) }\n"
+     "lathe { interior = crown  profile = [<0, -18>, <15, -18>, <17, 16>, <14, 16>, <12, -12>, <0, -12>] }\n"
+     "cylinder { interior = flint  from = <0, -12.1, 0>  to = <0, 5, 0>  radius = 13.5 }\n"
+     "sphere { interior = air  center = <4, -3, -2>  radius = 4 }\n"
+     "sphere { interior = crown  center = <-24, -8, 0>  radius = 10  surface = surface { roughness = .3 } }\n"
+     "sphere { interior = flint  center = <24, -8, 0>  radius = 8 }\n" CAMERA LIGHTS,
+     2},
+    {"a liquid that scatters in colours",
+     "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012) }\n"
+     "medium milk { ior = cauchy(1.33, .004)  scattering = <.02, .08, .3> / 1mm  absorption = <.03, .01, .002> / 1mm\n"
+     "              phase = hg(.6)  state = liquid }\n"
+     "sphere { interior = crown  radius = 19 }\n"
+     "sphere { interior = milk  radius = 15 }\n" CAMERA LIGHTS,
+     1.2},
+    {"a stone with fire",
+     "meniscus 1.0 unit mm use \"std/gems.mns\" as gems\n"
+     "gems.round_brilliant { radius = 18  rotate(x, -30) }\n" CAMERA LIGHTS,
+     1},
+    {"under water",
+     "meniscus 1.0 unit mm medium water { ior = cauchy(1.32, .01)  tint = rgb(.5, .8, .9)  depth = 100mm }\n"
+     "medium crown { ior = cauchy(1.5, .012) }\n"
+     "box { interior = water  from = <-90, -30, -140>  to = <90, 40, 60> }\n"
+     "sphere { interior = crown  radius = 14 }\n"
+     "sphere { interior = air  center = <20, 8, -20>  radius = 6 }\n" CAMERA LIGHTS,
+     1.2},
+};
+
+static void it_is_the_same_light_with_less_noise(void **state)
+{
+    (void)state;
+    static Parts pairs, alone;
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) {
+        measure(scenes[i].text, false, &pairs);
+        measure(scenes[i].text, true, &alone);
+        double square[2] = {0};
+        for (int part = 0; part < PARTS; part++)
+            for (int c = 0; c < CHANNELS; c++) {
+                char what[80];
+                Estimate e = truth_estimate(pairs.value[part][c], SEEDS),
+                         of_hero = truth_estimate(alone.value[part][c], SEEDS);
+                snprintf(what, sizeof what, "%s, quarter %d, %s", scenes[i].name, part + 1,
+                         c == 0   ? "red"
+                         : c == 1 ? "green"
+                                  : "blue");
+                truth_alike(what, of_hero, e, 4.5, 0.02);
+                square[0] += e.error * e.error;
+                square[1] += of_hero.error * of_hero.error;
+            }
+        printf("  %s: the hero alone has %.2f times the squared error\n", scenes[i].name, square[1] / square[0]);
+        assert_true(square[1] >= scenes[i].gain * square[0]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(it_is_the_same_light_with_less_noise)};
+    return cmocka_run_group_tests_name("dispersion", tests, NULL, NULL);
+}
