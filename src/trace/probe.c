@@ -108,4 +108,5 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
     tracer->counters = prober->counters;
     tracer->out_of_memory |= prober->out_of_memory;
     path->radiance = lanes_add(path->radiance, probe.radiance);
+    path->bent_apart |= probe.bent_apart;
 }

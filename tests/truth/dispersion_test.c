@@ -10,11 +10,12 @@ typedef struct Parts {
     double value[PARTS][CHANNELS][SEEDS];
 } Parts;
 
-static void measure(const char *text, bool hero_alone, Parts *parts)
+static void measure(const char *text, bool caustics, bool hero_alone, Parts *parts)
 {
     Fixture scene;
     truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
     RenderSettings settings = truth_settings(PICTURE, SAMPLES);
+    settings.caustics = caustics ? CAUSTICS_ON : CAUSTICS_OFF;
     settings.trial.hero_alone = hero_alone;
     memset(parts, 0, sizeof *parts);
     for (uint32_t seed = 0; seed < SEEDS; seed++) {
@@ -41,7 +42,8 @@ static void measure(const char *text, bool hero_alone, Parts *parts)
 
 static const struct {
     const char *name, *text;
-    double gain; /* of squared error, at least */
+    double gain;   /* of squared error, at least */
+    bool caustics; /* are looked for */
 } scenes[] = {
     {"glasses in each other",
      "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012)  absorption = <.02, .01, .03> / 1mm }\n"
@@ -51,25 +53,35 @@ static const struct {
      "sphere { interior = air  center = <4, -3, -2>  radius = 4 }\n"
      "sphere { interior = crown  center = <-24, -8, 0>  radius = 10  surface = surface { roughness = .3 } }\n"
      "sphere { interior = flint  center = <24, -8, 0>  radius = 8 }\n" CAMERA LIGHTS,
-     2},
+     2, false},
     {"a liquid that scatters in colours",
      "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012) }\n"
      "medium milk { ior = cauchy(1.33, .004)  scattering = <.02, .08, .3> / 1mm  absorption = <.03, .01, .002> / 1mm\n"
      "              phase = hg(.6)  state = liquid }\n"
      "sphere { interior = crown  radius = 19 }\n"
      "sphere { interior = milk  radius = 15 }\n" CAMERA LIGHTS,
-     1.2},
+     1.2, false},
     {"a stone with fire",
      "meniscus 1.0 unit mm use \"std/gems.mns\" as gems\n"
      "gems.round_brilliant { radius = 18  rotate(x, -30) }\n" CAMERA LIGHTS,
-     1},
+     1, false},
     {"under water",
      "meniscus 1.0 unit mm medium water { ior = cauchy(1.32, .01)  tint = rgb(.5, .8, .9)  depth = 100mm }\n"
      "medium crown { ior = cauchy(1.5, .012) }\n"
      "box { interior = water  from = <-90, -30, -140>  to = <90, 40, 60> }\n"
      "sphere { interior = crown  radius = 14 }\n"
      "sphere { interior = air  center = <20, 8, -20>  radius = 6 }\n" CAMERA LIGHTS,
-     1.2},
+     1.2, false},
+    {"the rainbow of a prism on a floor", /* light comes to it by probes */
+     "meniscus 1.0 unit mm medium flint { ior = cauchy(1.52, .03) }\n"
+     "mesh { interior = flint  positions = [<-20, -11.5, 60>, <20, -11.5, 60>, <0, 23.1, 60>,\n"
+     "                                      <-20, -11.5, -60>, <20, -11.5, -60>, <0, 23.1, -60>]\n"
+     "       triangles = [<0, 1, 2>, <3, 5, 4>, <0, 4, 1>, <0, 3, 4>, <1, 5, 2>, <1, 4, 5>, <2, 3, 0>, <2, 5, 3>]\n"
+     "       rotate(z, -60)  translate(<0, 300, 0>) }\n"
+     "ground { y = 0  surface = surface { albedo = .7 } }\n"
+     "light { shape = \"distant\"  from = <-80, 60, 0>  to = <0, 0, 0>  angle = 2deg  power = 1 }\n"
+     "camera { from = <36, 200, -300>  to = <36, 0, 0>  fov = 20deg }\n",
+     1, true},
 };
 
 static void it_is_the_same_light_with_less_noise(void **state)
@@ -77,8 +89,8 @@ static void it_is_the_same_light_with_less_noise(void **state)
     (void)state;
     static Parts pairs, alone;
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
-        measure(scenes[i].text, false, &pairs);
-        measure(scenes[i].text, true, &alone);
+        measure(scenes[i].text, scenes[i].caustics, false, &pairs);
+        measure(scenes[i].text, scenes[i].caustics, true, &alone);
         double square[2] = {0};
         for (int part = 0; part < PARTS; part++)
             for (int c = 0; c < CHANNELS; c++) {
