@@ -29,6 +29,8 @@ static void roots_and_limits(void **unused)
     assert_false(lanes_equal(values, lanes(0, 2, 1e-40f, 2)));
     assert_true(lanes_uniform(lanes_all(0.3f)) && !lanes_uniform(lanes(1, 1, 1, 2)));
     assert_true(lanes_zero(lanes(0, -0.0f, 0, 0)) && !lanes_zero(lanes(0, 0, 0, 1e-45f)));
+    assert_true(lanes_equal(lanes_exchange(lanes(1, 2, 3, 4), 2), lanes(3, 2, 1, 4)));
+    assert_true(lanes_equal(lanes_exchange(lanes(1, 2, 3, 4), 0), lanes(1, 2, 3, 4)));
 }
 
 static void comparisons(void **unused)
