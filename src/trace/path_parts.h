@@ -136,6 +136,7 @@ typedef struct Event {
     uint32_t medium;  /* and what scatters there; else what fills the way to the surfaces */
 } Event;
 
+/* Whether its index may change with the wavelength. */
 static inline bool medium_disperses(const World *world, uint32_t medium)
 {
     return world->scene->media[medium].ior.kind != SPECTRUM_CONSTANT;

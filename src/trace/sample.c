@@ -18,7 +18,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/path_parts.h"
 
-#define SHARED 0.4f
+#define SHARED 0.4f /* s */
 
 /* The list at the ray's real origin: from the camera's centre on along the lens. */
 static bool start_list(Path *path, const SceneCamera *camera)
