@@ -7,6 +7,7 @@
  * over the hero's density, `ratio` the density with which the same path would have been sampled with that
  * lane as the hero, over the hero's. A contribution counts beta / mean(ratio): the balance heuristic over
  * the wavelengths ([WNDWH14] A. Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR 2014, eq. 5).
+ * Where glass disperses, a path from the camera bends all four by the indices of one of them: see sample.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 

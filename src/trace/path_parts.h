@@ -136,12 +136,6 @@ typedef struct Event {
     uint32_t medium;  /* and what scatters there; else what fills the way to the surfaces */
 } Event;
 
-/* Whether its index may change with the wavelength. */
-static inline bool medium_disperses(const World *world, uint32_t medium)
-{
-    return world->scene->media[medium].ior.kind != SPECTRUM_CONSTANT;
-}
-
 static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavelength_nm)
 {
     return spectrum_at(&world->scene->media[medium].ior, wavelength_nm);
@@ -150,12 +144,12 @@ static inline Lanes medium_ior(const World *world, uint32_t medium, Lanes wavele
 /* The index that a path takes for its own wavelengths, looked up once. */
 static inline Lanes path_ior(Path *path, uint32_t medium)
 {
-    const Spectrum *ior = &path->tracer->world->scene->media[medium].ior;
-    if (ior->kind == SPECTRUM_CONSTANT) return spectrum_at(ior, path->wavelengths.nm);
+    const World *world = path->tracer->world;
+    if (!world_medium_disperses(world, medium)) return medium_ior(world, medium, path->wavelengths.nm);
     PathMedia *kept = &path->media;
     uint32_t i = medium % PATH_MEDIA;
     if (kept->ior_of[i] != medium + 1) {
-        kept->ior[i] = spectrum_at(ior, path->wavelengths.nm);
+        kept->ior[i] = medium_ior(world, medium, path->wavelengths.nm);
         if (path->index_lane >= 0) kept->ior[i] = lanes_all(lanes_get(kept->ior[i], path->index_lane));
         kept->ior_of[i] = medium + 1;
     }

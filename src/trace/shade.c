@@ -355,7 +355,7 @@ static void weigh_choice(Path *path, const BoundaryChoice *choice, bool bends_al
         path->ratio = lanes_mul(path->ratio, choice->straight ? factor : lanes_scale(choice->chosen, 1 / chosen));
         return;
     }
-    /* where each wavelength is bent another way, this path goes on for the hero alone */
+    /* where each wavelength is bent another way, as for photons, this path goes on for the hero alone */
     Lanes carried = bends_alike ? lanes_all(1) : lanes(1, 0, 0, 0);
     if (!bends_alike) path->ratio = lanes_mul(path->ratio, carried);
     if (!choice->straight) carried = lanes_scale(carried, (1 - hero) / (1 - chosen));
@@ -368,7 +368,7 @@ bool path_cross_boundary(Path *path, Event *event)
     path->from.rarity = 0;
     uint32_t from = event->crossing.medium_from, to = event->crossing.medium_to;
     Lanes eta_i = path_ior(path, from), eta_t = path_ior(path, to);
-    path->bent_apart |= medium_disperses(world, from) || medium_disperses(world, to);
+    path->bent_apart |= world_medium_disperses(world, from) || world_medium_disperses(world, to);
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : surface_of(path, event, number);

@@ -183,7 +183,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
             world->has_distant |= world->scene->lights[i].kind == LIGHT_DISTANT;
         for (uint32_t i = 0; i < world->scene->n_media; i++) {
             world->scatters |= world->scene->media[i].scatters;
-            world->disperses |= world->scene->media[i].ior.kind != SPECTRUM_CONSTANT;
+            world->disperses |= world_medium_disperses(world, i);
         }
         for (uint32_t i = 0; i < world->scene->n_objects; i++) world->has_panes |= scene_is_pane(world->scene, i);
         world->seeks_airlight = world->scatters && world_lights(world)->n;

@@ -96,6 +96,11 @@ ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, ui
 /* No light is chosen any more, so that all of them are found by scattering alone; those without size are gone. */
 void world_leave_to_chance(World *world);
 void world_clear(World *world);
+/* Whether a medium's index may change with the wavelength. */
+static inline bool world_medium_disperses(const World *world, uint32_t medium)
+{
+    return world->scene->media[medium].ior.kind != SPECTRUM_CONSTANT;
+}
 /* What there is to choose from wherever a place is. */
 static inline const LightChoices *world_lights(const World *world)
 {
