@@ -158,6 +158,21 @@ static float cell_area(const Photon *photons, uint32_t n)
     return float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x));
 }
 
+/* Lobes of a cell, by what is known there and in cells near by, which the tree has near by, too. */
+static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
+{
+    enum { FARTHEST_LENDER = 512 };
+    GuideCell *cell = &b->guide->cells[i];
+    uint32_t begin = b->knowns[i], end = b->knowns[i + 1], n_all = b->knowns[b->guide->n_cells];
+    for (uint32_t k = begin; k < end; k++) photons->known[photons->n_known++].photon = &b->known[k];
+    begin = begin > FARTHEST_LENDER ? begin - FARTHEST_LENDER : 0;
+    end = n_all - end > FARTHEST_LENDER ? end + FARTHEST_LENDER : n_all;
+    guide_borrow(photons, b->known + begin, end - begin);
+    GuideLobe lobes[GUIDE_CELL_LOBES];
+    cell->n_lobes = guide_fit(photons, lobes);
+    guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);
+}
+
 static void fit_cell(void *context, uint32_t i, unsigned worker)
 {
     (void)worker;
@@ -180,10 +195,7 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
     float area = cell_area(photons, n);
     cell->radiance = area > 0 ? flux / area / SAMPLING_PI : 0;
-    GuideLobe lobes[GUIDE_CELL_LOBES];
-    cell->n_lobes =
-        guide_fit(b->known + b->knowns[i], b->knowns[i + 1] - b->knowns[i], photons, n, guide_cell_origin(cell), lobes);
-    guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);
+    fit_lobes(b, i, &(GuidePhotons){.photons = photons, .n = n, .origin = guide_cell_origin(cell)});
 }
 
 /* Moves the cells' lobes together. */

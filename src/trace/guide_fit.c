@@ -1,7 +1,9 @@
 /* guide_fit.c - lobes that describe from where the photons of a small region come.
- * A photon that was looked around at says from where its light comes at the places around it (trace/photon.h). All photons
- * together say how much comes by which way through the glass; and where several lobes know of one way, the nearest ones
- * are asked. What few or strange photons say is described broadly.
+ * A photon that was looked around at says from where its light comes at the places around it (trace/photon.h). Light of one
+ * way through the glass may come in several sheets: through the top and through a side of the water in a pool, which are one
+ * object, and by two parts of a wall that is bent. All photons together say how much comes by each, and how well lobes foretell
+ * their directions; where several lobes know of one sheet, the best are asked. What few or strange photons say is described
+ * broadly.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/guide_fit.h"
 
@@ -15,8 +17,11 @@
 #define UNKNOWN 0.05f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
-/* The cosine of half a radian: directions that are farther apart are not of one sheet of light. */
-#define ONE_SHEET 0.88f
+/* Photons of a sheet, of many, that lobes are held to. */
+enum { HELD_TO = 48 };
+/* Directions that are farther from what is known of a sheet are not of it, in radians. Its bends over a cell are less; two
+ * sheets through one glass were seen 0.17 apart, and the fainter one was asked for all of the light. */
+#define ONE_SHEET 0.1f
 
 static GuideLobe lobe_of_photon(const Photon *photon, Vec3f origin)
 {
@@ -34,6 +39,12 @@ static GuideLobe lobe_of_photon(const Photon *photon, Vec3f origin)
     }
     lobe.place = offset;
     return lobe;
+}
+
+/* How widely a photon tells of directions, squared; where nothing is known of its neighbours, most widely. */
+static float breadth_of(const Photon *photon)
+{
+    return photon->spread[0] > 0 ? photon->spread[0] + photon->spread[2] : INFINITY;
 }
 
 /* A lobe around all directions. */
@@ -58,16 +69,146 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
     return lobe;
 }
 
-/* How wrong a lobe is by what others of its way, from its first to behind its last, say which stand near by. Where light is
- * folded, as beside the bright lines under waves, several sheets of it lie over each other, and most of the others are of
- * another one: the second least of six is of the lobe's own. It is then taken for twice as wrong, as that is a little less than
- * the middle one of those of one sheet. Where there are none, as wrong at the cell's end as what is not known. */
-static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint32_t way[2], uint32_t self, float size)
+/* ---- sheets ---- */
+
+/* What all photons of a cell say of a sheet. */
+typedef struct Sheet {
+    uint32_t first, end; /* of its lobes */
+    float flux;
+    const Photon *photons[HELD_TO]; /* the first ones of it */
+    uint32_t n;
+} Sheet;
+
+/* How far a direction is from the lobe's mean at a place, from the cell's origin: squared, in the plane. */
+static float apart_squared(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
+{
+    float stretch = sqrtf(2 / float_max(1 + vec3f_dot(lobe->axis, direction), 1e-3f));
+    float a = stretch * vec3f_dot(lobe->x, direction) - lobe->mean_x - vec3f_dot(lobe->slope_x, offset);
+    float b = stretch * vec3f_dot(lobe->y, direction) - lobe->mean_y - vec3f_dot(lobe->slope_y, offset);
+    return a * a + b * b;
+}
+
+/* Whether a photon is of the sheet that another one, whose lobe it is, tells of. */
+static bool is_foretold(const Photon *photon, const Photon *known, const GuideLobe *lobe, Vec3f origin)
+{
+    return photon->way == known->way &&
+           apart_squared(lobe, vec3f_along(photon->position, -1, origin), photon->from) < ONE_SHEET * ONE_SHEET;
+}
+
+/* Brings known photons of one sheet together, each behind the one of its way that tells most narrowly. Returns how many sheets
+ * there are. */
+static uint32_t sort_by_sheet(GuidePhotons *cell, Sheet *sheets)
+{
+    uint32_t n_sheets = 0, done = 0, n = cell->n_known;
+    GuideKnown *known = cell->known;
+    while (done < n) {
+        uint32_t first = done, best = done;
+        for (uint32_t i = done + 1; i < n; i++)
+            if (breadth_of(known[i].photon) < breadth_of(known[best].photon)) best = i;
+        const GuideKnown leader = known[best];
+        GuideLobe lobe = lobe_of_photon(leader.photon, cell->origin);
+        known[best] = known[done];
+        known[done++] = leader;
+        for (uint32_t i = done; i < n; i++) {
+            if (!is_foretold(known[i].photon, leader.photon, &lobe, cell->origin)) continue;
+            const GuideKnown moved = known[i];
+            known[i] = known[done];
+            known[done++] = moved;
+        }
+        Sheet *sheet = &sheets[n_sheets++];
+        sheet->first = first, sheet->end = done;
+        sheet->flux = 0, sheet->n = 0;
+    }
+    return n_sheets;
+}
+
+/* Of the lobes of a cell's known photons, the one that foretells a photon best; n_known: none does. */
+static uint32_t best_lobe_for(const GuidePhotons *cell, const GuideLobe *lobes, const Photon *photon)
+{
+    uint32_t best = cell->n_known;
+    float least = ONE_SHEET * ONE_SHEET;
+    Vec3f offset = vec3f_along(photon->position, -1, cell->origin);
+    for (uint32_t i = 0; i < cell->n_known; i++) {
+        if (cell->known[i].photon->way != photon->way) continue;
+        float apart = apart_squared(&lobes[i], offset, photon->from);
+        if (apart < least) least = apart, best = i;
+    }
+    return best;
+}
+
+/* ---- what others know ---- */
+
+/* Light of a sheet of which nothing is known in a cell. */
+typedef struct Unknown {
+    const Photon *photon; /* the first one of it */
+    GuideLobe lobe;
+    float flux;
+} Unknown;
+
+static uint32_t find_unknown(const GuidePhotons *cell, Unknown *unknown)
+{
+    GuideLobe lobes[GUIDE_CELL_KNOWN];
+    uint32_t n_unknown = 0;
+    for (uint32_t i = 0; i < cell->n_known; i++) lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
+    for (const Photon *photon = cell->photons; photon < cell->photons + cell->n; photon++) {
+        if (best_lobe_for(cell, lobes, photon) < cell->n_known) continue;
+        uint32_t k = 0;
+        while (k < n_unknown && !is_foretold(photon, unknown[k].photon, &unknown[k].lobe, cell->origin)) k++;
+        if (k == GUIDE_CELL_LENT) continue; /* so many parts that none is much */
+        if (k == n_unknown) unknown[n_unknown++] = (Unknown){photon, lobe_of_photon(photon, cell->origin), 0};
+        unknown[k].flux += photon->flux;
+    }
+    return n_unknown;
+}
+
+/* Makes those of n others that foretell a photon known, up to `most`, the nearest to the cell. */
+static void borrow_for(GuidePhotons *cell, const Photon *photon, const Photon *others, uint32_t n, uint32_t most)
+{
+    float distances[GUIDE_CELL_LENT];
+    GuideKnown *nearest = cell->known + cell->n_known;
+    uint32_t n_near = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (others[i].way != photon->way || !(others[i].spread[0] > 0)) continue;
+        Vec3f away = vec3f_along(others[i].position, -1, cell->origin);
+        float distance = vec3f_dot(away, away);
+        if (n_near == most && distance >= distances[most - 1]) continue;
+        GuideLobe lobe = lobe_of_photon(&others[i], cell->origin);
+        if (!is_foretold(photon, &others[i], &lobe, cell->origin)) continue;
+        uint32_t k = n_near < most ? n_near++ : most - 1;
+        for (; k > 0 && distances[k - 1] > distance; k--) distances[k] = distances[k - 1], nearest[k] = nearest[k - 1];
+        distances[k] = distance;
+        nearest[k] = (GuideKnown){&others[i], true};
+    }
+    cell->n_known += n_near;
+}
+
+void guide_borrow(GuidePhotons *cell, const Photon *others, uint32_t n)
+{
+    enum { OF_EACH = 4 };
+    Unknown unknown[GUIDE_CELL_LENT];
+    uint32_t n_unknown = find_unknown(cell, unknown), full = cell->n_known + GUIDE_CELL_LENT;
+    for (; n_unknown > 0 && cell->n_known < full; n_unknown--) {
+        uint32_t left = full - cell->n_known, most = 0;
+        for (uint32_t k = 1; k < n_unknown; k++)
+            if (unknown[k].flux > unknown[most].flux) most = k;
+        borrow_for(cell, unknown[most].photon, others, n, left < OF_EACH ? left : OF_EACH);
+        unknown[most] = unknown[n_unknown - 1];
+    }
+}
+
+/* ---- a cell's lobes ---- */
+
+/* How wrong lobe number `self` is by what others of its sheet, of which there are some, say that stand near by. Where light is
+ * folded, as beside the bright lines under waves, several sheets of it lie over each other whose directions do not tell them
+ * apart, and most of the others are of another one: the second least of six is of the lobe's own. It is then taken for
+ * twice as wrong, as that is a little less than the middle one of those of one sheet. */
+static float bend_by_lobes(const GuideLobe *lobes, const GuideFour *fours, const Sheet *sheet, uint32_t self,
+                           float size)
 {
     enum { NEAREST = 6 };
     float distances[NEAREST], bends[NEAREST], least = INFINITY, second = INFINITY;
     uint32_t n_near = 0;
-    for (uint32_t i = way[0]; i < way[1]; i++) {
+    for (uint32_t i = sheet->first; i < sheet->end; i++) {
         if (i == self) continue;
         Vec3f there = lobes[i].place, away = vec3f_along(there, -1, lobes[self].place);
         float distance = float_max(vec3f_dot(away, away), 1e-12f * size);
@@ -78,7 +219,6 @@ static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint3
         distances[k] = distance;
         bends[k] = vec3f_length(vec3f_along(mine, -1, other)) / distance;
     }
-    if (n_near == 0) return UNKNOWN / size;
     for (uint32_t i = 0; i < n_near; i++) {
         second = float_min(second, float_max(least, bends[i]));
         least = float_min(least, bends[i]);
@@ -86,85 +226,73 @@ static float bend_of(const GuideLobe *lobes, const GuideFour *fours, const uint3
     return 2 * (n_near == 1 ? least : second);
 }
 
-static void sort_by_way(Photon *photons, uint32_t n)
+/* The same by the cell's photons, which tell less well, of a sheet's only lobe, or of one that is lent: by how far their directions
+ * are beyond its own spread, of a third of them less; twice that. Where there are none, as wrong at the cell's end as what is
+ * not known. */
+static float bend_by_photons(const GuidePhotons *cell, const GuideLobe *lobes, const Sheet *sheet, uint32_t self,
+                             float size)
 {
-    for (uint32_t i = 1; i < n; i++) {
-        Photon moved = photons[i];
-        uint32_t k = i;
-        for (; k > 0 && photons[k - 1].way > moved.way; k--) photons[k] = photons[k - 1];
-        photons[k] = moved;
+    const GuideLobe *lobe = &lobes[self];
+    float bends[HELD_TO];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < sheet->n; i++) {
+        const Photon *photon = sheet->photons[i];
+        if (photon->number == cell->known[self].photon->number) continue;
+        Vec3f there = vec3f_along(photon->position, -1, cell->origin), away = vec3f_along(there, -1, lobe->place);
+        float beyond = float_max(apart_squared(lobe, there, photon->from) - 2 * (lobe->xx + lobe->yy), 0);
+        float bend = sqrtf(beyond) / float_max(vec3f_dot(away, away), 1e-12f * size);
+        uint32_t k = n++;
+        for (; k > 0 && bends[k - 1] > bend; k--) bends[k] = bends[k - 1];
+        bends[k] = bend;
     }
+    return n > 0 ? 2 * bends[n / 3] : UNKNOWN / size;
 }
 
-/* Of the n sheets of light, each by the first photon that is known of it, that which a photon is of: of its way, the nearest by
- * direction; n: none. */
-static uint32_t sheet_of(const Photon *photon, const Photon *known, const uint32_t *first, uint32_t n)
+/* Gives each photon to the sheet whose lobes foretell it best; returns the light that is of none. */
+static float deal_out(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *sheets)
 {
-    uint32_t nearest = n;
-    float most = -2;
-    for (uint32_t k = 0; k < n; k++) {
-        const Photon *sheet = &known[first[k]];
-        float cosine = vec3f_dot(photon->from, sheet->from);
-        if (sheet->way == photon->way && cosine > most) most = cosine, nearest = k;
-    }
-    return nearest;
-}
-
-/* Light of one way that comes from quite other directions is another sheet: through the top and through a side of the water in a
- * pool, which are one object. What is known of the side, which is level, is known better than what is known of the waves on
- * top, and would be asked in its place. Photons that are known become sorted by sheets; returns how many these are, and where
- * each begins. */
-static uint32_t sort_by_sheet(Photon *known, uint32_t n, uint32_t *first)
-{
-    uint32_t n_sheets = 0, done = 0;
-    sort_by_way(known, n);
-    while (done < n) {
-        first[n_sheets++] = done;
-        const Photon leader = known[done];
-        for (uint32_t i = done; i < n && known[i].way == leader.way; i++) {
-            if (vec3f_dot(known[i].from, leader.from) < ONE_SHEET) continue;
-            Photon moved = known[i];
-            known[i] = known[done];
-            known[done++] = moved;
+    float lost = 0;
+    for (const Photon *photon = cell->photons; photon < cell->photons + cell->n; photon++) {
+        uint32_t best = best_lobe_for(cell, lobes, photon), k = 0;
+        if (best == cell->n_known) {
+            lost += photon->flux;
+            continue;
         }
+        while (best >= sheets[k].end) k++;
+        sheets[k].flux += photon->flux;
+        if (sheets[k].n < HELD_TO) sheets[k].photons[sheets[k].n++] = photon;
     }
-    first[n_sheets] = n;
-    return n_sheets;
+    return lost;
 }
 
-uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint32_t n, Vec3f origin, GuideLobe *lobes)
+uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
 {
-    uint32_t first[GUIDE_CELL_KNOWN + 1], n_sheets = sort_by_sheet(known, n_known, first);
-    float flux[GUIDE_CELL_KNOWN], total = 0, lost = 0, sum = 0, size = 0;
+    Sheet sheets[GUIDE_CELL_LOBES];
+    GuideFour fours[GUIDE_CELL_FOURS];
+    const uint32_t n_known = cell->n_known, n_sheets = sort_by_sheet(cell, sheets);
+    float total = 0, sum = 0, size = 1e-30f;
     for (uint32_t i = 0; i < n_known; i++) {
-        lobes[i] = lobe_of_photon(&known[i], origin);
+        lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
         size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
     }
-    for (uint32_t k = 0; k < n_sheets; k++) flux[k] = 0;
-    GuideFour fours[GUIDE_CELL_FOURS];
     guide_lay_in_fours(lobes, n_known, fours);
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t k = sheet_of(&photons[i], known, first, n_sheets);
-        total += photons[i].flux;
-        if (k < n_sheets)
-            flux[k] += photons[i].flux;
-        else
-            lost += photons[i].flux;
-    }
+    float lost = deal_out(cell, lobes, sheets);
+    for (uint32_t i = 0; i < cell->n; i++) total += cell->photons[i].flux;
     float broad = BROAD + (1 - BROAD) * lost / total;
-    for (uint32_t k = 0; k < n_sheets; k++) {
-        float weight = total > lost ? flux[k] * (1 - broad) / (total - lost) : 0;
+    for (const Sheet *sheet = sheets; sheet < sheets + n_sheets; sheet++) {
+        float weight = total > lost ? sheet->flux * (1 - broad) / (total - lost) : 0;
         sum += weight;
-        for (uint32_t i = first[k]; i < first[k + 1]; i++) {
+        for (uint32_t i = sheet->first; i < sheet->end; i++) {
             lobes[i].weight = weight;
             lobes[i].cumulative = sum;
-            lobes[i].n_way = first[k + 1] - first[k];
-            lobes[i].bend = bend_of(lobes, fours, &first[k], i, float_max(size, 1e-30f));
+            lobes[i].n_sheet = sheet->end - sheet->first;
+            lobes[i].bend = lobes[i].n_sheet == 1 || cell->known[i].lent ? bend_by_photons(cell, lobes, sheet, i, size)
+                                                                         : bend_by_lobes(lobes, fours, sheet, i, size);
         }
     }
-    lobes[n_known] = lobe_of_all(photons, n);
+    lobes[n_known] = lobe_of_all(cell->photons, cell->n);
     lobes[n_known].weight = broad;
     lobes[n_known].cumulative = sum + broad;
-    lobes[n_known].n_way = 1;
+    lobes[n_known].n_sheet = 1;
     return n_known + 1;
 }

@@ -6,9 +6,28 @@
 #include "trace/guide_lobes.h"
 #include "trace/photon.h"
 
-/* Makes lobes of n_known <= GUIDE_CELL_KNOWN photons that have been looked around at, and one around all n >= 1 photons
- * of a cell, after whose flux the ways that light takes are weighted. `known` is put into another order. Places are relative to
- * origin. Returns how many. */
-uint32_t guide_fit(Photon *known, uint32_t n_known, const Photon *photons, uint32_t n, Vec3f origin, GuideLobe *lobes);
+/* A photon whose neighbours are known. */
+typedef struct GuideKnown {
+    const Photon *photon;
+    bool lent; /* by another cell */
+} GuideKnown;
+
+/* Photons of a cell: n >= 1 of them, and what is known: at first of GUIDE_CELL_KNOWN of its own at most. Lobes' places are
+ * relative to the origin. */
+typedef struct GuidePhotons {
+    const Photon *photons;
+    uint32_t n, n_known;
+    GuideKnown known[GUIDE_CELL_LOBES];
+    Vec3f origin;
+} GuidePhotons;
+
+/* Some photons of a cell may have come by ways of which none that is known there tells, as where the tree was split between the
+ * cell and those that do: then the nearest of n others that do become known, too, for the ways with most light first,
+ * GUIDE_CELL_LENT at most. */
+void guide_borrow(GuidePhotons *cell, const Photon *others, uint32_t n);
+
+/* Makes a lobe of each known photon, which are put into another order, and one around all: the ways that light takes are
+ * weighted after the flux of all. Returns how many. */
+uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes);
 
 #endif

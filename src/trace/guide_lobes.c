@@ -1,5 +1,5 @@
 /* guide_lobes.c - choosing directions by a cell's lobes, and the density of that.
- * Which lobe of a way is asked depends on the place: those that know it best. What is decided for that is computed in one
+ * Which lobe of a sheet is asked depends on the place: those that know it best. What is decided for that is computed in one
  * way for sampling and for densities, four lobes at a time, so that both always agree.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/guide_lobes.h"
@@ -20,7 +20,7 @@
 #define NARROW (1.99f / (REACH * TAIL_WIDER))
 /* The square of how far a mean goes from its axis, in the plane: almost a right angle. */
 #define FARTHEST_MEAN 1.9f
-/* Of the lobes of a way those count in full that are up to so many times as wide, squared, as its narrowest one at a place; and in
+/* Of the lobes of a sheet those count in full that are up to so many times as wide, squared, as its narrowest one at a place; and in
  * part those that are not wider by far. Beside a fold of the light the narrow ones may be wrong, and a wider one know better:
  * without these there were small dark places beside the bright lines on the floor of a pool, with few samples that were
  * hundreds of times too bright. To count them in full costs more elsewhere. */
@@ -49,7 +49,7 @@ void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
         lanes_set(&four->bend, lane, lobe->bend);
         four->weight[lane] = lobe->weight;
         four->cumulative[lane] = lobe->cumulative;
-        four->n_way[lane] = lobe->n_way;
+        four->n_sheet[lane] = lobe->n_sheet;
     }
 }
 
@@ -58,7 +58,7 @@ void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
 /* What each lobe of a cell is at a place. */
 typedef struct CellParts {
     float error[GUIDE_CELL_FOURS * LANES];    /* the square of how wrong it is there */
-    float nearness[GUIDE_CELL_FOURS * LANES]; /* how much it counts, of all of its way; 0: not at all */
+    float nearness[GUIDE_CELL_FOURS * LANES]; /* how much it counts, of all of its sheet; 0: not at all */
 } CellParts;
 
 static LanesVec3 from_each(const LanesVec3 *a, Vec3f b)
@@ -90,7 +90,7 @@ static void look_at_fours(const GuideFour *fours, uint32_t first, uint32_t end, 
     }
 }
 
-/* How much each lobe of a way counts, of what look_at_fours has said. Returns the sum. */
+/* How much each lobe of a sheet counts, of what look_at_fours has said. Returns the sum. */
 static float choose_near(float nearness[], uint32_t n)
 {
     float nearest = 0, sum = 0;
@@ -189,17 +189,17 @@ static Vec3f sample_lobe(const GuideFour *fours, uint32_t lobe, float error, Vec
 Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float u, const float v[2])
 {
     CellParts parts;
-    uint32_t way = 0, n_way;
+    uint32_t first = 0, n_sheet;
     float before = 0;
-    while (n_way = fours[way / LANES].n_way[way % LANES],
-           way + n_way < n && u >= fours[way / LANES].cumulative[way % LANES])
-        before = fours[way / LANES].cumulative[way % LANES], way += n_way;
-    look_at_fours(fours, way, way + n_way, offset, &parts);
-    uint32_t chosen = way;
-    if (n_way > 1) {
-        float sum = choose_near(parts.nearness + way, n_way);
-        float part = (u - before) / fours[way / LANES].weight[way % LANES] * sum;
-        for (uint32_t next = way; next < way + n_way; next++) {
+    while (n_sheet = fours[first / LANES].n_sheet[first % LANES],
+           first + n_sheet < n && u >= fours[first / LANES].cumulative[first % LANES])
+        before = fours[first / LANES].cumulative[first % LANES], first += n_sheet;
+    look_at_fours(fours, first, first + n_sheet, offset, &parts);
+    uint32_t chosen = first;
+    if (n_sheet > 1) {
+        float sum = choose_near(parts.nearness + first, n_sheet);
+        float part = (u - before) / fours[first / LANES].weight[first % LANES] * sum;
+        for (uint32_t next = first; next < first + n_sheet; next++) {
             if (parts.nearness[next] == 0) continue;
             chosen = next; /* the last one if rounding leaves something */
             if (part < parts.nearness[chosen]) break;
@@ -253,10 +253,10 @@ float guide_lobes_pdf(const GuideFour *fours, uint32_t n, Vec3f offset, Vec3f di
     Lanes sum = lanes_all(0);
     look_at_fours(fours, 0, n, offset, &parts);
     for (uint32_t i = n; i % LANES != 0; i++) parts.nearness[i] = 0;
-    for (uint32_t way = 0, n_way; way < n; way += n_way) {
-        n_way = fours[way / LANES].n_way[way % LANES];
-        float scale = fours[way / LANES].weight[way % LANES] / choose_near(parts.nearness + way, n_way);
-        for (uint32_t k = way; k < way + n_way; k++) parts.nearness[k] *= scale;
+    for (uint32_t first = 0, n_sheet; first < n; first += n_sheet) {
+        n_sheet = fours[first / LANES].n_sheet[first % LANES];
+        float scale = fours[first / LANES].weight[first % LANES] / choose_near(parts.nearness + first, n_sheet);
+        for (uint32_t k = first; k < first + n_sheet; k++) parts.nearness[k] *= scale;
     }
     for (uint32_t i = 0; i < n; i += LANES) {
         Lanes weight = lanes_load(parts.nearness + i);

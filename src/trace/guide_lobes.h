@@ -11,11 +11,11 @@
  * azimuthal projection, which keeps areas, so that densities per area are densities per steradian. The lobe is the wider, and
  * counts the less, the further away its place is. */
 typedef struct GuideLobe {
-    float cumulative;       /* share of the cell's light, of this lobe's way and those before */
-    float weight;           /* of its way */
-    uint32_t n_way;         /* how many lobes the way has, from its first on */
+    float cumulative;       /* share of the cell's light, of this lobe's sheet and those before */
+    float weight;           /* of its sheet */
+    uint32_t n_sheet;       /* how many lobes the sheet has, from its first on */
     float bend;             /* how wrong it is for places away from its own: angle by the square of the distance */
-    Vec3f place;            /* where it was found, from the cell's origin; the nearest lobe of a way knows best */
+    Vec3f place;            /* where it was found, from the cell's origin; the nearest lobe of a sheet knows best */
     Vec3f axis, x, y;       /* a right-handed frame */
     Vec3f slope_x, slope_y; /* of the mean in the plane, by the place */
     float mean_x, mean_y;   /* at the cell's origin */
@@ -23,8 +23,9 @@ typedef struct GuideLobe {
 } GuideLobe;
 
 enum {
-    GUIDE_CELL_KNOWN = 32,
-    GUIDE_CELL_LOBES = GUIDE_CELL_KNOWN + 1,
+    GUIDE_CELL_KNOWN = 32, /* of its own, */
+    GUIDE_CELL_LENT = 16,  /* those that others lend it, */
+    GUIDE_CELL_LOBES = GUIDE_CELL_KNOWN + GUIDE_CELL_LENT + 1, /* and one for all */
     GUIDE_CELL_FOURS = GUIDE_CELL_LOBES / LANES + 1
 };
 
@@ -37,7 +38,7 @@ typedef struct GuideFour {
     LanesVec3 place, axis, x, y, slope_x, slope_y;
     Lanes mean_x, mean_y, xx, xy, yy, bend;
     float weight[LANES], cumulative[LANES];
-    uint32_t n_way[LANES];
+    uint32_t n_sheet[LANES];
 } GuideFour;
 
 /* How many of these n lobes take. */
