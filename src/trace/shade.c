@@ -63,9 +63,27 @@ Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surf
     return spectrum_at(&spec.base_color, wavelength_nm);
 }
 
+/* A ray that creeps along a rippled surface meets it several times at one place. It leaves the first of them (through: the last),
+ * whose plane is not quite that of the one by which the direction was chosen: where that would lead to the wrong side, it is
+ * mirrored at the plane, by less than the ripples' slope. */
+ATTR_COLD static Vec3f keep_to_side(const Tracer *tracer, const Event *event, bool through, Vec3f direction)
+{
+    const Hit *hits = tracer->hits.items, *start = &event->hit;
+    for (size_t i = 0; i < event->n_cluster; i++) {
+        const Hit *hit = &hits[through ? event->n_cluster - 1 - i : i];
+        if (hit->object != event->hit.object) continue;
+        start = hit;
+        break;
+    }
+    float slope = vec3f_dot(direction, start->normal);
+    if (start->entering != event->hit.entering || (slope > 0) == (start->entering != through)) return direction;
+    return vec3f_normalize(vec3f_along(direction, -2 * slope, start->normal));
+}
+
 void path_leave(Path *path, Event *event, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
+    if (UNLIKELY(event->n_cluster > 1)) direction = keep_to_side(tracer, event, through, direction);
     HitList reached = tracer->hits;
     Ray *ray = &path->ray;
     rtc_leave(tracer->world->compiled->rtc, ray, reached.items, &event->n_cluster, through, direction, ray);

@@ -161,6 +161,24 @@ static void examples_are_furnaces(void **state)
     assert_true(n > 0);
 }
 
+/* Rays that creep over water, or below it, meet ripples as fine as the rounding of coordinates several times at one place: what is
+ * mirrored by one of them starts at another. */
+static void ripples_are_furnaces(void **state)
+{
+    (void)state;
+    static const char *const eyes[] = {"eye=.3", "eye=.1", "eye=-.2"};
+    const char *text =
+        "meniscus 1.0 unit cm param eye = 0 medium water { ior = 1.333 state = liquid } "
+        "height_field { interior = water size = <8, 1, 32> base = -400 translate(<-4, 0, -400>) "
+        "heights = [for (k in 0..<160) [for (i in 0..<40) 5e-4 * rnd(1, i, k)]] } "
+        "camera { from = <0, eye, (eye < 0 ? -369 : 0)> to = <0, 0, -384> fov = (eye < 0 ? 4 : .5) }";
+    for (size_t i = 0; i < COUNT_OF(eyes); i++) {
+        char name[80];
+        snprintf(name, sizeof name, "ripples as fine as rounding, %s cm", eyes[i]);
+        expect_furnaces(name, (TruthInput){.text = text, .defines = (const char *[]){eyes[i], NULL}});
+    }
+}
+
 static void faults_are_none_in_ten_million_crossings(void **state)
 {
     (void)state;
@@ -175,6 +193,7 @@ int main(void)
         cmocka_unit_test(arrangements_are_furnaces),
         cmocka_unit_test(modelling_schemes_are_furnaces),
         cmocka_unit_test(examples_are_furnaces),
+        cmocka_unit_test(ripples_are_furnaces),
         cmocka_unit_test(faults_are_none_in_ten_million_crossings),
     };
     return cmocka_run_group_tests_name("furnace", tests, NULL, NULL);
