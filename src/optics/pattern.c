@@ -27,14 +27,12 @@ typedef struct FoundCells {
     uint64_t cell, second_cell;
 } FoundCells;
 
-/* Looks at the point of one cell. */
-static void consider_cell(Vec3 p, const double cell[3], uint64_t seed, FoundCells *found)
+/* Looks at the point of one cell; h: its hash. */
+static void consider_cell(Vec3 p, Vec3 cell, uint64_t h, FoundCells *found)
 {
-    uint64_t h = hash_u64(seed);
-    for (int i = 0; i < 3; i++) h = hash_u64(h ^ (uint64_t)(int64_t)cell[i]);
     const double unit = 1.0 / 2097152; /* 21 bits for each coordinate */
-    Vec3 point = vec3(cell[0] + unit * (double)(h & 0x1fffff), cell[1] + unit * (double)(h >> 21 & 0x1fffff),
-                      cell[2] + unit * (double)(h >> 42 & 0x1fffff));
+    Vec3 point = vec3(cell.x + unit * (double)(h & 0x1fffff), cell.y + unit * (double)(h >> 21 & 0x1fffff),
+                      cell.z + unit * (double)(h >> 42 & 0x1fffff));
     Vec3 apart = vec3_sub(point, p);
     double square = vec3_dot(apart, apart);
     if (square < found->nearest) {
@@ -51,29 +49,59 @@ static void consider_cell(Vec3 p, const double cell[3], uint64_t seed, FoundCell
     }
 }
 
+enum { FARTHEST_CELL = 2 };
+
+/* The cells along an axis up to so many away, the nearest first, beginning with the point's own. */
+typedef struct CellAxis {
+    double cells[2 * FARTHEST_CELL + 1], away[2 * FARTHEST_CELL + 1]; /* the square of how far the point is from each */
+    double rim; /* how far it is from what is beyond the own one's neighbours */
+} CellAxis;
+
+static inline CellAxis axis_at(double coordinate, int reach)
+{
+    CellAxis axis;
+    double low = floor(coordinate), in = coordinate - low;
+    const int near = in < 0.5 ? -1 : 1;
+    for (int i = 0; i <= 2 * reach; i++) {
+        int step = (i % 2 == 1 ? near : -near) * ((i + 1) / 2);
+        double away = step > 0 ? step - in : step < 0 ? in - (step + 1) : 0;
+        axis.cells[i] = low + step;
+        axis.away[i] = away * away;
+    }
+    axis.rim = 1 + fmin(in, 1 - in);
+    return axis;
+}
+
+static uint64_t hash_on(uint64_t h, double cell)
+{
+    return hash_u64(h ^ (uint64_t)(int64_t)cell);
+}
+
+/* Looks at the cells up to `reach` away along some axis, but not at those that a smaller reach has, as far as they may hold a
+ * nearer point than the second one found. Returns how far what is beyond the point's neighbours is. */
+static inline double consider_cells(Vec3 p, uint64_t h, int reach, FoundCells *found)
+{
+    const int n = 2 * reach + 1, inner = reach == 1 ? 0 : n - 2;
+    const CellAxis x = axis_at(p.x, reach), y = axis_at(p.y, reach), z = axis_at(p.z, reach);
+    for (int i = 0; i < n && x.away[i] < found->second; i++) {
+        uint64_t hash_x = hash_on(h, x.cells[i]);
+        for (int k = 0; k < n && x.away[i] + y.away[k] < found->second; k++) {
+            uint64_t hash_y = hash_on(hash_x, y.cells[k]);
+            for (int l = i < inner && k < inner ? inner : 0; l < n; l++) {
+                if (!(x.away[i] + y.away[k] + z.away[l] < found->second)) break;
+                consider_cell(p, vec3(x.cells[i], y.cells[k], z.cells[l]), hash_on(hash_y, z.cells[l]), found);
+            }
+        }
+    }
+    return fmin(fmin(x.rim, y.rim), z.rim);
+}
+
 PatternCells pattern_cells(Vec3 p, uint64_t seed)
 {
-    const double at[3] = {floor(p.x), floor(p.y), floor(p.z)};
-    const double in[3] = {p.x - at[0], p.y - at[1], p.z - at[2]};
     FoundCells found = {.nearest = HUGE_VAL, .second = HUGE_VAL};
     /* The cells around the point's own; then, if what was found is not surely nearer, those around these. */
-    for (int reach = 1; reach <= 2; reach++) {
-        for (int x = -reach; x <= reach; x++)
-            for (int y = -reach; y <= reach; y++)
-                for (int z = -reach; z <= reach; z++) {
-                    if (reach == 2 && abs(x) < 2 && abs(y) < 2 && abs(z) < 2) continue;
-                    double cell[3] = {at[0] + x, at[1] + y, at[2] + z}, square = 0;
-                    const int step[3] = {x, y, z};
-                    for (int i = 0; i < 3; i++) {
-                        double away = step[i] > 0 ? step[i] - in[i] : step[i] < 0 ? in[i] - (step[i] + 1) : 0;
-                        square += away * away;
-                    }
-                    if (square < found.second) consider_cell(p, cell, seed, &found);
-                }
-        double rim = 1;
-        for (int i = 0; i < 3; i++) rim = fmin(rim, 1 + fmin(in[i], 1 - in[i]));
-        if (found.second <= rim * rim) break;
-    }
+    double rim = consider_cells(p, hash_u64(seed), 1, &found);
+    if (found.second > rim * rim) consider_cells(p, hash_u64(seed), FARTHEST_CELL, &found);
     double apart = vec3_length(vec3_sub(found.nearest_point, found.second_point));
     double border = apart > 0 ? 0.5 * (found.second - found.nearest) / apart : 0;
     return (PatternCells){sqrt(found.nearest), sqrt(found.second), border, hash_u64(found.cell),
