@@ -173,6 +173,38 @@ static void one_colour_is_seen_sooner(void **state)
     }
 }
 
+/* Samples of one of three colours in every fourth pixel, by chance: their haze is grey. */
+static void colours_make_up_for_each_other(void **state)
+{
+    (void)state;
+    Films films;
+    double all[3], right[3], apart = 0, light = 0;
+    begin(&films);
+    fill(&films, 64);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            uint64_t chance = hash_combine(hash_combine(x, y), 77);
+            float rgb[3] = {0, 0, 0};
+            rgb[chance / 4 % 3] = 600;
+            if (chance % 4 == 0) add(&films, x, y, rgb, 7);
+        }
+    resolve(&films, whole);
+    assert_true(films.way.samples > SIDE * SIDE / 5);
+    gains(&films, all, right);
+    for (int c = 0; c < 3; c++) assert_true(fabs(all[c]) < 1e-6 * SIDE * SIDE);
+    for (uint32_t y = SIDE / 4; y < SIDE * 3 / 4; y++)
+        for (uint32_t x = SIDE / 4; x < SIDE * 3 / 4; x++) {
+            const float *is = pixel_of(&films.spread, x, y);
+            double mean = (double)(is[0] + is[1] + is[2]) / 3;
+            light += mean * mean;
+            for (int c = 0; c < 3; c++) apart += ((double)is[c] - mean) * ((double)is[c] - mean) / 3;
+        }
+    double tint = sqrt(apart / light);
+    printf("    tint of the haze of coloured samples: %.3f of its light\n", tint);
+    assert_true(tint < 0.03);
+    end(&films);
+}
+
 /* Light that all around have found by many samples, and a pixel or two by one: that fills these up, and the rest goes. */
 static void no_hole_is_left(void **state)
 {
@@ -484,6 +516,7 @@ int main(void)
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(one_colour_is_seen_sooner),
+        cmocka_unit_test(colours_make_up_for_each_other),
         cmocka_unit_test(no_hole_is_left),
         cmocka_unit_test(what_is_thin_stays_thin),
         cmocka_unit_test(the_brightest_are_held),
