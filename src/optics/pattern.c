@@ -100,8 +100,9 @@ PatternCells pattern_cells(Vec3 p, uint64_t seed)
 {
     FoundCells found = {.nearest = HUGE_VAL, .second = HUGE_VAL};
     /* The cells around the point's own; then, if what was found is not surely nearer, those around these. */
-    double rim = consider_cells(p, hash_u64(seed), 1, &found);
-    if (found.second > rim * rim) consider_cells(p, hash_u64(seed), FARTHEST_CELL, &found);
+    const uint64_t start = hash_u64(seed);
+    double rim = consider_cells(p, start, 1, &found);
+    if (found.second > rim * rim) consider_cells(p, start, FARTHEST_CELL, &found);
     double apart = vec3_length(vec3_sub(found.nearest_point, found.second_point));
     double border = apart > 0 ? 0.5 * (found.second - found.nearest) / apart : 0;
     return (PatternCells){sqrt(found.nearest), sqrt(found.second), border, hash_u64(found.cell),

@@ -47,6 +47,14 @@ static float breadth_of(const Photon *photon)
     return photon->spread[0] > 0 ? photon->spread[0] + photon->spread[2] : INFINITY;
 }
 
+/* A direction in the lobe's plane. */
+static void in_plane(const GuideLobe *lobe, Vec3f direction, float p[2])
+{
+    float stretch = sqrtf(2 / float_max(1 + vec3f_dot(lobe->axis, direction), 1e-3f));
+    p[0] = stretch * vec3f_dot(lobe->x, direction);
+    p[1] = stretch * vec3f_dot(lobe->y, direction);
+}
+
 /* A lobe around all directions. */
 static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
 {
@@ -59,10 +67,9 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
     GuideLobe lobe = {.axis = vec3f_length(sum) > 1e-3f * flux ? vec3f_normalize(sum) : photons[0].from};
     sampling_basis(lobe.axis, &lobe.x, &lobe.y);
     for (uint32_t i = 0; i < n; i++) {
-        float stretch = sqrtf(2 / float_max(1 + vec3f_dot(lobe.axis, photons[i].from), 1e-3f)),
-              w = photons[i].flux / flux;
-        float a = stretch * vec3f_dot(lobe.x, photons[i].from), b = stretch * vec3f_dot(lobe.y, photons[i].from);
-        xx += w * a * a, xy += w * a * b, yy += w * b * b;
+        float w = photons[i].flux / flux, p[2];
+        in_plane(&lobe, photons[i].from, p);
+        xx += w * p[0] * p[0], xy += w * p[0] * p[1], yy += w * p[1] * p[1];
     }
     const float more = 0.02f * 0.02f;
     lobe.xx = 2 * xx + more, lobe.xy = 2 * xy, lobe.yy = 2 * yy + more;
@@ -82,9 +89,10 @@ typedef struct Sheet {
 /* How far a direction is from the lobe's mean at a place, from the cell's origin: squared, in the plane. */
 static float apart_squared(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
 {
-    float stretch = sqrtf(2 / float_max(1 + vec3f_dot(lobe->axis, direction), 1e-3f));
-    float a = stretch * vec3f_dot(lobe->x, direction) - lobe->mean_x - vec3f_dot(lobe->slope_x, offset);
-    float b = stretch * vec3f_dot(lobe->y, direction) - lobe->mean_y - vec3f_dot(lobe->slope_y, offset);
+    float p[2];
+    in_plane(lobe, direction, p);
+    float a = p[0] - lobe->mean_x - vec3f_dot(lobe->slope_x, offset);
+    float b = p[1] - lobe->mean_y - vec3f_dot(lobe->slope_y, offset);
     return a * a + b * b;
 }
 

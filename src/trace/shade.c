@@ -77,7 +77,7 @@ ATTR_COLD static Vec3f keep_to_side(const Tracer *tracer, const Event *event, bo
     }
     float slope = vec3f_dot(direction, start->normal);
     if (start->entering != event->hit.entering || (slope > 0) == (start->entering != through)) return direction;
-    return vec3f_normalize(vec3f_along(direction, -2 * slope, start->normal));
+    return vec3f_normalize(reflect_direction(direction, start->normal));
 }
 
 void path_leave(Path *path, Event *event, bool through, Vec3f direction)

@@ -258,14 +258,18 @@ static void borrowed(void **state)
     Photon photons[N], others[OTHERS];
     for (int i = 0; i < N + OTHERS; i++) {
         Photon *photon = i < N ? &photons[i] : &others[i - N];
-        *photon = (Photon){.position = {dice(), 0, dice()}, .from = i < N && i % 10 ? much : little, .flux = 1,
-                           .spread = {1e-5f, 0, 1e-5f}, .number = (uint32_t)i};
+        *photon = (Photon){.position = {dice(), 0, dice()},
+                           .from = i < N && i % 10 ? much : little,
+                           .flux = 1,
+                           .spread = {1e-5f, 0, 1e-5f},
+                           .number = (uint32_t)i};
         if (i >= N) photon->position.x += 1;
     }
     others[0].from = others[10].from = others[20].from = much;
     others[30].from = vec3f(-.2f, .9798f, 0);
     others[40].from = much, others[40].way = 1;
-    GuidePhotons cell = {.photons = photons, .n = N, .n_known = 1, .known = {{.photon = &photons[0]}}, .origin = middle};
+    GuidePhotons cell = {
+        .photons = photons, .n = N, .n_known = 1, .known = {{.photon = &photons[0]}}, .origin = middle};
     GuideLobe lobes[GUIDE_CELL_LOBES];
     GuideFour fours[GUIDE_CELL_FOURS];
     uint32_t n = guide_fit(&cell, lobes);
@@ -392,9 +396,8 @@ static void flux(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds),
-        cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(levels),
-        cmocka_unit_test(flux),
+        cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds), cmocka_unit_test(sides),
+        cmocka_unit_test(borrowed),  cmocka_unit_test(levels), cmocka_unit_test(flux),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
