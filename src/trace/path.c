@@ -28,6 +28,7 @@ void tracer_init(Tracer *tracer, const World *world)
     nest_list_init(&tracer->next);
     nest_list_init(&tracer->before);
     nest_list_init(&tracer->aside);
+    nest_list_init(&tracer->forked);
     nest_list_init(&tracer->shadow_list);
 }
 
@@ -43,6 +44,7 @@ void tracer_clear(Tracer *tracer)
     nest_list_clear(&tracer->next);
     nest_list_clear(&tracer->before);
     nest_list_clear(&tracer->aside);
+    nest_list_clear(&tracer->forked);
     nest_list_clear(&tracer->shadow_list);
     free(tracer->parts.items);
     tracer->parts = (FlightParts){0};
@@ -159,6 +161,20 @@ static uint32_t seen_first(const World *world, const Event *event, bool first)
     return look->light != SCENE_NONE ? SCENE_NONE : look->whole;
 }
 
+/* What an event does to a path that does not end there for good. Returns whether it goes on. */
+static inline bool pass_event(Path *path, Event *event)
+{
+    if (event->kind == EVENT_SCATTER)
+        path_scatter_in_medium(path, event);
+    else if (!(event->kind == EVENT_BOUNDARY ? path_cross_boundary(path, event) : path_shade_opaque(path, event)))
+        return false;
+    path->n_counted += event->kind != EVENT_SCATTER;
+    path->bounce++;
+    if (path->tracer->world->scene->n_textures > 0) path_widen(path);
+    path_keep_in_range(path);
+    return survives(path);
+}
+
 /* Returns whether the first ray met anything. */
 static bool follow(Path *path, bool first)
 {
@@ -192,15 +208,7 @@ static bool follow(Path *path, bool first)
             return true;
         }
         if (event.kind == EVENT_SCATTER && path->probing.is_probe) return true;
-        if (event.kind == EVENT_SCATTER)
-            path_scatter_in_medium(path, &event);
-        else if (!(event.kind == EVENT_BOUNDARY ? path_cross_boundary(path, &event) : path_shade_opaque(path, &event)))
-            return true;
-        path->n_counted += event.kind != EVENT_SCATTER;
-        path->bounce++;
-        if (textured) path_widen(path);
-        path_keep_in_range(path);
-        if (!survives(path)) return true;
+        if (!pass_event(path, &event)) return true;
     }
 }
 
@@ -212,4 +220,9 @@ void path_follow(Path *path)
 bool path_follow_from_camera(Path *path)
 {
     return follow(path, true);
+}
+
+void path_follow_from_event(Path *path, Event *event)
+{
+    if (pass_event(path, event)) follow(path, false);
 }

@@ -82,6 +82,7 @@ typedef struct Tracer {
     NestList list, next, shadow_list;
     NestList before; /* behind what was passed */
     NestList aside;  /* of the two lists of path_turn_aside the one that is not in use */
+    NestList forked; /* where the second path of a sample begins */
     FlightParts parts;
     NestPass *passes;
     size_t passes_capacity;

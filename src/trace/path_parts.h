@@ -54,6 +54,7 @@ typedef struct Decision {
 
 typedef struct Path {
     Tracer *tracer;
+    struct PathFork *fork; /* where the second path of its sample is to begin; NULL: it has none */
     Sampler sampler;
     WavelengthSample wavelengths;
     Lanes beta, ratio;
@@ -94,6 +95,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->scatter_lights = world_lights(tracer->world);
     path->probing.guide.share = 0;
     path->index_lane = -1;
+    path->fork = NULL;
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }
 
@@ -155,6 +157,15 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
     }
     return kept->ior[i];
 }
+
+/* The boundary where a sample's first path comes to be bent apart, for the second one to go on from there: the path in front of it, the
+ * surface, and the event; the list in front is tracer->forked. See sample.c. */
+typedef struct PathFork {
+    bool kept;
+    Path path;
+    Hit hit;
+    Event event;
+} PathFork;
 
 /* ---- event.c ---- */
 
@@ -276,6 +287,10 @@ static inline float path_found_part(Path *path, float radiance)
 void path_follow(Path *path);
 /* The same from the camera; returns whether its ray meets anything. */
 bool path_follow_from_camera(Path *path);
+/* And from an event that it has come to. */
+void path_follow_from_event(Path *path, Event *event);
+/* Keeps what the second path of its sample needs, in path->fork (sample.c). */
+void path_keep_fork(Path *path, const Event *event);
 /* What an opaque surface that was hit shines by itself. */
 void path_add_emission(Path *path, const Hit *hit);
 /* A hit of an opaque surface. Returns whether the path goes on. */

@@ -78,6 +78,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
     }
     Path probe = *path;
     probe.tracer = prober;
+    probe.fork = NULL;
     if (event)
         rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, through, direction,
                   &probe.ray);

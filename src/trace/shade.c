@@ -386,7 +386,10 @@ bool path_cross_boundary(Path *path, Event *event)
     path->from.rarity = 0;
     uint32_t from = event->crossing.medium_from, to = event->crossing.medium_to;
     Lanes eta_i = path_ior(path, from), eta_t = path_ior(path, to);
-    path->bent_apart |= world_medium_disperses(world, from) || world_medium_disperses(world, to);
+    if (!path->bent_apart && (world_medium_disperses(world, from) || world_medium_disperses(world, to))) {
+        path->bent_apart = true;
+        if (path->fork) path_keep_fork(path, event);
+    }
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : surface_of(path, event, number);

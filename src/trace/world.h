@@ -54,6 +54,7 @@ typedef struct Trial {
     bool choices_apart;         /* of ways, lights and lobes: no third coordinates to the places and directions */
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
     bool hero_alone;            /* goes on where boundaries bend wavelengths apart */
+    bool pairs_from_camera;     /* second paths begin there, not where wavelengths part */
     float roulette_below;       /* what paths carry that are left to chance */
 } Trial;
 
@@ -86,7 +87,7 @@ typedef struct World {
     bool has_panes;   /* thin sheets that rays towards lights go through */
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
-    uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
+    uint32_t long_way;  /* bounces after which even paths that carry much are left to chance: half of these, and many */
     SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
 

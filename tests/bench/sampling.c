@@ -19,6 +19,7 @@ static const struct {
     {"choices by numbers apart", {.choices_apart = true}},
     {"choices by Fresnel alone", {.fresnel_alone = true}},
     {"the hero alone goes on", {.hero_alone = true}},
+    {"pairs from the camera on", {.pairs_from_camera = true}},
     {"roulette below 1/50", {.roulette_below = 0.02f}},
     {"roulette below 1/5", {.roulette_below = 0.2f}},
     {"roulette below 1/2", {.roulette_below = 0.5f}},

@@ -110,8 +110,56 @@ static void it_is_the_same_light_with_less_noise(void **state)
     }
 }
 
+/* Where lists are bits (above), rows, and hold combinations; where textures are read by the width of a path, where several surfaces
+ * are met at once, and where a path has been scattered before its wavelengths part. */
+static const char *const more_pairs[] = {
+    "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012) } medium flint { ior = cauchy(1.6, .03) }\n"
+    "for (i in 0..79) { sphere { interior = i < 40 ? crown : flint  radius = 18 - .1 * i } }\n" /* too many for bits */
+    CAMERA LIGHTS,
+    "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012) }\n"
+    "difference { interior = crown  sphere { radius = 18 }  sphere { radius = 9  center = <0, 6, -14> } }\n"
+    "sphere { interior = crown  center = <24, -8, 0>  radius = 10  surface = surface { roughness = .3 } }\n" /* apart */
+    CAMERA LIGHTS,
+    "meniscus 1.0 unit mm medium crown { ior = cauchy(1.5, .012) }\n"
+    "sphere { interior = crown  radius = 18\n"
+    "         surface = surface { roughness = .2  bump = noise { octaves = 2  scale(3) }  bump_height = .3 } }\n"
+    "box { interior = crown  from = <20, -20, -20>  to = <40, 0, 0> }\n"
+    "box { interior = air  from = <20, 0, -20>  to = <40, 9, 0> }\n" /* both at once */
+    CAMERA LIGHTS};
+
+/* The second path begins where the wavelengths part: the same light to the last bit as from the camera on, by fewer rays. */
+static void pairs_share_their_beginning(const char *text)
+{
+    Picture pictures[2];
+    Fixture scene;
+    truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, SAMPLES);
+    settings.caustics = CAUSTICS_OFF; /* guides weigh what they gain against rays */
+    for (int from_camera = 0; from_camera < 2; from_camera++) {
+        settings.trial.pairs_from_camera = from_camera;
+        truth_render(&scene, &settings, 0, &pictures[from_camera]);
+    }
+    for (uint32_t i = 0; i < (uint32_t)(PICTURE * PICTURE * CHANNELS); i++) {
+        uint32_t x = i / CHANNELS % PICTURE, y = i / CHANNELS / PICTURE;
+        int c = (int)(i % CHANNELS);
+        assert_true(truth_channel(&pictures[0], x, y, c) == truth_channel(&pictures[1], x, y, c));
+    }
+    assert_true(pictures[0].stats.rays < pictures[1].stats.rays);
+    assert_int_equal(pictures[0].stats.paths, pictures[1].stats.paths);
+    for (int i = 0; i < 2; i++) truth_clear(&pictures[i]);
+    fixture_clear(&scene);
+}
+
+static void all_pairs_share_their_beginning(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) pairs_share_their_beginning(scenes[i].text);
+    for (size_t i = 0; i < COUNT_OF(more_pairs); i++) pairs_share_their_beginning(more_pairs[i]);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(it_is_the_same_light_with_less_noise)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(all_pairs_share_their_beginning),
+                                       cmocka_unit_test(it_is_the_same_light_with_less_noise)};
     return cmocka_run_group_tests_name("dispersion", tests, NULL, NULL);
 }
