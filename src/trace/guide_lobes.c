@@ -11,7 +11,7 @@
 #define DISC 2.2f
 #define DISC_PART 0.7f
 /* and about it what falls off slowly, as what the photons say holds near by only: (1 + r^2 / 4)^-3 up to this r, of a spread
- * that is so many times as large. */
+ * that is so many times as large, or more where a lobe may be wrong. */
 #define REACH 5.0f
 #define TAIL (1 + REACH * REACH / 4)
 #define TAIL_WIDER 2.0f
@@ -27,6 +27,10 @@
 #define WIDE 4.0f
 #define TOO_WIDE 64.0f
 #define WIDE_PART 0.2f
+/* How wrong a lobe is away from its place is found by few and noisy means, and may be a hundred times too much. So the disc takes no
+ * more of it than this, in radians, and the tail all. With all of it in both, a glass's shadow in the sun had small dark squares,
+ * whose light came as few samples that were far too bright. */
+#define MOST_WRONG 0.01f
 
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
 {
@@ -134,17 +138,18 @@ Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, Vec3f offset)
 /* How the directions of four lobes at a place spread in the plane at their means. */
 typedef struct FourSpreads {
     Lanes xx, xy, yy, determinant;
-    Lanes tail_wider; /* how much wider the tails are */
+    Lanes tail_wider; /* how much wider the tails are: as all of the error asks for, of which the discs have a part */
 } FourSpreads;
 
 static FourSpreads spreads_of(const GuideFour *four, Lanes error)
 {
-    FourSpreads s = {.xx = lanes_add(four->xx, error),
+    Lanes trusted = lanes_lesser(error, lanes_all(MOST_WRONG * MOST_WRONG)), own = lanes_add(four->xx, four->yy);
+    Lanes sum = lanes_add(own, lanes_scale(trusted, 2)), whole = lanes_add(own, lanes_scale(error, 2));
+    FourSpreads s = {.xx = lanes_add(four->xx, trusted),
                      .xy = four->xy,
-                     .yy = lanes_add(four->yy, error),
-                     .tail_wider = lanes_all(TAIL_WIDER)};
-    Lanes sum = lanes_add(s.xx, s.yy);
-    if (lanes_max(sum) > NARROW * NARROW) {
+                     .yy = lanes_add(four->yy, trusted),
+                     .tail_wider = lanes_scale(lanes_sqrt(lanes_div(whole, sum)), TAIL_WIDER)};
+    if (lanes_max(whole) > NARROW * NARROW) {
         const Lanes most = lanes_all(WIDEST * WIDEST);
         Lanes difference = lanes_scale(lanes_sub(s.xx, s.yy), 0.5f);
         Lanes root = lanes_sqrt(lanes_add(lanes_mul(difference, difference), lanes_mul(s.xy, s.xy)));

@@ -109,7 +109,7 @@ static uint32_t fit(const Photon *photons, uint32_t n_known, uint32_t n, Vec3f o
 static void densities(void **state)
 {
     (void)state;
-    enum { RINGS = 12, SECTORS = 8, FINE = 24, SAMPLES = 40000, LOBES = 60 };
+    enum { RINGS = 12, SECTORS = 8, FINE = 96, SAMPLES = 40000, LOBES = 60 }; /* fine: discs are small in wide tails */
     double worst_integral = 0, chi_square = 0;
     int n_bins = 0;
     for (int trial = 0; trial < LOBES; trial++) {
