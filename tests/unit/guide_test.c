@@ -224,6 +224,26 @@ static void folds(void **state)
     assert_true(sure > .7f * lobe_pdf(&lobes[0], vec3f(0, 0, 0), vec3f(0, 1, 0)));
 }
 
+/* How wrong a lobe is at a place is told by noisy means, and may be far too much: what it foretells has to be asked for all the same,
+ * and so has what is as far from that as it may be wrong. */
+static void doubts(void **state)
+{
+    (void)state;
+    Photon photon = {.from = {0, 1, 0}, .flux = 1, .spread = {9e-6f, 0, 9e-6f}};
+    GuideLobe lobes[GUIDE_CELL_LOBES];
+    (void)fit(&photon, 1, 1, vec3f(0, 0, 0), lobes);
+    const Vec3f away = vec3f(1, 0, 0), foretold = vec3f(0, 1, 0), other = vec3f(.2f, .9798f, 0);
+    lobes[0].bend = 0;
+    float sure = lobe_pdf(&lobes[0], away, foretold);
+    lobes[0].bend = .2f; /* radians, at a distance of 1 */
+    float doubtful = lobe_pdf(&lobes[0], away, foretold), beside = lobe_pdf(&lobes[0], away, other);
+    printf("    density of what is foretold: %.3g, and %.3g where it may be .2 radians wrong; of what is .2 beside it "
+           "%.3g\n",
+           (double)sure, (double)doubtful, (double)beside);
+    assert_true(doubtful > .05f * sure);
+    assert_true(beside > .05f);
+}
+
 /* Light through a level side of a pool and through the waves on top of it goes one way, by what it meets: what is known far better of
  * the one takes nothing from the other. */
 static void sides(void **state)
@@ -396,8 +416,8 @@ static void flux(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds), cmocka_unit_test(sides),
-        cmocka_unit_test(borrowed),  cmocka_unit_test(levels), cmocka_unit_test(flux),
+        cmocka_unit_test(densities), cmocka_unit_test(sheets),   cmocka_unit_test(folds),  cmocka_unit_test(doubts),
+        cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(levels), cmocka_unit_test(flux),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
