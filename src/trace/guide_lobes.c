@@ -30,7 +30,7 @@
 /* How wrong a lobe is away from its place is found by few and noisy means, and may be a hundred times too much. So the disc takes no
  * more of it than this, in radians, and the tail all. With all of it in both, a glass's shadow in the sun had small dark squares,
  * whose light came as few samples that were far too bright. */
-#define MOST_WRONG 0.01f
+#define MOST_WRONG 0.02f
 
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
 {

@@ -16,6 +16,7 @@
  * after equal time (bench sampling): still-life 3.0 and 1.8, cut-glass 2.7 and 1.7, round-solids 2.8 and 1.7. A second path for
  * half of the samples, which then has to make up for the others, too: still-life 1.2, cut-glass 0.8, round-solids 1.1.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "base/array.h"
 #include "trace/path_parts.h"
 
 #define SHARED 0.4f /* s */
@@ -159,6 +160,8 @@ static bool follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
     path->index_lane = index_lane;
     path->again = true;
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
+    if (!ARRAY_ROOM(tracer->hits.items, tracer->hits.capacity, 0))
+        return false; /* it has none yet if the first path ended at its first surface */
     tracer->hits.items[0] = fork->hit;
     nest_list_swap(&tracer->list, &tracer->forked);
     if (fork->event.behind == BEHIND_IN_NEXT && (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
@@ -172,7 +175,7 @@ static bool follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
 static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
                           const WavelengthSample *wavelengths, int index_lane, PathFork *fork)
 {
-    if (LIKELY(fork->kept && tracer->hits.capacity > 0)) {
+    if (LIKELY(fork->kept)) {
         if (!follow_fork(tracer, fork, index_lane)) tracer->out_of_memory = true;
         return fork->path.radiance;
     }
