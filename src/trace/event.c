@@ -33,6 +33,13 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
     return true;
 }
 
+bool path_cross_into_next(Tracer *tracer, const Event *event)
+{
+    NestCrossing crossing;
+    return nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
+           path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, &crossing);
+}
+
 /* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
 static bool media_differ(Path *path, uint32_t a, uint32_t b)
 {

@@ -141,10 +141,16 @@ typedef struct FourSpreads {
     Lanes tail_wider; /* how much wider the tails are: as all of the error asks for, of which the discs have a part */
 } FourSpreads;
 
+/* The sum of the two spreads of each. */
+static inline Lanes whole_spread(const GuideFour *four, Lanes error)
+{
+    return lanes_add(lanes_add(four->xx, four->yy), lanes_add(error, error));
+}
+
 static FourSpreads spreads_of(const GuideFour *four, Lanes error)
 {
-    Lanes trusted = lanes_lesser(error, lanes_all(MOST_WRONG * MOST_WRONG)), own = lanes_add(four->xx, four->yy);
-    Lanes sum = lanes_add(own, lanes_scale(trusted, 2)), whole = lanes_add(own, lanes_scale(error, 2));
+    Lanes trusted = lanes_lesser(error, lanes_all(MOST_WRONG * MOST_WRONG));
+    Lanes sum = whole_spread(four, trusted), whole = whole_spread(four, error); /* the discs', the tails' */
     FourSpreads s = {.xx = lanes_add(four->xx, trusted),
                      .xy = four->xy,
                      .yy = lanes_add(four->yy, trusted),
@@ -224,7 +230,7 @@ static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, Vec3f o
     Lanes cosine = dots_with(&mean, direction);
     /* the square of the largest spread is less than the sum of both */
     const float farthest = 0.5f * (REACH * TAIL_WIDER) * (REACH * TAIL_WIDER);
-    Lanes reach = lanes_scale(lanes_add(lanes_add(four->xx, four->yy), lanes_add(error, error)), farthest * 1.0001f);
+    Lanes reach = lanes_scale(whole_spread(four, error), farthest * 1.0001f);
     Lanes away = lanes_sub(lanes_all(1 - 1e-6f), cosine);
     weight = lanes_select_less(reach, away, none, weight);
     if (lanes_zero(weight)) return none;

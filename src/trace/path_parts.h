@@ -158,12 +158,11 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
     return kept->ior[i];
 }
 
-/* The boundary where a sample's first path comes to be bent apart, for the second one to go on from there: the path in front of it, the
- * surface, and the event; the list in front is tracer->forked. See sample.c. */
+/* The boundary, of one surface, where a sample's first path comes to be bent apart, for the second one to go on from there: the path in
+ * front of it, and the event; the list in front is tracer->forked. See sample.c. */
 typedef struct PathFork {
     bool kept;
     Path path;
-    Hit hit;
     Event event;
 } PathFork;
 
@@ -197,6 +196,8 @@ bool path_turn_aside(Tracer *tracer, double *t);
 void path_turn_back(Tracer *tracer);
 /* Crosses the hulls among hits[0 .. n), all at one place. */
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
+/* tracer->next becomes the list behind the event's surfaces, from tracer->list on; false when memory ends. */
+bool path_cross_into_next(Tracer *tracer, const Event *event);
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it and tracer->next the one behind it. */
 void path_next_event(Path *path, Event *event);

@@ -16,7 +16,6 @@
  * after equal time (bench sampling): still-life 3.0 and 1.8, cut-glass 2.7 and 1.7, round-solids 2.8 and 1.7. A second path for
  * half of the samples, which then has to make up for the others, too: still-life 1.2, cut-glass 0.8, round-solids 1.1.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "base/array.h"
 #include "trace/path_parts.h"
 
 #define SHARED 0.4f /* s */
@@ -107,7 +106,7 @@ static WavelengthSample choose_wavelengths(const World *world, const PixelSample
     return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
-/* Returns whether the camera's ray met anything. */
+/* fork: where the second path is to begin; NULL: this is the second one. Returns whether the camera's ray met anything. */
 static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point, const WavelengthSample *wavelengths,
                         int index_lane, PathFork *fork, Path *path)
 {
@@ -149,36 +148,29 @@ void path_keep_fork(Path *path, const Event *event)
     if (!fork->kept) return;
     fork->path = *path;
     fork->event = *event;
-    fork->hit = tracer->hits.items[0];
 }
 
-/* False when memory ends. */
-static bool follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
+static Lanes follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
 {
     Path *path = &fork->path;
-    NestCrossing crossing; /* as the event has it */
     path->index_lane = index_lane;
     path->again = true;
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
-    if (!ARRAY_ROOM(tracer->hits.items, tracer->hits.capacity, 0))
-        return false; /* it has none yet if the first path ended at its first surface */
-    tracer->hits.items[0] = fork->hit;
     nest_list_swap(&tracer->list, &tracer->forked);
-    if (fork->event.behind == BEHIND_IN_NEXT && (nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK ||
-                                                 !path_cross(tracer, &tracer->next, &fork->hit, 1, &crossing)))
-        return false;
-    path_follow_from_event(path, &fork->event);
-    return true;
+    tracer->hits.n = 0;
+    if (rtc_add_hit(&tracer->hits, &fork->event.hit) &&
+        (fork->event.behind != BEHIND_IN_NEXT || path_cross_into_next(tracer, &fork->event)))
+        path_follow_from_event(path, &fork->event);
+    else
+        tracer->out_of_memory = true;
+    return path->radiance;
 }
 
 /* The second path of a sample. What is told of a sample besides its light is of the first one. */
 static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
                           const WavelengthSample *wavelengths, int index_lane, PathFork *fork)
 {
-    if (LIKELY(fork->kept)) {
-        if (!follow_fork(tracer, fork, index_lane)) tracer->out_of_memory = true;
-        return fork->path.radiance;
-    }
+    if (LIKELY(fork->kept)) return follow_fork(tracer, fork, index_lane);
     Path path;
     uint32_t seen = tracer->seen;
     bool notes_sight = tracer->notes_sight;

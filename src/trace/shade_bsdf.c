@@ -87,12 +87,8 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
 /* The hulls behind an opaque surface that light goes through, into tracer->next. */
 static bool cross_opaque(Path *path, const Event *event)
 {
-    Tracer *tracer = path->tracer;
-    NestCrossing crossing;
-    if (nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
-        path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, &crossing))
-        return true;
-    tracer->out_of_memory = true;
+    if (path_cross_into_next(path->tracer, event)) return true;
+    path->tracer->out_of_memory = true;
     return false;
 }
 

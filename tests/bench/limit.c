@@ -9,8 +9,8 @@
  * rays take when they are asked again as the render asks them, exactly and past silent surfaces, without anything being
  * done with the answers: what is beyond that is the list, shading, sampling, light and film. What the whole ratio would be if
  * the render cast its rays in packets of eight, all from different paths, and that made nothing else slower, is the least
- * that many paths in flight could come to (`packets`). Last come paths a second of one thread's time: the render's, and what they would be if a renderer did nothing but cast these rays, one by
- * one and in packets.
+ * that many paths in flight could come to (by free packets). Last come paths a second of one thread's time: the render's, and
+ * what they would be if a renderer did nothing but cast these rays, one by one and in packets.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
