@@ -194,11 +194,18 @@ static double arc_side(const Piece *piece)
     return is_arc(piece) && (piece->kind == PIECE_OUTER_ARC) != (piece->y1 > piece->y0) ? -1 : 1;
 }
 
-static void cross_curved(const Piece *piece, const PieceLine *line, double t_min, double t_max, TubeCrossings *out)
+static TubeStart tube_start(const Piece *piece, PieceStart start)
+{
+    if (start == PIECE_START_ELSEWHERE) return TUBE_START_ELSEWHERE;
+    return (start == PIECE_START_INSIDE) == (arc_side(piece) > 0) ? TUBE_START_INSIDE : TUBE_START_OUTSIDE;
+}
+
+static void cross_curved(const Piece *piece, const PieceLine *line, double t_min, double t_max, TubeStart start,
+                         TubeCrossings *out)
 {
     if (piece->kind == PIECE_TORUS) {
         Tube tube = tube_of(piece);
-        tube_cross(&tube, line, NULL, t_min, t_max, out);
+        tube_cross(&tube, line, NULL, t_min, t_max, start, out);
         return;
     }
     BandEnd p = band_end(piece->r0, piece->y0, line);
@@ -214,7 +221,7 @@ static void cross_curved(const Piece *piece, const PieceLine *line, double t_min
     Tube tube = tube_of(piece);
     TubeSpan span = {p.t, q.t, p.above == outer, q.above == outer};
     if (q.t < p.t) span = (TubeSpan){q.t, p.t, q.above == outer, p.above == outer};
-    tube_cross(&tube, line, &span, t_min, t_max, out);
+    tube_cross(&tube, line, &span, t_min, t_max, start, out);
 }
 
 /* The discriminant from the distance between line and centre: E. Haines, J. Gunther, T. Akenine-Moeller,
@@ -250,13 +257,13 @@ static void cross_plane(const Piece *piece, const PieceLine *line, double t_min,
 
 /* Pieces that are no bands. */
 ATTR_APART static void cross_other(const Piece *piece, const PieceLine *line, double t_min, double t_max,
-                                   PieceCrossings *out)
+                                   PieceStart start, PieceCrossings *out)
 {
     if (piece->kind == PIECE_SPHERE) {
         piece_cross_ball(piece->r0, line->org, line->dir, t_min, t_max, out);
     } else if (piece->kind == PIECE_TORUS || is_arc(piece)) {
         TubeCrossings crossings;
-        cross_curved(piece, line, t_min, t_max, &crossings);
+        cross_curved(piece, line, t_min, t_max, tube_start(piece, start), &crossings);
         bool leaving = crossings.first_enters == (arc_side(piece) < 0);
         out->n = crossings.n;
         for (int i = 0; i < crossings.n; i++, leaving = !leaving) {
@@ -268,20 +275,21 @@ ATTR_APART static void cross_other(const Piece *piece, const PieceLine *line, do
     }
 }
 
-void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out)
+void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceStart start,
+                 PieceCrossings *out)
 {
     out->n = 0;
     if (LIKELY(piece->kind == PIECE_BAND))
         cross_band(piece, line, t_min, t_max, out);
     else
-        cross_other(piece, line, t_min, t_max, out);
+        cross_other(piece, line, t_min, t_max, start, out);
 }
 
 int piece_intersect(const Piece *piece, Vec3 org, Vec3 dir, double t_min, double t_max, double t[PIECE_MAX_ROOTS])
 {
     PieceLine line = piece_line(org, dir);
     PieceCrossings crossings;
-    piece_cross(piece, &line, t_min, t_max, &crossings);
+    piece_cross(piece, &line, t_min, t_max, PIECE_START_ELSEWHERE, &crossings);
     for (int i = 0; i < crossings.n; i++) t[i] = crossings.t[i];
     return crossings.n;
 }
@@ -298,7 +306,7 @@ ATTR_COLD static bool crossing_leaves(const Piece *piece, Vec3 org, Vec3 dir, do
 {
     PieceLine line = piece_line(org, dir);
     PieceCrossings crossings;
-    piece_cross(piece, &line, -HUGE_VAL, HUGE_VAL, &crossings);
+    piece_cross(piece, &line, -HUGE_VAL, HUGE_VAL, PIECE_START_ELSEWHERE, &crossings);
     int nearest = 0;
     for (int i = 1; i < crossings.n; i++)
         if (fabs(t - crossings.t[i]) < fabs(t - crossings.t[nearest])) nearest = i;

@@ -66,9 +66,12 @@ typedef struct PieceCrossings {
     double t[PIECE_MAX_ROOTS];
     bool leaving[PIECE_MAX_ROOTS]; /* the line goes along the outward normal there */
 } PieceCrossings;
+/* Where the line is from t = 0 on, if it starts there on the piece itself. */
+typedef enum PieceStart { PIECE_START_ELSEWHERE, PIECE_START_INSIDE, PIECE_START_OUTSIDE } PieceStart;
 /* All crossings with t_min < t <= t_max in increasing t: at most 4 on a torus and on inner arcs, 2 elsewhere. A tangent
- * line crosses twice or not at all. */
-void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceCrossings *out);
+ * line crosses twice or not at all. The crossing that brought the line to where it starts may be left out. */
+void piece_cross(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceStart start,
+                 PieceCrossings *out);
 /* The same for a sphere about the origin. */
 void piece_cross_ball(double radius, Vec3 org, Vec3 dir, double t_min, double t_max, PieceCrossings *out);
 /* The same for a line that is asked for once; only t is filled. Returns how many. */

@@ -20,6 +20,8 @@ enum {
     MAX_STEPS = 100,
     DEPTH = 4 /* in noise: what counts as a dip */
 };
+#define STEEP 0x1p-6        /* a cosine at which a start is clearly that */
+#define START_NOISE 0x1p-44 /* how far from a start its crossing may be, of the tube's size */
 
 /* The line as seen from the tube's centre; u = t - base is 0 at the point nearest to it. */
 typedef struct TubeLine {
@@ -33,6 +35,7 @@ typedef struct TubeLine {
     double radius, squared; /* of the tube, and its square */
     double first, last;     /* the span, in t */
     double t_min, t_max;    /* what is asked for */
+    TubeStart start;        /* whether it starts on the surface */
     double noise;           /* of f, by rounding */
     double least_slope;     /* of f: with less, its noise shows in the place of a crossing */
 } TubeLine;
@@ -122,10 +125,22 @@ static double crossing_between(const TubeLine *line, const Stop *a, const Stop *
     return u;
 }
 
+/* Whether the crossing between a and b is the one that the line starts at: of a ray that leaves a surface it is asked for first. */
+static bool is_start(const TubeLine *line, const Stop *a, const Stop *b)
+{
+    double u = -line->base;
+    if (line->start != (b->inside ? TUBE_START_INSIDE : TUBE_START_OUTSIDE) || !(u > a->u && u < b->u)) return false;
+    Stop stop = stop_at(line, u);
+    double slope = b->inside ? -stop.slope : stop.slope;
+    return slope >= 2 * STEEP * line->radius * line->speed &&
+           fabs(stop.f) * line->speed <= START_NOISE * slope * (fabs(line->tube->centre_r) + line->radius);
+}
+
 static void add_crossing(const TubeLine *line, const Stop *a, const Stop *b, const Stop *inner, bool concave,
                          TubeCrossings *out)
 {
     if (time_of(line, b->u) <= line->t_min || time_of(line, a->u) > line->t_max || out->n == TUBE_MAX_CROSSINGS) return;
+    if (is_start(line, a, b)) return;
     const Stop *other = inner == a ? b : a;
     double t = time_of(line, crossing_between(line, a, b, concave, parabola_root(inner, other)));
     if (!(t > line->t_min && t <= line->t_max)) return;
@@ -267,7 +282,7 @@ static void cross_stretches(const TubeLine *line, Stop a, Stop b, TubeCrossings 
 }
 
 void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *span, double t_min, double t_max,
-                TubeCrossings *out)
+                TubeStart start, TubeCrossings *out)
 {
     static const TubeSpan everything = {-HUGE_VAL, HUGE_VAL, false, false};
     if (!span) span = &everything;
@@ -286,6 +301,7 @@ void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *s
                      .last = span->b,
                      .t_min = t_min,
                      .t_max = t_max,
+                     .start = start,
                      .noise = 0x1p-53 * radius * (fabs(tube->centre_r) + radius)};
     line.org = vec3_along(org, line.base, dir);
     double moment = line.org.x * dir.z - line.org.z * dir.x;

@@ -76,7 +76,7 @@ static size_t count_by_pieces(const TestScene *s, uint32_t object, const Ray *ra
     size_t n = 0;
     for (uint32_t i = 0; i < placed->solid->n_pieces; i++) {
         PieceCrossings crossings;
-        piece_cross(&placed->solid->pieces[i], &line, 0, HUGE_VAL, &crossings);
+        piece_cross(&placed->solid->pieces[i], &line, 0, HUGE_VAL, PIECE_START_ELSEWHERE, &crossings);
         n += (size_t)crossings.n;
     }
     return n;

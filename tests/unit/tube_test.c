@@ -249,10 +249,49 @@ static void test_tori_against_the_quartic(void **state)
     }
 }
 
+/* A line that starts on a torus, told so, meets what it meets otherwise, all but its start; and by far most lines are spared
+ * that one. */
+static void test_starts_are_left_out(void **state)
+{
+    (void)state;
+    const Piece torus = {.kind = PIECE_TORUS, .r0 = 3, .r1 = 1};
+    const double noise = 1e-9;
+    Dice dice = {77};
+    long n_starts = 0, n_left_out = 0, n_others = 0;
+    for (int i = 0; i < 200000; i++) {
+        double turn = 2 * pi * dice_unit(&dice), tilt = 2 * pi * dice_unit(&dice);
+        Vec3 normal = {cos(tilt) * cos(turn), sin(tilt), cos(tilt) * sin(turn)};
+        Vec3 org = {(torus.r0 + torus.r1 * cos(tilt)) * cos(turn), torus.r1 * sin(tilt),
+                    (torus.r0 + torus.r1 * cos(tilt)) * sin(turn)};
+        Vec3 dir = dice_direction(&dice);
+        bool inside = vec3_dot(normal, dir) < 0;
+        PieceLine line = piece_line(org, dir);
+        PieceCrossings all, told;
+        piece_cross(&torus, &line, -noise, HUGE_VAL, PIECE_START_ELSEWHERE, &all);
+        piece_cross(&torus, &line, -noise, HUGE_VAL, inside ? PIECE_START_INSIDE : PIECE_START_OUTSIDE, &told);
+        int k = 0;
+        for (int j = 0; j < all.n; j++) {
+            bool start = fabs(all.t[j]) < noise && all.leaving[j] != inside;
+            n_starts += start;
+            n_others += !start;
+            if (k < told.n && told.t[k] == all.t[j] && told.leaving[k] == all.leaving[j]) {
+                k++;
+                continue;
+            }
+            assert_true(start); /* what is not there must be the start */
+            n_left_out++;
+        }
+        assert_int_equal(k, told.n);
+    }
+    printf("    %ld starts, %ld of them left out; %ld other crossings, all found\n", n_starts, n_left_out, n_others);
+    assert_true(n_left_out > n_starts * 9 / 10 && n_others > 100000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tori_against_the_quartic),
+        cmocka_unit_test(test_starts_are_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
