@@ -211,10 +211,10 @@ ATTR_COLD static bool note_behind(Query *query, uint32_t object)
     return false;
 }
 
-/* left: where the ray starts on that piece, or NULL. */
-static bool take_crossing(Query *query, uint32_t object, uint32_t piece, const Hit *left, double t, bool leaving)
+static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double t, bool leaving)
 {
     if (UNLIKELY(t <= query->t_min)) return note_behind(query, object);
+    const Hit *left = rtc_find_left(query->ray, object, piece);
     if (left && is_start(query, left, t, leaving)) return false;
     bool passing = rtc_passes(query, object);
     Hit *hit = next_crossing(passing ? query->passed : query->hits, t, object, piece, leaving);
@@ -232,10 +232,9 @@ static bool consider_ball(Query *query, uint32_t object)
     PieceCrossings crossings;
     piece_cross_ball(ball.radius, vec3_sub(query->origin, ball.centre), query->direction, query->pieces_from,
                      double_min(query->ray->t_max, query->reach), &crossings);
-    const Hit *left = rtc_find_left(query->ray, object, 0);
     bool shrink = false;
     for (int i = 0; i < crossings.n; i++)
-        shrink |= take_crossing(query, object, 0, left, crossings.t[i], crossings.leaving[i]);
+        shrink |= take_crossing(query, object, 0, crossings.t[i], crossings.leaving[i]);
     return shrink;
 }
 
@@ -277,7 +276,7 @@ static bool consider_piece(Query *query, const RtcPieceSet *set, uint32_t primit
         double t = crossings.t[i];
         if (LIKELY(taken == ALL_NOW) ||
             rtc_sector(line->org.x + t * line->dir.x, line->org.z + t * line->dir.z) == part.sector)
-            shrink |= take_crossing(query, which->object, which->piece, left, t, crossings.leaving[i]);
+            shrink |= take_crossing(query, which->object, which->piece, t, crossings.leaving[i]);
     }
     return shrink;
 }
@@ -518,7 +517,7 @@ static void consider_plane(Query *query, const RtcPlane *plane, struct RTCRay *r
     if (slope == 0) return;
     double t = -height / slope;
     if (!(t > query->pieces_from && t <= double_min(query->ray->t_max, query->reach))) return;
-    if (take_crossing(query, plane->object, 0, rtc_find_left(query->ray, plane->object, 0), t, slope > 0))
+    if (take_crossing(query, plane->object, 0, t, slope > 0))
         ray->tfar = embree_t(query, double_min(query->ray->t_max, query->reach));
 }
 

@@ -194,13 +194,14 @@ static double arc_side(const Piece *piece)
     return is_arc(piece) && (piece->kind == PIECE_OUTER_ARC) != (piece->y1 > piece->y0) ? -1 : 1;
 }
 
-static TubeStart tube_start(const Piece *piece, PieceStart start)
+/* What is inside of the solid is outside of the tube where the tube is hollowed out of it. */
+static PieceStart tube_start(const Piece *piece, PieceStart start)
 {
-    if (start == PIECE_START_ELSEWHERE) return TUBE_START_ELSEWHERE;
-    return (start == PIECE_START_INSIDE) == (arc_side(piece) > 0) ? TUBE_START_INSIDE : TUBE_START_OUTSIDE;
+    if (start == PIECE_START_ELSEWHERE || arc_side(piece) > 0) return start;
+    return start == PIECE_START_INSIDE ? PIECE_START_OUTSIDE : PIECE_START_INSIDE;
 }
 
-static void cross_curved(const Piece *piece, const PieceLine *line, double t_min, double t_max, TubeStart start,
+static void cross_curved(const Piece *piece, const PieceLine *line, double t_min, double t_max, PieceStart start,
                          TubeCrossings *out)
 {
     if (piece->kind == PIECE_TORUS) {

@@ -35,7 +35,7 @@ typedef struct TubeLine {
     double radius, squared; /* of the tube, and its square */
     double first, last;     /* the span, in t */
     double t_min, t_max;    /* what is asked for */
-    TubeStart start;        /* whether it starts on the surface */
+    PieceStart start;       /* whether it starts on the surface */
     double noise;           /* of f, by rounding */
     double least_slope;     /* of f: with less, its noise shows in the place of a crossing */
 } TubeLine;
@@ -125,11 +125,11 @@ static double crossing_between(const TubeLine *line, const Stop *a, const Stop *
     return u;
 }
 
-/* Whether the crossing between a and b is the one that the line starts at: of a ray that leaves a surface it is asked for first. */
+/* Whether the crossing between a and b is the one that brought the line to its start: known already, and nothing to search for. */
 static bool is_start(const TubeLine *line, const Stop *a, const Stop *b)
 {
     double u = -line->base;
-    if (line->start != (b->inside ? TUBE_START_INSIDE : TUBE_START_OUTSIDE) || !(u > a->u && u < b->u)) return false;
+    if (line->start != (b->inside ? PIECE_START_INSIDE : PIECE_START_OUTSIDE) || !(u > a->u && u < b->u)) return false;
     Stop stop = stop_at(line, u);
     double slope = b->inside ? -stop.slope : stop.slope;
     return slope >= 2 * STEEP * line->radius * line->speed &&
@@ -282,7 +282,7 @@ static void cross_stretches(const TubeLine *line, Stop a, Stop b, TubeCrossings 
 }
 
 void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *span, double t_min, double t_max,
-                TubeStart start, TubeCrossings *out)
+                PieceStart start, TubeCrossings *out)
 {
     static const TubeSpan everything = {-HUGE_VAL, HUGE_VAL, false, false};
     if (!span) span = &everything;

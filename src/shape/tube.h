@@ -37,13 +37,11 @@ typedef struct TubeCrossings {
     bool first_enters; /* the first goes into the tube; from there on they alternate */
 } TubeCrossings;
 
-/* Where the line is from t = 0 on, if it starts there on this surface. */
-typedef enum TubeStart { TUBE_START_ELSEWHERE, TUBE_START_INSIDE, TUBE_START_OUTSIDE } TubeStart;
-
 /* The crossings of a line with t_min < t <= t_max, in increasing t. Without a span (NULL) the line starts and ends
  * outside. With one the number of crossings is odd if and only if its ends differ, whatever rounding does, and none is
- * beyond the ends. A crossing that is found does not depend on t_min and t_max. That of the start may be left out. */
+ * beyond the ends. A crossing that is found does not depend on t_min and t_max. start is as of piece_cross, but says on which
+ * side of the tube the line is. */
 void tube_cross(const Tube *tube, const PieceLine *piece_line, const TubeSpan *span, double t_min, double t_max,
-                TubeStart start, TubeCrossings *out);
+                PieceStart start, TubeCrossings *out);
 
 #endif
