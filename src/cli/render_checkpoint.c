@@ -142,6 +142,7 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
     add_fact(notes, texts, "caustics", "%s", caustics[settings->caustics]);
     add_fact(notes, texts, "adaptive", "%s", settings->adaptive ? "on" : "off");
     add_fact(notes, texts, "fireflies", "%s", settings->spreads ? "spread" : "keep");
+    add_fact(notes, texts, "denoise", "%s", settings->denoises ? "on" : "off");
     add_fact(notes, texts, "AOVs", "%s", aovs);
     if (settings->no_absorption) add_fact(notes, texts, "absorption", "off");
 }

@@ -154,6 +154,7 @@ void render_summarize(const RenderRun *run)
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->stopped ? wanted : stats->samples));
     if (run->slices) buf_format(&line, ", %u to %u of %u", settings->first_sample + 1, settings->end_sample, settings->samples);
     if (stats->spread_samples) buf_format(&line, ", %.2g %% of the light spread", 100 * stats->spread_light);
+    if (run->settings.denoises) buf_add(&line, ", denoised");
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
     if (stats->stopped && run->checkpoint.path && !render_state_is_empty(&run->state))
@@ -238,6 +239,7 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_add_whole(&json, "saturatedSamples", stats->saturated_samples);
     json_add_whole(&json, "samplesSpread", stats->spread_samples);
     json_add_number(&json, "lightSpread", stats->spread_light);
+    json_add_truth(&json, "denoised", run->settings.denoises);
     json_add_whole(&json, "photons", stats->guide.followed);
     json_add_whole(&json, "photonsLanded", stats->guide.landed);
     json_add_whole(&json, "guideBytes", stats->guide.bytes);

@@ -149,6 +149,7 @@ Status render_settings_merge(RenderRun *run, Error *error)
         .seed = count_of(options, OPTION_SEED, render->seed),
         .caustics = render->caustics,
         .spreads = strcmp(option_text(options, OPTION_FIREFLIES, render->spreads ? "spread" : "keep"), "spread") == 0,
+        .denoises = strcmp(option_text(options, OPTION_DENOISE, render->denoises ? "on" : "off"), "on") == 0,
         .no_absorption = option_given(options, OPTION_NO_ABSORPTION),
     };
     bool samples_given = option_given(options, OPTION_SPP) || render->samples_given;

@@ -70,6 +70,9 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
     if (run->settings.spreads)
         attributes->items[attributes->n++] = (ImageAttribute){
             .name = "meniscus/lightSpread", .type = ATTRIBUTE_FLOAT, .number = run->stats.spread_light};
+    if (run->settings.denoises)
+        attributes->items[attributes->n++] =
+            (ImageAttribute){.name = "meniscus/denoised", .type = ATTRIBUTE_INT, .whole = 1};
     aov_visit_attributes(run->settings.aovs, scene, add_aov_attribute, attributes);
 }
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/aov_film.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,11 +113,12 @@ double aov_film_unit(const World *world)
     return ldexp(1, exponent - 36);
 }
 
-Status aov_film_init(AovFilm *film, AovSet set, double unit, uint32_t width, uint32_t height, Error *error)
+Status aov_film_init(AovFilm *film, AovSet set, bool guides, double unit, uint32_t width, uint32_t height, Error *error)
 {
-    *film = (AovFilm){.set = set, .unit = unit, .width = width, .height = height};
+    *film = (AovFilm){.set = set, .guides = guides, .unit = unit, .width = width, .height = height};
     size_t n = (size_t)width * height;
-    if (!(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE))) return STATUS_OK; /* the film has these */
+    bool film_has_all = !(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE));
+    if (film_has_all && !guides) return STATUS_OK;
     film->sums = calloc(n * AOV_SUMS, sizeof *film->sums);
     bool ready = film->sums != NULL;
     if (ready && has(set, AOV_CRYPTOMATTE)) {
@@ -149,12 +151,18 @@ static void add_floats(int64_t *sums, const float *values, int n)
     for (int i = 0; i < n; i++) sums[i] += whole((double)values[i], FILM_UNIT);
 }
 
+static void add_id(int64_t *sums, const char *name)
+{
+    float color[3];
+    id_color(name, color);
+    add_floats(sums, color, 3);
+}
+
 static void add_sight(AovFilm *film, int64_t *sums, const FirstSight *sight)
 {
     const Scene *scene = film->world->scene;
     const double position[3] = {sight->position.x, sight->position.y, sight->position.z};
     const float normal[3] = {sight->normal.x, sight->normal.y, sight->normal.z};
-    float color[3];
     sums[SUM_MET]++;
     sums[SUM_DEPTH] += sight->n_hulls;
     sums[SUM_DISTANCE] += whole(sight->distance, film->unit);
@@ -162,10 +170,8 @@ static void add_sight(AovFilm *film, int64_t *sums, const FirstSight *sight)
     add_floats(sums + SUM_ALBEDO, sight->albedo, 3);
     add_floats(sums + SUM_NORMAL, normal, 3);
     add_floats(sums + SUM_UV, sight->uv, 2);
-    id_color(object_name(scene, sight->object), color);
-    add_floats(sums + SUM_OBJECT, color, 3);
-    id_color(scene->media[sight->medium].name, color);
-    add_floats(sums + SUM_MEDIUM, color, 3);
+    if (has(film->set, AOV_OBJECT)) add_id(sums + SUM_OBJECT, object_name(scene, sight->object));
+    if (has(film->set, AOV_MEDIUM)) add_id(sums + SUM_MEDIUM, scene->media[sight->medium].name);
 }
 
 void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
@@ -292,6 +298,13 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
     case AOV_COUNT: break;
     }
     return out;
+}
+
+void aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES])
+{
+    float *distance = put_aov(aovs, film, pixel, AOV_NORMAL, put_aov(aovs, film, pixel, AOV_ALBEDO, guide));
+    put_aov(aovs, film, pixel, AOV_DEPTH, distance);
+    *distance = logf(fmaxf(*distance, FLT_MIN));
 }
 
 /* The names of all channels: of the film, then of the AOVs in the order of the table. Returns how many. */

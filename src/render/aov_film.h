@@ -7,8 +7,12 @@
 #include "render/tally.h"
 #include "trace/path.h"
 
+/* What keeps unlike things apart where a picture is denoised: albedo, normal, and the logarithm of the distance. */
+enum { AOV_GUIDES = 7 };
+
 typedef struct AovFilm {
     AovSet set;
+    bool guides;        /* these are kept, whether they are in the set or not */
     const World *world; /* for aov_film_add; the others do not need it */
     uint32_t width, height;
     double unit;                /* of lengths: fine against the size of the scene, and a power of two */
@@ -17,9 +21,10 @@ typedef struct AovFilm {
     bool out_of_memory;
 } AovFilm;
 
-/* With an empty set nothing is allocated, and the other functions do next to nothing. unit: see aov_film_unit. */
-ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, double unit, uint32_t width, uint32_t height,
-                                    Error *error);
+/* With an empty set and without guides nothing is allocated, and the other functions do next to nothing. unit: see
+ * aov_film_unit. */
+ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, bool guides, double unit, uint32_t width,
+                                    uint32_t height, Error *error);
 /* In which the lengths of a scene are added up. */
 double aov_film_unit(const World *world);
 void aov_film_clear(AovFilm *film);
@@ -40,6 +45,8 @@ bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, cons
 ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Image *image,
                                        Error *error);
 
+/* Of a pixel, by its number in rows: of a film that keeps guides. */
+void aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES]);
 /* The attributes of a file that holds these: name and text of each, for EXR. */
 void aov_visit_attributes(AovSet set, const Scene *scene,
                           void (*visit)(void *context, const char *name, const char *text), void *context);

@@ -26,7 +26,7 @@ typedef struct Head {
     uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size;
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
-    uint32_t aovs, spreads, wants, n_facts, n_attributes, unused;
+    uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
     double unit;
     PathCounters counters;
     uint64_t saturated_samples;
@@ -93,6 +93,7 @@ static void add_head(const Writing *writing, Buf *out)
                  .guide_samples = state->guide_samples,
                  .aovs = (uint32_t)state->aovs.set,
                  .spreads = state->bright.pixels != NULL,
+                 .guides = state->aovs.guides,
                  .wants = state->wanted != NULL,
                  .n_facts = notes->n_facts,
                  .n_attributes = notes->n_attributes,
@@ -322,6 +323,7 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     file->aovs = (AovSet)head.aovs;
     file->unit = head.unit;
     file->spreads = head.spreads != 0;
+    file->guides = head.guides != 0;
     file->wants = head.wants != 0;
     file->counters = head.counters;
     file->saturated_samples = head.saturated_samples;
@@ -358,7 +360,8 @@ Status checkpoint_make_state(const Checkpoint *file, uint32_t height, RenderStat
     state->film.first_sample = file->notes.first_sample;
     if (status == STATUS_OK && file->spreads)
         status = bright_film_init(&state->bright, slice, file->width, height, error);
-    if (status == STATUS_OK) status = aov_film_init(&state->aovs, file->aovs, file->unit, file->width, height, error);
+    if (status == STATUS_OK)
+        status = aov_film_init(&state->aovs, file->aovs, file->guides, file->unit, file->width, height, error);
     size_t n = (size_t)(file->crop[2] - file->crop[0]) * (file->crop[3] - file->crop[1]);
     if (status == STATUS_OK && file->wants) {
         state->wanted = calloc(n, sizeof *state->wanted);

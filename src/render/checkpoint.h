@@ -46,8 +46,8 @@ typedef struct Checkpoint {
     uint32_t width, height, crop[4];
     uint32_t least_samples, most_samples; /* that pixels have */
     AovSet aovs;
-    double unit;         /* of the AOVs' lengths */
-    bool spreads, wants; /* holds bright samples; is amid a plan of adapt.h */
+    double unit;                 /* of the AOVs' lengths */
+    bool spreads, guides, wants; /* holds bright samples; what a denoiser is guided by; is amid a plan of adapt.h */
     PathCounters counters;
     uint64_t saturated_samples;
     uint32_t guide_samples;

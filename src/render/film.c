@@ -58,6 +58,7 @@ static void mark(FilmPixel *pixel)
 {
     for (int i = FILM_LADDER; i > 0; i--) pixel->before[i] = pixel->before[i - 1];
     pixel->before[0] = pixel->luminance;
+    memcpy(pixel->first_rgb, pixel->rgb, sizeof pixel->first_rgb);
 }
 
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha)
@@ -123,10 +124,24 @@ void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER])
     }
 }
 
+void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared[4])
+{
+    const FilmPixel *pixel = film_pixel(film, x, y);
+    uint32_t end = film->first_sample + pixel->n, middle = film_first_part(end);
+    bool halves = middle > film->first_sample && middle < end;
+    double n = pixel->n, n_first = halves ? middle - film->first_sample : 0, n_rest = n - n_first, difference[4];
+    for (int i = 0; i < 3; i++) {
+        double first = (double)pixel->first_rgb[i], rest = (double)pixel->rgb[i] - first;
+        difference[i] = halves ? (first / n_first - rest / n_rest) * FILM_UNIT : 0;
+    }
+    difference[3] = luminance(difference);
+    for (int i = 0; i < 4; i++) squared[i] = (float)(difference[i] * difference[i] * n_first * n_rest / fmax(n * n, 1));
+}
+
 /* ---- as bytes ---- */
 
 /* No bytes are between its members. */
-_Static_assert(sizeof(FilmPixel) == 8 * (7 + FILM_LADDER) + 8, "the pixels of a film as bytes");
+_Static_assert(sizeof(FilmPixel) == 8 * (10 + FILM_LADDER) + 8, "the pixels of a film as bytes");
 
 void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
@@ -143,7 +158,7 @@ static bool can_be(const FilmPixel *pixel)
     double most = pixel->n * (FILM_LARGEST / FILM_UNIT + 1);
     bool good = pixel->n <= FILM_MOST_SAMPLES && pixel->alpha <= pixel->n && is_within(pixel->luminance, most) &&
                 pixel->squares >= 0 && is_within(pixel->squares, pixel->n * (LARGEST_SQUARE / SQUARE_UNIT + 1));
-    for (int i = 0; i < 3; i++) good = good && is_within(pixel->rgb[i], most);
+    for (int i = 0; i < 3; i++) good = good && is_within(pixel->rgb[i], most) && is_within(pixel->first_rgb[i], most);
     for (int i = 0; i <= FILM_LADDER; i++) good = good && is_within(pixel->before[i], most);
     return good;
 }
@@ -174,7 +189,11 @@ void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
         else
             sum.before[i] = power ? pixel->before[own++] : 0;
     }
-    for (int i = 0; i < 3; i++) sum.rgb[i] = add(sum.rgb[i], next->rgb[i]);
+    bool first_ends_in_next = film_first_part(from + next->n) >= from;
+    for (int i = 0; i < 3; i++) {
+        sum.rgb[i] = add(pixel->rgb[i], next->rgb[i]);
+        if (first_ends_in_next) sum.first_rgb[i] = add(pixel->rgb[i], next->first_rgb[i]);
+    }
     sum.squares = add(sum.squares, next->squares);
     sum.luminance = add(sum.luminance, next->luminance);
     sum.alpha += next->alpha;

@@ -21,7 +21,8 @@ typedef struct FilmPixel {
     /* Of luminance, what is of the samples before number 2^k, counted from 0 in the whole render: for the largest 2^k below the
      * number that comes next, then for 2^(k-1), ... */
     int64_t before[FILM_LADDER + 1];
-    uint32_t alpha; /* samples that met something */
+    int64_t first_rgb[3]; /* of rgb, what before[0] is of luminance */
+    uint32_t alpha;       /* samples that met something */
     uint32_t n;
     uint64_t rays; /* that the samples took: what they cost */
 } FilmPixel;
@@ -68,6 +69,10 @@ bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *
 /* Adds the samples that come right behind a pixel's own, as if they had been added one by one. from: the number of the first of
  * them in the whole render; they are one or more. */
 void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from);
+/* The means of a pixel's first samples and of its others, two pictures of one thing: of R, G, B and the luminance the square of
+ * the difference, scaled so that it stands for the squared error of the mean of all, in the mean over pixels. 0 where there are
+ * no two: with fewer than 2 samples, and in a slice without a number that is a power of two. */
+void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared[4]);
 struct Spread;
 /* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are; of a film that does not begin
  * with the first sample as if they were independent, an upper bound. spread: NULL, or where single

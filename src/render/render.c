@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "render/adapt.h"
 #include "render/aov_film.h"
+#include "render/denoise.h"
 #include "render/early.h"
 #include "render/film.h"
 #include "render/spread.h"
@@ -163,27 +164,26 @@ static bool shows_picture(const Job *job)
     return job->events && job->events->picture;
 }
 
-/* Shows the picture so far: of every step-th pixel each way, or with what is between filled in. It is not missed when memory
- * ends. spread: NULL, or where single bright samples go. */
-static void show_picture(Job *job, uint32_t step, const Spread *spread)
+/* Shows the picture so far: of every step-th pixel each way, or with what is between filled in. To spread samples and to denoise
+ * takes too long for all pictures but the last one. It is not missed when memory ends. */
+static void show_picture(Job *job, uint32_t step)
 {
     Image image;
     Error unused;
     if (!shows_picture(job)) return;
     double now = clock_now_s();
     if (early_resolve(&job->state->film, job->state->crop, step, &image, &unused) != STATUS_OK) return;
-    if (spread && spread->pixels) spread_apply(spread, &image);
     job->events->picture(job->events->context, &image);
     image_clear(&image);
     job->picture_at = clock_now_s();
     job->picture_cost = job->picture_at - now;
 }
 
-/* When it is time for it. To spread samples takes too long for all pictures but the last one. */
+/* When it is time for it. */
 static void report_picture(Job *job)
 {
     if (clock_now_s() - job->picture_at >= fmax(picture_interval_s, job->picture_cost / picture_share))
-        show_picture(job, 1, NULL);
+        show_picture(job, 1);
 }
 
 _Static_assert(BRIGHT_NOTHING == SCENE_NONE, "what is seen first");
@@ -306,7 +306,7 @@ static Status run_coarse(Job *job, uint32_t step, bool *stopped, Error *error)
     job->step = 0;
     if (status != STATUS_OK || *stopped) return status;
     job->has_lattice = true;
-    if (job->pass_samples && step <= COARSEST) show_picture(job, step, NULL);
+    if (job->pass_samples && step <= COARSEST) show_picture(job, step);
     return STATUS_OK;
 }
 
@@ -471,7 +471,7 @@ static Status state_init(RenderState *state, const RenderSettings *settings, con
     TRY(film_init(&state->film, width, height, error));
     state->film.first_sample = settings->first_sample;
     if (settings->spreads) TRY(bright_film_init(&state->bright, settings->first_sample > 0, width, height, error));
-    return aov_film_init(&state->aovs, settings->aovs, aov_film_unit(world), width, height, error);
+    return aov_film_init(&state->aovs, settings->aovs, settings->denoises, aov_film_unit(world), width, height, error);
 }
 
 void render_state_clear(RenderState *state)
@@ -534,7 +534,8 @@ static Status forget_samples(Job *job, Error *error)
     RenderState *state = job->state;
     pool_run(job->pool, state->crop[3] - state->crop[1], forget_row, job);
     aov_film_clear(&state->aovs);
-    TRY(aov_film_init(&state->aovs, job->settings->aovs, aov_film_unit(job->world), state->film.width,
+    const RenderSettings *settings = job->settings;
+    TRY(aov_film_init(&state->aovs, settings->aovs, settings->denoises, aov_film_unit(job->world), state->film.width,
                       state->film.height, error));
     state->aovs.world = job->world;
     for (unsigned i = 0; i < job->n_threads; i++) {
@@ -607,7 +608,8 @@ static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, 
 }
 
 /* Of samples that are counted. */
-static Status resolve(const RenderState *state, const Spread *spread, Image *image, RenderStats *stats, Error *error)
+static Status resolve(const RenderState *state, const Spread *spread, Pool *pool, Image *image, RenderStats *stats,
+                      Error *error)
 {
     const PathCounters *counters = &state->counters;
     const Spread *moved = spread->pixels ? spread : NULL;
@@ -625,14 +627,17 @@ static Status resolve(const RenderState *state, const Spread *spread, Image *ima
     TRY(aov_film_resolve(&state->aovs, &state->film, moved, image, error));
     uint32_t step = stats->samples ? 1 : early_step(&state->film, state->crop);
     if (step > 1) early_fill(&state->film, state->crop, step, image);
-    return STATUS_OK;
+    if (step > 1 || !state->aovs.guides) return STATUS_OK;
+    Status status = denoise(&state->film, &state->aovs, state->crop, pool, image, error);
+    if (status != STATUS_OK) image_clear(image);
+    return status;
 }
 
 Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
 {
     Spread spread;
     TRY(find_spread(state, pool, &spread, stats, error));
-    Status status = resolve(state, &spread, image, stats, error);
+    Status status = resolve(state, &spread, pool, image, stats, error);
     spread_clear(&spread);
     return status;
 }
@@ -675,15 +680,14 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     if (status == STATUS_OK) status = run_passes(&job, &stats->stopped, error);
     if (status == STATUS_OK) status = find_spread(state, pool, &spread, stats, error);
     if (status == STATUS_OK) {
-        uint32_t step = early_step(&state->film, state->crop);
-        show_picture(&job, step ? step : COARSEST, &spread);
         sum_counters(&job, state);
         stats->noisy_pixels = job.plan.unmet;
+        status = resolve(state, &spread, pool, image, stats, error);
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
-        status = resolve(state, &spread, image, stats, error);
-        if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     }
+    if (status == STATUS_OK && shows_picture(&job) && stats->most_samples > 0) events->picture(events->context, image);
+    if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     spread_clear(&spread);
     job_clear(&job);
     world_clear(&world);

@@ -30,6 +30,7 @@ typedef struct RenderSettings {
     uint32_t bounces, seed, camera;
     AovSet aovs;            /* further channels */
     bool spreads;           /* samples that stand alone are given to what is around them, see spread.h */
+    bool denoises;          /* the noise that is left is averaged away, see denoise.h */
     bool no_absorption;     /* media neither absorb nor emit: for tests */
     SceneCaustics caustics; /* whether photons look for light behind glass first */
     bool by_chance;         /* no light is looked for, all are found by scattering alone: for tests */

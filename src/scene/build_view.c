@@ -175,6 +175,7 @@ void build_render(Builder *b, const EvalNode *node)
     render->noise = eval_number(node, "noise");
     render->bounces = (uint32_t)eval_number(node, "bounces");
     render->seed = (uint32_t)eval_number(node, "seed");
+    render->denoises = eval_truth(node, "denoise");
     render->spreads = strcmp(eval_word(node, "fireflies"), "spread") == 0;
     if (!scene_caustics_from_text(eval_word(node, "caustics"), &render->caustics)) render->caustics = CAUSTICS_AUTOMATIC;
     if (!nest_policy_from_text(eval_word(node, "nesting"), &render->nesting)) render->nesting = NEST_AUTOMATIC;

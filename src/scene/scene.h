@@ -227,7 +227,8 @@ typedef struct SceneRender {
     uint32_t bounces;   /* real boundaries and scatterings, not silent crossings */
     NestPolicy nesting;
     uint32_t seed;
-    bool spreads; /* single bright samples, over what is around them, as render/spread.h has it */
+    bool denoises; /* as render/denoise.h has it */
+    bool spreads;  /* single bright samples, over what is around them, as render/spread.h has it */
 } SceneRender;
 
 /* What the animation node says. */

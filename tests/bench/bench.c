@@ -19,6 +19,7 @@ static const Benchmark benchmarks[] = {
     {"limit", "renders in ratio to their own rays, cast again through bare Embree", bench_limit, NULL},
     {"noise", "the error of pictures against time", bench_noise, NULL},
     {"fireflies", "single pixels that are far too bright, and the light in them", bench_fireflies, NULL},
+    {"denoise", "the error of pictures before and after denoising", bench_denoise, NULL},
     {"techniques", "sharing out the work, stopping pixels, light in haze: errors with against without", bench_techniques, NULL},
     {"sampling", "patterns of samples, wavelengths and roulette: errors at equal time", bench_sampling, NULL},
     {"stated", "the noise that is stated over the error that is there", bench_stated, NULL},

@@ -55,6 +55,7 @@ void bench_limit(char **paths, int n);
 void bench_paths(char **paths, int n);
 void bench_noise(char **paths, int n);
 void bench_fireflies(char **paths, int n);
+void bench_denoise(char **paths, int n);
 void bench_techniques(char **paths, int n);
 void bench_sampling(char **paths, int n);
 void bench_stated(char **paths, int n);

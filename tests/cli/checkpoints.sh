@@ -36,11 +36,11 @@ cmp -s whole.exr parts.exr || flunk "the pictures differ"
 [ $kept = yes ] || flunk "it was never stopped"
 end
 
-begin "the same of an adaptive render"
+begin "the same of an adaptive render that is denoised"
 kept_scene
-run render kept.mns -o whole.exr --adaptive on -s 600 -q
+run render kept.mns -o whole.exr --adaptive on --denoise on -s 600 -q
 exits 0
-stop_and_resume parts --adaptive on -s 600
+stop_and_resume parts --adaptive on --denoise on -s 600
 cmp -s whole.exr parts.exr || flunk "the pictures differ"
 [ $kept = yes ] || flunk "it was never stopped"
 end
@@ -83,6 +83,7 @@ changed 'crop: 0,0,8,8 in this render, 0,0,0,0 in the checkpoint' kept.mns --cro
 changed 'AOVs: normal in this render, none in the checkpoint' kept.mns --aov normal
 changed 'nesting: entered' kept.mns --nesting entered
 changed 'fireflies: keep' kept.mns --fireflies keep
+changed 'denoise: on' kept.mns --denoise on
 changed 'adaptive: on' kept.mns --adaptive on
 changed 'caustics: off' kept.mns --caustics off
 changed ': its media (' kept.mns --set glass.ior=1.6

@@ -32,11 +32,13 @@ exits 0
 run info 4..64.exr
 exits 0
 matches out '^state: samples +4\.\.64 of 200$'
-options='--crop 8,8,30,23 --half'
+options='--crop 8,8,30,23 --half --denoise on'
 run render kept.mns $options -o whole.exr -q
 slices 1..100 101..200
 run merge --half -o merged.exr 1..100.exr 101..200.exr
-cmp -s whole.exr merged.exr || flunk "the cropped pictures differ"
+cmp -s whole.exr merged.exr || flunk "the cropped, denoised pictures differ"
+run info merged.exr
+says out "meniscus/denoised"
 no_leftovers
 end
 

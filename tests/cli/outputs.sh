@@ -305,6 +305,28 @@ run info spread.exr
 says out "meniscus/lightSpread"
 run info keep.exr
 says_not out "meniscus/lightSpread"
+run render glints.mns -o smooth.exr --denoise on --stats=smooth.json
+exits 0
+says err 'light spread, denoised, 0 nesting faults'
+run compare smooth.exr spread.exr
+says_not out "rmse                0 "
+"$python" - <<'PYTHON' || flunk "the statistics of a denoised picture"
+import json
+smooth, spread = json.load(open("smooth.json")), json.load(open("spread.json"))
+assert smooth["denoised"] is True and spread["denoised"] is False
+assert smooth["rays"] == spread["rays"] and smooth["noise"] == spread["noise"], "the same samples"
+PYTHON
+run render glints.mns -o set.exr --set render.denoise=true -q
+run compare set.exr smooth.exr --max-rmse 0
+exits 0
+run render glints.mns -o off.exr --set render.denoise=true --denoise off -q
+run compare off.exr spread.exr --max-rmse 0
+exits 0
+run info smooth.exr
+says out "meniscus/denoised"
+run render glints.mns --denoise maybe
+exits 2
+says err "not one of on or off"
 run render glints.mns --fireflies drop
 exits 2
 says err "spread"

@@ -1,0 +1,304 @@
+/* denoise.c - non-local means with known noise, tile by tile.
+ * All is kept in planes, a float a pixel, with a border that mirrors the picture: the inner loops run along rows, ask nothing,
+ * and become SIMD by themselves.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "render/denoise.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/around.h"
+
+/* Measured on the examples, by the error against pictures of many samples (bench denoise), and by eye. */
+
+/* How far pixels are looked for, and the half side of the squares that are compared. */
+enum { WINDOW = 10, PATCH = 3, BORDER = WINDOW + PATCH };
+/* Differences of colours are told in this many standard errors. */
+#define STANDARD_ERRORS 0.7f
+/* The noise of another pixel explains no more than what is this many times the own one's: where one in many has found a glint, it
+ * cannot be said that the others have not. */
+#define MORE_NOISE 3.0f
+/* A pixel's own noise, against that of those around it. */
+#define OWN_NOISE 0.11f
+/* Differences below this part of the colours are not seen. */
+#define UNSEEN 0.002f
+/* By how much what is met first may differ: an albedo, a normal, a distance in relation to itself. */
+#define ALBEDO_APART 0.06f
+#define NORMAL_APART 0.25f
+#define DISTANCE_APART 0.06f
+/* Changes are made up to this many times what those around a pixel say that pays: see settle. */
+#define CHANGES_PAID 1.5f
+enum { CHANGES_AROUND = 4 };
+/* Squared distances are held at this: nothing is left of a weight long before. */
+#define FAR 64.0f
+/* Around a pixel, for how the noise of its colours goes with that of its luminance. */
+enum { COLORS_AROUND = 5 };
+/* Pixels that a thread works on at a time. */
+enum { TILE_X = 64, TILE_Y = 16, WIDE = TILE_X + 2 * PATCH, HIGH = TILE_Y + 2 * PATCH };
+
+enum { PLANE_RED, PLANE_NOISE = 3, PLANE_GUIDE = 6, PLANE_VALID = PLANE_GUIDE + AOV_GUIDES, PLANES };
+
+/* Maps of the area's size. */
+enum { MAP_RED, MAP_GAINED = 3, MAP_CHANGED, MAP_SCRATCH, MAP_MEAN, MAPS };
+
+/* The area in planes, and what its mirror images add to whole tiles and a border around them. */
+typedef struct Planes {
+    uint32_t width, height; /* of the area */
+    uint32_t tiles_x, tiles_y;
+    size_t stride;        /* of rows with their borders */
+    float *plane[PLANES]; /* where the area begins; PLANE_NOISE: squares of standard errors */
+    float *maps[MAPS];
+    float *memory;
+} Planes;
+
+static Status planes_new(Planes *planes, uint32_t width, uint32_t height, Error *error)
+{
+    uint32_t tiles_x = (width + TILE_X - 1) / TILE_X, tiles_y = (height + TILE_Y - 1) / TILE_Y;
+    size_t stride = (size_t)tiles_x * TILE_X + 2 * BORDER, size = stride * ((size_t)tiles_y * TILE_Y + 2 * BORDER);
+    size_t map_size = (size_t)width * height, bytes = (size * PLANES + map_size * MAPS) * sizeof(float);
+    *planes = (Planes){.width = width, .height = height, .tiles_x = tiles_x, .tiles_y = tiles_y, .stride = stride};
+    planes->memory = malloc(bytes);
+    if (!planes->memory) return fail_memory(error, bytes, "denoising the picture");
+    for (size_t i = 0; i < PLANES; i++) planes->plane[i] = planes->memory + i * size + BORDER * stride + BORDER;
+    for (size_t i = 0; i < MAPS; i++) planes->maps[i] = planes->memory + PLANES * size + i * map_size;
+    return STATUS_OK;
+}
+
+/* ---- the planes ---- */
+
+/* Where the picture between mirrors has what is at i, for any i. */
+static uint32_t place_in_mirror(int64_t i, uint32_t size)
+{
+    int64_t period = 2 * (int64_t)size, k = ((i % period) + period) % period;
+    return (uint32_t)(k < size ? k : period - 1 - k);
+}
+
+static void mirror(const Planes *planes, float *plane)
+{
+    const int64_t width = planes->width, height = planes->height, stride = (int64_t)planes->stride;
+    const int64_t end = (int64_t)planes->tiles_x * TILE_X + BORDER, bottom = (int64_t)planes->tiles_y * TILE_Y + BORDER;
+    for (int64_t y = 0; y < height; y++) {
+        float *row = plane + y * stride;
+        for (int64_t x = -BORDER; x < 0; x++) row[x] = row[place_in_mirror(x, planes->width)];
+        for (int64_t x = width; x < end; x++) row[x] = row[place_in_mirror(x, planes->width)];
+    }
+    for (int64_t y = -BORDER; y < bottom; y++) {
+        const float *from = plane + place_in_mirror(y, planes->height) * stride;
+        if (y < 0 || y >= height) memcpy(plane + y * stride - BORDER, from - BORDER, planes->stride * sizeof *plane);
+    }
+}
+
+static void fill(const Planes *planes, const Film *film, const AovFilm *aovs, const uint32_t area[4],
+                 const Image *image)
+{
+    for (uint32_t y = 0; y < planes->height; y++)
+        for (uint32_t x = 0; x < planes->width; x++) {
+            size_t pixel = (size_t)(area[1] + y) * image->width + area[0] + x, to = y * planes->stride + x;
+            float guide[AOV_GUIDES];
+            aov_film_guide(aovs, film, pixel, guide);
+            for (int i = 0; i < 3; i++)
+                planes->plane[PLANE_RED + i][to] = image->pixels[pixel * image->n_channels + (size_t)i];
+            for (int i = 0; i < AOV_GUIDES; i++) planes->plane[PLANE_GUIDE + i][to] = guide[i];
+            planes->plane[PLANE_VALID][to] = film->pixels[pixel].n >= DENOISE_LEAST_SAMPLES ? 1.0f : 0.0f;
+        }
+}
+
+/* A map's mean around each pixel takes its place. */
+static void blur(const Planes *planes, int map, uint32_t radius)
+{
+    float *from = planes->maps[map], *mean = planes->maps[MAP_MEAN];
+    mean_around(from, planes->width, planes->height, radius, planes->maps[MAP_SCRATCH], mean);
+    memcpy(from, mean, (size_t)planes->width * planes->height * sizeof *from);
+}
+
+/* How the noise of each colour goes with that of the luminance, around each pixel: in the first maps. */
+static void fill_color_noise(const Planes *planes, const Film *film, const uint32_t area[4])
+{
+    const float least = 1e-20f;
+    for (uint32_t y = 0; y < planes->height; y++)
+        for (uint32_t x = 0; x < planes->width; x++) {
+            float squared[4];
+            film_squared_errors(film, area[0] + x, area[1] + y, squared);
+            for (int k = 0; k < 4; k++) planes->maps[k][(size_t)y * planes->width + x] = squared[k];
+        }
+    for (int k = 0; k < 4; k++) blur(planes, k, COLORS_AROUND);
+    const float *luminance = planes->maps[3];
+    for (size_t i = 0; i < (size_t)planes->width * planes->height; i++)
+        for (int k = 0; k < 3; k++) planes->maps[k][i] = (planes->maps[k][i] + least) / (luminance[i] + least);
+}
+
+static void fill_noise(const Planes *planes, const Film *film, const uint32_t area[4], const Image *image)
+{
+    const int channel = image_channel(image, "noise.Y");
+    float *noise = planes->maps[MAP_CHANGED], *around = planes->maps[MAP_MEAN];
+    fill_color_noise(planes, film, area);
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; i < (size_t)planes->width * planes->height; i++) {
+            size_t pixel = (area[1] + i / planes->width) * image->width + area[0] + i % planes->width;
+            float error = image->pixels[pixel * image->n_channels + (size_t)channel];
+            noise[i] = error * error * planes->maps[k][i];
+        }
+        mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around);
+        for (size_t i = 0; i < (size_t)planes->width * planes->height; i++)
+            planes->plane[PLANE_NOISE + k][i / planes->width * planes->stride + i % planes->width] =
+                around[i] + OWN_NOISE * (noise[i] - around[i]);
+    }
+}
+
+/* ---- a tile ---- */
+
+/* What a thread has at hand: of a tile and the squares about its pixels. */
+typedef struct Tile {
+    float apart[HIGH][WIDE];       /* of each pixel and the one beside it by the offset, by their colours */
+    float rows[HIGH][WIDE];        /* the sums of that over 2 PATCH + 1 of a row */
+    float sums[4][TILE_Y][TILE_X]; /* of what is taken: R, G, B and weights */
+} Tile;
+
+/* exp(-d), about. */
+static float shape(float d)
+{
+    float part = fmaxf(1 - d * (1.0f / 8), 0), squared = part * part;
+    squared *= squared;
+    return squared * squared;
+}
+
+/* By how much the colours at a and b of a row differ beyond their noise, in standard errors; n of them, beside each other. */
+static void tell_colors_apart(const Planes *planes, ptrdiff_t a, ptrdiff_t b, int n, float *restrict apart)
+{
+    for (int x = 0; x < n; x++) apart[x] = 0;
+    for (int k = 0; k < 3; k++) {
+        const float *color_a = planes->plane[PLANE_RED + k] + a, *color_b = planes->plane[PLANE_RED + k] + b;
+        const float *noise_a = planes->plane[PLANE_NOISE + k] + a, *noise_b = planes->plane[PLANE_NOISE + k] + b;
+        for (int x = 0; x < n; x++) {
+            float difference = color_a[x] - color_b[x], unseen = UNSEEN * (color_a[x] + color_b[x]);
+            float noise = noise_a[x] + fminf(noise_b[x], MORE_NOISE * noise_a[x]),
+                  chance = noise_a[x] + fminf(noise_a[x], noise_b[x]);
+            float d = (difference * difference - chance) /
+                      (STANDARD_ERRORS * STANDARD_ERRORS * noise + unseen * unseen + 1e-20f);
+            apart[x] += fminf(d, FAR) * (1.0f / 3);
+        }
+    }
+}
+
+/* The same of what is met first. */
+static void tell_guides_apart(const Planes *planes, ptrdiff_t a, ptrdiff_t b, int n, float *restrict apart)
+{
+    static const float scales[AOV_GUIDES] = {1 / ALBEDO_APART, 1 / ALBEDO_APART, 1 / ALBEDO_APART,  1 / NORMAL_APART,
+                                             1 / NORMAL_APART, 1 / NORMAL_APART, 1 / DISTANCE_APART};
+    for (int x = 0; x < n; x++) apart[x] = 0;
+    for (int k = 0; k < AOV_GUIDES; k++) {
+        const float *guide_a = planes->plane[PLANE_GUIDE + k] + a, *guide_b = planes->plane[PLANE_GUIDE + k] + b;
+        for (int x = 0; x < n; x++) {
+            float d = (guide_a[x] - guide_b[x]) * scales[k];
+            apart[x] += d * d;
+        }
+    }
+}
+
+/* Of the tile that begins at a place and the squares about its pixels, apart from what is at an offset. */
+static void tell_tile_apart(const Planes *planes, ptrdiff_t at, ptrdiff_t offset, Tile *tile)
+{
+    for (int y = 0; y < HIGH; y++) {
+        ptrdiff_t row = at + (y - PATCH) * (ptrdiff_t)planes->stride - PATCH;
+        tell_colors_apart(planes, row, row + offset, WIDE, tile->apart[y]);
+        for (int x = 0; x < TILE_X; x++) {
+            float sum = 0;
+            for (int k = 0; k <= 2 * PATCH; k++) sum += tile->apart[y][x + k];
+            tile->rows[y][x] = sum;
+        }
+    }
+}
+
+/* Takes from the pixels at an offset, as much as they are like those of the tile. */
+static void take(const Planes *planes, ptrdiff_t at, ptrdiff_t offset, Tile *tile)
+{
+    const float mean = 1.0f / ((2 * PATCH + 1) * (2 * PATCH + 1));
+    for (int y = 0; y < TILE_Y; y++) {
+        ptrdiff_t row = at + y * (ptrdiff_t)planes->stride, other = row + offset;
+        float guides[TILE_X], weights[TILE_X];
+        tell_guides_apart(planes, row, other, TILE_X, guides);
+        for (int x = 0; x < TILE_X; x++) {
+            float sum = 0;
+            for (int k = 0; k <= 2 * PATCH; k++) sum += tile->rows[y + k][x];
+            weights[x] = shape(fmaxf(fmaxf(sum * mean, 0), guides[x])) * planes->plane[PLANE_VALID][other + x];
+        }
+        for (int k = 0; k < 3; k++) {
+            const float *color = planes->plane[PLANE_RED + k] + other;
+            for (int x = 0; x < TILE_X; x++) tile->sums[k][y][x] += weights[x] * color[x];
+        }
+        for (int x = 0; x < TILE_X; x++) tile->sums[3][y][x] += weights[x];
+    }
+}
+
+/* What the tile has taken becomes its pixels' means, in the maps; and with them, by how much they change, and by how much what
+ * they take lessens their noise. */
+static void put_tile(const Planes *planes, uint32_t x0, uint32_t y0, const Tile *tile)
+{
+    for (uint32_t y = 0; y < TILE_Y && y0 + y < planes->height; y++)
+        for (uint32_t x = 0; x < TILE_X && x0 + x < planes->width; x++) {
+            size_t i = (size_t)(y0 + y) * planes->width + x0 + x, at = (y0 + y) * planes->stride + x0 + x;
+            float gained = 0, changed = 0, weights = tile->sums[3][y][x];
+            for (int k = 0; k < 3 && planes->plane[PLANE_VALID][at] != 0; k++) {
+                float mean = tile->sums[k][y][x] / weights, change = mean - planes->plane[PLANE_RED + k][at];
+                planes->maps[MAP_RED + k][i] = mean;
+                changed += change * change;
+                gained +=
+                    planes->plane[PLANE_NOISE + k][at] * (1 - 1 / weights); /* 1: the weight of the pixel itself */
+            }
+            planes->maps[MAP_GAINED][i] = gained;
+            planes->maps[MAP_CHANGED][i] = changed;
+        }
+}
+
+static void denoise_tile(void *context, uint32_t index, unsigned worker)
+{
+    (void)worker;
+    const Planes *planes = context;
+    uint32_t x0 = index % planes->tiles_x * TILE_X, y0 = index / planes->tiles_x * TILE_Y;
+    const ptrdiff_t at = (ptrdiff_t)(y0 * planes->stride + x0);
+    Tile tile;
+    memset(tile.sums, 0, sizeof tile.sums);
+    for (int y = -WINDOW; y <= WINDOW; y++)
+        for (int x = -WINDOW; x <= WINDOW; x++) {
+            ptrdiff_t offset = y * (ptrdiff_t)planes->stride + x;
+            tell_tile_apart(planes, at, offset, &tile);
+            take(planes, at, offset, &tile);
+        }
+    put_tile(planes, x0, y0, &tile);
+}
+
+/* ---- the picture ---- */
+
+/* Of y with noise s, and a mean m that takes a part c from y itself, y + t (m - y) errs least with t = s (1 - c) / (m - y)^2, in
+ * the mean over such pixels: the errors of y and of m - y together have the expectation s (c - 1), after [Stein81]. So where the
+ * changes are what noise explains, they are made; and where they are far more, because what is there resembles nothing around it,
+ * few are. */
+static void settle(const Planes *planes, const uint32_t area[4], Image *image)
+{
+    blur(planes, MAP_GAINED, CHANGES_AROUND);
+    blur(planes, MAP_CHANGED, CHANGES_AROUND);
+    for (uint32_t y = 0; y < planes->height; y++)
+        for (uint32_t x = 0; x < planes->width; x++) {
+            size_t i = (size_t)y * planes->width + x, pixel = (size_t)(area[1] + y) * image->width + area[0] + x;
+            if (planes->plane[PLANE_VALID][y * planes->stride + x] == 0) continue;
+            float part = fminf(CHANGES_PAID * planes->maps[MAP_GAINED][i] / (planes->maps[MAP_CHANGED][i] + 1e-20f), 1);
+            for (size_t k = 0; k < 3; k++) {
+                float *color = &image->pixels[pixel * image->n_channels + k];
+                *color += part * (planes->maps[MAP_RED + k][i] - *color);
+            }
+        }
+}
+
+Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Pool *pool, Image *image, Error *error)
+{
+    Planes planes;
+    TRY(planes_new(&planes, area[2] - area[0], area[3] - area[1], error));
+    fill(&planes, film, aovs, area, image);
+    fill_noise(&planes, film, area, image);
+    for (int i = 0; i < PLANES; i++) mirror(&planes, planes.plane[i]);
+    pool_run(pool, planes.tiles_x * planes.tiles_y, denoise_tile, &planes);
+    settle(&planes, area, image);
+    free(planes.memory);
+    return STATUS_OK;
+}

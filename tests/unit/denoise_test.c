@@ -1,0 +1,266 @@
+/* denoise_test.c - what denoising takes away, and what it leaves.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include <math.h>
+
+#include "base/hash.h"
+#include "near.h"
+#include "render/denoise.h"
+#include "render/render.h"
+#include "scene_fixture.h"
+
+enum { WIDTH = 72, HEIGHT = 40 };
+static const uint32_t whole[4] = {0, 0, WIDTH, HEIGHT};
+
+/* What a pixel shows. */
+typedef float Level(uint32_t x, uint32_t y);
+
+typedef struct Films {
+    Film film;
+    AovFilm aovs;
+    Image noisy, image;
+} Films;
+
+/* Samples between 0 and twice the level, in each colour by themselves. */
+static void fill(Films *films, Level *level, uint32_t samples, float noise)
+{
+    Error error;
+    assert_int_equal(film_init(&films->film, WIDTH, HEIGHT, &error), STATUS_OK);
+    assert_int_equal(aov_film_init(&films->aovs, 0, true, 0x1p-20, WIDTH, HEIGHT, &error), STATUS_OK);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++)
+            for (uint32_t i = 0; i < samples; i++) {
+                float rgb[3];
+                for (uint32_t k = 0; k < 3; k++) {
+                    uint32_t hash = hash_combine(hash_combine(hash_combine(x, y), i), k);
+                    rgb[k] = level(x, y) * (1 + noise * (2 * hash_to_unit_f(hash) - 1));
+                }
+                (void)film_add(&films->film, x, y, rgb, 1);
+            }
+}
+
+/* With three threads, and the same bits with one. */
+static void run(Films *films, const uint32_t area[4])
+{
+    Error error;
+    Pool *pool;
+    Image alone;
+    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, &films->noisy, &error), STATUS_OK);
+    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, &films->image, &error), STATUS_OK);
+    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, &alone, &error), STATUS_OK);
+    assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
+    assert_int_equal(denoise(&films->film, &films->aovs, area, pool, &films->image, &error), STATUS_OK);
+    pool_free(pool);
+    assert_int_equal(denoise(&films->film, &films->aovs, area, NULL, &alone, &error), STATUS_OK);
+    assert_memory_equal(alone.pixels, films->image.pixels, sizeof(float) * WIDTH * HEIGHT * (size_t)alone.n_channels);
+    image_clear(&alone);
+}
+
+static void end(Films *films)
+{
+    film_clear(&films->film);
+    aov_film_clear(&films->aovs);
+    image_clear(&films->noisy);
+    image_clear(&films->image);
+}
+
+static const float *pixel_of(const Image *image, uint32_t x, uint32_t y)
+{
+    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+}
+
+/* The mean square of what columns x0 up to but without x1 are off their levels, in relation to these. */
+static double error_of(const Image *image, Level *level, uint32_t x0, uint32_t x1, double *mean)
+{
+    double squares = 0, sum = 0, n = 3.0 * HEIGHT * (x1 - x0);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = x0; x < x1; x++)
+            for (int k = 0; k < 3; k++) {
+                double off = (double)pixel_of(image, x, y)[k] / (double)level(x, y) - 1;
+                squares += off * off / n;
+                sum += off / n;
+            }
+    if (mean) *mean = sum;
+    return squares;
+}
+
+static float flat(uint32_t x, uint32_t y)
+{
+    (void)x;
+    (void)y;
+    return 0.3f;
+}
+
+static float stepped(uint32_t x, uint32_t y)
+{
+    (void)y;
+    return x < WIDTH / 2 ? 0.1f : 0.4f;
+}
+
+static float lined(uint32_t x, uint32_t y)
+{
+    (void)y;
+    return x == WIDTH / 2 ? 0.4f : 0.1f;
+}
+
+/* A texture far finer than the squares that are compared. */
+static float checkered(uint32_t x, uint32_t y)
+{
+    return (x ^ y) & 1 ? 0.5f : 0.1f;
+}
+
+static float high(uint32_t x, uint32_t y)
+{
+    return x == 20 && y == 20 ? 1e30f : (x & 1) ? 0.0f : 1e-30f;
+}
+
+static void a_flat_picture_becomes_smooth(void **state)
+{
+    (void)state;
+    for (uint32_t samples = 8; samples <= 48; samples *= 6) {
+        Films films;
+        double before, after;
+        fill(&films, flat, samples, 1);
+        run(&films, whole);
+        double noisy = error_of(&films.noisy, flat, 0, WIDTH, &before);
+        assert_true(error_of(&films.image, flat, 0, WIDTH, &after) < noisy / 25);
+        assert_near(after, before, 0.1 * sqrt(noisy)); /* and as bright as it was */
+        end(&films);
+    }
+}
+
+static void edges_and_lines_stay(void **state)
+{
+    (void)state;
+    Level *const levels[] = {stepped, lined, checkered};
+    for (size_t i = 0; i < COUNT_OF(levels); i++) {
+        Films films;
+        fill(&films, levels[i], 32, 1);
+        run(&films, whole);
+        uint32_t x0 = WIDTH / 2 - 1, x1 = WIDTH / 2 + 1;
+        double noisy = error_of(&films.noisy, levels[i], 0, WIDTH, NULL);
+        assert_true(error_of(&films.image, levels[i], 0, WIDTH, NULL) < noisy / 10);
+        assert_true(error_of(&films.image, levels[i], x0, x1, NULL) < noisy / 4);
+        end(&films);
+    }
+}
+
+static void what_has_no_noise_stays(void **state)
+{
+    (void)state;
+    Films films;
+    fill(&films, checkered, 16, 0);
+    run(&films, whole);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++)
+            for (int k = 0; k < 3; k++) assert_near(pixel_of(&films.image, x, y)[k], checkered(x, y), 1e-6);
+    end(&films);
+}
+
+static void only_the_area_is_changed(void **state)
+{
+    (void)state;
+    const uint32_t area[4] = {17, 5, 40, 6};
+    Films films;
+    fill(&films, flat, 16, 1);
+    run(&films, area);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            bool inside = x >= area[0] && x < area[2] && y >= area[1] && y < area[3];
+            assert_true((pixel_of(&films.image, x, y)[0] != pixel_of(&films.noisy, x, y)[0]) == inside);
+        }
+    end(&films);
+}
+
+/* Of two things of one colour, and of one that has too few samples. */
+static void what_is_unlike_is_kept_apart(void **state)
+{
+    (void)state;
+    Films films;
+    fill(&films, flat, 16, 1);
+    float few[] = {9, 9, 9};
+    film_forget_row(&films.film, 30, 31, 20);
+    for (int i = 0; i < DENOISE_LEAST_SAMPLES - 1; i++) (void)film_add(&films.film, 30, 20, few, 1);
+    run(&films, whole);
+    for (int k = 0; k < 3; k++) assert_true(pixel_of(&films.image, 30, 20)[k] == 9);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++)
+            if (x != 30 || y != 20) assert_true(pixel_of(&films.image, x, y)[0] < 1);
+    end(&films);
+}
+
+static void whatever_a_film_holds_is_good(void **state)
+{
+    (void)state;
+    for (uint32_t samples = 0; samples <= 4; samples++) {
+        Films films;
+        fill(&films, high, samples, 0.5f);
+        run(&films, whole);
+        for (size_t i = 0; i < (size_t)WIDTH * HEIGHT * films.image.n_channels; i++)
+            assert_true(isfinite(films.image.pixels[i]));
+        end(&films);
+    }
+}
+
+/* A glass with a drink on a table: against two pictures of other seeds, the products of the differences from which have the
+ * squared error as their mean, without what is left of their own noise. */
+static void rendered(void **state)
+{
+    (void)state;
+    enum { SIZE = 96, PLAIN = 0, DENOISED, REFERENCE, ALL = 4 };
+    Fixture scene;
+    Error error;
+    Image images[ALL];
+    fixture_compile(
+        &scene,
+        "meniscus 1.0 unit mm lathe { interior = medium { ior = 1.5 state = solid } "
+        "profile = [<0, 0>, <20, 0>, <22, 40>, <20, 40>, <18, 4>, <0, 4>] } "
+        "cylinder { from = <0, 3.5, 0> to = <0, 25, 0> radius = 18.9 "
+        "interior = medium { ior = 1.33 tint = rgb(.9, .6, .3) depth = 20mm state = liquid } } "
+        "ground { y = -.01 surface = surface { albedo = .6 } } "
+        "light { shape = sphere from = <-90, 120, -60> radius = 30 radiance = 40 } environment { strength = .3 } "
+        "camera { from = <0, 60, -140> to = <0, 18, 0> fov = 28 }",
+        1);
+    for (uint32_t k = 0; k < ALL; k++) {
+        RenderSettings settings = {.width = SIZE,
+                                   .height = SIZE,
+                                   .samples = k < REFERENCE ? 32 : 64,
+                                   .bounces = 64,
+                                   .seed = k < REFERENCE ? 0 : k,
+                                   .denoises = k == DENOISED,
+                                   .spreads = true};
+        RenderStats stats;
+        assert_int_equal(render_image(scene.compiled, &settings, NULL, NULL, &images[k], &stats, &error), STATUS_OK);
+        assert_int_equal(images[k].n_channels, 5); /* what guides it is not written */
+    }
+    double squares[2] = {0}, means[ALL] = {0};
+    for (uint32_t y = 0; y < SIZE; y++)
+        for (uint32_t x = 0; x < SIZE; x++)
+            for (int i = 0; i < 3; i++) {
+                double of[ALL];
+                for (int k = 0; k < ALL; k++) means[k] += of[k] = (double)pixel_of(&images[k], x, y)[i];
+                double weight = 1 / (of[2] * of[3] + 0.01);
+                for (int k = 0; k < 2; k++) squares[k] += (of[k] - of[2]) * (of[k] - of[3]) * weight;
+            }
+    printf("    squared error of 32 samples, denoised over plain: %.3f; as bright: %.4f\n", squares[1] / squares[0],
+           means[1] / means[0]);
+    assert_true(squares[1] < 0.6 * squares[0]);
+    assert_near(means[1] / means[0], 1, 0.003);
+    for (int k = 0; k < ALL; k++) image_clear(&images[k]);
+    fixture_clear(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_flat_picture_becomes_smooth),
+        cmocka_unit_test(edges_and_lines_stay),
+        cmocka_unit_test(what_has_no_noise_stays),
+        cmocka_unit_test(only_the_area_is_changed),
+        cmocka_unit_test(what_is_unlike_is_kept_apart),
+        cmocka_unit_test(whatever_a_film_holds_is_good),
+        cmocka_unit_test(rendered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
