@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lanes.h"
 #include "render/around.h"
 
 /* Measured on the examples, by the error against pictures of many samples (bench denoise), and by eye. */
@@ -158,7 +159,7 @@ typedef struct Tile {
 /* exp(-d), about. */
 static float shape(float d)
 {
-    float part = fmaxf(1 - d * (1.0f / 8), 0), squared = part * part;
+    float part = float_max(1 - d * (1.0f / 8), 0), squared = part * part;
     squared *= squared;
     return squared * squared;
 }
@@ -172,11 +173,11 @@ static void tell_colors_apart(const Planes *planes, ptrdiff_t a, ptrdiff_t b, in
         const float *noise_a = planes->plane[PLANE_NOISE + k] + a, *noise_b = planes->plane[PLANE_NOISE + k] + b;
         for (int x = 0; x < n; x++) {
             float difference = color_a[x] - color_b[x], unseen = UNSEEN * (color_a[x] + color_b[x]);
-            float noise = noise_a[x] + fminf(noise_b[x], MORE_NOISE * noise_a[x]),
-                  chance = noise_a[x] + fminf(noise_a[x], noise_b[x]);
+            float noise = noise_a[x] + float_min(noise_b[x], MORE_NOISE * noise_a[x]),
+                  chance = noise_a[x] + float_min(noise_a[x], noise_b[x]);
             float d = (difference * difference - chance) /
                       (STANDARD_ERRORS * STANDARD_ERRORS * noise + unseen * unseen + 1e-20f);
-            apart[x] += fminf(d, FAR) * (1.0f / 3);
+            apart[x] += float_min(d, FAR) * (1.0f / 3);
         }
     }
 }
@@ -221,7 +222,7 @@ static void take(const Planes *planes, ptrdiff_t at, ptrdiff_t offset, Tile *til
         for (int x = 0; x < TILE_X; x++) {
             float sum = 0;
             for (int k = 0; k <= 2 * PATCH; k++) sum += tile->rows[y + k][x];
-            weights[x] = shape(fmaxf(fmaxf(sum * mean, 0), guides[x])) * planes->plane[PLANE_VALID][other + x];
+            weights[x] = shape(float_max(float_max(sum * mean, 0), guides[x])) * planes->plane[PLANE_VALID][other + x];
         }
         for (int k = 0; k < 3; k++) {
             const float *color = planes->plane[PLANE_RED + k] + other;
@@ -282,7 +283,8 @@ static void settle(const Planes *planes, const uint32_t area[4], Image *image)
         for (uint32_t x = 0; x < planes->width; x++) {
             size_t i = (size_t)y * planes->width + x, pixel = (size_t)(area[1] + y) * image->width + area[0] + x;
             if (planes->plane[PLANE_VALID][y * planes->stride + x] == 0) continue;
-            float part = fminf(CHANGES_PAID * planes->maps[MAP_GAINED][i] / (planes->maps[MAP_CHANGED][i] + 1e-20f), 1);
+            float part =
+                float_min(CHANGES_PAID * planes->maps[MAP_GAINED][i] / (planes->maps[MAP_CHANGED][i] + 1e-20f), 1);
             for (size_t k = 0; k < 3; k++) {
                 float *color = &image->pixels[pixel * image->n_channels + k];
                 *color += part * (planes->maps[MAP_RED + k][i] - *color);
