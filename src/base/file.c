@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,83 @@
 #include "base/array.h"
 
 enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 32 };
+
+/* ---- which file it is ---- */
+
+typedef struct FileIdentity {
+    dev_t device;
+    ino_t inode;
+} FileIdentity;
+
+/* What was read is not to be written over by mistake; see file_was_read. */
+static struct {
+    pthread_mutex_t lock;
+    FileIdentity *items;
+    size_t n, capacity;
+} files_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+static bool are_one(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* Of the folders that two paths begin with. */
+static bool folders_are_one(const char *a, const char *b)
+{
+    char *folders[2] = {file_folder(a), file_folder(b)};
+    struct stat info[2];
+    bool found = folders[0] && folders[1];
+    for (int i = 0; i < 2; i++) found = found && stat(*folders[i] ? folders[i] : ".", &info[i]) == 0;
+    for (int i = 0; i < 2; i++) free(folders[i]);
+    return found && are_one(&info[0], &info[1]);
+}
+
+static const char *name_in_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+bool file_same(const char *a, const char *b)
+{
+    struct stat info[2];
+    if (strcmp(a, b) == 0) return true;
+    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return false;
+    bool there[2] = {stat(a, &info[0]) == 0, stat(b, &info[1]) == 0};
+    if (there[0] && there[1]) return S_ISREG(info[0].st_mode) && are_one(&info[0], &info[1]);
+    return !there[0] && !there[1] && strcmp(name_in_folder(a), name_in_folder(b)) == 0 && folders_are_one(a, b);
+}
+
+/* With the lock held. */
+static bool is_noted(const struct stat *info)
+{
+    for (size_t i = 0; i < files_read.n; i++)
+        if (files_read.items[i].device == info->st_dev && files_read.items[i].inode == info->st_ino) return true;
+    return false;
+}
+
+static bool note_read(const struct stat *info)
+{
+    if (!S_ISREG(info->st_mode)) return true;
+    pthread_mutex_lock(&files_read.lock);
+    bool noted = is_noted(info);
+    if (!noted && array_reserve(&files_read.items, &files_read.capacity, files_read.n + 1, sizeof *files_read.items)) {
+        files_read.items[files_read.n++] = (FileIdentity){info->st_dev, info->st_ino};
+        noted = true;
+    }
+    pthread_mutex_unlock(&files_read.lock);
+    return noted;
+}
+
+bool file_was_read(const char *path)
+{
+    struct stat info;
+    if (stat(path, &info) != 0) return false;
+    pthread_mutex_lock(&files_read.lock);
+    bool noted = is_noted(&info);
+    pthread_mutex_unlock(&files_read.lock);
+    return noted;
+}
 
 /* ---- reading ---- */
 
@@ -66,6 +144,8 @@ Status file_read(const char *path, size_t limit, char **bytes, size_t *length, E
         status = fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(EISDIR));
     else if (limit && S_ISREG(info.st_mode) && (uintmax_t)info.st_size > limit)
         status = too_large(error, path, limit);
+    else if (!note_read(&info))
+        status = fail_memory(error, sizeof(FileIdentity), path);
     else
         status = read_all(descriptor, path, S_ISREG(info.st_mode) ? (size_t)info.st_size : FIRST_READ, limit, bytes,
                           length, error);

@@ -15,6 +15,11 @@
 ATTR_NODISCARD Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error);
 
 bool file_exists(const char *path); /* and is no directory */
+/* Do both name one file, however they spell it, or would they, once written? Links are followed. Of pipes and devices only equal
+ * spellings do. */
+bool file_same(const char *a, const char *b);
+/* Is it a file that file_read has read, under whatever name, since the program began? From any thread. */
+bool file_was_read(const char *path);
 
 /* A file that bears its name only once it is whole: written beside its place under a temporary
  * name, flushed to disk, and renamed by file_commit. */

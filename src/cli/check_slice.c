@@ -96,7 +96,7 @@ Status check_slice_init(CheckSlice *slice, const Options *options, Error *error)
     if (!slice->path) return fail_memory(error, 0, "the name of the slice");
     if (path && strcmp(file_extension(path), "png") != 0)
         return fail(error, STATUS_USAGE, "option '--slice-output': '%s' must end in .png", path);
-    return output_probe(slice->path, error);
+    return STATUS_OK;
 }
 
 void check_slice_clear(CheckSlice *slice)
@@ -284,6 +284,7 @@ static void fit(CheckSlice *slice)
 
 Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, Pool *pool, Error *error)
 {
+    TRY(output_probe(slice->path, error)); /* not before the scene was read: it is not to be written over */
     NestPolicy policy = compiled->order.policy;
     if (policy != NEST_AUTOMATIC && policy != NEST_PRIORITY)
         return fail(error, STATUS_USAGE, "option '--slice': under the policy %s what owns a place depends on the ray",

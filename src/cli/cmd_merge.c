@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "cli/commands.h"
 #include "cli/output.h"
 #include "render/merge.h"
@@ -36,7 +37,7 @@ static Status plan_outputs(MergeRun *run, Error *error)
         Output *output = &run->outputs[run->n_outputs++];
         TRY(output_choose_format(given->items[i], &output->png, error));
         for (size_t k = 0; k < run->options->n_operands; k++)
-            if (strcmp(run->options->operands[k], given->items[i]) == 0)
+            if (file_same(run->options->operands[k], given->items[i]))
                 return fail(error, STATUS_USAGE, "'%s' is both a slice and the output", given->items[i]);
         output->path = (char *)(uintptr_t)given->items[i]; /* not freed here */
         TRY(output_probe(output->path, error));

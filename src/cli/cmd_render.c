@@ -40,8 +40,8 @@ static Status prepare(RenderRun *run, Error *error)
     run->input.scene_options.pool = run->pool;
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
-    TRY(render_plan_frames(run, error));
     TRY(render_plan_preview(run, error));
+    TRY(render_plan_frames(run, error));
     if (option_given(options, OPTION_AOV) && !run->plan.has_exr)
         talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
     if (run->plan.has_png || run->preview.png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))

@@ -130,7 +130,7 @@ Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame
         list->n++;
         TRY(output_choose_format(output->path, &output->png, error));
         for (size_t k = 0; k < i; k++)
-            if (strcmp(list->items[k].path, output->path) == 0)
+            if (file_same(list->items[k].path, output->path))
                 return fail(error, STATUS_USAGE, "output '%s' is named twice", output->path);
     }
     return STATUS_OK;
@@ -152,6 +152,9 @@ Status output_probe(const char *path, Error *error)
     if (strcmp(path, "-") == 0) return STATUS_OK;
     if ((stat(path, &info) == 0 && S_ISDIR(info.st_mode)) || path[length - 1] == '/')
         return fail(error, STATUS_OUTPUT, "cannot write '%s': it is a folder", path);
+    if (file_was_read(path))
+        return fail(error, STATUS_USAGE, "'%s' is not written over: it was read for this. Give what is written another name",
+                    path);
     if (is_device(path)) { /* opening a pipe would wait for its reader */
         if (access(path, W_OK) == 0) return STATUS_OK;
         return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(errno));
@@ -159,6 +162,16 @@ Status output_probe(const char *path, Error *error)
     FileOut file;
     TRY(file_create(&file, path, error));
     file_abandon(&file);
+    return STATUS_OK;
+}
+
+Status output_check_claims(const OutputClaim *claims, size_t n, Error *error)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < i; k++)
+            if (claims[i].path && claims[k].path && file_same(claims[i].path, claims[k].path))
+                return fail(error, STATUS_USAGE, "'%s' is both %s and %s; let one have another name", claims[i].path,
+                            claims[k].what, claims[i].what);
     return STATUS_OK;
 }
 

@@ -37,7 +37,7 @@ char *output_of_frame(const char *name, uint32_t frame);
 /* The files of one frame. STATUS_USAGE where two have one name. outputs_clear is due in every case. */
 ATTR_NODISCARD Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame, Error *error);
 void outputs_clear(OutputList *list);
-/* Tries each one as writing it will, and leaves no trace. STATUS_OUTPUT. */
+/* Tries each one as writing it will, and leaves no trace. STATUS_OUTPUT; STATUS_USAGE for a file that was read. */
 ATTR_NODISCARD Status outputs_probe(const OutputList *list, Error *error);
 /* Standard output or a device: it takes a picture once. */
 bool output_is_stream(const char *path);
@@ -45,7 +45,14 @@ bool output_is_stream(const char *path);
 bool outputs_exist(const OutputList *list);
 /* What a file's extension says of it; devices take EXR. STATUS_USAGE. */
 ATTR_NODISCARD Status output_choose_format(const char *path, bool *png, Error *error);
-/* As outputs_probe, for one path, also of other files than pictures. */
+/* One file cannot be two things. */
+typedef struct OutputClaim {
+    const char *path; /* NULL: there is none */
+    const char *what; /* "the checkpoint" */
+} OutputClaim;
+/* STATUS_USAGE where two have one file, under whatever names. */
+ATTR_NODISCARD Status output_check_claims(const OutputClaim *claims, size_t n, Error *error);
+/* As outputs_probe, for one path, also of other files than pictures. STATUS_USAGE for a file that was read. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
 /* color is NULL when no output is a PNG file. display, view: NULL for the defaults. */
 ATTR_NODISCARD Status output_write(const Output *output, const Image *image, const ExrOptions *exr,

@@ -54,21 +54,20 @@ static Status check_slices(const RenderRun *run, const OutputList *outputs, Erro
     return fail(error, STATUS_USAGE, "what '--sample-range' makes is merged from EXR files: name one with '-o'");
 }
 
-Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, bool check, Error *error)
+Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, Error *error)
 {
     RenderKeeping *checkpoint = &run->checkpoint;
     free(checkpoint->path);
     checkpoint->path = NULL;
     TRY(check_slices(run, outputs, error));
-    if (!checkpoint->wanted) return STATUS_OK;
-    checkpoint->path = name_beside(run, outputs);
-    if (!checkpoint->path) return fail_memory(error, 1, "the name of the checkpoint");
-    if (!check) return STATUS_OK;
-    for (size_t i = 0; i < outputs->n; i++)
-        if (strcmp(outputs->items[i].path, checkpoint->path) == 0)
-            return fail(error, STATUS_USAGE,
-                        "'%s' is both an output and the checkpoint; let the output have another name",
-                        checkpoint->path);
+    if (checkpoint->wanted) checkpoint->path = name_beside(run, outputs);
+    return checkpoint->wanted && !checkpoint->path ? fail_memory(error, 1, "the name of the checkpoint") : STATUS_OK;
+}
+
+Status render_check_checkpoint(const RenderRun *run, Error *error)
+{
+    const RenderKeeping *checkpoint = &run->checkpoint;
+    if (!checkpoint->path) return STATUS_OK;
     if (file_exists(checkpoint->path) && !option_given(run->options, OPTION_RESUME) &&
         !option_given(run->options, OPTION_RESTART))
         return fail(error, STATUS_USAGE,

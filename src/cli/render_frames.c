@@ -33,13 +33,18 @@ static Status name_stats(RenderRun *run, uint32_t frame, Error *error)
 }
 
 /* Two of one name would end as one file, or as one text on standard output. */
-static Status check_stats(const RenderRun *run, const OutputList *list, Error *error)
+static Status check_claims(const RenderRun *run, const OutputList *list, bool done, Error *error)
 {
-    for (size_t i = 0; run->stats_path && i < list->n; i++)
-        if (strcmp(list->items[i].path, run->stats_path) == 0)
-            return fail(error, STATUS_USAGE, "'%s' is both an output and the statistics; let one have another name",
-                        run->stats_path);
-    return STATUS_OK;
+    OutputClaim *claims = malloc((list->n + 3) * sizeof *claims);
+    if (!claims) return fail_memory(error, (list->n + 3) * sizeof *claims, "the names of outputs");
+    size_t n = 0;
+    for (size_t i = 0; i < list->n; i++) claims[n++] = (OutputClaim){list->items[i].path, "an output"};
+    claims[n++] = (OutputClaim){done ? NULL : run->checkpoint.path, "the checkpoint"};
+    claims[n++] = (OutputClaim){run->stats_path, "the statistics"};
+    claims[n++] = (OutputClaim){run->preview.path, "the preview"};
+    Status status = output_check_claims(claims, n, error);
+    free(claims);
+    return status;
 }
 
 static Status probe_frame(RenderRun *run, uint32_t frame, Error *error)
@@ -48,9 +53,10 @@ static Status probe_frame(RenderRun *run, uint32_t frame, Error *error)
     Status status = outputs_of_frame(&list, &run->plan, frame, error);
     if (status == STATUS_OK) status = outputs_probe(&list, error);
     bool done = option_given(run->options, OPTION_SKIP_EXISTING) && outputs_exist(&list);
-    if (status == STATUS_OK && !done) status = render_name_checkpoint(run, &list, true, error);
+    if (status == STATUS_OK) status = render_name_checkpoint(run, &list, error);
     if (status == STATUS_OK) status = name_stats(run, frame, error);
-    if (status == STATUS_OK) status = check_stats(run, &list, error);
+    if (status == STATUS_OK) status = check_claims(run, &list, done, error);
+    if (status == STATUS_OK && !done) status = render_check_checkpoint(run, error);
     outputs_clear(&list);
     return status == STATUS_OK && run->stats_path ? output_probe(run->stats_path, error) : status;
 }
@@ -155,7 +161,7 @@ static Status render_one(RenderRun *run, uint32_t i, bool *fresh, Status (*rende
         return STATUS_OK;
     }
     TRY(name_stats(run, frame, error));
-    TRY(render_name_checkpoint(run, &run->outputs, false, error));
+    TRY(render_name_checkpoint(run, &run->outputs, error));
     TRY(go_to(run, frame, fresh, error));
     progress_begin_frame(&run->progress, frame, i);
     TRY(render(run, error));

@@ -11,9 +11,6 @@ Status render_plan_preview(RenderRun *run, Error *error)
     if (strcmp(path, "-") == 0)
         return fail(error, STATUS_USAGE, "a preview is written again and again: it needs a file, not standard output");
     TRY(output_choose_format(path, &run->preview.png, error));
-    for (size_t i = 0; i < run->plan.n; i++)
-        if (strcmp(run->plan.names[i], path) == 0)
-            return fail(error, STATUS_USAGE, "'%s' is both an output and the preview; let one have another name", path);
     TRY(output_probe(path, error));
     run->preview.path = strdup(path);
     return run->preview.path ? STATUS_OK : fail_memory(error, strlen(path) + 1, "the name of the preview");

@@ -66,8 +66,10 @@ void render_write_preview(RenderRun *run, const Image *image);
 
 /* Whether checkpoints are wanted, and whether the options for it agree (render_checkpoint.c). */
 ATTR_NODISCARD Status render_plan_checkpoints(RenderRun *run, Error *error);
-/* Names the checkpoint of a frame, whose outputs are known. check: tries it, too, and one that is there needs a word. */
-ATTR_NODISCARD Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, bool check, Error *error);
+/* Names the checkpoint of a frame, whose outputs are known. */
+ATTR_NODISCARD Status render_name_checkpoint(RenderRun *run, const OutputList *outputs, Error *error);
+/* Tries it; one that is there needs a word. */
+ATTR_NODISCARD Status render_check_checkpoint(const RenderRun *run, Error *error);
 /* Reads the state of the present frame, where it is to go on from one. */
 ATTR_NODISCARD Status render_resume(RenderRun *run, Error *error);
 /* For RenderEvents: writes a checkpoint, and, when a person asked, the outputs as they are. */

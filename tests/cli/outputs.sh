@@ -344,3 +344,48 @@ says_not err "above white"
 run render small.mns -o small.png
 says_not err "above white"
 end
+
+begin "what was read is not written over, nor one file made of two, whatever they are called"
+small_scene
+run render small.mns -o tex.png -q
+cat > textured.mns <<'SCENE'
+meniscus 1.0
+sphere { radius = 1  surface = surface { albedo = image { file = "tex.png"  projection = spherical } } }
+environment { strength = .5 }
+camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 30 }
+film { size = <16, 12> }
+render { samples = 2 }
+SCENE
+ln -s tex.png link.png
+ln tex.png hard.png
+cp textured.mns scene.exr
+cp small.mns kept.mns
+cp textured.mns before.mns
+cp tex.png before.png
+# clashes TEXT ARGUMENT...: status 2, and TEXT on standard error
+clashes() { wanted=$1; shift; run "$@"; exits 2; says err "$wanted"; }
+read_it='is not written over: it was read for this'
+for spelling in tex.png ./tex.png "$PWD/tex.png" link.png hard.png; do
+    clashes "'$spelling' $read_it" render textured.mns -o "$spelling"
+done
+clashes "$read_it" render textured.mns -o a.exr --stats=textured.mns
+clashes "$read_it" render textured.mns -o a.exr --preview tex.png
+clashes "'scene.exr' $read_it" render scene.exr
+clashes "$read_it" check textured.mns --slice z=0 --slice-output tex.png
+clashes "is both what is viewed and the output" view tex.png -o link.png
+clashes "is named twice" render small.mns -o a.exr -o ./a.exr
+clashes "is both an output and the statistics" render small.mns -o a.exr --stats="$PWD/a.exr"
+clashes "is both an output and the preview" render small.mns -o a.exr --preview ./a.exr
+clashes "is both the checkpoint and the statistics" render small.mns -o a.exr --checkpoint 1h --stats=./a.checkpoint.exr
+clashes "is both the checkpoint and the preview" render small.mns -o a.exr --checkpoint 1h --preview a.checkpoint.exr
+gone a.exr
+run render small.mns -o a.exr -q --sample-range 1..1
+exits 0
+clashes "is both a slice and the output" merge a.exr -o ./a.exr
+cmp -s before.mns textured.mns || flunk "the scene was changed"
+cmp -s before.png tex.png || flunk "the texture was changed"
+cmp -s before.mns scene.exr || flunk "the scene of another name was changed"
+run render textured.mns -o a.exr -q
+exits 0
+no_leftovers
+end
