@@ -117,13 +117,24 @@ static Status begin_signals(const RenderRun *run, Error *error)
     return status;
 }
 
+/* A picture without samples is black: it is not written over one that may be there. */
+static Status refuse_empty(RenderRun *run, Error *error)
+{
+    run->stopped_early = false;
+    if (!*signals_flag())
+        return fail(error, STATUS_STOPPED, "the time was over before the first sample: nothing was written; try a longer '-t'");
+    if (!run->talk->quiet) talk_event(run->talk, "empty", "stopped before the first sample: nothing was written");
+    return STATUS_OK;
+}
+
 /* What was rendered: its checkpoint first, and none when all is done and written. */
 static Status keep(RenderRun *run, Error *error)
 {
     bool stopped = run->stats.stopped;
     run->stopped_early = run->stopped_early || (stopped && run->checkpoint.path);
-    Status status = stopped ? render_write_checkpoint(run, error) : STATUS_OK;
+    Status status = stopped || run->checkpoint.stays ? render_write_checkpoint(run, error) : STATUS_OK;
     if (render_has_frames(run) && *signals_flag()) return status;
+    if (stopped && run->stats.most_samples == 0) return refuse_empty(run, error);
     if (status != STATUS_OK) talk_error(run->talk, error);
     render_warn(run);
     Status written = render_write_outputs(run, false, error);
@@ -138,7 +149,7 @@ static Status keep(RenderRun *run, Error *error)
     }
     if (stopped) return written;
     if (written == STATUS_OK) {
-        render_drop_checkpoint(run);
+        if (!run->checkpoint.stays) render_drop_checkpoint(run);
     } else {
         Error own = {0};
         if (render_write_checkpoint(run, &own) != STATUS_OK) talk_error(run->talk, &own);

@@ -125,6 +125,7 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
         [CAUSTICS_AUTOMATIC] = "automatic", [CAUSTICS_ON] = "on", [CAUSTICS_OFF] = "off"};
     char aovs[sizeof *texts->items];
     *notes = (CheckpointNotes){.samples = settings->samples,
+                               .noise = settings->noise,
                                .first_sample = settings->first_sample,
                                .end_sample = settings->end_sample ? settings->end_sample : settings->samples};
     list_aovs(settings->aovs, aovs, sizeof aovs);
@@ -181,15 +182,28 @@ static Status check_source(const RenderRun *run, const Checkpoint *file, Error *
     return status;
 }
 
+/* Whether a render that asks for so much has more to do than this one. */
+static bool asks_for_more(const CheckpointNotes *notes, const RenderSettings *settings)
+{
+    bool noise = settings->noise > 0 && (!(notes->noise > 0) || notes->noise < settings->noise);
+    return notes->samples > settings->samples || noise;
+}
+
 Status render_resume(RenderRun *run, Error *error)
 {
     render_state_clear(&run->state);
+    run->checkpoint.stays = false;
     const char *path = option_given(run->options, OPTION_RESUME) ? find_source(run) : NULL;
     if (!path) return STATUS_OK;
     Checkpoint file;
     Status status = checkpoint_open(path, &file, error);
     if (status == STATUS_OK) status = check_source(run, &file, error);
     if (status == STATUS_OK) status = checkpoint_read(&file, &run->state, error);
+    if (status == STATUS_OK && strcmp(path, run->checkpoint.path) == 0) {
+        run->checkpoint.stays = asks_for_more(&file.notes, &run->settings);
+        run->checkpoint.samples = file.notes.samples;
+        run->checkpoint.noise = file.notes.noise;
+    }
     if (status == STATUS_OK && !run->talk->quiet)
         talk_event(run->talk, "resumed", "going on from %s: %u samples of each pixel are there", path,
                    file.least_samples);
@@ -207,6 +221,12 @@ Status render_write_checkpoint(RenderRun *run, Error *error)
     CheckpointNotes notes;
     Image image;
     render_note(run, &notes, &texts);
+    if (run->checkpoint.stays) {
+        bool whole = notes.end_sample == notes.samples;
+        notes.samples = run->checkpoint.samples;
+        notes.noise = run->checkpoint.noise;
+        if (whole) notes.end_sample = notes.samples;
+    }
     TRY(early_resolve(&state->film, state->crop, 1, &image, error));
     ImageAttribute software = {.name = "software", .type = ATTRIBUTE_TEXT, .text = "meniscus " MEN_VERSION};
     ExrOptions exr = {.half = true, .attributes = &software, .n_attributes = 1, .pool = run->pool};
@@ -226,6 +246,10 @@ static void write_snapshot(RenderRun *run)
     Error error = {0};
     RenderStats stats = {.seconds = 0};
     if (render_has_frames(run)) return;
+    if (render_state_is_empty(&run->state)) {
+        if (!run->talk->quiet) talk_event(run->talk, "snapshot", "there is no sample yet: nothing was written");
+        return;
+    }
     Status status = render_state_resolve(&run->state, run->pool, &run->image, &stats, &error);
     run->stats = stats;
     run->noise = stats.noise;

@@ -144,9 +144,7 @@ void render_summarize(const RenderRun *run)
     buf_add(&line, "wrote ");
     list_outputs(&run->outputs, &line);
     buf_format(&line, " (%u x %u, ", run->settings.width, run->settings.height);
-    if (stats->mean_samples == 0)
-        buf_add(&line, "no samples yet");
-    else if (stats->samples == 0 && stats->mean_samples < 1)
+    if (stats->samples == 0 && stats->mean_samples < 1)
         buf_format(&line, "one sample in %.3g %% of the pixels", 100 * stats->mean_samples);
     else if (render_is_uneven(settings))
         summarize_noise(run, &line);
@@ -157,7 +155,8 @@ void render_summarize(const RenderRun *run)
     if (run->settings.denoises) buf_add(&line, ", denoised");
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
-    if (stats->stopped && run->checkpoint.path && !render_state_is_empty(&run->state))
+    bool stays = stats->stopped || run->checkpoint.stays;
+    if (stays && run->checkpoint.path && !render_state_is_empty(&run->state))
         buf_format(&line, "%s is there to go on from with --resume\n", run->checkpoint.path);
     talk_write(&line);
     buf_clear(&line);

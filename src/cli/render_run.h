@@ -12,6 +12,10 @@ typedef struct RenderKeeping {
     bool wanted;
     double interval_s;
     char *path; /* of the present frame; NULL: not wanted */
+    /* The render that it is of asks for more samples, or for less noise, than this one: it stays when this one is done. */
+    bool stays;
+    uint32_t samples; /* which that asks for */
+    double noise;
 } RenderKeeping;
 
 /* What the texts of facts point into. */

@@ -27,11 +27,11 @@ typedef struct Head {
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
     uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
-    double unit;
+    double unit, noise;
     PathCounters counters;
     uint64_t saturated_samples;
 } Head;
-_Static_assert(sizeof(Head) == 22 * 4 + 8 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
+_Static_assert(sizeof(Head) == 22 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
 _Static_assert(AOV_COUNT <= 32, "a set of AOVs in the head of a checkpoint");
 
 /* ---- writing ---- */
@@ -98,6 +98,7 @@ static void add_head(const Writing *writing, Buf *out)
                  .n_facts = notes->n_facts,
                  .n_attributes = notes->n_attributes,
                  .unit = state->aovs.unit,
+                 .noise = notes->noise,
                  .counters = state->counters,
                  .saturated_samples = state->saturated_samples};
     memcpy(head.crop, state->crop, sizeof head.crop);
@@ -312,6 +313,7 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     *notes = (CheckpointNotes){.samples = head.samples,
                                .first_sample = head.first_sample,
                                .end_sample = head.end_sample,
+                               .noise = head.noise,
                                .n_facts = head.n_facts,
                                .n_attributes = head.n_attributes};
     if (!take_facts(&in, notes) || in.left || !has_room(file, &head)) return fail_damaged(file, error);

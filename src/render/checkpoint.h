@@ -27,6 +27,7 @@ enum { CHECKPOINT_MOST_FACTS = 32, CHECKPOINT_MOST_ATTRIBUTES = 64 };
 typedef struct CheckpointNotes {
     uint32_t samples;                  /* of the whole render */
     uint32_t first_sample, end_sample; /* of this slice of it; 0 and samples: it is the whole */
+    double noise;                      /* at which it ends before; 0: never */
     uint32_t n_facts, n_attributes;
     CheckpointFact facts[CHECKPOINT_MOST_FACTS];
     ImageAttribute attributes[CHECKPOINT_MOST_ATTRIBUTES]; /* of the picture that will be made of it */

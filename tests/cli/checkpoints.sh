@@ -71,6 +71,35 @@ run render kept.mns -o a.exr --resume -s 4 # nothing is there: from the start
 exits 0
 end
 
+begin "fewer samples or more noise than the checkpoint's render asks for: it stays, and can be gone on from"
+kept_scene
+sed -i 's/samples = 200/samples = 600/' kept.mns
+run render kept.mns -o whole.exr -q
+run_until 0.3 INT render kept.mns -o a.exr --checkpoint 1h -q
+there a.checkpoint.exr
+run render kept.mns -o a.exr --resume --noise 90%
+exits 0
+says err 'a.checkpoint.exr is there to go on from with --resume'
+there a.checkpoint.exr
+run render kept.mns -o a.exr --resume -s 1
+exits 0
+there a.checkpoint.exr
+run render kept.mns -o a.exr --resume -q
+exits 0
+gone a.checkpoint.exr
+cmp -s whole.exr a.exr || flunk "the pictures differ"
+no_leftovers
+end
+
+begin "a time that ends before the first sample: status 75, and no black picture"
+kept_scene
+sed -i -e 's/samples = 200/samples = 1000000  caustics = on/' kept.mns
+echo old > a.exr
+run render kept.mns -o a.exr --size 1600x1200 -t 0.01s
+[ "$status" = 0 ] || { exits 75; says err "nothing was written"; [ "$(cat a.exr)" = old ] || flunk "a.exr was written"; }
+no_leftovers
+end
+
 begin "another scene or other settings: what has changed"
 kept_scene
 run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
