@@ -563,6 +563,61 @@ static bool begins_statement(const Parser *parser)
     }
 }
 
+/* A length's unit that is the present token, else NULL. */
+static const UnitType *header_unit(const Parser *parser)
+{
+    const Token *token = &parser->token;
+    if (token->kind != TOKEN_NAME && token->kind != TOKEN_IN) return NULL;
+    const UnitType *unit = unit_of(token->as.symbol->text, token->as.symbol->length);
+    return unit && unit->measure == UNIT_LENGTH ? unit : NULL;
+}
+
+/* The scene is read in the unit that was meant. */
+static void report_header_unit(Parser *parser, Span span, const char *what, const UnitType *unit)
+{
+    Diagnostic *report = diag_report(parser->diag, D_SYNTAX, span, "%s", what);
+    diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit %s",
+              unit && unit->measure == UNIT_LENGTH ? unit->name : "mm");
+    if (!unit || unit->measure != UNIT_LENGTH) return;
+    parser->file->has_unit = true;
+    parser->file->unit_m = unit->size;
+}
+
+/* [ "unit" unit ], and what is written in its place by mistake. */
+static void parse_header_unit(Parser *parser)
+{
+    File *file = parser->file;
+    bool is_word = token_is_word(&parser->token, "unit");
+    if (begins_statement(parser) || (first_on_line(parser) && !is_word)) return;
+    file->unit_span = token_span(parser);
+    const UnitType *unit = header_unit(parser);
+    if (unit) {
+        report_header_unit(parser, file->unit_span, "the word 'unit' stands in front of the unit", unit);
+        advance(parser);
+        return;
+    }
+    if (token_is_word(&parser->token, "units")) {
+        advance(parser);
+        unit = header_unit(parser);
+        report_header_unit(parser, file->unit_span, "the word is 'unit'", unit);
+        if (unit) advance(parser);
+        return;
+    }
+    if (!is_word) return;
+    advance(parser);
+    file->unit_span = token_span(parser);
+    unit = header_unit(parser);
+    if (!unit) {
+        diag_report(parser->diag, D_UNKNOWN_UNIT, file->unit_span, "expected a unit of length: %s, found %s",
+                    unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
+        if (parser->token.kind == TOKEN_NAME) advance(parser);
+        return;
+    }
+    file->has_unit = true;
+    file->unit_m = unit->size;
+    advance(parser);
+}
+
 /* "meniscus" number [ "unit" unit ] */
 static void parse_header(Parser *parser, double unit_m)
 {
@@ -583,26 +638,17 @@ static void parse_header(Parser *parser, double unit_m)
     advance(parser);
     Span version_span = token_span(parser);
     file->version = parser->token.number;
+    const UnitType *version_unit = parser->token.unit;
     if (!expect(parser, TOKEN_NUMBER, "(the version of the language) behind 'meniscus'")) return;
     if (file->version < LANGUAGE_MAJOR || file->version >= LANGUAGE_MAJOR + 1)
         diag_report(parser->diag, D_UNSUPPORTED_VERSION, version_span,
                     "the file is in version %g of the language; this program reads %d.%d", file->version,
                     LANGUAGE_MAJOR, LANGUAGE_MINOR);
-    if (!token_is_word(&parser->token, "unit") || begins_statement(parser)) return;
-    advance(parser);
-    file->unit_span = token_span(parser);
-    const UnitType *unit = NULL;
-    if (parser->token.kind == TOKEN_NAME || parser->token.kind == TOKEN_IN)
-        unit = unit_of(parser->token.as.symbol->text, parser->token.as.symbol->length);
-    if (!unit || unit->measure != UNIT_LENGTH) {
-        diag_report(parser->diag, D_UNKNOWN_UNIT, file->unit_span, "expected a unit of length: %s, found %s",
-                    unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
-        if (parser->token.kind == TOKEN_NAME) advance(parser);
+    if (version_unit) {
+        report_header_unit(parser, version_span, "the version of the language has no unit", version_unit);
         return;
     }
-    file->has_unit = true;
-    file->unit_m = unit->size;
-    advance(parser);
+    parse_header_unit(parser);
 }
 
 /* The surplus '}' may be one further up, behind which the indentation goes on as if it were not there. */
