@@ -179,6 +179,19 @@ static void show_picture(Job *job, uint32_t step)
     job->picture_cost = job->picture_at - now;
 }
 
+/* Shows what the render came to. It is not missed when memory ends. */
+static void show_last_picture(Job *job, const Image *image)
+{
+    static const char *const names[] = {"R", "G", "B", "A"};
+    Image shown;
+    Error unused;
+    if (!shows_picture(job) || image_new(image->width, image->height, names, 4, &shown, &unused) != STATUS_OK) return;
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++)
+        memcpy(shown.pixels + 4 * i, image->pixels + i * image->n_channels, 4 * sizeof(float));
+    job->events->picture(job->events->context, &shown);
+    image_clear(&shown);
+}
+
 /* When it is time for it. */
 static void report_picture(Job *job)
 {
@@ -686,7 +699,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
     }
-    if (status == STATUS_OK && shows_picture(&job) && stats->most_samples > 0) events->picture(events->context, image);
+    if (status == STATUS_OK && stats->most_samples > 0) show_last_picture(&job, image);
     if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     spread_clear(&spread);
     job_clear(&job);
