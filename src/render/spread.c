@@ -29,6 +29,8 @@ enum { HOLE_RANK = 3 };
  * away many, else their discs would be seen: of samples of one colour, as dispersion makes them, the more by how much sooner a
  * haze of that is seen. Without that a diamond had clouds of violet and green. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256, FARTHEST = 209 };
+/* Pixels around a sample, for what they have of comparable ones. */
+enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
 #define FAINT 0.25
@@ -142,10 +144,15 @@ static bool is_plain(const BrightPixel *pixel, uint32_t n_samples)
 static double light_of(const FilmPixel *pixel, const BrightPixel *without)
 {
     double rgb[3];
+    int n_without = 0;
     for (int c = 0; c < 3; c++) rgb[c] = (double)pixel->rgb[c] * FILM_UNIT;
     for (int i = 0; without && !is_plain(without, pixel->n) && i < BRIGHT_KEPT; i++)
-        if (has_few_alike(without, i, pixel->n))
+        if (has_few_alike(without, i, pixel->n)) {
             for (int c = 0; c < 3; c++) rgb[c] -= (double)without->rgb[i][c];
+            n_without++;
+        }
+    for (int c = 0; c < 3; c++)
+        if (fabs(rgb[c]) <= n_without * FILM_UNIT) rgb[c] = 0; /* by how much the film rounded these */
     return pixel->n ? (fabs(rgb[0]) + fabs(rgb[1]) + fabs(rgb[2])) / (3.0 * pixel->n) : 0;
 }
 
@@ -418,6 +425,18 @@ static double tint_of(const double rgb[3], double light)
     return sqrt(apart / 3) / light;
 }
 
+/* What near pixels have of samples that are comparable to one, besides itself: the light of each, in their mean. Where all have
+ * some, as of a faint reflection, it counts with what is plain for how dark a pixel is: that alone may be next to nothing, in
+ * places, and what a pixel has more of that than others says nothing. */
+static double usual_beside(const Maps *maps, const Lone *lone)
+{
+    Square square = square_around(lone, BESIDE);
+    Span span = {square.x0, square.x1};
+    uint32_t alike = 0, pixels = (square.x1 - square.x0) * (square.y1 - square.y0);
+    for (uint32_t y = square.y0; y < square.y1; y++) alike += count_alike_of(maps, lone, &span, y, UINT32_MAX);
+    return alike > 1 ? lone->light * (alike - 1) / (pixels - 1) : 0;
+}
+
 static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
 {
     const BrightPixel *pixel = bright_at(maps, x, y);
@@ -428,12 +447,13 @@ static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
                  .thing = pixel->things[bright_seen(pixel, kept)],
                  .light = (double)light / n,
                  .reference = reference,
-                 .black = reference > 0 ? TO_BLACK : 1,
-                 .slope = reference > 0 ? (1 - TO_BLACK) / reference : 0,
                  .least = light * ALIKE};
     const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
     if (box) lone.box = *box;
     for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
+    double beside = usual_beside(maps, &lone), together = reference + beside;
+    lone.black = together > 0 ? TO_BLACK + (1 - TO_BLACK) * beside / together : 1;
+    lone.slope = together > 0 ? (1 - TO_BLACK) / together : 0;
     lone.seen = lone.light * (1 + TINTED * tint_of(lone.rgb, lone.light));
     return lone;
 }

@@ -509,6 +509,40 @@ static void what_scatters_in_something_clear_stays_there(void **state)
     fixture_clear(&scene);
 }
 
+/* A faint reflection over what is black, as of a sky in deep water: few samples of each pixel find it. What is there besides is
+ * less than the film can tell apart, or next to nothing, in one pixel of sixteen: they do not draw the light of others. */
+static void next_to_nothing_draws_no_light(void **state)
+{
+    (void)state;
+    const float besides[] = {0, 1e-12f, 1e-7f, 1e-5f};
+    for (size_t k = 0; k < COUNT_OF(besides); k++) {
+        Films films;
+        begin(&films);
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE; x++)
+                for (uint32_t i = 0; i < 32; i++) {
+                    uint32_t hash = hash_combine(hash_combine(x, y), i);
+                    float sky = 0.07f + 0.02f * hash_to_unit_f(hash), black = x % 4 == 1 && y % 4 == 2 ? besides[k] : 0;
+                    float light = i % 12 == hash_combine(x, y) % 12 ? sky : black;
+                    add(&films, x, y, (float[]){light, light, light}, left_and_right(x));
+                }
+        resolve(&films, whole);
+        assert_true(films.way.samples > 0);
+        double kept = 0, spread = 0, mean = 0;
+        for (uint32_t y = 4; y < SIDE - 4; y++)
+            for (uint32_t x = 4; x < SIDE - 4; x++)
+                mean += (double)pixel_of(&films.kept, x, y)[1] / ((SIDE - 8) * (SIDE - 8));
+        for (uint32_t y = 4; y < SIDE - 4; y++)
+            for (uint32_t x = 4; x < SIDE - 4; x++) {
+                kept += pow((double)pixel_of(&films.kept, x, y)[1] - mean, 2);
+                spread += pow((double)pixel_of(&films.spread, x, y)[1] - mean, 2);
+            }
+        assert_true(spread < 0.8 * kept);
+        assert_true(brightest(&films.spread) < 1.6f * (float)mean);
+        end(&films);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -524,6 +558,7 @@ int main(void)
         cmocka_unit_test(more_samples_spread_less),
         cmocka_unit_test(what_is_even_stays_even),
         cmocka_unit_test(numbers_of_samples_are_not_light),
+        cmocka_unit_test(next_to_nothing_draws_no_light),
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(order_and_area),
         cmocka_unit_test(rendered),
