@@ -296,6 +296,11 @@ static bool is_plane(const Scene *scene, const SceneObject *object)
     return solid && solid->pieces[0].kind == PIECE_PLANE;
 }
 
+static bool is_seen_through(const Scene *scene, const SceneObject *object)
+{
+    return object->medium != SCENE_NONE || (object->surface != SCENE_NONE && scene->surfaces[object->surface].thin);
+}
+
 static void remark_behind(Remarks *r, uint32_t ground, Tally *tally)
 {
     const Scene *scene = r->scene;
@@ -318,7 +323,8 @@ static void remark_behind_ground(Remarks *r)
 {
     Tally tally = {.code = D_BEHIND_GROUND};
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
-        if (is_plane(r->scene, &r->scene->objects[i])) remark_behind(r, i, &tally);
+        const SceneObject *object = &r->scene->objects[i];
+        if (is_plane(r->scene, object) && !is_seen_through(r->scene, object)) remark_behind(r, i, &tally);
     }
     tally_end(r, &tally);
 }
