@@ -462,6 +462,7 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     const EvalOptions *options = loader->options;
     Resolver resolver;
     resolver_init(&resolver, diag, &loader->symbols, options->schema, options->srgb_to_working);
+    resolver.library = options->library;
     if (prelude) resolve_prelude(&resolver, prelude);
     for (size_t i = 0; i < options->n_defines; i++) resolve_define(&resolver, defines[i].expr);
     resolver.late = ARENA_ARRAY(loader->arena, Expr *, options->n_overrides);

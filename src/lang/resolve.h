@@ -58,6 +58,7 @@ typedef struct Resolver {
     NodeExpr *context_node;       /* CONTEXT_NODE: the node around the statement */
     const Def *context_def;       /* CONTEXT_MACRO */
     Symbol **defaults;      /* by row of the schema: the name of the slot of a type's defaults; NULL until there are any */
+    const struct EvalLibrary *library; /* files of the program, for hints; NULL: none */
     bool warns_unused;      /* of names at the top of the present file */
     Expr **late;            /* expressions that see all that the scene declares at its top (--set) */
     size_t n_late;

@@ -8,6 +8,7 @@
 #include "base/buf.h"
 #include "diag/suggest.h"
 #include "lang/builtin.h"
+#include "lang/eval.h"
 #include "lang/habits.h"
 #include "lang/resolve.h"
 #include "lang/schema_find.h"
@@ -109,6 +110,23 @@ static void report_not_exported(Resolver *resolver, Span span, const File *file,
     free(words.items);
 }
 
+/* What brings a file of such a name into use: one of the program's own, where there is one. */
+static void hint_at_use(Resolver *resolver, Diagnostic *report, const char *name)
+{
+    const char *folder = "";
+    if (strcmp(name, "std") == 0) {
+        diag_hint(resolver->diag, report,
+                  "write: use \"std/media.mns\" as media, and media.NAME; 'meniscus help std' lists such files");
+        return;
+    }
+    for (size_t i = 0; resolver->library && i < resolver->library->n_files; i++) {
+        const char *file = resolver->library->files[i].name, *last = strrchr(file, '/');
+        size_t length = strlen(name);
+        if (last && strncmp(last + 1, name, length) == 0 && strcmp(last + 1 + length, ".mns") == 0) folder = "std/";
+    }
+    diag_hint(resolver->diag, report, "write: use \"%s%s.mns\" as %s", folder, *folder ? name : "NAME", name);
+}
+
 /* What a path with dots leads to through modules; NULL after a report, or for a single name that is not known. */
 static Binding *resolve_path(Resolver *resolver, const Path *path)
 {
@@ -119,8 +137,7 @@ static Binding *resolve_path(Resolver *resolver, const Path *path)
             Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, path->span, "'%s' is no file in use",
                                              path->names[i - 1]->text);
             if (!binding) suggest_visible(resolver, report, path->names[0], false, false);
-            if (!binding && !report->hint)
-                diag_hint(resolver->diag, report, "write: use \"NAME.mns\" as %s", path->names[i - 1]->text);
+            if (!binding && !report->hint) hint_at_use(resolver, report, path->names[i - 1]->text);
             return NULL;
         }
         const Binding *found = find_export(binding->module, path->names[i]);
@@ -221,6 +238,22 @@ static bool read_swizzle(Expr *expr)
     return true;
 }
 
+/* Of a name that is not known, with a member that no value has: a file was meant. */
+static bool report_no_module(Resolver *resolver, Expr *expr)
+{
+    const Expr *base = expr->as.member.base;
+    if (base->kind != EXPR_NAME || base->as.name.symbol->binding) return false;
+    Symbol *symbol = base->as.name.symbol;
+    expr->kind = EXPR_POISON;
+    if (known_to_be_unknown(resolver, symbol, base->span)) return true;
+    Diagnostic *report =
+        diag_report(resolver->diag, D_UNKNOWN_NAME, base->span, "'%s' is no file in use, nor a value", symbol->text);
+    symbol->unknown = report;
+    suggest_visible(resolver, report, symbol, false, false);
+    if (!report->hint) hint_at_use(resolver, report, symbol->text);
+    return true;
+}
+
 /* returns the base that is left to be resolved, or NULL */
 static Expr *resolve_member(Resolver *resolver, Expr *expr)
 {
@@ -244,6 +277,7 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         return expr->as.member.base;
     }
     if (!read_swizzle(expr)) {
+        if (report_no_module(resolver, expr)) return NULL;
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
         diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
