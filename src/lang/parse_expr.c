@@ -395,14 +395,25 @@ static Expr *parse_name(Parser *parser)
     return node;
 }
 
-/* "{1, 2, 3}" is read over; a '{' that no value stands behind may begin a block. */
+/* "surface = { albedo = .5 }": the present token is the '{'. */
+static bool begins_properties(const Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    return lexer_next(&look.lexer).kind == TOKEN_NAME && lexer_next(&look.lexer).kind == TOKEN_ASSIGN;
+}
+
+/* "{1, 2, 3}" and a node without its type are read over; a '{' that no value stands behind may begin a block. */
 static Expr *parse_braced_list(Parser *parser)
 {
     TokenKind first = peek(parser).kind;
+    bool properties = begins_properties(parser);
     bool list = first == TOKEN_NUMBER || first == TOKEN_STRING || first == TOKEN_LESS || first == TOKEN_MINUS;
     Diagnostic *report = expected_error(parser, "an expression");
-    if (report && list && !parser->no_blocks) {
-        diag_hint(parser->diag, report, "a list stands in '[' and ']'");
+    if (report && (list || properties) && !parser->no_blocks) {
+        diag_hint(parser->diag, report,
+                  list ? "a list stands in '[' and ']'"
+                       : "a node begins with its type: surface = surface { ... }, interior = medium { ... }");
         parser->panic = false;
         skip_brackets(parser);
     }

@@ -276,7 +276,9 @@ bool parse_comma_habit(Parser *parser)
     }
     if (!parser->comma_reported) {
         Diagnostic *report = report_at(parser, token_span(parser), "no comma stands between statements or properties");
-        diag_hint(parser->diag, report, "remove it; a blank is enough");
+        bool vector = parser->previous == TOKEN_NUMBER && (next.kind == TOKEN_NUMBER || next.kind == TOKEN_MINUS);
+        diag_hint(parser->diag, report,
+                  vector ? "a vector stands in '<' and '>': <1, 2, 3>" : "remove it; a blank is enough");
     }
     parser->comma_reported = true;
     advance(parser);
