@@ -181,6 +181,10 @@ static Status describe_state(const char *path, Facts *facts, Error *error)
         const CheckpointNotes *notes = &file.notes;
         snprintf(text, sizeof text, "%u..%u of %u", notes->first_sample + 1, notes->end_sample, notes->samples);
         add_fact(facts, "state: samples", text);
+        if (notes->noise > 0) {
+            snprintf(text, sizeof text, "%.3g %%", 100 * notes->noise);
+            add_fact(facts, "state: noise to come to", text);
+        }
         add_number(facts, "state: done, at least", file.least_samples);
         add_number(facts, "state: done, at most", file.most_samples);
         for (uint32_t i = 0; i < notes->n_facts; i++) {

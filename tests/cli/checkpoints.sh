@@ -36,6 +36,14 @@ cmp -s whole.exr parts.exr || flunk "the pictures differ"
 [ $kept = yes ] || flunk "it was never stopped"
 end
 
+begin "what noise a checkpoint's render is to come to"
+kept_scene
+run render kept.mns -o a.exr -n 0.01% -s 16000000 -t 0.4 --checkpoint 1h -q
+exits 75
+run info a.checkpoint.exr
+matches out '^state: noise to come to +0\.01 %$'
+end
+
 begin "the same of an adaptive render that is denoised"
 kept_scene
 run render kept.mns -o whole.exr --adaptive on --denoise on -s 600 -q
@@ -80,7 +88,9 @@ there a.checkpoint.exr
 run render kept.mns -o a.exr --resume --noise 90%
 exits 0
 says err 'a.checkpoint.exr is there to go on from with --resume'
-there a.checkpoint.exr
+run info a.checkpoint.exr
+matches out '^state: samples +1\.\.600 of 600$'
+says_not out 'state: noise'
 run render kept.mns -o a.exr --resume -s 1
 exits 0
 there a.checkpoint.exr
