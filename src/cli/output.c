@@ -153,8 +153,8 @@ Status output_probe(const char *path, Error *error)
     if ((stat(path, &info) == 0 && S_ISDIR(info.st_mode)) || path[length - 1] == '/')
         return fail(error, STATUS_OUTPUT, "cannot write '%s': it is a folder", path);
     if (file_was_read(path))
-        return fail(error, STATUS_USAGE, "'%s' is not written over: it was read for this. Give what is written another name",
-                    path);
+        return fail(error, STATUS_USAGE,
+                    "'%s' is not written over: it was read for this. Give what is written another name", path);
     if (is_device(path)) { /* opening a pipe would wait for its reader */
         if (access(path, W_OK) == 0) return STATUS_OK;
         return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(errno));
