@@ -30,9 +30,14 @@ static struct {
     size_t n, capacity;
 } files_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-static bool are_one(const struct stat *a, const struct stat *b)
+static FileIdentity identity_of(const struct stat *info)
 {
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+    return (FileIdentity){info->st_dev, info->st_ino};
+}
+
+static bool are_one(FileIdentity a, FileIdentity b)
+{
+    return a.device == b.device && a.inode == b.inode;
 }
 
 /* Of the folders that two paths begin with. */
@@ -43,7 +48,7 @@ static bool folders_are_one(const char *a, const char *b)
     bool found = folders[0] && folders[1];
     for (int i = 0; i < 2; i++) found = found && stat(*folders[i] ? folders[i] : ".", &info[i]) == 0;
     for (int i = 0; i < 2; i++) free(folders[i]);
-    return found && are_one(&info[0], &info[1]);
+    return found && are_one(identity_of(&info[0]), identity_of(&info[1]));
 }
 
 static const char *name_in_folder(const char *path)
@@ -58,7 +63,7 @@ bool file_same(const char *a, const char *b)
     if (strcmp(a, b) == 0) return true;
     if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return false;
     bool there[2] = {stat(a, &info[0]) == 0, stat(b, &info[1]) == 0};
-    if (there[0] && there[1]) return S_ISREG(info[0].st_mode) && are_one(&info[0], &info[1]);
+    if (there[0] && there[1]) return S_ISREG(info[0].st_mode) && are_one(identity_of(&info[0]), identity_of(&info[1]));
     return !there[0] && !there[1] && strcmp(name_in_folder(a), name_in_folder(b)) == 0 && folders_are_one(a, b);
 }
 
@@ -66,7 +71,7 @@ bool file_same(const char *a, const char *b)
 static bool is_noted(const struct stat *info)
 {
     for (size_t i = 0; i < files_read.n; i++)
-        if (files_read.items[i].device == info->st_dev && files_read.items[i].inode == info->st_ino) return true;
+        if (are_one(files_read.items[i], identity_of(info))) return true;
     return false;
 }
 
@@ -76,7 +81,7 @@ static bool note_read(const struct stat *info)
     pthread_mutex_lock(&files_read.lock);
     bool noted = is_noted(info);
     if (!noted && array_reserve(&files_read.items, &files_read.capacity, files_read.n + 1, sizeof *files_read.items)) {
-        files_read.items[files_read.n++] = (FileIdentity){info->st_dev, info->st_ino};
+        files_read.items[files_read.n++] = identity_of(info);
         noted = true;
     }
     pthread_mutex_unlock(&files_read.lock);
@@ -174,7 +179,7 @@ char *file_folder(const char *path)
 
 const char *file_extension(const char *path)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *name = name_in_folder(path);
     const char *dot = strrchr(name, '.');
     return dot && dot != name ? dot + 1 : "";
 }

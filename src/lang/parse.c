@@ -572,50 +572,41 @@ static const UnitType *header_unit(const Parser *parser)
     return unit && unit->measure == UNIT_LENGTH ? unit : NULL;
 }
 
-/* The scene is read in the unit that was meant. */
+static void set_unit(File *file, Span span, const UnitType *unit)
+{
+    file->has_unit = true;
+    file->unit_span = span;
+    file->unit_m = unit->size;
+}
+
+/* The scene is read in the unit of length that was meant; NULL: none was found. */
 static void report_header_unit(Parser *parser, Span span, const char *what, const UnitType *unit)
 {
     Diagnostic *report = diag_report(parser->diag, D_SYNTAX, span, "%s", what);
-    diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit %s",
-              unit && unit->measure == UNIT_LENGTH ? unit->name : "mm");
-    if (!unit || unit->measure != UNIT_LENGTH) return;
-    parser->file->has_unit = true;
-    parser->file->unit_m = unit->size;
+    diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit %s", unit ? unit->name : "mm");
+    if (unit) set_unit(parser->file, span, unit);
 }
 
 /* [ "unit" unit ], and what is written in its place by mistake. */
 static void parse_header_unit(Parser *parser)
 {
-    File *file = parser->file;
-    bool is_word = token_is_word(&parser->token, "unit");
+    bool is_word = token_is_word(&parser->token, "unit"), is_plural = token_is_word(&parser->token, "units");
     if (begins_statement(parser) || (first_on_line(parser) && !is_word)) return;
-    file->unit_span = token_span(parser);
+    Span span = token_span(parser);
+    if (is_word || is_plural) advance(parser);
     const UnitType *unit = header_unit(parser);
-    if (unit) {
-        report_header_unit(parser, file->unit_span, "the word 'unit' stands in front of the unit", unit);
-        advance(parser);
-        return;
-    }
-    if (token_is_word(&parser->token, "units")) {
-        advance(parser);
-        unit = header_unit(parser);
-        report_header_unit(parser, file->unit_span, "the word is 'unit'", unit);
-        if (unit) advance(parser);
-        return;
-    }
-    if (!is_word) return;
-    advance(parser);
-    file->unit_span = token_span(parser);
-    unit = header_unit(parser);
-    if (!unit) {
-        diag_report(parser->diag, D_UNKNOWN_UNIT, file->unit_span, "expected a unit of length: %s, found %s",
+    if (is_plural) {
+        report_header_unit(parser, span, "the word is 'unit'", unit);
+    } else if (is_word && unit) {
+        set_unit(parser->file, token_span(parser), unit);
+    } else if (is_word) {
+        diag_report(parser->diag, D_UNKNOWN_UNIT, token_span(parser), "expected a unit of length: %s, found %s",
                     unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
         if (parser->token.kind == TOKEN_NAME) advance(parser);
-        return;
+    } else if (unit) {
+        report_header_unit(parser, span, "the word 'unit' stands in front of the unit", unit);
     }
-    file->has_unit = true;
-    file->unit_m = unit->size;
-    advance(parser);
+    if (unit) advance(parser);
 }
 
 /* "meniscus" number [ "unit" unit ] */
@@ -645,7 +636,8 @@ static void parse_header(Parser *parser, double unit_m)
                     "the file is in version %g of the language; this program reads %d.%d", file->version,
                     LANGUAGE_MAJOR, LANGUAGE_MINOR);
     if (version_unit) {
-        report_header_unit(parser, version_span, "the version of the language has no unit", version_unit);
+        report_header_unit(parser, version_span, "the version of the language has no unit",
+                           version_unit->measure == UNIT_LENGTH ? version_unit : NULL);
         return;
     }
     parse_header_unit(parser);

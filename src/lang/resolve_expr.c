@@ -110,10 +110,13 @@ static void report_not_exported(Resolver *resolver, Span span, const File *file,
     free(words.items);
 }
 
-/* What brings a file of such a name into use: one of the program's own, where there is one. */
-static void hint_at_use(Resolver *resolver, Diagnostic *report, const char *name)
+/* Of a name that is none of a file in use: what it may be meant for, or else what brings such a file into use, one of the
+ * program's own, where there is one. */
+static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol)
 {
-    const char *folder = "";
+    const char *folder = "", *name = symbol->text;
+    suggest_visible(resolver, report, symbol, false, false);
+    if (report->hint) return;
     if (strcmp(name, "std") == 0) {
         diag_hint(resolver->diag, report,
                   "write: use \"std/media.mns\" as media, and media.NAME; 'meniscus help std' lists such files");
@@ -136,8 +139,7 @@ static Binding *resolve_path(Resolver *resolver, const Path *path)
         if (!binding || binding->kind != BINDING_MODULE) {
             Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, path->span, "'%s' is no file in use",
                                              path->names[i - 1]->text);
-            if (!binding) suggest_visible(resolver, report, path->names[0], false, false);
-            if (!binding && !report->hint) hint_at_use(resolver, report, path->names[i - 1]->text);
+            if (!binding) hint_at_use(resolver, report, path->names[0]);
             return NULL;
         }
         const Binding *found = find_export(binding->module, path->names[i]);
@@ -249,8 +251,7 @@ static bool report_no_module(Resolver *resolver, Expr *expr)
     Diagnostic *report =
         diag_report(resolver->diag, D_UNKNOWN_NAME, base->span, "'%s' is no file in use, nor a value", symbol->text);
     symbol->unknown = report;
-    suggest_visible(resolver, report, symbol, false, false);
-    if (!report->hint) hint_at_use(resolver, report, symbol->text);
+    hint_at_use(resolver, report, symbol);
     return true;
 }
 

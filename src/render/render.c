@@ -477,6 +477,12 @@ static void forget_row(void *context, uint32_t index, unsigned worker)
     bright_film_forget_row(&state->bright, crop[0], crop[2], crop[1] + index);
 }
 
+static Status aovs_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
+{
+    return aov_film_init(&state->aovs, settings->aovs, settings->denoises, aov_film_unit(world), state->film.width,
+                         state->film.height, error);
+}
+
 /* What this render's samples come to; nothing so far. */
 static Status state_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
 {
@@ -484,7 +490,7 @@ static Status state_init(RenderState *state, const RenderSettings *settings, con
     TRY(film_init(&state->film, width, height, error));
     state->film.first_sample = settings->first_sample;
     if (settings->spreads) TRY(bright_film_init(&state->bright, settings->first_sample > 0, width, height, error));
-    return aov_film_init(&state->aovs, settings->aovs, settings->denoises, aov_film_unit(world), width, height, error);
+    return aovs_init(state, settings, world, error);
 }
 
 void render_state_clear(RenderState *state)
@@ -547,9 +553,7 @@ static Status forget_samples(Job *job, Error *error)
     RenderState *state = job->state;
     pool_run(job->pool, state->crop[3] - state->crop[1], forget_row, job);
     aov_film_clear(&state->aovs);
-    const RenderSettings *settings = job->settings;
-    TRY(aov_film_init(&state->aovs, settings->aovs, settings->denoises, aov_film_unit(job->world), state->film.width,
-                      state->film.height, error));
+    TRY(aovs_init(state, job->settings, job->world, error));
     state->aovs.world = job->world;
     for (unsigned i = 0; i < job->n_threads; i++) {
         job->tracers[i].counters = (PathCounters){0};
