@@ -62,8 +62,8 @@ Status cmd_view(const Options *options, const Talk *talk, Error *error)
     const char *path = option_text(options, OPTION_VIEW_OUTPUT, NULL);
     if (!list && options->n_operands == 0) return fail(error, STATUS_USAGE, "'view' needs FILE");
     if (!list) TRY(check_output(path, error));
-    if (!list && file_same(path, options->operands[0]))
-        return fail(error, STATUS_USAGE, "'%s' is both what is viewed and the output; give the output another name", path);
+    OutputClaim claims[] = {{list ? NULL : options->operands[0], "what is viewed"}, {path, "the output"}};
+    TRY(output_check_claims(claims, COUNT_OF(claims), error));
     ColorConfig *config = NULL;
     TRY(color_config_open(option_text(options, OPTION_OCIO, NULL), &config, error));
     Status status = list ? list_all(config, error) : view_file(options, config, path, error);

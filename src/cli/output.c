@@ -129,9 +129,6 @@ Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame
         if (!output->path) return fail_memory(error, strlen(plan->names[i]) + 1, "the name of an output");
         list->n++;
         TRY(output_choose_format(output->path, &output->png, error));
-        for (size_t k = 0; k < i; k++)
-            if (file_same(list->items[k].path, output->path))
-                return fail(error, STATUS_USAGE, "output '%s' is named twice", output->path);
     }
     return STATUS_OK;
 }
@@ -170,8 +167,10 @@ Status output_check_claims(const OutputClaim *claims, size_t n, Error *error)
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < i; k++)
             if (claims[i].path && claims[k].path && file_same(claims[i].path, claims[k].path))
-                return fail(error, STATUS_USAGE, "'%s' is both %s and %s; let one have another name", claims[i].path,
-                            claims[k].what, claims[i].what);
+                return strcmp(claims[i].what, claims[k].what) == 0
+                           ? fail(error, STATUS_USAGE, "output '%s' is named twice", claims[i].path)
+                           : fail(error, STATUS_USAGE, "'%s' is both %s and %s; let one have another name",
+                                  claims[i].path, claims[k].what, claims[i].what);
     return STATUS_OK;
 }
 

@@ -34,7 +34,7 @@ char *output_numbered(const char *name, uint32_t last_frame);
 /* name with the frame's number for each row of '#'; the same. */
 char *output_of_frame(const char *name, uint32_t frame);
 
-/* The files of one frame. STATUS_USAGE where two have one name. outputs_clear is due in every case. */
+/* The files of one frame. outputs_clear is due in every case. */
 ATTR_NODISCARD Status outputs_of_frame(OutputList *list, const OutputPlan *plan, uint32_t frame, Error *error);
 void outputs_clear(OutputList *list);
 /* Tries each one as writing it will, and leaves no trace. STATUS_OUTPUT; STATUS_USAGE for a file that was read. */
