@@ -57,6 +57,7 @@ typedef struct Way {
     double part;            /* of the sample, what goes */
     double crowding, usual; /* see find_crowding */
     double weights;         /* of all pixels together */
+    double black, slope;    /* see Lone */
 } Way;
 
 /* A row of pixels: what is found of it. */
@@ -437,6 +438,7 @@ static double usual_beside(const Maps *maps, const Lone *lone)
     return alike > 1 ? lone->light * (alike - 1) / (pixels - 1) : 0;
 }
 
+/* But for how pixels share in it: see find_shares. */
 static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
 {
     const BrightPixel *pixel = bright_at(maps, x, y);
@@ -451,11 +453,16 @@ static Lone lone_at(const Maps *maps, uint32_t x, uint32_t y, int kept)
     const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
     if (box) lone.box = *box;
     for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
-    double beside = usual_beside(maps, &lone), together = reference + beside;
-    lone.black = together > 0 ? TO_BLACK + (1 - TO_BLACK) * beside / together : 1;
-    lone.slope = together > 0 ? (1 - TO_BLACK) / together : 0;
     lone.seen = lone.light * (1 + TINTED * tint_of(lone.rgb, lone.light));
     return lone;
+}
+
+/* How pixels share in a sample. */
+static void find_shares(const Maps *maps, Lone *lone)
+{
+    double beside = usual_beside(maps, lone), together = lone->reference + beside;
+    lone->black = together > 0 ? TO_BLACK + (1 - TO_BLACK) * beside / together : 1;
+    lone->slope = together > 0 ? (1 - TO_BLACK) / together : 0;
 }
 
 /* Where a sample goes, if it does. */
@@ -484,7 +491,8 @@ static void find_ways_of_pixel(const Maps *maps, uint32_t x, uint32_t y, Row *ro
     for (int i = 0; i < BRIGHT_KEPT && (double)bright_light(bright->rgb[i]) > much; i++) {
         if (!has_few_alike(bright, i, n)) continue;
         Lone lone = lone_at(maps, x, y, i);
-        Way way = {.x = x, .kept = (uint8_t)i, .part = 1};
+        find_shares(maps, &lone);
+        Way way = {.x = x, .kept = (uint8_t)i, .part = 1, .black = lone.black, .slope = lone.slope};
         bool goes = find_way(maps, &lone, &way);
         /* what fills a hole stays */
         way.part = goes ? fmin(way.part, 1 - fmin(hole / lone.seen, 1)) : 0;
@@ -527,6 +535,8 @@ static void take_from(const Maps *maps, const Lone *lone, double squared)
 static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, uint32_t y1)
 {
     Lone lone = lone_at(maps, way->x, y, way->kept);
+    lone.black = way->black;
+    lone.slope = way->slope;
     for (int c = 0; c < 3; c++) lone.rgb[c] *= way->part;
     double squared = square_of_luminance(lone.rgb);
     Square square = square_around(&lone, way->radius);
