@@ -43,6 +43,11 @@ typedef struct ExrOptions {
 ATTR_NODISCARD Status image_new(uint32_t width, uint32_t height, const char *const *names, uint32_t n_channels,
                                 Image *image, Error *error);
 void image_clear(Image *image);
+/* The channels of a pixel. */
+static inline float *image_at(const Image *image, uint32_t x, uint32_t y)
+{
+    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+}
 /* The index of a channel, -1 when there is none. */
 int image_channel(const Image *image, const char *name);
 /* The channels that hold the colour: R, G, B; else those of the first layer that has them (layer.R ...); else

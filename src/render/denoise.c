@@ -136,8 +136,8 @@ static void fill_noise(const Planes *planes, const Film *film, const uint32_t ar
     fill_color_noise(planes, film, area);
     for (int k = 0; k < 3; k++) {
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++) {
-            size_t pixel = (area[1] + i / planes->width) * image->width + area[0] + i % planes->width;
-            float error = image->pixels[pixel * image->n_channels + (size_t)channel];
+            uint32_t x = area[0] + (uint32_t)(i % planes->width), y = area[1] + (uint32_t)(i / planes->width);
+            float error = image_at(image, x, y)[channel];
             noise[i] = error * error * planes->maps[k][i];
         }
         mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around);
@@ -281,14 +281,12 @@ static void settle(const Planes *planes, const uint32_t area[4], Image *image)
     blur(planes, MAP_CHANGED, CHANGES_AROUND);
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
-            size_t i = (size_t)y * planes->width + x, pixel = (size_t)(area[1] + y) * image->width + area[0] + x;
+            size_t i = (size_t)y * planes->width + x;
             if (planes->plane[PLANE_VALID][y * planes->stride + x] == 0) continue;
             float part =
                 float_min(CHANGES_PAID * planes->maps[MAP_GAINED][i] / (planes->maps[MAP_CHANGED][i] + 1e-20f), 1);
-            for (size_t k = 0; k < 3; k++) {
-                float *color = &image->pixels[pixel * image->n_channels + k];
-                *color += part * (planes->maps[MAP_RED + k][i] - *color);
-            }
+            float *color = image_at(image, area[0] + x, area[1] + y);
+            for (size_t k = 0; k < 3; k++) color[k] += part * (planes->maps[MAP_RED + k][i] - color[k]);
         }
 }
 

@@ -48,8 +48,7 @@ void early_fill(const Film *film, const uint32_t area[4], uint32_t step, Image *
 {
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++)
-            if (!film_pixel(film, x, y)->n)
-                put_between(film, area, step, x, y, image->pixels + ((size_t)y * image->width + x) * image->n_channels);
+            if (!film_pixel(film, x, y)->n) put_between(film, area, step, x, y, image_at(image, x, y));
 }
 
 Status early_resolve(const Film *film, const uint32_t area[4], uint32_t step, Image *image, Error *error)

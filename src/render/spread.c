@@ -661,7 +661,7 @@ void spread_apply(const Spread *spread, Image *image)
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++) {
             const SpreadPixel *from = spread_pixel(spread, x, y);
-            float *pixel = image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+            float *pixel = image_at(image, x, y);
             for (int c = 0; c < 3; c++)
                 if (from->rgb[c] != 0) pixel[c] = (float)((double)pixel[c] + from->rgb[c]);
         }

@@ -140,8 +140,7 @@ void truth_clear(Picture *picture)
 
 static const float *pixel_at(const Picture *picture, uint32_t x, uint32_t y)
 {
-    const Image *image = &picture->image;
-    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+    return image_at(&picture->image, x, y);
 }
 
 double truth_channel(const Picture *picture, uint32_t x, uint32_t y, int channel)

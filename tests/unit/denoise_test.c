@@ -65,11 +65,6 @@ static void end(Films *films)
     image_clear(&films->image);
 }
 
-static const float *pixel_of(const Image *image, uint32_t x, uint32_t y)
-{
-    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
-}
-
 /* The mean square of what columns x0 up to but without x1 are off their levels, in relation to these. */
 static double error_of(const Image *image, Level *level, uint32_t x0, uint32_t x1, double *mean)
 {
@@ -77,7 +72,7 @@ static double error_of(const Image *image, Level *level, uint32_t x0, uint32_t x
     for (uint32_t y = 0; y < HEIGHT; y++)
         for (uint32_t x = x0; x < x1; x++)
             for (int k = 0; k < 3; k++) {
-                double off = (double)pixel_of(image, x, y)[k] / (double)level(x, y) - 1;
+                double off = (double)image_at(image, x, y)[k] / (double)level(x, y) - 1;
                 squares += off * off / n;
                 sum += off / n;
             }
@@ -154,7 +149,7 @@ static void what_has_no_noise_stays(void **state)
     run(&films, whole);
     for (uint32_t y = 0; y < HEIGHT; y++)
         for (uint32_t x = 0; x < WIDTH; x++)
-            for (int k = 0; k < 3; k++) assert_near(pixel_of(&films.image, x, y)[k], checkered(x, y), 1e-6);
+            for (int k = 0; k < 3; k++) assert_near(image_at(&films.image, x, y)[k], checkered(x, y), 1e-6);
     end(&films);
 }
 
@@ -168,7 +163,7 @@ static void only_the_area_is_changed(void **state)
     for (uint32_t y = 0; y < HEIGHT; y++)
         for (uint32_t x = 0; x < WIDTH; x++) {
             bool inside = x >= area[0] && x < area[2] && y >= area[1] && y < area[3];
-            assert_true((pixel_of(&films.image, x, y)[0] != pixel_of(&films.noisy, x, y)[0]) == inside);
+            assert_true((image_at(&films.image, x, y)[0] != image_at(&films.noisy, x, y)[0]) == inside);
         }
     end(&films);
 }
@@ -183,10 +178,10 @@ static void what_is_unlike_is_kept_apart(void **state)
     film_forget_row(&films.film, 30, 31, 20);
     for (int i = 0; i < DENOISE_LEAST_SAMPLES - 1; i++) (void)film_add(&films.film, 30, 20, few, 1);
     run(&films, whole);
-    for (int k = 0; k < 3; k++) assert_true(pixel_of(&films.image, 30, 20)[k] == 9);
+    for (int k = 0; k < 3; k++) assert_true(image_at(&films.image, 30, 20)[k] == 9);
     for (uint32_t y = 0; y < HEIGHT; y++)
         for (uint32_t x = 0; x < WIDTH; x++)
-            if (x != 30 || y != 20) assert_true(pixel_of(&films.image, x, y)[0] < 1);
+            if (x != 30 || y != 20) assert_true(image_at(&films.image, x, y)[0] < 1);
     end(&films);
 }
 
@@ -239,7 +234,7 @@ static void rendered(void **state)
         for (uint32_t x = 0; x < SIZE; x++)
             for (int i = 0; i < 3; i++) {
                 double of[ALL];
-                for (int k = 0; k < ALL; k++) means[k] += of[k] = (double)pixel_of(&images[k], x, y)[i];
+                for (int k = 0; k < ALL; k++) means[k] += of[k] = (double)image_at(&images[k], x, y)[i];
                 double weight = 1 / (of[2] * of[3] + 0.01);
                 for (int k = 0; k < 2; k++) squares[k] += (of[k] - of[2]) * (of[k] - of[3]) * weight;
             }

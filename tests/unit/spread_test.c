@@ -77,16 +77,11 @@ static void end(Films *films)
     bright_film_clear(&films->bright);
 }
 
-static const float *pixel_of(const Image *image, uint32_t x, uint32_t y)
-{
-    return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
-}
-
 static float brightest(const Image *image)
 {
     float most = 0;
     for (uint32_t y = 0; y < SIDE; y++)
-        for (uint32_t x = 0; x < SIDE; x++) most = fmaxf(most, pixel_of(image, x, y)[1]);
+        for (uint32_t x = 0; x < SIDE; x++) most = fmaxf(most, image_at(image, x, y)[1]);
     return most;
 }
 
@@ -111,11 +106,11 @@ static void a_lone_sample_is_spread(void **state)
     fill(&films, 63);
     add(&films, MIDDLE - 2, 20, (float[]){500, 90, 4}, left_and_right(0));
     resolve(&films, whole);
-    const float *dot = pixel_of(&films.kept, MIDDLE - 2, 20), *after = pixel_of(&films.spread, MIDDLE - 2, 20);
+    const float *dot = image_at(&films.kept, MIDDLE - 2, 20), *after = image_at(&films.spread, MIDDLE - 2, 20);
     assert_true(dot[0] > 7 && after[0] < 0.4f && after[1] < 0.25f);
     assert_true(brightest(&films.spread) < 0.25f);
     for (int c = 0; c < 3; c++) assert_true(after[c] > 0.1f);
-    const float *beside = pixel_of(&films.kept, MIDDLE - 4, 20), *later = pixel_of(&films.spread, MIDDLE - 4, 20);
+    const float *beside = image_at(&films.kept, MIDDLE - 4, 20), *later = image_at(&films.spread, MIDDLE - 4, 20);
     assert_true(beside[4] > 0.1f && later[4] < 0.03f && later[4] > 0.004f && after[4] < 0.03f); /* noise.Y */
     assert_int_equal(films.way.samples, 1);
     assert_near(films.way.light, 594. / 3 / 64 / (SIDE * SIDE * 0.15), 0.05 * films.way.light);
@@ -194,7 +189,7 @@ static void colours_make_up_for_each_other(void **state)
     for (int c = 0; c < 3; c++) assert_true(fabs(all[c]) < 1e-6 * SIDE * SIDE);
     for (uint32_t y = SIDE / 4; y < SIDE * 3 / 4; y++)
         for (uint32_t x = SIDE / 4; x < SIDE * 3 / 4; x++) {
-            const float *is = pixel_of(&films.spread, x, y);
+            const float *is = image_at(&films.spread, x, y);
             double mean = (double)(is[0] + is[1] + is[2]) / 3;
             light += mean * mean;
             for (int c = 0; c < 3; c++) apart += ((double)is[c] - mean) * ((double)is[c] - mean) / 3;
@@ -221,7 +216,7 @@ static void no_hole_is_left(void **state)
     resolve(&films, whole);
     assert_int_equal(films.way.samples, 2);
     for (uint32_t x = 12; x < 14; x++) {
-        float kept = pixel_of(&films.kept, x, 20)[1], after = pixel_of(&films.spread, x, 20)[1];
+        float kept = image_at(&films.kept, x, 20)[1], after = image_at(&films.spread, x, 20)[1];
         assert_true(kept > 1.5f && after > 0.98f && after < 1.05f);
     }
     double all[3], right[3];
@@ -242,9 +237,9 @@ static void what_is_thin_stays_thin(void **state)
     resolve(&films, whole);
     assert_true(films.way.samples > 0);
     for (uint32_t x = 8; x < 16; x++) {
-        float on = pixel_of(&films.spread, x, 20)[1];
+        float on = image_at(&films.spread, x, 20)[1];
         for (uint32_t y = 18; y <= 22; y++)
-            assert_true(y == 20 || pixel_of(&films.spread, x, y)[1] < (y == 19 || y == 21 ? 0.2f : 0.1f) * on);
+            assert_true(y == 20 || image_at(&films.spread, x, y)[1] < (y == 19 || y == 21 ? 0.2f : 0.1f) * on);
     }
     end(&films);
 }
@@ -285,7 +280,7 @@ static void nothing_goes_to_nothing(void **state)
     assert_int_equal(films.way.samples, 1);
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = MIDDLE + 1; x < SIDE; x++)
-            assert_memory_equal(pixel_of(&films.kept, x, y), pixel_of(&films.spread, x, y), 4 * sizeof(float));
+            assert_memory_equal(image_at(&films.kept, x, y), image_at(&films.spread, x, y), 4 * sizeof(float));
     double edge = films.way.pixels[30 * SIDE + MIDDLE].rgb[0], inner = films.way.pixels[30 * SIDE + MIDDLE - 2].rgb[0];
     assert_near(edge, inner / 4, 0.1 * inner);
     end(&films);
@@ -429,7 +424,7 @@ static void order_and_area(void **state)
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
             bool inside = x >= area[0] && x < area[2] && y >= area[1] && y < area[3];
-            bool same = memcmp(pixel_of(&films.kept, x, y), pixel_of(&films.spread, x, y), 4 * sizeof(float)) == 0;
+            bool same = memcmp(image_at(&films.kept, x, y), image_at(&films.spread, x, y), 4 * sizeof(float)) == 0;
             assert_true(inside || same);
         }
     end(&films);
@@ -500,7 +495,7 @@ static void what_scatters_in_something_clear_stays_there(void **state)
         for (int y = 0; y < WIDTH; y++)
             for (int x = 0; x < WIDTH; x++) {
                 double distance = hypot(x - WIDTH / 2 + 0.5, y - WIDTH / 2 + 0.5) / WIDTH;
-                sums[k][distance < 0.26] += (double)pixel_of(&image, (uint32_t)x, (uint32_t)y)[1];
+                sums[k][distance < 0.26] += (double)image_at(&image, (uint32_t)x, (uint32_t)y)[1];
             }
         image_clear(&image);
     }
@@ -531,11 +526,11 @@ static void next_to_nothing_draws_no_light(void **state)
         double kept = 0, spread = 0, mean = 0;
         for (uint32_t y = 4; y < SIDE - 4; y++)
             for (uint32_t x = 4; x < SIDE - 4; x++)
-                mean += (double)pixel_of(&films.kept, x, y)[1] / ((SIDE - 8) * (SIDE - 8));
+                mean += (double)image_at(&films.kept, x, y)[1] / ((SIDE - 8) * (SIDE - 8));
         for (uint32_t y = 4; y < SIDE - 4; y++)
             for (uint32_t x = 4; x < SIDE - 4; x++) {
-                kept += pow((double)pixel_of(&films.kept, x, y)[1] - mean, 2);
-                spread += pow((double)pixel_of(&films.spread, x, y)[1] - mean, 2);
+                kept += pow((double)image_at(&films.kept, x, y)[1] - mean, 2);
+                spread += pow((double)image_at(&films.spread, x, y)[1] - mean, 2);
             }
         assert_true(spread < 0.8 * kept);
         assert_true(brightest(&films.spread) < 1.6f * (float)mean);
