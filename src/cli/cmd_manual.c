@@ -154,7 +154,7 @@ static void print_exit_statuses(Buf *out)
 static void print_node_flags(const NodeType *node, Buf *out)
 {
     if (node->flags & NODE_NAMED) buf_add(out, "It needs a name to be used by.\n");
-    if (node->flags & NODE_SINGLE) buf_add(out, "Settings: a later one adds to and overrides an earlier one.\n");
+    if (node->flags & NODE_SINGLE) buf_add(out, "Settings, once in a file; a later one adds to and overrides an earlier one.\n");
     if (node->flags & NODE_TRANSFORMS) buf_add(out, "It can be transformed.\n");
     if (node->flags & NODE_CHILDREN) buf_add(out, "It holds other nodes.\n");
 }
