@@ -38,6 +38,11 @@ enum { BESIDE = 2 };
 #define TINTED 6.0
 /* Of what a usual pixel gets, the part that a black one does. */
 #define TO_BLACK (1 / 6.0)
+/* Of a disc's reach: how far the middle of what it gives may be off its own where it counts as whole, the rest being seen less
+ * than the texture that it is then found in, and how well an edge is found; and what an edge leaves of a disc at least. */
+#define WHOLE 0.02
+#define EDGE_FOUND 0.005
+#define LEAST_LEFT 0.5
 /* Rows that a thread gathers at a time. */
 enum { BAND = 16 };
 
@@ -54,6 +59,8 @@ typedef struct Looks {
 typedef struct Way {
     uint32_t x;
     uint8_t kept, radius;   /* which of its pixel's it is */
+    bool mirrored;          /* at an edge that cuts its disc: see find_image */
+    float image[2];         /* from the sample to its image behind that edge, in columns and rows */
     double part;            /* of the sample, what goes */
     double crowding, usual; /* see find_crowding */
     double weights;         /* of all pixels together */
@@ -280,6 +287,7 @@ static Square square_around(const Lone *lone, int radius)
 typedef struct Around {
     double weights, light;                         /* of weights, and by these of what pixels have without it */
     double weights_by_distance, light_by_distance; /* the same, times the distance squared */
+    double middle[2], middle_by_distance[2];       /* weights times columns and rows from the sample, and times both */
     uint32_t alike;                                /* comparable samples in the square */
 } Around;
 
@@ -312,7 +320,7 @@ static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint3
     if (span->x0 >= span->x1) return;
     size_t first = place_in(maps->area, span->x0, y);
     weights_of(&maps->looks, lone, first, span->x1 - span->x0, weights);
-    Around sum = *sums;
+    Around sum = {0};
     double dx = (double)span->x0 - lone->x;
     for (uint32_t i = 0; i < span->x1 - span->x0; i++, dx++) {
         double distance = dx * dx + dy * dy, weight = weights[i];
@@ -321,8 +329,17 @@ static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint3
         sum.light += light;
         sum.weights_by_distance += weight * distance;
         sum.light_by_distance += light * distance;
+        sum.middle[0] += weight * dx;
+        sum.middle_by_distance[0] += weight * distance * dx;
     }
-    *sums = sum;
+    sums->weights += sum.weights;
+    sums->light += sum.light;
+    sums->weights_by_distance += sum.weights_by_distance;
+    sums->light_by_distance += sum.light_by_distance;
+    sums->middle[0] += sum.middle[0];
+    sums->middle_by_distance[0] += sum.middle_by_distance[0];
+    sums->middle[1] += sum.weights * dy;
+    sums->middle_by_distance[1] += sum.weights_by_distance * dy;
 }
 
 /* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough. */
@@ -342,9 +359,41 @@ static void look_farther(const Maps *maps, const Lone *lone, int inner, int oute
     }
 }
 
+/* A disc of radius 1, weighted by nearness, of which an edge cuts all beyond a distance from its middle, 0 to 1: what is left, and
+ * how far the middle of that is from the disc's. */
+static double left_of_edge(double distance, double *middle)
+{
+    double squared = 1 - distance * distance, root = sqrt(squared);
+    double left = asin(1) / 2 + distance * squared * root / 3 + (distance * root + asin(distance)) / 2;
+    *middle = 4 / 15.0 * squared * squared * root / left;
+    return left / asin(1);
+}
+
+/* Where a thing or the picture ends within a disc, pixels there would get less than others: they are in fewer discs, though each
+ * of those that are cut gives more to what is left of it. So a disc is folded at the edge, as if the sample had an image behind
+ * it: what is even stays so, to a straight edge. The edge is where it has to be for the middle of what the disc gives to be where
+ * it is; through the sample itself, where that is not enough: nothing is folded then, as in the middle of what is small.
+ * The part of the disc that is left. */
+static double find_image(const Around *sums, int radius, Way *way)
+{
+    double end = end_of(radius), reach = sqrt(end), middle[2], near = 0, far = 1, beside;
+    for (int i = 0; i < 2; i++) middle[i] = (sums->middle[i] - sums->middle_by_distance[i] / end) / way->weights;
+    double away = sqrt(middle[0] * middle[0] + middle[1] * middle[1]) / reach;
+    left_of_edge(0, &beside);
+    way->mirrored = away > WHOLE && away < beside;
+    if (!way->mirrored) return away > WHOLE ? LEAST_LEFT : 1;
+    while (far - near > EDGE_FOUND) {
+        double distance = (near + far) / 2;
+        left_of_edge(distance, &beside);
+        *(beside > away ? &near : &far) = distance;
+    }
+    for (int i = 0; i < 2; i++) way->image[i] = (float)(-2 * near * middle[i] / away);
+    return left_of_edge(near, &beside);
+}
+
 /* How far a sample is spread, and what pixels get together. One that would be more than faint wherever it goes, alone, is less of
  * a blemish where it is: 0. */
-static int find_radius(const Maps *maps, const Lone *lone, double *weights)
+static int find_radius(const Maps *maps, const Lone *lone, Way *way)
 {
     Around sums = {0};
     int radius = -1;
@@ -355,13 +404,17 @@ static int find_radius(const Maps *maps, const Lone *lone, double *weights)
         look_farther(maps, lone, radius, next, enough, &sums);
         radius = next;
         double end = end_of(radius);
-        *weights = sums.weights - sums.weights_by_distance / end;
-        if (sums.alike >= enough) return radius;
-        double plain = (sums.light - sums.light_by_distance / end) / *weights;
-        alone = lone->seen * own / (*weights * fmin(lone->reference, plain)); /* what the sample adds where it is */
-        if (sums.alike * alone <= UNSEEN) return radius;
+        way->weights = sums.weights - sums.weights_by_distance / end;
+        double plain = (sums.light - sums.light_by_distance / end) / way->weights;
+        alone = lone->seen * own / (way->weights * fmin(lone->reference, plain)); /* what the sample adds where it is */
+        bool unseen = sums.alike * alone <= UNSEEN;
+        if (!unseen && sums.alike < LEAST_LEFT * enough) continue;
+        double left = find_image(&sums, radius, way);
+        if (unseen || sums.alike >= left * enough) return radius;
     }
-    return alone > FAINT ? 0 : radius;
+    if (alone > FAINT) return 0;
+    (void)find_image(&sums, radius, way);
+    return radius;
 }
 
 /* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
@@ -402,6 +455,14 @@ static double crowd(const Maps *maps, const Lone *lone, const Way *way, uint32_t
     return (1 + way->crowding * count_alike(maps, lone, x, y)) / (1 + way->crowding * expected);
 }
 
+/* What of a sample's image behind an edge reaches to beside the sample. */
+static double nearness_of_image(const Way *way, double dx, double dy)
+{
+    double x = dx - (double)way->image[0], y = dy - (double)way->image[1];
+    double near = nearness(x * x + y * y, way->radius);
+    return near > 0 ? near : 0;
+}
+
 /* What pixels of a row, as far as the sample's disc holds them, get of it. */
 static Span weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
 {
@@ -412,7 +473,11 @@ static Span weights_of_row(const Maps *maps, const Lone *lone, const Way *way, u
     uint32_t x0 = spans[0].x0, n = spans[0].x1 - x0;
     weights_of(&maps->looks, lone, place_in(maps->area, x0, y), n, weights);
     double dx = (double)x0 - lone->x;
-    for (uint32_t i = 0; i < n; i++, dx++) weights[i] = nearness(dx * dx + dy * dy, way->radius) * weights[i];
+    if (way->mirrored)
+        for (uint32_t i = 0; i < n; i++, dx++)
+            weights[i] *= nearness(dx * dx + dy * dy, way->radius) + nearness_of_image(way, dx, dy);
+    else
+        for (uint32_t i = 0; i < n; i++, dx++) weights[i] *= nearness(dx * dx + dy * dy, way->radius);
     for (uint32_t i = 0; way->crowding > 0 && i < n; i++)
         if (weights[i] > 0) weights[i] *= crowd(maps, lone, way, x0 + i, y);
     return spans[0];
@@ -468,14 +533,14 @@ static void find_shares(const Maps *maps, Lone *lone)
 /* Where a sample goes, if it does. */
 static bool find_way(const Maps *maps, const Lone *lone, Way *way)
 {
-    int radius = find_radius(maps, lone, &way->weights);
+    int radius = find_radius(maps, lone, way);
     way->radius = (uint8_t)radius;
     if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
-    if (!(way->crowding > 0)) return radius > 0;
+    if (radius == 0 || (!(way->crowding > 0) && !way->mirrored)) return radius > 0;
     way->weights = 0;
     Square square = square_around(lone, radius);
     for (uint32_t y = square.y0; y < square.y1; y++) {
-        double weights[2 * NEAR + 1];
+        double weights[2 * FARTHEST + 1];
         Span span = weights_of_row(maps, lone, way, y, weights);
         for (uint32_t i = 0; i < span.x1 - span.x0; i++) way->weights += weights[i];
     }
