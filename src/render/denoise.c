@@ -22,6 +22,13 @@ enum { WINDOW = 10, PATCH = 3, BORDER = WINDOW + PATCH };
 #define MORE_NOISE 3.0f
 /* A pixel's own noise, against that of those around it. */
 #define OWN_NOISE 0.11f
+/* The noise that is stated counts as far as this many times the square of what a pixel's own samples say: what is beside a dot has
+ * the noise of it stated, and would take it for its like. */
+#define HELD 4.0f
+/* By how much two pixels themselves may differ: what one sample in many has found is not in their squares' mean. And how soon they
+ * are too far apart, beyond that. */
+#define CHANCE 9.0f
+#define TOO_FAR (1 / 8.0f)
 /* Differences below this part of the colours are not seen. */
 #define UNSEEN 0.002f
 /* By how much what is met first may differ: an albedo, a normal, a distance in relation to itself. */
@@ -31,6 +38,8 @@ enum { WINDOW = 10, PATCH = 3, BORDER = WINDOW + PATCH };
 /* Changes are made up to this many times what those around a pixel say that pays: see settle. */
 #define CHANGES_PAID 1.5f
 enum { CHANGES_AROUND = 4 };
+/* A single pixel counts with so many times of what it gains, at most, so that a dot does not keep the noise around it. */
+#define CHANGED_MOST 32.0f
 /* Squared distances are held at this: nothing is left of a weight long before. */
 #define FAR 64.0f
 /* Around a pixel, for how the noise of its colours goes with that of its luminance. */
@@ -113,7 +122,16 @@ static void blur(const Planes *planes, int map, uint32_t radius)
     memcpy(from, mean, (size_t)planes->width * planes->height * sizeof *from);
 }
 
-/* How the noise of each colour goes with that of the luminance, around each pixel: in the first maps. */
+/* By a pixel's own samples. What a film states of its noise is that of those around it. */
+static float own_error(const Film *film, uint32_t x, uint32_t y)
+{
+    double mean, standard_error;
+    film_luminance(film_pixel(film, x, y), &mean, &standard_error);
+    return (float)fmax(standard_error, 0);
+}
+
+/* How the noise of each colour goes with that of the luminance, around each pixel: in the first maps. Noisier pixels count more, but
+ * only by their error, not its square: a dot of one colour would speak for all around it. */
 static void fill_color_noise(const Planes *planes, const Film *film, const uint32_t area[4])
 {
     const float least = 1e-20f;
@@ -121,7 +139,8 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
         for (uint32_t x = 0; x < planes->width; x++) {
             float squared[4];
             film_squared_errors(film, area[0] + x, area[1] + y, squared);
-            for (int k = 0; k < 4; k++) planes->maps[k][(size_t)y * planes->width + x] = squared[k];
+            float scale = 1 / float_max(own_error(film, area[0] + x, area[1] + y), least);
+            for (int k = 0; k < 4; k++) planes->maps[k][(size_t)y * planes->width + x] = squared[k] * scale;
         }
     for (int k = 0; k < 4; k++) blur(planes, k, COLORS_AROUND);
     const float *luminance = planes->maps[3];
@@ -138,7 +157,8 @@ static void fill_noise(const Planes *planes, const Film *film, const uint32_t ar
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++) {
             uint32_t x = area[0] + (uint32_t)(i % planes->width), y = area[1] + (uint32_t)(i / planes->width);
             float error = image_at(image, x, y)[channel];
-            noise[i] = error * error * planes->maps[k][i];
+            float own = own_error(film, x, y);
+            noise[i] = float_min(error * error, HELD * own * own) * planes->maps[k][i];
         }
         mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around);
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++)
@@ -222,7 +242,9 @@ static void take(const Planes *planes, ptrdiff_t at, ptrdiff_t offset, Tile *til
         for (int x = 0; x < TILE_X; x++) {
             float sum = 0;
             for (int k = 0; k <= 2 * PATCH; k++) sum += tile->rows[y + k][x];
-            weights[x] = shape(float_max(float_max(sum * mean, 0), guides[x])) * planes->plane[PLANE_VALID][other + x];
+            float center = (tile->apart[y + PATCH][x + PATCH] - CHANCE) * TOO_FAR;
+            weights[x] = shape(float_max(float_max(sum * mean, center), float_max(guides[x], 0))) *
+                         planes->plane[PLANE_VALID][other + x];
         }
         for (int k = 0; k < 3; k++) {
             const float *color = planes->plane[PLANE_RED + k] + other;
@@ -248,7 +270,7 @@ static void put_tile(const Planes *planes, uint32_t x0, uint32_t y0, const Tile 
                     planes->plane[PLANE_NOISE + k][at] * (1 - 1 / weights); /* 1: the weight of the pixel itself */
             }
             planes->maps[MAP_GAINED][i] = gained;
-            planes->maps[MAP_CHANGED][i] = changed;
+            planes->maps[MAP_CHANGED][i] = float_min(changed, CHANGED_MOST * gained);
         }
 }
 
