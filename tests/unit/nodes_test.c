@@ -106,6 +106,7 @@ static void hints_name_what_there_is(void **state)
 #define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
+#define HABIT_IMPORT(word)
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
@@ -120,8 +121,8 @@ static void hints_name_what_there_is(void **state)
     };
     assert_true(COUNT_OF(hints) > 80);
     for (size_t i = 0; i < COUNT_OF(hints); i++)
-        for (const char *name = hints[i].names; *name; name += strspn(name, "* ")) {
-            size_t length = strcspn(name, "* ");
+        for (const char *name = hints[i].names; *name; name += strspn(name, "*+ ")) {
+            size_t length = strcspn(name, "*+ ");
             if (!is_property(hints[i].node, name, length))
                 fail_msg("no property '%.*s' of '%s'", (int)length, name, hints[i].node);
             name += length;
