@@ -120,10 +120,10 @@ static bool range_allows(const Value *range, const Value *value)
     return false;
 }
 
-static const char *text_of(Evaluator *evaluator, const Value *value, bool quoted)
+static const char *text_of(Evaluator *evaluator, const Value *value)
 {
     Buf text = {0};
-    value_print(&text, value, quoted);
+    value_print(&text, value, VALUE_QUOTED | VALUE_ROUNDED);
     const char *copy = arena_copy_text(evaluator->arena, buf_text(&text), text.length);
     buf_clear(&text);
     return copy;
@@ -146,12 +146,12 @@ static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Val
 {
     Value range;
     if (!stmt->as.bind.range || !range_of_param(evaluator, stmt->as.bind.range, &range)) return NULL;
-    const char *bounds = text_of(evaluator, &range, true);
+    const char *bounds = text_of(evaluator, &range);
     if (range.kind == VALUE_RANGE && stmt->as.bind.range->kind == EXPR_RANGE && range.as.range.n == 2)
         bounds = arena_format(evaluator->arena, "%g..%g", range.as.range.first, range.as.range.first + range.as.range.step);
     if (value->kind != VALUE_POISON && !range_allows(&range, value))
         eval_report(evaluator, D_VALUE_OUT_OF_RANGE, span, "parameter '%s' is %s, outside of %s", stmt->as.bind.name->text,
-                    text_of(evaluator, value, true), bounds);
+                    text_of(evaluator, value), bounds);
     return bounds;
 }
 
@@ -160,7 +160,7 @@ static void record_param(Evaluator *evaluator, const Stmt *stmt, const Value *va
     if (!ARRAY_ROOM(evaluator->params, evaluator->param_capacity, evaluator->n_params)) return;
     evaluator->params[evaluator->n_params++] =
         (EvalParam){.name = stmt->as.bind.name->text, .doc = stmt->as.bind.doc, .span = stmt->as.bind.name_span,
-                    .value = text_of(evaluator, value, true), .type = value_describe(evaluator->arena, value),
+                    .value = text_of(evaluator, value), .type = value_describe(evaluator->arena, value),
                     .range = range};
 }
 

@@ -196,7 +196,7 @@ static bool wrong_type(const Check *check, const Value *value)
 static const char *number_text(Arena *arena, double number)
 {
     char text[NUM_TEXT_SIZE];
-    return arena_copy_text(arena, text, num_print(number, text));
+    return arena_copy_text(arena, text, num_print_rounded(number, text));
 }
 
 const char *schema_bounds_text(Arena *arena, const PropType *type)
@@ -229,13 +229,24 @@ static void hint_bytes(const Check *check, const double *numbers, size_t n, Diag
               (unsigned)numbers[0], (unsigned)numbers[1], (unsigned)numbers[2]);
 }
 
+/* A number that a property does not take, in all of its digits where it misses what is taken by a few of them. */
+static const char *refused_text(Arena *arena, const PropType *type, double number)
+{
+    const char *text = number_text(arena, number);
+    char exact[NUM_TEXT_SIZE];
+    if (type->kind != PROP_INTEGER && strcmp(text, number_text(arena, type->min)) != 0 &&
+        strcmp(text, number_text(arena, type->max)) != 0)
+        return text;
+    return arena_copy_text(arena, exact, num_print(number, exact));
+}
+
 static bool check_numbers(const Check *check, const double *numbers, size_t n)
 {
     const PropType *type = check->type;
     for (size_t i = 0; i < n; i++) {
         if (number_allowed(type, numbers[i]) && (type->kind != PROP_INTEGER || numbers[i] == floor(numbers[i]))) continue;
         Arena *arena = check->evaluator->arena;
-        const char *text = number_text(arena, numbers[i]);
+        const char *text = refused_text(arena, type, numbers[i]);
         if (!isfinite(numbers[i]))
             eval_error(check->evaluator, check->expr, D_BAD_NUMBER, "'%s' is not finite", type->name);
         else if (!number_allowed(type, numbers[i]))
