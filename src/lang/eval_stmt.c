@@ -36,8 +36,10 @@ static void call_stmt(Evaluator *evaluator, Stmt *stmt)
     if (block && call->kind != EXPR_POISON) {
         Diagnostic *report = eval_report(evaluator, D_NOT_A_MACRO, call->span, "'%s' is no macro and takes no block",
                                          call->as.call.name);
-        if (value.kind != VALUE_TRANSFORM) return;
-        diag_hint(evaluator->diag, report, "write: group { %s(...)  ... }", call->as.call.name);
+        if (value.kind == VALUE_TRANSFORM)
+            diag_hint(evaluator->diag, report, "write: group { %s(...)  ... }", call->as.call.name);
+        else if (value.kind == VALUE_NODE)
+            diag_hint(evaluator->diag, report, "write: let object = %s(...)  object { ... }", call->as.call.name);
     } else if (value.kind == VALUE_TRANSFORM) {
         eval_apply_transform(evaluator, value.as.transform, stmt->span);
         /* one that was made for this statement is of no more use: instances may be many */
