@@ -5,6 +5,7 @@
 
 #include "base/array.h"
 #include "lang/evaluator.h"
+#include "lang/lex.h"
 
 /* ---- transforms ---- */
 
@@ -81,6 +82,41 @@ static Define *define_of(Evaluator *evaluator, const char *name)
     return NULL;
 }
 
+/* The unit of what an expression of literals measures, by the first of them that has one; NULL: none, or it is not plain. */
+static const UnitType *unit_of_literal(const Expr *expr)
+{
+    const UnitType *unit = NULL, *other;
+    switch (expr->kind) {
+    case EXPR_CONSTANT: return expr->as.constant.unit;
+    case EXPR_NEGATE:
+    case EXPR_PLUS: return unit_of_literal(expr->as.op.a);
+    case EXPR_RANGE:
+    case EXPR_ADD:
+    case EXPR_SUBTRACT: unit = unit_of_literal(expr->as.op.a); return unit ? unit : unit_of_literal(expr->as.op.b);
+    case EXPR_MULTIPLY:
+        unit = unit_of_literal(expr->as.op.a), other = unit_of_literal(expr->as.op.b);
+        return !unit ? other : other ? NULL : unit;
+    case EXPR_VECTOR:
+    case EXPR_LIST:
+        for (uint32_t i = 0; !unit && i < expr->as.list.n; i++) unit = unit_of_literal(expr->as.list.items[i]);
+        return unit;
+    default: return NULL;
+    }
+}
+
+/* A parameter measures what its default does, or its range: -D may not give it a unit of another kind. */
+static bool unit_fits(Evaluator *evaluator, const Stmt *stmt, const Define *define)
+{
+    const UnitType *wanted = unit_of_literal(stmt->as.bind.value), *given = unit_of_literal(define->expr);
+    if (!wanted && stmt->as.bind.range) wanted = unit_of_literal(stmt->as.bind.range);
+    if (!wanted || !given || wanted->measure == given->measure) return true;
+    Diagnostic *report =
+        eval_report(evaluator, D_WRONG_UNIT, define->expr->span, "parameter '%s' is %s, not %s",
+                    stmt->as.bind.name->text, unit_measure_text(wanted->measure), unit_measure_text(given->measure));
+    diag_note(evaluator->diag, report, stmt->as.bind.name_span, "declared here");
+    return false;
+}
+
 /* The value that -D gives. A bare word counts as a string when one is wanted: shells eat quotes. */
 static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value *value)
 {
@@ -90,7 +126,7 @@ static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value 
         given = value_text(define->expr->as.name.symbol->text);
     else if (define->expr->kind == EXPR_NAME)
         eval_value(evaluator, define->expr, &given);
-    if (given.kind == VALUE_POISON) return false;
+    if (given.kind == VALUE_POISON || !unit_fits(evaluator, stmt, define)) return false;
     bool grey = given.kind == VALUE_NUMBER && value->kind == VALUE_COLOR;
     bool fits = given.kind == value->kind || grey || value->kind == VALUE_NONE || stmt->as.bind.type;
     if (!fits) {
