@@ -13,6 +13,7 @@
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
 #define HABIT_IMPORT(word)
+#define HABIT_HOLDS(node)
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
@@ -87,6 +88,14 @@ static const WordRow import_rows[] = {
 #include "lang/habits.def"
 #undef HABIT_IMPORT
 #define HABIT_IMPORT(word)
+};
+
+static const WordRow holder_rows[] = {
+#undef HABIT_HOLDS
+#define HABIT_HOLDS(node) {#node, #node},
+#include "lang/habits.def"
+#undef HABIT_HOLDS
+#define HABIT_HOLDS(node)
 };
 
 static const WordRow word_rows[] = {
@@ -204,6 +213,10 @@ bool habit_is_type(const char *word)
 bool habit_is_function(const char *word)
 {
     return find(function_rows, COUNT_OF(function_rows), word) != NULL;
+}
+bool habit_holds_nodes(const char *node)
+{
+    return find(holder_rows, COUNT_OF(holder_rows), node) != NULL;
 }
 bool habit_is_import(const char *word)
 {

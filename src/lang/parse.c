@@ -162,13 +162,13 @@ static Stmt *parse_bind(Parser *parser)
     stmt->as.bind.variable = parser->token.kind == TOKEN_VAR;
     advance(parser);
     if (!expect_name(parser, "to declare", &stmt->as.bind.name, &stmt->as.bind.name_span)) return NULL;
-    stmt->as.bind.name->declared = SYMBOL_VALUE;
     if (parser->token.kind == TOKEN_CHANGE) {
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "':=' changes a var that is declared already");
     }
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */
+    if (stmt->as.bind.value->kind == EXPR_NODE) stmt->as.bind.name->declared = SYMBOL_NODE;
     return stmt;
 }
 
@@ -243,7 +243,7 @@ Stmt *parse_def(Parser *parser, Span begin, bool reports_body)
     else if (parser->panic || parser->token.kind == TOKEN_BRACE_OPEN)
         def->block = parse_node_block(parser, NULL);
     else
-        parse_bodiless_def(parser, reports_body);
+        def->body = parse_bodiless_def(parser, head, reports_body);
     return stmt;
 }
 
@@ -347,6 +347,7 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
     }
     parser->no_blocks = no_blocks;
     parser->brackets -= !bare;
+    if (bare && report) parser->calm = 0; /* that braces are missing, too, is the same mistake */
 }
 
 /* flow = ifs | "for" "(" name "in" expr ")" block | "while" "(" expr ")" block ; */
@@ -466,7 +467,7 @@ static Stmt *parse_node(Parser *parser, Path path)
     NodeExpr *node = stmt->as.node = ARENA_NEW(parser->arena, NodeExpr);
     node->path = path;
     if (parser->token.kind == TOKEN_NAME && expect_name(parser, "", &node->name, &node->name_span))
-        node->name->declared = SYMBOL_VALUE;
+        node->name->declared = SYMBOL_NODE;
     node->block = parse_node_block(parser, preset ? NULL : path.names[path.n - 1]->text);
     return stmt;
 }

@@ -407,7 +407,10 @@ void parse_member_change(Parser *parser, Path path)
         const char *part = is_color ? color[i] : vector[i];
         parts[i] = strcmp(member, part) == 0 ? value : arena_format(parser->arena, "%s.%s", name, part);
     }
-    if (known && path.n == 2)
+    if (!known && path.n == 2 && (!member[strspn(member, "xyzw")] || !member[strspn(member, "rgb")]))
+        diag_hint(parser->diag, report, "write: %s := ..., a new %s", name,
+                  strchr("rgb", *member) ? "colour" : "vector");
+    else if (known && path.n == 2)
         diag_hint(parser->diag, report, is_color ? "write: %s := rgb(%s, %s, %s)" : "write: %s := <%s, %s, %s>", name,
                   parts[0], parts[1], parts[2]);
     else
@@ -492,8 +495,10 @@ static bool parse_bare_instance(Parser *parser, Path path)
     if (declared == SYMBOL_FREE && path.n == 1) return false;
     Diagnostic *report = expected_error(
         parser, arena_format(parser->arena, "%s behind '%s'", declared == SYMBOL_DEF ? "'('" : "'{'", name));
-    if (report && path.n == 1)
-        diag_hint(parser->diag, report, declared == SYMBOL_DEF ? "write: %s()" : "write: %s { }", name);
+    if (report && declared == SYMBOL_DEF && path.n == 1)
+        diag_hint(parser->diag, report, "write: %s()", name);
+    else if (report && parser->node && !habit_holds_nodes(parser->node))
+        diag_hint(parser->diag, report, "write: PROPERTY = %s to use it, %s { } to place it", name, name);
     else if (report)
         diag_hint(parser->diag, report, "write: %s { }", name);
     parser->panic = false;
@@ -585,8 +590,8 @@ void parse_two_names(Parser *parser, Path path)
     if (next == TOKEN_PAREN_OPEN && habit_is_function(first)) {
         Diagnostic *report = report_at(parser, path.span, "'%s' begins nothing here", first);
         const Stmt *stmt = parse_def(parser, path.span, false);
-        bool bodiless = stmt && !stmt->as.def->body && !stmt->as.def->block;
-        diag_hint(parser->diag, report, "write: def %s(...)%s", second, bodiless ? " { ... }" : "");
+        bool block = !stmt || !stmt->as.def->body;
+        diag_hint(parser->diag, report, "write: def %s(...) %s", second, block ? "{ ... }" : "= ...");
         return;
     }
     if (next == TOKEN_ASSIGN && (habit_is_type(first) || nearest) && !lacks_opening_brace(parser)) {
@@ -712,23 +717,45 @@ static void parse_to_end_word(Parser *parser, uint32_t end)
     leave(parser);
 }
 
-/* def name(...), without the '=' or '{'; reports: that has not been said */
-void parse_bodiless_def(Parser *parser, bool reports)
+/* "return x * 2" or "x * 2", up to behind the word that begins there: its text; NULL: there are statements. */
+static const char *value_to_end_word(Parser *parser, uint32_t end)
+{
+    TokenKind next = peek(parser).kind;
+    bool name = parser->token.kind == TOKEN_NAME,
+         returns = name && strcmp(parser->token.as.symbol->text, "return") == 0;
+    bool computed = starts_value(parser) || (name && next >= TOKEN_PLUS && next <= TOKEN_CARET);
+    if (!returns && !computed) return NULL;
+    if (returns) advance(parser);
+    uint32_t begin = parser->token.begin;
+    while (parser->token.begin < end && parser->token.kind != TOKEN_END) advance(parser);
+    const char *value = quote(parser, begin, consumed_end(parser));
+    advance(parser);
+    return value;
+}
+
+Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports)
 {
     uint32_t end = end_word_ahead(parser);
+    Expr *body = expr_new(parser, EXPR_POISON, token_span(parser));
     Diagnostic *report = reports || !end ? expected_error(parser, "'=' or '{' behind the parameters") : NULL;
     if (end) {
-        if (report) diag_hint(parser->diag, report, "a block stands in braces: { ... }");
         parser->panic = false;
+        const char *value = value_to_end_word(parser, end);
+        if (report && value)
+            diag_hint(parser->diag, report, "write: def %s = %s", head, value);
+        else if (report)
+            diag_hint(parser->diag, report, "a block stands in braces: { ... }");
+        if (value) return body;
         parse_to_end_word(parser, end);
-        return;
+        return NULL;
     }
     TokenKind next = peek(parser).kind;
     bool expression = parser->token.kind == TOKEN_NAME && next != TOKEN_BRACE_OPEN && next != TOKEN_NAME &&
                       next != TOKEN_ASSIGN && next != TOKEN_CHANGE;
-    if (expression || starts_value(parser) || !lacks_opening_brace(parser)) return;
+    if (expression || starts_value(parser) || !lacks_opening_brace(parser)) return body;
     parser->panic = false;
     block_without_opening(parser, NULL);
+    return NULL;
 }
 
 /* Behind 'if (...)' and the like, where the '{' is missing: the block up to its '}' or 'end', or one statement. */

@@ -200,7 +200,7 @@ static void resolve_word(Resolver *resolver, Expr *expr)
 /* The name is declared all the same: that it is unknown further down would be the same mistake. */
 static void declare_poison(Resolver *resolver, Symbol *symbol, Span span)
 {
-    if (symbol->binding) return;
+    if (symbol->binding && symbol->binding->has_span) return; /* else it would be one that the language declares */
     scope_declare_slot(resolver, symbol, span);
     symbol->binding->poison = true;
 }
@@ -230,9 +230,12 @@ static void report_free_property(Resolver *resolver, const Stmt *stmt)
     const char *name = stmt->as.prop.name->text;
     const Binding *binding = stmt->as.prop.name->binding;
     Diagnostic *report = diag_report(resolver->diag, D_MISPLACED, stmt->span, "property '%s' outside of a node", name);
-    if (!binding) declare_poison(resolver, stmt->as.prop.name, stmt->span);
+    declare_poison(resolver, stmt->as.prop.name, stmt->span);
     if (binding && binding->kind == BINDING_SLOT && binding->variable)
         diag_hint(resolver->diag, report, "a var is changed by %s := ...", name);
+    else if (binding && binding->poison)
+        diag_hint(resolver->diag, report, "a name that changes is declared by var %s = ..., and changed by %s := ...",
+                  name, name);
     else if (binding && binding->constant)
         diag_hint(resolver->diag, report, "'%s' does not change; declare it by var %s = ..., and change it by %s := ...", name,
                   name, name);
