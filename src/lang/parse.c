@@ -165,6 +165,9 @@ static Stmt *parse_bind(Parser *parser)
     if (parser->token.kind == TOKEN_CHANGE) {
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "':=' changes a var that is declared already");
+    } else if (parser->token.kind == TOKEN_NAME && !first_on_line(parser)) { /* let medium water = ... */
+        Diagnostic *report = expected_error(parser, "'=' behind the name");
+        if (report) diag_hint(parser->diag, report, "write: let %s = ...", parser->token.as.symbol->text);
     }
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */

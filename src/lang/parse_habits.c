@@ -518,7 +518,8 @@ bool parse_name_habit(Parser *parser, Path path)
         parser->panic = false;
         advance(parser);
         const char *value = quote_read(parser, parse_expr);
-        if (!parser->panic) diag_hint(parser->diag, report, "write: %s = %s", word, value);
+        if (!parser->panic)
+            diag_hint(parser->diag, report, "write: %s%s = %s", parser->node ? "" : "let ", word, value);
         return true;
     }
     if (parse_element_habit(parser, path)) return true;
@@ -556,18 +557,23 @@ static void block_without_opening(Parser *parser, const char *node)
     accept(parser, TOKEN_BRACE_CLOSE);
 }
 
-/* "sphere ball = {" */
+/* "sphere ball = {" and "sphere ball = sphere {" */
 static bool parse_assigned_block(Parser *parser, Path path)
 {
     Look look;
     look_from(parser, &look);
-    if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN || lexer_next(&look.lexer).kind != TOKEN_BRACE_OPEN) return false;
+    if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
+    Token behind = lexer_next(&look.lexer);
+    bool again = behind.kind == TOKEN_NAME && behind.as.symbol == path.names[0];
+    if (again) behind = lexer_next(&look.lexer);
+    if (behind.kind != TOKEN_BRACE_OPEN) return false;
     const char *name = parser->token.as.symbol->text;
     advance(parser);
     Diagnostic *report = expected_error(parser, "'{'");
     parser->panic = false;
     diag_hint(parser->diag, report, "write: %s %s { ... }", path.names[0]->text, name);
     advance(parser);
+    if (again) advance(parser);
     const char *outer = parser->node;
     parser->node = path.names[0]->text;
     parse_block(parser);

@@ -202,7 +202,10 @@ static void resolve_name(Resolver *resolver, Expr *expr)
                         binding->kind == BINDING_MODULE ? "a file in use"
                         : binding->def->body            ? "a function"
                                                         : "a macro");
-        if (binding->kind == BINDING_DEF) hint_at_call(resolver, report, binding->def, symbol->text);
+        if (binding->kind == BINDING_DEF)
+            hint_at_call(resolver, report, binding->def, symbol->text);
+        else
+            diag_hint(resolver->diag, report, "write: %s.NAME, of what it declares", symbol->text);
         return;
     }
     if (known_to_be_unknown(resolver, symbol, expr->span)) return;
