@@ -158,10 +158,17 @@ Status file_read(const char *path, size_t limit, char **bytes, size_t *length, E
     return status;
 }
 
-bool file_exists(const char *path)
+FileKind file_kind(const char *path)
 {
     struct stat info;
-    return stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
+    if (stat(path, &info) != 0) return FILE_NONE;
+    return S_ISREG(info.st_mode) ? FILE_REGULAR : S_ISDIR(info.st_mode) ? FILE_FOLDER : FILE_OTHER;
+}
+
+bool file_exists(const char *path)
+{
+    FileKind kind = file_kind(path);
+    return kind != FILE_NONE && kind != FILE_FOLDER;
 }
 
 /* ---- names ---- */

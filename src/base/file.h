@@ -14,7 +14,11 @@
  * than limit bytes (0: no limit). */
 ATTR_NODISCARD Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error);
 
-bool file_exists(const char *path); /* and is no directory */
+/* FILE_OTHER: a pipe, a device or a socket, of which nobody knows whether it ends. */
+typedef enum FileKind { FILE_NONE, FILE_REGULAR, FILE_FOLDER, FILE_OTHER } FileKind;
+
+FileKind file_kind(const char *path); /* links are followed */
+bool file_exists(const char *path);   /* and is no directory */
 /* Do both name one file, however they spell it, or would they, once written? Links are followed. Of pipes and devices only equal
  * spellings do. */
 bool file_same(const char *a, const char *b);

@@ -414,7 +414,20 @@ static size_t print_digits(const Decimal *a, char *out)
     return (size_t)(to - out);
 }
 
-size_t num_print(double value, char out[NUM_TEXT_SIZE])
+/* A decimal number of 15 digits comes out of a double as it was; what a few computations add to a round one stands behind
+ * those, and in front of it there are zeros or nines. */
+static void decimal_drop_noise(Decimal *a)
+{
+    enum { SAFE_DIGITS = 15, ROUND_DIGITS = 12 };
+    Decimal rounded = *a;
+    if (decimal_rounds_up(a, SAFE_DIGITS))
+        decimal_round_up(&rounded, SAFE_DIGITS);
+    else
+        decimal_round_down(&rounded, SAFE_DIGITS);
+    if (rounded.n <= ROUND_DIGITS) *a = rounded;
+}
+
+static size_t print_number(double value, bool noise, char out[NUM_TEXT_SIZE])
 {
     size_t n = 0;
     if (isnan(value)) {
@@ -442,10 +455,21 @@ size_t num_print(double value, char out[NUM_TEXT_SIZE])
         decimal_set(&a, mantissa);
         decimal_shift(&a, exponent - MANTISSA_BITS);
         decimal_shorten(&a, mantissa, exponent);
+        if (!noise) decimal_drop_noise(&a);
         n += print_digits(&a, out + n);
     }
     out[n] = 0;
     return n;
+}
+
+size_t num_print(double value, char out[NUM_TEXT_SIZE])
+{
+    return print_number(value, true, out);
+}
+
+size_t num_print_rounded(double value, char out[NUM_TEXT_SIZE])
+{
+    return print_number(value, false, out);
 }
 
 const char *num_parse_list(const char *text, double *numbers, int n)

@@ -20,5 +20,8 @@ const char *num_parse_list(const char *text, double *numbers, int n);
 
 /* Writes value, terminated, and returns its length: "0.1", "-3", "1e+20" is "1e20", "inf", "-inf", "nan". */
 size_t num_print(double value, char out[NUM_TEXT_SIZE]);
+/* The same for people, without the noise of rounding behind the 15th digit: 92mm in centimetres is 9.2, and not
+ * 9.200000000000001. */
+size_t num_print_rounded(double value, char out[NUM_TEXT_SIZE]);
 
 #endif

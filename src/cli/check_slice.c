@@ -30,6 +30,9 @@ static Status read_plane(CheckSlice *slice, const char *text, Error *error)
         if (end && !*end) return STATUS_OK;
     }
     const char *end = num_parse_list(text, p, 3);
+    if (end && !*end)
+        return fail(error, STATUS_USAGE,
+                    "option '--slice': '%s' is a point: write its plane's normal behind it, as %s:0,1,0", text, text);
     if (end && *end == ':') end = num_parse_list(end + 1, n, 3);
     slice->point = vec3(p[0], p[1], p[2]);
     slice->normal = vec3(n[0], n[1], n[2]);
@@ -94,6 +97,7 @@ Status check_slice_init(CheckSlice *slice, const Options *options, Error *error)
     }
     slice->path = path ? strdup(path) : default_path(options->operands[0]);
     if (!slice->path) return fail_memory(error, 0, "the name of the slice");
+    if (path) TRY(output_check_name(path, error));
     if (path && strcmp(file_extension(path), "png") != 0)
         return fail(error, STATUS_USAGE, "option '--slice-output': '%s' must end in .png", path);
     return STATUS_OK;

@@ -48,7 +48,7 @@ static Status put_out(Formatting *formatting, const Text *text, Error *error)
 {
     const char *path = text->input->path;
     bool check = option_given(formatting->options, OPTION_FMT_CHECK);
-    bool in_place = option_given(formatting->options, OPTION_IN_PLACE) && strcmp(path, "-") != 0;
+    bool in_place = option_given(formatting->options, OPTION_IN_PLACE);
     bool same = text->out.length == text->length && memcmp(buf_text(&text->out), text->bytes, text->length) == 0;
     if (!check && !in_place) return print_out(&text->out, error);
     if (same) return STATUS_OK;
@@ -87,6 +87,9 @@ Status cmd_fmt(const Options *options, const Talk *talk, Error *error)
     bool check = option_given(options, OPTION_FMT_CHECK);
     if (options->n_operands > 1 && !check && !option_given(options, OPTION_IN_PLACE))
         return fail(error, STATUS_USAGE, "more than one scene: give --in-place or --check");
+    for (size_t i = 0; i < options->n_operands && !check && option_given(options, OPTION_IN_PLACE); i++)
+        if (strcmp(options->operands[i], "-") == 0)
+            return fail(error, STATUS_USAGE, "standard input has no place to write to: leave '--in-place' out");
     Status status = STATUS_OK; /* the first thing that goes wrong; the other files are seen to all the same */
     for (size_t i = 0; i < options->n_operands; i++) {
         Error own = {0};

@@ -105,7 +105,10 @@ Status cmd_help(const Options *options, const Talk *talk, Error *error)
     (void)talk;
     Buf out = {0};
     Status status = STATUS_OK;
-    if (option_given(options, OPTION_JSON))
+    if (option_given(options, OPTION_JSON) && options->n_operands)
+        status = fail(error, STATUS_USAGE, "'%s' is one word too many: with '--json' help gives all that there is",
+                      options->operands[0]);
+    else if (option_given(options, OPTION_JSON))
         help_print_json(&out);
     else if (options->n_operands)
         status = explain(options->operands[0], &out, error);

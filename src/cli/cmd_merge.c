@@ -103,9 +103,9 @@ static void summarize(const MergeRun *run)
     const RenderStats *stats = &run->stats;
     uint32_t total = run->merge.parts[0].notes.samples;
     for (size_t i = 0; i < run->n_outputs; i++)
-        talk_event(run->talk, "done", "wrote %s (%u x %u, %u of %u samples, from %zu slice%s)",
+        talk_event(run->talk, "done", "wrote %s (%u x %u, %u of %u sample%s, from %zu slice%s)",
                    strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, run->image.width,
-                   run->image.height, stats->samples, total, run->merge.n, run->merge.n == 1 ? "" : "s");
+                   run->image.height, stats->samples, total, plural(total), run->merge.n, plural(run->merge.n));
 }
 
 static Status merge(MergeRun *run, Error *error)

@@ -37,7 +37,8 @@ static OptionKey find_letter(Command command, char letter)
     return OPTION_COUNT;
 }
 
-/* What writers of POV-Ray's command lines mean, by the letters behind '+' or '-'; meniscus-povray(7) has all of them. */
+/* What writers of POV-Ray's command lines mean, by the letters behind '+' or '-', of which meniscus-povray(7) has all; and
+ * words of other programs. */
 static const struct {
     const char *letters, *instead;
 } habits[] = {
@@ -57,17 +58,37 @@ static const struct {
     {"quality", "-s 32, and more for the last picture"},
     {"A", "-s 256: more samples smooth edges, too"},
     {"antialias", "-s 256: more samples smooth edges, too"},
+    {"samples", "--spp 32"},
+    {"samples-per-pixel", "--spp 32"},
+    {"out", "--output picture.exr"},
+    {"outfile", "--output picture.exr"},
+    {"output-file", "--output picture.exr"},
+    {"resolution", "--size 640x480"},
+    {"res", "--size 640x480"},
+    {"region", "--crop 10,20,110,120"},
+    {"timeout", "--time-limit 10m"},
+    {"param", "-D NAME=VALUE"},
+    {"var", "-D NAME=VALUE"},
 };
 
+/* Does the command take the option that a habit is written as? */
+static bool takes_habit(Command command, const char *instead)
+{
+    if (strncmp(instead, "--", 2) == 0)
+        return find_name(command, instead + 2, strcspn(instead + 2, " ")) != OPTION_COUNT;
+    return *instead != '-' || find_letter(command, instead[1]) != OPTION_COUNT;
+}
+
 /* NULL: of no use to them. */
-static const char *habit_of(const char *word)
+static const char *habit_of(Command command, const char *word)
 {
     const char *letters = word + strspn(word, "+-");
     const char *found = NULL;
     size_t most = 0;
     for (size_t i = 0; i < sizeof habits / sizeof *habits; i++) {
         size_t n = strlen(habits[i].letters);
-        if (n <= most || strncmp(letters, habits[i].letters, n) != 0) continue;
+        if (n <= most || strncmp(letters, habits[i].letters, n) != 0 || !takes_habit(command, habits[i].instead))
+            continue;
         if (!letters[n] || strchr("=.0123456789", letters[n]) || *word == '+') {
             most = n;
             found = habits[i].instead;
@@ -93,7 +114,7 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
             names[n++] = option_row(key)->name;
     char wrong[64];
     snprintf(wrong, sizeof wrong, "%.*s", (int)length, name);
-    const char *near = suggest_nearest(wrong, names, n), *habit = near ? NULL : habit_of(wrong);
+    const char *near = suggest_nearest(wrong, names, n), *habit = near ? NULL : habit_of(command, wrong);
     if (habit) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
     return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'%s%s%s", (int)length, name,
                 near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");
@@ -176,7 +197,8 @@ static Status read_cluster(Parser *parser, const char *word)
         OptionKey key = find_letter(command, *letter);
         if (key == OPTION_COUNT && letter == word + 1)
             return fail(parser->error, STATUS_USAGE, "unknown option '%s'%s%s", word,
-                        habit_of(word) ? "; here it is " : "", habit_of(word) ? habit_of(word) : "");
+                        habit_of(command, word) ? "; here it is " : "",
+                        habit_of(command, word) ? habit_of(command, word) : "");
         if (key == OPTION_COUNT)
             return fail(parser->error, STATUS_USAGE, "unknown option '-%c' in '%s'", *letter, word);
         const OptionRow *row = option_row(key);
@@ -198,9 +220,9 @@ static Status check_operands(Parser *parser)
     const Options *options = parser->options;
     const CommandRow *row = command_row(options->command);
     for (size_t i = 0; i < options->n_operands && options->n_operands > row->most; i++)
-        if (*options->operands[i] == '+' && habit_of(options->operands[i]))
+        if (*options->operands[i] == '+' && habit_of(options->command, options->operands[i]))
             return fail(parser->error, STATUS_USAGE, "'%s' is POV-Ray's; here it is %s (see meniscus-povray(7))",
-                        options->operands[i], habit_of(options->operands[i]));
+                        options->operands[i], habit_of(options->command, options->operands[i]));
     if (options->n_operands > row->most)
         return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s",
                     options->operands[row->most], row->name, row->most == 0 ? "none" : row->operands);

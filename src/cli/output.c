@@ -59,8 +59,17 @@ bool output_is_stream(const char *path)
     return strcmp(path, "-") == 0 || is_device(path);
 }
 
+Status output_check_name(const char *path, Error *error)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (strcasecmp(name, ".png") != 0 && strcasecmp(name, ".exr") != 0) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "output '%s' has no name in front of its ending, as %.*spicture%s does", path,
+                (int)(name - path), path, name);
+}
+
 Status output_choose_format(const char *path, bool *png, Error *error)
 {
+    TRY(output_check_name(path, error));
     const char *extension = file_extension(path);
     *png = strcasecmp(extension, "png") == 0;
     if (*png || strcasecmp(extension, "exr") == 0) return STATUS_OK;

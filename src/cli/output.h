@@ -43,6 +43,8 @@ ATTR_NODISCARD Status outputs_probe(const OutputList *list, Error *error);
 bool output_is_stream(const char *path);
 /* Are all of them there, as files? */
 bool outputs_exist(const OutputList *list);
+/* ".exr" is an ending without a name. STATUS_USAGE. */
+ATTR_NODISCARD Status output_check_name(const char *path, Error *error);
 /* What a file's extension says of it; devices take EXR. STATUS_USAGE. */
 ATTR_NODISCARD Status output_choose_format(const char *path, bool *png, Error *error);
 /* One file cannot be two things. */

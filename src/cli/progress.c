@@ -71,8 +71,8 @@ static double whole_fraction(const Progress *progress, double fraction)
 static void show_bar(Progress *progress, const RenderProgress *state)
 {
     char facts[LINE_SIZE] = "", text[64];
-    snprintf(text, sizeof text, " %3d%%  %u/%u samples", (int)(100 * state->fraction), state->samples_done,
-             state->samples_total);
+    snprintf(text, sizeof text, " %3d%%  %u/%u sample%s", (int)(100 * state->fraction), state->samples_done,
+             state->samples_total, plural(state->samples_total));
     if (state->photons >= 0) snprintf(text, sizeof text, " following photons, %d%%", (int)(100 * state->photons));
     add(facts, text);
     add_rays(facts, state);

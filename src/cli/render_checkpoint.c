@@ -205,8 +205,8 @@ Status render_resume(RenderRun *run, Error *error)
         run->checkpoint.noise = file.notes.noise;
     }
     if (status == STATUS_OK && !run->talk->quiet)
-        talk_event(run->talk, "resumed", "going on from %s: %u samples of each pixel are there", path,
-                   file.least_samples);
+        talk_event(run->talk, "resumed", "going on from %s: %u sample%s of each pixel %s there", path,
+                   file.least_samples, plural(file.least_samples), file.least_samples == 1 ? "is" : "are");
     checkpoint_close(&file);
     return status;
 }
@@ -258,7 +258,8 @@ static void write_snapshot(RenderRun *run)
     if (status != STATUS_OK)
         talk_warning(run->talk, "%s; the render goes on", error.text);
     else if (!run->talk->quiet)
-        talk_event(run->talk, "snapshot", "wrote the picture so far, of %u samples", stats.samples);
+        talk_event(run->talk, "snapshot", "wrote the picture so far, of %u sample%s", stats.samples,
+                   plural(stats.samples));
 }
 
 void render_save(RenderRun *run, const RenderState *state, bool asked)

@@ -13,11 +13,6 @@ static double per_million(uint64_t n, uint64_t of)
     return of ? 1e6 * (double)n / (double)of : 0;
 }
 
-static const char *plural(uint64_t n)
-{
-    return n == 1 ? "" : "s";
-}
-
 /* By how many stops half of the picture, or more, is above white. */
 static int stops_above_white(const Image *image)
 {
@@ -122,7 +117,8 @@ static void summarize_noise(const RenderRun *run, Buf *line)
     if (stats->noisy_pixels && pixels > 0) {
         buf_add(line, ", ");
         add_digits(line, 100 * (double)stats->noisy_pixels / pixels, 2);
-        buf_format(line, " %% of the pixels above %.3g %% at %u samples", 100 * run->settings.noise, run->settings.samples);
+        buf_format(line, " %% of the pixels above %.3g %% at %u sample%s", 100 * run->settings.noise,
+                   run->settings.samples, plural(run->settings.samples));
     }
 }
 

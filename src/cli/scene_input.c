@@ -122,9 +122,22 @@ static SceneText text_of(const SceneInput *input)
     return (SceneText){"<stdin>", input->text, input->text_length};
 }
 
+/* A folder that is not there would hide that files are sought in the wrong place, or confine a scene to nothing. */
+static Status check_folders(const Options *options, Error *error)
+{
+    const OptionValue *folders = &options->values[OPTION_INCLUDE];
+    for (size_t i = 0; i < folders->n_items; i++)
+        if (file_kind(folders->items[i]) != FILE_FOLDER)
+            return fail(error, STATUS_INPUT, "option '--include': there is no folder '%s'", folders->items[i]);
+    const char *confine = option_text(options, OPTION_CONFINE, NULL);
+    if (!confine || file_kind(confine) == FILE_FOLDER) return STATUS_OK;
+    return fail(error, STATUS_INPUT, "option '--confine': there is no folder '%s'", confine);
+}
+
 /* What stands before any look at the scene: which moment, and the text where it comes from standard input. */
 static Status get_ready(SceneInput *input, Error *error)
 {
+    TRY(check_folders(input->options, error));
     if (!input->scene_options.moment.animation) TRY(frames_moment(input->options, &input->scene_options.moment, error));
     if (input->text || strcmp(input->path, "-") != 0) return STATUS_OK;
     return file_read("-", largest_text, &input->text, &input->text_length, error);

@@ -158,6 +158,11 @@ Status print_out(const Buf *text, Error *error)
     return STATUS_OUTPUT;
 }
 
+const char *plural(uint64_t n)
+{
+    return n == 1 ? "" : "s";
+}
+
 void seconds_print(double seconds, char text[32])
 {
     if (seconds < 59.95) {

@@ -34,6 +34,8 @@ ATTR_NODISCARD Status print_out(const Buf *text, Error *error);
 bool terminal_is_capable(void);
 /* Columns of the terminal on standard error, 80 when not known. */
 unsigned terminal_columns(void);
+/* What a noun ends with behind a number: "", or "s". */
+const char *plural(uint64_t n);
 /* "12.3 s", "2m05s", "1h02m" */
 void seconds_print(double seconds, char text[32]);
 

@@ -399,7 +399,7 @@ static void run_sum(const BuiltinCall *call, Value *result)
 
 static void join(const BuiltinCall *call, uint32_t first, Buf *out)
 {
-    for (uint32_t i = first; i < call->n; i++) value_print(out, &call->args[i], false);
+    for (uint32_t i = first; i < call->n; i++) value_print(out, &call->args[i], VALUE_ROUNDED);
 }
 
 static const char *joined(const BuiltinCall *call, uint32_t first)

@@ -241,6 +241,13 @@ void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block)
     if (block && !def->calls_children) {
         Diagnostic *report =
             eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' places no children()", def->name->text);
+        const char *args = expr->as.call.args.n ? "..." : "";
+        if (block->first)
+            diag_hint(evaluator->diag, report,
+                      "what is done to all that it places stands in a group: group { %s(%s)  ... }", def->name->text,
+                      args);
+        else
+            diag_hint(evaluator->diag, report, "write: %s(%s), without '{ }'", def->name->text, args);
         diag_note(evaluator->diag, report, def->span, "declared here");
     }
     if (!call_begin(evaluator, expr->span)) return;

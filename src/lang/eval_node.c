@@ -129,9 +129,10 @@ static void check_required(Evaluator *evaluator, const Target *target)
         bool inherited = false;
         for (size_t i = 0; target->base && i < target->base->n_props; i++)
             inherited |= target->base->props[i].type == prop;
-        if (!inherited)
-            eval_report(evaluator, D_MISSING_PROPERTY, target->span, "%s lacks its property '%s'",
-                        with_article(evaluator->arena, type->name), prop->name);
+        if (inherited) continue;
+        Diagnostic *report = eval_report(evaluator, D_MISSING_PROPERTY, target->span, "%s lacks its property '%s'",
+                                         with_article(evaluator->arena, type->name), prop->name);
+        diag_hint(evaluator->diag, report, "write: %s = ..., %s", prop->name, prop_kind_text(evaluator->arena, prop));
     }
 }
 
@@ -379,6 +380,17 @@ static void place(Evaluator *evaluator, EvalNode *node)
     }
 }
 
+/* The property of the type that a node of the other one is for; NULL: none. */
+static const PropType *prop_for_node(const NodeType *type, const NodeType *node)
+{
+    for (size_t i = 0; i < type->n_props; i++) {
+        const PropType *prop = &type->props[i];
+        bool holds = prop->kind == PROP_NODE && prop->choices && choice_allows(prop->choices, node->name);
+        if (holds || (prop->flags & PROP_TEXTURE && node->flags & NODE_TEXTURE)) return prop;
+    }
+    return NULL;
+}
+
 /* Puts a finished node where the statement stands. hidden: the type of node whose name a prototype has; or NULL. */
 static void settle(Evaluator *evaluator, EvalNode *node, const NodeType *hidden)
 {
@@ -391,9 +403,13 @@ static void settle(Evaluator *evaluator, EvalNode *node, const NodeType *hidden)
     } else if (flags & NODE_PLACED) {
         place(evaluator, node);
     } else if (!node->name) {
+        const NodeType *outer = evaluator->target ? evaluator->target->type : NULL;
+        const PropType *prop = outer ? prop_for_node(outer, node->type) : NULL;
         Diagnostic *report = eval_report(evaluator, D_MISSING_NAME, node->span, "%s without a name does nothing",
                                          with_article(evaluator->arena, node->type->name));
-        if (hidden)
+        if (prop)
+            diag_hint(evaluator->diag, report, "write: %s = %s { ... }", prop->name, node->type->name);
+        else if (hidden)
             diag_hint(evaluator->diag, report, "it hides the node '%s': call it otherwise", hidden->name);
         else
             diag_hint(evaluator->diag, report, "name it: %s NAME { ... }", node->type->name);

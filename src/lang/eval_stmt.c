@@ -5,6 +5,7 @@
 
 #include "base/array.h"
 #include "lang/evaluator.h"
+#include "lang/lex.h"
 
 /* ---- transforms ---- */
 
@@ -36,8 +37,10 @@ static void call_stmt(Evaluator *evaluator, Stmt *stmt)
     if (block && call->kind != EXPR_POISON) {
         Diagnostic *report = eval_report(evaluator, D_NOT_A_MACRO, call->span, "'%s' is no macro and takes no block",
                                          call->as.call.name);
-        if (value.kind != VALUE_TRANSFORM) return;
-        diag_hint(evaluator->diag, report, "write: group { %s(...)  ... }", call->as.call.name);
+        if (value.kind == VALUE_TRANSFORM)
+            diag_hint(evaluator->diag, report, "write: group { %s(...)  ... }", call->as.call.name);
+        else if (value.kind == VALUE_NODE)
+            diag_hint(evaluator->diag, report, "write: let object = %s(...)  object { ... }", call->as.call.name);
     } else if (value.kind == VALUE_TRANSFORM) {
         eval_apply_transform(evaluator, value.as.transform, stmt->span);
         /* one that was made for this statement is of no more use: instances may be many */
@@ -79,6 +82,41 @@ static Define *define_of(Evaluator *evaluator, const char *name)
     return NULL;
 }
 
+/* The unit of what an expression of literals measures, by the first of them that has one; NULL: none, or it is not plain. */
+static const UnitType *unit_of_literal(const Expr *expr)
+{
+    const UnitType *unit = NULL, *other;
+    switch (expr->kind) {
+    case EXPR_CONSTANT: return expr->as.constant.unit;
+    case EXPR_NEGATE:
+    case EXPR_PLUS: return unit_of_literal(expr->as.op.a);
+    case EXPR_RANGE:
+    case EXPR_ADD:
+    case EXPR_SUBTRACT: unit = unit_of_literal(expr->as.op.a); return unit ? unit : unit_of_literal(expr->as.op.b);
+    case EXPR_MULTIPLY:
+        unit = unit_of_literal(expr->as.op.a), other = unit_of_literal(expr->as.op.b);
+        return !unit ? other : other ? NULL : unit;
+    case EXPR_VECTOR:
+    case EXPR_LIST:
+        for (uint32_t i = 0; !unit && i < expr->as.list.n; i++) unit = unit_of_literal(expr->as.list.items[i]);
+        return unit;
+    default: return NULL;
+    }
+}
+
+/* A parameter measures what its default does, or its range: -D may not give it a unit of another kind. */
+static bool unit_fits(Evaluator *evaluator, const Stmt *stmt, const Define *define)
+{
+    const UnitType *wanted = unit_of_literal(stmt->as.bind.value), *given = unit_of_literal(define->expr);
+    if (!wanted && stmt->as.bind.range) wanted = unit_of_literal(stmt->as.bind.range);
+    if (!wanted || !given || wanted->measure == given->measure) return true;
+    Diagnostic *report =
+        eval_report(evaluator, D_WRONG_UNIT, define->expr->span, "parameter '%s' is %s, not %s",
+                    stmt->as.bind.name->text, unit_measure_text(wanted->measure), unit_measure_text(given->measure));
+    diag_note(evaluator->diag, report, stmt->as.bind.name_span, "declared here");
+    return false;
+}
+
 /* The value that -D gives. A bare word counts as a string when one is wanted: shells eat quotes. */
 static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value *value)
 {
@@ -88,7 +126,7 @@ static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value 
         given = value_text(define->expr->as.name.symbol->text);
     else if (define->expr->kind == EXPR_NAME)
         eval_value(evaluator, define->expr, &given);
-    if (given.kind == VALUE_POISON) return false;
+    if (given.kind == VALUE_POISON || !unit_fits(evaluator, stmt, define)) return false;
     bool grey = given.kind == VALUE_NUMBER && value->kind == VALUE_COLOR;
     bool fits = given.kind == value->kind || grey || value->kind == VALUE_NONE || stmt->as.bind.type;
     if (!fits) {
@@ -120,10 +158,10 @@ static bool range_allows(const Value *range, const Value *value)
     return false;
 }
 
-static const char *text_of(Evaluator *evaluator, const Value *value, bool quoted)
+static const char *text_of(Evaluator *evaluator, const Value *value)
 {
     Buf text = {0};
-    value_print(&text, value, quoted);
+    value_print(&text, value, VALUE_QUOTED | VALUE_ROUNDED);
     const char *copy = arena_copy_text(evaluator->arena, buf_text(&text), text.length);
     buf_clear(&text);
     return copy;
@@ -146,12 +184,12 @@ static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Val
 {
     Value range;
     if (!stmt->as.bind.range || !range_of_param(evaluator, stmt->as.bind.range, &range)) return NULL;
-    const char *bounds = text_of(evaluator, &range, true);
+    const char *bounds = text_of(evaluator, &range);
     if (range.kind == VALUE_RANGE && stmt->as.bind.range->kind == EXPR_RANGE && range.as.range.n == 2)
         bounds = arena_format(evaluator->arena, "%g..%g", range.as.range.first, range.as.range.first + range.as.range.step);
     if (value->kind != VALUE_POISON && !range_allows(&range, value))
         eval_report(evaluator, D_VALUE_OUT_OF_RANGE, span, "parameter '%s' is %s, outside of %s", stmt->as.bind.name->text,
-                    text_of(evaluator, value, true), bounds);
+                    text_of(evaluator, value), bounds);
     return bounds;
 }
 
@@ -160,7 +198,7 @@ static void record_param(Evaluator *evaluator, const Stmt *stmt, const Value *va
     if (!ARRAY_ROOM(evaluator->params, evaluator->param_capacity, evaluator->n_params)) return;
     evaluator->params[evaluator->n_params++] =
         (EvalParam){.name = stmt->as.bind.name->text, .doc = stmt->as.bind.doc, .span = stmt->as.bind.name_span,
-                    .value = text_of(evaluator, value, true), .type = value_describe(evaluator->arena, value),
+                    .value = text_of(evaluator, value), .type = value_describe(evaluator->arena, value),
                     .range = range};
 }
 

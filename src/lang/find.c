@@ -15,7 +15,9 @@ typedef struct Search {
     Diag *diag;
     Span span;
     const char *name;
-    bool outside; /* found, but not within the confinement */
+    bool outside;      /* found, but not within the confinement */
+    const char *other; /* found, but a folder, a pipe or a device: the last of them; NULL: none */
+    FileKind kind;     /* of it */
 } Search;
 
 static bool is_within(const char *path, const char *folder)
@@ -32,14 +34,20 @@ static bool is_within(const char *path, const char *folder)
     return within;
 }
 
-/* folder/name when there is such a file that may be read */
+/* folder/name when there is such a file that may be read; pipes and devices may never end, or never begin */
 static const char *try_folder(Search *search, const char *folder, size_t length)
 {
     const char *slash = length > 0 && folder[length - 1] != '/' ? "/" : "";
     const char *path = arena_format(search->diag->arena, "%.*s%s%s", (int)length, folder, slash, search->name);
-    if (!file_exists(path)) return NULL;
-    if (!search->options->confine || is_within(path, search->options->confine)) return path;
-    search->outside = true;
+    FileKind kind = file_kind(path);
+    if (kind == FILE_NONE) return NULL;
+    if (search->options->confine && !is_within(path, search->options->confine)) {
+        search->outside |= kind != FILE_FOLDER;
+        return NULL;
+    }
+    if (kind == FILE_REGULAR) return path;
+    search->other = path;
+    search->kind = kind;
     return NULL;
 }
 
@@ -97,6 +105,12 @@ static void report_missing(const Search *search)
                     search->name, search->options->confine);
         return;
     }
+    if (search->other) {
+        diag_report(diag, D_FILE_UNREADABLE, search->span, "'%s' is %s", search->other,
+                    search->kind == FILE_FOLDER ? "a folder, not a file"
+                                                : "not a regular file, but a pipe or a device");
+        return;
+    }
     Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", search->name);
     const EvalLibraryFile *library;
     Search whole = *search; /* "std/media" */
@@ -117,7 +131,7 @@ static void report_missing(const Search *search)
 
 const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, const char *name)
 {
-    Search search = {options, diag, span, name, false};
+    Search search = {.options = options, .diag = diag, .span = span, .name = name};
     const char *path = search_file(&search, NULL);
     if (!path) report_missing(&search);
     return path;
@@ -125,13 +139,13 @@ const char *eval_find_file(const EvalOptions *options, Diag *diag, Span span, co
 
 const char *eval_seek_file(const EvalOptions *options, Diag *diag, Span span, const char *name)
 {
-    Search search = {options, diag, span, name, false};
+    Search search = {.options = options, .diag = diag, .span = span, .name = name};
     return search_file(&search, NULL);
 }
 
 const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const EvalLibraryFile **library)
 {
-    Search search = {options, diag, span, name, false};
+    Search search = {.options = options, .diag = diag, .span = span, .name = name};
     const Source *source = &diag->sources->sources[span.source];
     *library = NULL;
     if (!source->path && library_file(options, source->name)) /* the texts of the library belong together */

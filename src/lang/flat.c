@@ -164,7 +164,7 @@ static void name_shared(Flat *flat, const EvalNode *node)
 
 /* ---- values ---- */
 
-static void print_value(Buf *out, Value value) { value_print(out, &value, true); }
+static void print_value(Buf *out, Value value) { value_print(out, &value, VALUE_QUOTED); }
 
 static void print_vector(Buf *out, ValueKind kind, const double *numbers)
 {

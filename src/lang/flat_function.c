@@ -98,7 +98,7 @@ static void write_value(Writer *writer, const Value *value, Bond bond)
     }
     bool aside = bond_of_value(value) < bond;
     if (aside) buf_add(writer->out, "(");
-    value_print(writer->out, value, true);
+    value_print(writer->out, value, VALUE_QUOTED);
     if (aside) buf_add(writer->out, ")");
 }
 

@@ -12,6 +12,8 @@
 #define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
+#define HABIT_IMPORT(word)
+#define HABIT_HOLDS(node)
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
@@ -78,6 +80,22 @@ static const WordRow function_rows[] = {
 #include "lang/habits.def"
 #undef HABIT_FUNCTION
 #define HABIT_FUNCTION(word)
+};
+
+static const WordRow import_rows[] = {
+#undef HABIT_IMPORT
+#define HABIT_IMPORT(word) {#word, #word},
+#include "lang/habits.def"
+#undef HABIT_IMPORT
+#define HABIT_IMPORT(word)
+};
+
+static const WordRow holder_rows[] = {
+#undef HABIT_HOLDS
+#define HABIT_HOLDS(node) {#node, #node},
+#include "lang/habits.def"
+#undef HABIT_HOLDS
+#define HABIT_HOLDS(node)
 };
 
 static const WordRow word_rows[] = {
@@ -195,6 +213,14 @@ bool habit_is_type(const char *word)
 bool habit_is_function(const char *word)
 {
     return find(function_rows, COUNT_OF(function_rows), word) != NULL;
+}
+bool habit_holds_nodes(const char *node)
+{
+    return find(holder_rows, COUNT_OF(holder_rows), node) != NULL;
+}
+bool habit_is_import(const char *word)
+{
+    return find(import_rows, COUNT_OF(import_rows), word) != NULL;
 }
 
 const char *habit_property(const char *node, const char *word, unsigned number)

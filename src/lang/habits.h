@@ -36,6 +36,8 @@ const char *habit_assignment(Arena *arena, const char *candidate, const char *va
 const char *habit_advice(const char *node, const char *word);
 bool habit_is_type(const char *word);
 bool habit_is_function(const char *word);
+bool habit_is_import(const char *word);
+bool habit_holds_nodes(const char *node);
 /* The pattern with text for its '@', or "@*". */
 const char *habit_fill(Arena *arena, const char *pattern, const char *text);
 

@@ -201,11 +201,15 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
     const char *wrong = arena_copy_text(lexer->diag->arena, lexer->text + begin, end - begin);
     Diagnostic *report =
         diag_report(lexer->diag, D_UNKNOWN_UNIT, (Span){lexer->source, begin, end}, "unknown unit '%s'", wrong);
-    bool hexadecimal = begin > 0 && lexer->text[begin - 1] == '0' && (wrong[0] == 'x' || wrong[0] == 'X');
+    uint32_t number = begin;
+    while (number > 0 && (class_of(lexer->text[number - 1]) == CLASS_DIGIT || lexer->text[number - 1] == '.')) number--;
+    bool hexadecimal = begin == number + 1 && lexer->text[number] == '0' && (wrong[0] == 'x' || wrong[0] == 'X');
+    bool two = wrong[0] == 'x' && wrong[1] && !wrong[1 + strspn(wrong + 1, "0123456789")]; /* 640x480 */
     if (hexadecimal)
         diag_hint(lexer->diag, report, "numbers are decimal; a colour is #rrggbb");
-    else if (wrong[0] == 'x' && wrong[1] >= '0' && wrong[1] <= '9') /* 640x480 */
-        diag_hint(lexer->diag, report, "two numbers are a vector: <640, 480>");
+    else if (two)
+        diag_hint(lexer->diag, report, "two numbers are a vector: <%.*s, %s>", (int)(begin - number),
+                  lexer->text + number, wrong + 1);
     else if (strcmp(wrong, "W") == 0)
         diag_hint(lexer->diag, report, "power is in watts, and radiance in W/(m^2 sr), without a unit");
     else if (habit_unit(wrong))
@@ -374,12 +378,47 @@ static void read_color(Lexer *lexer, Token *token)
 
 /* ---- the rest ---- */
 
+/* Blanks that are none here, and characters that cannot be seen: texts from the web and from word processors are full
+ * of them, so that they are one mistake of their file. */
+static bool skip_foreign_blank(Lexer *lexer, uint32_t code, uint32_t n)
+{
+    static const struct {
+        uint32_t first, last;
+        const char *name;
+        bool blank;
+    } rows[] = {{0xa0, 0xa0, "a no-break space", true},      {0xad, 0xad, "a soft hyphen", false},
+                {0x2000, 0x200a, "a printer's space", true}, {0x200b, 0x200f, "a mark without width", false},
+                {0x2028, 0x2029, "a line separator", true},  {0x202f, 0x202f, "a narrow no-break space", true},
+                {0x205f, 0x205f, "a printer's space", true}, {0x2060, 0x2060, "a mark without width", false},
+                {0x3000, 0x3000, "a wide space", true},      {0xfeff, 0xfeff, "a byte order mark", false}};
+    size_t row = 0;
+    while (row < COUNT_OF(rows) && (code < rows[row].first || code > rows[row].last)) row++;
+    if (row == COUNT_OF(rows)) return false;
+    const char *p = lexer->text + lexer->at;
+    if (!lexer->has_foreign_blank) {
+        size_t others = 0;
+        for (const char *at = p + n; at + n <= lexer->text + lexer->length; at++) others += memcmp(at, p, n) == 0;
+        Diagnostic *report =
+            diag_report(lexer->diag, D_INVALID_CHARACTER, (Span){lexer->source, lexer->at, lexer->at + n},
+                        "U+%04X, %s, has no meaning here", (unsigned)code, rows[row].name);
+        const char *cure = rows[row].blank ? "write a plain blank" : "leave it out";
+        if (others)
+            diag_hint(lexer->diag, report, "%s, here and in %zu other place%s", cure, others, others == 1 ? "" : "s");
+        else
+            diag_hint(lexer->diag, report, "%s", cure);
+    }
+    lexer->has_foreign_blank = true;
+    lexer->at += n;
+    return true;
+}
+
 /* A run of characters that mean nothing is one mistake. */
 static void skip_unknown(Lexer *lexer)
 {
     uint32_t begin = lexer->at, code;
     uint32_t n = (uint32_t)utf8_decode(lexer->text + begin, lexer->length - begin, &code);
     Span span = {lexer->source, begin, begin + n};
+    if (skip_foreign_blank(lexer, code, n)) return;
     lexer->at += n;
     if (code == UTF8_INVALID) {
         while (lexer->at < lexer->length && utf8_decode(lexer->text + lexer->at, lexer->length - lexer->at, &code) &&
@@ -396,6 +435,7 @@ static void skip_unknown(Lexer *lexer)
         report = diag_report(lexer->diag, D_INVALID_CHARACTER, span, "'%s' has no meaning here", shown);
     if (code == 0x201c || code == 0x201d || code == '\'') diag_hint(lexer->diag, report, "strings stand in '\"'");
     if (code == 0xb0) diag_hint(lexer->diag, report, "write 'deg'");
+    if (code == 0xb2 || code == 0xb3) diag_hint(lexer->diag, report, "write '^ %c'", code == 0xb2 ? '2' : '3');
     while (code != 0 && lexer->at + n <= lexer->length && memcmp(lexer->text + lexer->at, shown, n) == 0)
         lexer->at += n;
 }
@@ -444,42 +484,6 @@ static bool read_foreign_string(Lexer *lexer, Token *token)
     return false;
 }
 
-/* &&, ×, ≤ and the like go on as what they mean */
-static bool read_foreign_operator(Lexer *lexer, Token *token)
-{
-    static const struct {
-        const char *text;
-        TokenKind kind;
-    } operators[] = {{"&&", TOKEN_AND},
-                     {"||", TOKEN_OR},
-                     {"&", TOKEN_AND},
-                     {"|", TOKEN_OR},
-                     {"!", TOKEN_NOT},
-                     {"\xc3\x97", TOKEN_STAR},
-                     {"\xc2\xb7", TOKEN_STAR},
-                     {"\xc3\xb7", TOKEN_SLASH},
-                     {"\xe2\x88\x92", TOKEN_MINUS},
-                     {"\xe2\x80\x93", TOKEN_MINUS},
-                     {"\xe2\x80\x94", TOKEN_MINUS},
-                     {"\xe2\x89\xa4", TOKEN_LESS_EQUAL},
-                     {"\xe2\x89\xa5", TOKEN_GREATER_EQUAL},
-                     {"\xe2\x89\xa0", TOKEN_NOT_EQUAL},
-                     {"\xe2\x80\xa6", TOKEN_RANGE}};
-    const char *p = lexer->text + lexer->at;
-    for (size_t i = 0; i < COUNT_OF(operators); i++) {
-        uint32_t n = (uint32_t)strlen(operators[i].text);
-        if (strncmp(p, operators[i].text, n) != 0) continue;
-        token->kind = operators[i].kind;
-        Diagnostic *report =
-            diag_report(lexer->diag, D_INVALID_CHARACTER, (Span){lexer->source, lexer->at, lexer->at + n},
-                        "'%s' has no meaning here", operators[i].text);
-        diag_hint(lexer->diag, report, "write %s", token_text(token->kind));
-        lexer->at += n;
-        return true;
-    }
-    return false;
-}
-
 static TokenKind punctuation(const char *p, uint32_t *n)
 {
     *n = 1;
@@ -512,6 +516,56 @@ static TokenKind punctuation(const char *p, uint32_t *n)
     }
 }
 
+/* &&, ×, ≤ and the like go on as what they mean */
+static bool read_foreign_operator(Lexer *lexer, Token *token)
+{
+    static const struct {
+        const char *text;
+        TokenKind kind;
+    } operators[] = {{"&&", TOKEN_AND},
+                     {"||", TOKEN_OR},
+                     {"&", TOKEN_AND},
+                     {"|", TOKEN_OR},
+                     {"!", TOKEN_NOT},
+                     {"\xc3\x97", TOKEN_STAR},
+                     {"\xc2\xb7", TOKEN_STAR},
+                     {"\xc3\xb7", TOKEN_SLASH},
+                     {"\xe2\x80\x90", TOKEN_MINUS}, /* U+2010 to U+2015: hyphens and dashes */
+                     {"\xe2\x80\x91", TOKEN_MINUS},
+                     {"\xe2\x80\x92", TOKEN_MINUS},
+                     {"\xe2\x80\x93", TOKEN_MINUS},
+                     {"\xe2\x80\x94", TOKEN_MINUS},
+                     {"\xe2\x80\x95", TOKEN_MINUS},
+                     {"\xe2\x88\x92", TOKEN_MINUS},
+                     {"\xe2\x89\xa4", TOKEN_LESS_EQUAL},
+                     {"\xe2\x89\xa5", TOKEN_GREATER_EQUAL},
+                     {"\xe2\x89\xa0", TOKEN_NOT_EQUAL},
+                     {"\xe2\x80\xa6", TOKEN_RANGE},
+                     {"=>", TOKEN_ASSIGN}};                          /* no expression begins with a '>' */
+    enum { FIRST_WIDE = 0xff01, LAST_WIDE = 0xff5e, WIDE = 0xfee0 }; /* ASCII for lines of Chinese */
+    const char *p = lexer->text + lexer->at;
+    uint32_t n = 0, plain, code;
+    for (size_t i = 0; i < COUNT_OF(operators) && n == 0; i++) {
+        token->kind = operators[i].kind;
+        size_t length = strlen(operators[i].text);
+        if (strncmp(p, operators[i].text, length) == 0) n = (uint32_t)length;
+    }
+    if (n == 0) {
+        n = (uint32_t)utf8_decode(p, lexer->length - lexer->at, &code);
+        const char ascii[2] = {code >= FIRST_WIDE && code <= LAST_WIDE ? (char)(code - WIDE) : 0, 0};
+        token->kind = *ascii ? punctuation(ascii, &plain) : TOKEN_END;
+    }
+    if (token->kind == TOKEN_END) return false;
+    Diagnostic *report = diag_report(lexer->diag, D_INVALID_CHARACTER, (Span){lexer->source, lexer->at, lexer->at + n},
+                                     "'%.*s' has no meaning here", (int)n, p);
+    if (token->kind == TOKEN_ASSIGN && *p == '=')
+        diag_hint(lexer->diag, report, "write '=', or '>=' to compare; a function is def f(x) = ...");
+    else
+        diag_hint(lexer->diag, report, "write %s", token_text(token->kind));
+    lexer->at += n;
+    return true;
+}
+
 Token lexer_next(Lexer *lexer)
 {
     Token token = {.kind = TOKEN_END};
@@ -541,7 +595,7 @@ Token lexer_next(Lexer *lexer)
         }
         uint32_t n;
         token.kind = punctuation(p, &n);
-        if (token.kind != TOKEN_END) {
+        if (token.kind != TOKEN_END && !(p[0] == '=' && p[1] == '>')) {
             lexer->at += n;
             break;
         }

@@ -45,6 +45,7 @@ typedef struct Lexer {
     uint32_t length, at;
     uint32_t previous_end; /* where the token before the last one read ends */
     uint32_t last_end;
+    bool has_foreign_blank; /* one has been reported */
 } Lexer;
 
 void lexer_init(Lexer *lexer, Diag *diag, SymbolTable *symbols, uint32_t source);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "diag/suggest.h"
 #include "lang/parse_habits.h"
 #include "lang/parser.h"
 
@@ -164,9 +165,13 @@ static Stmt *parse_bind(Parser *parser)
     if (parser->token.kind == TOKEN_CHANGE) {
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "':=' changes a var that is declared already");
+    } else if (parser->token.kind == TOKEN_NAME && !first_on_line(parser)) { /* let medium water = ... */
+        Diagnostic *report = expected_error(parser, "'=' behind the name");
+        if (report) diag_hint(parser->diag, report, "write: let %s = ...", parser->token.as.symbol->text);
     }
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */
+    if (stmt->as.bind.value->kind == EXPR_NODE) stmt->as.bind.name->declared = SYMBOL_NODE;
     return stmt;
 }
 
@@ -225,11 +230,12 @@ static void parse_formals(Parser *parser, Def *def, Span opening)
 }
 
 /* def = "def" name "(" [ formal { "," formal } [ "," ] ] ")" ( "=" expr | block ) ; */
-Stmt *parse_def(Parser *parser, Span begin)
+Stmt *parse_def(Parser *parser, Span begin, bool reports_body)
 {
     Stmt *stmt = stmt_new(parser, STMT_DEF, begin);
     Def *def = stmt->as.def = ARENA_NEW(parser->arena, Def);
     if (!expect_name(parser, "to declare", &def->name, &def->span)) return NULL;
+    def->name->declared = SYMBOL_DEF;
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
     const char *head = quote(parser, def->span.begin, consumed_end(parser));
@@ -240,7 +246,7 @@ Stmt *parse_def(Parser *parser, Span begin)
     else if (parser->panic || parser->token.kind == TOKEN_BRACE_OPEN)
         def->block = parse_node_block(parser, NULL);
     else
-        parse_bodiless_def(parser);
+        def->body = parse_bodiless_def(parser, head, reports_body);
     return stmt;
 }
 
@@ -344,6 +350,7 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
     }
     parser->no_blocks = no_blocks;
     parser->brackets -= !bare;
+    if (bare && report) parser->calm = 0; /* that braces are missing, too, is the same mistake */
 }
 
 /* flow = ifs | "for" "(" name "in" expr ")" block | "while" "(" expr ")" block ; */
@@ -377,13 +384,7 @@ static Stmt *parse_import(Parser *parser)
     stmt->as.import.include = parser->token.kind == TOKEN_INCLUDE;
     advance(parser);
     if (parser->token.kind != TOKEN_STRING) {
-        Diagnostic *report = expected_error(parser, "the name of a file in quotes");
-        if (report && parser->token.kind == TOKEN_NAME) {
-            const char *name = parser->token.as.symbol->text;
-            diag_hint(parser->diag, report, "write: %s \"%s.mns\"", stmt->as.import.include ? "include" : "use", name);
-            parser->panic = false;
-            advance(parser);
-        }
+        parse_unquoted_file(parser, stmt->as.import.include ? "include" : "use");
         return NULL;
     }
     bool bad = parser->token.bad;
@@ -468,7 +469,8 @@ static Stmt *parse_node(Parser *parser, Path path)
     Stmt *stmt = stmt_new(parser, preset ? STMT_PRESET : STMT_NODE, path.span);
     NodeExpr *node = stmt->as.node = ARENA_NEW(parser->arena, NodeExpr);
     node->path = path;
-    if (parser->token.kind == TOKEN_NAME) expect_name(parser, "", &node->name, &node->name_span);
+    if (parser->token.kind == TOKEN_NAME && expect_name(parser, "", &node->name, &node->name_span))
+        node->name->declared = SYMBOL_NODE;
     node->block = parse_node_block(parser, preset ? NULL : path.names[path.n - 1]->text);
     return stmt;
 }
@@ -488,7 +490,7 @@ static Stmt *parse_named(Parser *parser)
     case TOKEN_ASSIGN:
     case TOKEN_CHANGE:
         if (path.n == 1) break;
-        syntax_error(parser, path.span, "only a plain name can be set");
+        parse_member_change(parser, path);
         return NULL;
     default:
         if (!parse_name_habit(parser, path))
@@ -522,7 +524,7 @@ Stmt *parse_stmt(Parser *parser)
     case TOKEN_DEF: {
         Span begin = token_span(parser);
         advance(parser);
-        return parse_def(parser, begin);
+        return parse_def(parser, begin, true);
     }
     case TOKEN_IF:
     case TOKEN_FOR:
@@ -609,28 +611,49 @@ static void parse_header_unit(Parser *parser)
     if (unit) advance(parser);
 }
 
+static void report_no_header(Parser *parser)
+{
+    Span span = token_span(parser);
+    Diagnostic *report = diag_report(parser->diag, D_MISSING_HEADER, span, "the file does not begin with its header");
+    diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
+    if (parser->token.kind == TOKEN_DIRECTIVE)
+        diag_note_nowhere(parser->diag, report, "meniscus-povray(7) says how scenes of POV-Ray are written here");
+    if (span.end - span.begin == 8 && memcmp(parser->lexer.text + span.begin, "#version", 8) == 0) do
+            advance(parser); /* it is the header of those */
+        while (parser->token.kind != TOKEN_END && !first_on_line(parser));
+}
+
+/* "Meniscus 1.0" and "menicsus 1.0": the rest of the line is the header all the same. */
+static bool is_misspelled_header(const Parser *parser)
+{
+    const char *const word = "meniscus";
+    return parser->token.kind == TOKEN_NAME && peek(parser).kind == TOKEN_NUMBER &&
+           !token_is_word(&parser->token, word) && suggest_nearest(parser->token.as.symbol->text, &word, 1);
+}
+
 /* "meniscus" number [ "unit" unit ] */
 static void parse_header(Parser *parser, double unit_m)
 {
     File *file = parser->file;
     file->unit_m = unit_m > 0 ? unit_m : 1;
-    if (!token_is_word(&parser->token, "meniscus")) {
-        Span span = token_span(parser);
-        Diagnostic *report =
-            diag_report(parser->diag, D_MISSING_HEADER, span, "the file does not begin with its header");
-        diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
-        if (parser->token.kind == TOKEN_DIRECTIVE)
-            diag_note_nowhere(parser->diag, report, "meniscus-povray(7) says how scenes of POV-Ray are written here");
-        if (span.end - span.begin == 8 && memcmp(parser->lexer.text + span.begin, "#version", 8) == 0) do
-                advance(parser); /* it is the header of those */
-            while (parser->token.kind != TOKEN_END && !first_on_line(parser));
+    if (is_misspelled_header(parser)) {
+        Diagnostic *report = diag_report(parser->diag, D_MISSING_HEADER, token_span(parser),
+                                         "the header of a file begins with 'meniscus'");
+        diag_hint(parser->diag, report, "did you mean 'meniscus'?");
+    } else if (!token_is_word(&parser->token, "meniscus")) {
+        report_no_header(parser);
         return;
     }
     advance(parser);
     Span version_span = token_span(parser);
     file->version = parser->token.number;
     const UnitType *version_unit = parser->token.unit;
-    if (!expect(parser, TOKEN_NUMBER, "(the version of the language) behind 'meniscus'")) return;
+    if (parser->token.kind != TOKEN_NUMBER) {
+        Diagnostic *report = expected_error(parser, "a number (the version of the language) behind 'meniscus'");
+        if (report) diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
+        return;
+    }
+    advance(parser);
     if (file->version < LANGUAGE_MAJOR || file->version >= LANGUAGE_MAJOR + 1)
         diag_report(parser->diag, D_UNSUPPORTED_VERSION, version_span,
                     "the file is in version %g of the language; this program reads %d.%d", file->version,

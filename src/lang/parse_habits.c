@@ -221,13 +221,13 @@ static bool parse_flag_habit(Parser *parser, Path path)
     return true;
 }
 
-/* The next word of names ("center* radius"), behind which *names moves; *vector: whether it is marked as one. */
-static const char *next_value_name(Arena *arena, const char **names, bool *vector)
+/* The next word of names ("center* radius"), behind which *names moves; *mark: '*' or '+', if it has one. */
+static const char *next_value_name(Arena *arena, const char **names, char *mark)
 {
-    size_t length = strcspn(*names, " *");
+    size_t length = strcspn(*names, " *+");
     const char *name = arena_copy_text(arena, *names, length);
-    *vector = (*names)[length] == '*';
-    *names += length + *vector;
+    *mark = (*names)[length] == '*' || (*names)[length] == '+' ? (*names)[length] : 0;
+    *names += length + (*mark != 0);
     *names += strspn(*names, " ");
     return length ? name : "PROPERTY";
 }
@@ -239,12 +239,15 @@ static void values_without_names(Parser *parser, const Path *first)
     Span span = first ? first->span : token_span(parser);
     Diagnostic *report = report_at(parser, span, "a value of '%s' has no name", node);
     for (int i = 0; i < MOST_VALUES && !parser->panic; i++) {
-        bool vector, over = known && !*names;
-        const char *name = next_value_name(parser->arena, &names, &vector);
+        bool over = known && !*names;
+        char mark;
+        const char *name = next_value_name(parser->arena, &names, &mark);
         const char *value = i == 0 && first ? quote(parser, span.begin, span.end)
                                             : foreign_value(parser, known && strcmp(name, "color") == 0);
         if (parser->panic) break;
-        if (vector) value = vector_text(parser->arena, value);
+        if (mark == '*') value = vector_text(parser->arena, value);
+        bool pair = mark == '+' && (accept(parser, TOKEN_COMMA) || starts_value(parser)); /* film { 640, 480 } */
+        if (pair) value = arena_format(parser->arena, "<%s, %s>", value, foreign_value(parser, false));
         if (!over) hint = arena_format(parser->arena, "%s%s%s = %s", hint ? hint : "", hint ? "  " : "", name, value);
         if (!accept(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
     }
@@ -294,6 +297,10 @@ static bool parse_change(Parser *parser, Path path)
     Token next = peek(parser);
     bool one = next.kind == kind && (kind == TOKEN_PLUS || kind == TOKEN_MINUS);
     if (next.begin != parser->token.end || (!one && next.kind != TOKEN_ASSIGN)) return false;
+    if (path.n > 1) {
+        parse_member_change(parser, path);
+        return true;
+    }
     const char *name = quote(parser, path.span.begin, path.span.end);
     char sign = parser->lexer.text[parser->token.begin];
     Span span = {parser->lexer.source, parser->token.begin, next.end};
@@ -305,30 +312,71 @@ static bool parse_change(Parser *parser, Path path)
     return true;
 }
 
-/* "a[0] = 5", behind the name */
-static bool parse_element_change(Parser *parser, Path path)
+/* What stands behind the "[...]" at the present token; *n: how many of them; *inner: what the first one holds. */
+static Token behind_indices(Parser *parser, int *n, const char **inner)
 {
-    if (parser->token.kind != TOKEN_BRACKET_OPEN || path.n > 1 || first_on_line(parser)) return false;
     Look look;
     look_from(parser, &look);
     Token token = parser->token, first = {0}, last = {0};
-    int depth = 0, groups = 0;
+    int depth = 0;
+    *n = 0;
     do {
-        last = token;
         depth += token.kind == TOKEN_BRACKET_OPEN;
         depth -= token.kind == TOKEN_BRACKET_CLOSE;
-        groups += token.kind == TOKEN_BRACKET_OPEN && depth == 1;
+        *n += token.kind == TOKEN_BRACKET_OPEN && depth == 1;
+        if (depth == 0 && last.end == 0) last = token;
         token = lexer_next(&look.lexer);
         if (first.end == 0) first = token;
     } while ((depth > 0 || token.kind == TOKEN_BRACKET_OPEN) && token.kind != TOKEN_END &&
              token.kind != TOKEN_BRACE_CLOSE);
-    if (token.kind != TOKEN_ASSIGN && token.kind != TOKEN_CHANGE) return false;
-    const char *name = path.names[0]->text, *index = quote(parser, first.begin, last.begin);
+    *inner = quote(parser, first.begin, last.begin);
+    return token;
+}
+
+/* "objs[0] { }" and "objs[0]", behind the name: an instance of what a list holds */
+static void parse_indexed_instance(Parser *parser, Path path)
+{
+    while (parser->token.kind == TOKEN_BRACKET_OPEN) skip_brackets(parser);
+    uint32_t end = consumed_end(parser);
+    Diagnostic *report = report_at(parser, (Span){parser->lexer.source, path.span.begin, end},
+                                   "an instance begins with a name, not with a value");
+    const char *value = quote(parser, path.span.begin, end);
+    uint32_t begin = parser->token.begin;
+    const char *block = "{ }";
+    if (parser->token.kind == TOKEN_BRACE_OPEN) {
+        parse_node_block(parser, NULL);
+        block = quote(parser, begin, consumed_end(parser));
+        if (*block != '{') block = "{ ... }";
+    }
+    diag_hint(parser->diag, report, "write: let object = %s  object %s", value, block);
+}
+
+/* "a[0] = 5", "a[0] += 5" and "a[0] { }", behind the name */
+static bool parse_element_habit(Parser *parser, Path path)
+{
+    if (parser->token.kind != TOKEN_BRACKET_OPEN || first_on_line(parser)) return false;
+    int groups;
+    const char *index;
+    Token token = behind_indices(parser, &groups, &index);
+    bool adjacent = parser->token.begin == consumed_end(parser); /* "size [1, 2]" lacks a '=' */
+    bool over = token.kind == TOKEN_SEMICOLON || token.kind == TOKEN_BRACE_CLOSE || token.kind == TOKEN_END ||
+                begins_line(parser, token.begin);
+    if (token.kind == TOKEN_BRACE_OPEN || (adjacent && over && !strchr(index, ','))) {
+        parse_indexed_instance(parser, path);
+        return true;
+    }
+    bool change =
+        token.kind == TOKEN_PLUS || token.kind == TOKEN_MINUS || token.kind == TOKEN_STAR || token.kind == TOKEN_SLASH;
+    change &= parser->lexer.text[token.end] == '=';
+    if (path.n > 1 || (!change && token.kind != TOKEN_ASSIGN && token.kind != TOKEN_CHANGE)) return false;
+    const char *name = path.names[0]->text;
     Diagnostic *report = report_at(parser, path.span, "the elements of a list do not change");
     while (parser->token.kind == TOKEN_BRACKET_OPEN) skip_brackets(parser);
     advance(parser);
+    if (change) advance(parser);
     const char *value = quote_read(parser, parse_expr);
     if (parser->panic) return true;
+    if (change) value = arena_format(parser->arena, "%s[i] %c %s", name, parser->lexer.text[token.begin], value);
     hint_write(parser, report,
                groups == 1 ? arena_format(parser->arena, "%s := [for (i in 0..<len(%s)) i == %s ? %s : %s[i]]", name,
                                           name, index, value, name)
@@ -336,20 +384,149 @@ static bool parse_element_change(Parser *parser, Path path)
     return true;
 }
 
+/* "a.x := 5", behind the path: what a is to become instead, or where its property stands. */
+void parse_member_change(Parser *parser, Path path)
+{
+    static const char *const vector[] = {"x", "y", "z"}, *const color[] = {"r", "g", "b"};
+    const char *name = path.names[0]->text, *member = path.names[path.n - 1]->text;
+    Diagnostic *report = report_at(parser, path.span, "the parts of a value do not change");
+    TokenKind kind = parser->token.kind;
+    bool change = kind != TOKEN_ASSIGN && kind != TOKEN_CHANGE, one = change && peek(parser).kind == kind;
+    char sign = parser->lexer.text[parser->token.begin];
+    advance(parser);
+    if (change) advance(parser);
+    const char *value = one ? "1" : quote_read(parser, parse_expr), *parts[3];
+    if (parser->panic) return;
+    if (change) value = arena_format(parser->arena, "%s.%s %c %s", name, member, sign, value);
+    bool known = false, is_color = false;
+    for (int i = 0; i < 3; i++) {
+        is_color |= strcmp(member, color[i]) == 0;
+        known |= strcmp(member, vector[i]) == 0 || is_color;
+    }
+    for (int i = 0; i < 3; i++) {
+        const char *part = is_color ? color[i] : vector[i];
+        parts[i] = strcmp(member, part) == 0 ? value : arena_format(parser->arena, "%s.%s", name, part);
+    }
+    if (!known && path.n == 2 && (!member[strspn(member, "xyzw")] || !member[strspn(member, "rgb")]))
+        diag_hint(parser->diag, report, "write: %s := ..., a new %s", name,
+                  strchr("rgb", *member) ? "colour" : "vector");
+    else if (known && path.n == 2)
+        diag_hint(parser->diag, report, is_color ? "write: %s := rgb(%s, %s, %s)" : "write: %s := <%s, %s, %s>", name,
+                  parts[0], parts[1], parts[2]);
+    else
+        diag_hint(parser->diag, report, "a property stands in the block of its node: NODE %s { %s = %s }", name, member,
+                  value);
+}
+
+/* ---- files, and names of nodes ---- */
+
+/* The name of a file from the present token up to the next blank; NULL: there is none. */
+static const char *unquoted_file(Parser *parser)
+{
+    const char *text = parser->lexer.text + parser->token.begin;
+    bool angles = *text == '<';
+    size_t length = strcspn(text + angles, " \t\r\n;<>\"{}");
+    const char *name = arena_copy_text(parser->arena, text + angles, length);
+    if (length == 0) return NULL;
+    parser->lexer.at = parser->token.begin + angles + (uint32_t)length;
+    parser->lexer.at += parser->lexer.text[parser->lexer.at] == '>';
+    advance(parser);
+    return strchr(name, '.') ? name : arena_format(parser->arena, "%s.mns", name);
+}
+
+/* " as NAME" where that stands, or "". */
+static const char *import_name(Parser *parser)
+{
+    if (parser->token.kind != TOKEN_AS || first_on_line(parser)) return "";
+    advance(parser);
+    if (parser->token.kind != TOKEN_NAME) return " as NAME";
+    const char *name = parser->token.as.symbol->text;
+    advance(parser);
+    return arena_format(parser->arena, " as %s", name);
+}
+
+void parse_unquoted_file(Parser *parser, const char *word)
+{
+    Diagnostic *report = expected_error(parser, "the name of a file in quotes");
+    bool begins = parser->token.kind == TOKEN_NAME || parser->token.kind == TOKEN_LESS ||
+                  parser->token.kind == TOKEN_DOT || parser->token.kind == TOKEN_RANGE ||
+                  parser->token.kind == TOKEN_SLASH;
+    if (!report || !begins) return;
+    parser->panic = false;
+    const char *file = unquoted_file(parser);
+    if (file) hint_write(parser, report, arena_format(parser->arena, "%s \"%s\"%s", word, file, import_name(parser)));
+}
+
+/* "import "x" as y" and "import x", behind the first word */
+static bool parse_foreign_import(Parser *parser, Path path)
+{
+    bool text = parser->token.kind == TOKEN_STRING, name = parser->token.kind == TOKEN_NAME;
+    if (path.n > 1 || parser->node || first_on_line(parser) || (!text && !name)) return false;
+    if (!habit_is_import(path.names[0]->text)) return false;
+    Diagnostic *report = report_at(parser, path.span, "'%s' begins nothing here", path.names[0]->text);
+    const char *file = text ? parser->token.as.text : unquoted_file(parser);
+    if (text) advance(parser);
+    if (file && !strchr(file, '.')) file = arena_format(parser->arena, "%s.mns", file);
+    diag_hint(parser->diag, report, "write: use \"%s\"%s", file ? file : "NAME.mns", import_name(parser));
+    while (!first_on_line(parser) && parser->token.kind != TOKEN_END) advance(parser); /* from "x" import y */
+    return true;
+}
+
+/* "medium "glass" { }", at the string */
+static bool parse_quoted_name(Parser *parser, Path path)
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
+    if (parser->token.kind != TOKEN_STRING || parser->token.bad || peek(parser).kind != TOKEN_BRACE_OPEN) return false;
+    const char *text = parser->token.as.text;
+    char *name = arena_copy_text(parser->arena, text, strlen(text));
+    for (char *at = name + strspn(name, letters); *at; at += strspn(at, letters)) *at = '_';
+    Diagnostic *report = report_at(parser, token_span(parser), "a name stands without quotes");
+    diag_hint(parser->diag, report, "write: %s %s { ... }", path.names[path.n - 1]->text, *name ? name : "NAME");
+    advance(parser);
+    parse_node_block(parser, path.names[path.n - 1]->text);
+    return true;
+}
+
+/* A name that is declared, alone: "union { a; b { } }" */
+static bool parse_bare_instance(Parser *parser, Path path)
+{
+    SymbolUse declared = path.names[0]->declared;
+    const char *name = quote(parser, path.span.begin, path.span.end);
+    if (declared == SYMBOL_FREE && path.n == 1) return false;
+    Diagnostic *report = expected_error(
+        parser, arena_format(parser->arena, "%s behind '%s'", declared == SYMBOL_DEF ? "'('" : "'{'", name));
+    if (report && declared == SYMBOL_DEF && path.n == 1)
+        diag_hint(parser->diag, report, "write: %s()", name);
+    else if (report && parser->node && !habit_holds_nodes(parser->node))
+        diag_hint(parser->diag, report, "write: PROPERTY = %s to use it, %s { } to place it", name, name);
+    else if (report)
+        diag_hint(parser->diag, report, "write: %s { }", name);
+    parser->panic = false;
+    calm_down(parser);
+    return true;
+}
+
+/* ---- a name, and what cannot follow it ---- */
+
 bool parse_name_habit(Parser *parser, Path path)
 {
     const char *word = path.names[path.n - 1]->text;
-    if (parse_change(parser, path)) return true;
+    if (parse_change(parser, path) || parse_foreign_import(parser, path) || parse_quoted_name(parser, path))
+        return true;
     if (parser->token.kind == TOKEN_COLON) {
         Diagnostic *report = expected_error(parser, arena_format(parser->arena, "'=' behind '%s'", word));
         parser->panic = false;
         advance(parser);
         const char *value = quote_read(parser, parse_expr);
-        if (!parser->panic) diag_hint(parser->diag, report, "write: %s = %s", word, value);
+        if (!parser->panic)
+            diag_hint(parser->diag, report, "write: %s%s = %s", parser->node ? "" : "let ", word, value);
         return true;
     }
-    if (parse_element_change(parser, path)) return true;
+    if (parse_element_habit(parser, path)) return true;
     bool fresh = first_on_line(parser);
+    bool over = fresh || parser->token.kind == TOKEN_SEMICOLON || parser->token.kind == TOKEN_BRACE_CLOSE ||
+                parser->token.kind == TOKEN_END;
+    if (over && parse_bare_instance(parser, path)) return true;
     if (parser->node && parser->token.kind == TOKEN_COMMA && path.n == 1) {
         values_without_names(parser, &path);
         return true;
@@ -380,18 +557,23 @@ static void block_without_opening(Parser *parser, const char *node)
     accept(parser, TOKEN_BRACE_CLOSE);
 }
 
-/* "sphere ball = {" */
+/* "sphere ball = {" and "sphere ball = sphere {" */
 static bool parse_assigned_block(Parser *parser, Path path)
 {
     Look look;
     look_from(parser, &look);
-    if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN || lexer_next(&look.lexer).kind != TOKEN_BRACE_OPEN) return false;
+    if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
+    Token behind = lexer_next(&look.lexer);
+    bool again = behind.kind == TOKEN_NAME && behind.as.symbol == path.names[0];
+    if (again) behind = lexer_next(&look.lexer);
+    if (behind.kind != TOKEN_BRACE_OPEN) return false;
     const char *name = parser->token.as.symbol->text;
     advance(parser);
     Diagnostic *report = expected_error(parser, "'{'");
     parser->panic = false;
     diag_hint(parser->diag, report, "write: %s %s { ... }", path.names[0]->text, name);
     advance(parser);
+    if (again) advance(parser);
     const char *outer = parser->node;
     parser->node = path.names[0]->text;
     parse_block(parser);
@@ -406,11 +588,16 @@ void parse_two_names(Parser *parser, Path path)
     const char *first = path.names[0]->text, *second = parser->token.as.symbol->text;
     const char *nearest = path.n == 1 ? suggest_nearest(first, words, COUNT_OF(words)) : NULL;
     TokenKind next = peek(parser).kind;
-    if (parse_assigned_block(parser, path) || parse_flag_habit(parser, path)) return;
+    bool placed = path.names[0]->declared != SYMBOL_FREE &&
+                  (first_on_line(parser) || parser->token.as.symbol->declared != SYMBOL_FREE);
+    if (parse_assigned_block(parser, path) || parse_foreign_import(parser, path)) return;
+    if (placed && next != TOKEN_ASSIGN && parse_bare_instance(parser, path)) return;
+    if (parse_flag_habit(parser, path)) return;
     if (next == TOKEN_PAREN_OPEN && habit_is_function(first)) {
         Diagnostic *report = report_at(parser, path.span, "'%s' begins nothing here", first);
-        diag_hint(parser->diag, report, "write: def %s(...)", second);
-        parse_def(parser, path.span);
+        const Stmt *stmt = parse_def(parser, path.span, false);
+        bool block = !stmt || !stmt->as.def->body;
+        diag_hint(parser->diag, report, "write: def %s(...) %s", second, block ? "{ ... }" : "= ...");
         return;
     }
     if (next == TOKEN_ASSIGN && (habit_is_type(first) || nearest) && !lacks_opening_brace(parser)) {
@@ -479,29 +666,120 @@ bool parse_brace_habit(Parser *parser)
     return true;
 }
 
-/* def name(...), without the '=' or '{' */
-void parse_bodiless_def(Parser *parser)
+/* Does no '{' follow what stands in brackets here, behind the word 'if' or the like? */
+static bool lacks_block(Lexer lexer)
 {
-    expected_error(parser, "'=' or '{' behind the parameters");
+    Token token = lexer_next(&lexer);
+    int brackets = 0;
+    do {
+        brackets += (token.kind == TOKEN_PAREN_OPEN) - (token.kind == TOKEN_PAREN_CLOSE);
+        token = lexer_next(&lexer);
+    } while (brackets > 0 && token.kind != TOKEN_END);
+    return token.kind != TOKEN_BRACE_OPEN;
+}
+
+static bool is_end_word(const Parser *parser, const Token *token, Lexer behind)
+{
+    if (token->kind != TOKEN_NAME || strcmp(token->as.symbol->text, "end") != 0) return false;
+    Token next = lexer_next(&behind);
+    return begins_line(parser, token->begin) &&
+           (next.kind == TOKEN_END || next.kind == TOKEN_BRACE_CLOSE || begins_line(parser, next.begin));
+}
+
+/* Where the word 'end' closes what is being read, alone on its line, as in POV-Ray and in languages without braces; 0:
+ * nowhere. */
+static uint32_t end_word_ahead(Parser *parser)
+{
+    if (++parser->looks > MOST_LOOKS) return 0;
+    Look look;
+    look_from(parser, &look);
+    int braces = 0, open = 1;
+    TokenKind before = TOKEN_END;
+    for (Token token = parser->token; token.kind != TOKEN_END && braces >= 0; token = lexer_next(&look.lexer)) {
+        if (token.begin > parser->token.begin + LONGEST_LOOK || token.kind == TOKEN_DEF) return 0;
+        bool opens =
+            (token.kind == TOKEN_IF && before != TOKEN_ELSE) || token.kind == TOKEN_FOR || token.kind == TOKEN_WHILE;
+        before = token.kind;
+        braces += (token.kind == TOKEN_BRACE_OPEN) - (token.kind == TOKEN_BRACE_CLOSE);
+        if (braces > 0) continue;
+        open += opens && begins_line(parser, token.begin) && lacks_block(look.lexer);
+        open -= is_end_word(parser, &token, look.lexer);
+        if (open == 0) return token.begin;
+    }
+    return 0;
+}
+
+/* Statements up to behind the word that begins there, or to an 'else'. */
+static void parse_to_end_word(Parser *parser, uint32_t end)
+{
+    if (!enter(parser)) return;
+    while (parser->token.begin < end && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_ELSE) {
+        uint32_t begin = parser->token.begin;
+        parse_stmt(parser);
+        if (parser->panic) synchronize(parser, parser->panic_brackets, begin);
+        if (parser->token.begin == begin) break;
+    }
+    if (parser->token.begin == end) advance(parser);
+    leave(parser);
+}
+
+/* "return x * 2" or "x * 2", up to behind the word that begins there: its text; NULL: there are statements. */
+static const char *value_to_end_word(Parser *parser, uint32_t end)
+{
+    TokenKind next = peek(parser).kind;
+    bool name = parser->token.kind == TOKEN_NAME,
+         returns = name && strcmp(parser->token.as.symbol->text, "return") == 0;
+    bool computed = starts_value(parser) || (name && next >= TOKEN_PLUS && next <= TOKEN_CARET);
+    if (!returns && !computed) return NULL;
+    if (returns) advance(parser);
+    uint32_t begin = parser->token.begin;
+    while (parser->token.begin < end && parser->token.kind != TOKEN_END) advance(parser);
+    const char *value = quote(parser, begin, consumed_end(parser));
+    advance(parser);
+    return value;
+}
+
+Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports)
+{
+    uint32_t end = end_word_ahead(parser);
+    Expr *body = expr_new(parser, EXPR_POISON, token_span(parser));
+    Diagnostic *report = reports || !end ? expected_error(parser, "'=' or '{' behind the parameters") : NULL;
+    if (end) {
+        parser->panic = false;
+        const char *value = value_to_end_word(parser, end);
+        if (report && value)
+            diag_hint(parser->diag, report, "write: def %s = %s", head, value);
+        else if (report)
+            diag_hint(parser->diag, report, "a block stands in braces: { ... }");
+        if (value) return body;
+        parse_to_end_word(parser, end);
+        return NULL;
+    }
     TokenKind next = peek(parser).kind;
     bool expression = parser->token.kind == TOKEN_NAME && next != TOKEN_BRACE_OPEN && next != TOKEN_NAME &&
                       next != TOKEN_ASSIGN && next != TOKEN_CHANGE;
-    if (expression || starts_value(parser) || !lacks_opening_brace(parser)) return;
+    if (expression || starts_value(parser) || !lacks_opening_brace(parser)) return body;
     parser->panic = false;
     block_without_opening(parser, NULL);
+    return NULL;
 }
 
-/* Behind 'if (...)' and the like, where the '{' is missing: the block up to its '}', or one statement. */
+/* Behind 'if (...)' and the like, where the '{' is missing: the block up to its '}' or 'end', or one statement. */
 void parse_bare_block(Parser *parser, Block *block)
 {
     Diagnostic *report = expected_error(parser, "'{' to begin a block");
     if (!report || parser->token.kind == TOKEN_BRACE_CLOSE || parser->token.kind == TOKEN_END) return;
     parser->panic = false;
-    if (lacks_opening_brace(parser)) {
+    uint32_t end = end_word_ahead(parser);
+    if (!end && lacks_opening_brace(parser)) {
         block_without_opening(parser, parser->node);
         return;
     }
-    diag_hint(parser->diag, report, "a block stands in braces, even if it is one statement: { ... }");
+    diag_hint(parser->diag, report, "a block stands in braces%s: { ... }", end ? "" : ", even if it is one statement");
+    if (end) {
+        parse_to_end_word(parser, end);
+        return;
+    }
     if (!enter(parser)) return;
     block->first = parse_stmt(parser);
     leave(parser);

@@ -13,7 +13,10 @@ bool parse_brace_habit(Parser *parser);
 bool parse_name_habit(Parser *parser, Path path);  /* behind a path that nothing of the grammar follows */
 bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
 void parse_two_names(Parser *parser, Path path);   /* behind the first, at the second; no '{' follows */
-void parse_bodiless_def(Parser *parser);
+void parse_member_change(Parser *parser, Path path); /* "a.x := 5", behind the path */
+void parse_unquoted_file(Parser *parser, const char *word); /* behind 'use' or 'include', where a string should stand */
+/* Behind the head of a def of that text, without '=' or '{'; reports: that has not been said. NULL: it was a block. */
+Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
 void parse_bare_block(Parser *parser, Block *block);
 bool parse_counting_loop(Parser *parser); /* behind the '(' of 'for' */
 /* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */

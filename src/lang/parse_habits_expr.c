@@ -10,17 +10,22 @@
 
 /* ---- colours ---- */
 
-/* Does a vector begin here, and not a comparison: is there a comma before the '>'? In brackets nobody knows: there commas
- * end what a comparison may be the last part of. */
+/* Does a vector begin here, and not a comparison: is there a comma before the '>'? In brackets commas may also end what a
+ * comparison is the last part of: [a < b, c > d]; then nothing follows the '>' that it could compare with. */
 static bool vector_ahead(const Parser *parser)
 {
-    if (parser->brackets > 0) return false;
     Look look;
     look_from(parser, &look);
     int brackets = 0;
+    bool comma = false;
     for (Token token = lexer_next(&look.lexer); token.begin < parser->token.begin + NEAR_LOOK;
          token = lexer_next(&look.lexer)) {
-        if (brackets == 0 && token.kind == TOKEN_COMMA) return true;
+        comma |= brackets == 0 && token.kind == TOKEN_COMMA;
+        if (comma && parser->brackets == 0) return true;
+        if (comma && brackets == 0 && token.kind == TOKEN_GREATER) {
+            TokenKind next = lexer_next(&look.lexer).kind;
+            return !begins_value(next) && next != TOKEN_NAME && next != TOKEN_PAREN_OPEN;
+        }
         brackets += token.kind == TOKEN_PAREN_OPEN || token.kind == TOKEN_BRACKET_OPEN;
         brackets -= token.kind == TOKEN_PAREN_CLOSE || token.kind == TOKEN_BRACKET_CLOSE;
         if (brackets < 0 || token.kind == TOKEN_GREATER || token.kind == TOKEN_ASSIGN ||
@@ -42,13 +47,13 @@ bool parse_color_habit(Parser *parser, const char *word)
     }
     Diagnostic *report =
         report_at(parser, behind_last(parser), "expected '(' behind '%s', found %s", word, found_text(parser));
-    if (parser->token.kind == TOKEN_NAME) advance(parser);
-    bool vector = parser->token.kind == TOKEN_LESS;
+    if (parser->token.kind == TOKEN_NAME) word = parser->token.as.symbol->text, advance(parser);
+    bool vector = parser->token.kind == TOKEN_LESS, encoded = strcmp(word, "srgb") == 0;
     uint32_t begin = parser->token.begin;
     parse_prim(parser);
     if (parser->panic) return true;
     const char *value = quote(parser, begin + vector, consumed_end(parser) - vector);
-    hint_write(parser, report, vector ? arena_format(parser->arena, "rgb(%s)", value) : value);
+    hint_write(parser, report, vector ? arena_format(parser->arena, encoded ? "srgb(%s)" : "rgb(%s)", value) : value);
     calm_down(parser);
     return true;
 }

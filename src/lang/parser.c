@@ -236,8 +236,12 @@ void leave(Parser *parser)
 
 bool first_on_line(const Parser *parser)
 {
+    return begins_line(parser, parser->token.begin);
+}
+
+bool begins_line(const Parser *parser, uint32_t at)
+{
     const char *text = parser->lexer.text;
-    uint32_t at = parser->token.begin;
     while (at > 0 && (text[at - 1] == ' ' || text[at - 1] == '\t')) at--;
     return at == 0 || text[at - 1] == '\n' || text[at - 1] == '\r';
 }

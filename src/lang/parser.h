@@ -56,8 +56,9 @@ bool begins_value(TokenKind kind); /* a constant or a list: a name may begin som
 bool starts_value(const Parser *parser);
 void skip_brackets(Parser *parser); /* the next token is the opening one, of whatever kind */
 bool first_on_line(const Parser *parser);
-uint32_t consumed_end(const Parser *parser);  /* where the last consumed token ends */
-const char *found_text(const Parser *parser); /* the next token, for a message */
+bool begins_line(const Parser *parser, uint32_t at); /* do only blanks stand in front of that byte, on its line? */
+uint32_t consumed_end(const Parser *parser);         /* where the last consumed token ends */
+const char *found_text(const Parser *parser);        /* the next token, for a message */
 Span token_span(const Parser *parser);
 Span span_from(const Parser *parser, Span begin); /* from begin to the end of the last consumed token */
 /* Starts panic. NULL when in panic already: there is nothing to add a hint to. */
@@ -93,7 +94,8 @@ Stmt *parse_stmt(Parser *parser);
 Stmt *parse_stmts(Parser *parser, TokenKind end); /* up to the end token */
 Block *parse_block(Parser *parser);
 Block *parse_node_block(Parser *parser, const char *node); /* of a node of that word; NULL: of no node */
-Stmt *parse_def(Parser *parser, Span begin);               /* behind the word 'def' */
+/* Behind the word 'def'; reports_body: a body that is missing is a mistake of its own. */
+Stmt *parse_def(Parser *parser, Span begin, bool reports_body);
 Expr *parse_expr(Parser *parser);
 Expr *parse_tern(Parser *parser);
 Expr *parse_prim(Parser *parser);

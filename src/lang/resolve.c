@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "diag/suggest.h"
+#include "lang/builtin.h"
 #include "lang/schema_find.h"
 
 const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "frames", "time", "x", "y", "z", "pi"};
@@ -167,6 +168,9 @@ static void resolve_assign(Resolver *resolver, Stmt *stmt)
         Diagnostic *report = diag_report(diag, D_UNKNOWN_NAME, stmt->span, "unknown name '%s'", symbol->text);
         suggest_visible(resolver, report, symbol, false, false);
         stmt->kind = STMT_EMPTY;
+    } else if (binding->poison) {
+        stmt->kind = STMT_EMPTY;
+        resolver->n_unchanged++;
     } else if (binding->kind != BINDING_SLOT || !binding->variable) {
         Diagnostic *report = diag_report(diag, D_NOT_ASSIGNABLE, stmt->span, "'%s' is no var", symbol->text);
         if (binding->constant) diag_hint(diag, report, "declare it by: var %s = ...", symbol->text);
@@ -193,19 +197,110 @@ static void resolve_word(Resolver *resolver, Expr *expr)
         expr->as.name.nearest = nearest_visible(resolver, symbol);
 }
 
+/* The name is declared all the same: that it is unknown further down would be the same mistake. */
+static void declare_poison(Resolver *resolver, Symbol *symbol, Span span)
+{
+    if (symbol->binding && symbol->binding->has_span) return; /* else it would be one that the language declares */
+    scope_declare_slot(resolver, symbol, span);
+    symbol->binding->poison = true;
+}
+
+/* "medium = glass { ... }" and "glass = medium { ... }"; false: neither. */
+static bool report_free_node(Resolver *resolver, const Stmt *stmt)
+{
+    const Expr *value = stmt->as.prop.value;
+    Symbol *left = stmt->as.prop.name;
+    if (value->kind != EXPR_NODE || value->as.node->path.n != 1 || left->binding) return false;
+    Symbol *right = value->as.node->path.names[0];
+    bool type_first = schema_node(resolver->schema, left->text) && !schema_node(resolver->schema, right->text);
+    bool type_last = schema_node(resolver->schema, right->text) && !schema_node(resolver->schema, left->text);
+    if (!type_last && (!type_first || right->binding)) return false;
+    Symbol *name = type_first ? right : left;
+    Diagnostic *report =
+        diag_report(resolver->diag, D_MISPLACED, stmt->span, "a node has its name behind its type, without '='");
+    diag_hint(resolver->diag, report, "write: %s %s { ... }", (type_first ? left : right)->text, name->text);
+    declare_poison(resolver, name, stmt->span);
+    return true;
+}
+
 /* Often a declaration, or a change of a var, as other languages write them. */
 static void report_free_property(Resolver *resolver, const Stmt *stmt)
 {
+    if (report_free_node(resolver, stmt)) return;
     const char *name = stmt->as.prop.name->text;
     const Binding *binding = stmt->as.prop.name->binding;
     Diagnostic *report = diag_report(resolver->diag, D_MISPLACED, stmt->span, "property '%s' outside of a node", name);
+    declare_poison(resolver, stmt->as.prop.name, stmt->span);
     if (binding && binding->kind == BINDING_SLOT && binding->variable)
         diag_hint(resolver->diag, report, "a var is changed by %s := ...", name);
+    else if (binding && binding->poison)
+        diag_hint(resolver->diag, report, "a name that changes is declared by var %s = ..., and changed by %s := ...",
+                  name, name);
     else if (binding && binding->constant)
         diag_hint(resolver->diag, report, "'%s' does not change; declare it by var %s = ..., and change it by %s := ...", name,
                   name, name);
     else
         diag_hint(resolver->diag, report, "a name is declared by let %s = ...", name);
+}
+
+/* A name that is none. */
+static bool is_unknown_word(const Expr *value)
+{
+    return value->kind == EXPR_NAME && !value->as.name.symbol->binding;
+}
+
+/* Is "p" one of its words? */
+static bool names_point(const char *text, size_t length)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    for (size_t i = 0; i < length; i++)
+        if (text[i] == 'p' && (i == 0 || !strchr(letters, text[i - 1])) &&
+            (i + 1 == length || !strchr(letters, text[i + 1])))
+            return true;
+    return false;
+}
+
+/* What stands where only the name of a function does: a computation, as a function's body would be, or a call of one. */
+static bool report_formula(Resolver *resolver, const PropType *prop, const Expr *value)
+{
+    enum { LONGEST_FORMULA = 60 };
+    bool call = value->kind == EXPR_CALL;
+    if (!call && (value->kind < EXPR_NEGATE || value->kind > EXPR_OR)) return false;
+    Span span = value->span;
+    const char *text = resolver->diag->sources->sources[span.source].text + span.begin;
+    size_t length = span.end - span.begin;
+    const Symbol *callee =
+        call && value->as.call.callee->kind == EXPR_NAME ? value->as.call.callee->as.name.symbol : NULL;
+    Diagnostic *report = diag_report(resolver->diag, D_WRONG_TYPE, span, "'%s' wants the name of a function, not %s",
+                                     prop->name, call ? "a call" : "a computation");
+    if (callee && callee->binding && callee->binding->kind == BINDING_DEF)
+        diag_hint(resolver->diag, report, "write: %s = %s", prop->name, callee->text);
+    else if (callee && !builtin_find(callee->text))
+        diag_hint(resolver->diag, report, "write: def %s(x, y, z) = ..., further up, and %s = %s", callee->text,
+                  prop->name, callee->text);
+    else if (length > LONGEST_FORMULA || memchr(text, '\n', length))
+        diag_hint(resolver->diag, report, "write: def f(x, y, z) = ..., further up, and %s = f", prop->name);
+    else
+        diag_hint(resolver->diag, report, "write: def f(%s) = %.*s, further up, and %s = f",
+                  names_point(text, length) ? "p" : "x, y, z", (int)length, text, prop->name);
+    return true;
+}
+
+static void resolve_function_prop(Resolver *resolver, const PropType *prop, Expr *value)
+{
+    Symbol *symbol = value->kind == EXPR_NAME ? value->as.name.symbol : NULL;
+    bool only = prop->kind == PROP_FUNCTION, unknown = symbol && !symbol->binding && !symbol->unknown;
+    if (only && report_formula(resolver, prop, value)) {
+        value->kind = EXPR_POISON;
+        return;
+    }
+    resolve_function(resolver, value);
+    if (!only || !unknown || !symbol->unknown) return;
+    if (builtin_find(symbol->text))
+        diag_hint(resolver->diag, symbol->unknown, "write: def f(x, y, z) = %s(x), further up, and %s = f",
+                  symbol->text, prop->name);
+    else if (!symbol->unknown->hint)
+        diag_hint(resolver->diag, symbol->unknown, "write: def %s(x, y, z) = ..., further up", symbol->text);
 }
 
 static void resolve_prop(Resolver *resolver, Stmt *stmt)
@@ -226,7 +321,9 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     bool misplaced = resolver->context == CONTEXT_FREE || (type && !prop);
     bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);
     if (resolver->context == CONTEXT_NODE && prop && (prop->kind == PROP_FUNCTION || prop->flags & PROP_TEXTURE)) {
-        resolve_function(resolver, value);
+        resolve_function_prop(resolver, prop, value);
+    } else if (misplaced && is_unknown_word(value)) {
+        value->kind = EXPR_POISON; /* "pattern = checker", where there is no such property: most likely a word of it */
     } else if (words && value->kind == EXPR_NAME) {
         resolve_word(resolver, value);
     } else if (words && value->kind == EXPR_LIST) {
@@ -375,6 +472,7 @@ static void declare_alias(Resolver *resolver, const Export *export, Span span)
     binding->variable = target->variable;
     binding->def = target->def;
     binding->module = target->module;
+    binding->poison = target->poison;
 }
 
 static void resolve_import(Resolver *resolver, Stmt *stmt)

@@ -19,6 +19,7 @@ struct Binding {
     BindingKind kind;
     bool has_span, variable, used, warns;
     bool constant; /* declared by let */
+    bool poison;   /* by a statement that was wrong: whatever uses it is silent */
     Span span;
     uint32_t level, index;  /* BINDING_SLOT */
     Def *def;

@@ -110,11 +110,15 @@ static void report_not_exported(Resolver *resolver, Span span, const File *file,
     free(words.items);
 }
 
-/* Of a name that is none of a file in use: what it may be meant for, or else what brings such a file into use, one of the
- * program's own, where there is one. */
-static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol)
+/* Of a name that is none of a file in use, with a member behind it: what it may be meant for, or else what brings such a
+ * file into use, one of the program's own, where there is one. */
+static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol, const Symbol *member)
 {
     const char *folder = "", *name = symbol->text;
+    if (member->binding && member->binding->has_span) { /* by a use without 'as' */
+        diag_hint(resolver->diag, report, "write: %s, without '%s.'", member->text, name);
+        return;
+    }
     suggest_visible(resolver, report, symbol, false, false);
     if (report->hint) return;
     if (strcmp(name, "std") == 0) {
@@ -130,6 +134,16 @@ static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol)
     diag_hint(resolver->diag, report, "write: use \"%s%s.mns\" as %s", folder, *folder ? name : "NAME", name);
 }
 
+/* Of a def whose name stands as a value. */
+static void hint_at_call(Resolver *resolver, Diagnostic *report, const Def *def, const char *name)
+{
+    const char *args = def->n_formals ? "..." : "";
+    if (def->body)
+        diag_hint(resolver->diag, report, "write: %s(%s)", name, args);
+    else
+        diag_hint(resolver->diag, report, "it places nodes, as a statement: %s(%s)", name, args);
+}
+
 /* What a path with dots leads to through modules; NULL after a report, or for a single name that is not known. */
 static Binding *resolve_path(Resolver *resolver, const Path *path)
 {
@@ -139,7 +153,7 @@ static Binding *resolve_path(Resolver *resolver, const Path *path)
         if (!binding || binding->kind != BINDING_MODULE) {
             Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, path->span, "'%s' is no file in use",
                                              path->names[i - 1]->text);
-            if (!binding) hint_at_use(resolver, report, path->names[0]);
+            if (!binding) hint_at_use(resolver, report, path->names[0], path->names[i]);
             return NULL;
         }
         const Binding *found = find_export(binding->module, path->names[i]);
@@ -175,18 +189,23 @@ static void resolve_name(Resolver *resolver, Expr *expr)
 {
     Symbol *symbol = expr->as.name.symbol;
     Binding *binding = symbol->binding;
-    if (binding && binding->kind == BINDING_SLOT) {
-        binding->used = true;
+    if (binding) binding->used = true;
+    if (binding && binding->kind == BINDING_SLOT && !binding->poison) {
         make_variable(resolver, expr, binding, symbol);
         return;
     }
     expr->kind = EXPR_POISON;
+    if (binding && binding->poison) return;
     if (binding) {
-        binding->used = true;
-        diag_report(resolver->diag, D_WRONG_TYPE, expr->span, "'%s' is %s, not a value", symbol->text,
-                    binding->kind == BINDING_MODULE ? "a file in use"
-                    : binding->def->body            ? "a function"
-                                                    : "a macro");
+        Diagnostic *report =
+            diag_report(resolver->diag, D_WRONG_TYPE, expr->span, "'%s' is %s, not a value", symbol->text,
+                        binding->kind == BINDING_MODULE ? "a file in use"
+                        : binding->def->body            ? "a function"
+                                                        : "a macro");
+        if (binding->kind == BINDING_DEF)
+            hint_at_call(resolver, report, binding->def, symbol->text);
+        else
+            diag_hint(resolver->diag, report, "write: %s.NAME, of what it declares", symbol->text);
         return;
     }
     if (known_to_be_unknown(resolver, symbol, expr->span)) return;
@@ -219,6 +238,14 @@ static const File *module_of(Resolver *resolver, const Expr *expr)
     return found && found->kind == BINDING_MODULE ? found->module : NULL;
 }
 
+/* "gw.tumbler" as it is written */
+static const char *text_of_member(const Resolver *resolver, const Expr *expr)
+{
+    const Expr *base = expr->as.member.base;
+    const char *name = expr->as.member.name->text;
+    return base->kind == EXPR_NAME ? arena_format(resolver->arena, "%s.%s", base->as.name.symbol->text, name) : name;
+}
+
 static int component_of(char c, const char *set)
 {
     const char *found = c ? strchr(set, c) : NULL;
@@ -241,17 +268,16 @@ static bool read_swizzle(Expr *expr)
 }
 
 /* Of a name that is not known, with a member that no value has: a file was meant. */
-static bool report_no_module(Resolver *resolver, Expr *expr)
+static bool report_no_module(Resolver *resolver, const Expr *expr)
 {
     const Expr *base = expr->as.member.base;
     if (base->kind != EXPR_NAME || base->as.name.symbol->binding) return false;
     Symbol *symbol = base->as.name.symbol;
-    expr->kind = EXPR_POISON;
     if (known_to_be_unknown(resolver, symbol, base->span)) return true;
     Diagnostic *report =
         diag_report(resolver->diag, D_UNKNOWN_NAME, base->span, "'%s' is no file in use, nor a value", symbol->text);
     symbol->unknown = report;
-    hint_at_use(resolver, report, symbol);
+    hint_at_use(resolver, report, symbol, expr->as.member.name);
     return true;
 }
 
@@ -262,14 +288,20 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
     Symbol *name = expr->as.member.name;
     if (module) {
         const Binding *found = find_export(module, name);
-        if (found && found->kind == BINDING_SLOT) {
+        if (found && found->kind == BINDING_SLOT && !found->poison) {
             make_variable(resolver, expr, found, name);
             return NULL;
         }
-        if (!found)
+        if (!found) {
             report_not_exported(resolver, expr->as.member.name_span, module, name);
-        else
-            diag_report(resolver->diag, D_WRONG_TYPE, expr->as.member.name_span, "'%s' is no value", name->text);
+        } else if (!found->poison) {
+            Diagnostic *report = diag_report(resolver->diag, D_WRONG_TYPE, expr->as.member.name_span,
+                                             "'%s' is %s, not a value", name->text,
+                                             found->kind == BINDING_MODULE ? "a file in use"
+                                             : found->def->body            ? "a function"
+                                                                           : "a macro");
+            if (found->kind == BINDING_DEF) hint_at_call(resolver, report, found->def, text_of_member(resolver, expr));
+        }
         expr->kind = EXPR_POISON;
         return NULL;
     }
@@ -278,7 +310,10 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         return expr->as.member.base;
     }
     if (!read_swizzle(expr)) {
-        if (report_no_module(resolver, expr)) return NULL;
+        if (report_no_module(resolver, expr)) {
+            expr->kind = EXPR_POISON;
+            return NULL;
+        }
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
         diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
@@ -325,9 +360,14 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
 static void report_no_function(Resolver *resolver, const Expr *callee, const Binding *binding)
 {
     if (callee->kind != EXPR_NAME) {
-        Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "this cannot be called");
         const char *name = callee->kind == EXPR_MEMBER ? callee->as.member.name->text : NULL;
-        if (name && builtin_find(name)) diag_hint(resolver->diag, report, "write: %s(...)", name); /* Math.sqrt(2) */
+        bool builtin = name && builtin_find(name); /* Math.sqrt(2) */
+        if (name && !builtin && report_no_module(resolver, callee)) return;
+        Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "this cannot be called");
+        if (builtin)
+            diag_hint(resolver->diag, report, "write: %s(...)", name);
+        else if (name && habit_word(name)) /* list.append(3) */
+            diag_hint(resolver->diag, report, "write: %s", habit_word(name));
         return;
     }
     const Symbol *symbol = callee->as.name.symbol;
@@ -490,7 +530,9 @@ static void find_node(Resolver *resolver, NodeExpr *node)
 {
     const Binding *binding = resolve_path(resolver, &node->path);
     if (node->path.n == 1) node->type = schema_node(resolver->schema, node->path.names[0]->text);
-    if (binding && binding->kind == BINDING_SLOT) {
+    if (binding && binding->poison) {
+        node->type = NULL;
+    } else if (binding && binding->kind == BINDING_SLOT) {
         node->has_prototype = true;
         node->prototype = slot_of(resolver, binding);
     } else if (binding && binding->kind == BINDING_DEF) {
@@ -513,6 +555,8 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
                         expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro", name);
         if (expression && node->def->block)
             diag_hint(resolver->diag, report, "a group of what it places is one: group { ... } around it");
+        else if (node->def->body)
+            hint_at_call(resolver, report, node->def, name);
         if (node->path.n == 1 && schema_node(resolver->schema, name)) {
             diag_note(resolver->diag, report, node->def->span, "declared here");
             diag_hint(resolver->diag, report, "it hides the node of that name: call it otherwise");

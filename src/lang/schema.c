@@ -117,10 +117,23 @@ static const char *plain_kind_text(Arena *arena, const PropType *type)
     return type->choices ? arena_format(arena, "a list of %s nodes", choice_text(arena, type->choices)) : "a list of nodes";
 }
 
-static const char *kind_text(Arena *arena, const PropType *type)
+const char *prop_kind_text(Arena *arena, const PropType *type)
 {
     const char *text = plain_kind_text(arena, type);
     return type->flags & PROP_TEXTURE ? arena_format(arena, "%s or a texture", text) : text;
+}
+
+static const char *number_text(Arena *arena, double number)
+{
+    char text[NUM_TEXT_SIZE];
+    return arena_copy_text(arena, text, num_print_rounded(number, text));
+}
+
+static bool number_allowed(const PropType *type, double number)
+{
+    if (!isfinite(number)) return false;
+    if (type->flags & PROP_OPEN_MIN ? number <= type->min : number < type->min) return false;
+    return !(type->flags & PROP_OPEN_MAX ? number >= type->max : number > type->max);
 }
 
 /* One property at one place while it is checked. */
@@ -155,6 +168,12 @@ static void hint_node(const Check *check, const Value *value, Diagnostic *report
     for (size_t i = 0; wanted && value->kind == VALUE_COLOR && !report->hint && i < wanted->n_props; i++)
         if (wanted->props[i].kind == PROP_COLOR)
             diag_hint(diag, report, "write: %s { %s = ... }", wanted->name, wanted->props[i].name);
+    /* a bare number is most likely what such a node has first: the index of a medium, the albedo of a surface */
+    bool number = value->kind == VALUE_NUMBER && wanted && wanted->n_props > 0;
+    if (number && (wanted->props[0].kind == PROP_NUMBER_OR_TERM || wanted->props[0].kind == PROP_COLOR))
+        diag_hint(diag, report, "write: %s { %s = %s }", wanted->name, wanted->props[0].name,
+                  number_allowed(&wanted->props[0], value->as.number) ? number_text(diag->arena, value->as.number)
+                                                                      : "...");
     if (value->kind == VALUE_STRING && is_name(value->as.text))
         diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
@@ -184,19 +203,14 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
 static bool wrong_type(const Check *check, const Value *value)
 {
     Arena *arena = check->evaluator->arena;
-    const char *found = value_describe(arena, value), *kind = kind_text(arena, check->type), *name = check->type->name;
+    const char *found = value_describe(arena, value), *kind = prop_kind_text(arena, check->type),
+               *name = check->type->name;
     Diagnostic *report =
         check->element ? eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", name,
                                     kind, check->element - 1, found)
                        : eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", name, kind, found);
     hint_form(check, value, report);
     return false;
-}
-
-static const char *number_text(Arena *arena, double number)
-{
-    char text[NUM_TEXT_SIZE];
-    return arena_copy_text(arena, text, num_print(number, text));
 }
 
 const char *schema_bounds_text(Arena *arena, const PropType *type)
@@ -211,13 +225,6 @@ const char *schema_bounds_text(Arena *arena, const PropType *type)
                         open_max ? "less than" : "at most", max);
 }
 
-static bool number_allowed(const PropType *type, double number)
-{
-    if (!isfinite(number)) return false;
-    if (type->flags & PROP_OPEN_MIN ? number <= type->min : number < type->min) return false;
-    return !(type->flags & PROP_OPEN_MAX ? number >= type->max : number > type->max);
-}
-
 /* rgb(255, 128, 0) */
 static void hint_bytes(const Check *check, const double *numbers, size_t n, Diagnostic *report)
 {
@@ -229,13 +236,24 @@ static void hint_bytes(const Check *check, const double *numbers, size_t n, Diag
               (unsigned)numbers[0], (unsigned)numbers[1], (unsigned)numbers[2]);
 }
 
+/* A number that a property does not take, in all of its digits where it misses what is taken by a few of them. */
+static const char *refused_text(Arena *arena, const PropType *type, double number)
+{
+    const char *text = number_text(arena, number);
+    char exact[NUM_TEXT_SIZE];
+    if (type->kind != PROP_INTEGER && strcmp(text, number_text(arena, type->min)) != 0 &&
+        strcmp(text, number_text(arena, type->max)) != 0)
+        return text;
+    return arena_copy_text(arena, exact, num_print(number, exact));
+}
+
 static bool check_numbers(const Check *check, const double *numbers, size_t n)
 {
     const PropType *type = check->type;
     for (size_t i = 0; i < n; i++) {
         if (number_allowed(type, numbers[i]) && (type->kind != PROP_INTEGER || numbers[i] == floor(numbers[i]))) continue;
         Arena *arena = check->evaluator->arena;
-        const char *text = number_text(arena, numbers[i]);
+        const char *text = refused_text(arena, type, numbers[i]);
         if (!isfinite(numbers[i]))
             eval_error(check->evaluator, check->expr, D_BAD_NUMBER, "'%s' is not finite", type->name);
         else if (!number_allowed(type, numbers[i]))

@@ -17,6 +17,8 @@ const char *choice_text(Arena *arena, const char *choices);
 
 /* "is outside 0..1", or as the ends of a property's range have it, of a number that is */
 const char *schema_bounds_text(Arena *arena, const PropType *type);
+/* "a number", "the name of a function ...": what a property takes */
+const char *prop_kind_text(Arena *arena, const PropType *type);
 /* Reports an unknown property with the nearest one. */
 void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name);
 

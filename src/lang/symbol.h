@@ -8,11 +8,15 @@
 
 #include "base/arena.h"
 
+/* What the texts that were read so far declare a name as, somewhere: for hints of the parser, which knows no scopes. */
+typedef enum SymbolUse { SYMBOL_FREE, SYMBOL_NODE, SYMBOL_DEF } SymbolUse;
+
 typedef struct Symbol Symbol;
 struct Symbol {
     Symbol *next_in_bucket;
     uint32_t hash, length;
-    int keyword;             /* the TokenKind of a keyword, 0 for a name */
+    int keyword; /* the TokenKind of a keyword, 0 for a name */
+    SymbolUse declared;
     struct Binding *binding; /* the innermost declaration that is visible while names are resolved */
     const char *text;
     struct Diagnostic *unknown; /* the report that nothing of that name is visible, and how often it was added to */

@@ -223,18 +223,19 @@ bool value_is_finite(const Value *value)
 
 /* ---- text ---- */
 
-static void print_number(Buf *out, double number)
+static void print_number(Buf *out, double number, unsigned form)
 {
     char text[NUM_TEXT_SIZE];
-    buf_add_bytes(out, text, num_print(number, text));
+    buf_add_bytes(out, text, form & VALUE_ROUNDED ? num_print_rounded(number, text) : num_print(number, text));
 }
 
-static void print_numbers(Buf *out, const char *opening, const double *numbers, size_t n, const char *closing)
+static void print_numbers(Buf *out, const char *opening, const double *numbers, size_t n, const char *closing,
+                          unsigned form)
 {
     buf_add(out, opening);
     for (size_t i = 0; i < n; i++) {
         if (i) buf_add(out, ", ");
-        print_number(out, numbers[i]);
+        print_number(out, numbers[i], form);
     }
     buf_add(out, closing);
 }
@@ -254,7 +255,7 @@ static void print_quoted(Buf *out, const char *text)
     buf_add(out, "\"");
 }
 
-static void print_transform(Buf *out, const Affine *a)
+static void print_transform(Buf *out, const Affine *a, unsigned form)
 {
     double numbers[12];
     for (int column = 0; column < 3; column++)
@@ -262,10 +263,10 @@ static void print_transform(Buf *out, const Affine *a)
     numbers[9] = a->t.x;
     numbers[10] = a->t.y;
     numbers[11] = a->t.z;
-    print_numbers(out, "matrix(", numbers, 12, ")");
+    print_numbers(out, "matrix(", numbers, 12, ")", form);
 }
 
-static void print_term(Buf *out, const EvalTerm *term)
+static void print_term(Buf *out, const EvalTerm *term, unsigned form)
 {
     buf_add(out, term->type->name);
     if (term->text) {
@@ -275,71 +276,70 @@ static void print_term(Buf *out, const EvalTerm *term)
     } else if (term->pairs) {
         for (size_t i = 0; i < term->n_pairs; i++) {
             buf_add(out, i ? ", " : "([");
-            print_numbers(out, "<", term->pairs + 2 * i, 2, ">");
+            print_numbers(out, "<", term->pairs + 2 * i, 2, ">", form);
         }
         buf_add(out, "])");
     } else {
-        print_numbers(out, "(", term->args, term->n_args, ")");
+        print_numbers(out, "(", term->args, term->n_args, ")", form);
     }
     if (term->scale == 1) return;
-    char factor[NUM_TEXT_SIZE];
-    num_print(term->scale, factor);
-    buf_format(out, " * %s", factor);
+    buf_add(out, " * ");
+    print_number(out, term->scale, form);
 }
 
-static void print_record(Buf *out, const Record *record)
+static void print_record(Buf *out, const Record *record, unsigned form)
 {
     size_t at = 0;
     buf_format(out, "%s(", record->type->name);
     for (unsigned i = 0; i < record->type->n_fields; i++) {
         Value field = field_value(record, i, at);
         buf_format(out, "%s%s = ", i ? ", " : "", record->type->fields[i].name);
-        value_print(out, &field, true);
+        value_print(out, &field, form | VALUE_QUOTED);
         at += value_width(field.kind);
     }
     buf_add(out, ")");
 }
 
-static void print_list(Buf *out, const Value *value)
+static void print_list(Buf *out, const Value *value, unsigned form)
 {
     size_t n = value_count(value);
     buf_add(out, "[");
     for (size_t i = 0; i < n; i++) {
         Value element = value_element(value, i);
         if (i) buf_add(out, ", ");
-        value_print(out, &element, true);
+        value_print(out, &element, form | VALUE_QUOTED);
     }
     buf_add(out, "]");
 }
 
-void value_print(Buf *out, const Value *value, bool quoted)
+void value_print(Buf *out, const Value *value, unsigned form)
 {
     switch (value->kind) {
     case VALUE_UNSET:
     case VALUE_POISON: buf_add(out, "?"); break;
     case VALUE_NONE: buf_add(out, "none"); break;
-    case VALUE_NUMBER: print_number(out, value->as.number); break;
+    case VALUE_NUMBER: print_number(out, value->as.number, form); break;
     case VALUE_BOOL: buf_add(out, value->as.truth ? "true" : "false"); break;
     case VALUE_STRING:
-        if (quoted)
+        if (form & VALUE_QUOTED)
             print_quoted(out, value->as.text);
         else
             buf_add(out, value->as.text);
         break;
     case VALUE_VECTOR2:
     case VALUE_VECTOR3:
-    case VALUE_VECTOR4: print_numbers(out, "<", value->as.v, value_width(value->kind), ">"); break;
-    case VALUE_COLOR: print_numbers(out, "rgb(", value->as.v, 3, ")"); break;
-    case VALUE_TRANSFORM: print_transform(out, value->as.transform); break;
-    case VALUE_LIST: print_list(out, value); break;
+    case VALUE_VECTOR4: print_numbers(out, "<", value->as.v, value_width(value->kind), ">", form); break;
+    case VALUE_COLOR: print_numbers(out, "rgb(", value->as.v, 3, ")", form); break;
+    case VALUE_TRANSFORM: print_transform(out, value->as.transform, form); break;
+    case VALUE_LIST: print_list(out, value, form); break;
     case VALUE_RANGE: {
         const Range *range = &value->as.range;
-        print_number(out, range->first);
+        print_number(out, range->first, form);
         buf_add(out, "..");
-        print_number(out, range->n ? range->first + (double)(range->n - 1) * range->step : range->first);
+        print_number(out, range->n ? range->first + (double)(range->n - 1) * range->step : range->first, form);
         if (range->step != 1) {
             buf_add(out, " by ");
-            print_number(out, range->step);
+            print_number(out, range->step, form);
         }
         break;
     }
@@ -347,7 +347,7 @@ void value_print(Buf *out, const Value *value, bool quoted)
         buf_add(out, value->as.node->type->name);
         if (value->as.node->name) buf_format(out, " %s", value->as.node->name);
         break;
-    case VALUE_TERM: print_term(out, value->as.term); break;
-    case VALUE_RECORD: print_record(out, value->as.record); break;
+    case VALUE_TERM: print_term(out, value->as.term, form); break;
+    case VALUE_RECORD: print_record(out, value->as.record, form); break;
     }
 }

@@ -133,8 +133,10 @@ bool record_knows(const char *name);
 
 /* Of the same kind and equal in all; lists element by element, ranges as lists, nodes only where they are one. */
 bool value_equal(const Value *a, const Value *b);
-/* Appends the value as print() shows it; quoted: texts within a list stand in quotes. */
-void value_print(Buf *out, const Value *value, bool quoted);
+/* Appends the value as text, exactly, unless it is VALUE_ROUNDED for people, as print() does, without the noise of
+ * rounding; VALUE_QUOTED: a text stands in quotes, as those within lists always do. */
+enum { VALUE_QUOTED = 1, VALUE_ROUNDED = 2 };
+void value_print(Buf *out, const Value *value, unsigned form);
 bool value_is_finite(const Value *value);
 
 #endif

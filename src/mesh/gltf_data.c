@@ -188,6 +188,8 @@ static Status read_beside(const Gltf *gltf, const char *uri, GltfBuffer *buffer)
         status = gltf_fail(gltf, "there is no file '%.200s', which has its numbers", path);
     else if (!lies_in(path, folder))
         status = gltf_fail(gltf, "its buffer '%.100s' lies outside of its folder", uri);
+    else if (file_kind(path) != FILE_REGULAR)
+        status = gltf_fail(gltf, "its buffer '%.100s' is not a regular file", uri);
     else
         status = file_read(path, 0, &buffer->owned, &buffer->length, gltf->error);
     if (status == STATUS_OK) buffer->bytes = (const unsigned char *)buffer->owned;

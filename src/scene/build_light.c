@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "lang/schema_find.h"
 #include "optics/sky.h"
 #include "scene/build_parts.h"
 
@@ -52,6 +53,23 @@ static bool is_named(const char *list, const char *name)
     return false;
 }
 
+/* What a light of that shape has in place of a property that it must not have. */
+static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shape, const char *name)
+{
+    if (shape->kind == LIGHT_PORTAL)
+        diag_hint(b->diag, report, "it does not shine by itself: the light is the environment's");
+    else if (strcmp(name, "radiance") == 0)
+        diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
+    else if (strcmp(name, "intensity") == 0 && is_named(shape->takes, "radiance"))
+        diag_hint(b->diag, report, "intensity is of lights without a size: give its 'radiance', or its 'power'");
+    else if (shape->kind == LIGHT_POINT && strcmp(name, "radius") == 0)
+        diag_hint(b->diag, report, "it has no size: sphere and disc are shapes of lights that have one");
+    else
+        diag_hint(
+            b->diag, report, "it takes %s",
+            choice_text(b->diag->arena, arena_copy_text(b->diag->arena, shape->takes + 1, strlen(shape->takes) - 2)));
+}
+
 /* Which properties each shape of light needs; the others it must not have. */
 static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
 {
@@ -63,12 +81,7 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
         if (prop && !is_named(shape->takes, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
                                              "a light of shape '%s' has no '%s'", shape->word, names[i]);
-            if (shape->kind == LIGHT_PORTAL)
-                diag_hint(b->diag, report, "it does not shine by itself: the light is the environment's");
-            else if (strcmp(names[i], "radiance") == 0)
-                diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
-            else if (shape->kind == LIGHT_POINT && strcmp(names[i], "radius") == 0)
-                diag_hint(b->diag, report, "it has no size: sphere and disc are shapes of lights that have one");
+            hint_at_shape(b, report, shape, names[i]);
             fine = false;
         } else if (!prop && is_named(shape->needs, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,

@@ -27,6 +27,15 @@ cmp -s whole.exr parts.exr || flunk "the pictures differ"
 no_leftovers
 end
 
+begin "resumed behind one sample: it is said as one"
+small_scene
+run render small.mns --sample-range 1..1 -o a.exr
+exits 0
+run render small.mns --sample-range 1..1 --resume -o a.exr
+exits 0
+says err "1 sample of each pixel is there"
+end
+
 begin "the same with a noise to be reached"
 kept_scene
 run render kept.mns -o whole.exr -n 2.5% -s 4000 -q

@@ -14,6 +14,11 @@ for scene in *.mns; do
 done
 end
 
+begin "fmt: the examples and the standard library are laid out"
+run fmt --check "$root"/examples/*.mns "$root"/src/std/*.mns
+exits 0
+end
+
 begin "fmt: scenes without their layout get one, and mean the same"
 all_scenes
 for scene in *.mns; do

@@ -45,6 +45,39 @@ exits 4
 says err "'folder.mns'"
 end
 
+begin "folders of options that are not there: status 4"
+small_scene
+run check small.mns -I .
+exits 0
+run check small.mns -I . -I nowhere
+exits 4
+says err "option '--include': there is no folder 'nowhere'"
+run check small.mns --confine small.mns
+exits 4
+says err "option '--confine': there is no folder 'small.mns'"
+end
+
+begin "files that a scene names are regular files: no pipe is waited for, and no device read"
+mkfifo pipe
+mkdir folder
+small_scene
+cp small.mns piped.mns
+for file in pipe /dev/zero folder; do
+    sed "\$a mesh { file = \"$file\"  interior = glass }" small.mns > piped.mns
+    run check piped.mns
+    exits 3
+    says err "'$file' is "
+    sed "1a include \"$file\"" small.mns > piped.mns
+    run check piped.mns
+    exits 3
+    says err '[file-unreadable]'
+done
+cat small.mns > pipe &
+run check pipe
+exits 0
+wait
+end
+
 begin "syntax errors: place, line, caret, code, count; status 3"
 printf 'meniscus 1.0 unit mm\nsphere { radius = }\nmedium glass { iorr = 1.5 }\n' > bad.mns
 run render bad.mns

@@ -37,6 +37,9 @@ refuses "unknown option '-W'; here it is --size 640x480" render small.mns -W 640
 refuses "unknown option '--width'; here it is --size 640x480" render small.mns --width 640
 refuses "unknown option '-H480'; here it is --size 640x480" render small.mns -H480
 refuses "unknown option '--quality'; here it is -s 32" render small.mns --quality 9
+refuses "unknown option '--samples'; here it is --spp 32" render small.mns --samples 32
+refuses "unknown option '--out'; here it is --output picture.exr" render small.mns --out a.exr
+refuses "unknown option '--out'" check small.mns --out a.exr
 refuses "unknown option '-Y'" render small.mns -Y
 refuses "option '--spp' needs a value" render small.mns --spp
 refuses "option '--half' takes no value" render small.mns --half=yes
@@ -55,6 +58,11 @@ refuses "'level' is not NAME=VALUE" render small.mns -D level
 refuses "did you mean 'automatic'?" render small.mns --nesting automtic
 refuses "150% is outside of 0 to 1" render small.mns --noise 150%
 refuses "must end in .exr or .png" render small.mns -o small.jpg
+refuses "output '.exr' has no name in front of its ending, as picture.exr does" render small.mns -o .exr
+refuses "output './.PNG' has no name in front of its ending" check small.mns --slice y=1 --slice-output ./.PNG
+refuses "'1,2,3' is a point: write its plane's normal behind it, as 1,2,3:0,1,0" check small.mns --slice 1,2,3
+refuses "'sphere' is one word too many: with '--json' help gives all that there is" help --json sphere
+refuses "standard input has no place to write to: leave '--in-place' out" fmt -i small.mns -
 refuses "is named twice" render small.mns -o a.exr -o a.exr
 refuses "option '-o': the value is empty" render small.mns -o ''
 refuses "display 'nowhere'" render small.mns -o a.png --display nowhere

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "base/num.h"
+#include "lang/habits.h"
 #include "scene_fixture.h"
 
 static void check_doc(const char *what, const char *doc)
@@ -106,6 +107,8 @@ static void hints_name_what_there_is(void **state)
 #define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
+#define HABIT_HOLDS(node)
+#define HABIT_IMPORT(word)
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
@@ -120,8 +123,8 @@ static void hints_name_what_there_is(void **state)
     };
     assert_true(COUNT_OF(hints) > 80);
     for (size_t i = 0; i < COUNT_OF(hints); i++)
-        for (const char *name = hints[i].names; *name; name += strspn(name, "* ")) {
-            size_t length = strcspn(name, "* ");
+        for (const char *name = hints[i].names; *name; name += strspn(name, "*+ ")) {
+            size_t length = strcspn(name, "*+ ");
             if (!is_property(hints[i].node, name, length))
                 fail_msg("no property '%.*s' of '%s'", (int)length, name, hints[i].node);
             name += length;
@@ -129,9 +132,19 @@ static void hints_name_what_there_is(void **state)
         }
 }
 
+/* The parser, which knows no schema, is told which nodes hold others: those of the table of nodes, and no more. */
+static void nodes_that_hold_others(void **state)
+{
+    (void)state;
+    const Schema *schema = scene_schema();
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        assert_int_equal(habit_holds_nodes(schema->nodes[i].name), (schema->nodes[i].flags & NODE_CHILDREN) != 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nodes_that_hold_others),
         cmocka_unit_test(hints_name_what_there_is),
         cmocka_unit_test(names_are_unique_and_documented),
         cmocka_unit_test(defaults_are_in_range),

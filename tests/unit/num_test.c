@@ -38,6 +38,23 @@ static void test_reads(void **state)
     assert_true(value == 123);
 }
 
+static void test_prints_rounded(void **state)
+{
+    (void)state;
+    static const struct {
+        double value;
+        const char *text;
+    } cases[] = {{92 * .1, "9.2"}, {.1 + .2, "0.3"}, {.1 + .7, "0.8"}, {-1.1 * 1.1, "-1.21"},
+                 {3.141592653589793, "3.141592653589793"}, {1 / 3., "0.3333333333333333"}, {5e-324, "5e-324"},
+                 {1e15 + .3, "1000000000000000"},
+                 {1.0000000000000002, "1"}, {9007199254740993., "9007199254740992"}, {.1, "0.1"}, {12, "12"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[NUM_TEXT_SIZE];
+        assert_int_equal(num_print_rounded(cases[i].value, text), strlen(cases[i].text));
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
 static void test_prints(void **state)
 {
     static const struct {
@@ -142,7 +159,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reads),    cmocka_unit_test(test_prints), cmocka_unit_test(test_random),
-        cmocka_unit_test(test_shortest), cmocka_unit_test(test_utf8),
+        cmocka_unit_test(test_shortest), cmocka_unit_test(test_prints_rounded),
+        cmocka_unit_test(test_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
