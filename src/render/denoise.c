@@ -139,7 +139,7 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
         for (uint32_t x = 0; x < planes->width; x++) {
             float squared[4];
             film_squared_errors(film, area[0] + x, area[1] + y, squared);
-            float scale = 1 / float_max(own_error(film, area[0] + x, area[1] + y), least);
+            float scale = 1 / float_max(own_error(film, area[0] + x, area[1] + y), sqrtf(least));
             for (int k = 0; k < 4; k++) planes->maps[k][(size_t)y * planes->width + x] = squared[k] * scale;
         }
     for (int k = 0; k < 4; k++) blur(planes, k, COLORS_AROUND);
