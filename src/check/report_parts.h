@@ -73,6 +73,8 @@ typedef enum ReportSight {
 ReportSight report_look_at(const CompiledScene *compiled, Probe *probe, uint32_t hull, uint32_t n_lines);
 /* How many lines each of n hulls gets. */
 uint32_t report_lines_of_each(uint32_t n);
+/* Warns of liquids with a thin gap to the opaque vessel that they are in. */
+void report_vessels(const CompiledScene *compiled, Diag *diag);
 
 /* Rows of cells, in columns as wide as their widest cell. */
 enum { REPORT_COLUMNS = 8 };

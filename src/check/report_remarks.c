@@ -257,6 +257,60 @@ static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places,
     }
 }
 
+/* The height of a point above a plane, in the plane's own measure. */
+static double height_of(const Affine *to_plane, Vec3 point)
+{
+    return affine_point(to_plane, point).y;
+}
+
+static bool is_plane(const Scene *scene, const SceneObject *object)
+{
+    if (object->shape == SCENE_NONE || object->part_of != SCENE_NONE) return false;
+    const Solid *solid = scene->shapes[object->shape].solid;
+    return solid && solid->pieces[0].kind == PIECE_PLANE;
+}
+
+static bool is_below(const SceneObject *plane, Vec3 place)
+{
+    Affine to_plane;
+    return affine_invert(&plane->to_world, &to_plane) && height_of(&to_plane, place) < 0;
+}
+
+/* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
+static bool is_within(Remarks *r, Vec3 place, uint32_t object)
+{
+    if (is_plane(r->scene, &r->scene->objects[object])) return is_below(&r->scene->objects[object], place);
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        Ray ray = ray_make(place, vec3f_from(line_direction(direction)));
+        HitList *hits = &r->probe.forward;
+        int leaving = 0;
+        rtc_all(r->compiled->rtc, &ray, false, hits);
+        for (size_t i = 0; i < hits->n; i++)
+            if (hits->items[i].object == object && !hit_repeats(hits, i)) leaving += hits->items[i].entering ? -1 : 1;
+        if (leaving != 1) return false;
+    }
+    return true;
+}
+
+static bool holds_camera(Remarks *r, uint32_t object)
+{
+    for (uint32_t i = 0; i < r->scene->n_cameras; i++)
+        if (is_within(r, r->scene->cameras[i].from, object)) return true;
+    return false;
+}
+
+/* A room that is lit within is a room. */
+static bool holds_light(Remarks *r, uint32_t object)
+{
+    for (uint32_t i = 0; i < r->scene->n_lights; i++) {
+        const SceneLight *light = &r->scene->lights[i];
+        if (light->kind == LIGHT_DISTANT || light->kind == LIGHT_PORTAL) continue;
+        Vec3 place = light->object == SCENE_NONE ? light->to_world.t : box3_centre(r->bounds[light->object]);
+        if (is_within(r, place, object)) return true;
+    }
+    return false;
+}
+
 static void remark_enclosed(Remarks *r)
 {
     uint32_t n = r->compiled->n_hulls;
@@ -267,16 +321,10 @@ static void remark_enclosed(Remarks *r)
     qsort(places, n, sizeof *places, compare_places);
     for (uint32_t i = 0; i < r->scene->n_objects; i++)
         if (r->compiled->hull_of_object[i] == SCENE_NONE && !scene_is_thin(r->scene, i) &&
-            encloses(r->scene, &r->scene->objects[i]))
+            encloses(r->scene, &r->scene->objects[i]) && !holds_camera(r, i))
             remark_enclosed_in(r, i, places, &tally);
     tally_end(r, &tally);
     free(places);
-}
-
-/* The height of a point above a plane, in the plane's own measure. */
-static double height_of(const Affine *to_plane, Vec3 point)
-{
-    return affine_point(to_plane, point).y;
 }
 
 static bool is_behind(const Box3 *box, const Affine *to_plane, double side)
@@ -287,13 +335,6 @@ static bool is_behind(const Box3 *box, const Affine *to_plane, double side)
         if (!(side * height_of(to_plane, p) < 0)) return false;
     }
     return true;
-}
-
-static bool is_plane(const Scene *scene, const SceneObject *object)
-{
-    if (object->shape == SCENE_NONE || object->part_of != SCENE_NONE) return false;
-    const Solid *solid = scene->shapes[object->shape].solid;
-    return solid && solid->pieces[0].kind == PIECE_PLANE;
 }
 
 static bool is_seen_through(const Scene *scene, const SceneObject *object)
@@ -438,6 +479,45 @@ static void remark_loose_liquid(Remarks *r)
     tally_end(r, &tally);
 }
 
+static bool is_opaque(const Remarks *r, uint32_t object)
+{
+    return r->compiled->hull_of_object[object] == SCENE_NONE && !scene_is_thin(r->scene, object) &&
+           r->scene->objects[object].part_of == SCENE_NONE && r->scene->objects[object].light == SCENE_NONE;
+}
+
+/* The first opaque object that a camera is inside of; SCENE_NONE. */
+static uint32_t find_cover(Remarks *r, const SceneCamera *camera)
+{
+    HitList hits = {0};
+    Ray ray = ray_make(camera->from, vec3f_from(line_direction(0)));
+    uint32_t cover = SCENE_NONE;
+    rtc_all(r->compiled->rtc, &ray, false, &hits);
+    for (size_t i = 0; i < hits.n && cover == SCENE_NONE; i++) {
+        uint32_t object = hits.items[i].object;
+        if (!hits.items[i].entering && is_opaque(r, object) && is_within(r, camera->from, object)) cover = object;
+    }
+    for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
+        if (is_plane(r->scene, &r->scene->objects[i]) && is_opaque(r, i) && is_within(r, camera->from, i)) cover = i;
+    hit_list_clear(&hits);
+    return cover;
+}
+
+static void remark_covered_cameras(Remarks *r)
+{
+    for (uint32_t i = 0; i < r->scene->n_cameras; i++) {
+        const SceneCamera *camera = &r->scene->cameras[i];
+        uint32_t cover = find_cover(r, camera);
+        if (cover == SCENE_NONE || holds_light(r, cover)) continue;
+        const SceneObject *object = &r->scene->objects[cover];
+        Diagnostic *report =
+            diag_report(r->diag, D_CAMERA_INSIDE, camera->span,
+                        "%s is inside of %s, which is opaque, and no light is there with it",
+                        camera->name, object->name);
+        diag_note(r->diag, report, object->span, "%s is here", object->name);
+        diag_hint(r->diag, report, "move the camera out of it, or bring a light in");
+    }
+}
+
 static void remark_cameras(Remarks *r)
 {
     const CompiledScene *compiled = r->compiled;
@@ -535,6 +615,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_coarse_places(&r);
         remark_loose_liquid(&r);
         remark_cameras(&r);
+        remark_covered_cameras(&r);
         remark_unused_media(&r);
     }
     probe_clear(&r.probe);

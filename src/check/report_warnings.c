@@ -138,6 +138,7 @@ static void warn_of_hidden(const CompiledScene *compiled, Diag *diag)
 void report_warnings(const CompiledScene *compiled, Diag *diag)
 {
     warn_of_gaps(compiled, diag);
+    report_vessels(compiled, diag);
     warn_of_hidden(compiled, diag);
     report_lost_lights(compiled, diag);
 }
