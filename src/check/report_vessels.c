@@ -3,6 +3,7 @@
  * in that.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
+#include <stdlib.h>
 
 #include "check/report_parts.h"
 #include "check/sight_line.h"
@@ -12,6 +13,8 @@ static const double widest = 0.03;
 /* Of the ends of lines within the liquid, those that are at such a gap at least: more than where a drop nearly touches a table. */
 static const double least_part = 0.08;
 enum { LEAST_ENDS = 6, LINES = 120 };
+/* A vessel is around most of what it holds: a few lines find it, where drops by the thousand are in none. */
+enum { FIRST_LINES = 6 };
 
 /* What is known of a liquid and what it is in. */
 typedef struct Fit {
@@ -32,18 +35,24 @@ static bool is_vessel(const Scene *scene, uint32_t object)
     return !scene_is_thin(scene, object) && !(shape && shape->solid && shape->solid->pieces[0].kind == PIECE_PLANE);
 }
 
-/* Something solid and clear holds it, or is in it. */
-static bool meets_solid(const CompiledScene *compiled, uint32_t hull)
+static bool has_vessels(const CompiledScene *compiled)
 {
-    uint32_t object = compiled->object_of_hull[hull];
+    for (uint32_t i = 0; i < compiled->scene->n_objects; i++)
+        if (compiled->hull_of_object[i] == SCENE_NONE && is_vessel(compiled->scene, scene_whole(compiled->scene, i)))
+            return true;
+    return false;
+}
+
+/* Liquids that something solid and clear holds, or that it is in. */
+static void mark_held(const CompiledScene *compiled, bool *held)
+{
     for (size_t i = 0; i < compiled->n_pairs; i++) {
         const HullPair *pair = &compiled->pairs[i];
-        uint32_t other = pair->a == object ? pair->b : pair->b == object ? pair->a : SCENE_NONE;
-        if (other != SCENE_NONE && (pair->overlaps || pair->touches) &&
-            compiled->hulls[compiled->hull_of_object[other]].state == NEST_SOLID)
-            return true;
+        uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];
+        if (!pair->overlaps && !pair->touches) continue;
+        held[a] |= compiled->hulls[b].state == NEST_SOLID;
+        held[b] |= compiled->hulls[a].state == NEST_SOLID;
     }
-    return false;
 }
 
 /* From a place within the liquid to its end, and on. false when memory ends. */
@@ -133,28 +142,40 @@ static void report_gap(const CompiledScene *compiled, uint32_t hull, const Fit *
     buf_clear(&gap);
 }
 
+/* Whether a liquid leaves a gap. false when memory ends, too. */
+static bool find_gap(const CompiledScene *compiled, Probe *probe, uint32_t hull, uint32_t n_lines, Fit *fit)
+{
+    Box3 box = compiled->hull_bounds[hull];
+    *fit = (Fit){.size = vec3_max_abs(vec3_sub(box.max, box.min)),
+                 .medium = compiled->hulls[hull].medium,
+                 .gap = HUGE_VAL,
+                 .vessel = SCENE_NONE};
+    if (!isfinite(fit->size) || !look_at(compiled, probe, hull, FIRST_LINES, fit) || fit->n_near == 0) return false;
+    /* and now that there is a vessel to ask for */
+    if (!look_at(compiled, probe, hull, n_lines, fit) || fit->n_held) return false;
+    if (fit->n_near < LEAST_ENDS || fit->n_near < least_part * fit->n_ends) return false;
+    return measure_across(compiled, fit);
+}
+
+/* Where memory ends there is no warning: what needs more will say so. */
 void report_vessels(const CompiledScene *compiled, Diag *diag)
 {
     Probe probe;
     uint32_t n = 0, n_lines = report_lines_of_each(compiled->n_hulls);
-    bool good =
-        probe_init(&probe, compiled, NULL) == STATUS_OK; /* no memory for a warning: what needs more will say so */
+    bool *held = has_vessels(compiled) ? calloc(compiled->n_hulls + 1, sizeof *held) : NULL;
+    if (!held) return;
     if (n_lines > LINES) n_lines = LINES;
+    mark_held(compiled, held);
+    bool good = probe_init(&probe, compiled, NULL) == STATUS_OK;
     for (uint32_t h = 0; good && h < compiled->n_hulls; h++) {
-        Box3 box = compiled->hull_bounds[h];
-        Fit fit = {
-            .size = vec3_max_abs(vec3_sub(box.max, box.min)), .medium = compiled->hulls[h].medium, .gap = HUGE_VAL, .vessel = SCENE_NONE};
-        if (compiled->hulls[h].state != NEST_LIQUID || !isfinite(fit.size) || meets_solid(compiled, h)) continue;
-        good = look_at(compiled, &probe, h, n_lines, &fit);
-        /* once more, now that there is one to ask for */
-        if (good && fit.n_near >= LEAST_ENDS) good = look_at(compiled, &probe, h, n_lines, &fit);
-        if (!good || fit.n_held || fit.n_near < LEAST_ENDS || fit.n_near < least_part * fit.n_ends || ++n > REPORT_MOST)
+        Fit fit;
+        if (compiled->hulls[h].state != NEST_LIQUID || held[h] || !find_gap(compiled, &probe, h, n_lines, &fit))
             continue;
-        good = measure_across(compiled, &fit);
-        if (good) report_gap(compiled, h, &fit, diag);
+        if (++n <= REPORT_MOST) report_gap(compiled, h, &fit, diag);
     }
     if (n > REPORT_MOST)
         diag_report_nowhere(diag, D_AIR_GAP, "%u more liquids leave gaps to opaque objects",
                             (unsigned)(n - REPORT_MOST));
     probe_clear(&probe);
+    free(held);
 }
