@@ -44,6 +44,8 @@ enum { CHANGES_AROUND = 4 };
 #define FAR 64.0f
 /* Around a pixel, for how the noise of its colours goes with that of its luminance. */
 enum { COLORS_AROUND = 5 };
+/* How many times the halves' part of a colour in that, neighbours may say. */
+#define COLORS_MENDED 3.0f
 /* Pixels that a thread works on at a time. */
 enum { TILE_X = 64, TILE_Y = 16, WIDE = TILE_X + 2 * PATCH, HIGH = TILE_Y + 2 * PATCH };
 
@@ -148,11 +150,45 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
         for (int k = 0; k < 3; k++) planes->maps[k][i] = (planes->maps[k][i] + least) / (luminance[i] + least);
 }
 
+/* By how much a pixel differs from what those next to it foretell, for an even slope: R, G, B and luminance. */
+static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x, uint32_t y, float difference[4])
+{
+    uint32_t right = x + 1 < area[2] ? x + 1 : x > area[0] ? x - 1 : x;
+    uint32_t below = y + 1 < area[3] ? y + 1 : y > area[1] ? y - 1 : y;
+    const float *here = image_at(image, x, y), *beside = image_at(image, right, y), *under = image_at(image, x, below),
+                *across = image_at(image, right, below);
+    for (int k = 0; k < 3; k++) difference[k] = here[k] - beside[k] - under[k] + across[k];
+    difference[3] = 0.2126f * difference[0] + 0.7152f * difference[1] + 0.0722f * difference[2];
+}
+
+/* Colours may make up for each other in the luminance of all samples, and not of halves of them: what neighbours differ by shows
+ * that. Textures differ, too: so it counts only so far. */
+static void mend_color_noise(const Planes *planes, const Film *film, const uint32_t area[4], const Image *image)
+{
+    const float least = 1e-20f;
+    for (int k = 3; k >= 0; k--) {
+        float *squares = planes->maps[k == 3 ? MAP_CHANGED : MAP_GAINED];
+        for (uint32_t y = 0; y < planes->height; y++)
+            for (uint32_t x = 0; x < planes->width; x++) {
+                float difference[4], own = own_error(film, area[0] + x, area[1] + y);
+                differ_beside(image, area, area[0] + x, area[1] + y, difference);
+                squares[(size_t)y * planes->width + x] = difference[k] * difference[k] / float_max(own, sqrtf(least));
+            }
+        blur(planes, k == 3 ? MAP_CHANGED : MAP_GAINED, COLORS_AROUND);
+        for (size_t i = 0; k < 3 && i < (size_t)planes->width * planes->height; i++) {
+            float *ratio = &planes->maps[k][i], most = COLORS_MENDED * *ratio;
+            float beside = (squares[i] + least) / (planes->maps[MAP_CHANGED][i] + least);
+            *ratio = float_min(float_max(beside, *ratio), most);
+        }
+    }
+}
+
 static void fill_noise(const Planes *planes, const Film *film, const uint32_t area[4], const Image *image)
 {
     const int channel = image_channel(image, "noise.Y");
     float *noise = planes->maps[MAP_CHANGED], *around = planes->maps[MAP_MEAN];
     fill_color_noise(planes, film, area);
+    mend_color_noise(planes, film, area, image);
     for (int k = 0; k < 3; k++) {
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++) {
             uint32_t x = area[0] + (uint32_t)(i % planes->width), y = area[1] + (uint32_t)(i / planes->width);
