@@ -7,7 +7,9 @@
  * [RMZ13]; behind a boundary of clear media the colours alone do that.
  *
  * Deviations from these: the noise of a colour is that of the luminance, as pixel_noise.h has it of evenly spread samples,
- * in proportion to how the means of a pixel's first samples and of its others differ in that colour around the pixel; what is
+ * in proportion to how the means of a pixel's first samples and of its others differ in that colour around the pixel, or
+ * neighbours do, where colours make up for each other; it is held by what a pixel's own samples say, and two pixels that differ by
+ * more than chance are not alike whatever is around them, so that a single bright pixel stays one, and makes no patch. What is
  * spread (spread.h) has been spread before. Weights have the shape of (1 - d / 8)^8, which is exp(-d) without the exponential.
  *
  * It is biased, as all of this kind: it takes a small thing that is as faint as the noise for noise. With more samples less
