@@ -466,6 +466,9 @@ static void eval_field(Evaluator *evaluator, Expr *expr, Value *result)
                                         value_describe(evaluator->arena, base), name);
         if (base->kind == VALUE_NONE)
             diag_hint(evaluator->diag, report, "a ray that meets nothing gives none: ask for '!= none' first");
+        else if (base->kind == VALUE_NODE && schema_prop(base->as.node->type, name))
+            diag_hint(evaluator->diag, report,
+                      "properties are not read: give the value a name before, let %s = ..., and use that in both places", name);
     }
     result->kind = VALUE_POISON;
 }
