@@ -484,6 +484,7 @@ static Stmt *parse_named(Parser *parser)
     case TOKEN_PAREN_OPEN: return parse_call_stmt(parser, path);
     case TOKEN_BRACE_OPEN: return parse_node(parser, path);
     case TOKEN_NAME:
+        if (parse_lone_word(parser, path)) return NULL;
         if (peek(parser).kind == TOKEN_BRACE_OPEN) return parse_node(parser, path);
         parse_two_names(parser, path);
         return NULL;
