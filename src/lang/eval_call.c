@@ -236,7 +236,8 @@ static void run_macro(Evaluator *evaluator, Frame *frame)
 }
 
 /* What stands there in the text, if it is short and without any of the characters; else otherwise. */
-static const char *written(const Evaluator *evaluator, Span span, size_t longest, const char *without, const char *otherwise)
+static const char *written(const Evaluator *evaluator, Span span, size_t longest, const char *without,
+                           const char *otherwise)
 {
     const char *text = evaluator->diag->sources->sources[span.source].text + span.begin;
     size_t n = span.end - span.begin;
@@ -256,14 +257,14 @@ static void hint_at_block(Evaluator *evaluator, Diagnostic *report, const Expr *
         diag_hint(evaluator->diag, report, "write: %s, without '{ }'", as_call);
         return;
     }
-    for (uint32_t i = 0; i < args->n && i < def->n_formals; i++) { /* an end of what is within brackets is before them */
+    for (uint32_t i = 0; i < args->n && i < def->n_formals; i++) { /* the place of a value may leave its brackets out */
         const Symbol *formal = args->items[i].name ? args->items[i].name : def->formals[i].name;
         list = arena_format(evaluator->arena, "%s%s = %s  ", list, formal->text,
                             written(evaluator, args->items[i].value->span, 16, "()[]{}<>\n", "..."));
     }
     if (block->first->kind == STMT_CALL)
-        diag_hint(evaluator->diag, report, "to move all that it places: group { %s  ... }, or %s { %s... }", as_call, name,
-                  list);
+        diag_hint(evaluator->diag, report, "to move all that it places: group { %s  ... }, or %s { %s... }", as_call,
+                  name, list);
     else
         diag_hint(evaluator->diag, report, "what is done to all that it places stands in a group: group { %s  ... }",
                   as_call);
