@@ -9,6 +9,7 @@
 #include "check/sight_line.h"
 #include "cli/check_slice.h"
 #include "cli/commands.h"
+#include "cli/other_frames.h"
 #include "cli/scene_input.h"
 #include "trace/path.h"
 
@@ -142,6 +143,14 @@ static Status keep_findings(Check *check, Status status, Error *error)
     return scene_input_gather(&check->input, error);
 }
 
+/* What is a mistake whichever frames are rendered; of the outputs, where several are. */
+static Status examine_others(Check *check, const Options *options, Error *error)
+{
+    FrameList all;
+    TRY(frames_choose(options, &check->input.instant.animation, true, &all, error));
+    return other_frames_check(&check->input, &all, check->frames.n > 1, error);
+}
+
 static Status examine(Check *check, const Options *options, Error *error)
 {
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &check->pool, error));
@@ -149,6 +158,7 @@ static Status examine(Check *check, const Options *options, Error *error)
     Status status = examine_frame(check, error);
     if ((status != STATUS_OK && status != STATUS_SCENE) || check->input.instant.animation.n_frames == 0) return status;
     TRY(frames_choose(options, &check->input.instant.animation, false, &check->frames, error));
+    if (status == STATUS_OK) status = examine_others(check, options, error);
     if (check->frames.n < 2) return status;
     if (check->slice.wanted)
         return fail(error, STATUS_USAGE, "'--slice' is of one frame, and these are %u", check->frames.n);

@@ -56,7 +56,6 @@ static Status judge(const Options *options, const Comparison *comparison, Error 
 
 Status cmd_compare(const Options *options, const Talk *talk, Error *error)
 {
-    (void)talk;
     Image a = {0}, b = {0};
     Comparison comparison = {0};
     Buf out = {0};
@@ -67,7 +66,7 @@ Status cmd_compare(const Options *options, const Talk *talk, Error *error)
     if (status == STATUS_OK) {
         if (option_given(options, OPTION_JSON))
             print_json(&comparison, flip, &out);
-        else
+        else if (!talk->quiet)
             print_text(&comparison, flip, &out);
         status = print_out(&out, error);
     }

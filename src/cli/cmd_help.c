@@ -9,6 +9,8 @@
 #include "diag/suggest.h"
 #include "geom/rtc.h"
 #include "lang/habits.h"
+#include "lang/lex.h"
+#include "lang/resolve.h"
 #include "scene/build.h"
 #include "scene/library.h"
 
@@ -27,7 +29,7 @@ static const char *nearest_topic(const char *wrong)
     size_t n_props = 0;
     for (size_t i = 0; i < schema->n_nodes; i++) n_props += schema->nodes[i].n_props;
     const char **names = malloc((COMMAND_COUNT + schema->n_nodes + n_props + OPTION_COUNT + builtin_count() +
-                                 schema->n_terms + D_COUNT + std_library.n_files) *
+                                 schema->n_terms + D_COUNT + TOKEN_COUNT + std_library.n_files) *
                                 sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
@@ -41,6 +43,7 @@ static const char *nearest_topic(const char *wrong)
     for (size_t i = 0; i < builtin_count(); i++) names[n++] = builtin_at(i)->name;
     for (size_t i = 0; i < schema->n_terms; i++) names[n++] = schema->terms[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
+    for (size_t i = 0; keyword_at(i); i++) add_topic(names, &n, keyword_at(i)->word);
     size_t first_file = n;
     for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
     const char *near = suggest_nearest(wrong, names, n);
@@ -66,6 +69,42 @@ static void explain_library(const char *topic, Buf *out)
         library_print_file(file, out);
 }
 
+/* The manual explains the language as a whole. */
+static void explain_word(const char *topic, Buf *out)
+{
+    size_t i = 0, k = 0;
+    while (keyword_at(i) && strcmp(keyword_at(i)->word, topic) != 0) i++;
+    while (k < PREDECLARED_COUNT && strcmp(predeclared_names[k], topic) != 0) k++;
+    if (!keyword_at(i) && k == PREDECLARED_COUNT) return;
+    if (out->length) buf_add(out, "\nIn the language:\n\n");
+    if (keyword_at(i))
+        buf_format(out, "%s is a word of the scene language:\n    %s\n", topic, keyword_at(i)->example);
+    else
+        buf_format(out, "%s is predeclared in the scene language: %s.\n", topic,
+                   k < PREDECLARED_X    ? "clock, frame, frames and time are those of an animation's picture"
+                   : k < PREDECLARED_PI ? "x, y and z are the axes, <1, 0, 0>, <0, 1, 0> and <0, 0, 1>"
+                                        : "the number; angles are in degrees");
+    buf_add(out, "\nManual: meniscus-language(5)\n");
+}
+
+/* POV-Ray's words and others', with what is written here. */
+static Status refuse_topic(const char *topic, Error *error)
+{
+    const char *block = habit_block(topic), *directive = habit_directive_pattern(topic);
+    if (block) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, block);
+    const char *near = nearest_topic(topic);
+    if (near) return fail(error, STATUS_USAGE, "there is no help for '%s'; did you mean '%s'?", topic, near);
+    if (directive) {
+        size_t name = strcspn(directive, "@");
+        return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); write: %.*s%s%s", topic, (int)name,
+                    directive, directive[name] ? "NAME" : "", directive[name] ? directive + name + 1 : "");
+    }
+    return fail(error, STATUS_USAGE,
+                "there is no help for '%s', only for commands, their options, nodes, properties, functions, words of the "
+                "language, and the library (help std); see meniscus(1) for the manual's pages",
+                topic);
+}
+
 /* A word can be a command and a node (render), a node, a function and an option (noise): then all are explained. */
 static Status explain(const char *topic, Buf *out, Error *error)
 {
@@ -89,15 +128,8 @@ static Status explain(const char *topic, Buf *out, Error *error)
     help_print_option(topic, out);
     if (code != D_COUNT) reference_print_diagnostic(code, out);
     explain_library(topic, out);
-    if (out->length) return STATUS_OK;
-    const char *habit = habit_block(topic);
-    if (habit) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, habit);
-    const char *near = nearest_topic(topic);
-    if (near) return fail(error, STATUS_USAGE, "there is no help for '%s'; did you mean '%s'?", topic, near);
-    return fail(
-        error, STATUS_USAGE,
-        "there is no help for '%s', only for commands, their options, nodes, properties, functions, and the library (help std)",
-        topic);
+    explain_word(topic, out);
+    return out->length ? STATUS_OK : refuse_topic(topic, error);
 }
 
 Status cmd_help(const Options *options, const Talk *talk, Error *error)

@@ -102,6 +102,7 @@ static void summarize(const MergeRun *run)
 {
     const RenderStats *stats = &run->stats;
     uint32_t total = run->merge.parts[0].notes.samples;
+    if (run->talk->quiet) return;
     for (size_t i = 0; i < run->n_outputs; i++)
         talk_event(run->talk, "done", "wrote %s (%u x %u, %u of %u sample%s, from %zu slice%s)",
                    strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, run->image.width,
@@ -111,6 +112,9 @@ static void summarize(const MergeRun *run)
 static Status merge(MergeRun *run, Error *error)
 {
     const Options *options = run->options;
+    for (size_t i = 0; i < options->n_operands; i++)
+        if (strcmp(options->operands[i], "-") == 0)
+            return fail(error, STATUS_USAGE, "'-': slices are read twice, and standard input only once; give files");
     TRY(plan_outputs(run, error));
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "cli/other_frames.h"
 #include "cli/render_run.h"
 #include "cli/signals.h"
 
@@ -106,6 +107,7 @@ Status render_plan_frames(RenderRun *run, Error *error)
 {
     const Scene *scene = run->input.scene;
     TRY(frames_choose(run->options, &scene->animation, true, &run->frames, error));
+    TRY(other_frames_check(&run->input, &run->frames, !option_given(run->options, OPTION_OUTPUT), error));
     TRY(outputs_plan(&run->plan, run->options, scene, run->frames.numbered, error));
     TRY(check_standard_output(run, error));
     TRY(check_names(run, error));
@@ -124,7 +126,7 @@ static void report_outputs(void *context)
         "the film's output is another one in this frame, and all files are tried before the first frame");
 }
 
-/* The files of the run were named by its first frame. */
+/* The files of the run were named by its first frame, which the last ones agree with. */
 static Status check_outputs(RenderRun *run, Error *error)
 {
     OutputPlan plan;

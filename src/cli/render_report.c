@@ -43,6 +43,36 @@ static void warn_of_white(const RenderRun *run)
                      stops, ldexp(1, stops + 1), -stops - 1);
 }
 
+static bool is_black(const Image *image)
+{
+    static const char *const names[] = {"R", "G", "B"};
+    size_t n_pixels = (size_t)image->width * image->height;
+    for (size_t k = 0; k < COUNT_OF(names); k++) {
+        int channel = image_channel(image, names[k]);
+        for (size_t i = 0; channel >= 0 && i < n_pixels; i++)
+            if (image->pixels[i * image->n_channels + (unsigned)channel] != 0) return false;
+    }
+    return true;
+}
+
+static bool has_no_light(const Diag *diag)
+{
+    const Diagnostic *report = diag->first;
+    while (report && report->code != D_NO_LIGHT) report = report->next;
+    return report != NULL;
+}
+
+/* Not where the scene has no light at all, which is said before; nor of frames behind the first, which may fade. */
+static void warn_of_black(const RenderRun *run)
+{
+    if (run->n_rendered || run->stats.samples == 0 || has_no_light(&run->input.diag) || !is_black(&run->image)) return;
+    const SceneFilm *film = &run->input.scene->film;
+    talk_warning(run->talk,
+                 "all of the picture is black: the camera is inside of an opaque object, or no light comes to what it looks at, "
+                 "or is found by so few samples; 'meniscus check %s --pixel %u,%u' says what is in front of it",
+                 run->input.path, (unsigned)film->width / 2, (unsigned)film->height / 2);
+}
+
 void render_warn(const RenderRun *run)
 {
     const RenderStats *stats = &run->stats;
@@ -58,6 +88,7 @@ void render_warn(const RenderRun *run)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
     if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
     warn_of_white(run);
+    warn_of_black(run);
     if (saturated)
         talk_warning(talk, "%llu sample%s brighter than the film can hold, and held at its limit", saturated, plural(saturated));
 }

@@ -326,6 +326,21 @@ void diag_merge(Diag *into, const Diag *from)
     if (from->n_remarks > into->n_remarks) into->n_remarks = from->n_remarks;
 }
 
+void diag_drop_source(Diag *diag, uint32_t source)
+{
+    Diagnostic **end = &diag->first;
+    diag->last = NULL;
+    for (Diagnostic *report = diag->first; report; report = report->next) {
+        if (report->has_span && report->span.source == source) {
+            --*count_of(diag, report->severity);
+            continue;
+        }
+        *end = diag->last = report;
+        end = &report->next;
+    }
+    *end = NULL;
+}
+
 void diag_drop_known(Diag *diag, const Diag *known)
 {
     Diagnostic **end = &diag->first;

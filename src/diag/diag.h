@@ -103,6 +103,8 @@ void diag_rewind(Diag *diag, DiagMark mark);
 /* Takes over copies of the reports of another evaluation of the same texts; of a mistake that is here already (by its
  * code and place) only the frames are added. Frames must come in rising order. */
 void diag_merge(Diag *into, const Diag *from);
+/* Takes back what was reported in a text. */
+void diag_drop_source(Diag *diag, uint32_t source);
 /* Forgets the warnings and remarks of mistakes that known holds, too. */
 void diag_drop_known(Diag *diag, const Diag *known);
 

@@ -57,8 +57,11 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
 {
     const Args *args = &call->expr->as.call.args;
     Expr *expr = index < args->n ? args->items[index].value : call->expr;
-    eval_error(call->evaluator, expr, D_WRONG_TYPE, "'%s' takes %s, not %s", call->expr->as.call.name, wanted,
-               value_describe(call->evaluator->arena, &call->args[index]));
+    Diagnostic *report =
+        eval_error(call->evaluator, expr, D_WRONG_TYPE, "'%s' takes %s, not %s", call->expr->as.call.name, wanted,
+                   value_describe(call->evaluator->arena, &call->args[index]));
+    if (call->args[index].kind == VALUE_NUMBER && strstr(wanted, "vector of 3"))
+        eval_hint_at_axis(call->evaluator, report, expr);
     result->kind = VALUE_POISON;
 }
 

@@ -235,19 +235,48 @@ static void run_macro(Evaluator *evaluator, Frame *frame)
     evaluator->frame = frame->caller;
 }
 
+/* What stands there in the text, if it is short and without any of the characters; else otherwise. */
+static const char *written(const Evaluator *evaluator, Span span, size_t longest, const char *without,
+                           const char *otherwise)
+{
+    const char *text = evaluator->diag->sources->sources[span.source].text + span.begin;
+    size_t n = span.end - span.begin;
+    for (size_t i = 0; i < n; i++)
+        if (n > longest || strchr(without, text[i])) return otherwise;
+    return arena_copy_text(evaluator->arena, text, n);
+}
+
+/* Of a block behind a call of a macro that has no use for it: mostly it is to move what the macro places. */
+static void hint_at_block(Evaluator *evaluator, Diagnostic *report, const Expr *call, const Block *block)
+{
+    const Def *def = call->as.call.to.def;
+    const Args *args = &call->as.call.args;
+    const char *name = def->name->text, *list = "";
+    const char *as_call = written(evaluator, call->span, 40, "\n", arena_format(evaluator->arena, "%s(...)", name));
+    if (!block->first) {
+        diag_hint(evaluator->diag, report, "write: %s, without '{ }'", as_call);
+        return;
+    }
+    for (uint32_t i = 0; i < args->n && i < def->n_formals; i++) { /* the place of a value may leave its brackets out */
+        const Symbol *formal = args->items[i].name ? args->items[i].name : def->formals[i].name;
+        list = arena_format(evaluator->arena, "%s%s = %s  ", list, formal->text,
+                            written(evaluator, args->items[i].value->span, 16, "()[]{}<>\n", "..."));
+    }
+    if (block->first->kind == STMT_CALL)
+        diag_hint(evaluator->diag, report, "to move all that it places: group { %s  ... }, or %s { %s... }", as_call,
+                  name, list);
+    else
+        diag_hint(evaluator->diag, report, "what is done to all that it places stands in a group: group { %s  ... }",
+                  as_call);
+}
+
 void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block)
 {
     const Def *def = expr->as.call.to.def;
     if (block && !def->calls_children) {
         Diagnostic *report =
             eval_error(evaluator, expr, D_WRONG_ARGUMENT, "'%s' places no children()", def->name->text);
-        const char *args = expr->as.call.args.n ? "..." : "";
-        if (block->first)
-            diag_hint(evaluator->diag, report,
-                      "what is done to all that it places stands in a group: group { %s(%s)  ... }", def->name->text,
-                      args);
-        else
-            diag_hint(evaluator->diag, report, "write: %s(%s), without '{ }'", def->name->text, args);
+        hint_at_block(evaluator, report, expr, block);
         diag_note(evaluator->diag, report, def->span, "declared here");
     }
     if (!call_begin(evaluator, expr->span)) return;

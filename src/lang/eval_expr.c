@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "lang/evaluator.h"
+#include "lang/resolve.h"
 
 static bool any_poison(const Value *a, const Value *b)
 {
@@ -51,6 +52,36 @@ static const char *operator_text(ExprKind kind)
     return texts[kind - EXPR_ADD];
 }
 
+static const char *hidden_axis(const Expr *expr)
+{
+    const char *axis;
+    switch (expr->kind) {
+    case EXPR_GLOBAL:
+    case EXPR_LOCAL:
+    case EXPR_OUTER: {
+        const Slot *slot = &expr->as.variable.slot;
+        const char *name = expr->as.variable.symbol->text;
+        if (slot->kind == EXPR_GLOBAL && slot->index < PREDECLARED_COUNT) return NULL;
+        return (*name == 'x' || *name == 'y' || *name == 'z') && !name[1] ? name : NULL;
+    }
+    case EXPR_ADD:
+    case EXPR_SUBTRACT:
+    case EXPR_MULTIPLY:
+    case EXPR_DIVIDE: axis = hidden_axis(expr->as.op.a); return axis ? axis : hidden_axis(expr->as.op.b);
+    case EXPR_NEGATE: return hidden_axis(expr->as.op.a);
+    default: return NULL;
+    }
+}
+
+bool eval_hint_at_axis(Evaluator *evaluator, Diagnostic *report, const Expr *expr)
+{
+    const char *axis = hidden_axis(expr);
+    if (axis)
+        diag_hint(evaluator->diag, report, "'%s' is a name of the scene here and hides the axis, which is <%d, %d, %d>", axis,
+                  *axis == 'x', *axis == 'y', *axis == 'z');
+    return axis != NULL;
+}
+
 static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, const Value *b, Value *result)
 {
     result->kind = VALUE_POISON;
@@ -60,6 +91,8 @@ static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, con
                    value_describe(evaluator->arena, a), value_describe(evaluator->arena, b));
     if (expr->kind == EXPR_ADD && (a->kind == VALUE_STRING || b->kind == VALUE_STRING))
         diag_hint(evaluator->diag, report, "write: str(a, b), for texts and what becomes one");
+    else if ((a->kind == VALUE_VECTOR3 && b->kind == VALUE_NUMBER) || (a->kind == VALUE_NUMBER && b->kind == VALUE_VECTOR3))
+        eval_hint_at_axis(evaluator, report, a->kind == VALUE_NUMBER ? expr->as.op.a : expr->as.op.b);
 }
 
 static void not_finite(Evaluator *evaluator, Expr *expr, const char *what, Value *result)
@@ -466,6 +499,9 @@ static void eval_field(Evaluator *evaluator, Expr *expr, Value *result)
                                         value_describe(evaluator->arena, base), name);
         if (base->kind == VALUE_NONE)
             diag_hint(evaluator->diag, report, "a ray that meets nothing gives none: ask for '!= none' first");
+        else if (base->kind == VALUE_NODE && schema_prop(base->as.node->type, name))
+            diag_hint(evaluator->diag, report,
+                      "properties are not read: give the value a name before, let %s = ..., and use that in both places", name);
     }
     result->kind = VALUE_POISON;
 }

@@ -18,7 +18,8 @@ static void eval_apply_transform(Evaluator *evaluator, const Affine *transform, 
     else if (target && target->type)
         eval_report(evaluator, D_MISPLACED, span, "'%s' takes no transforms", target->type->name);
     else
-        eval_report(evaluator, D_MISPLACED, span, "a transform outside of a node");
+        diag_hint(evaluator->diag, eval_report(evaluator, D_MISPLACED, span, "a transform outside of a node"),
+                  "it stands in the block of what it moves, or in a group: group { NAME(...)  translate(...) }");
 }
 
 /* ---- calls ---- */

@@ -138,6 +138,8 @@ struct EvalFunctionValue {
 Diagnostic *eval_report(Evaluator *evaluator, DiagCode code, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
 /* The same at an expression: once for each, however often it runs. */
 Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const char *format, ...) ATTR_PRINTF(4, 5);
+/* Of a number where a vector of 3 should stand: whether a name of the scene is in it that hides an axis, which is said. */
+bool eval_hint_at_axis(Evaluator *evaluator, Diagnostic *report, const Expr *expr);
 const DiagChain *frame_chain(Evaluator *evaluator, Frame *frame);
 /* Counts n steps; false, with evaluator->stop, when there were too many or memory is used up. */
 bool eval_step(Evaluator *evaluator, Span span);

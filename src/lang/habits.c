@@ -14,6 +14,7 @@
 #define HABIT_FUNCTION(word)
 #define HABIT_IMPORT(word)
 #define HABIT_HOLDS(node)
+#define HABIT_STATEMENT(word, text)
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
@@ -96,6 +97,14 @@ static const WordRow holder_rows[] = {
 #include "lang/habits.def"
 #undef HABIT_HOLDS
 #define HABIT_HOLDS(node)
+};
+
+static const WordRow statement_rows[] = {
+#undef HABIT_STATEMENT
+#define HABIT_STATEMENT(word, text) {#word, text},
+#include "lang/habits.def"
+#undef HABIT_STATEMENT
+#define HABIT_STATEMENT(word, text)
 };
 
 static const WordRow word_rows[] = {
@@ -188,6 +197,11 @@ const char *habit_setting(const char *node, const char *word)
 {
     return find_of_node(setting_rows, COUNT_OF(setting_rows), node, word);
 }
+const char *habit_statement(const char *word)
+{
+    return find(statement_rows, COUNT_OF(statement_rows), word);
+}
+
 const char *habit_word(const char *word)
 {
     const char *text = find(word_rows, COUNT_OF(word_rows), word);

@@ -26,6 +26,7 @@ const char *habit_values(const char *node);
 const char *habit_block(const char *word);
 const char *habit_setting(const char *node, const char *word); /* node: NULL at the top */
 const char *habit_word(const char *word);
+const char *habit_statement(const char *word);
 const char *habit_choice(const char *property, const char *word);
 const char *habit_unit(const char *word);
 const char *habit_property(const char *node, const char *word, unsigned number); /* the candidates, from number 0 */

@@ -65,12 +65,24 @@ const char *token_text(TokenKind kind)
 {
     static const char *const texts[] = {
 #define TOKEN(name, text) text,
-#define KEYWORD(name, word) "'" word "'",
+#define KEYWORD(name, word, example) "'" word "'",
 #include "lang/token.def"
 #undef TOKEN
 #undef KEYWORD
     };
     return texts[kind];
+}
+
+const KeywordType *keyword_at(size_t index)
+{
+    static const KeywordType table[] = {
+#define TOKEN(name, text)
+#define KEYWORD(name, word, example) {word, example},
+#include "lang/token.def"
+#undef TOKEN
+#undef KEYWORD
+    };
+    return index < COUNT_OF(table) ? &table[index] : NULL;
 }
 
 /* ---- character classes ---- */

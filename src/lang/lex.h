@@ -10,7 +10,7 @@
 
 typedef enum TokenKind {
 #define TOKEN(name, text) TOKEN_##name,
-#define KEYWORD(name, word) TOKEN_##name,
+#define KEYWORD(name, word, example) TOKEN_##name,
 #include "lang/token.def"
 #undef TOKEN
 #undef KEYWORD
@@ -63,6 +63,11 @@ const UnitType *unit_at(size_t index);                      /* NULL behind the l
 const char *unit_list(Arena *arena, PropUnit measure);      /* "nm um mm ..."; UNIT_ANY: all */
 const char *unit_of_length(double size_m);                    /* "mm" for .001; NULL when there is none */
 const char *token_text(TokenKind kind);                   /* "'{'", "a name", "'while'" */
+/* The words that are no names, by their number; NULL beyond the last. */
+typedef struct KeywordType {
+    const char *word, *example;
+} KeywordType;
+const KeywordType *keyword_at(size_t index);
 const char *unit_measure_text(PropUnit measure);          /* "a length" */
 
 #endif

@@ -484,6 +484,7 @@ static Stmt *parse_named(Parser *parser)
     case TOKEN_PAREN_OPEN: return parse_call_stmt(parser, path);
     case TOKEN_BRACE_OPEN: return parse_node(parser, path);
     case TOKEN_NAME:
+        if (parse_lone_word(parser, path)) return NULL;
         if (peek(parser).kind == TOKEN_BRACE_OPEN) return parse_node(parser, path);
         parse_two_names(parser, path);
         return NULL;
@@ -680,7 +681,24 @@ static void report_stray_close(Parser *parser)
     indents->extra = false;
 }
 
-/* file = "meniscus" number [ "unit" unit ] { stmt } ; */
+/* Old files have carriage returns alone for line ends: a comment would take in all that is behind it. */
+static bool has_lines(const File *file, Diag *diag)
+{
+    const Source *source = &diag->sources->sources[file->source];
+    const char *text = source->text, *end = text + source->length, *at = text;
+    while ((at = memchr(at, '\r', (size_t)(end - at)))) {
+        const char *first = at;
+        while (*at == '\r') at++;
+        if (*at == '\n' || at == end) continue;
+        uint32_t begin = (uint32_t)(first - text);
+        Diagnostic *report = diag_report(diag, D_INVALID_CHARACTER, (Span){file->source, begin, begin + 1},
+                                         "a carriage return without a line feed behind it ends no line");
+        diag_hint(diag, report, "save the file with line feeds, or: tr '\\r' '\\n' < old.mns > new.mns");
+        return false;
+    }
+    return true;
+}
+
 /* Pictures, meshes and texts in UTF-16 have zeros among their first bytes: one report for all of that. */
 static bool is_text(const File *file, Diag *diag)
 {
@@ -695,13 +713,14 @@ static bool is_text(const File *file, Diag *diag)
     return false;
 }
 
+/* file = "meniscus" number [ "unit" unit ] { stmt } ; */
 void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTable *symbols)
 {
     Parser parser;
     file->block = ARENA_NEW(diag->arena, Block); /* stays when the tree does not */
     file->block->span = (Span){file->source, 0, 0};
     file->unit_m = unit_m > 0 ? unit_m : 1;
-    if (has_header && !is_text(file, diag)) return;
+    if (has_header && !(is_text(file, diag) && has_lines(file, diag))) return;
     parser_init(&parser, file, file->source, file->unit_m, diag, symbols);
     if (has_header) {
         parse_header(&parser, unit_m);

@@ -506,6 +506,16 @@ static bool parse_bare_instance(Parser *parser, Path path)
     return true;
 }
 
+bool parse_lone_word(Parser *parser, Path path)
+{
+    const char *word = path.names[0]->text, *hint = path.n == 1 ? habit_statement(word) : NULL;
+    bool over = first_on_line(parser) || parser->token.kind == TOKEN_SEMICOLON ||
+                parser->token.kind == TOKEN_BRACE_CLOSE || parser->token.kind == TOKEN_END;
+    if (!hint || !over || path.names[0]->declared != SYMBOL_FREE) return false;
+    diag_hint(parser->diag, report_at(parser, path.span, "there is no statement '%s'", word), "%s", hint);
+    return true;
+}
+
 /* ---- a name, and what cannot follow it ---- */
 
 bool parse_name_habit(Parser *parser, Path path)
@@ -527,6 +537,7 @@ bool parse_name_habit(Parser *parser, Path path)
     bool over = fresh || parser->token.kind == TOKEN_SEMICOLON || parser->token.kind == TOKEN_BRACE_CLOSE ||
                 parser->token.kind == TOKEN_END;
     if (over && parse_bare_instance(parser, path)) return true;
+    if (parse_lone_word(parser, path)) return true;
     if (parser->node && parser->token.kind == TOKEN_COMMA && path.n == 1) {
         values_without_names(parser, &path);
         return true;

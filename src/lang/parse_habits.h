@@ -11,6 +11,7 @@ bool parse_value_habit(Parser *parser); /* a value where a statement should begi
 bool parse_comma_habit(Parser *parser);
 bool parse_brace_habit(Parser *parser);
 bool parse_name_habit(Parser *parser, Path path);  /* behind a path that nothing of the grammar follows */
+bool parse_lone_word(Parser *parser, Path path);   /* "break", behind it */
 bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
 void parse_two_names(Parser *parser, Path path);   /* behind the first, at the second; no '{' follows */
 void parse_member_change(Parser *parser, Path path); /* "a.x := 5", behind the path */

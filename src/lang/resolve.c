@@ -48,17 +48,20 @@ void scope_end(Resolver *resolver)
     resolver->scope = resolver->scope->outer;
 }
 
-static Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
+static void report_again(Resolver *resolver, const Binding *old, Span span)
+{
+    Diagnostic *report = diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block",
+                                     old->symbol->text);
+    if (old->has_span) diag_note(resolver->diag, report, old->span, "first declared here");
+    diag_hint(resolver->diag, report, "take another name: media, objects, values and functions share them");
+}
+
+/* Whatever else has the name. */
+static Binding *scope_bind(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
 {
     Binding *old = symbol->binding;
     bool again = old && old->scope == resolver->scope;
-    if (again) {
-        Diagnostic *report =
-            diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block", symbol->text);
-        if (old->has_span) diag_note(resolver->diag, report, old->span, "first declared here");
-        diag_hint(resolver->diag, report, "take another name: media, objects, values and functions share them");
-        old->used = true;
-    }
+    if (again) old->used = true;
     Binding *binding = ARENA_NEW(resolver->arena, Binding);
     *binding = (Binding){.shadowed = old, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
                          .symbol = symbol, .kind = kind, .has_span = true, .span = span, .level = resolver->level,
@@ -66,6 +69,13 @@ static Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind ki
     resolver->scope->bindings = binding;
     symbol->binding = binding;
     return binding;
+}
+
+static Binding *scope_declare(Resolver *resolver, Symbol *symbol, BindingKind kind, Span span)
+{
+    const Binding *old = symbol->binding;
+    if (old && old->scope == resolver->scope) report_again(resolver, old, span);
+    return scope_bind(resolver, symbol, kind, span);
 }
 
 static uint32_t new_slot(Resolver *resolver)
@@ -96,6 +106,7 @@ static const Symbol *declared_by(const Stmt *stmt, Span *span)
     case STMT_BIND:
     case STMT_PARAM: *span = stmt->as.bind.name_span; return stmt->as.bind.name;
     case STMT_NODE: *span = stmt->as.node->name_span; return stmt->as.node->name;
+    case STMT_IMPORT: *span = stmt->as.import.name_span; return stmt->as.import.name;
     default: return NULL;
     }
 }
@@ -434,6 +445,27 @@ void resolve_defaults_of(Resolver *resolver, NodeExpr *node)
     node->defaults = slot_of(resolver, binding);
 }
 
+/* Of what stands behind 'defaults': a name of the scene, or one that is not known. */
+static void report_no_type(Resolver *resolver, Span span, const Symbol *name)
+{
+    Diag *diag = resolver->diag;
+    const Binding *binding = name->binding;
+    if (!binding || !binding->has_span) {
+        Diagnostic *report = diag_report(diag, D_UNKNOWN_NODE, span, "unknown node type '%s'", name->text);
+        suggest_visible(resolver, report, name, false, true);
+        return;
+    }
+    const Def *def = binding->kind == BINDING_DEF ? binding->def : NULL;
+    Diagnostic *report = diag_report(diag, D_UNKNOWN_NODE, span, "'%s' is %s, not a type of nodes", name->text,
+                                     def && def->block ? "a macro" : "a name");
+    if (def && def->block && def->n_formals)
+        diag_hint(diag, report, "the parameters of a macro have their defaults in its def: def %s(%s = ...)",
+                  name->text, def->formals[0].name->text);
+    else
+        diag_hint(diag, report, "defaults are of types, such as sphere; what is declared says itself what it is");
+    diag_note(diag, report, binding->span, "'%s' is declared here", name->text);
+}
+
 /* The values are kept in a slot of a name that no scene can write; each later node of the type in the block refers
  * to it. A second defaults in the same block starts from the first. */
 static void resolve_defaults(Resolver *resolver, Stmt *stmt)
@@ -442,9 +474,7 @@ static void resolve_defaults(Resolver *resolver, Stmt *stmt)
     Symbol *type = node->path.names[0];
     const NodeType *node_type = schema_node(resolver->schema, type->text);
     if (!node_type) {
-        Diagnostic *report =
-            diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node type '%s'", type->text);
-        suggest_visible(resolver, report, type, false, true);
+        report_no_type(resolver, node->path.span, type);
         stmt->kind = STMT_EMPTY;
         return;
     }
@@ -459,20 +489,83 @@ static void resolve_defaults(Resolver *resolver, Stmt *stmt)
     node->prototype = slot_of(resolver, binding);
 }
 
-static void declare_alias(Resolver *resolver, const Export *export, Span span)
+/* ---- files in use ---- */
+
+/* What already has the name of an export in this block, and is something else; NULL: nothing. */
+static const Binding *rival_of(const Resolver *resolver, const Export *export)
 {
-    const Binding *target = export->binding;
-    const Binding *old = export->symbol->binding;
-    bool same = old && old->scope == resolver->scope && old->kind == target->kind && old->index == target->index &&
-                old->def == target->def && old->module == target->module && old->level == target->level;
-    if (same) return; /* by two ways, but the same thing */
-    Binding *binding = scope_declare(resolver, export->symbol, target->kind, span);
+    const Binding *target = export->binding, *old = export->symbol->binding;
+    if (!old || old->scope != resolver->scope) return NULL;
+    bool same = old->kind == target->kind && old->index == target->index && old->def == target->def &&
+                old->module == target->module && old->level == target->level;
+    return same ? NULL : old; /* the same thing may come by two ways */
+}
+
+/* "'v', 'w' and 3 more": the exports whose rival is from that file */
+static const char *list_rivals(const Resolver *resolver, const File *file, const File *rival, Arena *arena)
+{
+    enum { MOST_NAMED = 3 };
+    const char *list = "";
+    uint32_t n = 0;
+    for (uint32_t i = file->n_exports; i-- > 0;) {
+        const Binding *old = rival_of(resolver, &file->exports[i]);
+        if (!old || old->from != rival || n++ >= MOST_NAMED) continue;
+        list = arena_format(arena, "%s%s'%s'", list, *list ? ", " : "", file->exports[i].symbol->text);
+    }
+    return n > MOST_NAMED ? arena_format(arena, "%s and %u more", list, n - MOST_NAMED) : list;
+}
+
+/* A name for the file: that of its text, where it is free. */
+static const char *module_name(const Resolver *resolver, const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    size_t n = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_-0123456789");
+    bool plain = n > 0 && strcmp(name + n, ".mns") == 0 && !strchr("-0123456789", name[0]);
+    char *word = arena_copy_text(resolver->arena, name, n);
+    for (char *at = word; *at; at++)
+        if (*at == '-') *at = '_';
+    const Symbol *symbol = plain ? symbol_of(resolver->symbols, word, n) : NULL;
+    return symbol && !symbol->binding && !symbol->keyword ? symbol->text : "NAME";
+}
+
+/* Files that share names share many: one report for each two of them. */
+static void report_rivals(Resolver *resolver, const Stmt *stmt, const File *file)
+{
+    for (uint32_t i = file->n_exports; i-- > 0;) {
+        const Binding *old = rival_of(resolver, &file->exports[i]);
+        bool known = !old || !old->from;
+        for (uint32_t k = i + 1; k < file->n_exports && !known; k++) {
+            const Binding *other = rival_of(resolver, &file->exports[k]);
+            known = other && other->from == old->from;
+        }
+        if (known) continue;
+        const char *text = stmt->as.import.text;
+        const char *other = resolver->diag->sources->sources[old->span.source].text + old->span.begin;
+        Diagnostic *report =
+            diag_report(resolver->diag, D_DUPLICATE_NAME, stmt->as.import.text_span,
+                        "\"%s\" declares %s, and so does %.*s", text,
+                        list_rivals(resolver, file, old->from, resolver->arena),
+                        (int)(old->span.end - old->span.begin), other);
+        diag_note(resolver->diag, report, old->span, "which is used here");
+        const char *name = module_name(resolver, text);
+        diag_hint(resolver->diag, report, "give it a name: use \"%s\" as %s, and write %s.%s", text, name, name,
+                  file->exports[i].symbol->text);
+    }
+}
+
+static void declare_alias(Resolver *resolver, const Export *export, const File *file, Span span)
+{
+    const Binding *target = export->binding, *old = export->symbol->binding, *rival = rival_of(resolver, export);
+    if (!rival && old && old->scope == resolver->scope) return;
+    if (rival && !rival->from) report_again(resolver, rival, span);
+    Binding *binding = scope_bind(resolver, export->symbol, target->kind, span);
     binding->level = target->level;
     binding->index = target->index;
     binding->variable = target->variable;
     binding->def = target->def;
     binding->module = target->module;
     binding->poison = target->poison;
+    binding->from = file;
 }
 
 static void resolve_import(Resolver *resolver, Stmt *stmt)
@@ -487,7 +580,9 @@ static void resolve_import(Resolver *resolver, Stmt *stmt)
         binding->module = file;
         return;
     }
-    for (uint32_t i = 0; i < file->n_exports; i++) declare_alias(resolver, &file->exports[i], stmt->as.import.text_span);
+    report_rivals(resolver, stmt, file);
+    for (uint32_t i = 0; i < file->n_exports; i++)
+        declare_alias(resolver, &file->exports[i], file, stmt->as.import.text_span);
 }
 
 static void resolve_kids(Resolver *resolver, Stmt *stmt)

@@ -24,6 +24,7 @@ struct Binding {
     uint32_t level, index;  /* BINDING_SLOT */
     Def *def;
     File *module;
+    const File *from; /* that a use without a name brought it from; NULL: declared here */
 };
 
 /* Which slots the predeclared names have: the first of the globals. */

@@ -119,6 +119,10 @@ static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol, 
         diag_hint(resolver->diag, report, "write: %s, without '%s.'", member->text, name);
         return;
     }
+    if (note_later_declaration(resolver, report, symbol)) {
+        diag_hint(resolver->diag, report, "a file can be used behind its 'use': move that up");
+        return;
+    }
     suggest_visible(resolver, report, symbol, false, false);
     if (report->hint) return;
     if (strcmp(name, "std") == 0) {
@@ -281,6 +285,13 @@ static bool report_no_module(Resolver *resolver, const Expr *expr)
     return true;
 }
 
+static bool is_property(const Schema *schema, const char *name)
+{
+    for (size_t i = 0; i < schema->n_nodes; i++)
+        if (schema_prop(&schema->nodes[i], name)) return true;
+    return false;
+}
+
 /* returns the base that is left to be resolved, or NULL */
 static Expr *resolve_member(Resolver *resolver, Expr *expr)
 {
@@ -316,7 +327,12 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         }
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
-        diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
+        if (is_property(resolver->schema, name->text))
+            diag_hint(resolver->diag, report,
+                      "properties are not read: give the value a name before, let %s = ..., and use that in both places",
+                      name->text);
+        else
+            diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
         Expr *base = expr->as.member.base;
         expr->kind = EXPR_POISON;
         return base;

@@ -54,7 +54,7 @@ void symbol_table_init(SymbolTable *table, Arena *arena)
         TokenKind kind;
     } keywords[] = {
 #define TOKEN(name, text)
-#define KEYWORD(name, word) {word, TOKEN_##name},
+#define KEYWORD(name, word, example) {word, TOKEN_##name},
 #include "lang/token.def"
 #undef TOKEN
 #undef KEYWORD

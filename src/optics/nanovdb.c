@@ -420,6 +420,7 @@ Status nanovdb_read(const char *path, const char *grid, size_t most_bytes, Volum
 typedef struct Visit {
     void (*visit)(void *context, const NanovdbGrid *grid);
     void *context;
+    size_t n;
 } Visit;
 
 static double double_at(const unsigned char *bytes)
@@ -436,7 +437,7 @@ static void describe(void *context, const GridEntry *entry)
     static const char *const types[] = {"?",     "float", "double", "int16",  "int32", "int64", "Vec3f",
                                         "Vec3d", "mask",  "half",   "uint32", "bool",  "RGBA8", "Fp4",
                                         "Fp8",   "Fp16",  "FpN",    "Vec4f",  "Vec4d"};
-    const Visit *visit = context;
+    Visit *visit = context;
     const unsigned char *meta = entry->meta;
     uint32_t type = (uint32_t)number_at(meta + 32, 4), class = (uint32_t)number_at(meta + 36, 4);
     char name[256];
@@ -457,6 +458,7 @@ static void describe(void *context, const GridEntry *entry)
         grid.voxel[axis] = double_at(meta + 112 + 8 * axis);
     }
     visit->visit(visit->context, &grid);
+    visit->n++;
 }
 
 Status nanovdb_visit(const char *path, void (*visit)(void *context, const NanovdbGrid *grid), void *context,
@@ -464,10 +466,11 @@ Status nanovdb_visit(const char *path, void (*visit)(void *context, const Nanovd
 {
     char *bytes = NULL;
     Reader r = {.path = path, .error = error};
-    Visit what = {visit, context};
+    Visit what = {.visit = visit, .context = context};
     TRY(file_read(path, 0, &bytes, &r.length, error));
     r.bytes = (const unsigned char *)bytes;
     Status status = visit_entries(&r, describe, &what);
+    if (status == STATUS_OK && what.n == 0) status = fail(error, STATUS_INPUT, "'%s' holds no grids", path);
     free(bytes);
     return status;
 }

@@ -23,7 +23,7 @@ typedef struct NanovdbGrid {
     double voxel[3];            /* size of one */
 } NanovdbGrid;
 
-/* Visits all grids of a file. STATUS_INPUT, STATUS_NOMEM. */
+/* Visits all grids of a file. STATUS_INPUT, also for a file without any, STATUS_NOMEM. */
 ATTR_NODISCARD Status nanovdb_visit(const char *path, void (*visit)(void *context, const NanovdbGrid *grid),
                                     void *context, Error *error);
 

@@ -123,10 +123,28 @@ run check bad.mns
 exits 3
 says err '[clock-dependent]'
 sed 's/size = <16, 16>/size = <16, 16>  output = frame == 1 ? "a.#.exr" : "b.#.exr"/' moving.mns > bad.mns
+rm -f *.exr
 run render bad.mns
 exits 3
 says err '[clock-dependent]'
-says err 'in frame 2'
+says err 'in frame 6'
+says err "'#' stands for the number of the frame"
+says_not err wrote
+gone a.0001.exr
+run check --frames all bad.mns
+exits 3
+says err '[clock-dependent]'
+run check --frame 2 bad.mns
+exits 0
+run render bad.mns --frames 1..2 -o own.#.exr
+exits 0
+sed 's/frames = 6/frames = 5 + frame/' moving.mns > bad.mns
+run render bad.mns
+exits 3
+says err '[clock-dependent]'
+says_not err wrote
+run check bad.mns
+exits 3
 end
 
 begin "frames that there are not"

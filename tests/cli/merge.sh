@@ -25,6 +25,12 @@ exits 0
 cmp -s whole.exr merged.exr || flunk "the pictures of two slices differ"
 run render kept.mns $options -o whole.png -q
 cmp -s whole.png merged.png || flunk "the PNG pictures differ"
+run merge -q -o merged.exr 1..1.exr 2..200.exr
+exits 0
+empty err
+run merge -o merged.exr 1..1.exr - < 2..200.exr
+exits 2
+says err "slices are read twice, and standard input only once; give files"
 run merge -o - 1..1.exr 2..200.exr
 cmp -s out whole.exr || flunk "standard output differs"
 run view 4..64.exr -o slice.png

@@ -345,6 +345,25 @@ run render small.mns -o small.png
 says_not err "above white"
 end
 
+begin "a picture that is black all over: a warning, once, but not where the scene has no light, which is said, nor of the rest of a crop"
+small_scene
+{ cat small.mns; echo 'box { from = <-99, -99, -99>  to = <99, 99, 99>  surface = surface { } }'; } > black.mns
+run render black.mns -o black.png
+exits 0
+says err "warning: all of the picture is black: the camera is inside of an opaque object"
+matches err "'meniscus check black.mns --pixel [0-9]+,[0-9]+'"
+there black.png
+run render black.mns -o black.exr -q --log-format json
+matches err '"warning".*all of the picture is black'
+run render black.mns -o black.#.exr --set animation.frames=3
+[ "$(grep -c 'all of the picture' err)" -eq 1 ] || flunk "not once"
+run render small.mns -o small.png --crop 0,0,2,2
+says_not err "is black"
+sed -e '/environment/d' small.mns > dark.mns
+run render dark.mns -o dark.png
+says_not err "all of the picture"
+end
+
 begin "what was read is not written over, nor one file made of two, whatever they are called"
 small_scene
 run render small.mns -o tex.png -q

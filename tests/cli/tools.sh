@@ -24,6 +24,25 @@ run compare a.exr missing.exr
 exits 4
 end
 
+begin "quiet: what prints figures, or nothing but what it is for, takes -q, too"
+small_scene
+run render small.mns -o a.exr -q
+run compare a.exr a.exr -q
+exits 0
+empty out
+empty err
+run compare a.exr a.exr -q --json
+is_json out
+run view -q a.exr -o a.png
+exits 0
+empty err
+run params -q small.mns
+says out level
+run dump -q --flat small.mns
+exits 0
+says out sphere
+end
+
 begin "view: a PNG file, 16 bits, the views there are"
 small_scene
 run render small.mns -o a.exr -o a.png

@@ -72,6 +72,8 @@ refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughn
 refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
 refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smothstep
 refuses "there is no help for 'exposur'; did you mean 'exposure'?" help exposur
+refuses "there is no help for 'parma'; did you mean 'param'?" help parma
+refuses "'macro' is POV-Ray's, see meniscus-povray(7); write: def NAME { ... }" help macro
 refuses "there is no help for 'window-frames', only for commands, their options, nodes" help window-frames
 refuses "1..10 of a scene that is no animation; --set animation.frames=10 makes it one" render small.mns --frames 1..10
 refuses "to render 'small.mns', write its whole name" small
@@ -150,6 +152,16 @@ run help quiet
 matches out '^As an option of render.* and .*:$'
 run help thin
 says out "it has no inside"
+run help for
+exits 0
+says out "for is a word of the scene language:"
+says out "meniscus-language(5)"
+run help param
+says out "param level = 34mm in 5mm..60mm"
+run help x
+says out "x, y and z are the axes"
+run help frames
+matches out '^In the language:$'
 run help ior
 says out "  medium
       index of refraction: a number"

@@ -109,4 +109,12 @@ head -c 300 voxels.nvdb > cut.nvdb
 run info cut.nvdb
 exits 4
 says err "'cut.nvdb' is broken: it ends within"
+: > empty.nvdb
+run info empty.nvdb
+exits 4
+says err "'empty.nvdb' holds no grids"
+empty out
+run info --json empty.nvdb
+exits 4
+empty out
 end

@@ -1,0 +1,95 @@
+/* other_frames.c - what must be the same in all frames, looked at in the last two. To evaluate a scene takes little beside
+ * compiling and rendering it, but would take long for a thousand frames; two tell odd from even ones.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/other_frames.h"
+
+#include <string.h>
+
+typedef struct OtherFrame {
+    SceneInput *from;
+    SceneInput input;       /* of this frame alone */
+    const EvalNode *film;   /* of this frame; NULL: it has none */
+    const EvalProp *output; /* its output; NULL: not set */
+} OtherFrame;
+
+static const EvalNode *find_film(const EvalResult *result)
+{
+    for (size_t i = 0; i < result->n_settings; i++)
+        if (strcmp(result->settings[i]->type->name, "film") == 0) return result->settings[i];
+    return NULL;
+}
+
+static bool same_outputs(const SceneFilm *film, const EvalProp *output)
+{
+    size_t n = output ? output->as.list.n : 0;
+    if (n != film->n_outputs) return false;
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(film->outputs[i], output->as.list.texts[i]) != 0) return false;
+    return true;
+}
+
+static void report_output(void *context)
+{
+    OtherFrame *other = context;
+    const Span *span = other->output ? &other->output->span : other->film ? &other->film->span : NULL;
+    const char *text = "the film's output is another one in this frame, and all files are tried before the first frame";
+    Diag *diag = &other->input.diag;
+    Diagnostic *report = span ? diag_report(diag, D_CLOCK_DEPENDENT, *span, "%s", text)
+                              : diag_report_nowhere(diag, D_CLOCK_DEPENDENT, "%s", text);
+    if (report) diag_hint(diag, report, "'#' stands for the number of the frame: output = \"name.####.png\"");
+}
+
+static bool has_report(const Diag *diag, DiagCode code)
+{
+    const Diagnostic *report = diag->first;
+    while (report && report->code != code) report = report->next;
+    return report != NULL;
+}
+
+/* Reports point into texts by their number and place. */
+static bool same_texts(const SourceSet *a, const SourceSet *b)
+{
+    bool same = a->n == b->n;
+    for (uint32_t i = 0; same && i < a->n; i++) same = a->sources[i].length == b->sources[i].length;
+    return same;
+}
+
+static void take_reports(void *context)
+{
+    OtherFrame *other = context;
+    diag_merge(&other->from->diag, &other->input.diag);
+}
+
+/* Other mistakes of the frame are its own, and reported in its turn. */
+static Status look_at(SceneInput *from, uint32_t frame, bool outputs, Error *error)
+{
+    OtherFrame other = {.from = from};
+    EvalResult result = {0};
+    Error own = {0};
+    scene_input_init(&other.input, from->options, from->talk);
+    other.input.text = from->text;
+    other.input.text_length = from->text_length;
+    other.input.instant = from->instant;
+    scene_input_next(&other.input, frame);
+    Status status = scene_input_evaluate(&other.input, &result, &own);
+    buf_clear(&result.printed);
+    other.film = find_film(&result);
+    other.output = other.film ? eval_prop(other.film, "output") : NULL;
+    bool differs = status == STATUS_OK && outputs && !same_outputs(&from->scene->film, other.output);
+    status = differs ? scene_input_guard(&other.input, report_output, &other, error) : STATUS_OK;
+    if (status == STATUS_OK && has_report(&other.input.diag, D_CLOCK_DEPENDENT) &&
+        same_texts(&from->sources, &other.input.sources)) {
+        status = scene_input_guard(from, take_reports, &other, error);
+        if (status == STATUS_OK) status = STATUS_SCENE;
+    }
+    other.input.text = NULL;
+    scene_input_close(&other.input);
+    return status;
+}
+
+Status other_frames_check(SceneInput *input, const FrameList *frames, bool outputs, Error *error)
+{
+    for (uint32_t i = 0; i < 2 && i + 1 < frames->n; i++)
+        TRY(look_at(input, frames_at(frames, frames->n - 1 - i), outputs, error));
+    return STATUS_OK;
+}
