@@ -104,7 +104,8 @@ static Status look_through_pixel(Check *check, Error *error)
     nest_list_clear(&list);
     TRY(status);
     Ray ray;
-    camera_ray(&camera, point, middle, &ray);
+    Footprint footprint;
+    camera_ray(&camera, point, middle, &ray, &footprint);
     return sight_line_find(check->input.compiled, &ray, &check->sight, error);
 }
 

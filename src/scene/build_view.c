@@ -80,6 +80,47 @@ static void open_shutter(Builder *b, const EvalNode *node)
     scene->n_keys = n_keys;
 }
 
+/* As much as a perspective camera sees across at the point that it looks at. */
+static double width_at_target(const EvalNode *node)
+{
+    double distance = vec3_length(vec3_sub(eval_vector(node, "to"), eval_vector(node, "from")));
+    return 2 * distance * tan(eval_number(node, "fov") / 2 * degree);
+}
+
+static bool measure_orthographic(Builder *b, const EvalNode *node, double scale, SceneCamera *camera)
+{
+    const EvalProp *width = eval_prop(node, "width");
+    Diagnostic *report = build_needs(b, node, "fov", "on an orthographic camera");
+    if (!report && !width)
+        report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "an orthographic camera needs a 'width'");
+    if (report) {
+        diag_hint(b->diag, report, "write: width = %.3g, which is seen across the picture%s", width_at_target(node),
+                  eval_prop(node, "fov") ? ", as by this fov where 'to' is" : "");
+        return false;
+    }
+    camera->half_width = width->as.number / 2 * scale;
+    if (camera->half_width <= SCENE_REACH) return true;
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, width->span, "a width of %g is too large", 2 * camera->half_width);
+    return false;
+}
+
+/* How much is seen. */
+static bool measure_picture(Builder *b, const EvalNode *node, double scale, SceneCamera *camera)
+{
+    if (strcmp(eval_word(node, "projection"), "orthographic") == 0) {
+        camera->projection = PROJECTION_ORTHOGRAPHIC;
+        return measure_orthographic(b, node, scale, camera);
+    }
+    camera->half_width = tan(eval_number(node, "fov") / 2 * degree);
+    Diagnostic *report = build_needs(b, node, "width", "on a perspective camera");
+    if (!report) return true;
+    diag_hint(
+        b->diag, report,
+        "how much is seen is the angle fov = 45, or width with projection = orthographic; how many pixels there are, "
+        "film { size = <640, 480> }");
+    return false;
+}
+
 void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (b->only_shapes) return;
@@ -89,9 +130,10 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
                           .span = build_author_place(b, node),
                           .identity = b->where};
     camera.from = affine_point(to_world, vec3(from->as.vector[0], from->as.vector[1], from->as.vector[2]));
-    /* the lens is round whatever the transforms: it grows with the mean scale */
-    camera.lens_radius = eval_number(node, "aperture") / 2 * cbrt(fabs(affine_determinant(to_world)));
-    camera.tan_half_width = tan(eval_number(node, "fov") / 2 * degree);
+    /* the lens is round and pixels are square whatever the transforms: they grow with the mean scale */
+    double scale = cbrt(fabs(affine_determinant(to_world)));
+    camera.lens_radius = eval_number(node, "aperture") / 2 * scale;
+    if (!measure_picture(b, node, scale, &camera)) return;
     if (!build_check_reach(b, from->span, "the camera", box3_add_point(box3_empty(), camera.from))) return;
     if (!orient(b, node, to_world, &camera) || !focus(b, node, to_world, &camera)) return;
     if (!(camera.lens_radius <= SCENE_REACH)) {

@@ -116,7 +116,13 @@ typedef struct FilmPoint {
 void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
                   uint32_t index, float rgb[3], float *alpha);
 
-/* The camera's ray through a point of the film. lens: uniform in [0,1)^2. */
-void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray);
+/* Half of a pixel: where its ray starts, and how much more it is for each unit of the way. */
+typedef struct Footprint {
+    float width, spread;
+} Footprint;
+
+/* The camera's ray through a point of the film. lens: uniform in [0,1)^2. An orthographic camera has a lens for each point, in
+ * the picture plane, and what is sharp in focus is as large as without. */
+void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray, Footprint *footprint);
 
 #endif

@@ -20,6 +20,19 @@
 
 #define SHARED 0.4f /* s */
 
+/* The list where a ray of an orthographic camera starts. A way to there from the camera's centre would be long, and its float
+ * direction miss the place by more than that place is apart from surfaces; so the list is looked for anew, at a place of floats,
+ * where the ray then starts. */
+static bool list_in_picture_plane(Path *path)
+{
+    Tracer *tracer = path->tracer;
+    Vec3f place = vec3f_from(path->ray.origin);
+    path->ray.origin = vec3_from_f(place);
+    tracer->counters.rays += 2;
+    return compiled_interior(tracer->world->compiled, place, path->ray.time, &tracer->shadow_hits, &tracer->list,
+                             NULL) == STATUS_OK;
+}
+
 /* The list at the ray's real origin: from the camera's centre on along the lens. */
 static bool start_list(Path *path, const SceneCamera *camera)
 {
@@ -27,6 +40,8 @@ static bool start_list(Path *path, const SceneCamera *camera)
     const World *world = tracer->world;
     const NestList *known = lens_list_at(world->lens, path->ray.origin);
     if (known) return nest_list_copy(&tracer->list, known) == STATUS_OK;
+    if (UNLIKELY(world->lens_crosses) && camera->projection == PROJECTION_ORTHOGRAPHIC)
+        return list_in_picture_plane(path);
     Status status = world->camera_list_moves
                         ? compiled_interior(world->compiled, vec3f_from(camera->from), path->ray.time,
                                             &tracer->shadow_hits, &tracer->list, NULL)
@@ -127,9 +142,11 @@ static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint poi
         moved = scene_camera_at(world->scene, camera, time);
         camera = &moved;
     }
-    camera_ray(camera, point, lens, &path->ray);
+    Footprint footprint;
+    camera_ray(camera, point, lens, &path->ray, &footprint);
     path->ray.time = time;
-    path->cone_spread = (float)(camera->tan_half_width / point.width); /* half a pixel at distance 1 */
+    path->cone_width = footprint.width;
+    path->cone_spread = footprint.spread;
     if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path);
     tracer->out_of_memory = true;
     return true;
