@@ -191,7 +191,13 @@ float light_shape(const SceneLight *light, Vec3 direction);
 double light_beam(const SceneLight *light);
 
 /* How places of the film become rays; the words of nodes.def, in its order. */
-typedef enum SceneProjection { PROJECTION_PERSPECTIVE, PROJECTION_ORTHOGRAPHIC } SceneProjection;
+typedef enum SceneProjection {
+    PROJECTION_PERSPECTIVE,
+    PROJECTION_ORTHOGRAPHIC,
+    PROJECTION_PANORAMA, /* by longitude and latitude */
+    PROJECTION_FISHEYE,  /* by the angle from the middle */
+    PROJECTION_COUNT
+} SceneProjection;
 
 typedef struct SceneCamera {
     const struct SceneCamera *keys; /* NULL, or n_keys of them: where it is while the shutter is open */
@@ -201,7 +207,7 @@ typedef struct SceneCamera {
     Vec3 from;
     Vec3 right, up, forward; /* orthonormal */
     SceneProjection projection;
-    double half_width;       /* of the picture: in perspective at distance 1, else where the rays start */
+    double half_width;       /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
     double lens_radius;      /* 0: pinhole */
     double focus_distance;   /* along forward */
     const uint32_t *expect;  /* media, outermost first, that the camera must be inside of; NULL: not stated */

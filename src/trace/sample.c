@@ -121,9 +121,12 @@ static WavelengthSample choose_wavelengths(const World *world, const PixelSample
     return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
-/* fork: where the second path is to begin; NULL: this is the second one. Returns whether the camera's ray met anything. */
-static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point, const WavelengthSample *wavelengths,
-                        int index_lane, PathFork *fork, Path *path)
+/* What became of the ray from the camera. */
+typedef enum CameraRay { RAY_MET, RAY_ESCAPED, RAY_NONE } CameraRay;
+
+/* fork: where the second path is to begin; NULL: this is the second one. */
+static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
+                             const WavelengthSample *wavelengths, int index_lane, PathFork *fork, Path *path)
 {
     const World *world = tracer->world;
     path_init(path, tracer, pixel->sampler);
@@ -143,13 +146,17 @@ static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint poi
         camera = &moved;
     }
     Footprint footprint;
-    camera_ray(camera, point, lens, &path->ray, &footprint);
+    if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) {
+        tracer->seen = SCENE_NONE;
+        tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
+        return RAY_NONE;
+    }
     path->ray.time = time;
     path->cone_width = footprint.width;
     path->cone_spread = footprint.spread;
-    if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path);
+    if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path) ? RAY_MET : RAY_ESCAPED;
     tracer->out_of_memory = true;
-    return true;
+    return RAY_MET;
 }
 
 /* The second path begins where the wavelengths part, as up to there it would be the first one. Where a probe has parted before, or
@@ -213,12 +220,12 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     Path path;
     PathFork fork;
     fork.kept = false;
-    bool met = follow_path(tracer, pixel, point, &wavelengths, lanes.first, &fork, &path);
+    CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes.first, &fork, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
         path.radiance =
             share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes.second, &fork), lanes);
-    *alpha = met || world->scene->environment ? 1 : 0;
+    *alpha = ray == RAY_MET || (ray == RAY_ESCAPED && world->scene->environment) ? 1 : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
         tracer->counters.bad_samples++;

@@ -1,5 +1,5 @@
 /* projection_test.c - cameras that are not perspective, against closed forms: what parallel rays cover, and the media that they
- * start in.
+ * start in; where panoramas and fisheyes see things, and how large.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
@@ -160,13 +160,125 @@ static void furnaces(void **state)
     assert_int_equal(faults.faults, 0);
 }
 
+/* ---- panorama and fisheye ---- */
+
+#define AROUND(projection, more) "camera { projection = " projection "  from = <0, 0, 0>  to = <0, 0, -1>  " more " }\n"
+
+/* The solid angle of a pixel, which is less than its height and width in angles. */
+static double panorama_pixel(uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    (void)x;
+    double side = 2 * TRUTH_PI / width, up = (0.5 * height - y) * side;
+    return side * (sin(up) - sin(up - side));
+}
+
+static double fisheye_pixel(uint32_t width, uint32_t height, uint32_t x, uint32_t y) /* of 360 degrees */
+{
+    enum { PARTS = 8 };
+    double side = 2 * TRUTH_PI / width, sum = 0;
+    for (int i = 0; i < PARTS * PARTS; i++) {
+        double r =
+            side * hypot(x + (i % PARTS + 0.5) / PARTS - 0.5 * width, y + (i / PARTS + 0.5) / PARTS - 0.5 * height);
+        sum += r < TRUTH_PI ? side * side * sin(r) / r : 0;
+    }
+    return sum / (PARTS * PARTS);
+}
+
+/* What a picture says of where all light comes from, each pixel times its solid angle. */
+typedef struct Seen {
+    double sum, alpha, x, y;
+} Seen;
+
+static Seen look_around(const char *text, uint32_t width, uint32_t height,
+                        double (*pixel)(uint32_t width, uint32_t height, uint32_t x, uint32_t y))
+{
+    Picture picture;
+    Seen seen = {0};
+    render(text, width, height, 256, &picture);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            double light = truth_luminance(&picture, x, y), angle = pixel(width, height, x, y);
+            const float *values = picture.image.pixels + ((size_t)y * width + x) * picture.image.n_channels;
+            seen.sum += light * angle;
+            seen.alpha += (double)values[3] / (width * height);
+            seen.x += light * angle * (x + 0.5);
+            seen.y += light * angle * (y + 0.5);
+        }
+    seen.x /= seen.sum;
+    seen.y /= seen.sum;
+    truth_clear(&picture);
+    return seen;
+}
+
+/* A distant light of 6 degrees, 50 to the right and 30 up: its middle is at the pixel of these, and it fills its solid angle. */
+static void light_is_where_it_is(void **state)
+{
+    (void)state;
+    static const char *const light = "light { shape = distant  angle = 6  radiance = 1  to = <0, 0, 0>\n"
+                                     "  from = <cos(30) * sin(50), sin(30), -cos(30) * cos(50)> }\n";
+    const double expected = 2 * TRUTH_PI * (1 - cos(TRUTH_PI / 60)), degree = TRUTH_PI / 180;
+    char text[600];
+    snprintf(text, sizeof text, "%s%s", HEAD FILM("<360, 180>") AROUND("panorama", ""), light);
+    Seen seen = look_around(text, 360, 180, panorama_pixel);
+    truth_expect("panorama: solid angle of a light", expected, (Estimate){seen.sum, 0.001 * expected}, 3, 0.01);
+    truth_expect("its column", 180 + 50, (Estimate){seen.x, 0.02}, 3, 0.001);
+    truth_expect("its row", 90 - 30, (Estimate){seen.y, 0.02}, 3, 0.001);
+    snprintf(text, sizeof text, "%s%s", HEAD FILM("<360, 360>") AROUND("fisheye", "fov = 360"), light);
+    seen = look_around(text, 360, 360, fisheye_pixel);
+    double angle = acos(cos(30 * degree) * cos(50 * degree)) / degree,
+           turn = atan2(sin(30 * degree), cos(30 * degree) * sin(50 * degree));
+    truth_expect("fisheye: solid angle of the light", expected, (Estimate){seen.sum, 0.001 * expected}, 3, 0.01);
+    truth_expect("its column", 180 + angle * cos(turn), (Estimate){seen.x, 0.02}, 3, 0.001);
+    truth_expect("its row", 180 - angle * sin(turn), (Estimate){seen.y, 0.02}, 3, 0.001);
+}
+
+/* All there is, white; of a film that is too high for a panorama, or has corners around a fisheye's circle, the rest is clear. */
+static void all_around_is_white(void **state)
+{
+    (void)state;
+    Seen seen = look_around(HEAD FILM("<64, 32>") SKY AROUND("panorama", ""), 64, 32, panorama_pixel);
+    truth_figure("panorama: all solid angle", 4 * TRUTH_PI, seen.sum, 0);
+    assert_near(seen.sum, 4 * TRUTH_PI, 4 * TRUTH_PI * 1e-3);
+    assert_near(seen.alpha, 1, 1e-6);
+    seen = look_around(HEAD FILM("<64, 64>") SKY AROUND("panorama", ""), 64, 64, panorama_pixel);
+    truth_figure("a film that is too high", 0.5, seen.alpha, 0);
+    assert_near(seen.alpha, 0.5, 1e-6);
+    seen = look_around(HEAD FILM("<64, 64>") SKY AROUND("fisheye", "fov = 360"), 64, 64, fisheye_pixel);
+    truth_expect("fisheye: the circle", TRUTH_PI / 4, (Estimate){seen.alpha, 2e-4}, 3, 0.001);
+    seen = look_around(HEAD "film { size = <64, 32> }" SKY AROUND("panorama", ""), 64, 32, panorama_pixel);
+    assert_near(seen.alpha, 1, 1e-6); /* with a filter that reaches beyond the film */
+}
+
+/* Above the sea, within it, and within the ice. */
+static void furnaces_all_around(void **state)
+{
+    (void)state;
+    static const char *const places[] = {"<-1, 2, 5>", "<-1, -3, 5>", "<-3, -.4, .1>"};
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        char text[2000];
+        truth_fill(text, sizeof text,
+                   CLEAR_THINGS "camera { projection = panorama  fov = 180  from = %s  to = <0, 0, 0> }", places[i]);
+        expect_white("panorama", text);
+        truth_fill(text, sizeof text,
+                   CLEAR_THINGS "camera { projection = fisheye  fov = 250  from = %s  to = <0, 0, 0> }", places[i]);
+        Seen seen = look_around(text, SIDE, SIDE, fisheye_pixel);
+        snprintf(text, sizeof text, "%s", HEAD FILM("<32, 32>") SKY AROUND("fisheye", "fov = 250"));
+        Seen empty = look_around(text, SIDE, SIDE, fisheye_pixel);
+        truth_figure("fisheye", empty.sum, seen.sum, 0);
+        assert_near(seen.sum, empty.sum, 1e-6 * empty.sum);
+        assert_near(seen.alpha, empty.alpha, 1e-6);
+    }
+    truth_print_faults("all", &faults);
+    assert_int_equal(faults.faults, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ball_covers_its_section),
-        cmocka_unit_test(plane_half_in_a_slab),
-        cmocka_unit_test(plane_cuts_a_slab_aslant),
-        cmocka_unit_test(furnaces),
+        cmocka_unit_test(ball_covers_its_section),  cmocka_unit_test(plane_half_in_a_slab),
+        cmocka_unit_test(plane_cuts_a_slab_aslant), cmocka_unit_test(furnaces),
+        cmocka_unit_test(light_is_where_it_is),     cmocka_unit_test(all_around_is_white),
+        cmocka_unit_test(furnaces_all_around),
     };
     return cmocka_run_group_tests_name("projection", tests, NULL, NULL);
 }
