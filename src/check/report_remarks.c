@@ -348,8 +348,11 @@ static void remark_behind(Remarks *r, uint32_t ground, Tally *tally)
     Affine to_plane;
     if (!affine_invert(&scene->objects[ground].to_world, &to_plane) || !scene->n_cameras) return;
     double side = height_of(&to_plane, scene->cameras[0].from) > 0 ? 1 : -1;
-    for (uint32_t i = 1; i < scene->n_cameras; i++)
-        if (side * height_of(&to_plane, scene->cameras[i].from) <= 0) return;
+    for (uint32_t i = 0; i < scene->n_cameras; i++)
+        for (int corner = 0; corner < 4; corner++) {
+            Vec3 place = scene_camera_place(scene, &scene->cameras[i], corner & 1 ? 1 : -1, corner & 2 ? 1 : -1);
+            if (side * height_of(&to_plane, place) <= 0) return;
+        }
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         if (!is_bounded(&r->bounds[i]) || !is_behind(&r->bounds[i], &to_plane, side) || !tally_next(tally)) continue;
@@ -518,29 +521,59 @@ static void remark_covered_cameras(Remarks *r)
     }
 }
 
-static void remark_cameras(Remarks *r)
+/* The media of a list, outermost first. */
+static void add_media(const Remarks *r, const NestList *list, Buf *media)
 {
     const CompiledScene *compiled = r->compiled;
+    uint32_t n = nest_list_count(list), first = compiled_operands_in(compiled, list);
+    for (uint32_t k = first; k < n; k++) {
+        const NestHull *hull = &compiled->hulls[nest_item(&compiled->order, list, k)];
+        buf_format(media, "%s%s", k > first ? ", " : "", r->scene->media[hull->medium].name);
+    }
+}
+
+static Diagnostic *report_inside(Remarks *r, const SceneCamera *camera, const char *part, const NestList *list)
+{
+    const SceneObject *object = report_object(r->compiled, nest_owner(&r->compiled->order, list));
+    Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span, "%s%s is inside of %s, in %s", part,
+                                     camera->name, object->name, r->scene->media[nest_medium(list)].name);
+    diag_note(r->diag, report, object->span, "%s is here", object->name);
+    return report;
+}
+
+/* The middle of an orthographic camera's picture is in nothing, and some other part of it may be. */
+static void remark_picture_plane(Remarks *r, const SceneCamera *camera, NestList *list)
+{
+    for (uint32_t i = 0; i < SCENE_CAMERA_PLACES; i++) {
+        Vec3f place = vec3f_from(scene_camera_some_place(r->scene, camera, i));
+        if (compiled_interior(r->compiled, place, 0, &r->probe.forward, list, NULL) != STATUS_OK) return;
+        if (nest_medium(list) == NEST_WORLD_MEDIUM) continue;
+        diag_hint(
+            r->diag, report_inside(r, camera, "a part of the picture plane of ", list),
+            "only what is in front of the plane through 'from' is seen: move that back, or say what the middle is in: "
+            "expect = [%s]",
+            r->scene->media[NEST_WORLD_MEDIUM].name);
+        return;
+    }
+}
+
+static void remark_cameras(Remarks *r)
+{
     NestList list;
     nest_list_init(&list);
     for (uint32_t i = 0; i < r->scene->n_cameras; i++) {
         const SceneCamera *camera = &r->scene->cameras[i];
         if (camera->expect ||
-            compiled_interior(compiled, vec3f_from(camera->from), 0, &r->probe.forward, &list, NULL) != STATUS_OK)
+            compiled_interior(r->compiled, vec3f_from(camera->from), 0, &r->probe.forward, &list, NULL) != STATUS_OK)
             continue;
-        uint32_t medium = nest_medium(&list);
-        if (medium == NEST_WORLD_MEDIUM) continue;
-        const SceneObject *object = report_object(compiled, nest_owner(&compiled->order, &list));
-        Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span, "%s is inside of %s, in %s",
-                                         camera->name, object->name, r->scene->media[medium].name);
-        diag_note(r->diag, report, object->span, "%s is here", object->name);
-        Buf expect = {0};
-        uint32_t n = nest_list_count(&list), first = compiled_operands_in(compiled, &list);
-        for (uint32_t k = first; k < n; k++) {
-            const NestHull *hull = &compiled->hulls[nest_item(&compiled->order, &list, k)];
-            buf_format(&expect, "%s%s", k > first ? ", " : "", r->scene->media[hull->medium].name);
+        if (nest_medium(&list) == NEST_WORLD_MEDIUM) {
+            if (camera->projection == PROJECTION_ORTHOGRAPHIC) remark_picture_plane(r, camera, &list);
+            continue;
         }
-        diag_hint(r->diag, report, "if that is meant, say so: expect = [%s]", buf_text(&expect));
+        Buf expect = {0};
+        add_media(r, &list, &expect);
+        diag_hint(r->diag, report_inside(r, camera, "", &list), "if that is meant, say so: expect = [%s]",
+                  buf_text(&expect));
         buf_clear(&expect);
     }
     nest_list_clear(&list);

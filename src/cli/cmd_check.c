@@ -105,7 +105,9 @@ static Status look_through_pixel(Check *check, Error *error)
     nest_list_clear(&list);
     TRY(status);
     Ray ray;
-    camera_ray(&camera, point, middle, &ray);
+    Footprint footprint;
+    if (!camera_ray(&camera, point, middle, &ray, &footprint))
+        return fail(error, STATUS_USAGE, "option '--pixel': %s sees nothing at %s", camera.name, text);
     return sight_line_find(check->input.compiled, &ray, &check->sight, error);
 }
 

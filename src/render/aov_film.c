@@ -106,7 +106,7 @@ static const char *material_name(const Scene *scene, uint32_t material)
 double aov_film_unit(const World *world)
 {
     /* 2^-36 of the scene's size, so that 2^19 samples of up to 2^8 times that size can be added up */
-    Box3 box = box3_add_point(rtc_scene_bounds(world->compiled->rtc), world->camera.from);
+    Box3 box = box3_union(rtc_scene_bounds(world->compiled->rtc), scene_camera_bounds(world->scene, &world->camera));
     double size = fmax(fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)), 1e-30);
     int exponent;
     (void)frexp(size, &exponent);

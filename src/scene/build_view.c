@@ -1,6 +1,7 @@
 /* build_view.c - cameras, the film, and how to render.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -80,6 +81,85 @@ static void open_shutter(Builder *b, const EvalNode *node)
     scene->n_keys = n_keys;
 }
 
+/* In the order of SceneProjection: its word, what a camera is with it, and its angle of view in degrees. */
+static const struct {
+    const char *word, *camera;
+    double fov;
+} projections[PROJECTION_COUNT] = {{"perspective", "a perspective camera", 45},
+                                   {"orthographic", "an orthographic camera", 45},
+                                   {"panorama", "a panorama", 360},
+                                   {"fisheye", "a fisheye", 180}};
+
+static double angle_of_view(const EvalNode *node, SceneProjection projection)
+{
+    const EvalProp *fov = eval_prop(node, "fov");
+    return fov ? fov->as.number : projections[projection].fov;
+}
+
+/* On this kind of camera; the report, for a hint, or NULL. */
+static Diagnostic *has_no_use(Builder *b, const EvalNode *node, const char *property, const SceneCamera *camera)
+{
+    char where[40];
+    snprintf(where, sizeof where, "on %s", projections[camera->projection].camera);
+    return build_needs(b, node, property, where);
+}
+
+/* The hint is as wide as what a perspective camera sees where it looks at. */
+static bool measure_orthographic(Builder *b, const EvalNode *node, double scale, SceneCamera *camera)
+{
+    const EvalProp *width = eval_prop(node, "width");
+    Diagnostic *report = has_no_use(b, node, "fov", camera);
+    if (!report && !width)
+        report = diag_report(b->diag, D_MISSING_PROPERTY, node->span, "an orthographic camera needs a 'width'");
+    if (report) {
+        double distance = vec3_length(vec3_sub(eval_vector(node, "to"), eval_vector(node, "from")));
+        double fov = angle_of_view(node, PROJECTION_PERSPECTIVE);
+        diag_hint(b->diag, report, "write: width = %.3g, which is seen across the picture%s",
+                  2 * distance * (fov < 180 ? tan(fov / 2 * degree) : 1),
+                  eval_prop(node, "fov") ? ", as by this fov where 'to' is" : "");
+        return false;
+    }
+    camera->half_width = width->as.number / 2 * scale;
+    if (camera->half_width <= SCENE_REACH) return true;
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, width->span, "a width of %g is too large", 2 * camera->half_width);
+    return false;
+}
+
+static bool measure_angle(Builder *b, const EvalNode *node, SceneCamera *camera)
+{
+    bool perspective = camera->projection == PROJECTION_PERSPECTIVE;
+    double fov = angle_of_view(node, camera->projection);
+    Diagnostic *report = has_no_use(b, node, "width", camera);
+    if (report) {
+        diag_hint(
+            b->diag, report,
+            "how much is seen is the angle fov = %g, or width with projection = orthographic; how many pixels there "
+            "are, film { size = <640, 480> }",
+            fov);
+        return false;
+    }
+    camera->half_width = perspective ? tan(fov / 2 * degree) : fov / 2 * degree;
+    if (!perspective && camera->lens_radius > 0) {
+        has_no_use(b, node, "aperture", camera);
+        return false;
+    }
+    if (!perspective || fov < 180) return true;
+    report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "fov"),
+                         "fov %g is not greater than 0 and less than 180", fov);
+    diag_hint(b->diag, report, "up to 360 degrees are seen with projection = fisheye, or panorama");
+    return false;
+}
+
+/* How much is seen. */
+static bool measure_picture(Builder *b, const EvalNode *node, double scale, SceneCamera *camera)
+{
+    const char *word = eval_word(node, "projection");
+    for (uint32_t i = 0; i < PROJECTION_COUNT; i++)
+        if (strcmp(word, projections[i].word) == 0) camera->projection = (SceneProjection)i;
+    if (camera->projection == PROJECTION_ORTHOGRAPHIC) return measure_orthographic(b, node, scale, camera);
+    return measure_angle(b, node, camera);
+}
+
 void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     if (b->only_shapes) return;
@@ -89,9 +169,10 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
                           .span = build_author_place(b, node),
                           .identity = b->where};
     camera.from = affine_point(to_world, vec3(from->as.vector[0], from->as.vector[1], from->as.vector[2]));
-    /* the lens is round whatever the transforms: it grows with the mean scale */
-    camera.lens_radius = eval_number(node, "aperture") / 2 * cbrt(fabs(affine_determinant(to_world)));
-    camera.tan_half_width = tan(eval_number(node, "fov") / 2 * degree);
+    /* the lens is round and pixels are square whatever the transforms: they grow with the mean scale */
+    double scale = cbrt(fabs(affine_determinant(to_world)));
+    camera.lens_radius = eval_number(node, "aperture") / 2 * scale;
+    if (!measure_picture(b, node, scale, &camera)) return;
     if (!build_check_reach(b, from->span, "the camera", box3_add_point(box3_empty(), camera.from))) return;
     if (!orient(b, node, to_world, &camera) || !focus(b, node, to_world, &camera)) return;
     if (!(camera.lens_radius <= SCENE_REACH)) {

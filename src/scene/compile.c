@@ -108,7 +108,8 @@ static Status find_unbounded(CompiledScene *compiled, Error *error)
     compiled->planes = malloc((scene->n_objects + 1U) * sizeof *compiled->planes);
     if (!compiled->unbounded || !compiled->planes) return fail_memory(error, n * sizeof *compiled->planes, "the hulls");
     Box3 region = rtc_scene_bounds(compiled->rtc);
-    for (uint32_t i = 0; i < scene->n_cameras; i++) region = box3_add_point(region, scene->cameras[i].from);
+    for (uint32_t i = 0; i < scene->n_cameras; i++)
+        region = box3_union(region, scene_camera_bounds(scene, &scene->cameras[i]));
     if (box3_is_empty(region)) region = box3_add_point(region, vec3(0, 0, 0));
     double reach = fmax(vec3_length(vec3_sub(region.max, region.min)), 1);
     region = (Box3){vec3_sub(region.min, vec3(reach, reach, reach)), vec3_add(region.max, vec3(reach, reach, reach))};

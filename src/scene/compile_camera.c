@@ -94,6 +94,26 @@ Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, NestLi
     return status;
 }
 
+/* ---- on a surface in the picture plane ---- */
+
+/* An object of which a surface lies in the plane that an orthographic camera's rays start in, over more than a little of its
+ * picture; SCENE_NONE: there is none. What cuts through the plane parts the rays, and each of them is on one side. */
+static Status surface_in_plane(const CompiledScene *compiled, const SceneCamera *camera, uint32_t *object, Error *error)
+{
+    HitList hits = {0};
+    *object = SCENE_NONE;
+    for (uint32_t i = 0; i < SCENE_CAMERA_PLACES && *object == SCENE_NONE; i++) {
+        SurfacesHere here;
+        Vec3 place = vec3_from_f(vec3f_from(scene_camera_some_place(compiled->scene, camera, i)));
+        compiled_surfaces_at(compiled, place, 0, &hits, &here);
+        for (uint32_t k = 0; k < here.n; k++)
+            if (fabs(vec3_dot(vec3_from_f(here.normals[k]), camera->forward)) > 1 - 1e-6) *object = here.objects[k];
+    }
+    bool fine = !hits.out_of_memory;
+    hit_list_clear(&hits);
+    return fine ? STATUS_OK : fail_memory(error, 0, "the camera's surroundings");
+}
+
 /* ---- reports ---- */
 
 static void add_medium(Buf *buf, const CompiledScene *compiled, uint32_t medium)
@@ -144,20 +164,31 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
     return STATUS_SCENE;
 }
 
+static void report_on_surface(const CompiledScene *compiled, const SceneCamera *camera, bool plane, uint32_t on_surface,
+                              Diag *diag)
+{
+    const SceneObject *object = &compiled->scene->objects[on_surface];
+    Diagnostic *report = diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s%s is exactly on the surface of %s",
+                                     plane ? "the picture plane of " : "", camera->name, object->name);
+    diag_note(diag, report, object->span, "%s is here", object->name);
+    diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
+}
+
 Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_number, Diag *diag, Error *error)
 {
     const SceneCamera *camera = &compiled->scene->cameras[camera_number];
     SceneCamera standing = *camera;
     NestList list;
     nest_list_init(&list);
-    uint32_t on_surface;
+    uint32_t on_surface, in_plane = SCENE_NONE;
     Status status = compiled_stand(compiled, &standing, &list, &on_surface, error);
-    if (status == STATUS_OK && on_surface != SCENE_NONE) {
-        const SceneObject *object = &compiled->scene->objects[on_surface];
-        Diagnostic *report = diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s is exactly on the surface of %s",
-                                         camera->name, object->name);
-        diag_note(diag, report, object->span, "%s is here", object->name);
-        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
+    if (camera->projection == PROJECTION_ORTHOGRAPHIC) {
+        if (status == STATUS_OK) status = surface_in_plane(compiled, &standing, &in_plane, error);
+        if (!camera->expect) on_surface = SCENE_NONE; /* one that cuts through its middle */
+    }
+    if (status == STATUS_OK && (on_surface != SCENE_NONE || in_plane != SCENE_NONE)) {
+        bool plane = in_plane != SCENE_NONE;
+        report_on_surface(compiled, camera, plane, plane ? in_plane : on_surface, diag);
         status = STATUS_SCENE;
     } else if (status == STATUS_OK && camera->expect && !meets_expectation(compiled, camera, &list)) {
         status = report_expectation(compiled, camera, &list, diag, error);

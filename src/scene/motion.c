@@ -54,7 +54,7 @@ typedef struct Finder {
     Error *error;
     uint32_t n_keys;
     size_t motions_capacity;
-    bool *shape_reported;
+    bool *shape_reported, projection_reported;
 } Finder;
 
 static bool same_map(const Affine *a, const Affine *b)
@@ -110,6 +110,14 @@ static void report_new_parts(Finder *f, const SceneObject *object)
     diag_hint(f->diag, report, "make each part an object of its own");
 }
 
+static void report_projection(Finder *f, const SceneCamera *camera)
+{
+    if (f->projection_reported) return;
+    f->projection_reported = true;
+    diag_report(f->diag, D_SHAPE_CHANGES, camera->span,
+                "the projection of %s changes while the shutter is open, and stays as it is at first", camera->name);
+}
+
 static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
 {
     Scene *scene = f->scene;
@@ -118,18 +126,22 @@ static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
         for (uint32_t k = 0; k < other->n_cameras; k++) {
             const SceneCamera *then = &other->cameras[k];
             if (then->identity != camera->identity) continue;
+            if (then->projection != camera->projection) {
+                report_projection(f, camera);
+                continue;
+            }
             for (uint32_t later = key; later < f->n_keys; later++) {
                 keys[later].from = then->from;
                 keys[later].right = then->right;
                 keys[later].up = then->up;
                 keys[later].forward = then->forward;
-                keys[later].tan_half_width = then->tan_half_width;
+                keys[later].half_width = then->half_width;
                 keys[later].focus_distance = then->focus_distance;
             }
             if (memcmp(&then->from, &camera->from, sizeof camera->from) != 0 ||
                 memcmp(&then->forward, &camera->forward, sizeof camera->forward) != 0 ||
                 memcmp(&then->up, &camera->up, sizeof camera->up) != 0 ||
-                then->tan_half_width != camera->tan_half_width || then->focus_distance != camera->focus_distance)
+                then->half_width != camera->half_width || then->focus_distance != camera->focus_distance)
                 camera->keys = keys;
         }
     }

@@ -272,7 +272,29 @@ SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, doubl
     at.right = blend(from->right, to->right, part);
     at.right = vec3_normalize(vec3_along(at.right, -vec3_dot(at.right, at.forward), at.forward));
     at.up = vec3_cross(at.right, at.forward);
-    at.tan_half_width = from->tan_half_width * (1 - part) + to->tan_half_width * part;
+    at.half_width = from->half_width * (1 - part) + to->half_width * part;
     at.focus_distance = from->focus_distance * (1 - part) + to->focus_distance * part;
     return at;
+}
+
+Vec3 scene_camera_place(const Scene *scene, const SceneCamera *camera, double x, double y)
+{
+    if (camera->projection != PROJECTION_ORTHOGRAPHIC) return camera->from;
+    double half_height = camera->half_width * scene->film.height / scene->film.width;
+    return vec3_along(vec3_along(camera->from, x * camera->half_width, camera->right), y * half_height, camera->up);
+}
+
+Vec3 scene_camera_some_place(const Scene *scene, const SceneCamera *camera, uint32_t number)
+{
+    enum { EACH_WAY = 16 };
+    uint32_t row = number / EACH_WAY, column = number % EACH_WAY;
+    return scene_camera_place(scene, camera, (2 * column + 1.0) / EACH_WAY - 1, (2 * row + 1.0) / EACH_WAY - 1);
+}
+
+Box3 scene_camera_bounds(const Scene *scene, const SceneCamera *camera)
+{
+    Box3 box = box3_empty();
+    for (int corner = 0; corner < 4; corner++)
+        box = box3_add_point(box, scene_camera_place(scene, camera, corner & 1 ? 1 : -1, corner & 2 ? 1 : -1));
+    return box;
 }

@@ -190,6 +190,15 @@ float light_shape(const SceneLight *light, Vec3 direction);
 /* The integral of that over all directions, in steradians. */
 double light_beam(const SceneLight *light);
 
+/* How places of the film become rays; the words of nodes.def, in its order. */
+typedef enum SceneProjection {
+    PROJECTION_PERSPECTIVE,
+    PROJECTION_ORTHOGRAPHIC,
+    PROJECTION_PANORAMA, /* by longitude and latitude */
+    PROJECTION_FISHEYE,  /* by the angle from the middle */
+    PROJECTION_COUNT
+} SceneProjection;
+
 typedef struct SceneCamera {
     const struct SceneCamera *keys; /* NULL, or n_keys of them: where it is while the shutter is open */
     uint64_t identity;
@@ -197,7 +206,8 @@ typedef struct SceneCamera {
     Span span;
     Vec3 from;
     Vec3 right, up, forward; /* orthonormal */
-    double tan_half_width;   /* tangent of half the horizontal angle of view */
+    SceneProjection projection;
+    double half_width;       /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
     double lens_radius;      /* 0: pinhole */
     double focus_distance;   /* along forward */
     const uint32_t *expect;  /* media, outermost first, that the camera must be inside of; NULL: not stated */
@@ -334,6 +344,13 @@ static inline const Affine *scene_keys(const Scene *scene, const SceneObject *ob
 const Affine *light_keys(const Scene *scene, const SceneLight *light);
 /* The camera at a time 0..1 of the shutter. */
 SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, double time);
+/* Where the rays start, without a lens, at a place of the film: from -1, left, and -1, below, to 1 and 1. */
+Vec3 scene_camera_place(const Scene *scene, const SceneCamera *camera, double x, double y);
+/* Some of those places, spread evenly over the film: 0 .. SCENE_CAMERA_PLACES - 1. */
+enum { SCENE_CAMERA_PLACES = 256 };
+Vec3 scene_camera_some_place(const Scene *scene, const SceneCamera *camera, uint32_t number);
+/* Around all of them. */
+Box3 scene_camera_bounds(const Scene *scene, const SceneCamera *camera);
 /* The smallest box around an object wherever it moves, moved by `after` (NULL: not); empty for one without any surface,
  * without end for planes. Of a combination it is what follows from the boxes of its operands: there may be less of it. */
 Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Affine *after);

@@ -355,7 +355,8 @@ static void add_camera(Hasher *h, const SceneCamera *camera)
     add_vector(h, camera->from);
     add_vector(h, camera->forward);
     add_vector(h, camera->up);
-    add_number(h, camera->tan_half_width);
+    if (camera->projection != PROJECTION_PERSPECTIVE) add_integer(h, camera->projection);
+    add_number(h, camera->half_width);
     add_number(h, camera->lens_radius);
     if (camera->lens_radius > 0) add_number(h, camera->focus_distance);
 }

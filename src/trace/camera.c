@@ -1,21 +1,60 @@
-/* camera.c - a thin lens.
+/* camera.c - from places of the film to rays: projections, and a thin lens.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
 #include "optics/sampling.h"
 #include "trace/path.h"
 
-void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray)
+/* Of a panorama: right and up are angles around the camera's up, and from its horizon. A sample of a pixel at the edge of the film,
+ * which its filter takes from beyond that, goes on over the pole. */
+static bool look_around(const SceneCamera *camera, double right, double up, double beyond, Vec3 *direction)
 {
-    double pixel = 2 * camera->tan_half_width / (double)point.width; /* its side, at distance 1 */
+    const double quarter = 0.5 * 3.14159265358979323846;
+    if (fabs(up) > quarter * (1 + 1e-9) + beyond) return false;
+    double level = cos(up);
+    *direction = vec3_along(vec3_scale(camera->forward, level * cos(right)), level * sin(right), camera->right);
+    *direction = vec3_along(*direction, sin(up), camera->up);
+    return true;
+}
+
+/* Of a fisheye: right and up are parts of the angle from forward. What is beyond the circle over the film's width is not seen. */
+static bool look_aside(const SceneCamera *camera, double right, double up, Vec3 *direction)
+{
+    double angle = hypot(right, up);
+    if (angle > camera->half_width) return false;
+    double part = angle > 0 ? sin(angle) / angle : 1;
+    *direction = vec3_along(vec3_scale(camera->forward, cos(angle)), part * right, camera->right);
+    *direction = vec3_along(*direction, part * up, camera->up);
+    return true;
+}
+
+bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray, Footprint *footprint)
+{
+    double pixel = 2 * camera->half_width / (double)point.width; /* its side: at distance 1, a length, or an angle */
     double x = (point.x - 0.5 * (double)point.width) * pixel, y = (0.5 * (double)point.height - point.y) * pixel;
-    Vec3 direction = vec3_along(vec3_along(camera->forward, x, camera->right), y, camera->up);
-    Vec3 origin = camera->from;
+    float half = (float)(camera->half_width / point.width);
+    Vec3 origin = camera->from, direction = vec3_along(vec3_along(camera->forward, x, camera->right), y, camera->up);
+    *footprint = (Footprint){.spread = half};
+    if (UNLIKELY(camera->projection != PROJECTION_PERSPECTIVE)) {
+        bool sees = true;
+        double beyond = point.y < 0 || point.y > point.height ? 0.51 * pixel : 0;
+        if (camera->projection == PROJECTION_PANORAMA) sees = look_around(camera, x, y, beyond, &direction);
+        if (camera->projection == PROJECTION_FISHEYE) sees = look_aside(camera, x, y, &direction);
+        if (!sees) return false;
+        if (camera->projection == PROJECTION_ORTHOGRAPHIC) {
+            origin = vec3_along(vec3_along(origin, x, camera->right), y, camera->up);
+            direction = camera->forward;
+            *footprint = (Footprint){.width = half};
+        }
+    }
     if (camera->lens_radius > 0) {
         float lens_x, lens_y;
         sampling_disc(lens[0], lens[1], &lens_x, &lens_y);
-        Vec3 focus = vec3_along(camera->from, camera->focus_distance, direction);
+        Vec3 focus = vec3_along(origin, camera->focus_distance, direction);
         origin = vec3_along(origin, (double)lens_x * camera->lens_radius, camera->right);
         origin = vec3_along(origin, (double)lens_y * camera->lens_radius, camera->up);
         direction = vec3_sub(focus, origin);
     }
     *ray = ray_make(origin, vec3f_from(vec3_normalize(direction)));
+    return true;
 }

@@ -112,11 +112,18 @@ typedef struct FilmPoint {
 } FilmPoint;
 
 /* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 unless the camera's
- * ray met nothing and there is no environment. Faults of this path are added to *faults (may be NULL). */
+ * ray met nothing and there is no environment, or nothing is to be seen there. Faults of this path are added to *faults (may be NULL). */
 void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
                   uint32_t index, float rgb[3], float *alpha);
 
-/* The camera's ray through a point of the film. lens: uniform in [0,1)^2. */
-void camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray);
+/* Half of a pixel, as large as pixels are in the middle: where its ray starts, and how much more it is for each unit of the way. */
+typedef struct Footprint {
+    float width, spread;
+} Footprint;
+
+/* The camera's ray through a point of the film; false: nothing is to be seen there, beyond a fisheye's circle or a panorama's poles.
+ * lens: uniform in [0,1)^2. An orthographic camera has a lens for each point, in the picture plane, and what is in focus is as
+ * large as without. */
+bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray, Footprint *footprint);
 
 #endif

@@ -20,6 +20,19 @@
 
 #define SHARED 0.4f /* s */
 
+/* The list where a ray of an orthographic camera starts. A way to there from the camera's centre would be long, and its float
+ * direction miss the place by more than that place is apart from surfaces; so the list is looked for anew, at a place of floats,
+ * where the ray then starts. */
+static bool list_in_picture_plane(Path *path)
+{
+    Tracer *tracer = path->tracer;
+    Vec3f place = vec3f_from(path->ray.origin);
+    path->ray.origin = vec3_from_f(place);
+    tracer->counters.rays += 2;
+    return compiled_interior(tracer->world->compiled, place, path->ray.time, &tracer->shadow_hits, &tracer->list,
+                             NULL) == STATUS_OK;
+}
+
 /* The list at the ray's real origin: from the camera's centre on along the lens. */
 static bool start_list(Path *path, const SceneCamera *camera)
 {
@@ -27,6 +40,8 @@ static bool start_list(Path *path, const SceneCamera *camera)
     const World *world = tracer->world;
     const NestList *known = lens_list_at(world->lens, path->ray.origin);
     if (known) return nest_list_copy(&tracer->list, known) == STATUS_OK;
+    if (UNLIKELY(world->lens_crosses) && camera->projection == PROJECTION_ORTHOGRAPHIC)
+        return list_in_picture_plane(path);
     Status status = world->camera_list_moves
                         ? compiled_interior(world->compiled, vec3f_from(camera->from), path->ray.time,
                                             &tracer->shadow_hits, &tracer->list, NULL)
@@ -106,9 +121,12 @@ static WavelengthSample choose_wavelengths(const World *world, const PixelSample
     return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
-/* fork: where the second path is to begin; NULL: this is the second one. Returns whether the camera's ray met anything. */
-static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point, const WavelengthSample *wavelengths,
-                        int index_lane, PathFork *fork, Path *path)
+/* What became of the ray from the camera. */
+typedef enum CameraRay { RAY_MET, RAY_ESCAPED, RAY_NONE } CameraRay;
+
+/* fork: where the second path is to begin; NULL: this is the second one. */
+static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
+                             const WavelengthSample *wavelengths, int index_lane, PathFork *fork, Path *path)
 {
     const World *world = tracer->world;
     path_init(path, tracer, pixel->sampler);
@@ -127,12 +145,18 @@ static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint poi
         moved = scene_camera_at(world->scene, camera, time);
         camera = &moved;
     }
-    camera_ray(camera, point, lens, &path->ray);
+    Footprint footprint;
+    if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) {
+        tracer->seen = SCENE_NONE;
+        tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
+        return RAY_NONE;
+    }
     path->ray.time = time;
-    path->cone_spread = (float)(camera->tan_half_width / point.width); /* half a pixel at distance 1 */
-    if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path);
+    path->cone_width = footprint.width;
+    path->cone_spread = footprint.spread;
+    if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path) ? RAY_MET : RAY_ESCAPED;
     tracer->out_of_memory = true;
-    return true;
+    return RAY_MET;
 }
 
 /* The second path begins where the wavelengths part, as up to there it would be the first one. Where a probe has parted before, or
@@ -196,12 +220,12 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     Path path;
     PathFork fork;
     fork.kept = false;
-    bool met = follow_path(tracer, pixel, point, &wavelengths, lanes.first, &fork, &path);
+    CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes.first, &fork, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
         path.radiance =
             share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes.second, &fork), lanes);
-    *alpha = met || world->scene->environment ? 1 : 0;
+    *alpha = ray == RAY_MET || (ray == RAY_ESCAPED && world->scene->environment) ? 1 : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
         tracer->counters.bad_samples++;

@@ -140,17 +140,48 @@ static bool camera_list_may_move(const World *world)
     return false;
 }
 
-/* Whether a surface of some hull may lie between the camera's centre and a point of its lens. */
+/* Around all that an object has surfaces of that are passed, at any time of the shutter; of one without end, a part of that. Those
+ * of operands reach beyond their combination, and lists tell of them there, too. */
+static Box3 passed_bounds(const World *world, uint32_t object)
+{
+    uint32_t pass = world->compiled->hull_of_object[object];
+    if (pass < world->compiled->n_hulls) return world->compiled->hull_bounds[pass];
+    return scene_object_bounds(world->scene, &world->scene->objects[object], NULL);
+}
+
+static bool comes_near(Box3 box, Box3 places, double distance)
+{
+    Vec3 below = vec3_sub(places.min, box.max), above = vec3_sub(box.min, places.max);
+    return vec3_length(vec3(fmax(fmax(below.x, above.x), 0), fmax(fmax(below.y, above.y), 0),
+                            fmax(fmax(below.z, above.z), 0))) <= distance;
+}
+
+/* Whether a box reaches into the plane that an orthographic camera stands in: a film may be of any height. */
+static bool reaches_into_plane(Box3 box, const SceneCamera *camera)
+{
+    Vec3 half = vec3_scale(vec3_sub(box.max, box.min), 0.5), f = camera->forward;
+    double reach = fabs(f.x) * half.x + fabs(f.y) * half.y + fabs(f.z) * half.z;
+    double rounding = rtc_rounding(box.min) + rtc_rounding(box.max) + rtc_rounding(camera->from);
+    return fabs(vec3_dot(vec3_sub(box3_centre(box), camera->from), f)) <= reach + rounding;
+}
+
+/* Whether a surface that is passed may lie between the camera's centre and a point of its lens, or of its picture plane. */
 static bool lens_may_cross(const World *world)
 {
+    const CompiledScene *compiled = world->compiled;
     const SceneCamera *camera = &world->camera;
-    if (!(camera->lens_radius > 0)) return false;
-    for (uint32_t h = 0; h < world->compiled->n_hulls; h++) {
-        Box3 box = world->compiled->hull_bounds[h];
-        Vec3 nearest =
-            vec3(fmin(fmax(camera->from.x, box.min.x), box.max.x), fmin(fmax(camera->from.y, box.min.y), box.max.y),
-                 fmin(fmax(camera->from.z, box.min.z), box.max.z));
-        if (vec3_length(vec3_sub(nearest, camera->from)) <= camera->lens_radius * 1.0001) return true;
+    bool orthographic = camera->projection == PROJECTION_ORTHOGRAPHIC;
+    Box3 places = box3_add_point(box3_empty(), camera->from);
+    if (!orthographic && !(camera->lens_radius > 0)) return false;
+    for (uint32_t k = 0; camera->keys && k < world->scene->n_keys; k++)
+        places = box3_add_point(places, camera->keys[k].from);
+    for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+        uint32_t pass = compiled->hull_of_object[i];
+        if (pass == SCENE_NONE || world->scene->objects[i].shape == SCENE_NONE) continue;
+        if (orthographic && (compiled->unbounded[pass] || camera->keys)) return true;
+        Box3 box = passed_bounds(world, i);
+        if (orthographic ? reaches_into_plane(box, camera) : comes_near(box, places, camera->lens_radius * 1.0001))
+            return true;
     }
     return false;
 }

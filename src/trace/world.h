@@ -76,7 +76,7 @@ typedef struct World {
     NestList camera_list;      /* the hulls around the camera's centre */
     bool moves;                /* something does while the shutter is open */
     bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
-    bool lens_crosses;         /* some hull's bounds come near the lens: look for each ray's real origin, */
+    bool lens_crosses;         /* some hull's bounds come near the lens, or the picture plane: look for each ray's real origin, */
     Lens *lens;                /* but where this knows it; NULL: nowhere */
     bool has_distant;          /* a light that is infinitely far */
     bool disperses;            /* some medium does, */

@@ -175,4 +175,14 @@ assert [x["kind"] for x in s["surfaces"]] == ["boundary", "silent", "boundary", 
 run check sight.mns --pixel 9,0
 exits 2
 says err "no pixel of the picture, 0,0 to 8,8"
+sed 's/^camera .*/camera { projection = fisheye  from = <0, 0, 100>  to = <0, 0, 0> }/' sight.mns > round.mns
+run check round.mns --pixel 0,0
+exits 2
+says err "camera 1 sees nothing at 0,0"
+sed 's/^camera .*/camera { projection = orthographic  width = 27  from = <0, 0, -5>  to = <0, 0, -9>  expect = [water] }/' sight.mns > flat.mns
+run check flat.mns --pixel 4,4
+exits 0
+says out "Along the line, which starts in water"
+run check flat.mns --pixel 0,4
+says out "Along the line, which starts in air"
 end

@@ -100,7 +100,8 @@ static void step_outside(Fixture *scene)
     Vec3 middle = vec3_scale(vec3_add(bounds.min, bounds.max), 0.5);
     camera->from = vec3_along(middle, -vec3_length(vec3_sub(bounds.max, bounds.min)), camera->forward);
     camera->lens_radius = 0;
-    camera->tan_half_width = 0.4;
+    camera->projection = PROJECTION_PERSPECTIVE;
+    camera->half_width = 0.4;
 }
 
 /* One scene under every policy. Faults are judged at the end, when all are known. */

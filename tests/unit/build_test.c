@@ -496,7 +496,7 @@ static void cameras_look_where_they_should(void **state)
     assert_vector(c[0].right, 1, 0, 0);
     assert_vector(c[0].up, 0, 1, 0);
     assert_vector(c[0].forward, 0, 0, -1);
-    assert_near(c[0].tan_half_width, 1, 1e-12);
+    assert_near(c[0].half_width, 1, 1e-12);
     assert_near(c[0].lens_radius, 1, 1e-12);
     assert_near(c[0].focus_distance, 4, 1e-12);
     assert_vector(c[1].forward, 0, -1, 0);

@@ -22,7 +22,8 @@ static double part_known(const char *text)
     assert_int_equal(lens_new(fixture.compiled, camera, &lens, &fixture.error), STATUS_OK);
     for (int i = 0; i < POINTS; i++) {
         double angle = 7 * dice_unit(&dice), r = camera->lens_radius * sqrt(dice_unit(&dice));
-        Vec3 at = vec3_along(vec3_along(camera->from, r * cos(angle), camera->right), r * sin(angle), camera->up);
+        Vec3 middle = scene_camera_place(fixture.scene, camera, 2 * dice_unit(&dice) - 1, 2 * dice_unit(&dice) - 1);
+        Vec3 at = vec3_along(vec3_along(middle, r * cos(angle), camera->right), r * sin(angle), camera->up);
         const NestList *known = lens_list_at(lens, at);
         if (!known) continue;
         n_known++;
@@ -32,7 +33,8 @@ static double part_known(const char *text)
         n_inside += nest_list_count(&list) > 0;
     }
     printf("  %d of %d points known, %d of them inside of something\n", n_known, POINTS, n_inside);
-    assert_null(lens_list_at(lens, vec3_along(camera->from, 2 * camera->lens_radius, camera->right)));
+    double beyond = 2 * camera->lens_radius + 2 * camera->half_width;
+    assert_null(lens_list_at(lens, vec3_along(camera->from, beyond, camera->right)));
     lens_free(lens);
     nest_list_clear(&list);
     hit_list_clear(&hits);
@@ -61,6 +63,30 @@ static void drops_and_walls(void **state)
                            "box { interior = oil  from = <-3, 0, -3>  to = <0, 9.6, 3>  rotate(z, 5) } " CAMERA) > 0.2);
 }
 
+#define PARALLEL(lens)                                                                                                 \
+    "camera { projection = orthographic  from = <0, 10, 0>  to = <-8, 3, -50>  width = 12 " lens                       \
+    " } film { size = <300, 200> } environment { } "
+
+static void picture_planes(void **state)
+{
+    (void)state;
+    static const char *const cameras[] = {PARALLEL(""), PARALLEL("aperture = 2")};
+    for (size_t i = 0; i < COUNT_OF(cameras); i++) {
+        char text[1000];
+        snprintf(text, sizeof text,
+                 FIXTURE_MEDIA
+                 "box { interior = water  from = <-90, -90, -90>  to = <90, 10.2, 90> } "
+                 "sphere { interior = glass  radius = 1.5  center = <2, 10, 0> } "
+                 "torus { interior = ice  radius = 2  tube = .4  center = <-3, 11, 0>  rotate(z, 10) } %s",
+                 cameras[i]);
+        double part = part_known(text);
+        assert_true(part > 0.6);
+        assert_true(part < 0.98);
+    }
+    assert_true(
+        part_known(FIXTURE_MEDIA "sphere { interior = water  radius = 2  center = <0, 30, 0> } " PARALLEL("")) == 1);
+}
+
 static void nothing_is_near(void **state)
 {
     (void)state;
@@ -76,6 +102,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(water_line),
         cmocka_unit_test(drops_and_walls),
+        cmocka_unit_test(picture_planes),
         cmocka_unit_test(nothing_is_near),
     };
     return cmocka_run_group_tests_name("lens", tests, NULL, NULL);

@@ -1,0 +1,186 @@
+/* camera_test.c - where the rays of a camera start and where they go, and how far apart those of neighbouring pixels are.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "test.h"
+
+#include "near.h"
+#include "scene_fixture.h"
+#include "trace/path.h"
+
+enum { WIDTH = 40, HEIGHT = 30 };
+
+typedef struct View {
+    Fixture fixture;
+    SceneCamera camera;
+} View;
+
+static void open_view(View *view, const char *camera)
+{
+    char text[500];
+    snprintf(
+        text, sizeof text,
+        "meniscus 1.0 unit mm film { size = <40, 30> } sphere { radius = 1  surface = surface { } } environment { } "
+        "camera { %s }",
+        camera);
+    fixture_good(&view->fixture, text);
+    view->camera = view->fixture.scene->cameras[0];
+}
+
+static void look(const View *view, double x, double y, Ray *ray, Footprint *footprint)
+{
+    const float middle[2] = {0.5f, 0.5f};
+    assert_true(camera_ray(&view->camera, (FilmPoint){x, y, WIDTH, HEIGHT}, middle, ray, footprint));
+}
+
+static bool sees(const View *view, double x, double y)
+{
+    const float middle[2] = {0.5f, 0.5f};
+    Ray ray;
+    Footprint footprint;
+    return camera_ray(&view->camera, (FilmPoint){x, y, WIDTH, HEIGHT}, middle, &ray, &footprint);
+}
+
+static void expect_vector(Vec3 expected, Vec3 is, double tolerance)
+{
+    assert_near(is.x, expected.x, tolerance);
+    assert_near(is.y, expected.y, tolerance);
+    assert_near(is.z, expected.z, tolerance);
+}
+
+/* Half of the distance between rays of neighbours in the middle of the film is what the footprint says. */
+static void expect_footprint(const View *view)
+{
+    Ray left, right;
+    Footprint footprint;
+    look(view, 19.5, 15, &left, &footprint);
+    look(view, 20.5, 15, &right, &footprint);
+    for (double t = 0; t < 20; t += 4) {
+        double apart = vec3_length(vec3_sub(ray_point(&right, t), ray_point(&left, t)));
+        assert_near((double)footprint.width + t * (double)footprint.spread, apart / 2, 2e-3 * (apart + 1e-3));
+    }
+}
+
+static void perspective(void **state)
+{
+    (void)state;
+    View view;
+    Ray ray;
+    Footprint footprint;
+    open_view(&view, "from = <0, 0, 10>  fov = 90");
+    look(&view, 40, 15, &ray, &footprint);
+    expect_vector(vec3(0, 0, 10), ray.origin, 0);
+    expect_vector(vec3_normalize(vec3(1, 0, -1)), vec3_from_f(ray.direction), 1e-7);
+    look(&view, 20, 0, &ray, &footprint);
+    expect_vector(vec3_normalize(vec3(0, 0.75, -1)), vec3_from_f(ray.direction), 1e-7);
+    expect_footprint(&view);
+    fixture_clear(&view.fixture);
+}
+
+static void orthographic(void **state)
+{
+    (void)state;
+    View view;
+    Ray ray;
+    Footprint footprint;
+    open_view(&view, "projection = orthographic  from = <1, 2, 10>  to = <1, 2, 0>  width = 8");
+    look(&view, 40, 0, &ray, &footprint);
+    expect_vector(vec3(5, 5, 10), ray.origin, 1e-12);
+    expect_vector(vec3(0, 0, -1), vec3_from_f(ray.direction), 0);
+    look(&view, 0, 22.5, &ray, &footprint);
+    expect_vector(vec3(-3, 0.5, 10), ray.origin, 1e-12);
+    expect_vector(vec3(0, 0, -1), vec3_from_f(ray.direction), 0);
+    assert_near(footprint.width, 0.1, 1e-7);
+    assert_near(footprint.spread, 0, 0);
+    expect_footprint(&view);
+    expect_vector(vec3(-3, -1, 10), scene_camera_place(view.fixture.scene, &view.camera, -1, -1), 1e-12);
+    Box3 box = scene_camera_bounds(view.fixture.scene, &view.camera);
+    expect_vector(vec3(5, 5, 10), box.max, 1e-12);
+    fixture_clear(&view.fixture);
+}
+
+/* The width grows with the transforms of a group, and a lens bends rays so that they meet in the plane that is sharp. */
+static void orthographic_with_a_lens(void **state)
+{
+    (void)state;
+    View view;
+    Ray ray;
+    Footprint footprint;
+    open_view(&view,
+              "projection = orthographic  from = <0, 0, 5>  width = 4  aperture = 1  focus = <9, 9, 1>  scale(2)");
+    assert_near(view.camera.half_width, 4, 1e-12);
+    for (int i = 0; i < 16; i++) {
+        const float lens[2] = {(float)i / 16, (float)(i * 7 % 16) / 16};
+        assert_true(camera_ray(&view.camera, (FilmPoint){30, 10, WIDTH, HEIGHT}, lens, &ray, &footprint));
+        assert_near(ray.origin.z, 10, 1e-12);
+        assert_true(hypot(ray.origin.x - 2, ray.origin.y - 1) <= 1 + 1e-6);
+        Vec3 sharp = ray_point(&ray, (ray.origin.z - 2) / -(double)ray.direction.z);
+        expect_vector(vec3(2, 1, 2), sharp, 1e-5);
+    }
+    fixture_clear(&view.fixture);
+}
+
+/* Longitudes to the right and latitudes upwards, of as many degrees for each pixel; the picture goes on around its ends, and over
+ * the poles by no more than a filter reaches beyond the film. */
+static void panorama(void **state)
+{
+    (void)state;
+    View view;
+    Ray ray;
+    Footprint footprint;
+    const double pi = acos(-1);
+    open_view(&view, "projection = panorama  from = <1, 2, 3>  to = <1, 2, -1>");
+    for (int i = 0; i <= 40; i++)
+        for (int k = 0; k <= 20; k++) {
+            double longitude = (i - 20) * pi / 20, latitude = (10 - k) * pi / 20;
+            look(&view, i, 5 + k, &ray, &footprint);
+            expect_vector(vec3(1, 2, 3), ray.origin, 0);
+            expect_vector(vec3(cos(latitude) * sin(longitude), sin(latitude), -cos(latitude) * cos(longitude)),
+                          vec3_from_f(ray.direction), 2e-7);
+        }
+    assert_false(sees(&view, 20, 4.9));
+    assert_false(sees(&view, 20, 25.1));
+    expect_footprint(&view);
+    fixture_clear(&view.fixture);
+    open_view(&view, "projection = panorama  from = <0, 0, 0>  to = <0, 0, -1>  fov = 240");
+    assert_true(sees(&view, 20, -0.49) && sees(&view, 20, 30.49));
+    look(&view, 40, 15, &ray, &footprint);
+    expect_vector(vec3(sin(2 * pi / 3), 0, -cos(2 * pi / 3)), vec3_from_f(ray.direction), 2e-7);
+    expect_footprint(&view);
+    fixture_clear(&view.fixture);
+}
+
+/* The angle from the middle is in proportion to the distance on the film, whichever way; outside of the circle there is nothing. */
+static void fisheye(void **state)
+{
+    (void)state;
+    const double pi = acos(-1);
+    static const char *const angles[] = {"", "fov = 360", "fov = 20"};
+    const double half[] = {pi / 2, pi, pi / 18};
+    for (size_t i = 0; i < COUNT_OF(angles); i++) {
+        char text[200];
+        View view;
+        Ray ray;
+        Footprint footprint;
+        snprintf(text, sizeof text, "projection = fisheye  from = <1, 2, 3>  to = <1, 2, -1>  %s", angles[i]);
+        open_view(&view, text);
+        for (double r = 0; r < 20; r += 0.9)
+            for (double turn = 0; turn < 6; turn += 0.25) {
+                double x = r * cos(turn), y = r * sin(turn), angle = r / 20 * half[i];
+                look(&view, 20 + x, 15 - y, &ray, &footprint);
+                expect_vector(vec3(sin(angle) * cos(turn), sin(angle) * sin(turn), -cos(angle)),
+                              vec3_from_f(ray.direction), 2e-7);
+            }
+        assert_true(sees(&view, 0.001, 15) && sees(&view, 39.999, 15));
+        assert_false(sees(&view, 0, 14) || sees(&view, 20, 35.1) || sees(&view, 40.1, 15));
+        expect_footprint(&view);
+        fixture_clear(&view.fixture);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(perspective), cmocka_unit_test(orthographic), cmocka_unit_test(orthographic_with_a_lens),
+        cmocka_unit_test(panorama),    cmocka_unit_test(fisheye),
+    };
+    return cmocka_run_group_tests_name("camera", tests, NULL, NULL);
+}
