@@ -67,6 +67,7 @@ static Status look_at(SceneInput *from, uint32_t frame, bool outputs, Error *err
     EvalResult result = {0};
     Error own = {0};
     scene_input_init(&other.input, from->options, from->talk);
+    other.input.scene_options.pool = from->scene_options.pool;
     other.input.text = from->text;
     other.input.text_length = from->text_length;
     other.input.instant = from->instant;
