@@ -39,7 +39,7 @@ typedef struct TruthInput {
 } TruthInput;
 
 /* An image that is surely there to be asked for; what it shows is the input's sky. */
-#define TRUTH_SKY " environment { image = \"/dev/null\" } "
+#define TRUTH_SKY " environment { image = \"" __FILE__ "\" } "
 #define TRUTH_WHITE_SKY " environment { color = 1 } "
 
 /* Builds and compiles a scene, which must be right. */

@@ -417,7 +417,7 @@ static void surfaces_that_shine(void **state)
 static const Case skies[] = {
     {"the same from everywhere: left to chance", "environment { color = 2 }", ORIGIN, UP, {0, 1, 0}, 3.14159, 0},
     {"an image, turned",
-     "environment { image = \"/dev/null\"  rotate(x, 40deg)  rotate(y, 70deg) }",
+     "environment { image = \"" __FILE__ "\"  rotate(x, 40deg)  rotate(y, 70deg) }",
      ORIGIN,
      UP,
      {0, 1, 0},
@@ -434,7 +434,7 @@ static const Case skies[] = {
      3.14159,
      0.99},
     {"through a window, an image",
-     "environment { image = \"/dev/null\"  rotate(x, 40deg) } " WINDOW("0"),
+     "environment { image = \"" __FILE__ "\"  rotate(x, 40deg) } " WINDOW("0"),
      ORIGIN,
      UP,
      {30, 20, 0},
@@ -455,7 +455,7 @@ static const Case skies[] = {
      0.9,
      0.99},
     {"windows of two walls, that overlap",
-     "environment { image = \"/dev/null\" } " WINDOW("-4")
+     "environment { image = \"" __FILE__ "\" } " WINDOW("-4")
          WINDOW("4") "light { shape = portal  from = <0, 20, 30>  to = <0, 20, 0>  size = <20, 30> }",
      ORIGIN,
      UP,

@@ -154,7 +154,7 @@ static void wrong_rows_are_refused(void **state)
     REFUSED("2 / spectrum([<400, 1>, <500, 2>])", D_WRONG_TYPE);
     REFUSED("2 * cauchy(1, 2)", D_WRONG_TYPE);
     REFUSED("spectrum(\"no-such-file.txt\")", D_FILE_NOT_FOUND);
-    REFUSED("spectrum(\"/tmp\")", D_FILE_NOT_FOUND);
+    REFUSED("spectrum(\"/tmp\")", D_FILE_UNREADABLE);
     fixture_refused(M "medium w { ior = spectrum([<400, 1>, <500, 12>]) } sphere "
                       "{ interior = w }" V,
                     D_VALUE_OUT_OF_RANGE);
