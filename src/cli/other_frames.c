@@ -39,13 +39,6 @@ static void report_output(void *context)
     if (report) diag_hint(diag, report, "'#' stands for the number of the frame: output = \"name.####.png\"");
 }
 
-static bool has_report(const Diag *diag, DiagCode code)
-{
-    const Diagnostic *report = diag->first;
-    while (report && report->code != code) report = report->next;
-    return report != NULL;
-}
-
 /* Reports point into texts by their number and place. */
 static bool same_texts(const SourceSet *a, const SourceSet *b)
 {
@@ -78,7 +71,7 @@ static Status look_at(SceneInput *from, uint32_t frame, bool outputs, Error *err
     other.output = other.film ? eval_prop(other.film, "output") : NULL;
     bool differs = status == STATUS_OK && outputs && !same_outputs(&from->scene->film, other.output);
     status = differs ? scene_input_guard(&other.input, report_output, &other, error) : STATUS_OK;
-    if (status == STATUS_OK && has_report(&other.input.diag, D_CLOCK_DEPENDENT) &&
+    if (status == STATUS_OK && diag_has(&other.input.diag, D_CLOCK_DEPENDENT) &&
         same_texts(&from->sources, &other.input.sources)) {
         status = scene_input_guard(from, take_reports, &other, error);
         if (status == STATUS_OK) status = STATUS_SCENE;

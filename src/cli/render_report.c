@@ -55,17 +55,11 @@ static bool is_black(const Image *image)
     return true;
 }
 
-static bool has_no_light(const Diag *diag)
-{
-    const Diagnostic *report = diag->first;
-    while (report && report->code != D_NO_LIGHT) report = report->next;
-    return report != NULL;
-}
-
 /* Not where the scene has no light at all, which is said before; nor of frames behind the first, which may fade. */
 static void warn_of_black(const RenderRun *run)
 {
-    if (run->n_rendered || run->stats.samples == 0 || has_no_light(&run->input.diag) || !is_black(&run->image)) return;
+    if (run->n_rendered || run->stats.samples == 0 || diag_has(&run->input.diag, D_NO_LIGHT) || !is_black(&run->image))
+        return;
     const SceneFilm *film = &run->input.scene->film;
     talk_warning(run->talk,
                  "all of the picture is black: the camera is inside of an opaque object, or no light comes to what it looks at, "

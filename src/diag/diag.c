@@ -326,6 +326,13 @@ void diag_merge(Diag *into, const Diag *from)
     if (from->n_remarks > into->n_remarks) into->n_remarks = from->n_remarks;
 }
 
+bool diag_has(const Diag *diag, DiagCode code)
+{
+    const Diagnostic *report = diag->first;
+    while (report && report->code != code) report = report->next;
+    return report != NULL;
+}
+
 void diag_drop_source(Diag *diag, uint32_t source)
 {
     Diagnostic **end = &diag->first;

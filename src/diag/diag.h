@@ -103,6 +103,8 @@ void diag_rewind(Diag *diag, DiagMark mark);
 /* Takes over copies of the reports of another evaluation of the same texts; of a mistake that is here already (by its
  * code and place) only the frames are added. Frames must come in rising order. */
 void diag_merge(Diag *into, const Diag *from);
+/* Whether there is a report of that kind. */
+bool diag_has(const Diag *diag, DiagCode code);
 /* Takes back what was reported in a text. */
 void diag_drop_source(Diag *diag, uint32_t source);
 /* Forgets the warnings and remarks of mistakes that known holds, too. */
