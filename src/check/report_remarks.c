@@ -233,41 +233,15 @@ static int compare_places(const void *left, const void *right)
     return a->x < b->x ? -1 : a->x > b->x;
 }
 
-/* Looks at the hulls whose bounds begin within those of the object, sorted by where they begin. */
-static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places, Tally *tally)
-{
-    const Box3 *outer = &r->bounds[object];
-    uint32_t n = r->compiled->n_hulls, low = 0, high = n;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (places[middle].x < outer->min.x)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    for (uint32_t i = low; i < n && places[i].x < outer->max.x; i++) {
-        uint32_t hull = places[i].hull;
-        if (!box3_holds(*outer, r->compiled->hull_bounds[hull]) || !is_enclosed(r, hull, object) || !tally_next(tally))
-            continue;
-        const SceneObject *inner = report_object(r->compiled, hull);
-        Diagnostic *report =
-            diag_report(r->diag, D_ENCLOSED_OBJECT, inner->span, "%s is wholly inside of %s, which is opaque",
-                        inner->name, r->scene->objects[object].name);
-        diag_note(r->diag, report, r->scene->objects[object].span, "%s is here", r->scene->objects[object].name);
-    }
-}
-
 /* The height of a point above a plane, in the plane's own measure. */
 static double height_of(const Affine *to_plane, Vec3 point)
 {
     return affine_point(to_plane, point).y;
 }
 
-static bool is_plane(const Scene *scene, const SceneObject *object)
+static bool is_plane(const Scene *scene, uint32_t object)
 {
-    if (object->shape == SCENE_NONE || object->part_of != SCENE_NONE) return false;
-    const Solid *solid = scene->shapes[object->shape].solid;
-    return solid && solid->pieces[0].kind == PIECE_PLANE;
+    return scene->objects[object].part_of == SCENE_NONE && scene_is_plane(scene, object);
 }
 
 static bool is_below(const SceneObject *plane, Vec3 place)
@@ -279,7 +253,7 @@ static bool is_below(const SceneObject *plane, Vec3 place)
 /* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
 static bool is_within(Remarks *r, Vec3 place, uint32_t object)
 {
-    if (is_plane(r->scene, &r->scene->objects[object])) return is_below(&r->scene->objects[object], place);
+    if (is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         Ray ray = ray_make(place, vec3f_from(line_direction(direction)));
         HitList *hits = &r->probe.forward;
@@ -297,6 +271,31 @@ static bool holds_camera(Remarks *r, uint32_t object)
     for (uint32_t i = 0; i < r->scene->n_cameras; i++)
         if (is_within(r, r->scene->cameras[i].from, object)) return true;
     return false;
+}
+
+/* Looks at the hulls whose bounds begin within those of the object, sorted by where they begin. */
+static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places, Tally *tally)
+{
+    const Box3 *outer = &r->bounds[object];
+    uint32_t n = r->compiled->n_hulls, low = 0, high = n;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (places[middle].x < outer->min.x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (uint32_t i = low; i < n && places[i].x < outer->max.x; i++) {
+        uint32_t hull = places[i].hull;
+        if (!box3_holds(*outer, r->compiled->hull_bounds[hull]) || !is_enclosed(r, hull, object)) continue;
+        if (holds_camera(r, object)) return; /* a room */
+        if (!tally_next(tally)) continue;
+        const SceneObject *inner = report_object(r->compiled, hull);
+        Diagnostic *report =
+            diag_report(r->diag, D_ENCLOSED_OBJECT, inner->span, "%s is wholly inside of %s, which is opaque",
+                        inner->name, r->scene->objects[object].name);
+        diag_note(r->diag, report, r->scene->objects[object].span, "%s is here", r->scene->objects[object].name);
+    }
 }
 
 /* A room that is lit within is a room. */
@@ -321,7 +320,7 @@ static void remark_enclosed(Remarks *r)
     qsort(places, n, sizeof *places, compare_places);
     for (uint32_t i = 0; i < r->scene->n_objects; i++)
         if (r->compiled->hull_of_object[i] == SCENE_NONE && !scene_is_thin(r->scene, i) &&
-            encloses(r->scene, &r->scene->objects[i]) && !holds_camera(r, i))
+            encloses(r->scene, &r->scene->objects[i]))
             remark_enclosed_in(r, i, places, &tally);
     tally_end(r, &tally);
     free(places);
@@ -368,7 +367,7 @@ static void remark_behind_ground(Remarks *r)
     Tally tally = {.code = D_BEHIND_GROUND};
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
         const SceneObject *object = &r->scene->objects[i];
-        if (is_plane(r->scene, object) && !is_seen_through(r->scene, object)) remark_behind(r, i, &tally);
+        if (is_plane(r->scene, i) && !is_seen_through(r->scene, object)) remark_behind(r, i, &tally);
     }
     tally_end(r, &tally);
 }
@@ -454,7 +453,7 @@ static bool meets_anything(const Remarks *r, uint32_t object)
     double slack = 0.02 * size_of(&r->bounds[object]);
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
         if (r->compiled->hull_of_object[i] != SCENE_NONE) continue;
-        if (is_plane(r->scene, &r->scene->objects[i])) {
+        if (is_plane(r->scene, i)) {
             Affine to_plane;
             if (!affine_invert(&r->scene->objects[i].to_world, &to_plane)) continue;
             Box3 near = {vec3_sub(r->bounds[object].min, vec3(slack, slack, slack)),
@@ -500,7 +499,7 @@ static uint32_t find_cover(Remarks *r, const SceneCamera *camera)
         if (!hits.items[i].entering && is_opaque(r, object) && is_within(r, camera->from, object)) cover = object;
     }
     for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
-        if (is_plane(r->scene, &r->scene->objects[i]) && is_opaque(r, i) && is_within(r, camera->from, i)) cover = i;
+        if (is_plane(r->scene, i) && is_opaque(r, i) && is_within(r, camera->from, i)) cover = i;
     hit_list_clear(&hits);
     return cover;
 }
@@ -512,10 +511,9 @@ static void remark_covered_cameras(Remarks *r)
         uint32_t cover = find_cover(r, camera);
         if (cover == SCENE_NONE || holds_light(r, cover)) continue;
         const SceneObject *object = &r->scene->objects[cover];
-        Diagnostic *report =
-            diag_report(r->diag, D_CAMERA_INSIDE, camera->span,
-                        "%s is inside of %s, which is opaque, and no light is there with it",
-                        camera->name, object->name);
+        Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span,
+                                         "%s is inside of %s, which is opaque, and no light is there with it",
+                                         camera->name, object->name);
         diag_note(r->diag, report, object->span, "%s is here", object->name);
         diag_hint(r->diag, report, "move the camera out of it, or bring a light in");
     }

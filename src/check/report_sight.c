@@ -112,15 +112,12 @@ ReportSight report_look_at(const CompiledScene *compiled, Probe *probe, uint32_t
         LineSet set;
         Line line;
         line_set_begin(&set, compiled->hull_bounds[hull], direction, n_lines / LINE_DIRECTIONS, hull);
-        while (line_set_next(&set, &line)) {
-            if (!probe_surfaces(probe, compiled, &line, hull)) continue;
-            probe_intervals(probe, compiled, &line);
+        while (probe_next_line(probe, compiled, &set, hull, &line))
             for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
                 ReportSight here = sight_on(compiled, probe, &probe->intervals[i]);
                 if (here == REPORT_SEEN) return REPORT_SEEN;
                 if (here > sight) sight = here;
             }
-        }
     }
     return probe->out_of_memory ? REPORT_NOT_MET : sight;
 }

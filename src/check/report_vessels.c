@@ -30,9 +30,7 @@ typedef struct Fit {
 /* What is thin is a skin, and a plane nothing to be filled. */
 static bool is_vessel(const Scene *scene, uint32_t object)
 {
-    const SceneShape *shape =
-        scene->objects[object].shape == SCENE_NONE ? NULL : &scene->shapes[scene->objects[object].shape];
-    return !scene_is_thin(scene, object) && !(shape && shape->solid && shape->solid->pieces[0].kind == PIECE_PLANE);
+    return !scene_is_thin(scene, object) && !scene_is_plane(scene, object);
 }
 
 static bool has_vessels(const CompiledScene *compiled)
@@ -108,9 +106,7 @@ static bool look_at(const CompiledScene *compiled, Probe *probe, uint32_t hull, 
         LineSet set;
         Line line;
         line_set_begin(&set, compiled->hull_bounds[hull], direction, n_lines / LINE_DIRECTIONS, hull);
-        while (line_set_next(&set, &line)) {
-            if (!probe_surfaces(probe, compiled, &line, hull)) continue;
-            probe_intervals(probe, compiled, &line);
+        while (probe_next_line(probe, compiled, &set, hull, &line)) {
             if (probe->out_of_memory) return false;
             uint32_t first = probe->first[hull];
             if (first == INTERVAL_NONE) continue;

@@ -272,3 +272,13 @@ void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *li
         probe->first[interval->hull] = (uint32_t)i;
     }
 }
+
+bool probe_next_line(Probe *probe, const CompiledScene *compiled, LineSet *set, uint32_t hull, Line *line)
+{
+    while (line_set_next(set, line)) {
+        if (!probe_surfaces(probe, compiled, line, hull)) continue;
+        probe_intervals(probe, compiled, line);
+        return true;
+    }
+    return false;
+}

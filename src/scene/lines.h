@@ -76,5 +76,7 @@ bool probe_surfaces(Probe *probe, const CompiledScene *compiled, const Line *lin
 /* After that: looks back from the line's start for what the start is inside of, and fills in the intervals, in order
  * of their beginnings, and each hull's chain of them. */
 void probe_intervals(Probe *probe, const CompiledScene *compiled, const Line *line);
+/* The next line of the set that meets the hull, with its surfaces and intervals; false when there are no more. */
+bool probe_next_line(Probe *probe, const CompiledScene *compiled, LineSet *set, uint32_t hull, Line *line);
 
 #endif

@@ -323,6 +323,13 @@ static inline bool scene_is_thin(const Scene *scene, uint32_t object)
     uint32_t surface = scene->objects[object].surface;
     return surface != SCENE_NONE && scene->objects[object].medium == SCENE_NONE && scene->surfaces[surface].thin;
 }
+/* A combination is none, whatever its operands are. */
+static inline bool scene_is_plane(const Scene *scene, uint32_t object)
+{
+    uint32_t shape = scene->objects[object].shape;
+    const Solid *solid = shape == SCENE_NONE ? NULL : scene->shapes[shape].solid;
+    return solid && solid->pieces[0].kind == PIECE_PLANE;
+}
 /* Whether all of it is a smooth, even sheet that lets some light straight on: rays towards lights go through it. */
 static inline bool scene_is_pane(const Scene *scene, uint32_t object)
 {
