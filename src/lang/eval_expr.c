@@ -500,8 +500,7 @@ static void eval_field(Evaluator *evaluator, Expr *expr, Value *result)
         if (base->kind == VALUE_NONE)
             diag_hint(evaluator->diag, report, "a ray that meets nothing gives none: ask for '!= none' first");
         else if (base->kind == VALUE_NODE && schema_prop(base->as.node->type, name))
-            diag_hint(evaluator->diag, report,
-                      "properties are not read: give the value a name before, let %s = ..., and use that in both places", name);
+            hint_at_reading(evaluator->diag, report, name);
     }
     result->kind = VALUE_POISON;
 }

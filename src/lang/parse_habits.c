@@ -351,6 +351,13 @@ static void parse_indexed_instance(Parser *parser, Path path)
     diag_hint(parser->diag, report, "write: let object = %s  object %s", value, block);
 }
 
+/* Can a statement be over in front of that token? */
+static bool is_behind_statement(const Parser *parser, const Token *token)
+{
+    return token->kind == TOKEN_SEMICOLON || token->kind == TOKEN_BRACE_CLOSE || token->kind == TOKEN_END ||
+           begins_line(parser, token->begin);
+}
+
 /* "a[0] = 5", "a[0] += 5" and "a[0] { }", behind the name */
 static bool parse_element_habit(Parser *parser, Path path)
 {
@@ -359,9 +366,7 @@ static bool parse_element_habit(Parser *parser, Path path)
     const char *index;
     Token token = behind_indices(parser, &groups, &index);
     bool adjacent = parser->token.begin == consumed_end(parser); /* "size [1, 2]" lacks a '=' */
-    bool over = token.kind == TOKEN_SEMICOLON || token.kind == TOKEN_BRACE_CLOSE || token.kind == TOKEN_END ||
-                begins_line(parser, token.begin);
-    if (token.kind == TOKEN_BRACE_OPEN || (adjacent && over && !strchr(index, ','))) {
+    if (token.kind == TOKEN_BRACE_OPEN || (adjacent && is_behind_statement(parser, &token) && !strchr(index, ','))) {
         parse_indexed_instance(parser, path);
         return true;
     }
@@ -509,9 +514,7 @@ static bool parse_bare_instance(Parser *parser, Path path)
 bool parse_lone_word(Parser *parser, Path path)
 {
     const char *word = path.names[0]->text, *hint = path.n == 1 ? habit_statement(word) : NULL;
-    bool over = first_on_line(parser) || parser->token.kind == TOKEN_SEMICOLON ||
-                parser->token.kind == TOKEN_BRACE_CLOSE || parser->token.kind == TOKEN_END;
-    if (!hint || !over || path.names[0]->declared != SYMBOL_FREE) return false;
+    if (!hint || !is_behind_statement(parser, &parser->token) || path.names[0]->declared != SYMBOL_FREE) return false;
     diag_hint(parser->diag, report_at(parser, path.span, "there is no statement '%s'", word), "%s", hint);
     return true;
 }
@@ -534,9 +537,7 @@ bool parse_name_habit(Parser *parser, Path path)
     }
     if (parse_element_habit(parser, path)) return true;
     bool fresh = first_on_line(parser);
-    bool over = fresh || parser->token.kind == TOKEN_SEMICOLON || parser->token.kind == TOKEN_BRACE_CLOSE ||
-                parser->token.kind == TOKEN_END;
-    if (over && parse_bare_instance(parser, path)) return true;
+    if (is_behind_statement(parser, &parser->token) && parse_bare_instance(parser, path)) return true;
     if (parse_lone_word(parser, path)) return true;
     if (parser->node && parser->token.kind == TOKEN_COMMA && path.n == 1) {
         values_without_names(parser, &path);

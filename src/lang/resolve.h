@@ -99,4 +99,7 @@ bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol
 void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong);
 const char *nearest_visible(Resolver *resolver, const Symbol *wrong);
 
+/* What to write in place of "ball.radius". */
+void hint_at_reading(Diag *diag, Diagnostic *report, const char *property);
+
 #endif

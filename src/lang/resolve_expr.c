@@ -285,6 +285,12 @@ static bool report_no_module(Resolver *resolver, const Expr *expr)
     return true;
 }
 
+void hint_at_reading(Diag *diag, Diagnostic *report, const char *property)
+{
+    diag_hint(diag, report,
+              "properties are not read: give the value a name before, let %s = ..., and use that in both places", property);
+}
+
 static bool is_property(const Schema *schema, const char *name)
 {
     for (size_t i = 0; i < schema->n_nodes; i++)
@@ -328,9 +334,7 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
         if (is_property(resolver->schema, name->text))
-            diag_hint(resolver->diag, report,
-                      "properties are not read: give the value a name before, let %s = ..., and use that in both places",
-                      name->text);
+            hint_at_reading(resolver->diag, report, name->text);
         else
             diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");
         Expr *base = expr->as.member.base;
