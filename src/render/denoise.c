@@ -52,7 +52,7 @@ enum { TILE_X = 64, TILE_Y = 16, WIDE = TILE_X + 2 * PATCH, HIGH = TILE_Y + 2 * 
 enum { PLANE_RED, PLANE_NOISE = 3, PLANE_GUIDE = 6, PLANE_VALID = PLANE_GUIDE + AOV_GUIDES, PLANES };
 
 /* Maps of the area's size. */
-enum { MAP_RED, MAP_GAINED = 3, MAP_CHANGED, MAP_SCRATCH, MAP_MEAN, MAPS };
+enum { MAP_RED, MAP_GAINED = 3, MAP_CHANGED, MAP_SCRATCH, MAP_MEAN, MAP_OWN, MAPS };
 
 /* The area in planes, and what its mirror images add to whole tiles and a border around them. */
 typedef struct Planes {
@@ -124,12 +124,15 @@ static void blur(const Planes *planes, int map, uint32_t radius)
     memcpy(from, mean, (size_t)planes->width * planes->height * sizeof *from);
 }
 
-/* By a pixel's own samples. What a film states of its noise is that of those around it. */
-static float own_error(const Film *film, uint32_t x, uint32_t y)
+/* The standard error of luminance by a pixel's own samples. What a film states of its noise is that of those around it. */
+static void fill_own_error(const Planes *planes, const Film *film, const uint32_t area[4])
 {
-    double mean, standard_error;
-    film_luminance(film_pixel(film, x, y), &mean, &standard_error);
-    return (float)fmax(standard_error, 0);
+    for (uint32_t y = 0; y < planes->height; y++)
+        for (uint32_t x = 0; x < planes->width; x++) {
+            double mean, standard_error;
+            film_luminance(film_pixel(film, area[0] + x, area[1] + y), &mean, &standard_error);
+            planes->maps[MAP_OWN][(size_t)y * planes->width + x] = (float)fmax(standard_error, 0);
+        }
 }
 
 /* How the noise of each colour goes with that of the luminance, around each pixel: in the first maps. Noisier pixels count more, but
@@ -139,10 +142,10 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
     const float least = 1e-20f;
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
-            float squared[4];
+            size_t i = (size_t)y * planes->width + x;
+            float squared[4], scale = 1 / float_max(planes->maps[MAP_OWN][i], sqrtf(least));
             film_squared_errors(film, area[0] + x, area[1] + y, squared);
-            float scale = 1 / float_max(own_error(film, area[0] + x, area[1] + y), sqrtf(least));
-            for (int k = 0; k < 4; k++) planes->maps[k][(size_t)y * planes->width + x] = squared[k] * scale;
+            for (int k = 0; k < 4; k++) planes->maps[k][i] = squared[k] * scale;
         }
     for (int k = 0; k < 4; k++) blur(planes, k, COLORS_AROUND);
     const float *luminance = planes->maps[3];
@@ -163,16 +166,17 @@ static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x
 
 /* Colours may make up for each other in the luminance of all samples, and not of halves of them: what neighbours differ by shows
  * that. Textures differ, too: so it counts only so far. */
-static void mend_color_noise(const Planes *planes, const Film *film, const uint32_t area[4], const Image *image)
+static void mend_color_noise(const Planes *planes, const uint32_t area[4], const Image *image)
 {
     const float least = 1e-20f;
     for (int k = 3; k >= 0; k--) {
         float *squares = planes->maps[k == 3 ? MAP_CHANGED : MAP_GAINED];
         for (uint32_t y = 0; y < planes->height; y++)
             for (uint32_t x = 0; x < planes->width; x++) {
-                float difference[4], own = own_error(film, area[0] + x, area[1] + y);
+                size_t i = (size_t)y * planes->width + x;
+                float difference[4];
                 differ_beside(image, area, area[0] + x, area[1] + y, difference);
-                squares[(size_t)y * planes->width + x] = difference[k] * difference[k] / float_max(own, sqrtf(least));
+                squares[i] = difference[k] * difference[k] / float_max(planes->maps[MAP_OWN][i], sqrtf(least));
             }
         blur(planes, k == 3 ? MAP_CHANGED : MAP_GAINED, COLORS_AROUND);
         for (size_t i = 0; k < 3 && i < (size_t)planes->width * planes->height; i++) {
@@ -187,13 +191,13 @@ static void fill_noise(const Planes *planes, const Film *film, const uint32_t ar
 {
     const int channel = image_channel(image, "noise.Y");
     float *noise = planes->maps[MAP_CHANGED], *around = planes->maps[MAP_MEAN];
+    fill_own_error(planes, film, area);
     fill_color_noise(planes, film, area);
-    mend_color_noise(planes, film, area, image);
+    mend_color_noise(planes, area, image);
     for (int k = 0; k < 3; k++) {
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++) {
             uint32_t x = area[0] + (uint32_t)(i % planes->width), y = area[1] + (uint32_t)(i / planes->width);
-            float error = image_at(image, x, y)[channel];
-            float own = own_error(film, x, y);
+            float error = image_at(image, x, y)[channel], own = planes->maps[MAP_OWN][i];
             noise[i] = float_min(error * error, HELD * own * own) * planes->maps[k][i];
         }
         mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around);
