@@ -33,6 +33,9 @@ EMBREE_VERSION ?= 3
 EMBREE_LIBS ?= -lembree$(EMBREE_VERSION)
 FREETYPE_CFLAGS ?= $(shell $(PKG_CONFIG) --cflags freetype2 2>/dev/null || echo -I/usr/include/freetype2)
 FREETYPE_LIBS ?= -lfreetype
+# Asked when they are needed, as `make deps check` installs them on its way.
+CHAFA_CFLAGS ?= $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags chafa))
+CHAFA_LIBS ?= -lchafa -lglib-2.0
 EXR_CFLAGS ?= -isystem /usr/include/OpenEXR
 EXR_LIBS ?= -lOpenEXRCore
 PNG_LIBS ?= -lpng -lz
@@ -67,7 +70,7 @@ CPPFLAGS_ALL := -Isrc -I$(BUILD)/generated -D_POSIX_C_SOURCE=200809L -DMEN_VERSI
   $(EXR_CFLAGS) $(patsubst -I%,-isystem %,$(FREETYPE_CFLAGS)) $(CPPFLAGS)
 CFLAGS_ALL := -std=c11 $(FLAGS) $(WARNINGS) $(C_WARNINGS) $(WERROR) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(FLAGS) $(WARNINGS) $(WERROR) $(CXXFLAGS)
-LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(JPEG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) -lstdc++ -lpthread -lm
+LIBS := $(EMBREE_LIBS) $(EXR_LIBS) $(PNG_LIBS) $(JPEG_LIBS) $(OCIO_LIBS) $(JANSSON_LIBS) $(FREETYPE_LIBS) $(BLOSC_LIBS) $(CHAFA_LIBS) -lstdc++ -lpthread -lm
 
 GENERATORS := src/optics/upsample_gen.c src/optics/microfacet_gen.c src/optics/layered_gen.c src/optics/stretched_gen.c
 SOURCES := $(filter-out $(GENERATORS),$(sort $(wildcard src/*/*.c)))
@@ -118,10 +121,11 @@ $(BUILD)/data-folder: force
 $(BUILD)/lang/find.o: private CPPFLAGS_ALL += -DMEN_DATA_FOLDER='"$(datarootdir)/meniscus"'
 $(BUILD)/lang/find.o: $(BUILD)/data-folder
 .PHONY: force
+$(BUILD)/preview/terminal_picture.o: private OWN_CPPFLAGS = $(CHAFA_CFLAGS)
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(SAY) $(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+	$(SAY) $(CC) $(CPPFLAGS_ALL) $(OWN_CPPFLAGS) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 $(BUILD)/%.o: src/%.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -195,7 +199,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/replay.c $(wildcard tests/fuzz/*.h) $
 
 # ---- packages ----
 
-PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjpeg62-turbo-dev libjansson-dev libfreetype-dev libnanovdb-dev libblosc-dev fonts-dejavu-core libcmocka-dev mandoc python3
+PACKAGES := gcc g++ make libc6-dev libembree-dev libopenexr-dev libopencolorio-dev libpng-dev libjpeg62-turbo-dev libjansson-dev libfreetype-dev libnanovdb-dev libblosc-dev libchafa-dev libglib2.0-dev pkg-config fonts-dejavu-core libcmocka-dev mandoc python3
 
 deps: ## install the Debian packages that are missing (with sudo where not root)
 	@missing=''; for p in $(PACKAGES); do \
@@ -322,7 +326,8 @@ check-arm: all assets ## built for arm64, in an emulator: some tests, and small 
 	@[ -n '$(ARM64_ROOT)' ] || { echo 'check-arm: ARM64_ROOT=FOLDER is missing: the folder of arm64 libraries' >&2; exit 2; }
 	$(MAKE) VARIANT=arm64 CC='aarch64-linux-gnu-gcc --sysroot=$(ARM64_ROOT)' CXX='aarch64-linux-gnu-g++ --sysroot=$(ARM64_ROOT)' \
 	  AR=aarch64-linux-gnu-ar RUN='$(ARM64_RUN)' EXR_CFLAGS='-isystem $(ARM64_ROOT)/usr/include/OpenEXR' \
-	  FREETYPE_CFLAGS='-I$(ARM64_ROOT)/usr/include/freetype2' LDFLAGS='-Wl,-rpath-link,$(ARM64_PATHS)' \
+	  FREETYPE_CFLAGS='-I$(ARM64_ROOT)/usr/include/freetype2' \
+	  CHAFA_CFLAGS='$(foreach d,include/chafa lib/aarch64-linux-gnu/chafa/include include/glib-2.0 lib/aarch64-linux-gnu/glib-2.0/include,-isystem $(ARM64_ROOT)/usr/$d)' LDFLAGS='-Wl,-rpath-link,$(ARM64_PATHS)' \
 	  build/arm64/meniscus $(ARM64_TESTS:%=build/arm64/tests/%_test)
 	@for test in $(ARM64_TESTS); do $(ARM64_RUN) build/arm64/tests/$${test}_test || exit 1; done
 	@for name in $(ARM64_EXAMPLES); do for program in '$(BUILD)/meniscus' '$(ARM64_RUN) build/arm64/meniscus'; do \
@@ -341,7 +346,7 @@ format: ## lay the source out with clang-format
 lint: ## warnings as errors, layers, manual pages
 	$(MAKE) BUILD=build/lint WERROR=-Werror build/lint/libmeniscus.a build/lint/meniscus
 	@if command -v clang >/dev/null; then for f in $(filter-out src/cli/%.cpp,$(SOURCES)); do \
-	  clang $(CPPFLAGS_ALL) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only $$f || exit 1; done; \
+	  clang $(CPPFLAGS_ALL) $(CHAFA_CFLAGS) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only $$f || exit 1; done; \
 	  echo "lint: clang has nothing to say"; else echo "lint: no clang here, skipped"; fi
 	sh tests/layers.sh
 	sh tests/man.sh build/lint/meniscus

@@ -36,7 +36,8 @@ scene base diag lang nest optics mesh shape geom
 check base diag nest optics mesh shape geom scene
 trace base nest optics mesh shape geom scene
 render base diag image scene trace
-cli base diag lang nest optics mesh shape geom image scene check trace render
+preview base image
+cli base diag lang nest optics mesh shape geom image scene check trace render preview
 TABLE
 known='src|grammar|examples|tests|man|README\.md|Makefile|LICENSE|CHANGES|VERSION|\..*'
 verdict 'nothing else at the top level' "$(git ls-files 2> /dev/null | sed 's|/.*||' | sort -u | grep -vxE "$known")"
@@ -46,6 +47,7 @@ verdict 'OpenEXR only behind image/exr_parts.h' "$(grep -lE 'include <openexr' -
 verdict 'image/exr_parts.h only in image/exr*' "$(grep -l 'image/exr_parts.h' -r src --include='*.[ch]' | grep -v '^src/image/exr')"
 verdict 'Jansson only behind mesh/gltf_data' "$(grep -lE 'include <jansson' -r src --include='*.[ch]' | grep -v '^src/mesh/gltf_data.h$')"
 verdict 'FreeType only in shape/glyphs.c' "$(grep -l 'ft2build' -r src --include='*.[ch]' | grep -v '^src/shape/glyphs.c$')"
+verdict 'Chafa only in preview/terminal_picture.c' "$(grep -lE 'include <chafa' -r src --include='*.[ch]' | grep -v '^src/preview/terminal_picture.c$')"
 verdict 'C++ only in image/ocio.cpp' "$(find src -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' | grep -v '^src/image/ocio.cpp$')"
 verdict 'file names are unique' "$(find src -type f ! -name README.md -printf '%f\n' | sort | uniq -d)"
 verdict 'no file over 1,000 lines' "$(find src -name '*.[ch]' -exec wc -l {} + | awk '$1 > 1000 && $2 != "total"')"
@@ -54,5 +56,15 @@ verdict 'no unsafe or locale-bound functions' \
 verdict 'nothing below cli prints or exits' \
     "$(grep -nE '\b(printf|puts|putchar|perror|exit)\(|\bstdout\b' -r src --include='*.c' | grep -vE '^src/(cli/|optics/[a-z]*_gen.c|base/file.c)')"
 verdict 'nothing is left open' "$(grep -nE 'FIXME|XXX|TODO' -r src grammar examples man Makefile 2> /dev/null)"
+# The linker would take the program's instead, for the libraries, too.
+names() { nm "$@" 2> /dev/null | awk 'NF == 3 && $2 ~ /[TDBRW]/ { sub(/@.*/, "", $3); print $3 }' | sort -u; }
+if [ $# -ge 1 ] && command -v nm > /dev/null; then
+    own=$(mktemp) others=$(mktemp)
+    names -g --defined-only "$(dirname "$1")/libmeniscus.a" > "$own"
+    ldd "$1" | awk '$3 ~ "^/" && $3 !~ "/libstdc" { print $3 }' | while read -r library; do names -D --defined-only "$library"; done | sort -u > "$others"
+    [ -s "$own" ] && [ -s "$others" ] || verdict 'names of functions' 'nm lists none'
+    verdict 'no function bears the name of a library function' "$(comm -12 "$own" "$others" | grep -v '^_')"
+    rm -f "$own" "$others"
+fi
 echo "$n_passed passed, $n_failed failed"
 [ "$n_failed" -eq 0 ]

@@ -5,7 +5,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/array.h"
+#include "base/file_reads.h"
 
 enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 32 };
 
@@ -22,13 +22,6 @@ typedef struct FileIdentity {
     dev_t device;
     ino_t inode;
 } FileIdentity;
-
-/* What was read is not to be written over by mistake; see file_was_read. */
-static struct {
-    pthread_mutex_t lock;
-    FileIdentity *items;
-    size_t n, capacity;
-} files_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static FileIdentity identity_of(const struct stat *info)
 {
@@ -51,12 +44,6 @@ static bool folders_are_one(const char *a, const char *b)
     return found && are_one(identity_of(&info[0]), identity_of(&info[1]));
 }
 
-static const char *name_in_folder(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 bool file_same(const char *a, const char *b)
 {
     struct stat info[2];
@@ -64,38 +51,7 @@ bool file_same(const char *a, const char *b)
     if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return false;
     bool there[2] = {stat(a, &info[0]) == 0, stat(b, &info[1]) == 0};
     if (there[0] && there[1]) return S_ISREG(info[0].st_mode) && are_one(identity_of(&info[0]), identity_of(&info[1]));
-    return !there[0] && !there[1] && strcmp(name_in_folder(a), name_in_folder(b)) == 0 && folders_are_one(a, b);
-}
-
-/* With the lock held. */
-static bool is_noted(const struct stat *info)
-{
-    for (size_t i = 0; i < files_read.n; i++)
-        if (are_one(files_read.items[i], identity_of(info))) return true;
-    return false;
-}
-
-static bool note_read(const struct stat *info)
-{
-    if (!S_ISREG(info->st_mode)) return true;
-    pthread_mutex_lock(&files_read.lock);
-    bool noted = is_noted(info);
-    if (!noted && array_reserve(&files_read.items, &files_read.capacity, files_read.n + 1, sizeof *files_read.items)) {
-        files_read.items[files_read.n++] = identity_of(info);
-        noted = true;
-    }
-    pthread_mutex_unlock(&files_read.lock);
-    return noted;
-}
-
-bool file_was_read(const char *path)
-{
-    struct stat info;
-    if (stat(path, &info) != 0) return false;
-    pthread_mutex_lock(&files_read.lock);
-    bool noted = is_noted(&info);
-    pthread_mutex_unlock(&files_read.lock);
-    return noted;
+    return !there[0] && !there[1] && strcmp(file_name(a), file_name(b)) == 0 && folders_are_one(a, b);
 }
 
 /* ---- reading ---- */
@@ -140,7 +96,11 @@ Status file_read(const char *path, size_t limit, char **bytes, size_t *length, E
     if (strcmp(path, "-") == 0)
         return read_all(STDIN_FILENO, "<stdin>", FIRST_READ, limit, bytes, length, error);
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+    if (descriptor < 0) {
+        fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+        file_note_missing(path);
+        return STATUS_INPUT;
+    }
     struct stat info;
     Status status;
     if (fstat(descriptor, &info) != 0)
@@ -149,8 +109,8 @@ Status file_read(const char *path, size_t limit, char **bytes, size_t *length, E
         status = fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(EISDIR));
     else if (limit && S_ISREG(info.st_mode) && (uintmax_t)info.st_size > limit)
         status = too_large(error, path, limit);
-    else if (!note_read(&info))
-        status = fail_memory(error, sizeof(FileIdentity), path);
+    else if (!file_note_read(path, &info))
+        status = fail_memory(error, strlen(path) + 1, path);
     else
         status = read_all(descriptor, path, S_ISREG(info.st_mode) ? (size_t)info.st_size : FIRST_READ, limit, bytes,
                           length, error);
@@ -184,9 +144,15 @@ char *file_folder(const char *path)
     return folder;
 }
 
+const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 const char *file_extension(const char *path)
 {
-    const char *name = name_in_folder(path);
+    const char *name = file_name(path);
     const char *dot = strrchr(name, '.');
     return dot && dot != name ? dot + 1 : "";
 }

@@ -11,7 +11,7 @@
 
 /* Reads a whole file into malloc'd memory with a 0 byte behind it (not counted in *length).
  * path "-" is standard input. STATUS_INPUT when it is missing, a directory, unreadable, or larger
- * than limit bytes (0: no limit). */
+ * than limit bytes (0: no limit). What is read is noted, see file_reads.h. */
 ATTR_NODISCARD Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error);
 
 /* FILE_OTHER: a pipe, a device or a socket, of which nobody knows whether it ends. */
@@ -22,8 +22,6 @@ bool file_exists(const char *path);   /* and is no directory */
 /* Do both name one file, however they spell it, or would they, once written? Links are followed. Of pipes and devices only equal
  * spellings do. */
 bool file_same(const char *a, const char *b);
-/* Is it a file that file_read has read, under whatever name, since the program began? From any thread. */
-bool file_was_read(const char *path);
 
 /* A file that bears its name only once it is whole: written beside its place under a temporary
  * name, flushed to disk, and renamed by file_commit. */
@@ -43,6 +41,8 @@ void file_abandon(FileOut *out); /* close and delete; safe after a failed create
 char *file_folder(const char *path);
 /* malloc'd absolute path without symbolic links, "." and ".."; NULL when there is no such file */
 char *file_real_path(const char *path);
+/* the path without its folder */
+const char *file_name(const char *path);
 /* the extension without its dot, in the path's own letters; "" when it has none */
 const char *file_extension(const char *path);
 

@@ -60,7 +60,7 @@ static Status read_region(CheckSlice *slice, const char *text, Error *error)
 /* dir/glass.mns gives glass-slice.png, in the current folder. */
 static char *default_path(const char *scene_path)
 {
-    const char *slash = strrchr(scene_path, '/'), *name = slash ? slash + 1 : scene_path;
+    const char *name = file_name(scene_path);
     const char *extension = file_extension(scene_path);
     size_t length = strlen(name) - (*extension ? strlen(extension) + 1 : 0);
     Buf path = {0};

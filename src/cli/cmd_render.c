@@ -4,9 +4,11 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "check/report.h"
 #include "cli/commands.h"
 #include "cli/render_run.h"
+#include "cli/render_watch.h"
 #include "cli/signals.h"
 
 const char *render_display(const RenderRun *run)
@@ -40,11 +42,11 @@ static Status prepare(RenderRun *run, Error *error)
     run->input.scene_options.pool = run->pool;
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
-    TRY(render_plan_preview(run, error));
+    TRY(preview_open(option_text(options, OPTION_PREVIEW, NULL), file_name(run->input.path), &run->preview, error));
     TRY(render_plan_frames(run, error));
     if (option_given(options, OPTION_AOV) && !run->plan.has_exr)
         talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
-    if (run->plan.has_png || run->preview.png || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
+    if (run->plan.has_png || preview_is_for_display(&run->preview) || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
     return STATUS_OK;
 }
@@ -75,11 +77,18 @@ static void show_progress(void *context, const RenderProgress *state)
 {
     RenderRun *run = context;
     progress_show(&run->progress, state);
+    if (option_given(run->options, OPTION_WATCH)) render_watch_look();
 }
 
 static void show_picture(void *context, const Image *image)
 {
-    render_write_preview(context, image);
+    RenderRun *run = context;
+    Error error;
+    if (run->preview_failed) return;
+    Status status = preview_show(&run->preview, image, run->pool, run->input.color.config, render_display(run),
+                                 render_view(run), &error);
+    run->preview_failed = status != STATUS_OK;
+    if (run->preview_failed) talk_warning(run->talk, "%s; the render goes on without a preview", error.text);
 }
 
 static void save_state(void *context, const RenderState *state, bool asked)
@@ -90,8 +99,8 @@ static void save_state(void *context, const RenderState *state, bool asked)
 static Status render(RenderRun *run, Error *error)
 {
     const RenderSettings *settings = &run->settings;
-    RenderEvents events = {.context = run, .progress = show_progress, .stop = signals_flag()};
-    if (run->preview.path) events.picture = show_picture;
+    RenderEvents events = {.context = run, .progress = show_progress, .stop = signals_stop()};
+    if (run->preview.kind != PREVIEW_NONE) events.picture = show_picture;
     events.save = save_state;
     events.wish = signals_wish();
     events.save_interval_s = run->checkpoint.interval_s;
@@ -109,7 +118,7 @@ static Status begin_signals(const RenderRun *run, Error *error)
     if (!paths) return fail_memory(error, (n + 3) * sizeof *paths, "the names of outputs");
     for (size_t i = 0; i < n; i++) paths[i] = run->outputs.items[i].path;
     if (run->stats_path) paths[n++] = run->stats_path;
-    if (run->preview.path) paths[n++] = run->preview.path;
+    if (run->preview.file.path) paths[n++] = run->preview.file.path;
     if (run->checkpoint.path) paths[n++] = run->checkpoint.path;
     SignalsKeep keep = !render_has_frames(run) ? SIGNALS_KEEP_PICTURE : run->checkpoint.path ? SIGNALS_KEEP_CHECKPOINT : SIGNALS_KEEP_NOTHING;
     Status status = signals_begin(paths, n, run->talk->json, keep, error);
@@ -157,12 +166,18 @@ static Status keep(RenderRun *run, Error *error)
     return written;
 }
 
+/* The scene has changed, and this would be no picture of it. */
+static bool is_given_up(void)
+{
+    return *signals_stop() && !*signals_flag();
+}
+
 static Status render_and_write(RenderRun *run, Error *error)
 {
     TRY(render_resume(run, error));
     Status status = begin_signals(run, error);
     if (status == STATUS_OK) status = render(run, error);
-    if (status == STATUS_OK) status = keep(run, error);
+    if (status == STATUS_OK && !is_given_up()) status = keep(run, error);
     signals_end();
     return status;
 }
@@ -189,11 +204,10 @@ static Status render_frame(RenderRun *run, Error *error)
     return status;
 }
 
-Status cmd_render(const Options *options, const Talk *talk, Error *error)
+static Status render_scene(const Options *options, const Talk *talk, Error *error)
 {
     double now = clock_now_s();
     RenderRun run = {.options = options, .talk = talk, .noise = -1, .start_s = now, .command_start_s = now};
-    signals_take_wishes(); /* from the first moment: it may come while a scene is built */
     scene_input_init(&run.input, options, talk);
     Status status = prepare(&run, error);
     if (status == STATUS_OK) {
@@ -201,12 +215,12 @@ Status cmd_render(const Options *options, const Talk *talk, Error *error)
         status = render_each_frame(&run, render_frame, error);
     }
     status = print_findings(&run, status, error);
-    if (run.begun && render_has_frames(&run)) render_summarize_frames(&run);
+    if (run.begun && render_has_frames(&run) && !is_given_up()) render_summarize_frames(&run);
     image_clear(&run.image);
     render_state_clear(&run.state);
     free(run.checkpoint.path);
     render_frames_clear(&run);
-    free(run.preview.path);
+    preview_close(&run.preview);
     scene_input_close(&run.input);
     pool_free(run.pool);
     if (status == STATUS_OK && run.stopped_early) { /* which the closing line says */
@@ -214,4 +228,11 @@ Status cmd_render(const Options *options, const Talk *talk, Error *error)
         status = STATUS_STOPPED;
     }
     return status;
+}
+
+Status cmd_render(const Options *options, const Talk *talk, Error *error)
+{
+    signals_take_wishes(); /* from the first moment: it may come while a scene is built */
+    return option_given(options, OPTION_WATCH) ? render_watch(options, talk, render_scene, error)
+                                               : render_scene(options, talk, error);
 }

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "cli/commands.h"
-#include "cli/output.h"
+#include "cli/preview.h"
 
 /* The default display and the default view of each first. */
 static void list_views(const ColorConfig *config, const char *display, Buf *out)
@@ -30,8 +30,9 @@ static Status list_all(const ColorConfig *config, Error *error)
     return status;
 }
 
-static Status check_output(const char *path, Error *error)
+static Status check_output(const char *path, const char *preview, Error *error)
 {
+    if (!path && preview) return STATUS_OK;
     if (!path) return fail(error, STATUS_USAGE, "option '--output' is missing: which file is to be written?");
     if (strcmp(path, "-") == 0 && isatty(STDOUT_FILENO))
         return fail(error, STATUS_USAGE, "standard output is a terminal; a picture would only confuse it");
@@ -41,16 +42,48 @@ static Status check_output(const char *path, Error *error)
     return output_probe(path, error);
 }
 
+static void brighten(Image *image, double stops)
+{
+    int rgb[3];
+    if (stops == 0 || !image_rgb(image, rgb)) return;
+    bool is_grey = rgb[0] == rgb[1]; /* one channel for all three */
+    float factor = (float)exp2(stops);
+    size_t n = (size_t)image->width * image->height;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < (is_grey ? 1 : 3); c++) image->pixels[i * image->n_channels + (size_t)rgb[c]] *= factor;
+}
+
+static Status write_png(const Options *options, const ColorConfig *config, const Image *image, const char *path, Error *error)
+{
+    Image shown;
+    TRY(image_for_display(image, config, option_text(options, OPTION_DISPLAY, NULL), option_text(options, OPTION_VIEW, NULL),
+                          &shown, error));
+    Status status = png_write(path, &shown, option_is(options, OPTION_BITS, "16") ? 16 : 8, error);
+    image_clear(&shown);
+    return status;
+}
+
+static Status show(const Options *options, const ColorConfig *config, const Image *image, const char *where, Error *error)
+{
+    Preview preview;
+    Status status = preview_open(where, file_name(options->operands[0]), &preview, error);
+    if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
+        status = fail(error, STATUS_USAGE, "option '--preview' of 'view' takes term or tev; '-o %s' writes a file", where);
+    if (status == STATUS_OK)
+        status = preview_show(&preview, image, NULL, config, option_text(options, OPTION_DISPLAY, NULL),
+                              option_text(options, OPTION_VIEW, NULL), error);
+    preview_close(&preview);
+    return status;
+}
+
 static Status view_file(const Options *options, const ColorConfig *config, const char *path, Error *error)
 {
-    Image image = {0}, shown = {0};
-    double stops = options->values[OPTION_EXPOSURE].number;
-    Status status = image_read_linear(options->operands[0], &image, error);
-    if (status == STATUS_OK)
-        status = image_for_display(&image, exp2(stops), config, option_text(options, OPTION_DISPLAY, NULL),
-                                   option_text(options, OPTION_VIEW, NULL), &shown, error);
-    if (status == STATUS_OK) status = png_write(path, &shown, option_is(options, OPTION_BITS, "16") ? 16 : 8, error);
-    image_clear(&shown);
+    Image image;
+    const char *where = option_text(options, OPTION_VIEW_PREVIEW, NULL);
+    TRY(image_read_linear(options->operands[0], &image, error));
+    brighten(&image, options->values[OPTION_EXPOSURE].number);
+    Status status = where ? show(options, config, &image, where, error) : STATUS_OK;
+    if (status == STATUS_OK && path) status = write_png(options, config, &image, path, error);
     image_clear(&image);
     return status;
 }
@@ -61,7 +94,7 @@ Status cmd_view(const Options *options, const Talk *talk, Error *error)
     bool list = option_given(options, OPTION_LIST);
     const char *path = option_text(options, OPTION_VIEW_OUTPUT, NULL);
     if (!list && options->n_operands == 0) return fail(error, STATUS_USAGE, "'view' needs FILE");
-    if (!list) TRY(check_output(path, error));
+    if (!list) TRY(check_output(path, option_text(options, OPTION_VIEW_PREVIEW, NULL), error));
     OutputClaim claims[] = {{list ? NULL : options->operands[0], "what is viewed"}, {path, "the output"}};
     TRY(output_check_claims(claims, COUNT_OF(claims), error));
     ColorConfig *config = NULL;

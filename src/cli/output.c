@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/file_reads.h"
 
 enum { FEWEST_DIGITS = 4, LONGEST_NUMBER = 64 };
 
@@ -61,7 +62,7 @@ bool output_is_stream(const char *path)
 
 Status output_check_name(const char *path, Error *error)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *name = file_name(path);
     if (strcasecmp(name, ".png") != 0 && strcasecmp(name, ".exr") != 0) return STATUS_OK;
     return fail(error, STATUS_USAGE, "output '%s' has no name in front of its ending, as %.*spicture%s does", path,
                 (int)(name - path), path, name);
@@ -97,7 +98,7 @@ static Status add_name(OutputPlan *plan, const char *name, bool numbered, uint32
 static Status add_default(OutputPlan *plan, const char *scene_path, bool numbered, uint32_t last_frame, Error *error)
 {
     if (strcmp(scene_path, "-") == 0) return add_name(plan, "scene.exr", numbered, last_frame, error);
-    const char *slash = strrchr(scene_path, '/'), *name = slash ? slash + 1 : scene_path;
+    const char *name = file_name(scene_path);
     const char *extension = file_extension(scene_path);
     size_t length = strlen(name) - (*extension ? strlen(extension) + 1 : 0);
     Buf path = {0};
@@ -198,8 +199,8 @@ bool outputs_exist(const OutputList *list)
 
 /* ---- after it ---- */
 
-Status image_for_display(const Image *image, double factor, const ColorConfig *color, const char *display,
-                         const char *view, Image *shown, Error *error)
+Status image_for_display(const Image *image, const ColorConfig *color, const char *display, const char *view, Image *shown,
+                         Error *error)
 {
     static const char *const names[] = {"R", "G", "B"};
     int channels[3];
@@ -209,7 +210,7 @@ Status image_for_display(const Image *image, double factor, const ColorConfig *c
     size_t n = (size_t)image->width * image->height;
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
-            shown->pixels[3 * i + c] = image->pixels[i * image->n_channels + (size_t)channels[c]] * (float)factor;
+            shown->pixels[3 * i + c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
     Status status = color_view(color, display, view, shown, error);
     if (status != STATUS_OK) image_clear(shown);
     return status;
@@ -220,7 +221,7 @@ Status output_write(const Output *output, const Image *image, const ExrOptions *
 {
     if (!output->png) return exr_write(output->path, image, exr, error);
     Image shown;
-    TRY(image_for_display(image, 1, color, display, view, &shown, error));
+    TRY(image_for_display(image, color, display, view, &shown, error));
     Status status = png_write(output->path, &shown, 8, error);
     image_clear(&shown);
     return status;

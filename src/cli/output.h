@@ -59,8 +59,8 @@ ATTR_NODISCARD Status output_probe(const char *path, Error *error);
 /* color is NULL when no output is a PNG file. display, view: NULL for the defaults. */
 ATTR_NODISCARD Status output_write(const Output *output, const Image *image, const ExrOptions *exr,
                                    const ColorConfig *color, const char *display, const char *view, Error *error);
-/* The colours of an image under a display and view, as RGB for a PNG file. factor brightens before. */
-ATTR_NODISCARD Status image_for_display(const Image *image, double factor, const ColorConfig *color, const char *display,
-                                        const char *view, Image *shown, Error *error);
+/* The colours of an image under a display and view, as RGB for a PNG file. */
+ATTR_NODISCARD Status image_for_display(const Image *image, const ColorConfig *color, const char *display, const char *view,
+                                        Image *shown, Error *error);
 
 #endif

@@ -108,10 +108,12 @@ static void show_bar(Progress *progress, const RenderProgress *state)
 
 static void print_percent(const Progress *progress, int percent)
 {
-    fprintf(stderr, "Progress: %d%%", percent);
-    if (progress->n_frames) fprintf(stderr, " (frame %u)", progress->frame);
-    fputs("\n", stderr);
-    fflush(stderr);
+    Buf line = {0};
+    buf_format(&line, "Progress: %d%%", percent);
+    if (progress->n_frames) buf_format(&line, " (frame %u)", progress->frame);
+    buf_add(&line, "\n");
+    talk_write(&line);
+    buf_clear(&line);
 }
 
 static void show_plain(Progress *progress, const RenderProgress *state)
@@ -123,8 +125,10 @@ static void show_plain(Progress *progress, const RenderProgress *state)
     int percent = (int)floor(fraction * 100);
     if (state->photons >= 0) {
         progress->last_line_s = state->seconds;
-        fprintf(stderr, "Progress: following photons, %d%%\n", (int)(100 * state->photons));
-        fflush(stderr);
+        Buf line = {0};
+        buf_format(&line, "Progress: following photons, %d%%\n", (int)(100 * state->photons));
+        talk_write(&line);
+        buf_clear(&line);
         return;
     }
     if (tenths > progress->tenths_printed) progress->tenths_printed = tenths;

@@ -35,10 +35,7 @@ static char *name_beside(const RenderRun *run, const OutputList *outputs)
     const char *name = NULL;
     for (size_t i = 0; i < outputs->n && !name; i++)
         if (!output_is_stream(outputs->items[i].path)) name = outputs->items[i].path;
-    if (!name) {
-        const char *path = strcmp(run->input.path, "-") == 0 ? "scene" : run->input.path, *slash = strrchr(path, '/');
-        name = slash ? slash + 1 : path;
-    }
+    if (!name) name = strcmp(run->input.path, "-") == 0 ? "scene" : file_name(run->input.path);
     const char *extension = file_extension(name);
     Buf path = {0};
     buf_add_bytes(&path, name, strlen(name) - (*extension ? strlen(extension) + 1 : 0));

@@ -42,7 +42,7 @@ static Status check_claims(const RenderRun *run, const OutputList *list, bool do
     for (size_t i = 0; i < list->n; i++) claims[n++] = (OutputClaim){list->items[i].path, "an output"};
     claims[n++] = (OutputClaim){done ? NULL : run->checkpoint.path, "the checkpoint"};
     claims[n++] = (OutputClaim){run->stats_path, "the statistics"};
-    claims[n++] = (OutputClaim){run->preview.path, "the preview"};
+    claims[n++] = (OutputClaim){run->preview.file.path, "the preview"};
     Status status = output_check_claims(claims, n, error);
     free(claims);
     return status;
@@ -95,11 +95,14 @@ static Status check_names(const RenderRun *run, Error *error)
 
 static Status check_standard_output(const RenderRun *run, Error *error)
 {
-    for (size_t i = 0; i < run->plan.n; i++)
-        if (run->frames.n > 1 && strcmp(run->plan.names[i], "-") == 0)
-            return fail(error, STATUS_USAGE,
-                        "standard output takes one picture, and these are %u frames; --frame %u is one", run->frames.n,
-                        run->frames.first);
+    bool used = false;
+    for (size_t i = 0; i < run->plan.n; i++) used = used || strcmp(run->plan.names[i], "-") == 0;
+    if (used && option_given(run->options, OPTION_WATCH))
+        return fail(error, STATUS_USAGE, "standard output takes one picture, and with '--watch' there are many");
+    if (used && run->frames.n > 1)
+        return fail(error, STATUS_USAGE,
+                    "standard output takes one picture, and these are %u frames; --frame %u is one", run->frames.n,
+                    run->frames.first);
     return STATUS_OK;
 }
 
@@ -176,7 +179,7 @@ Status render_each_frame(RenderRun *run, Status (*render)(RenderRun *run, Error 
     bool fresh = true;
     run->begun = true;
     run->progress.n_frames = run->frames.n > 1 ? run->frames.n : 0;
-    for (uint32_t i = 0; i < run->frames.n && !*signals_flag(); i++) TRY(render_one(run, i, &fresh, render, error));
+    for (uint32_t i = 0; i < run->frames.n && !*signals_stop(); i++) TRY(render_one(run, i, &fresh, render, error));
     if (run->n_rendered == 0) { /* what a scene says that was only looked at is for those who render it */
         run->input.diag_printed = true;
         buf_clear(&run->input.printed);

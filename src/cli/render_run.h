@@ -3,7 +3,7 @@
 #ifndef MEN_RENDER_RUN_H
 #define MEN_RENDER_RUN_H
 
-#include "cli/output.h"
+#include "cli/preview.h"
 #include "cli/progress.h"
 #include "render/checkpoint.h"
 
@@ -33,7 +33,7 @@ typedef struct RenderRun {
     char *stats_name; /* of --stats, with '#' for the frame's number; NULL */
     char *stats_path; /* of the present frame */
     OutputList outputs;
-    Output preview;      /* path NULL: none */
+    Preview preview;
     bool preview_failed; /* once, which was said */
     Progress progress;
     bool begun;                     /* the frames */
@@ -62,11 +62,6 @@ void render_frames_clear(RenderRun *run);
 /* The scene's film and render nodes, overridden by options (render_settings.c). STATUS_SCENE, after a report, when
  * there is no such camera. */
 ATTR_NODISCARD Status render_settings_merge(RenderRun *run, Error *error);
-
-/* The file of --preview: its name, tried (render_preview.c). */
-ATTR_NODISCARD Status render_plan_preview(RenderRun *run, Error *error);
-/* Writes the picture so far there. */
-void render_write_preview(RenderRun *run, const Image *image);
 
 /* Whether checkpoints are wanted, and whether the options for it agree (render_checkpoint.c). */
 ATTR_NODISCARD Status render_plan_checkpoints(RenderRun *run, Error *error);

@@ -17,7 +17,7 @@ static const double one_signal_s = 0.1;
 
 static const int handled[] = {SIGINT, SIGTERM, SIGHUP};
 
-static volatile sig_atomic_t received, wish;
+static volatile sig_atomic_t received, stop, wish;
 static struct timespec received_at;
 static struct sigaction before[COUNT_OF(handled)];
 static bool begun;
@@ -51,6 +51,7 @@ static void handle(int number)
     if (!received) {
         received_at = now;
         received = number;
+        stop = 1;
         write_text(announcement);
         return;
     }
@@ -106,6 +107,11 @@ Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Si
 const volatile sig_atomic_t *signals_flag(void)
 {
     return &received;
+}
+
+volatile sig_atomic_t *signals_stop(void)
+{
+    return &stop;
 }
 
 static void take_wish(int number)

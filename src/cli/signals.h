@@ -22,6 +22,8 @@ ATTR_NODISCARD Status signals_begin(const char *const *outputs, size_t n_outputs
                                     Error *error);
 /* Not 0 after the first signal: its number. */
 const volatile sig_atomic_t *signals_flag(void);
+/* Not 0 after the first signal, or after somebody has set it, for another reason: what goes on is to end. */
+volatile sig_atomic_t *signals_stop(void);
 /* From here on, to the end of the process, USR1 sets signals_wish. */
 void signals_take_wishes(void);
 /* Not 0 after USR1, until somebody sets it to 0. */

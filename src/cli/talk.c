@@ -48,8 +48,17 @@ void talk_init(Talk *talk, const Options *options)
     if (option_is(options, OPTION_COLOR, "never") || talk->json) talk->color = false;
 }
 
+/* Progress is shown again and again on one line, which does not count. */
+static uint64_t n_lines;
+
+uint64_t talk_lines(void)
+{
+    return n_lines;
+}
+
 void talk_write(const Buf *text)
 {
+    for (size_t i = 0; i < text->length; i++) n_lines += text->text[i] == '\n';
     fwrite(buf_text(text), 1, text->length, stderr);
     if (text->failed) fputs("\nmeniscus: out of memory for a message\n", stderr);
     fflush(stderr);

@@ -23,6 +23,8 @@ void talk_note(const Talk *talk, const char *format, ...) ATTR_PRINTF(2, 3); /* 
 void talk_event(const Talk *talk, const char *event, const char *format, ...) ATTR_PRINTF(3, 4);
 /* Writes a text that is complete to standard error at once; memory that ran out in between is said, too. */
 void talk_write(const Buf *text);
+/* How many lines were written so, since the program began. */
+uint64_t talk_lines(void);
 /* With --log-format json: begins and ends a line {"event": ..., ...}. */
 JsonWriter talk_event_begin(Buf *line, const char *event);
 void talk_event_end(JsonWriter *json);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/file_reads.h"
 #include "lang/evaluator.h"
 
 #ifndef MEN_DATA_FOLDER
@@ -97,6 +98,15 @@ static void suggest_library(const Search *search, Diagnostic *report)
     diag_suggest(search->diag, report, search->name, names, library->n_files);
 }
 
+/* Where it is looked for first: whoever waits for changes waits for it to be there. */
+static void note_missing(const Search *search)
+{
+    const Source *source = &search->diag->sources->sources[search->span.source];
+    const char *slash = source->path && search->name[0] != '/' ? strrchr(source->path, '/') : NULL;
+    int length = slash ? (int)(slash - source->path) + 1 : 0;
+    file_note_missing(arena_format(search->diag->arena, "%.*s%s", length, slash ? source->path : "", search->name));
+}
+
 static void report_missing(const Search *search)
 {
     Diag *diag = search->diag;
@@ -111,6 +121,7 @@ static void report_missing(const Search *search)
                                                 : "not a regular file, but a pipe or a device");
         return;
     }
+    note_missing(search);
     Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", search->name);
     const EvalLibraryFile *library;
     Search whole = *search; /* "std/media" */

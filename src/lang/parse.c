@@ -133,7 +133,7 @@ Block *parse_block(Parser *parser)
 {
     Block *block = ARENA_NEW(parser->arena, Block);
     block->span = token_span(parser);
-    if (!accept(parser, TOKEN_BRACE_OPEN)) {
+    if (!consume_if(parser, TOKEN_BRACE_OPEN)) {
         if (!parser->panic) parse_bare_block(parser, block);
         return block;
     }
@@ -142,7 +142,7 @@ Block *parse_block(Parser *parser)
     block->first = parse_statements(parser, TOKEN_BRACE_CLOSE, block);
     parser->blocks--;
     leave(parser);
-    if (!accept(parser, TOKEN_BRACE_CLOSE)) report_missing_close(parser, block->span);
+    if (!consume_if(parser, TOKEN_BRACE_CLOSE)) report_missing_close(parser, block->span);
     return block;
 }
 
@@ -160,7 +160,7 @@ static Stmt *parse_bind(Parser *parser)
 {
     Stmt *stmt = stmt_new(parser, STMT_BIND, token_span(parser));
     stmt->as.bind.variable = parser->token.kind == TOKEN_VAR;
-    advance(parser);
+    consume(parser);
     if (!expect_name(parser, "to declare", &stmt->as.bind.name, &stmt->as.bind.name_span)) return NULL;
     if (parser->token.kind == TOKEN_CHANGE) {
         Diagnostic *report = expected_error(parser, "'=' behind the name");
@@ -177,7 +177,7 @@ static Stmt *parse_bind(Parser *parser)
 
 static void parse_type(Parser *parser, Symbol **type, Span *span)
 {
-    if (!accept(parser, TOKEN_COLON)) return;
+    if (!consume_if(parser, TOKEN_COLON)) return;
     expect_name(parser, "of a type", type, span);
 }
 
@@ -185,15 +185,15 @@ static void parse_type(Parser *parser, Symbol **type, Span *span)
 static Stmt *parse_param(Parser *parser)
 {
     Stmt *stmt = stmt_new(parser, STMT_PARAM, token_span(parser));
-    advance(parser);
+    consume(parser);
     if (!expect_name(parser, "to declare", &stmt->as.bind.name, &stmt->as.bind.name_span)) return NULL;
     parse_type(parser, &stmt->as.bind.type, &stmt->as.bind.type_span);
     expect(parser, TOKEN_ASSIGN, "and a default behind the name");
     stmt->as.bind.value = parse_tern(parser);
-    if (accept(parser, TOKEN_IN)) stmt->as.bind.range = parse_expr(parser);
+    if (consume_if(parser, TOKEN_IN)) stmt->as.bind.range = parse_expr(parser);
     if (!parser->panic && parser->token.kind == TOKEN_STRING) {
         stmt->as.bind.doc = parser->token.as.text;
-        advance(parser);
+        consume(parser);
     }
     return stmt;
 }
@@ -207,10 +207,10 @@ static bool parse_formal(Parser *parser, Formal *formal)
         Diagnostic *report = expected_error(parser, "',' or ')'");
         diag_hint(parser->diag, report, "a type stands behind its name: x: number");
         parser->panic = false;
-        advance(parser);
+        consume(parser);
     }
     parse_type(parser, &formal->type, &formal->type_span);
-    if (accept(parser, TOKEN_ASSIGN)) formal->fallback = parse_expr(parser);
+    if (consume_if(parser, TOKEN_ASSIGN)) formal->fallback = parse_expr(parser);
     return !parser->panic;
 }
 
@@ -223,7 +223,7 @@ static void parse_formals(Parser *parser, Def *def, Span opening)
         if (!parse_formal(parser, &formal)) break;
         ARENA_ROOM(parser->arena, def->formals, capacity, def->n_formals, 4);
         def->formals[def->n_formals++] = formal;
-        if (!accept(parser, TOKEN_COMMA)) break;
+        if (!consume_if(parser, TOKEN_COMMA)) break;
     }
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "',' or ')'");
     parser->brackets--;
@@ -239,7 +239,7 @@ Stmt *parse_def(Parser *parser, Span begin, bool reports_body)
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
     const char *head = quote(parser, def->span.begin, consumed_end(parser));
-    if (accept(parser, TOKEN_ASSIGN))
+    if (consume_if(parser, TOKEN_ASSIGN))
         def->body = parser->token.kind == TOKEN_BRACE_OPEN ? parse_names_and_value(parser, head) : parse_expr(parser);
     else if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN && (def->body = parse_braced_body(parser, def)))
         return stmt;
@@ -261,14 +261,14 @@ static void parse_without_brackets(Parser *parser, const char *context)
     parser->no_blocks = true;
     parse_expr(parser);
     parser->no_blocks = no_blocks;
-    accept(parser, TOKEN_PAREN_CLOSE);
+    consume_if(parser, TOKEN_PAREN_CLOSE);
 }
 
 static void parse_condition(Parser *parser, Expr **condition, const char *context)
 {
     Span opening = token_span(parser);
     *condition = NULL;
-    if (!accept(parser, TOKEN_PAREN_OPEN)) {
+    if (!consume_if(parser, TOKEN_PAREN_OPEN)) {
         parse_without_brackets(parser, context);
         return;
     }
@@ -278,7 +278,7 @@ static void parse_condition(Parser *parser, Expr **condition, const char *contex
         Diagnostic *report = expected_error(parser, "')'");
         diag_hint(parser->diag, report, "write '==' to compare");
         parser->panic = false;
-        advance(parser);
+        consume(parser);
         parse_expr(parser);
     }
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
@@ -293,10 +293,10 @@ static Stmt *parse_ifs(Parser *parser)
     for (;;) { /* else if is a loop here and nested blocks in the tree, within the limit of nesting */
         Stmt *stmt = stmt_new(parser, STMT_IF, token_span(parser));
         *link = stmt;
-        advance(parser);
+        consume(parser);
         parse_condition(parser, &stmt->as.branch.condition, "behind 'if'");
         stmt->as.branch.then = parse_block(parser);
-        if (!accept(parser, TOKEN_ELSE)) break;
+        if (!consume_if(parser, TOKEN_ELSE)) break;
         otherwise = &stmt->as.branch.otherwise;
         if (parser->token.kind != TOKEN_IF) {
             *otherwise = parse_block(parser);
@@ -316,14 +316,14 @@ static void parse_loop_source(Parser *parser, Stmt *stmt)
         parser->token.kind == TOKEN_COLON || (parser->token.kind == TOKEN_NAME && peek(parser).kind != TOKEN_ASSIGN);
     if (!expect(parser, TOKEN_IN, "behind the name of the loop") && of) {
         parser->panic = false;
-        advance(parser);
+        consume(parser);
     }
     stmt->as.loop.source = parse_expr(parser);
     if (parser->panic || parser->token.kind != TOKEN_COLON) return;
     Diagnostic *report = expected_error(parser, "'..'");
     diag_hint(parser->diag, report, "a range is written 1..9");
     parser->panic = false;
-    advance(parser);
+    consume(parser);
     parse_expr(parser);
 }
 
@@ -331,7 +331,7 @@ static void parse_loop_source(Parser *parser, Stmt *stmt)
 static void parse_loop_head(Parser *parser, Stmt *stmt)
 {
     Span opening = token_span(parser);
-    bool bare = !accept(parser, TOKEN_PAREN_OPEN), no_blocks = parser->no_blocks;
+    bool bare = !consume_if(parser, TOKEN_PAREN_OPEN), no_blocks = parser->no_blocks;
     Diagnostic *report = bare && !parser->panic ? expected_error(parser, "'(' behind 'for'") : NULL;
     if (bare) parser->panic = false; /* go on as if it were there */
     if (!bare && parse_counting_loop(parser)) return;
@@ -344,7 +344,7 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
             diag_hint(parser->diag, report, "write: for (%s) { ... }",
                       quote(parser, stmt->as.loop.name_span.begin, consumed_end(parser)));
         if (bare)
-            accept(parser, TOKEN_PAREN_CLOSE);
+            consume_if(parser, TOKEN_PAREN_CLOSE);
         else
             expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
     }
@@ -359,7 +359,7 @@ static Stmt *parse_flow(Parser *parser)
     if (parser->token.kind == TOKEN_IF) return parse_ifs(parser);
     bool loop = parser->token.kind == TOKEN_FOR;
     Stmt *stmt = stmt_new(parser, loop ? STMT_FOR : STMT_WHILE, token_span(parser));
-    advance(parser);
+    consume(parser);
     if (!loop) {
         parse_condition(parser, &stmt->as.branch.condition, "behind 'while'");
         stmt->as.branch.then = parse_block(parser);
@@ -382,7 +382,7 @@ static Stmt *parse_import(Parser *parser)
 {
     Stmt *stmt = stmt_new(parser, STMT_IMPORT, token_span(parser));
     stmt->as.import.include = parser->token.kind == TOKEN_INCLUDE;
-    advance(parser);
+    consume(parser);
     if (parser->token.kind != TOKEN_STRING) {
         parse_unquoted_file(parser, stmt->as.import.include ? "include" : "use");
         return NULL;
@@ -390,8 +390,8 @@ static Stmt *parse_import(Parser *parser)
     bool bad = parser->token.bad;
     stmt->as.import.text = parser->token.as.text;
     stmt->as.import.text_span = token_span(parser);
-    advance(parser);
-    if (!stmt->as.import.include && accept(parser, TOKEN_AS))
+    consume(parser);
+    if (!stmt->as.import.include && consume_if(parser, TOKEN_AS))
         expect_name(parser, "behind 'as'", &stmt->as.import.name, &stmt->as.import.name_span);
     if (bad || parser->panic) return NULL;
     if (!parser->file->only_starts) remember_import(parser, stmt);
@@ -403,7 +403,7 @@ static Stmt *parse_defaults(Parser *parser)
 {
     Stmt *stmt = stmt_new(parser, STMT_DEFAULTS, token_span(parser));
     NodeExpr *node = stmt->as.node = ARENA_NEW(parser->arena, NodeExpr);
-    advance(parser);
+    consume(parser);
     if (!expect_name(parser, "of a node type", &node->path.names[0], &node->path.span)) return NULL;
     node->path.n = 1;
     node->block = parse_node_block(parser, node->path.names[0]->text);
@@ -414,7 +414,7 @@ static Stmt *parse_defaults(Parser *parser)
 static Stmt *parse_kids(Parser *parser)
 {
     Stmt *stmt = stmt_new(parser, STMT_KIDS, token_span(parser));
-    advance(parser);
+    consume(parser);
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "behind 'children'")) stmt->as.kids = parse_args(parser, opening);
     return stmt;
@@ -433,7 +433,7 @@ static Path parse_path(Parser *parser)
         if (!expect_name(parser, "behind '.'", &path.names[path.n], &span)) break;
         path.n++;
         path.span.end = span.end;
-    } while (accept(parser, TOKEN_DOT));
+    } while (consume_if(parser, TOKEN_DOT));
     return path;
 }
 
@@ -454,7 +454,7 @@ static Stmt *parse_call_stmt(Parser *parser, Path path)
     stmt->as.call.path = path;
     stmt->as.call.call = expr_new(parser, EXPR_CALL, path.span);
     stmt->as.call.call->as.call.callee = callee;
-    advance(parser);
+    consume(parser);
     stmt->as.call.call->as.call.args = parse_args(parser, opening);
     stmt->as.call.call->span = span_from(parser, path.span);
     if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN) stmt->as.call.block = parse_node_block(parser, NULL);
@@ -501,7 +501,7 @@ static Stmt *parse_named(Parser *parser)
     }
     bool assign = parser->token.kind == TOKEN_CHANGE;
     Stmt *stmt = stmt_new(parser, assign ? STMT_ASSIGN : STMT_PROP, path.span);
-    advance(parser);
+    consume(parser);
     Expr *value = parse_expr(parser);
     if (assign) {
         stmt->as.bind.name = path.names[0];
@@ -518,13 +518,13 @@ static Stmt *parse_named(Parser *parser)
 Stmt *parse_stmt(Parser *parser)
 {
     switch (parser->token.kind) {
-    case TOKEN_SEMICOLON: advance(parser); return NULL;
+    case TOKEN_SEMICOLON: consume(parser); return NULL;
     case TOKEN_LET:
     case TOKEN_VAR: return parse_bind(parser);
     case TOKEN_PARAM: return parse_param(parser);
     case TOKEN_DEF: {
         Span begin = token_span(parser);
-        advance(parser);
+        consume(parser);
         return parse_def(parser, begin, true);
     }
     case TOKEN_IF:
@@ -596,7 +596,7 @@ static void parse_header_unit(Parser *parser)
     bool is_word = token_is_word(&parser->token, "unit"), is_plural = token_is_word(&parser->token, "units");
     if (begins_statement(parser) || (first_on_line(parser) && !is_word)) return;
     Span span = token_span(parser);
-    if (is_word || is_plural) advance(parser);
+    if (is_word || is_plural) consume(parser);
     const UnitType *unit = header_unit(parser);
     if (is_plural) {
         report_header_unit(parser, span, "the word is 'unit'", unit);
@@ -605,11 +605,11 @@ static void parse_header_unit(Parser *parser)
     } else if (is_word) {
         diag_report(parser->diag, D_UNKNOWN_UNIT, token_span(parser), "expected a unit of length: %s, found %s",
                     unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
-        if (parser->token.kind == TOKEN_NAME) advance(parser);
+        if (parser->token.kind == TOKEN_NAME) consume(parser);
     } else if (unit) {
         report_header_unit(parser, span, "the word 'unit' stands in front of the unit", unit);
     }
-    if (unit) advance(parser);
+    if (unit) consume(parser);
 }
 
 static void report_no_header(Parser *parser)
@@ -620,7 +620,7 @@ static void report_no_header(Parser *parser)
     if (parser->token.kind == TOKEN_DIRECTIVE)
         diag_note_nowhere(parser->diag, report, "meniscus-povray(7) says how scenes of POV-Ray are written here");
     if (span.end - span.begin == 8 && memcmp(parser->lexer.text + span.begin, "#version", 8) == 0) do
-            advance(parser); /* it is the header of those */
+            consume(parser); /* it is the header of those */
         while (parser->token.kind != TOKEN_END && !first_on_line(parser));
 }
 
@@ -645,7 +645,7 @@ static void parse_header(Parser *parser, double unit_m)
         report_no_header(parser);
         return;
     }
-    advance(parser);
+    consume(parser);
     Span version_span = token_span(parser);
     file->version = parser->token.number;
     const UnitType *version_unit = parser->token.unit;
@@ -654,7 +654,7 @@ static void parse_header(Parser *parser, double unit_m)
         if (report) diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
         return;
     }
-    advance(parser);
+    consume(parser);
     if (file->version < LANGUAGE_MAJOR || file->version >= LANGUAGE_MAJOR + 1)
         diag_report(parser->diag, D_UNSUPPORTED_VERSION, version_span,
                     "the file is in version %g of the language; this program reads %d.%d", file->version,
@@ -733,6 +733,6 @@ void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTa
         while (*tail) tail = &(*tail)->next;
         if (parser.token.kind != TOKEN_BRACE_CLOSE || parser.fatal) break;
         report_stray_close(&parser);
-        advance(&parser);
+        consume(&parser);
     }
 }

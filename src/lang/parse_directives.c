@@ -33,8 +33,8 @@ static const char *directive_rest(Parser *parser, DirectiveForm form)
     uint32_t begin = parser->token.begin;
     if (form == DIRECTIVE_BIND && parser->token.kind == TOKEN_NAME) {
         Span name = token_span(parser);
-        advance(parser);
-        if (!accept(parser, TOKEN_ASSIGN)) return "NAME = VALUE";
+        consume(parser);
+        if (!consume_if(parser, TOKEN_ASSIGN)) return "NAME = VALUE";
         parse_expr(parser);
         uint32_t end = consumed_end(parser);
         return memchr(parser->lexer.text + begin, '{', end - begin)
@@ -42,7 +42,7 @@ static const char *directive_rest(Parser *parser, DirectiveForm form)
                    : quote(parser, begin, end);
     }
     if (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP) {
-        if (parser->token.kind == TOKEN_NAME) advance(parser); /* of a macro */
+        if (parser->token.kind == TOKEN_NAME) consume(parser); /* of a macro */
         uint32_t inner = parser->token.end;
         if (parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
         uint32_t end = consumed_end(parser);
@@ -51,7 +51,7 @@ static const char *directive_rest(Parser *parser, DirectiveForm form)
     }
     if (form == DIRECTIVE_LINE)
         while (!first_on_line(parser) && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_CLOSE)
-            parser->token.kind == TOKEN_BRACE_OPEN ? skip_brackets(parser) : advance(parser);
+            parser->token.kind == TOKEN_BRACE_OPEN ? skip_brackets(parser) : consume(parser);
     return "...";
 }
 
@@ -73,7 +73,7 @@ void parse_directive(Parser *parser)
     bool inner = parser->directives > 0 && (form == DIRECTIVE_MIDDLE || form == DIRECTIVE_END);
     Diagnostic *report = NULL; /* the opening one has said it */
     if (!inner) report = report_at(parser, span, "'#%s' is POV-Ray's", word);
-    advance(parser);
+    consume(parser);
     parser->directives += (form == DIRECTIVE_OPENS || form == DIRECTIVE_LOOP);
     parser->directives -= inner && form == DIRECTIVE_END;
     if (form == DIRECTIVE_MIDDLE && parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);

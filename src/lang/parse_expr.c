@@ -163,7 +163,7 @@ static void add_plain_elements(Parser *parser, ExprList *list, Span span, const 
 /* The comma between elements. Where it is missing in front of another value, that is all that is reported. */
 static bool accept_comma(Parser *parser, const char *expected, bool over_lines)
 {
-    if (accept(parser, TOKEN_COMMA)) return true;
+    if (consume_if(parser, TOKEN_COMMA)) return true;
     if (parser->panic) return false;
     TokenKind kind = parser->token.kind;
     bool value = kind == TOKEN_NUMBER || kind == TOKEN_STRING || kind == TOKEN_COLOR;
@@ -187,7 +187,7 @@ static Expr *parse_elem(Parser *parser)
     bool each = parser->token.kind == TOKEN_FOR;
     if (!each && parser->token.kind != TOKEN_IF) return parse_expr(parser);
     if (!enter(parser)) return poison_expr(parser);
-    advance(parser);
+    consume(parser);
     Expr *expr = expr_new(parser, each ? EXPR_EACH : EXPR_WHEN, begin);
     Span opening = token_span(parser);
     expect(parser, TOKEN_PAREN_OPEN, each ? "behind 'for'" : "behind 'if'");
@@ -213,14 +213,14 @@ static Expr *parse_list(Parser *parser)
     if (plain.complete) {
         Expr *expr = plain_list_expr(parser, opening, &plain);
         free(plain.numbers);
-        advance(parser); /* the ']' becomes the next token */
-        advance(parser);
+        consume(parser); /* the ']' becomes the next token */
+        consume(parser);
         return expr;
     }
     ExprList list = {0};
     add_plain_elements(parser, &list, opening, &plain);
     free(plain.numbers);
-    advance(parser);
+    consume(parser);
     parser->brackets++;
     while (!parser->panic && parser->token.kind != TOKEN_BRACKET_CLOSE) {
         expr_list_add(parser, &list, parse_elem(parser));
@@ -272,8 +272,8 @@ static Expr *plain_vector(Parser *parser, Span span)
             Value value = {.kind = value_vector_kind(width + 1)};
             memcpy(value.as.v, numbers, (width + 1) * sizeof *numbers);
             span.end = lexer->at + 1;
-            advance(parser); /* the '>' becomes the next token */
-            advance(parser);
+            consume(parser); /* the '>' becomes the next token */
+            consume(parser);
             return constant_expr(parser, span, value, unit);
         }
         lexer->at += c == ',';
@@ -289,7 +289,7 @@ static Expr *parse_vector(Parser *parser)
     Expr *plain = plain_vector(parser, opening);
     if (plain) return plain;
     ExprList list = {0};
-    advance(parser);
+    consume(parser);
     do expr_list_add(parser, &list, parse_add(parser));
     while (!parser->panic && accept_comma(parser, "',' or '>'", false) && list.n < 64);
     expect_close(parser, TOKEN_GREATER, opening, "',' or '>'");
@@ -311,7 +311,7 @@ static Expr *parse_number(Parser *parser)
 {
     Token token = parser->token;
     Span span = token_span(parser);
-    advance(parser);
+    consume(parser);
     if (token.bad) return expr_new(parser, EXPR_POISON, span);
     if (parser->token.kind == TOKEN_NAME && !token.unit) parse_apart_unit(parser, span);
     return constant_expr(parser, span, value_number(in_scene_units(parser, token.number, token.unit)), token.unit);
@@ -321,7 +321,7 @@ static Expr *parse_string(Parser *parser)
 {
     Token token = parser->token;
     Span span = token_span(parser);
-    advance(parser);
+    consume(parser);
     if (token.bad) return expr_new(parser, EXPR_POISON, span);
     return constant_expr(parser, span, value_text(token.as.text), NULL);
 }
@@ -331,7 +331,7 @@ static Expr *parse_color(Parser *parser)
 {
     Token token = parser->token;
     Span span = token_span(parser);
-    advance(parser);
+    consume(parser);
     if (token.bad) return expr_new(parser, EXPR_POISON, span);
     uint32_t rgb = token.as.rgb;
     return constant_expr(
@@ -341,7 +341,7 @@ static Expr *parse_color(Parser *parser)
 static Expr *parse_word(Parser *parser, Value value)
 {
     Span span = token_span(parser);
-    advance(parser);
+    consume(parser);
     return constant_expr(parser, span, value, NULL);
 }
 
@@ -349,7 +349,7 @@ static Expr *parse_word(Parser *parser, Value value)
 static Expr *parse_parens(Parser *parser)
 {
     Span opening = token_span(parser);
-    advance(parser);
+    consume(parser);
     parser->brackets++;
     bool no_blocks = parser->no_blocks;
     parser->no_blocks = false;
@@ -358,7 +358,7 @@ static Expr *parse_parens(Parser *parser)
         Diagnostic *report = expected_error(parser, "')'");
         diag_hint(parser->diag, report, "a vector stands in '<' and '>', a list in '[' and ']'");
         parser->panic = false;
-        while (accept(parser, TOKEN_COMMA)) parse_expr(parser);
+        while (consume_if(parser, TOKEN_COMMA)) parse_expr(parser);
     }
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
     parser->no_blocks = no_blocks;
@@ -373,11 +373,11 @@ static Expr *parse_name(Parser *parser)
     Path path = {.names = {parser->token.as.symbol}, .n = 1, .span = begin};
     Expr *expr = expr_new(parser, EXPR_NAME, begin);
     expr->as.name.symbol = parser->token.as.symbol;
-    advance(parser);
+    consume(parser);
     const char *word = path.names[0]->text;
     if (parse_color_habit(parser, word) || parse_array_habit(parser, word, begin)) return poison_expr(parser);
     while (parser->token.kind == TOKEN_DOT && path.n < LIMIT_PATH_NAMES) {
-        advance(parser);
+        consume(parser);
         Expr *member = expr_new(parser, EXPR_MEMBER, begin);
         member->as.member.base = expr;
         if (!expect_name(parser, "behind '.'", &member->as.member.name, &member->as.member.name_span))
@@ -447,8 +447,8 @@ static Arg parse_arg(Parser *parser)
     if (parser->token.kind == TOKEN_NAME && peek(parser).kind == TOKEN_ASSIGN) {
         arg.name = parser->token.as.symbol;
         arg.name_span = token_span(parser);
-        advance(parser);
-        advance(parser);
+        consume(parser);
+        consume(parser);
     }
     arg.value = parse_expr(parser);
     return arg;
@@ -474,7 +474,7 @@ Args parse_args(Parser *parser, Span opening)
 static Expr *parse_member(Parser *parser, Expr *base)
 {
     Expr *expr = expr_new(parser, EXPR_MEMBER, base->span);
-    advance(parser);
+    consume(parser);
     expr->as.member.base = base;
     if (!expect_name(parser, "behind '.'", &expr->as.member.name, &expr->as.member.name_span))
         return poison_expr(parser);
@@ -486,7 +486,7 @@ static Expr *parse_index(Parser *parser, Expr *base)
 {
     Span opening = token_span(parser);
     Expr *expr = expr_new(parser, EXPR_INDEX, base->span);
-    advance(parser);
+    consume(parser);
     parser->brackets++;
     expr->as.op.a = base;
     expr->as.op.b = parse_expr(parser);
@@ -500,7 +500,7 @@ static Expr *parse_call(Parser *parser, Expr *callee)
 {
     Span opening = token_span(parser);
     Expr *expr = expr_new(parser, EXPR_CALL, callee->span);
-    advance(parser);
+    consume(parser);
     expr->as.call.callee = callee;
     expr->as.call.args = parse_args(parser, opening);
     expr->span = span_from(parser, callee->span);
@@ -535,7 +535,7 @@ Expr *parse_unary(Parser *parser)
     Expr *expr;
     TokenKind kind = parser->token.kind;
     if (kind == TOKEN_MINUS || kind == TOKEN_PLUS) {
-        advance(parser);
+        consume(parser);
         Expr *operand = parse_unary(parser);
         if (operand->kind == EXPR_CONSTANT && operand->literal && operand->as.constant.value.kind == VALUE_NUMBER) {
             if (kind == TOKEN_MINUS) operand->as.constant.value.as.number *= -1;
@@ -549,7 +549,7 @@ Expr *parse_unary(Parser *parser)
     } else {
         expr = parse_post(parser);
         Span operator_span = token_span(parser);
-        if (accept(parser, TOKEN_CARET))
+        if (consume_if(parser, TOKEN_CARET))
             expr = binary_expr(parser, EXPR_POWER, expr, operator_span, parse_unary(parser));
     }
     leave(parser);
@@ -574,12 +574,12 @@ static Expr *parse_mul(Parser *parser)
         Span operator_span = token_span(parser);
         if (kind != TOKEN_STAR && kind != TOKEN_SLASH && kind != TOKEN_PERCENT) break;
         if (chain_too_long(parser, links)) break;
-        advance(parser);
+        consume(parser);
         if (kind == TOKEN_STAR && parser->token.kind == TOKEN_STAR) {
             Diagnostic *report = expected_error(parser, "an expression");
             diag_hint(parser->diag, report, "a power is written a ^ b");
             parser->panic = false;
-            advance(parser);
+            consume(parser);
         }
         expr = binary_expr(parser,
                            kind == TOKEN_STAR    ? EXPR_MULTIPLY
@@ -600,7 +600,7 @@ Expr *parse_add(Parser *parser)
         Span operator_span = token_span(parser);
         if (kind != TOKEN_PLUS && kind != TOKEN_MINUS) break;
         if (chain_too_long(parser, links)) break;
-        advance(parser);
+        consume(parser);
         expr =
             binary_expr(parser, kind == TOKEN_PLUS ? EXPR_ADD : EXPR_SUBTRACT, expr, operator_span, parse_mul(parser));
         expr->span = span_from(parser, expr->as.op.a->span);
@@ -627,7 +627,7 @@ static Expr *parse_not(Parser *parser)
     Span begin = token_span(parser);
     if (parser->token.kind == TOKEN_NOT) {
         if (!enter(parser)) return poison_expr(parser);
-        advance(parser);
+        consume(parser);
         Expr *expr = expr_new(parser, EXPR_NOT, begin);
         expr->as.op.a = parse_not(parser);
         expr->as.op.operator_span = begin;
@@ -639,12 +639,12 @@ static Expr *parse_not(Parser *parser)
     ExprKind kind, second;
     if (parser->panic || !comparison_kind(parser->token.kind, &kind)) return expr;
     Span operator_span = token_span(parser);
-    advance(parser);
+    consume(parser);
     if (kind == EXPR_LESS && parser->token.kind == TOKEN_GREATER) {
         Diagnostic *report = expected_error(parser, "an expression");
         if (report) diag_hint(parser->diag, report, "write '!=' for what is not equal");
         parser->panic = false;
-        advance(parser);
+        consume(parser);
     }
     Expr *b = parse_add(parser);
     expr = binary_expr(parser, kind, expr, operator_span, b);
@@ -661,7 +661,7 @@ static Expr *parse_and(Parser *parser)
     Expr *expr = parse_not(parser);
     for (int links = 0; !parser->panic && parser->token.kind == TOKEN_AND && !chain_too_long(parser, links); links++) {
         Span operator_span = token_span(parser);
-        advance(parser);
+        consume(parser);
         expr = binary_expr(parser, EXPR_AND, expr, operator_span, parse_not(parser));
     }
     return expr;
@@ -673,7 +673,7 @@ static Expr *parse_or(Parser *parser)
     Expr *expr = parse_and(parser);
     for (int links = 0; !parser->panic && parser->token.kind == TOKEN_OR && !chain_too_long(parser, links); links++) {
         Span operator_span = token_span(parser);
-        advance(parser);
+        consume(parser);
         expr = binary_expr(parser, EXPR_OR, expr, operator_span, parse_and(parser));
     }
     return expr;
@@ -685,7 +685,7 @@ Expr *parse_tern(Parser *parser)
     Expr *condition = parse_or(parser);
     if (parser->panic || parser->token.kind != TOKEN_QUESTION) return condition;
     if (!enter(parser)) return poison_expr(parser);
-    advance(parser);
+    consume(parser);
     Expr *expr = expr_new(parser, EXPR_CONDITION, condition->span);
     expr->as.op.a = condition;
     expr->as.op.b = parse_expr(parser);
@@ -700,7 +700,7 @@ static Expr *parse_let(Parser *parser)
 {
     Span begin = token_span(parser);
     if (!enter(parser)) return poison_expr(parser);
-    advance(parser);
+    consume(parser);
     Expr *expr = parse_bare_let(parser, begin);
     if (expr) {
         leave(parser);
@@ -727,10 +727,10 @@ Expr *parse_expr(Parser *parser)
     bool open = parser->token.kind == TOKEN_RANGE_OPEN;
     if (parser->panic || (!open && parser->token.kind != TOKEN_RANGE)) return first;
     Span operator_span = token_span(parser);
-    advance(parser);
+    consume(parser);
     Expr *expr = binary_expr(parser, EXPR_RANGE, first, operator_span, parse_tern(parser));
     expr->as.op.open = open;
-    if (accept(parser, TOKEN_BY)) expr->as.op.c = parse_tern(parser);
+    if (consume_if(parser, TOKEN_BY)) expr->as.op.c = parse_tern(parser);
     expr->span = span_from(parser, first->span);
     return expr;
 }

@@ -131,7 +131,7 @@ static void skip_color_words(Parser *parser)
     while (at_color_word(parser)) {
         TokenKind next = peek(parser).kind;
         if (next != TOKEN_LESS && next != TOKEN_NUMBER && next != TOKEN_STRING && next != TOKEN_NAME) return;
-        advance(parser);
+        consume(parser);
     }
 }
 
@@ -185,7 +185,7 @@ static void value_behind_name(Parser *parser, Path path)
     int n = 1;
     while (parser->node && !parser->panic &&
            has_further_value(parser, call)) { /* area_light <1, 0, 0>, <0, 0, 1>, 3, 3 */
-        accept(parser, TOKEN_COMMA);
+        consume_if(parser, TOKEN_COMMA);
         value = arena_format(parser->arena, "%s, %s", value, foreign_value(parser, false));
         n++;
     }
@@ -216,7 +216,7 @@ static bool parse_flag_habit(Parser *parser, Path path)
     if (value || next == TOKEN_DOT || (strchr("xyzuvt", *second) && !second[1])) return false;
     advise(parser, expected_error(parser, arena_format(parser->arena, "'=' and a value behind '%s'", word)), word);
     parser->panic = false;
-    if (truth) advance(parser);
+    if (truth) consume(parser);
     calm_down(parser);
     return true;
 }
@@ -246,10 +246,10 @@ static void values_without_names(Parser *parser, const Path *first)
                                             : foreign_value(parser, known && strcmp(name, "color") == 0);
         if (parser->panic) break;
         if (mark == '*') value = vector_text(parser->arena, value);
-        bool pair = mark == '+' && (accept(parser, TOKEN_COMMA) || starts_value(parser)); /* film { 640, 480 } */
+        bool pair = mark == '+' && (consume_if(parser, TOKEN_COMMA) || starts_value(parser)); /* film { 640, 480 } */
         if (pair) value = arena_format(parser->arena, "<%s, %s>", value, foreign_value(parser, false));
         if (!over) hint = arena_format(parser->arena, "%s%s%s = %s", hint ? hint : "", hint ? "  " : "", name, value);
-        if (!accept(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
+        if (!consume_if(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
     }
     if (hint) hint_write(parser, report, hint);
     if (!parser->panic) calm_down(parser);
@@ -273,8 +273,8 @@ bool parse_comma_habit(Parser *parser)
     if (decimal) {
         Diagnostic *report = report_at(parser, token_span(parser), "expected a statement, found ','");
         diag_hint(parser->diag, report, "decimals stand behind a point");
-        advance(parser);
-        advance(parser);
+        consume(parser);
+        consume(parser);
         return true;
     }
     if (!parser->comma_reported) {
@@ -284,7 +284,7 @@ bool parse_comma_habit(Parser *parser)
                   vector ? "a vector stands in '<' and '>': <1, 2, 3>" : "remove it; a blank is enough");
     }
     parser->comma_reported = true;
-    advance(parser);
+    consume(parser);
     return true;
 }
 
@@ -305,8 +305,8 @@ static bool parse_change(Parser *parser, Path path)
     char sign = parser->lexer.text[parser->token.begin];
     Span span = {parser->lexer.source, parser->token.begin, next.end};
     Diagnostic *report = report_at(parser, span, "there is no '%c%c' here", sign, one ? sign : '=');
-    advance(parser);
-    advance(parser);
+    consume(parser);
+    consume(parser);
     const char *value = one ? "1" : quote_read(parser, parse_expr);
     diag_hint(parser->diag, report, "write: %s := %s %c %s", name, name, sign, value);
     return true;
@@ -377,8 +377,8 @@ static bool parse_element_habit(Parser *parser, Path path)
     const char *name = path.names[0]->text;
     Diagnostic *report = report_at(parser, path.span, "the elements of a list do not change");
     while (parser->token.kind == TOKEN_BRACKET_OPEN) skip_brackets(parser);
-    advance(parser);
-    if (change) advance(parser);
+    consume(parser);
+    if (change) consume(parser);
     const char *value = quote_read(parser, parse_expr);
     if (parser->panic) return true;
     if (change) value = arena_format(parser->arena, "%s[i] %c %s", name, parser->lexer.text[token.begin], value);
@@ -398,8 +398,8 @@ void parse_member_change(Parser *parser, Path path)
     TokenKind kind = parser->token.kind;
     bool change = kind != TOKEN_ASSIGN && kind != TOKEN_CHANGE, one = change && peek(parser).kind == kind;
     char sign = parser->lexer.text[parser->token.begin];
-    advance(parser);
-    if (change) advance(parser);
+    consume(parser);
+    if (change) consume(parser);
     const char *value = one ? "1" : quote_read(parser, parse_expr), *parts[3];
     if (parser->panic) return;
     if (change) value = arena_format(parser->arena, "%s.%s %c %s", name, member, sign, value);
@@ -435,7 +435,7 @@ static const char *unquoted_file(Parser *parser)
     if (length == 0) return NULL;
     parser->lexer.at = parser->token.begin + angles + (uint32_t)length;
     parser->lexer.at += parser->lexer.text[parser->lexer.at] == '>';
-    advance(parser);
+    consume(parser);
     return strchr(name, '.') ? name : arena_format(parser->arena, "%s.mns", name);
 }
 
@@ -443,10 +443,10 @@ static const char *unquoted_file(Parser *parser)
 static const char *import_name(Parser *parser)
 {
     if (parser->token.kind != TOKEN_AS || first_on_line(parser)) return "";
-    advance(parser);
+    consume(parser);
     if (parser->token.kind != TOKEN_NAME) return " as NAME";
     const char *name = parser->token.as.symbol->text;
-    advance(parser);
+    consume(parser);
     return arena_format(parser->arena, " as %s", name);
 }
 
@@ -470,10 +470,10 @@ static bool parse_foreign_import(Parser *parser, Path path)
     if (!habit_is_import(path.names[0]->text)) return false;
     Diagnostic *report = report_at(parser, path.span, "'%s' begins nothing here", path.names[0]->text);
     const char *file = text ? parser->token.as.text : unquoted_file(parser);
-    if (text) advance(parser);
+    if (text) consume(parser);
     if (file && !strchr(file, '.')) file = arena_format(parser->arena, "%s.mns", file);
     diag_hint(parser->diag, report, "write: use \"%s\"%s", file ? file : "NAME.mns", import_name(parser));
-    while (!first_on_line(parser) && parser->token.kind != TOKEN_END) advance(parser); /* from "x" import y */
+    while (!first_on_line(parser) && parser->token.kind != TOKEN_END) consume(parser); /* from "x" import y */
     return true;
 }
 
@@ -487,7 +487,7 @@ static bool parse_quoted_name(Parser *parser, Path path)
     for (char *at = name + strspn(name, letters); *at; at += strspn(at, letters)) *at = '_';
     Diagnostic *report = report_at(parser, token_span(parser), "a name stands without quotes");
     diag_hint(parser->diag, report, "write: %s %s { ... }", path.names[path.n - 1]->text, *name ? name : "NAME");
-    advance(parser);
+    consume(parser);
     parse_node_block(parser, path.names[path.n - 1]->text);
     return true;
 }
@@ -529,7 +529,7 @@ bool parse_name_habit(Parser *parser, Path path)
     if (parser->token.kind == TOKEN_COLON) {
         Diagnostic *report = expected_error(parser, arena_format(parser->arena, "'=' behind '%s'", word));
         parser->panic = false;
-        advance(parser);
+        consume(parser);
         const char *value = quote_read(parser, parse_expr);
         if (!parser->panic)
             diag_hint(parser->diag, report, "write: %s%s = %s", parser->node ? "" : "let ", word, value);
@@ -566,7 +566,7 @@ static void block_without_opening(Parser *parser, const char *node)
     parser->blocks--;
     parser->node = outer;
     leave(parser);
-    accept(parser, TOKEN_BRACE_CLOSE);
+    consume_if(parser, TOKEN_BRACE_CLOSE);
 }
 
 /* "sphere ball = {" and "sphere ball = sphere {" */
@@ -580,12 +580,12 @@ static bool parse_assigned_block(Parser *parser, Path path)
     if (again) behind = lexer_next(&look.lexer);
     if (behind.kind != TOKEN_BRACE_OPEN) return false;
     const char *name = parser->token.as.symbol->text;
-    advance(parser);
+    consume(parser);
     Diagnostic *report = expected_error(parser, "'{'");
     parser->panic = false;
     diag_hint(parser->diag, report, "write: %s %s { ... }", path.names[0]->text, name);
-    advance(parser);
-    if (again) advance(parser);
+    consume(parser);
+    if (again) consume(parser);
     const char *outer = parser->node;
     parser->node = path.names[0]->text;
     parse_block(parser);
@@ -613,14 +613,14 @@ void parse_two_names(Parser *parser, Path path)
         return;
     }
     if (next == TOKEN_ASSIGN && (habit_is_type(first) || nearest) && !lacks_opening_brace(parser)) {
-        advance(parser);
+        consume(parser);
         Diagnostic *report = expected_error(parser, "'{'");
         parser->panic = false;
         if (habit_is_type(first))
             diag_hint(parser->diag, report, "write: let %s = ...", second);
         else
             diag_hint(parser->diag, report, "did you mean '%s'?", nearest);
-        advance(parser);
+        consume(parser);
         parse_expr(parser);
         return;
     }
@@ -631,13 +631,13 @@ void parse_two_names(Parser *parser, Path path)
             value_behind_name(parser, path);
             return;
         }
-        advance(parser);
+        consume(parser);
         Diagnostic *report = expected_error(parser, "'{'");
         if (report && nearest) diag_hint(parser->diag, report, "did you mean '%s'?", nearest);
         return;
     }
     if (lacks_opening_brace(parser)) {
-        if (next == TOKEN_NAME) advance(parser);
+        if (next == TOKEN_NAME) consume(parser);
         expected_error(parser, "'{'");
         parser->panic = false;
         block_without_opening(parser, first);
@@ -672,7 +672,7 @@ bool parse_brace_habit(Parser *parser)
     if (parser->token.kind != TOKEN_BRACE_OPEN) return false;
     report_at(parser, token_span(parser), "expected a statement, found '{'");
     if (blocks_at_end(parser) > 0)
-        advance(parser);
+        consume(parser);
     else
         parse_block(parser);
     return true;
@@ -731,7 +731,7 @@ static void parse_to_end_word(Parser *parser, uint32_t end)
         if (parser->panic) synchronize(parser, parser->panic_brackets, begin);
         if (parser->token.begin == begin) break;
     }
-    if (parser->token.begin == end) advance(parser);
+    if (parser->token.begin == end) consume(parser);
     leave(parser);
 }
 
@@ -743,11 +743,11 @@ static const char *value_to_end_word(Parser *parser, uint32_t end)
          returns = name && strcmp(parser->token.as.symbol->text, "return") == 0;
     bool computed = starts_value(parser) || (name && next >= TOKEN_PLUS && next <= TOKEN_CARET);
     if (!returns && !computed) return NULL;
-    if (returns) advance(parser);
+    if (returns) consume(parser);
     uint32_t begin = parser->token.begin;
-    while (parser->token.begin < end && parser->token.kind != TOKEN_END) advance(parser);
+    while (parser->token.begin < end && parser->token.kind != TOKEN_END) consume(parser);
     const char *value = quote(parser, begin, consumed_end(parser));
-    advance(parser);
+    consume(parser);
     return value;
 }
 
@@ -805,15 +805,15 @@ static bool parse_listed_loop(Parser *parser)
     if (parser->token.kind != TOKEN_NAME || peek(parser).kind != TOKEN_COMMA) return false;
     const char *variable = parser->token.as.symbol->text, *parts[3] = {NULL, NULL, NULL};
     Diagnostic *report = report_at(parser, token_span(parser), "a loop runs over a list or a range");
-    advance(parser);
+    consume(parser);
     for (unsigned n = 0; parser->token.kind == TOKEN_COMMA && n < COUNT_OF(parts); n++) {
-        advance(parser);
+        consume(parser);
         parts[n] = quote_read(parser, parse_expr);
         if (parser->panic) return true;
     }
     diag_hint(parser->diag, report, "write: for (%s in %s..%s%s%s) { ... }", variable, parts[0] ? parts[0] : "1",
               parts[1] ? parts[1] : "10", parts[2] ? " by " : "", parts[2] ? parts[2] : "");
-    accept(parser, TOKEN_PAREN_CLOSE);
+    consume_if(parser, TOKEN_PAREN_CLOSE);
     return true;
 }
 
@@ -850,7 +850,7 @@ bool parse_counting_loop(Parser *parser)
     int depth = 1; /* to behind the ')' */
     while (depth > 0 && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_OPEN) {
         depth += (parser->token.kind == TOKEN_PAREN_OPEN) - (parser->token.kind == TOKEN_PAREN_CLOSE);
-        advance(parser);
+        consume(parser);
     }
     return true;
 }
@@ -865,8 +865,8 @@ void parse_second_variable(Parser *parser, const char *first)
     Diagnostic *report = report_at(parser, token_span(parser), "a loop has one variable");
     diag_hint(parser->diag, report, "write: for (%s in ...) { for (%s in ...) { ... } }", first, name.as.symbol->text);
     while (parser->token.kind == TOKEN_COMMA) {
-        advance(parser);
-        if (!accept(parser, TOKEN_NAME) || !accept(parser, TOKEN_IN)) return;
+        consume(parser);
+        if (!consume_if(parser, TOKEN_NAME) || !consume_if(parser, TOKEN_IN)) return;
         parse_expr(parser);
     }
 }

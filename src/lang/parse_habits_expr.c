@@ -47,7 +47,7 @@ bool parse_color_habit(Parser *parser, const char *word)
     }
     Diagnostic *report =
         report_at(parser, behind_last(parser), "expected '(' behind '%s', found %s", word, found_text(parser));
-    if (parser->token.kind == TOKEN_NAME) word = parser->token.as.symbol->text, advance(parser);
+    if (parser->token.kind == TOKEN_NAME) word = parser->token.as.symbol->text, consume(parser);
     bool vector = parser->token.kind == TOKEN_LESS, encoded = strcmp(word, "srgb") == 0;
     uint32_t begin = parser->token.begin;
     parse_prim(parser);
@@ -109,7 +109,7 @@ bool parse_operator_habit(Parser *parser, Span operand)
         return false;
     }
     Diagnostic *report = report_at(parser, token_span(parser), "'%s' is no operator", word);
-    advance(parser);
+    consume(parser);
     const char *a = quote(parser, operand.begin, operand.end), *b = quote_read(parser, parse_unary);
     hint_write(parser, report, arena_format(parser->arena, mod ? "%s %% %s" : "floor(%s / %s)", a, b));
     return true;
@@ -138,8 +138,8 @@ Expr *parse_names_and_value(Parser *parser, const char *head)
     Args *bindings = &body->as.let.bindings;
     uint32_t capacity = 0;
     const char *names = "";
-    advance(parser);
-    while (!parser->panic && accept(parser, TOKEN_LET)) {
+    consume(parser);
+    while (!parser->panic && consume_if(parser, TOKEN_LET)) {
         Arg arg = {0};
         if (!expect_name(parser, "to declare", &arg.name, &arg.name_span)) break;
         if (!expect(parser, TOKEN_ASSIGN, "and a value behind the name")) break;
@@ -149,21 +149,21 @@ Expr *parse_names_and_value(Parser *parser, const char *head)
         bindings->items[bindings->n++] = arg;
         names = arena_format(parser->arena, "%s%s%s = %s", names, *names ? ", " : "", arg.name->text,
                              quote(parser, begin, consumed_end(parser)));
-        accept(parser, TOKEN_SEMICOLON);
+        consume_if(parser, TOKEN_SEMICOLON);
     }
-    if (!parser->panic && accept(parser, TOKEN_BRACE_CLOSE)) {
+    if (!parser->panic && consume_if(parser, TOKEN_BRACE_CLOSE)) {
         diag_hint(parser->diag, report, "write: def %s { ... } for a macro, which places nodes and has no value", head);
         body->as.let.body = expr_new(parser, EXPR_POISON, brace);
         return body;
     }
     bool word = parser->token.kind == TOKEN_NAME && strcmp(parser->token.as.symbol->text, "return") == 0;
-    if (word && !parser->panic) advance(parser);
+    if (word && !parser->panic) consume(parser);
     uint32_t begin = parser->token.begin;
     body->as.let.body = parse_expr(parser);
     const char *value = quote(parser, begin, consumed_end(parser));
     if (bindings->n > 0) value = arena_format(parser->arena, "let (%s) %s", names, value);
     if (!parser->panic) diag_hint(parser->diag, report, "write: def %s = %s", head, value);
-    accept(parser, TOKEN_SEMICOLON);
+    consume_if(parser, TOKEN_SEMICOLON);
     if (!parser->panic) expect_close(parser, TOKEN_BRACE_CLOSE, brace, "'}'");
     body->span = span_from(parser, brace);
     return body;
@@ -179,12 +179,12 @@ Expr *parse_bare_let(Parser *parser, Span begin)
     expr->as.let.bindings = (Args){ARENA_NEW(parser->arena, Arg), 1};
     Arg *arg = expr->as.let.bindings.items;
     if (!expect_name(parser, "to declare", &arg->name, &arg->name_span)) return expr;
-    advance(parser);
+    consume(parser);
     uint32_t value = parser->token.begin;
     arg->value = parse_expr(parser);
     const char *binding = arena_format(parser->arena, "let (%s = %s)", arg->name->text,
                                        quote(parser, value, consumed_end(parser)));
-    if (parser->panic || !accept(parser, TOKEN_IN)) {
+    if (parser->panic || !consume_if(parser, TOKEN_IN)) {
         if (!parser->panic) hint_write(parser, report, arena_format(parser->arena, "%s ...", binding));
         expr->as.let.body = arg->value;
         return expr;
@@ -243,7 +243,7 @@ void parse_apart_unit(Parser *parser, Span number)
     }
     Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
     diag_hint(parser->diag, report, "write: %s%s", quote(parser, number.begin, number.end), unit);
-    advance(parser);
+    consume(parser);
 }
 
 /* A percent sign behind a number, and nothing behind it that the number could be divided by. */
@@ -270,6 +270,6 @@ bool parse_percent_habit(Parser *parser, const Expr *number)
     char text[NUM_TEXT_SIZE];
     size_t length = num_print(number->as.constant.value.as.number / 100, text);
     diag_hint(parser->diag, report, "write: %.*s", (int)length, text);
-    advance(parser);
+    consume(parser);
     return true;
 }

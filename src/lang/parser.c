@@ -19,7 +19,7 @@ void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Dia
     parser->token = lexer_next(&parser->lexer);
 }
 
-void advance(Parser *parser)
+void consume(Parser *parser)
 {
     if (parser->fatal) return;
     parser->previous = parser->token.kind;
@@ -45,10 +45,10 @@ Diagnostic *parser_report(Parser *parser, DiagCode code, Span span, const char *
     return diag_report(parser->diag, code, span, "%s", text);
 }
 
-bool accept(Parser *parser, TokenKind kind)
+bool consume_if(Parser *parser, TokenKind kind)
 {
     if (parser->panic || parser->token.kind != kind) return false;
-    advance(parser);
+    consume(parser);
     return true;
 }
 
@@ -105,7 +105,7 @@ Diagnostic *expected_error(Parser *parser, const char *expected)
 
 bool expect(Parser *parser, TokenKind kind, const char *context)
 {
-    if (accept(parser, kind)) return true;
+    if (consume_if(parser, kind)) return true;
     if (!parser->panic) expected_error(parser, arena_format(parser->arena, "%s %s", token_text(kind), context));
     return false;
 }
@@ -179,7 +179,7 @@ static bool begins_comparison(TokenKind kind)
 
 bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expected)
 {
-    if (accept(parser, kind)) return true;
+    if (consume_if(parser, kind)) return true;
     if (parser->panic) return false;
     parser->panic = true;
     parser->panic_brackets = parser->brackets; /* where this one is closed further on, something else is missing */
@@ -200,7 +200,7 @@ bool expect_name(Parser *parser, const char *context, Symbol **name, Span *span)
     if (!parser->panic && parser->token.kind == TOKEN_NAME) {
         *name = parser->token.as.symbol;
         *span = token_span(parser);
-        advance(parser);
+        consume(parser);
         return true;
     }
     if (!parser->panic) {
@@ -275,7 +275,7 @@ void skip_brackets(Parser *parser)
         depth += kind == TOKEN_BRACE_OPEN || kind == TOKEN_PAREN_OPEN || kind == TOKEN_BRACKET_OPEN;
         depth -= kind == TOKEN_BRACE_CLOSE || kind == TOKEN_PAREN_CLOSE || kind == TOKEN_BRACKET_CLOSE;
         if (kind == TOKEN_END) return;
-        advance(parser);
+        consume(parser);
     } while (depth > 0);
 }
 
@@ -303,7 +303,7 @@ void synchronize(Parser *parser, int brackets, uint32_t statement_begin)
             if (kind == TOKEN_BRACE_CLOSE) return;
             if (parser->token.begin > statement_begin && starts_statement(parser, brackets)) return;
         }
-        advance(parser);
+        consume(parser);
         if (kind == TOKEN_PAREN_OPEN || kind == TOKEN_BRACKET_OPEN) brackets++;
         if ((kind == TOKEN_PAREN_CLOSE || kind == TOKEN_BRACKET_CLOSE) && brackets > 0) brackets--;
         if (kind == TOKEN_SEMICOLON && braces == 0) return;

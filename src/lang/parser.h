@@ -45,8 +45,8 @@ typedef struct Parser {
 void parser_init(Parser *parser, File *file, uint32_t source, double unit_m, Diag *diag, SymbolTable *symbols);
 
 /* -- tokens -- */
-void advance(Parser *parser);
-bool accept(Parser *parser, TokenKind kind);
+void consume(Parser *parser);
+bool consume_if(Parser *parser, TokenKind kind);
 /* Consumes a token of that kind, or reports that it is expected behind the previous token. */
 bool expect(Parser *parser, TokenKind kind, const char *context);
 /* Consumes a closing bracket, or reports it as missing with a note on the opening one. */

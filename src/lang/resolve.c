@@ -3,6 +3,7 @@
  * search. Files are resolved one after the other, those that a file imports before itself, each seeing only the
  * predeclared names and those of the prelude from outside.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "base/file.h"
 #include "lang/resolve.h"
 
 #include <math.h>
@@ -518,7 +519,7 @@ static const char *list_rivals(const Resolver *resolver, const File *file, const
 /* A name for the file: that of its text, where it is free. */
 static const char *module_name(const Resolver *resolver, const char *path)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *name = file_name(path);
     size_t n = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_-0123456789");
     bool plain = n > 0 && strcmp(name + n, ".mns") == 0 && !strchr("-0123456789", name[0]);
     char *word = arena_copy_text(resolver->arena, name, n);

@@ -41,31 +41,6 @@ run render small.mns -o b.exr
 cmp -s a.exr b.exr || flunk "not the file that is written by name"
 end
 
-begin "a preview is written while the picture grows, which is the same as without"
-small_scene
-run render small.mns -o a.exr --size 33x22 --spp 9
-run render small.mns -o b.exr --size 33x22 --spp 9 --preview now.png
-exits 0
-[ "$(head -c 4 now.png | od -An -tx1 | tr -d ' ')" = 89504e47 ] || flunk "now.png is no PNG file"
-cmp -s a.exr b.exr || flunk "another picture with a preview"
-run render small.mns -o b.exr --size 33x22 --spp 40 --noise 5% --preview now.exr
-exits 0
-run compare now.exr b.exr --max-rmse 0.002
-exits 0
-no_leftovers
-run render small.mns -o b.exr --preview b.exr
-exits 2
-matches err "'b.exr' is both an output and the preview"
-run render small.mns -o b.exr --preview -
-exits 2
-matches err 'needs a file, not standard output'
-run render small.mns -o b.exr --preview now.jpg
-exits 2
-matches err 'must end in .exr or .png'
-run render small.mns -o b.exr --preview nowhere/now.png
-exits 5
-end
-
 begin "half is smaller than float; of the two the last one counts"
 small_scene
 run render small.mns -o float.exr --size 64x64

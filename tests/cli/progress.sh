@@ -23,28 +23,6 @@ run render small.mns -o a.exr -q
 empty err
 end
 
-# on_terminal TERM ARGUMENT...: runs on a pseudo-terminal, all output to the file out
-on_terminal() {
-    TERM=$1 "$python" - "$program" "$@" <<'PYTHON' > out
-import os, pty, sys
-program, arguments = sys.argv[1], sys.argv[3:]
-child, fd = pty.fork()
-if child == 0:
-    os.execv(program, [program] + arguments)
-data = b""
-try:
-    while True:
-        block = os.read(fd, 65536)
-        if not block:
-            break
-        data += block
-except OSError:
-    pass
-os.waitpid(child, 0)
-sys.stdout.buffer.write(data)
-PYTHON
-}
-
 begin "a bar on a terminal, a plain line on a dumb one"
 long_scene
 on_terminal xterm render long.mns -t 1s -o a.exr

@@ -61,6 +61,28 @@ no_leftovers() { for f in *.tmp; do [ "$f" = '*.tmp' ] || flunk "left behind: $f
 is_json() { "$python" -m json.tool < "$1" > /dev/null 2>&1 || flunk "$1 is not JSON"; }
 python=$(command -v python3 || echo false)
 
+# on_terminal TERM ARGUMENT...: runs on a pseudo-terminal, all output to the file out
+on_terminal() {
+    TERM=$1 "$python" - "$program" "$@" <<'PYTHON' > out
+import os, pty, sys
+program, arguments = sys.argv[1], sys.argv[3:]
+child, fd = pty.fork()
+if child == 0:
+    os.execv(program, [program] + arguments)
+data = b""
+try:
+    while True:
+        block = os.read(fd, 65536)
+        if not block:
+            break
+        data += block
+except OSError:
+    pass
+os.waitpid(child, 0)
+sys.stdout.buffer.write(data)
+PYTHON
+}
+
 # a scene that renders in no time, and one that renders for ever
 small_scene() {
     cat > small.mns <<'SCENE'

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/file_reads.h"
 #include "temporary.h"
 
 static size_t count_entries(void)
@@ -130,12 +131,49 @@ static void test_names(void **state)
     assert_string_equal(file_extension(".hidden"), "");
 }
 
+/* Written over, by another file or in place; gone and there again; missed and there at last. */
+static void test_changes(void **state)
+{
+    (void)state;
+    char *bytes, once[256], late[256];
+    size_t length;
+    Error error;
+    snprintf(once, sizeof once, "%s", in_folder("once"));
+    snprintf(late, sizeof late, "%s", in_folder("late"));
+    file_forget_reads();
+    write_text(once, "one");
+    expect_text(once, "one");
+    assert_true(file_was_read(once));
+    assert_int_equal(file_count_reads(), 1);
+    assert_null(file_find_changed());
+    write_text(once, "one"); /* the same text, but who knows */
+    assert_string_equal(file_find_changed(), once);
+    assert_true(file_renote_reads());
+    assert_false(file_renote_reads());
+    assert_null(file_find_changed());
+    write_bytes(once, "longer", 6);
+    assert_string_equal(file_find_changed(), once);
+    file_forget_reads();
+    assert_false(file_was_read(once));
+    expect_text(once, "longer");
+    assert_int_equal(unlink(once), 0);
+    assert_string_equal(file_find_changed(), once);
+    file_forget_reads();
+    assert_int_equal(file_read(late, 0, &bytes, &length, &error), STATUS_INPUT);
+    assert_int_equal(file_count_reads(), 0);
+    assert_null(file_find_changed());
+    write_text(late, "here");
+    assert_string_equal(file_find_changed(), late);
+    file_forget_reads();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_write_and_read), cmocka_unit_test(test_abandon),
         cmocka_unit_test(test_link_and_mode),  cmocka_unit_test(test_read_failures),
         cmocka_unit_test(test_write_failures), cmocka_unit_test(test_names),
+        cmocka_unit_test(test_changes),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
