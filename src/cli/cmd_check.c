@@ -1,10 +1,8 @@
 /* cmd_check.c - the command check: what is wrong with a scene, and how its objects nest.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
 #include <stdio.h>
 
 #include "base/hash.h"
-#include "base/num.h"
 #include "check/report.h"
 #include "check/sight_line.h"
 #include "cli/check_slice.h"
@@ -19,7 +17,7 @@ typedef struct Check {
     SceneInput input;
     Pool *pool;
     CheckSlice slice;
-    const char *pixel; /* of --pixel; NULL: not asked for */
+    const uint32_t *pixel; /* of --pixel; NULL: not asked for */
     SightLine sight;
     Buf out, report; /* report: of the first frame that could be built, as text or as JSON */
     bool as_json, built;
@@ -88,13 +86,10 @@ static void print_json(void *context)
 /* The line of sight through the middle of a pixel. */
 static Status look_through_pixel(Check *check, Error *error)
 {
-    const char *text = check->pixel;
     const Scene *scene = check->input.scene;
-    double at[2];
-    const char *end = num_parse_list(text, at, 2);
-    bool inside = end && !*end && at[0] >= 0 && at[1] >= 0 && at[0] < scene->film.width && at[1] < scene->film.height;
-    if (!inside || at[0] != floor(at[0]) || at[1] != floor(at[1]))
-        return fail(error, STATUS_USAGE, "option '--pixel': '%s' is no pixel of the picture, 0,0 to %u,%u", text,
+    const uint32_t *at = check->pixel;
+    if (at[0] >= scene->film.width || at[1] >= scene->film.height)
+        return fail(error, STATUS_USAGE, "option '--pixel': %u,%u is no pixel of the picture, 0,0 to %u,%u", at[0], at[1],
                     (unsigned)scene->film.width - 1, (unsigned)scene->film.height - 1);
     FilmPoint point = {at[0] + 0.5, at[1] + 0.5, scene->film.width, scene->film.height};
     const float middle[2] = {0.5f, 0.5f};
@@ -107,7 +102,7 @@ static Status look_through_pixel(Check *check, Error *error)
     Ray ray;
     Footprint footprint;
     if (!camera_ray(&camera, point, middle, &ray, &footprint))
-        return fail(error, STATUS_USAGE, "option '--pixel': %s sees nothing at %s", camera.name, text);
+        return fail(error, STATUS_USAGE, "option '--pixel': %s sees nothing at %u,%u", camera.name, at[0], at[1]);
     return sight_line_find(check->input.compiled, &ray, &check->sight, error);
 }
 
@@ -189,7 +184,7 @@ static Status print_findings(Check *check, bool quiet, Error *error)
 
 Status cmd_check(const Options *options, const Talk *talk, Error *error)
 {
-    Check check = {.as_json = option_given(options, OPTION_JSON), .pixel = option_text(options, OPTION_PIXEL, NULL)};
+    Check check = {.as_json = option_given(options, OPTION_JSON), .pixel = option_given(options, OPTION_PIXEL) ? options->values[OPTION_PIXEL].whole : NULL};
     scene_input_init(&check.input, options, talk);
     Status status = check_slice_init(&check.slice, options, error);
     if (status == STATUS_OK) status = examine(&check, options, error);

@@ -44,9 +44,9 @@ static Status prepare(RenderRun *run, Error *error)
     TRY(render_settings_merge(run, error));
     TRY(preview_open(option_text(options, OPTION_PREVIEW, NULL), file_name(run->input.path), &run->preview, error));
     TRY(render_plan_frames(run, error));
-    if (option_given(options, OPTION_AOV) && !run->plan.has_exr)
+    if (option_given(options, OPTION_AOV) && !run->plan.has_exr && !option_given(options, OPTION_RENDER_PIXEL))
         talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
-    if (run->plan.has_png || preview_is_for_display(&run->preview) || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
+    if (run->plan.has_png || option_given(options, OPTION_RENDER_PIXEL) || preview_is_for_display(&run->preview) || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
         TRY(probe_view(run, error));
     return STATUS_OK;
 }
@@ -147,9 +147,10 @@ static Status keep(RenderRun *run, Error *error)
     if (status != STATUS_OK) talk_error(run->talk, error);
     render_warn(run);
     Status written = render_write_outputs(run, false, error);
+    if (written == STATUS_OK) written = render_print_pixel(run, error);
     if (written == STATUS_OK) written = render_print_stats(run, error);
     if (written == STATUS_OK) {
-        render_summarize(run);
+        if (run->outputs.n) render_summarize(run);
         run->n_rendered++;
     }
     if (status != STATUS_OK) { /* that was said */

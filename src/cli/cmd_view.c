@@ -53,22 +53,25 @@ static void brighten(Image *image, double stops)
         for (size_t c = 0; c < (is_grey ? 1 : 3); c++) image->pixels[i * image->n_channels + (size_t)rgb[c]] *= factor;
 }
 
-static Status write_png(const Options *options, const ColorConfig *config, const Image *image, const char *path, Error *error)
+static Status write_png(const Options *options, const ColorConfig *config, const Image *image, const char *path,
+                        Error *error)
 {
     Image shown;
-    TRY(image_for_display(image, config, option_text(options, OPTION_DISPLAY, NULL), option_text(options, OPTION_VIEW, NULL),
-                          &shown, error));
+    TRY(image_for_display(image, config, option_text(options, OPTION_DISPLAY, NULL),
+                          option_text(options, OPTION_VIEW, NULL), &shown, error));
     Status status = png_write(path, &shown, option_is(options, OPTION_BITS, "16") ? 16 : 8, error);
     image_clear(&shown);
     return status;
 }
 
-static Status show(const Options *options, const ColorConfig *config, const Image *image, const char *where, Error *error)
+static Status show(const Options *options, const ColorConfig *config, const Image *image, const char *where,
+                   Error *error)
 {
     Preview preview;
     Status status = preview_open(where, file_name(options->operands[0]), &preview, error);
     if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
-        status = fail(error, STATUS_USAGE, "option '--preview' of 'view' takes term or tev; '-o %s' writes a file", where);
+        status =
+            fail(error, STATUS_USAGE, "option '--preview' of 'view' takes term or tev; '-o %s' writes a file", where);
     if (status == STATUS_OK)
         status = preview_show(&preview, image, NULL, config, option_text(options, OPTION_DISPLAY, NULL),
                               option_text(options, OPTION_VIEW, NULL), error);

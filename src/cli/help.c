@@ -212,7 +212,7 @@ static const char *kind_name(OptionKind kind)
         [KIND_FOLDER] = "folder",     [KIND_LIST] = "list",       [KIND_OPTIONAL_FILE] = "optional file",
         [KIND_FOLDERS] = "folders",   [KIND_DEFINES] = "defines", [KIND_CHOICE] = "choice",   [KIND_COUNT] = "whole number",
         [KIND_NUMBER] = "number",     [KIND_FRACTION] = "fraction", [KIND_DURATION] = "duration",
-        [KIND_SIZE] = "size",         [KIND_CROP] = "crop",
+        [KIND_SIZE] = "size",         [KIND_CROP] = "crop",         [KIND_PIXEL] = "pixel",
         [KIND_FRAMES] = "frames",     [KIND_SHARD] = "shard",     [KIND_RANGE] = "range",
     };
     return names[kind];

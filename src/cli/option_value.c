@@ -126,6 +126,14 @@ static const char *read_behind(const char *text, const char *separator, uint32_t
     return n ? text + length + n : NULL;
 }
 
+static Status read_pixel(const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    size_t n = read_whole(text, &value->whole[0]);
+    const char *end = n ? read_behind(text + n, ",", &value->whole[1]) : NULL;
+    if (end && !*end) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '%s': '%s' is not X,Y, two whole numbers, such as 320,240", spelled, text);
+}
+
 static Status read_frames(const char *spelled, const char *text, OptionValue *value, Error *error)
 {
     uint32_t *first = &value->whole[0], *last = &value->whole[1], *step = &value->whole[2];
@@ -214,6 +222,7 @@ Status option_value_read(const OptionRow *row, const char *spelled, const char *
     case KIND_DURATION: return read_duration(spelled, text, value, error);
     case KIND_SIZE: return read_size(row, spelled, text, value, error);
     case KIND_CROP: return read_crop(spelled, text, value, error);
+    case KIND_PIXEL: return read_pixel(spelled, text, value, error);
     case KIND_FRAMES: return read_frames(spelled, text, value, error);
     case KIND_SHARD: return read_shard(spelled, text, value, error);
     case KIND_RANGE: return read_range(row, spelled, text, value, error);

@@ -41,6 +41,7 @@ typedef enum OptionKind {
     KIND_DURATION,      /* in seconds */
     KIND_SIZE,          /* WxH */
     KIND_CROP,          /* X0,Y0,X1,Y1 */
+    KIND_PIXEL,         /* X,Y */
     KIND_FRAMES,        /* N, A..B, A..B/STEP: whole holds first, last, step; or all: step is 0 */
     KIND_SHARD,         /* I/N */
     KIND_RANGE          /* A..B */

@@ -118,6 +118,7 @@ Status outputs_plan(OutputPlan *plan, const Options *options, const Scene *scene
     uint32_t last = scene_last_frame(&scene->animation);
     *plan = (OutputPlan){.names = calloc(n + 1, sizeof *plan->names), .numbered = numbered};
     if (!plan->names) return fail_memory(error, (n + 1) * sizeof *plan->names, "the names of outputs");
+    if (!given->n_items && option_given(options, OPTION_RENDER_PIXEL)) return STATUS_OK; /* which is no picture */
     for (size_t i = 0; i < n; i++) TRY(add_name(plan, names[i], numbered, last, error));
     return n ? STATUS_OK : add_default(plan, options->operands[0], numbered, last, error);
 }
@@ -192,6 +193,7 @@ Status outputs_probe(const OutputList *list, Error *error)
 
 bool outputs_exist(const OutputList *list)
 {
+    if (list->n == 0) return false;
     for (size_t i = 0; i < list->n; i++)
         if (is_device(list->items[i].path) || !file_exists(list->items[i].path)) return false;
     return true;
@@ -199,8 +201,8 @@ bool outputs_exist(const OutputList *list)
 
 /* ---- after it ---- */
 
-Status image_for_display(const Image *image, const ColorConfig *color, const char *display, const char *view, Image *shown,
-                         Error *error)
+Status image_for_display(const Image *image, const ColorConfig *color, const char *display, const char *view,
+                         Image *shown, Error *error)
 {
     static const char *const names[] = {"R", "G", "B"};
     int channels[3];

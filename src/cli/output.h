@@ -23,7 +23,7 @@ typedef struct OutputPlan {
     bool has_png, has_exr, numbered;
 } OutputPlan;
 
-/* From -o, else the scene's film, else the scene's name. numbered: a name without '#' gets a row of it, unless it is a
+/* From -o, else the scene's film, else the scene's name; none for a single pixel without -o. numbered: a name without '#' gets a row of it, unless it is a
  * device; the number of the last frame says how long. STATUS_USAGE for an unknown extension, or a picture to a
  * terminal. outputs_plan_clear is due in every case. */
 ATTR_NODISCARD Status outputs_plan(OutputPlan *plan, const Options *options, const Scene *scene, bool numbered,
@@ -41,7 +41,7 @@ void outputs_clear(OutputList *list);
 ATTR_NODISCARD Status outputs_probe(const OutputList *list, Error *error);
 /* Standard output or a device: it takes a picture once. */
 bool output_is_stream(const char *path);
-/* Are all of them there, as files? */
+/* Is there one, and are all of them there, as files? */
 bool outputs_exist(const OutputList *list);
 /* ".exr" is an ending without a name. STATUS_USAGE. */
 ATTR_NODISCARD Status output_check_name(const char *path, Error *error);

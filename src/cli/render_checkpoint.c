@@ -46,8 +46,9 @@ static char *name_beside(const RenderRun *run, const OutputList *outputs)
 
 static Status check_slices(const RenderRun *run, const OutputList *outputs, Error *error)
 {
+    if (!run->slices || outputs->n == 0) return STATUS_OK;
     for (size_t i = 0; i < outputs->n; i++)
-        if (!run->slices || !outputs->items[i].png) return STATUS_OK;
+        if (!outputs->items[i].png) return STATUS_OK;
     return fail(error, STATUS_USAGE, "what '--sample-range' makes is merged from EXR files: name one with '-o'");
 }
 

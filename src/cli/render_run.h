@@ -63,6 +63,11 @@ void render_frames_clear(RenderRun *run);
  * there is no such camera. */
 ATTR_NODISCARD Status render_settings_merge(RenderRun *run, Error *error);
 
+/* The pixel of --pixel as a crop (render_pixel.c). STATUS_USAGE where the picture has none there. */
+ATTR_NODISCARD Status render_merge_pixel(RenderRun *run, Error *error);
+/* Prints what it came to, where it was asked for, on standard output. */
+ATTR_NODISCARD Status render_print_pixel(const RenderRun *run, Error *error);
+
 /* Whether checkpoints are wanted, and whether the options for it agree (render_checkpoint.c). */
 ATTR_NODISCARD Status render_plan_checkpoints(RenderRun *run, Error *error);
 /* Names the checkpoint of a frame, whose outputs are known. */

@@ -161,5 +161,6 @@ Status render_settings_merge(RenderRun *run, Error *error)
     TRY(merge_aovs(run, error));
     TRY(merge_size(run, error));
     TRY(merge_crop(run, error));
+    TRY(render_merge_pixel(run, error));
     return merge_camera(run, error);
 }

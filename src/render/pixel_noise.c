@@ -10,29 +10,59 @@
 
 /* How far neighbours are asked, in pixels: for the variance of samples, and for what evenness leaves of it. */
 enum { NEAR = 3, FAR = 12 };
+/* Of fewer pixels nobody can tell what evenness leaves: their samples are taken as independent, which states too much. */
+enum { FEWEST_TO_ASK = 100 };
 
 /* Of all pixels: the variance of samples; what evenness leaves of it; half the square of the difference of variances from
  * those of pixels that touch; the square of the variance; and what is needed on the way. */
 enum { VARIANCE, EVENNESS, JUMP, SQUARE, OWN, SCRATCH, MAPS };
 
+/* Of the pixels that are rendered: what is beyond a crop is no neighbour. */
 typedef struct Noise {
     const Film *film;
+    uint32_t area[4], width, height; /* x0, y0, x1, y1 */
     size_t n;
     float *maps[MAPS];
 } Noise;
 
+/* false: no pixel has two samples */
+static bool find_area(Noise *noise, const Film *film)
+{
+    *noise = (Noise){.film = film, .area = {film->width, film->height, 0, 0}};
+    bool any = false;
+    for (uint32_t y = 0; y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++) {
+            uint32_t n = film_pixel(film, x, y)->n;
+            if (n == 0) continue;
+            any = any || n > 1;
+            if (x < noise->area[0]) noise->area[0] = x;
+            if (y < noise->area[1]) noise->area[1] = y;
+            if (x >= noise->area[2]) noise->area[2] = x + 1;
+            noise->area[3] = y + 1;
+        }
+    if (!any) return false;
+    noise->width = noise->area[2] - noise->area[0];
+    noise->height = noise->area[3] - noise->area[1];
+    noise->n = (size_t)noise->width * noise->height;
+    return true;
+}
+
+static const FilmPixel *pixel_of(const Noise *noise, size_t i)
+{
+    return film_pixel(noise->film, noise->area[0] + (uint32_t)(i % noise->width), noise->area[1] + (uint32_t)(i / noise->width));
+}
+
 static void ask_around(Noise *noise, int of, uint32_t radius, int answer)
 {
-    mean_around(noise->maps[of], noise->film->width, noise->film->height, radius, noise->maps[SCRATCH],
-                noise->maps[answer]);
+    mean_around(noise->maps[of], noise->width, noise->height, radius, noise->maps[SCRATCH], noise->maps[answer]);
 }
 
 static void ask_samples(Noise *noise, const Evenness *evenness)
 {
     float *variance = noise->maps[VARIANCE], *halves = noise->maps[OWN], *even = noise->maps[EVENNESS];
     for (size_t i = 0; i < noise->n; i++) {
-        const FilmPixel *pixel = &noise->film->pixels[i];
-        uint32_t x = (uint32_t)(i % noise->film->width), y = (uint32_t)(i / noise->film->width);
+        const FilmPixel *pixel = pixel_of(noise, i);
+        uint32_t x = noise->area[0] + (uint32_t)(i % noise->width), y = noise->area[1] + (uint32_t)(i / noise->width);
         double mean, of_samples;
         film_luminance(pixel, &mean, &of_samples);
         variance[i] = of_samples > 0 ? (float)(of_samples * of_samples * pixel->n) : 0;
@@ -41,7 +71,9 @@ static void ask_samples(Noise *noise, const Evenness *evenness)
     }
     ask_around(noise, OWN, FAR, EVENNESS);
     ask_around(noise, VARIANCE, FAR, OWN);
-    for (size_t i = 0; i < noise->n; i++) even[i] = noise->maps[OWN][i] > 0 ? even[i] / noise->maps[OWN][i] : 1;
+    bool few = noise->n < FEWEST_TO_ASK;
+    for (size_t i = 0; i < noise->n; i++)
+        even[i] = noise->maps[OWN][i] > 0 && !few ? even[i] / noise->maps[OWN][i] : 1;
 }
 
 /* What has left a pixel with the samples that it gave away, and what came. */
@@ -51,9 +83,10 @@ static void move_variance(Noise *noise, const Spread *spread)
     for (uint32_t y = spread->area[1]; y < spread->area[3]; y++)
         for (uint32_t x = spread->area[0]; x < spread->area[2]; x++) {
             const SpreadPixel *moved = &spread->pixels[from++];
-            size_t i = (size_t)y * noise->film->width + x;
+            if (x < noise->area[0] || x >= noise->area[2] || y < noise->area[1] || y >= noise->area[3]) continue;
+            size_t i = (size_t)(y - noise->area[1]) * noise->width + (x - noise->area[0]);
             double left = (double)noise->maps[VARIANCE][i] * fmax(1 - moved->taken, 0);
-            noise->maps[VARIANCE][i] = (float)(left + moved->given * noise->film->pixels[i].n);
+            noise->maps[VARIANCE][i] = (float)(left + moved->given * pixel_of(noise, i)->n);
         }
 }
 
@@ -73,7 +106,7 @@ static float jump_at(const float *map, uint32_t width, uint32_t height, uint32_t
 
 static void ask_neighbours(Noise *noise)
 {
-    uint32_t width = noise->film->width, height = noise->film->height;
+    uint32_t width = noise->width, height = noise->height;
     float *variance = noise->maps[VARIANCE], *own = noise->maps[OWN];
     for (size_t i = 0; i < noise->n; i++)
         own[i] = jump_at(variance, width, height, (uint32_t)(i % width), (uint32_t)(i / width));
@@ -90,12 +123,11 @@ static void ask_neighbours(Noise *noise)
 
 Status pixel_noise(const Film *film, const Spread *spread, float *errors, Error *error)
 {
-    Noise noise = {.film = film, .n = (size_t)film->width * film->height};
+    Noise noise;
     Evenness evenness;
-    size_t first = 0;
-    while (first < noise.n && film->pixels[first].n < 2) errors[first++] = 0;
-    if (first == noise.n) return STATUS_OK;
-    TRY(evenness_init(&evenness, film, (uint32_t[4]){0, 0, film->width, film->height}, error));
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++) errors[i] = 0;
+    if (!find_area(&noise, film)) return STATUS_OK;
+    TRY(evenness_init(&evenness, film, noise.area, error));
     float *maps = malloc(MAPS * noise.n * sizeof *maps);
     if (maps) {
         for (int i = 0; i < MAPS; i++) noise.maps[i] = maps + (size_t)i * noise.n;
@@ -104,7 +136,8 @@ Status pixel_noise(const Film *film, const Spread *spread, float *errors, Error 
         ask_neighbours(&noise);
         for (size_t i = 0; i < noise.n; i++) {
             float square = noise.maps[VARIANCE][i] * noise.maps[EVENNESS][i];
-            errors[i] = film->pixels[i].n > 1 ? sqrtf(fmaxf(square, 0) / (float)film->pixels[i].n) : 0;
+            const FilmPixel *pixel = pixel_of(&noise, i);
+            errors[pixel - film->pixels] = pixel->n > 1 ? sqrtf(fmaxf(square, 0) / (float)pixel->n) : 0;
         }
     }
     evenness_clear(&evenness);

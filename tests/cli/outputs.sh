@@ -41,6 +41,33 @@ run render small.mns -o b.exr
 cmp -s a.exr b.exr || flunk "not the file that is written by name"
 end
 
+begin "one pixel is rendered, and its values are printed"
+small_scene
+run render small.mns --pixel 8,5 -s 16 -q
+exits 0
+matches out '^pixel 8,5$'
+matches out '^samples 16$'
+for channel in R G B A noise.Y; do matches out "^$channel [0-9.e-]+$"; done
+matches out '^display #[0-9a-f]{6}$'
+matches out '^R 0*[1-9.]' # there is light
+gone small.exr
+empty err
+run render small.mns --pixel 8,5 -s 16 -q --aov depth -o pixel.exr
+matches out '^Z [0-9.]+$'
+run render small.mns --crop 8,5,9,6 -s 16 -q --aov depth -o crop.exr --fireflies keep
+run compare pixel.exr crop.exr --max-rmse 0
+exits 0
+run render small.mns --pixel 16,5
+exits 2
+says err "16,5 is no pixel of the picture, 0,0 to 15,15"
+run render small.mns --pixel 5
+exits 2
+says err "'5' is not X,Y, two whole numbers, such as 320,240"
+run render small.mns --pixel 5,5 --crop 1,1,2,2
+exits 2
+says err "one of them is too many"
+end
+
 begin "half is smaller than float; of the two the last one counts"
 small_scene
 run render small.mns -o float.exr --size 64x64

@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "near.h"
 #include "render/adapt.h"
+#include "render/pixel_noise.h"
 
 enum { SIDE = 40, MIDDLE = SIDE / 2 };
 static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
@@ -177,12 +178,49 @@ static void without_noise_a_render_ends(void **state)
     film_clear(&film);
 }
 
+/* Of a crop of so many pixels each way, in the corner of a film: the mean of the stated standard errors over the true one, and the
+ * least. */
+static void crop_error(uint32_t side, double *mean, double *least)
+{
+    static const float true_error = 0.5f / 8; /* of 64 samples */
+    Error error;
+    Film film;
+    static float errors[SIDE * SIDE];
+    assert_int_equal(film_init(&film, SIDE, SIDE, &error), STATUS_OK);
+    for (uint32_t y = 0; y < side; y++)
+        for (uint32_t x = SIDE - side; x < SIDE; x++) add(&film, x, y, 64);
+    assert_int_equal(pixel_noise(&film, NULL, errors, &error), STATUS_OK);
+    *mean = 0;
+    *least = 9;
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            double ratio = (double)(errors[y * SIDE + x] / true_error);
+            bool rendered = y < side && x >= SIDE - side;
+            if (!rendered) assert_near(ratio, 0, 1e-9);
+            if (rendered) *mean += ratio / (side * side);
+            if (rendered && ratio < *least) *least = ratio;
+        }
+    film_clear(&film);
+}
+
+static void what_is_beyond_a_crop_is_no_neighbour(void **state)
+{
+    (void)state;
+    double mean, least;
+    for (uint32_t side = 1; side <= MIDDLE; side += 6) {
+        crop_error(side, &mean, &least);
+        printf("        crop of %u x %u: stated over true %.3f, at least %.3f\n", side, side, mean, least);
+        assert_near(mean, 1, 0.25);
+        assert_true(least > 0.7);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_is_the_mean_error),     cmocka_unit_test(samples_go_where_the_noise_is),
         cmocka_unit_test(no_pixel_judges_itself),      cmocka_unit_test(a_number_of_samples_is_shared_out_by_need),
-        cmocka_unit_test(without_noise_a_render_ends),
+        cmocka_unit_test(without_noise_a_render_ends), cmocka_unit_test(what_is_beyond_a_crop_is_no_neighbour),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
