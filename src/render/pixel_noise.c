@@ -49,7 +49,8 @@ static bool find_area(Noise *noise, const Film *film)
 
 static const FilmPixel *pixel_of(const Noise *noise, size_t i)
 {
-    return film_pixel(noise->film, noise->area[0] + (uint32_t)(i % noise->width), noise->area[1] + (uint32_t)(i / noise->width));
+    return film_pixel(noise->film, noise->area[0] + (uint32_t)(i % noise->width),
+                      noise->area[1] + (uint32_t)(i / noise->width));
 }
 
 static void ask_around(Noise *noise, int of, uint32_t radius, int answer)
@@ -72,8 +73,7 @@ static void ask_samples(Noise *noise, const Evenness *evenness)
     ask_around(noise, OWN, FAR, EVENNESS);
     ask_around(noise, VARIANCE, FAR, OWN);
     bool few = noise->n < FEWEST_TO_ASK;
-    for (size_t i = 0; i < noise->n; i++)
-        even[i] = noise->maps[OWN][i] > 0 && !few ? even[i] / noise->maps[OWN][i] : 1;
+    for (size_t i = 0; i < noise->n; i++) even[i] = noise->maps[OWN][i] > 0 && !few ? even[i] / noise->maps[OWN][i] : 1;
 }
 
 /* What has left a pixel with the samples that it gave away, and what came. */

@@ -47,7 +47,7 @@ end
 
 begin "what noise a checkpoint's render is to come to"
 kept_scene
-run render kept.mns -o a.exr -n 0.01% -s 16000000 -t 0.4 --checkpoint 1h -q
+run render kept.mns -o a.exr -n 0.01% -s 16000000 --caustics off -t 0.4 --checkpoint 1h -q
 exits 75
 run info a.checkpoint.exr
 matches out '^state: noise to come to +0\.01 %$'
@@ -64,7 +64,7 @@ end
 
 begin "a time limit leaves a checkpoint, and status 75; more samples can follow"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 -t 0.5 --checkpoint 1h
+run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.5 --checkpoint 1h
 exits 75
 there a.exr
 says err 'a.checkpoint.exr is there to go on from with --resume'
@@ -73,7 +73,7 @@ exits 0
 matches out '^state: samples +1\.\.16000000 of 16000000$'
 run view a.checkpoint.exr -o a.png
 exits 0
-run render kept.mns -o a.exr -s 16000000 -t 0.5
+run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.5
 exits 0
 there a.checkpoint.exr
 run render kept.mns -o a.exr --checkpoint 1h -s 4
@@ -124,10 +124,10 @@ end
 
 begin "another scene or other settings: what has changed"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
+run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --checkpoint 1h -q
 exits 75
 # changed TEXT ARGUMENT...: the error says TEXT
-changed() { wanted=$1; shift; run render "$@" -o a.exr -s 16000000 -t 0.3 --resume; exits 4; says err "$wanted"; says err "cannot go on from 'a.checkpoint.exr'"; }
+changed() { wanted=$1; shift; run render -o a.exr -s 16000000 --caustics off -t 0.3 --resume "$@"; exits 4; says err "$wanted"; says err "cannot go on from 'a.checkpoint.exr'"; }
 changed 'seed: 7 in this render, 0 in the checkpoint' kept.mns --seed 7
 changed 'size: 20 x 15 in this render, 40 x 30 in the checkpoint' kept.mns --scale 50%
 changed 'crop: 0,0,8,8 in this render, 0,0,0,0 in the checkpoint' kept.mns --crop 0,0,8,8
@@ -136,7 +136,7 @@ changed 'nesting: entered' kept.mns --nesting entered
 changed 'fireflies: keep' kept.mns --fireflies keep
 changed 'denoise: on' kept.mns --denoise on
 changed 'adaptive: on' kept.mns --adaptive on
-changed 'caustics: off' kept.mns --caustics off
+changed 'caustics: on' kept.mns --caustics on
 changed ': its media (' kept.mns --set glass.ior=1.6
 changed ': the objects of the scene (' kept.mns --set lamp.radius=.4
 sed 's/albedo = .5/albedo = .6/' kept.mns > other.mns
@@ -148,17 +148,17 @@ changed ': its cameras (' other.mns
 sed 's/film/environment { color = .1 }\nfilm/' kept.mns > other.mns
 changed 'its environment' other.mns
 sed 's/sphere ball/\/\/ another text, the same scene\nsphere ball/' kept.mns > other.mns
-run render other.mns -o a.exr -s 16000000 -t 0.3 --resume
+run render other.mns -o a.exr -s 16000000 --caustics off -t 0.3 --resume
 exits 75
 changed 'samples: 1..64 of 16000000 in this render' kept.mns --sample-range 1..64
 end
 
 begin "files that are no checkpoints, or not whole"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
+run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --checkpoint 1h -q
 exits 75
 mv a.checkpoint.exr whole.exr
-resume() { run render kept.mns -o a.exr -s 16000000 -t 0.3 --resume; }
+resume() { run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --resume; }
 size=$(wc -c < whole.exr)
 for n in 0 3 100 1000 $((size / 2)) $((size - 1)); do
     head -c "$n" whole.exr > a.checkpoint.exr
@@ -183,9 +183,9 @@ end
 
 begin "an earlier checkpoint stays where a new one cannot be written"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
+run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --checkpoint 1h -q
 cp a.checkpoint.exr before.exr
-(ulimit -f 20; "$program" render kept.mns -o a.exr -s 16000000 -t 0.5 --resume > out 2> err)
+(ulimit -f 20; "$program" render kept.mns -o a.exr -s 16000000 --caustics off -t 0.5 --resume > out 2> err)
 status=$?
 exits 5
 cmp -s a.checkpoint.exr before.exr || flunk "the checkpoint was touched"
