@@ -14,7 +14,7 @@
 #include "base/array.h"
 #include "base/file_reads.h"
 
-enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 32 };
+enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 40, LONGEST_NAME = 255 };
 
 /* ---- which file it is ---- */
 
@@ -200,24 +200,38 @@ static char *followed(const char *path)
     return copy_of(path);
 }
 
-/* Makes an empty file beside target under a name that nothing else has. */
-static Status create_beside(const char *target, const char *shown, char **temporary, int *descriptor, Error *error)
+/* NAME.PROCESS-ATTEMPT.tmp, of a name that leaves no room for that its beginning, up to a whole character of UTF-8. */
+char *file_temporary_name(const char *path, int attempt)
 {
-    size_t size = strlen(target) + TEMPORARY_SUFFIX_ROOM;
-    char *name = malloc(size);
-    if (!name) return fail_memory(error, size, "a file name");
+    char *target = followed(path), suffix[TEMPORARY_SUFFIX_ROOM];
+    if (!target) return NULL;
+    int suffix_length = snprintf(suffix, sizeof suffix, ".%ld-%d.tmp", (long)getpid(), attempt);
+    const char *name = file_name(target);
+    size_t length = strlen(name), most = (size_t)(LONGEST_NAME - suffix_length);
+    if (length > most)
+        for (length = most; length > 0 && ((unsigned char)name[length] & 0xc0) == 0x80;) length--;
+    size_t size = (size_t)(name - target) + length + sizeof suffix;
+    char *temporary = malloc(size);
+    if (temporary) snprintf(temporary, size, "%.*s%s", (int)((size_t)(name - target) + length), target, suffix);
+    free(target);
+    return temporary;
+}
+
+/* Makes an empty file under a temporary name that nothing else has. */
+static Status create_beside(const char *path, char **temporary, int *descriptor, Error *error)
+{
     for (int attempt = 0; attempt < TEMPORARY_TRIES; attempt++) {
-        snprintf(name, size, "%s.%ld-%d.tmp", target, (long)getpid(), attempt);
-        *descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (*descriptor >= 0) {
-            *temporary = name;
-            return STATUS_OK;
-        }
-        if (errno != EEXIST) break;
+        *temporary = file_temporary_name(path, attempt);
+        if (!*temporary) return fail_memory(error, strlen(path), "a file name");
+        *descriptor = open(*temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (*descriptor >= 0) return STATUS_OK;
+        int reason = errno;
+        free(*temporary);
+        *temporary = NULL;
+        errno = reason;
+        if (reason != EEXIST) break;
     }
-    int reason = errno;
-    free(name);
-    return cannot_write(error, shown, reason);
+    return cannot_write(error, path, errno);
 }
 
 /* The rename itself is on disk only when its folder is. A folder that cannot be opened is no failure: the file
@@ -260,10 +274,7 @@ Status file_create(FileOut *out, const char *path, Error *error)
     } else if (out->plain) {
         descriptor = open(path, O_WRONLY | O_CLOEXEC);
     } else {
-        char *target = followed(path);
-        Status status = target ? create_beside(target, path, &out->temporary, &descriptor, error)
-                               : fail_memory(error, strlen(path) + 1, "a file name");
-        free(target);
+        Status status = create_beside(path, &out->temporary, &descriptor, error);
         if (status != STATUS_OK) {
             file_abandon(out);
             return status;

@@ -31,6 +31,9 @@ typedef struct FileOut {
     bool plain;             /* "-", or a device such as /dev/full: written in place, no rename */
 } FileOut;
 
+/* The names of temporary files for a path, the attempts from 0 on, of which the first that is free is used: in its folder, or that of
+ * the file that it links to. malloc'd; NULL when memory ends. */
+char *file_temporary_name(const char *path, int attempt);
 ATTR_NODISCARD Status file_create(FileOut *out, const char *path, Error *error);
 /* Flush, sync, close, rename. On failure the temporary file is gone, and what stood under the name
  * before is as it was. STATUS_OUTPUT. */

@@ -11,7 +11,7 @@
 
 #include "base/file.h"
 
-enum { TEMPORARY_TRIES = 4, NAME_ROOM = 32 };
+enum { TEMPORARY_TRIES = 4 };
 /* timeout(1) sends each signal twice, to the process and to its group; nobody means that as a second one. */
 static const double one_signal_s = 0.1;
 
@@ -61,23 +61,17 @@ static void handle(int number)
     end_by(number);
 }
 
-/* base/file.c names a temporary file PATH.PROCESS-ATTEMPT.tmp, beside what a symbolic link leads to. */
 static void remember_temporaries(const char *output)
 {
-    char *target = file_real_path(output);
-    const char *path = target ? target : output;
-    size_t size = strlen(path) + NAME_ROOM;
     for (int attempt = 0; attempt < TEMPORARY_TRIES; attempt++) {
-        char *name = malloc(size);
+        char *name = file_temporary_name(output, attempt);
         if (!name) break; /* only tidiness after a second signal is lost */
-        snprintf(name, size, "%s.%ld-%d.tmp", path, (long)getpid(), attempt);
         struct stat info;
         if (stat(name, &info) == 0)
             free(name);
         else
             temporaries[n_temporaries++] = name;
     }
-    free(target);
 }
 
 Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, SignalsKeep keep, Error *error)

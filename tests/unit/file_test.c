@@ -131,6 +131,27 @@ static void test_names(void **state)
     assert_string_equal(file_extension(".hidden"), "");
 }
 
+/* The name of the temporary file is longer than that of the file, and must not be too long. */
+static void test_long_names(void **state)
+{
+    (void)state;
+    for (size_t length = 235; length <= 255; length++) {
+        char name[256] = "", path[300];
+        for (size_t i = 0; i + 2 <= length; i += 2) memcpy(name + i, "\xc3\xa9", 3);
+        if (length % 2) strcat(name, "x");
+        snprintf(path, sizeof path, "%s/%s", folder, name);
+        write_text(path, "long");
+        expect_text(path, "long");
+        assert_int_equal(unlink(path), 0);
+    }
+    char *first = file_temporary_name("a/b.exr", 3), *second = file_temporary_name("b.exr", 0);
+    assert_int_equal(strncmp(first, "a/b.exr.", 8), 0);
+    assert_string_equal(first + strlen(first) - 6, "-3.tmp");
+    assert_int_equal(strncmp(second, "b.exr.", 6), 0);
+    free(first);
+    free(second);
+}
+
 /* Written over, by another file or in place; gone and there again; missed and there at last. */
 static void test_changes(void **state)
 {
@@ -173,7 +194,7 @@ int main(void)
         cmocka_unit_test(test_write_and_read), cmocka_unit_test(test_abandon),
         cmocka_unit_test(test_link_and_mode),  cmocka_unit_test(test_read_failures),
         cmocka_unit_test(test_write_failures), cmocka_unit_test(test_names),
-        cmocka_unit_test(test_changes),
+        cmocka_unit_test(test_changes),        cmocka_unit_test(test_long_names),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
