@@ -174,9 +174,3 @@ RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t he
     image_clear(&image);
     return stats;
 }
-
-const char *file_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}

@@ -4,6 +4,7 @@
 #ifndef MEN_TEST_MEASURE_H
 #define MEN_TEST_MEASURE_H
 
+#include "base/file.h"
 #include "render/render.h"
 #include "scene/build.h"
 
@@ -46,8 +47,6 @@ RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint3
 /* The same, and throws the picture away. */
 RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples, Pool *pool);
 Pool *pool_of(unsigned threads);
-/* What follows the last '/'. */
-const char *file_name(const char *path);
 
 /* ---- the benchmarks; see the table in bench.c ---- */
 
