@@ -14,7 +14,7 @@ count() {
   samples=$1
   shift
   valgrind --tool=callgrind --callgrind-out-file="$folder/out" "$program" render "$@" --size 64x48 -s "$samples" -j1 -q \
-    -o "$folder/picture.exr" 2> "$folder/log" || { cat "$folder/log"; exit 1; }
+    --denoise off -o "$folder/picture.exr" 2> "$folder/log" || { cat "$folder/log"; exit 1; }
 }
 
 for scene; do
