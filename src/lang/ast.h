@@ -255,6 +255,7 @@ struct Stmt {
             Symbol *name; /* use ... as name */
             Span name_span;
             bool include;
+            bool used;  /* something that it brought is */
             File *file; /* NULL after a mistake */
         } import;
     } as;

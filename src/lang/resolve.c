@@ -18,7 +18,7 @@ const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "fra
 struct Scope {
     Scope *outer;
     Binding *bindings;
-    const Stmt *at; /* being resolved */
+    Stmt *at; /* being resolved */
 };
 
 /* ---- scopes ---- */
@@ -30,10 +30,55 @@ void scope_begin(Resolver *resolver)
     resolver->scope = scope;
 }
 
+void binding_use(Binding *binding)
+{
+    binding->used = true;
+    if (binding->import) binding->import->as.import.used = true;
+}
+
+/* A file at whose top nothing is placed, set or run is there for others, which use its functions and set its parameters. */
+static bool is_library(const Schema *schema, const File *file)
+{
+    for (const Stmt *stmt = file->block->first; stmt; stmt = stmt->next) {
+        const NodeExpr *node = stmt->kind == STMT_NODE ? stmt->as.node : NULL;
+        const NodeType *type = node && node->path.n == 1 ? schema_node(schema, node->path.names[0]->text) : NULL;
+        bool declares = type ? !(type->flags & (NODE_PLACED | NODE_SINGLE))
+                             : stmt->kind == STMT_EMPTY || stmt->kind == STMT_BIND || stmt->kind == STMT_PARAM ||
+                                   stmt->kind == STMT_DEF || stmt->kind == STMT_DEFAULTS ||
+                                   (stmt->kind == STMT_IMPORT && !stmt->as.import.include);
+        if (!declares) return false;
+    }
+    return true;
+}
+
+/* Of a file of which nothing is used. */
+static void report_unused_file(Resolver *resolver, Stmt *import)
+{
+    const char *text = import->as.import.text;
+    const Symbol *name = import->as.import.name;
+    Diagnostic *report =
+        name ? diag_report(resolver->diag, D_UNUSED_NAME, import->as.import.name_span, "'%s' is never used", name->text)
+             : diag_report(resolver->diag, D_UNUSED_NAME, import->as.import.text_span,
+                           "nothing that \"%s\" declares is used", text);
+    if (!is_library(resolver->schema, import->as.import.file))
+        diag_hint(resolver->diag, report, "'use' brings names alone; to place what the file places: include \"%s\"",
+                  text);
+    import->as.import.used = true; /* it is one mistake, of however many names */
+}
+
 static void report_unused(Resolver *resolver, const Binding *binding)
 {
     const char *name = binding->symbol->text;
     const Binding *outer = binding->shadowed;
+    if (binding->import) {
+        if (!binding->import->as.import.used) report_unused_file(resolver, binding->import);
+        return;
+    }
+    if (binding->param) {
+        diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "param '%s' is never used: to set it changes nothing",
+                    name);
+        return;
+    }
     Diagnostic *report = diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "'%s' is never used", name);
     if (!outer || !outer->has_span || outer->kind != BINDING_SLOT || outer->span.source != binding->span.source) return;
     diag_hint(resolver->diag, report,
@@ -116,8 +161,9 @@ bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol
 {
     Span span;
     for (const Scope *scope = resolver->scope; scope; scope = scope->outer)
-        for (const Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
+        for (Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
             if (declared_by(stmt, &span) != symbol) continue;
+            if (stmt->kind == STMT_IMPORT) stmt->as.import.used = true;
             diag_note(resolver->diag, report, span, "it is declared only here");
             return true;
         }
@@ -141,12 +187,20 @@ void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong)
 
 static void resolve_stmts(Resolver *resolver, Stmt *first);
 
+/* Whether what is declared here and not used is reported. What stands at the top of a file may be meant for others. */
+static bool warns_here(const Resolver *resolver, bool of_library)
+{
+    if (resolver->scope->outer && resolver->scope->outer->outer) return true;
+    return resolver->warns_unused && !(of_library && resolver->library_itself);
+}
+
 static void declare_defs(Resolver *resolver, Stmt *first)
 {
     for (Stmt *stmt = first; stmt; stmt = stmt->next) {
         if (stmt->kind != STMT_DEF) continue;
         Binding *binding = scope_declare(resolver, stmt->as.def->name, BINDING_DEF, stmt->as.def->span);
         binding->def = stmt->as.def;
+        binding->warns = warns_here(resolver, true);
         stmt->as.def->level = resolver->level;
     }
 }
@@ -167,7 +221,8 @@ static void resolve_bind(Resolver *resolver, Stmt *stmt)
     Binding *binding = stmt->as.bind.name->binding;
     binding->variable = stmt->as.bind.variable;
     binding->constant = stmt->kind == STMT_BIND && !stmt->as.bind.variable;
-    binding->warns = stmt->kind == STMT_BIND && (resolver->scope->outer->outer || resolver->warns_unused);
+    binding->param = stmt->kind == STMT_PARAM;
+    binding->warns = warns_here(resolver, binding->param);
 }
 
 static void resolve_assign(Resolver *resolver, Stmt *stmt)
@@ -382,11 +437,14 @@ static void resolve_def(Resolver *resolver, Def *def)
     resolver->def = def;
     resolver->context = CONTEXT_FREE;
     resolver->context_type = NULL;
+    Binding *binding = def->name->binding;
+    bool used = binding && binding->used;
     scope_begin(resolver);
     resolve_formals(resolver, def);
     if (def->body) resolve_expr(resolver, def->body);
     if (def->block) resolve_stmts(resolver, def->block->first);
     scope_end(resolver);
+    if (binding) binding->used = used; /* that it calls itself does not count */
     def->n_slots = resolver->n_slots;
     resolver->level = outer.level;
     resolver->n_slots = outer.n_slots;
@@ -554,8 +612,9 @@ static void report_rivals(Resolver *resolver, const Stmt *stmt, const File *file
     }
 }
 
-static void declare_alias(Resolver *resolver, const Export *export, const File *file, Span span)
+static void declare_alias(Resolver *resolver, const Export *export, Stmt *stmt)
 {
+    Span span = stmt->as.import.text_span;
     const Binding *target = export->binding, *old = export->symbol->binding, *rival = rival_of(resolver, export);
     if (!rival && old && old->scope == resolver->scope) return;
     if (rival && !rival->from) report_again(resolver, rival, span);
@@ -566,7 +625,9 @@ static void declare_alias(Resolver *resolver, const Export *export, const File *
     binding->def = target->def;
     binding->module = target->module;
     binding->poison = target->poison;
-    binding->from = file;
+    binding->from = stmt->as.import.file;
+    binding->import = stmt->as.import.include ? NULL : stmt;
+    binding->warns = binding->import && warns_here(resolver, false);
 }
 
 static void resolve_import(Resolver *resolver, Stmt *stmt)
@@ -579,11 +640,12 @@ static void resolve_import(Resolver *resolver, Stmt *stmt)
     if (stmt->as.import.name) {
         Binding *binding = scope_declare(resolver, stmt->as.import.name, BINDING_MODULE, stmt->as.import.name_span);
         binding->module = file;
+        binding->import = stmt;
+        binding->warns = warns_here(resolver, false);
         return;
     }
     report_rivals(resolver, stmt, file);
-    for (uint32_t i = 0; i < file->n_exports; i++)
-        declare_alias(resolver, &file->exports[i], file, stmt->as.import.text_span);
+    for (uint32_t i = 0; i < file->n_exports; i++) declare_alias(resolver, &file->exports[i], stmt);
 }
 
 static void resolve_kids(Resolver *resolver, Stmt *stmt)
@@ -691,6 +753,7 @@ void resolve_file(Resolver *resolver, File *file, bool warns_unused)
     const DiagChain *chain = resolver->diag->chain;
     resolver->diag->chain = file->chain;
     resolver->warns_unused = warns_unused;
+    resolver->library_itself = is_library(resolver->schema, file);
     scope_begin(resolver);
     resolve_stmts(resolver, file->block->first);
     for (size_t i = 0; warns_unused && i < resolver->n_late; i++) resolve_define(resolver, resolver->late[i]);

@@ -19,12 +19,14 @@ struct Binding {
     BindingKind kind;
     bool has_span, variable, used, warns;
     bool constant; /* declared by let */
+    bool param;
     bool poison;   /* by a statement that was wrong: whatever uses it is silent */
     Span span;
     uint32_t level, index;  /* BINDING_SLOT */
     Def *def;
     File *module;
     const File *from; /* that a use without a name brought it from; NULL: declared here */
+    Stmt *import;     /* that brought it: by its name, or one of its names; NULL: declared here */
 };
 
 /* Which slots the predeclared names have: the first of the globals. */
@@ -62,6 +64,7 @@ typedef struct Resolver {
     Symbol **defaults;      /* by row of the schema: the name of the slot of a type's defaults; NULL until there are any */
     const struct EvalLibrary *library; /* files of the program, for hints; NULL: none */
     bool warns_unused;      /* of names at the top of the present file */
+    bool library_itself;    /* it only declares, for others */
     Expr **late;            /* expressions that see all that the scene declares at its top (--set) */
     size_t n_late;
     unsigned n_unchanged;   /* statements that were to change something, and were refused */
@@ -89,6 +92,7 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression);
 void resolve_block(Resolver *resolver, Block *block);
 void scope_begin(Resolver *resolver);
 void scope_end(Resolver *resolver);
+void binding_use(Binding *binding); /* notes that something uses it */
 Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span);
 Slot slot_of(const Resolver *resolver, const Binding *binding);
 void resolve_defaults_of(Resolver *resolver, NodeExpr *node);

@@ -54,7 +54,8 @@ void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong
     free(words.items);
     if (nearest) {
         diag_hint(resolver->diag, report, "did you mean '%s'?", nearest);
-        const Binding *binding = symbol_of(resolver->symbols, nearest, strlen(nearest))->binding;
+        Binding *binding = symbol_of(resolver->symbols, nearest, strlen(nearest))->binding;
+        if (binding) binding_use(binding); /* that nothing uses it would be the same mistake */
         if (binding && binding->has_span && binding->span.source == report->span.source)
             diag_note(resolver->diag, report, binding->span, "'%s' is declared here", nearest);
     }
@@ -116,6 +117,7 @@ static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol, 
 {
     const char *folder = "", *name = symbol->text;
     if (member->binding && member->binding->has_span) { /* by a use without 'as' */
+        binding_use(member->binding);
         diag_hint(resolver->diag, report, "write: %s, without '%s.'", member->text, name);
         return;
     }
@@ -152,7 +154,7 @@ static void hint_at_call(Resolver *resolver, Diagnostic *report, const Def *def,
 static Binding *resolve_path(Resolver *resolver, const Path *path)
 {
     Binding *binding = path->names[0]->binding;
-    if (binding) binding->used = true;
+    if (binding) binding_use(binding);
     for (uint32_t i = 1; i < path->n; i++) {
         if (!binding || binding->kind != BINDING_MODULE) {
             Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, path->span, "'%s' is no file in use",
@@ -193,7 +195,7 @@ static void resolve_name(Resolver *resolver, Expr *expr)
 {
     Symbol *symbol = expr->as.name.symbol;
     Binding *binding = symbol->binding;
-    if (binding) binding->used = true;
+    if (binding) binding_use(binding);
     if (binding && binding->kind == BINDING_SLOT && !binding->poison) {
         make_variable(resolver, expr, binding, symbol);
         return;
@@ -233,7 +235,7 @@ static const File *module_of(Resolver *resolver, const Expr *expr)
     if (expr->kind == EXPR_NAME) {
         Binding *binding = expr->as.name.symbol->binding;
         if (!binding || binding->kind != BINDING_MODULE) return NULL;
-        binding->used = true;
+        binding_use(binding);
         return binding->module;
     }
     if (expr->kind != EXPR_MEMBER) return NULL;
@@ -413,7 +415,7 @@ static const Binding *callee_binding(Resolver *resolver, const Expr *callee, boo
     *silent = false;
     if (callee->kind == EXPR_NAME) {
         Binding *binding = callee->as.name.symbol->binding;
-        if (binding) binding->used = true;
+        if (binding) binding_use(binding);
         return binding;
     }
     if (callee->kind != EXPR_MEMBER) return NULL;

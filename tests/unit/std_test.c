@@ -10,6 +10,7 @@
 
 #define USE                                                                                                            \
     "meniscus 1.0 unit mm use \"std/media.mns\" as media use \"std/gems.mns\" as gems "                                \
+    "def _uses_both() { gems.rose(interior = media.water) } "                                                          \
     "camera { from = <0, 0, 900> } environment { } "
 
 static void build(Fixture *f, const char *text)
