@@ -140,12 +140,12 @@ static Status keep_findings(Check *check, Status status, Error *error)
     return scene_input_gather(&check->input, error);
 }
 
-/* What is a mistake whichever frames are rendered; of the outputs, where several are. */
+/* What is a mistake whichever frames are rendered: all of them, where the options do not say, as render does. */
 static Status examine_others(Check *check, const Options *options, Error *error)
 {
     FrameList all;
     TRY(frames_choose(options, &check->input.instant.animation, true, &all, error));
-    return other_frames_check(&check->input, &all, check->frames.n > 1, error);
+    return other_frames_check(&check->input, &all, true, error);
 }
 
 static Status examine(Check *check, const Options *options, Error *error)

@@ -1,9 +1,14 @@
-/* other_frames.c - what must be the same in all frames, looked at in the last two. To evaluate a scene takes little beside
- * compiling and rendering it, but would take long for a thousand frames; two tell odd from even ones.
+/* other_frames.c - what must be the same in all frames, looked at in the last two, which tell odd from even ones, and then
+ * in as many others as are soon evaluated. To evaluate a scene takes little beside compiling and rendering it, but may take
+ * long for a thousand frames.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "cli/other_frames.h"
 
 #include <string.h>
+
+/* What the frames between may take together, so that nobody waits for them: each of its steps, and by its memory what it
+ * takes to read and to make. Counted, and not timed, so that the same frames are looked at on any machine. */
+static const double most_work = 3e6, work_per_byte = 0.02;
 
 typedef struct OtherFrame {
     SceneInput *from;
@@ -53,8 +58,8 @@ static void take_reports(void *context)
     diag_merge(&other->from->diag, &other->input.diag);
 }
 
-/* Other mistakes of the frame are its own, and reported in its turn. */
-static Status look_at(SceneInput *from, uint32_t frame, bool outputs, Error *error)
+/* Other mistakes of the frame are its own, and reported in its turn. Adds to *work what it took. */
+static Status look_at(SceneInput *from, uint32_t frame, bool outputs, double *work, Error *error)
 {
     OtherFrame other = {.from = from};
     EvalResult result = {0};
@@ -67,6 +72,7 @@ static Status look_at(SceneInput *from, uint32_t frame, bool outputs, Error *err
     scene_input_next(&other.input, frame);
     Status status = scene_input_evaluate(&other.input, &result, &own);
     buf_clear(&result.printed);
+    *work += (double)result.steps + work_per_byte * (double)other.input.arena.total;
     other.film = find_film(&result);
     other.output = other.film ? eval_prop(other.film, "output") : NULL;
     bool differs = status == STATUS_OK && outputs && !same_outputs(&from->scene->film, other.output);
@@ -81,9 +87,25 @@ static Status look_at(SceneInput *from, uint32_t frame, bool outputs, Error *err
     return status;
 }
 
+/* Between the first and the last two, coarsely at first, so that a change that lasts is met early: the odd multiples of
+ * ever smaller steps. */
+static Status look_between(SceneInput *input, const FrameList *frames, bool outputs, Error *error)
+{
+    double work = 0;
+    uint64_t n = frames->n - 2, step = 1; /* 0 and those from n on are known */
+    while (step * 2 < n) step *= 2;
+    for (; step > 0; step /= 2)
+        for (uint64_t i = step; i < n; i += 2 * step) {
+            if (work > most_work) return STATUS_OK;
+            TRY(look_at(input, frames_at(frames, (uint32_t)i), outputs, &work, error));
+        }
+    return STATUS_OK;
+}
+
 Status other_frames_check(SceneInput *input, const FrameList *frames, bool outputs, Error *error)
 {
+    double work = 0;
     for (uint32_t i = 0; i < 2 && i + 1 < frames->n; i++)
-        TRY(look_at(input, frames_at(frames, frames->n - 1 - i), outputs, error));
-    return STATUS_OK;
+        TRY(look_at(input, frames_at(frames, frames->n - 1 - i), outputs, &work, error));
+    return frames->n > 3 ? look_between(input, frames, outputs, error) : STATUS_OK;
 }

@@ -445,6 +445,7 @@ static void give_result(const Loader *loader, Evaluator *evaluator, const File *
     if (loader->n_paths) memcpy(files, loader->paths, loader->n_paths * sizeof *files);
     result->files = files;
     result->n_files = loader->n_paths;
+    result->steps = evaluator->steps;
     result->printed = evaluator->printed;
 }
 

@@ -168,6 +168,7 @@ typedef struct EvalResult {
     size_t n_files;
     EvalParam *params;
     size_t n_params;
+    uint64_t steps; /* that it took; see EvalLimits */
     Buf printed; /* what print() said; buf_clear it */
 } EvalResult;
 

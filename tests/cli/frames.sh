@@ -138,6 +138,14 @@ run check --frame 2 bad.mns
 exits 0
 run render bad.mns --frames 1..2 -o own.#.exr
 exits 0
+sed 's/frame == 1/frame != 4/' bad.mns > middle.mns
+for command in 'check' 'check --frames all' 'render'; do
+    run $command middle.mns
+    exits 3
+    says err '[clock-dependent]'
+    says err 'in frame 4'
+done
+gone a.0001.exr
 sed 's/frames = 6/frames = 5 + frame/' moving.mns > bad.mns
 run render bad.mns
 exits 3
