@@ -282,6 +282,11 @@ static size_t scan_exponent(const char *text, size_t length, int *exponent)
 
 size_t num_parse(const char *text, size_t length, double *value)
 {
+    return num_parse_shifted(text, length, 0, value);
+}
+
+size_t num_parse_shifted(const char *text, size_t length, int power, double *value)
+{
     size_t i = 0;
     bool negative = false;
     if (i < length && (text[i] == '+' || text[i] == '-')) negative = text[i++] == '-';
@@ -311,6 +316,7 @@ size_t num_parse(const char *text, size_t length, double *value)
     size_t end_of_digits = i;
     int written_exponent = 0;
     if (i < length && (text[i] == 'e' || text[i] == 'E')) i += scan_exponent(text + i, length - i, &written_exponent);
+    written_exponent += power;
     scan.exponent += written_exponent;
     double result = value_of(&scan, text + first, end_of_digits - first, written_exponent);
     *value = negative ? -result : result;

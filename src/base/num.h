@@ -15,13 +15,15 @@ enum { NUM_TEXT_SIZE = 32 };
  * followed by another '.' is not part of the number ("1..5" reads 1), and neither is an 'e' without digits.
  * Too large gives INFINITY, too small 0. */
 size_t num_parse(const char *text, size_t length, double *value);
+/* The same, times that power of ten, and rounded once: "92" with -1 is 9.2. */
+size_t num_parse_shifted(const char *text, size_t length, int power, double *value);
 /* n finite numbers with commas between them; returns where reading stopped, NULL when there are not as many. */
 const char *num_parse_list(const char *text, double *numbers, int n);
 
 /* Writes value, terminated, and returns its length: "0.1", "-3", "1e+20" is "1e20", "inf", "-inf", "nan". */
 size_t num_print(double value, char out[NUM_TEXT_SIZE]);
-/* The same for people, without the noise of rounding behind the 15th digit: 92mm in centimetres is 9.2, and not
- * 9.200000000000001. */
+/* The same for people, without the noise of rounding behind the 15th digit: 0.1 + 0.2 is 0.3, and not
+ * 0.30000000000000004. */
 size_t num_print_rounded(double value, char out[NUM_TEXT_SIZE]);
 
 #endif

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "lang/lex.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -12,15 +13,24 @@
 
 enum { LONGEST_UNIT = 4 };
 
+/* clang-format off */
 static const UnitType unit_table[] = {
-    {"nm", UNIT_LENGTH, 1e-9},    {"um", UNIT_LENGTH, 1e-6},
-    {"mm", UNIT_LENGTH, 1e-3},    {"cm", UNIT_LENGTH, 1e-2},
-    {"m", UNIT_LENGTH, 1},        {"km", UNIT_LENGTH, 1e3},
-    {"in", UNIT_LENGTH, 25.4e-3}, {"ft", UNIT_LENGTH, 0.3048},
-    {"deg", UNIT_ANGLE, 1},       {"rad", UNIT_ANGLE, 57.29577951308232},
-    {"turn", UNIT_ANGLE, 360},    {"ms", UNIT_TIME, 1e-3},
-    {"s", UNIT_TIME, 1},          {"K", UNIT_KELVIN, 1},
+    {"nm", UNIT_LENGTH, 1e-9, 1, -9},
+    {"um", UNIT_LENGTH, 1e-6, 1, -6},
+    {"mm", UNIT_LENGTH, 1e-3, 1, -3},
+    {"cm", UNIT_LENGTH, 1e-2, 1, -2},
+    {"m", UNIT_LENGTH, 1, 1, 0},
+    {"km", UNIT_LENGTH, 1e3, 1, 3},
+    {"in", UNIT_LENGTH, 25.4e-3, 254, -4},
+    {"ft", UNIT_LENGTH, 0.3048, 3048, -4},
+    {"deg", UNIT_ANGLE, 1, 1, 0},
+    {"rad", UNIT_ANGLE, 57.29577951308232, 57.29577951308232, 0},
+    {"turn", UNIT_ANGLE, 360, 360, 0},
+    {"ms", UNIT_TIME, 1e-3, 1, -3},
+    {"s", UNIT_TIME, 1, 1, 0},
+    {"K", UNIT_KELVIN, 1, 1, 0},
 };
+/* clang-format on */
 
 const UnitType *unit_of(const char *text, size_t length)
 {
@@ -44,11 +54,33 @@ const char *unit_list(Arena *arena, PropUnit measure)
     return list;
 }
 
-const char *unit_of_length(double size_m)
+static const UnitType *length_unit(double size_m)
 {
     for (size_t i = 0; i < COUNT_OF(unit_table); i++)
-        if (unit_table[i].measure == UNIT_LENGTH && unit_table[i].size == size_m) return unit_table[i].name;
+        if (unit_table[i].measure == UNIT_LENGTH && unit_table[i].size == size_m) return &unit_table[i];
     return NULL;
+}
+
+const char *unit_of_length(double size_m)
+{
+    const UnitType *unit = length_unit(size_m);
+    return unit ? unit->name : NULL;
+}
+
+/* By powers of ten, which no double below 1 is, the digits are moved and not multiplied: 92mm would not be 9.2cm. */
+double unit_value(const char *text, size_t length, const UnitType *unit, double unit_m)
+{
+    static const UnitType base = {.size = 1, .count = 1};
+    const UnitType *scene = unit->measure == UNIT_LENGTH ? length_unit(unit_m) : &base;
+    assert(scene);
+    int power = unit->power - scene->power;
+    bool counted = unit->count != scene->count;
+    double number;
+    num_parse_shifted(text, length, counted && power < 0 ? 0 : power, &number);
+    if (!counted) return number;
+    double divisor = scene->count;
+    for (; power < 0; power++) divisor *= 10;
+    return number * unit->count / divisor; /* 1in in centimetres: 254 / 100 */
 }
 
 const char *unit_measure_text(PropUnit measure)

@@ -30,11 +30,12 @@ static Expr *constant_expr(Parser *parser, Span span, Value value, const UnitTyp
     return expr;
 }
 
-static double in_scene_units(const Parser *parser, double number, const UnitType *unit)
+/* begin: where the number, which is not of scene units yet, stands in the text. */
+static double in_scene_units(const Parser *parser, double number, const UnitType *unit, uint32_t begin)
 {
-    if (!unit) return number;
-    if (unit->measure != UNIT_LENGTH) return number * unit->size;
-    return unit->size == parser->unit_m ? number : number * (unit->size / parser->unit_m);
+    const Lexer *lexer = &parser->lexer;
+    double own = unit && unit->measure == UNIT_LENGTH ? parser->unit_m : 1;
+    return !unit || unit->size == own ? number : unit_value(lexer->text + begin, lexer->length - begin, unit, own);
 }
 
 static Expr *binary_expr(Parser *parser, ExprKind kind, Expr *a, Span operator_span, Expr *b)
@@ -61,11 +62,12 @@ static bool plain_number(Parser *parser, PlainList *list)
 {
     double number;
     const UnitType *unit;
+    uint32_t begin = parser->lexer.at;
     if (!lexer_plain_number(&parser->lexer, &number, &unit)) return false;
     if (unit && list->unit && unit->measure != list->unit->measure) return false;
     if (unit) list->unit = unit;
     if (list->n == list->capacity && !ARRAY_ROOM(list->numbers, list->capacity, list->n)) return false;
-    list->numbers[list->n++] = in_scene_units(parser, number, unit);
+    list->numbers[list->n++] = in_scene_units(parser, number, unit, begin);
     return true;
 }
 
@@ -262,10 +264,11 @@ static Expr *plain_vector(Parser *parser, Span span)
     unsigned width = 0;
     for (char c = ','; c == ',' && width < 4; width++) {
         lexer_skip_blanks(lexer);
+        uint32_t number_begin = lexer->at;
         if (!lexer_plain_number(lexer, &numbers[width], &own)) break;
         if (own && unit && own->measure != unit->measure) break;
         if (own) unit = own;
-        numbers[width] = in_scene_units(parser, numbers[width], own);
+        numbers[width] = in_scene_units(parser, numbers[width], own, number_begin);
         lexer_skip_blanks(lexer);
         c = lexer->text[lexer->at];
         if (c == '>' && width > 0 && lexer->text[lexer->at + 1] != '=') {
@@ -314,7 +317,8 @@ static Expr *parse_number(Parser *parser)
     consume(parser);
     if (token.bad) return expr_new(parser, EXPR_POISON, span);
     if (parser->token.kind == TOKEN_NAME && !token.unit) parse_apart_unit(parser, span);
-    return constant_expr(parser, span, value_number(in_scene_units(parser, token.number, token.unit)), token.unit);
+    return constant_expr(parser, span, value_number(in_scene_units(parser, token.number, token.unit, token.begin)),
+                         token.unit);
 }
 
 static Expr *parse_string(Parser *parser)

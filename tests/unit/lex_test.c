@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include "base/attr.h"
+#include "base/num.h"
 #include "lang/lex.h"
 
 typedef struct Fixture {
@@ -83,6 +84,32 @@ static void test_numbers(void **state)
     }
 }
 
+/* Whole units of other sizes are moved points: nothing is rounded but once, from the text. */
+static void test_unit_values(void **state)
+{
+    static const struct {
+        const char *text, *unit;
+        double unit_m, value;
+    } cases[] = {
+        {"92", "mm", 1e-2, 9.2}, {"0.7", "mm", 1e-2, 0.07},  {"-3.3", "um", 1e-3, -0.0033}, {"1.1", "km", 1e-3, 1.1e6},
+        {"1", "in", 1e-2, 2.54}, {"2.5", "in", 1e-3, 63.5},  {"1", "ft", 25.4e-3, 12},      {"25.4", "mm", 25.4e-3, 1},
+        {"40", "ms", 1e-3, .04}, {".25", "turn", 1e-3, 90.}, {"35", "mm", 1, 0.035},        {"1e-3", "m", 1e-9, 1e6},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const char *name = cases[i].unit, *text = cases[i].text;
+        assert_true(unit_value(text, strlen(text), unit_of(name, strlen(name)), cases[i].unit_m) == cases[i].value);
+    }
+    for (int i = 0; i < 20000; i++) {
+        char text[32];
+        double value;
+        size_t length = (size_t)snprintf(text, sizeof text, "%de-3", i);
+        num_parse(text, length, &value);
+        length = (size_t)snprintf(text, sizeof text, "%d.%02dmm", i / 100, i % 100);
+        assert_true(unit_value(text, length, unit_of("mm", 2), 1e-2) == value);
+    }
+}
+
 static void test_strings_and_colors(void **state)
 {
     Fixture fixture;
@@ -142,8 +169,9 @@ static void test_any_bytes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kinds),  cmocka_unit_test(test_numbers),   cmocka_unit_test(test_strings_and_colors),
-        cmocka_unit_test(test_places), cmocka_unit_test(test_any_bytes),
+        cmocka_unit_test(test_kinds),       cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_unit_values), cmocka_unit_test(test_strings_and_colors),
+        cmocka_unit_test(test_places),      cmocka_unit_test(test_any_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
