@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "check/report_parts.h"
 
 /* What the remarks share. */
@@ -466,17 +467,70 @@ static bool meets_anything(const Remarks *r, uint32_t object)
     return false;
 }
 
-/* A drop may fly, and is round; a body of liquid of another shape wants something to hold it. */
+/* Places on a surface, and its normals there. */
+typedef struct Patches {
+    struct Patch {
+        Vec3 place, normal;
+    } * items;
+    size_t n, capacity;
+} Patches;
+
+static void add_patch(Patches *patches, const Line *line, const Hit *hit)
+{
+    if (!hit || !ARRAY_ROOM(patches->items, patches->capacity, patches->n)) return;
+    patches->items[patches->n++] =
+        (struct Patch){vec3_along(line->start, hit->t, vec3_from_f(line->direction)), vec3_from_f(hit->normal)};
+}
+
+/* Lines meet surfaces by their area, whatever these consist of: where many of them meet one plane, a face is flat. */
+static bool has_flat_face(const Patches *patches, double size)
+{
+    const double least = 0.08, flat = 1e-4, parallel = 1e-6; /* least: of the whole surface */
+    enum { LEAST_MET = 6 };
+    for (size_t i = 0; i < patches->n; i++) {
+        size_t n = 0;
+        for (size_t k = 0; k < patches->n; k++) {
+            Vec3 normal = patches->items[i].normal;
+            n += 1 - vec3_dot(normal, patches->items[k].normal) < parallel &&
+                 fabs(vec3_dot(normal, vec3_sub(patches->items[k].place, patches->items[i].place))) < flat * size;
+        }
+        if (n >= LEAST_MET && (double)n >= least * (double)patches->n) return true;
+    }
+    return false;
+}
+
+/* Liquid is flat where it lies level, and against the walls of what it is in. */
+static bool was_held(Remarks *r, uint32_t hull)
+{
+    enum { LINES = 150 };
+    Patches patches = {0};
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        LineSet set;
+        Line line;
+        line_set_begin(&set, r->compiled->hull_bounds[hull], direction, LINES / LINE_DIRECTIONS, hull);
+        while (probe_next_line(&r->probe, r->compiled, &set, hull, &line))
+            for (uint32_t i = r->probe.first[hull]; i != INTERVAL_NONE; i = r->probe.intervals[i].next) {
+                add_patch(&patches, &line, r->probe.intervals[i].enter);
+                add_patch(&patches, &line, r->probe.intervals[i].leave);
+            }
+    }
+    bool flat = has_flat_face(&patches, size_of(&r->compiled->hull_bounds[hull]));
+    free(patches.items);
+    return flat;
+}
+
+/* A drop may fly, and splashes do, of any shape that is nowhere flat; a body of liquid with a level surface, or that has the
+ * form of a vessel, wants something to hold it. A sea has no end. */
 static void remark_loose_liquid(Remarks *r)
 {
     Tally tally = {.code = D_LOOSE_LIQUID};
     for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
         const SceneObject *object = report_object(r->compiled, h);
-        const Solid *solid = object->shape == SCENE_NONE ? NULL : r->scene->shapes[object->shape].solid;
-        bool round = solid && solid->pieces[0].kind == PIECE_SPHERE;
-        if (r->compiled->hulls[h].state != NEST_LIQUID || round || is_one_of_many(r, h)) continue;
-        if (meets_anything(r, r->compiled->object_of_hull[h]) || !tally_next(&tally)) continue;
-        diag_report(r->diag, D_LOOSE_LIQUID, object->span, "%s is a liquid and touches nothing", object->name);
+        const NestHull *hull = &r->compiled->hulls[h];
+        if (hull->state != NEST_LIQUID || !isfinite(hull->volume) || is_one_of_many(r, h)) continue;
+        if (meets_anything(r, r->compiled->object_of_hull[h]) || !was_held(r, h) || !tally_next(&tally)) continue;
+        diag_report(r->diag, D_LOOSE_LIQUID, object->span, "%s is a liquid with flat sides, and touches nothing",
+                    object->name);
     }
     tally_end(r, &tally);
 }

@@ -219,7 +219,8 @@ static void remarks_tell_what_is_worth_a_look(void **state)
         {GLASS "sphere a { interior = glass } sphere b { interior = glass center = <9, 0, 0> } "
                "sphere c { interior = glass radius = 1.5m center = <0, 9m, 0> }" VIEW,
          D_ODD_SIZE, "c is 1.5e+03 times larger than anything else in the scene"},
-        {WATER "box a { interior = water size = <1, 1, 1> }" VIEW, D_LOOSE_LIQUID, "a is a liquid and touches nothing"},
+        {WATER "box a { interior = water size = <1, 1, 1> }" VIEW, D_LOOSE_LIQUID,
+         "a is a liquid with flat sides, and touches nothing"},
         {GLASS "box a { interior = glass size = <10, 10, 3000> }" VIEW, D_CAMERA_INSIDE,
          "eye is inside of a, in glass"},
         {TWO_MEDIA "sphere a { interior = glass }" VIEW, D_UNUSED_MEDIUM, "nothing is of water"},
