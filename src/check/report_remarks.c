@@ -642,8 +642,10 @@ static void remark_unused_media(Remarks *r)
     for (uint32_t i = 0; used && i < scene->n_cameras; i++)
         for (uint32_t k = 0; k < scene->cameras[i].n_expect; k++) used[scene->cameras[i].expect[k]] = true;
     for (uint32_t i = 1; used && scene->n_cameras && i < scene->n_media; i++) {
-        if (used[i] || scene->media[i].span.source != scene->cameras[0].span.source || !tally_next(&tally)) continue;
-        diag_report(r->diag, D_UNUSED_MEDIUM, scene->media[i].span, "nothing is of %s", scene->media[i].name);
+        const SceneMedium *medium = &scene->media[i];
+        if (used[i] || medium->models || medium->span.source != scene->cameras[0].span.source || !tally_next(&tally))
+            continue;
+        diag_report(r->diag, D_UNUSED_MEDIUM, medium->span, "nothing is of %s", medium->name);
     }
     tally_end(r, &tally);
     free(used);

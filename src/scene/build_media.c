@@ -217,6 +217,10 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     }
     scene->media = room_for_one(b->arena, scene->media, scene->n_media, &b->media_capacity, sizeof medium);
     scene->media[scene->n_media] = medium;
+    for (const EvalNode *model = node->prototype; model; model = model->prototype) {
+        const uint32_t *row = map_seek(&b->media, &model, sizeof model);
+        if (row) scene->media[*row].models = true;
+    }
     return scene->n_media++;
 }
 

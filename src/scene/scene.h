@@ -42,6 +42,7 @@ typedef struct SceneMedium {
     const Volume *temperature; /* NULL, or in kelvin where emission is that of a black body of reference_k */
     double reference_k;
     bool mixes; /* adds to the medium that owns a place, see scene_mixing_state */
+    bool models; /* others are instances of it */
     NestState state;
     bool has_priority;
     int32_t priority;
