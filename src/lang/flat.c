@@ -25,6 +25,7 @@ typedef struct Shared {
     const char *name;   /* NULL: it stands at the only place that refers to it */
     uint32_t references;
     bool prototype;     /* something is an instance of it */
+    bool stands;        /* as a statement at the top of the scene */
     bool written;
 } Shared;
 
@@ -480,7 +481,7 @@ static void print_statement(Flat *flat, const EvalNode *node)
 
 /* ---- what must stand before a statement ---- */
 
-static void declare_needs(Flat *flat, const EvalNode *node);
+static void declare_needs(Flat *flat, const EvalNode *node, bool whole);
 static void declare_functions(Flat *flat, const EvalNode *node);
 
 static void declare(Flat *flat, const EvalNode *node)
@@ -489,10 +490,10 @@ static void declare(Flat *flat, const EvalNode *node)
     Shared *shared = shared_find(flat, node);
     if (shared->written) return;
     shared->written = true; /* before its own needs: nothing refers to itself */
-    declare_needs(flat, node);
+    declare_needs(flat, node, shared->name != NULL);
     declare_functions(flat, node);
     if (!shared->name) return; /* it stands where it is needed */
-    bool declares = !shared->prototype && node->type->flags & NODE_NAMED;
+    bool declares = (shared->stands || !shared->prototype) && node->type->flags & NODE_NAMED;
     if (declares)
         buf_format(flat->out, "%s %s", node->type->name, shared->name);
     else
@@ -501,18 +502,19 @@ static void declare(Flat *flat, const EvalNode *node)
     buf_add(flat->out, "\n");
 }
 
-static void declare_needs(Flat *flat, const EvalNode *node)
+/* whole: with all of its properties and children, and not as an instance of a prototype. */
+static void declare_needs(Flat *flat, const EvalNode *node, bool whole)
 {
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
         if (is_node(prop)) declare(flat, prop->as.node);
         for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++) declare(flat, prop->as.list.nodes[k]);
     }
-    if (node->prototype) {
+    if (node->prototype && !whole) {
         declare(flat, origin_of(node));
         return;
     }
-    for (size_t i = 0; i < node->n_children; i++) declare_needs(flat, node->children[i]);
+    for (size_t i = 0; i < node->n_children; i++) declare_needs(flat, node->children[i], false);
 }
 
 /* Once all nodes are declared that it needs: theirs come first when the text is read again, too. */
@@ -528,9 +530,9 @@ static void print_top(Flat *flat, const EvalNode *node)
     const Shared *shared = shared_find(flat, node);
     bool placed = node->type->flags & (NODE_PLACED | NODE_SINGLE);
     if (is_prelude(flat, node)) return;
-    if (shared && (shared->prototype || !placed)) declare(flat, node);
-    if (!placed && shared) return; /* it only declares, and that is done */
-    declare_needs(flat, node);
+    if (shared && (placed ? shared->prototype : (node->type->flags & NODE_NAMED) != 0)) declare(flat, node);
+    if (!placed && shared) return; /* it only declares: that is done, or will be where it is needed first */
+    declare_needs(flat, node, false);
     declare_functions(flat, node);
     print_statement(flat, node);
     buf_add(flat->out, "\n");
@@ -550,6 +552,10 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
         if (scene->nodes[i]->type->flags & stands) collect(&flat, scene->nodes[i]);
     for (size_t i = 0; i < scene->n_nodes; i++) /* what only declares counts where it is referred to, if it is */
         if (!(scene->nodes[i]->type->flags & stands) && !shared_find(&flat, scene->nodes[i])) collect(&flat, scene->nodes[i]);
+    for (size_t i = 0; i < scene->n_nodes; i++) {
+        Shared *shared = shared_find(&flat, scene->nodes[i]);
+        if (shared) shared->stands = true;
+    }
     take_words(&flat);
     for (size_t i = 0; i < scene->n_nodes; i++) name_shared(&flat, scene->nodes[i]);
     buf_format(out, "meniscus 1.0 unit %s\n", unit_of_length(scene->unit_m));

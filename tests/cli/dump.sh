@@ -47,6 +47,44 @@ says out 'ball { interior = air  surface = none  matrix('
 says_not out 'for ('
 end
 
+begin "dump --flat: what is declared long before it is used, and what others are made from"
+cat > early.mns <<'SCENE'
+meniscus 1.0 unit mm
+medium glass { ior = 1.5 }
+medium base { ior = 1.5 }
+let lbase = medium { ior = 1.6 }
+let red = base { depth = 3 tint = rgb(1,.1,.1) }
+let blue = lbase { depth = 3 tint = rgb(.1,.1,1) }
+surface tiles { albedo = .3 }
+surface rough { ior = 1.5 roughness = .3 }
+let rougher = rough { albedo = .2 }
+checker squares { translate(x) }
+def dens(p) = p.x
+volume cloud { function = dens  from = <0, 0, 0>  to = <2, 2, 2> translate(3*x) }
+surface lone { albedo = squares }
+medium fog { ior = 1 density = cloud absorption = .1 }
+camera { from = <0,0,-50> to = <0,0,0> }
+environment { color = 1 }
+sphere { radius = 1 interior = glass }
+sphere { radius = 1 surface = rougher  translate(4*x) }
+sphere { radius = 1 surface = tiles translate(8*x) }
+sphere { radius = 1 surface = tiles translate(12*x) }
+sphere { radius = 1 surface = surface { albedo = squares } translate(16*x) }
+sphere { radius = 1 surface = surface { albedo = squares } translate(20*x) }
+sphere { radius = 1 interior = red translate(24*x) }
+sphere { radius = 1 interior = red translate(28*x) }
+sphere { radius = 1 interior = blue translate(32*x) }
+sphere { radius = 1 interior = fog translate(36*x) }
+SCENE
+same_flat early.mns
+run dump early.mns
+says out 'medium base { '
+says_not out 'lbase'
+says out 'surface lone { '
+run check -q flat.mns
+says_not err unused-name
+end
+
 begin "dump --flat: what varies from object to object of a loop's name does so in the dump"
 cat > boards.mns <<'SCENE'
 meniscus 1.0 unit cm
