@@ -541,20 +541,34 @@ static bool is_opaque(const Remarks *r, uint32_t object)
            r->scene->objects[object].part_of == SCENE_NONE && r->scene->objects[object].light == SCENE_NONE;
 }
 
-/* The first opaque object that a camera is inside of; SCENE_NONE. */
-static uint32_t find_cover(Remarks *r, const SceneCamera *camera)
+/* The first opaque object that a place is inside of; SCENE_NONE. */
+static uint32_t find_cover(Remarks *r, Vec3 place)
 {
     HitList hits = {0};
-    Ray ray = ray_make(camera->from, vec3f_from(line_direction(0)));
+    Ray ray = ray_make(place, vec3f_from(line_direction(0)));
     uint32_t cover = SCENE_NONE;
     rtc_all(r->compiled->rtc, &ray, false, &hits);
     for (size_t i = 0; i < hits.n && cover == SCENE_NONE; i++) {
         uint32_t object = hits.items[i].object;
-        if (!hits.items[i].entering && is_opaque(r, object) && is_within(r, camera->from, object)) cover = object;
+        if (!hits.items[i].entering && is_opaque(r, object) && is_within(r, place, object)) cover = object;
     }
     for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
-        if (is_plane(r->scene, i) && is_opaque(r, i) && is_within(r, camera->from, i)) cover = i;
+        if (is_plane(r->scene, i) && is_opaque(r, i) && is_within(r, place, i)) cover = i;
     hit_list_clear(&hits);
+    return cover;
+}
+
+/* Of an orthographic camera: the opaque object that a part of its picture plane is inside of, and how large that part is. */
+static uint32_t find_plane_cover(Remarks *r, const SceneCamera *camera, double *part)
+{
+    uint32_t cover = SCENE_NONE, n = 0;
+    for (uint32_t i = 0; i < SCENE_CAMERA_PLACES; i++) {
+        uint32_t here = find_cover(r, scene_camera_some_place(r->scene, camera, i));
+        if (here == SCENE_NONE || (cover != SCENE_NONE && here != cover)) continue;
+        cover = here;
+        n++;
+    }
+    *part = (double)n / SCENE_CAMERA_PLACES;
     return cover;
 }
 
@@ -562,15 +576,42 @@ static void remark_covered_cameras(Remarks *r)
 {
     for (uint32_t i = 0; i < r->scene->n_cameras; i++) {
         const SceneCamera *camera = &r->scene->cameras[i];
-        uint32_t cover = find_cover(r, camera);
+        double part = 1;
+        bool wide = camera->projection == PROJECTION_ORTHOGRAPHIC && !camera->expect; /* else it is a section */
+        uint32_t cover = wide ? find_plane_cover(r, camera, &part) : find_cover(r, camera->from);
         if (cover == SCENE_NONE || holds_light(r, cover)) continue;
         const SceneObject *object = &r->scene->objects[cover];
+        Buf what = {0};
+        if (part < 1) buf_format(&what, "about %.2g %% of the picture plane of ", 100 * part);
         Diagnostic *report = diag_report(r->diag, D_CAMERA_INSIDE, camera->span,
-                                         "%s is inside of %s, which is opaque, and no light is there with it",
-                                         camera->name, object->name);
+                                         "%s%s is inside of %s, which is opaque, and no light is there with it",
+                                         buf_text(&what), camera->name, object->name);
         diag_note(r->diag, report, object->span, "%s is here", object->name);
-        diag_hint(r->diag, report, "move the camera out of it, or bring a light in");
+        if (part < 1)
+            diag_hint(
+                r->diag, report,
+                "let 'from' be farther out of it, or the picture less wide; if it is a section, state by 'expect' "
+                "what its middle is in");
+        else
+            diag_hint(r->diag, report, "move the camera out of it, or bring a light in");
+        buf_clear(&what);
     }
+}
+
+/* By the first camera, which is the one that renders: others may be for films of another shape. */
+static void remark_beyond_poles(Remarks *r)
+{
+    const SceneFilm *film = &r->scene->film;
+    const SceneCamera *camera = r->scene->n_cameras ? &r->scene->cameras[0] : NULL;
+    if (!camera || camera->projection != PROJECTION_PANORAMA) return;
+    const double degree = 3.14159265358979323846 / 180, height = 2 * camera->half_width * film->height / film->width;
+    if (height <= 180 * degree + 2 * camera->half_width / film->width) return; /* by a row of pixels */
+    Diagnostic *report = diag_report(
+        r->diag, D_BEYOND_POLES, camera->span,
+        "%s sees %.4g degrees across, so that this film would be %.4g degrees high, and nothing is beyond 180",
+        camera->name, 2 * camera->half_width / degree, height / degree);
+    diag_hint(r->diag, report, "write: film { size = <%u, %u> }", film->width,
+              (unsigned)fmax(1, round(film->width * 90 * degree / camera->half_width)));
 }
 
 /* The media of a list, outermost first. */
@@ -703,6 +744,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_loose_liquid(&r);
         remark_cameras(&r);
         remark_covered_cameras(&r);
+        remark_beyond_poles(&r);
         remark_unused_media(&r);
     }
     probe_clear(&r.probe);
