@@ -114,7 +114,7 @@ static void print_hull_group(const CompiledScene *compiled, const ReportGroup *g
 /* A hull, or the first of a group of like hulls, in the order of printing. */
 typedef struct Entry {
     uint32_t cluster, level, last_level, rank, hull;
-    bool alone;
+    bool alone, mixes;
 } Entry;
 
 static int compare_entries(const void *left, const void *right)
@@ -122,6 +122,7 @@ static int compare_entries(const void *left, const void *right)
     const Entry *a = left, *b = right;
     if (a->alone != b->alone) return a->alone ? 1 : -1;
     if (!a->alone && a->cluster != b->cluster) return a->cluster < b->cluster ? -1 : 1;
+    if (a->mixes != b->mixes) return a->mixes ? 1 : -1; /* whatever it is in, it is not on top of that */
     if (a->level != b->level) return a->level < b->level ? -1 : 1;
     return a->rank > b->rank ? -1 : a->rank < b->rank;
 }
@@ -143,13 +144,15 @@ static size_t collect_entries(const CompiledScene *compiled, const ReportGroups 
                                    .last_level = level,
                                    .rank = ordered ? compiled->order.rank[h] : compiled->n_hulls - h,
                                    .hull = h,
-                                   .alone = ordered && level == 0};
+                                   .alone = ordered && level == 0,
+                                   .mixes = ordered && compiled->hulls[h].mixes};
             continue;
         }
         Entry *entry = &entries[entry_of_group[g]];
         if (level == 0) continue;
         if (entry->alone)
-            *entry = (Entry){order->cluster[h], level, level, compiled->order.rank[h], entry->hull, false};
+            *entry =
+                (Entry){order->cluster[h], level, level, compiled->order.rank[h], entry->hull, false, entry->mixes};
         if (level < entry->level) entry->level = level;
         if (level > entry->last_level) entry->last_level = level;
     }
@@ -161,8 +164,11 @@ static void print_entry(const CompiledScene *compiled, const ReportGroups *group
                         const Entry *entry, Buf *row)
 {
     const ReportGroup *group = &groups->items[groups->of_hull[entry->hull]];
-    if (entry->level) buf_format(&row[0], "%u", (unsigned)entry->level);
-    if (entry->last_level > entry->level) buf_format(&row[0], "-%u", (unsigned)entry->last_level);
+    if (entry->mixes && !entry->alone)
+        buf_add(&row[0], "+");
+    else if (entry->level)
+        buf_format(&row[0], "%u", (unsigned)entry->level);
+    if (!entry->mixes && entry->last_level > entry->level) buf_format(&row[0], "-%u", (unsigned)entry->last_level);
     if (group->n > REPORT_FEW)
         print_hull_group(compiled, group, row);
     else
@@ -173,13 +179,16 @@ static void print_entries(const CompiledScene *compiled, const ReportGroups *gro
                           const Entry *entries, size_t n, Buf *out)
 {
     ReportTable table = {.n_columns = 7, .right = {[1] = true, [4] = true}};
+    bool mixing = false;
     for (size_t i = 0; i < n; i++) {
+        mixing |= entries[i].mixes && !entries[i].alone;
         bool apart = i && (entries[i].alone != entries[i - 1].alone ||
                            (!entries[i].alone && entries[i].cluster != entries[i - 1].cluster));
         if (apart) report_row(&table); /* an empty line */
         print_entry(compiled, groups, sources, &entries[i], report_row(&table));
     }
     report_print_table(&table, out);
+    if (mixing) buf_add(out, "  +: never on top; it adds to what is there, or gives way to it\n");
 }
 
 void report_print_hulls(const CompiledScene *compiled, const ReportGroups *groups, SourceSet *sources, Buf *out)

@@ -54,6 +54,22 @@ static void the_text_says_who_is_on_top(void **state)
     free(text);
 }
 
+/* What mixes has no place in an order, also where nothing is on top of it. */
+static void what_mixes_stands_below(void **state)
+{
+    (void)state;
+    char *text =
+        report_of("meniscus 1.0 unit mm medium glass { ior = 1.5 } medium milk { mixes = true  scattering = .1 }\n"
+                  "sphere cloud { interior = milk  radius = 2 } sphere mist { interior = milk  center = <90, 0, 0> }\n"
+                  "box tank { interior = glass  size = <9, 9, 9> }" FIXTURE_VIEW,
+                  false);
+    const char *tank = strstr(text, "  1  tank "), *cloud = strstr(text, "  +  cloud "),
+               *mist = strstr(text, "     mist ");
+    assert_true(tank && cloud && mist && tank < cloud && cloud < mist);
+    assert_has(mist, "\n  +: never on top; it adds to what is there, or gives way to it\n");
+    free(text);
+}
+
 /* A medium without a name is called after what it fills first; a let names it, too. */
 static void nameless_media_are_told_apart(void **state)
 {
@@ -310,6 +326,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_text_says_who_is_on_top),
+        cmocka_unit_test(what_mixes_stands_below),
         cmocka_unit_test(nameless_media_are_told_apart),
         cmocka_unit_test(few_pairs_stand_by_themselves),
         cmocka_unit_test(other_policies_decide_otherwise),
