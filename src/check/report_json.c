@@ -86,6 +86,8 @@ static void add_pair(JsonWriter *json, const CompiledScene *compiled, const Hull
     }
     json_add_number(json, "gap", pair->gap); /* infinite: null */
     if (isfinite(pair->gap)) {
+        json_add_truth(json, "wedge", pair->wedge); /* then the gap narrows to nothing */
+        json_add_number(json, "gap_most", pair->gap_most);
         json_add_number(json, "gap_area", pair->gap_area);
         json_add_number(json, "gap_area_error", pair->gap_area_error);
     }

@@ -125,8 +125,8 @@ static void print_pair(const CompiledScene *compiled, const PairLine *line, Buf 
         buf_add(out, "\n");
         return;
     case LINE_GAP:
-        buf_format(out, "%s and %s leave a gap of ", top, bottom);
-        report_add_length(out, compiled->scene, pair->gap);
+        buf_format(out, "%s and %s leave a gap %s", top, bottom, pair->wedge ? "that narrows to nothing from " : "of ");
+        report_add_length(out, compiled->scene, pair->wedge ? pair->gap_most : pair->gap);
         add_area(compiled, pair->gap_area, pair->gap_area_error, out);
         buf_add(out, "\n");
         return;
@@ -160,6 +160,7 @@ static HullPair sum_up(const PairLine *lines, size_t n)
         volume_variance += pair->overlap_volume_error * pair->overlap_volume_error;
         contact_variance += pair->contact_area_error * pair->contact_area_error;
         all.gap = fmin(all.gap, pair->gap);
+        all.wedge = all.wedge || pair->wedge;
     }
     all.overlap_volume_error = sqrt(volume_variance);
     all.contact_area_error = sqrt(contact_variance);
@@ -192,8 +193,8 @@ static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *
         buf_add(out, " together");
         break;
     case LINE_GAP:
-        buf_add(out, " of at least ");
-        report_add_length(out, compiled->scene, all.gap);
+        buf_add(out, all.wedge ? " that narrows to nothing" : " of at least ");
+        if (!all.wedge) report_add_length(out, compiled->scene, all.gap);
         buf_add(out, "\n");
         return;
     case LINE_TOUCH:

@@ -14,13 +14,13 @@ static Vec3 extent_of(const CompiledScene *compiled, uint32_t object)
 }
 
 /* A gap that is thin for things of that size, or that keeps a liquid from what holds it, is seldom meant. Two panes
- * with a little room between them are. */
+ * with a little room between them are, and what is beside an edge or around a place where solids stand on each other. */
 static bool is_mistake(const CompiledScene *compiled, const HullPair *pair)
 {
     const double thin = 0.02;
     Vec3 a = extent_of(compiled, pair->a), b = extent_of(compiled, pair->b);
     if (!isfinite(pair->gap)) return false;
-    if (pair->gap <= thin * fmin(fmin(a.x, fmin(a.y, a.z)), fmin(b.x, fmin(b.y, b.z)))) return true;
+    if (!pair->wedge && pair->gap <= thin * fmin(fmin(a.x, fmin(a.y, a.z)), fmin(b.x, fmin(b.y, b.z)))) return true;
     NestState states[2] = {compiled->hulls[compiled->hull_of_object[pair->a]].state,
                            compiled->hulls[compiled->hull_of_object[pair->b]].state};
     return (states[0] == NEST_LIQUID && states[1] == NEST_SOLID) ||
@@ -51,12 +51,15 @@ static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
         const SceneObject *a = &compiled->scene->objects[pair->a], *b = &compiled->scene->objects[pair->b];
         Buf gap = {0}, overlap = {0};
         report_add_length(&overlap, compiled->scene, good_overlap(compiled, pair));
-        report_add_length(&gap, compiled->scene, pair->gap);
-        Diagnostic *report =
-            diag_report(diag, D_AIR_GAP, b->span, "between %s and %s is a gap of %s, filled with the world's %s",
-                        b->name, a->name, buf_text(&gap), compiled->scene->media[0].name);
+        report_add_length(&gap, compiled->scene, pair->wedge ? pair->gap_most : pair->gap);
+        Diagnostic *report = diag_report(
+            diag, D_AIR_GAP, b->span, "between %s and %s is a gap %s%s, filled with the world's %s", b->name, a->name,
+            pair->wedge ? "that narrows to nothing from " : "of ", buf_text(&gap), compiled->scene->media[0].name);
         diag_note(diag, report, a->span, "%s is here", a->name);
-        diag_hint(diag, report, "let them overlap by %s: the overlap is resolved", buf_text(&overlap));
+        if (pair->wedge)
+            diag_hint(diag, report, "let them overlap all along: the overlap is resolved");
+        else
+            diag_hint(diag, report, "let them overlap by %s: the overlap is resolved", buf_text(&overlap));
         buf_clear(&gap);
         buf_clear(&overlap);
     }

@@ -24,6 +24,8 @@ typedef struct HullPair {
     double contact_area_error;   /* its standard error */
     double contact_offset;       /* the largest distance seen between them */
     double gap; /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
+    bool wedge; /* the gap narrows to nothing, as far as lines can tell: the smallest distance is chance, */
+    double gap_most;                 /* and this is the largest one seen that is still thin */
     double gap_area, gap_area_error; /* estimate of the gap's area, and its standard error */
 } HullPair;
 

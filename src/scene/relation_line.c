@@ -61,6 +61,9 @@ static void note_gap(const CompiledScene *compiled, const Probe *probe, const Li
     }
     sums->gap += cosine(leave);
     facts->gap = fmin(facts->gap, across);
+    facts->gap_most = fmax(facts->gap_most, across);
+    facts->gap_sum += across;
+    facts->n_across++;
 }
 
 /* The directions of the lines are at right angles to each other, so that the squares of their cosines with a normal add

@@ -23,7 +23,9 @@ typedef struct PairFacts {
     bool blocked;      /* a gap was not counted, because something else is in it */
     uint32_t n_inside; /* lines that meet own and find it inside of other */
     uint32_t n_gap;
-    double gap;
+    double gap;                         /* the smallest distance across, */
+    double gap_most, gap_sum;           /* the largest, and the sum of all */
+    uint32_t n_across;                  /* how many these are */
     double depth;                       /* the thickness of the overlap where it seems to be largest, */
     double depth_time;                  /* when, */
     Vec3 depth_place;                   /* where the middle of the stretch is that says so, */

@@ -246,6 +246,16 @@ void relation_facts_known(const Finder *f, const Candidate *candidate, const Pai
     facts[1] = candidate->facts.n ? candidate->facts.items : NULL;
 }
 
+/* Whether the gap narrows to nothing, as beside an edge where two boxes meet, or around the place where a ball rests on a
+ * plate. In both the distances across are spread evenly by area, from nothing on, so that of n lines the nearest is about an
+ * n-th of the way to twice their mean. Where it is several times that from nothing, the gap is open at its narrowest, too. */
+static bool is_wedge(const PairFacts *facts)
+{
+    const double several = 4, least_lines = 8;
+    double n = facts->n_across, step = 2 * (facts->gap_sum / n - facts->gap) / n;
+    return n >= least_lines && facts->gap <= several * step;
+}
+
 HullPair relation_judge_candidate(const Finder *f, const Candidate *candidate)
 {
     uint32_t own, other;
@@ -276,6 +286,8 @@ HullPair relation_judge_candidate(const Finder *f, const Candidate *candidate)
     relate(f, first, n_lines, &pair);
     if (first && first->n_gap >= 2 && first->n_gap >= gap_lines_part * n_lines) {
         pair.gap = first->gap;
+        pair.gap_most = first->gap_most;
+        pair.wedge = is_wedge(first);
         pair.gap_area = first->gap_area.sum;
         pair.gap_area_error = sqrt(first->gap_area.variance);
     }

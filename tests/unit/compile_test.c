@@ -148,6 +148,34 @@ static void touching_and_gaps_are_told_apart(void **state)
                           .gap));
 }
 
+/* Beside an edge where two boxes meet, and around the place where a ball of a large radius rests, the smallest distance that
+ * a line meets is chance; a gap that is open at its narrowest is told from those. */
+static void wedges_are_told_from_gaps(void **state)
+{
+    static const struct {
+        const char *other;
+        bool wedge;
+        double gap;
+    } cases[] = {
+        {"box b { interior = ice from = <0, 0, 0> to = <20, 10, 20> rotate(z, 1) }", true, 0},
+        {"sphere b { interior = ice radius = 100 center = <10, 100, 10> }", true, 0},
+        {"box b { interior = ice from = <0, 0, 0> to = <20, 10, 20> rotate(z, 1) translate(y * .05) }", false, .05},
+        {"box b { interior = ice from = <0, .01, 0> to = <20, 10, 20> }", false, .01},
+        {"box b { interior = ice from = <0, .01, 0> to = <20, 10, 20> bevel = 1 }", false, .01},
+        {"sphere b { interior = ice radius = 100 center = <10, 100.1, 10> }", false, .1},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[400];
+        snprintf(text, sizeof text, "box a { interior = glass from = <0, -10, 0> to = <20, 0, 20> } %s",
+                 cases[i].other);
+        HullPair pair = pair_in(text);
+        assert_true(isfinite(pair.gap) && pair.gap_most >= pair.gap);
+        if (pair.wedge != cases[i].wedge) fail_msg("%s: wedge %d", text, pair.wedge);
+        if (!pair.wedge) assert_true(pair.gap >= 0.99 * cases[i].gap && pair.gap < 1.2 * cases[i].gap);
+    }
+}
+
 static void assert_estimate(const char *what, double value, double standard_error, double expected)
 {
     if (!(fabs(value - expected) <= 4 * standard_error + 1e-4 * expected) || !(standard_error <= 0.1 * expected))
@@ -600,6 +628,7 @@ int main(void)
         cmocka_unit_test(overlaps_are_measured),
         cmocka_unit_test(small_overlaps_are_not_missed),
         cmocka_unit_test(touching_and_gaps_are_told_apart),
+        cmocka_unit_test(wedges_are_told_from_gaps),
         cmocka_unit_test(areas_and_depths_are_measured),
         cmocka_unit_test(pairs_that_keep_apart_are_decided_at_once),
         cmocka_unit_test(pairs_that_lie_alike_are_judged_once),
