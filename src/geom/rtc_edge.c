@@ -185,7 +185,9 @@ void rtc_look_at(Query *query, const Hit *at)
         if (weight[k] > LINE_NOISE * scale * across) continue;
         far = double_max(far, vec3_length(vec3_cross(vec3_sub(inside, a), edge)) / vec3_length(edge));
     }
-    look_around(query, inside, far + 2 * vec3_length(vec3_sub(place, inside)) + 8 * hit.rounding);
+    /* Where Embree's line runs beside the exact one, it comes to a flat surface that much earlier or later, a few faces away. */
+    double along = 4 / double_max(fabs(hit.cos_normal), CREEPING);
+    look_around(query, inside, far + 2 * vec3_length(vec3_sub(place, inside)) + double_max(8, along) * hit.rounding);
 }
 
 static void look_at_all(Query *query, HitList *hits)
