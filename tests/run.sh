@@ -1,22 +1,19 @@
 #!/bin/sh
 # Runs test programs and scripts, shows the figures that they print, and adds up what passed.
 # usage: tests/run.sh MENISCUS PROGRAM... ; a PROGRAM is a cmocka program, or a script that ends with "N passed, N failed"
+# Unit tests run one on each processor, as they have one thread; all others, which have many, one after the other.
 # The last line is "N passed, N failed"; the exit status is 1 when anything failed.
 # SPDX-License-Identifier: Apache-2.0
 set -u
-meniscus=$1
-shift
-n_passed=0 n_failed=0
-log=$(mktemp) || exit 2
-trap 'rm -f "$log"' EXIT
-for program in "$@"; do
-    name=$(basename "$program")
-    before=$(date +%s)
-    case $program in
-    *.sh) sh "$program" "$meniscus" > "$log" 2>&1; status=$?
+
+# run_one FOLDER MENISCUS PROGRAM: leaves NAME.log and NAME.counts there, and prints the report as a whole
+run_one() {
+    name=$(basename "$3") log=$1/$(basename "$3").log before=$(date +%s)
+    case $3 in
+    *.sh) sh "$3" "$2" > "$log" 2>&1; status=$?
         passed=$(sed -n 's/^\([0-9]*\) passed, [0-9]* failed$/\1/p' "$log" | tail -1)
         failed=$(sed -n 's/^[0-9]* passed, \([0-9]*\) failed$/\1/p' "$log" | tail -1) ;;
-    *) CMOCKA_MESSAGE_OUTPUT=STDOUT "$program" > "$log" 2>&1; status=$?
+    *) CMOCKA_MESSAGE_OUTPUT=STDOUT "$3" > "$log" 2>&1; status=$?
         passed=$(grep -c '^\[       OK \]' "$log")
         failed=$(grep -c '^\[  FAILED  \] [a-z_0-9]*$' "$log")
         # a list of failures repeats each of them, and a crash prints none
@@ -26,14 +23,38 @@ for program in "$@"; do
     [ -n "$failed" ] || failed=0
     [ "$status" -eq 0 ] || [ "$failed" -gt 0 ] || failed=1
     [ "$status" -ne 0 ] || [ "$((passed + failed))" -gt 0 ] || failed=1 # a test that tests nothing
-    n_passed=$((n_passed + passed)) n_failed=$((n_failed + failed))
-    echo "$name: $passed passed, $failed failed, $(($(date +%s) - before)) s"
-    if [ "$failed" -gt 0 ]; then
-        sed -n '/^not ok/,/^ok/p' "$log" | sed 's/^/    /' | head -60 # of many tests these may be long gone by the end
-        sed 's/^/    /' "$log" | tail -60
-    else
-        grep -vE '^\[|^ok |^[0-9]+ passed|^$' "$log" | sed 's/^/    /' | head -60
-    fi
+    echo "$passed $failed" > "$1/$name.counts"
+    {
+        echo "$name: $passed passed, $failed failed, $(($(date +%s) - before)) s"
+        if [ "$failed" -gt 0 ]; then
+            sed -n '/^not ok/,/^ok/p' "$log" | sed 's/^/    /' | head -60 # of many tests these may be long gone by the end
+            sed 's/^/    /' "$log" | tail -60
+        else
+            grep -vE '^\[|^ok |^[0-9]+ passed|^$' "$log" | sed 's/^/    /' | head -60
+        fi
+    } > "$1/$name.report"
+    flock "$1/lock" cat "$1/$name.report" 2> /dev/null || cat "$1/$name.report"
+}
+
+if [ "$1" = --one ]; then
+    run_one "$2" "$3" "$4"
+    exit
+fi
+meniscus=$1
+shift
+results=$(mktemp -d) || exit 2
+trap 'rm -rf "$results"' EXIT
+for program in "$@"; do
+    case $program in */tests/*_test) echo "$program" ;; esac
+done | xargs -r -n 1 -P "$(nproc)" sh "$0" --one "$results" "$meniscus"
+for program in "$@"; do
+    case $program in */tests/*_test) ;; *) run_one "$results" "$meniscus" "$program" ;; esac
 done
+n_passed=0 n_failed=0 n_programs=0
+for counts in "$results"/*.counts; do
+    read -r passed failed < "$counts"
+    n_passed=$((n_passed + passed)) n_failed=$((n_failed + failed)) n_programs=$((n_programs + 1))
+done
+[ "$n_programs" -eq $# ] || { echo "of $# programs $n_programs were run" >&2; n_failed=$((n_failed + 1)); }
 echo "$n_passed passed, $n_failed failed"
 [ "$n_failed" -eq 0 ]

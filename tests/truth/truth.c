@@ -95,6 +95,9 @@ void truth_open(Fixture *scene, TruthInput input)
     build(scene, &input);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
     if (input.furnace) make_furnace(scene->scene);
+    /* what a camera is said to be in is so by the scene's own policy */
+    for (uint32_t i = 0; i < scene->scene->n_cameras && input.policy != scene->scene->render.nesting; i++)
+        scene->scene->cameras[i].expect = NULL;
     scene->status = compile_scene(scene->scene, input.policy, NULL, &scene->diag, &scene->compiled, &scene->error);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
     scene->status = compile_check_camera(scene->compiled, 0, &scene->diag, &scene->error);
