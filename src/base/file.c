@@ -18,19 +18,9 @@ enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 40
 
 /* ---- which file it is ---- */
 
-typedef struct FileIdentity {
-    dev_t device;
-    ino_t inode;
-} FileIdentity;
-
-static FileIdentity identity_of(const struct stat *info)
+static bool are_one(const struct stat *a, const struct stat *b)
 {
-    return (FileIdentity){info->st_dev, info->st_ino};
-}
-
-static bool are_one(FileIdentity a, FileIdentity b)
-{
-    return a.device == b.device && a.inode == b.inode;
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
 /* Of the folders that two paths begin with. */
@@ -41,7 +31,7 @@ static bool folders_are_one(const char *a, const char *b)
     bool found = folders[0] && folders[1];
     for (int i = 0; i < 2; i++) found = found && stat(*folders[i] ? folders[i] : ".", &info[i]) == 0;
     for (int i = 0; i < 2; i++) free(folders[i]);
-    return found && are_one(identity_of(&info[0]), identity_of(&info[1]));
+    return found && are_one(&info[0], &info[1]);
 }
 
 bool file_same(const char *a, const char *b)
@@ -50,7 +40,7 @@ bool file_same(const char *a, const char *b)
     if (strcmp(a, b) == 0) return true;
     if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return false;
     bool there[2] = {stat(a, &info[0]) == 0, stat(b, &info[1]) == 0};
-    if (there[0] && there[1]) return S_ISREG(info[0].st_mode) && are_one(identity_of(&info[0]), identity_of(&info[1]));
+    if (there[0] && there[1]) return S_ISREG(info[0].st_mode) && are_one(&info[0], &info[1]);
     return !there[0] && !there[1] && strcmp(file_name(a), file_name(b)) == 0 && folders_are_one(a, b);
 }
 
@@ -155,6 +145,12 @@ const char *file_extension(const char *path)
     const char *name = file_name(path);
     const char *dot = strrchr(name, '.');
     return dot && dot != name ? dot + 1 : "";
+}
+
+size_t file_stem_length(const char *path)
+{
+    const char *extension = file_extension(path);
+    return strlen(path) - (*extension ? strlen(extension) + 1 : 0);
 }
 
 char *file_real_path(const char *path) { return realpath(path, NULL); }

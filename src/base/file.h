@@ -48,5 +48,7 @@ char *file_real_path(const char *path);
 const char *file_name(const char *path);
 /* the extension without its dot, in the path's own letters; "" when it has none */
 const char *file_extension(const char *path);
+/* how many bytes of the path stand in front of the extension and its dot */
+size_t file_stem_length(const char *path);
 
 #endif

@@ -61,13 +61,11 @@ static Status read_region(CheckSlice *slice, const char *text, Error *error)
 static char *default_path(const char *scene_path)
 {
     const char *name = file_name(scene_path);
-    const char *extension = file_extension(scene_path);
-    size_t length = strlen(name) - (*extension ? strlen(extension) + 1 : 0);
     Buf path = {0};
     if (strcmp(scene_path, "-") == 0)
         buf_add(&path, "scene");
     else
-        buf_add_bytes(&path, name, length);
+        buf_add_bytes(&path, name, file_stem_length(name));
     buf_add(&path, "-slice.png");
     if (!path.failed) return path.text;
     buf_clear(&path);
@@ -201,8 +199,7 @@ static bool legend_make(const CheckSlice *slice, const CompiledScene *compiled, 
 
 static void color_text(const float rgb[3], char text[8])
 {
-    snprintf(text, 8, "#%02x%02x%02x", (unsigned)lrintf(rgb[0] * 255), (unsigned)lrintf(rgb[1] * 255),
-             (unsigned)lrintf(rgb[2] * 255));
+    snprintf(text, 8, "#%02x%02x%02x", image_byte(rgb[0]), image_byte(rgb[1]), image_byte(rgb[2]));
 }
 
 /* ---- the picture ---- */

@@ -35,8 +35,7 @@ char *output_of_frame(const char *name, uint32_t frame)
 char *output_numbered(const char *name, uint32_t last_frame)
 {
     Buf out = {0};
-    const char *extension = file_extension(name);
-    size_t stem = strlen(name) - (*extension ? strlen(extension) + 1 : 0), digits = FEWEST_DIGITS;
+    size_t stem = file_stem_length(name), digits = FEWEST_DIGITS;
     for (uint32_t rest = last_frame / 10000; rest; rest /= 10) digits++;
     bool has_own = strchr(name, '#') != NULL;
     buf_add_bytes(&out, name, has_own ? strlen(name) : stem);
@@ -99,8 +98,7 @@ static Status add_default(OutputPlan *plan, const char *scene_path, bool numbere
 {
     if (strcmp(scene_path, "-") == 0) return add_name(plan, "scene.exr", numbered, last_frame, error);
     const char *name = file_name(scene_path);
-    const char *extension = file_extension(scene_path);
-    size_t length = strlen(name) - (*extension ? strlen(extension) + 1 : 0);
+    size_t length = file_stem_length(name);
     Buf path = {0};
     buf_add_bytes(&path, name, length);
     buf_add(&path, ".exr");

@@ -36,9 +36,8 @@ static char *name_beside(const RenderRun *run, const OutputList *outputs)
     for (size_t i = 0; i < outputs->n && !name; i++)
         if (!output_is_stream(outputs->items[i].path)) name = outputs->items[i].path;
     if (!name) name = strcmp(run->input.path, "-") == 0 ? "scene" : file_name(run->input.path);
-    const char *extension = file_extension(name);
     Buf path = {0};
-    buf_add_bytes(&path, name, strlen(name) - (*extension ? strlen(extension) + 1 : 0));
+    buf_add_bytes(&path, name, file_stem_length(name));
     buf_add(&path, ".checkpoint.exr");
     if (path.failed) buf_clear(&path);
     return path.text;

@@ -34,10 +34,7 @@ static Status print_shown(const RenderRun *run, const float *values, Buf *out, E
     Status status = color_view(run->input.color.config, render_display(run), render_view(run), &pixel, error);
     if (status == STATUS_OK) {
         buf_add(out, "display #");
-        for (int c = 0; c < 3; c++) {
-            float value = pixel.pixels[c] > 0 ? pixel.pixels[c] < 1 ? pixel.pixels[c] : 1 : 0;
-            buf_format(out, "%02x", (unsigned)(255 * value + 0.5f));
-        }
+        for (int c = 0; c < 3; c++) buf_format(out, "%02x", image_byte(pixel.pixels[c]));
         buf_add(out, "\n");
     }
     image_clear(&pixel);

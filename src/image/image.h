@@ -3,6 +3,7 @@
 #ifndef MEN_IMAGE_H
 #define MEN_IMAGE_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -47,6 +48,11 @@ void image_clear(Image *image);
 static inline float *image_at(const Image *image, uint32_t x, uint32_t y)
 {
     return image->pixels + ((size_t)y * image->width + x) * image->n_channels;
+}
+/* What a display shows, 0..1, in eight bits. */
+static inline unsigned image_byte(float shown)
+{
+    return (unsigned)(shown > 0 ? lrintf(255 * fminf(shown, 1)) : 0);
 }
 /* The index of a channel, -1 when there is none. */
 int image_channel(const Image *image, const char *name);

@@ -73,10 +73,8 @@ static unsigned char *bytes_of(const Image *shown)
     size_t n = (size_t)shown->width * shown->height;
     unsigned char *bytes = g_try_malloc(3 * n);
     for (size_t i = 0; bytes && i < n; i++)
-        for (size_t c = 0; c < 3; c++) {
-            float value = shown->pixels[i * shown->n_channels + c];
-            bytes[3 * i + c] = (unsigned char)(value > 0 ? lrintf(255 * fminf(value, 1)) : 0);
-        }
+        for (size_t c = 0; c < 3; c++)
+            bytes[3 * i + c] = (unsigned char)image_byte(shown->pixels[i * shown->n_channels + c]);
     return bytes;
 }
 
