@@ -6,9 +6,11 @@
 # SPDX-License-Identifier: Apache-2.0
 set -u
 
-# run_one FOLDER MENISCUS PROGRAM: leaves NAME.log and NAME.counts there, and prints the report as a whole
+# run_one FOLDER MENISCUS PROGRAM: leaves PATH.log and PATH.counts there, each / of PATH a comma (two folders have programs of one
+# name), and prints the report as a whole
 run_one() {
-    name=$(basename "$3") log=$1/$(basename "$3").log before=$(date +%s)
+    name=$(echo "$3" | tr / ,) before=$(date +%s)
+    log=$1/$name.log
     case $3 in
     *.sh) sh "$3" "$2" > "$log" 2>&1; status=$?
         passed=$(sed -n 's/^\([0-9]*\) passed, [0-9]* failed$/\1/p' "$log" | tail -1)
@@ -25,7 +27,7 @@ run_one() {
     [ "$status" -ne 0 ] || [ "$((passed + failed))" -gt 0 ] || failed=1 # a test that tests nothing
     echo "$passed $failed" > "$1/$name.counts"
     {
-        echo "$name: $passed passed, $failed failed, $(($(date +%s) - before)) s"
+        echo "$(basename "$3"): $passed passed, $failed failed, $(($(date +%s) - before)) s"
         if [ "$failed" -gt 0 ]; then
             sed -n '/^not ok/,/^ok/p' "$log" | sed 's/^/    /' | head -60 # of many tests these may be long gone by the end
             sed 's/^/    /' "$log" | tail -60
