@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "geom/rtc_boxes.h"
 #include "geom/rtc_query.h"
 
 /* The window for candidates whose cosine is not known yet: most have a larger one. */
@@ -878,21 +879,33 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
     return true;
 }
 
-bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *missed)
-{
+typedef struct Missed {
     Query query;
-    HitList none = {0};
-    Hit first = {.t = end};
-    uint32_t n = scene->objects[object].is_mesh ? rtc_n_primitives(scene, object) : 0;
-    if (n > RTC_MOST_ASKED) return false;
-    query_init(&query, scene, ray, &none, NULL);
-    for (uint32_t i = 0; i < n; i++) {
-        Hit hit = {.object = object, .primitive = i};
-        if (rtc_meets(&query, &hit) && rtc_complete_hit(&query, &hit) && hit.entering == entering && hit.t < first.t)
-            first = hit;
+    uint32_t object;
+    bool entering;
+    Hit first; /* so far */
+} Missed;
+
+static void look_for_missed(void *context, uint32_t begin, uint32_t end)
+{
+    Missed *missed = context;
+    for (uint32_t i = begin; i < end; i++) {
+        Hit hit = {.object = missed->object, .primitive = i};
+        if (rtc_meets(&missed->query, &hit) && rtc_complete_hit(&missed->query, &hit) &&
+            hit.entering == missed->entering && hit.t < missed->first.t)
+            missed->first = hit;
     }
-    if (!(first.t < end) || (!missed->capacity && !hit_list_grow(missed))) return false;
-    missed->items[0] = first;
-    missed->n = 1;
+}
+
+bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *found)
+{
+    HitList none = {0};
+    if (!scene->objects[object].is_mesh) return false;
+    Missed missed = {.object = object, .entering = entering, .first = {.t = end}};
+    query_init(&missed.query, scene, ray, &none, NULL);
+    rtc_along(scene, object, missed.query.origin, missed.query.direction, ray->time, look_for_missed, &missed);
+    if (!(missed.first.t < end) || (!found->capacity && !hit_list_grow(found))) return false;
+    found->items[0] = missed.first;
+    found->n = 1;
     return true;
 }

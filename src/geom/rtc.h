@@ -164,10 +164,9 @@ static inline void rtc_pass_on(Ray *ray, const Hit *hits, size_t n)
 size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *beside, HitList *along);
 
 /* Where hits contradict what is known: the first surface before `end` by which the ray enters (leaves) an object, as all of its
- * triangles are asked in double; it becomes the only one in the list. Embree may miss one at whose corner or silhouette the
- * ray is aimed, or along which it runs. False, and the list as it was, where there is none, and for objects of more than
- * RTC_MOST_ASKED primitives and those that are not meshes. */
-enum { RTC_MOST_ASKED = 1 << 16 };
+ * triangles along the ray are asked in double; it becomes the only one in the list. Embree may miss one at whose corner or
+ * silhouette the ray is aimed, or along which it runs. False, and the list as it was, where there is none, and for objects that
+ * are not meshes. */
 bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *missed);
 
 /* Puts one hit more into a list, in its place. False when memory ends. */

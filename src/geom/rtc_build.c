@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "geom/rtc_boxes.h"
 #include "geom/rtc_convex.h"
 #include "geom/rtc_scene.h"
 
@@ -588,6 +589,7 @@ void rtc_scene_free(RtcScene *scene)
     for (uint32_t i = 0; i < scene->n_meshes; i++) {
         free(scene->meshes[i].moved);
         free(scene->meshes[i].quads);
+        rtc_boxes_free(scene->meshes[i].boxes);
     }
     for (uint32_t i = 0; i < scene->n_convex; i++) rtc_convex_free(scene->convex[i]);
     free(scene->convex);

@@ -6,6 +6,7 @@
  * through between them as little as Embree's. So each surface is entered and left in turn, and in the order in which the
  * exact ray comes to it, also where the edges of several objects lie on each other.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "geom/rtc_boxes.h"
 #include "geom/rtc_query.h"
 
 /* How far Embree's line may run beside the exact one, of the coordinates: the nudge, and some roundings. */
@@ -106,11 +107,22 @@ static void take_triangle(Query *query, uint32_t object, uint32_t primitive)
     if (list == query->hits && !query->all) rtc_shorten(query, hit);
 }
 
-/* All triangles of an object. */
+typedef struct Taking {
+    Query *query;
+    uint32_t object;
+} Taking;
+
+static void take_triangles(void *context, uint32_t first, uint32_t end)
+{
+    const Taking *taking = context;
+    for (uint32_t i = first; i < end; i++) take_triangle(taking->query, taking->object, i);
+}
+
+/* All triangles of an object along the ray. */
 static void take_all(Query *query, uint32_t object)
 {
-    uint32_t n = rtc_n_primitives(query->scene, object);
-    for (uint32_t i = 0; n <= RTC_MOST_ASKED && i < n; i++) take_triangle(query, object, i);
+    Taking taking = {query, object};
+    rtc_along(query->scene, object, query->origin, query->direction, query->ray->time, take_triangles, &taking);
 }
 
 /* Whether the ray runs along a triangle, so that Embree's may be on its other side for a long way. */

@@ -25,6 +25,7 @@ typedef struct RtcMesh {
     uint32_t n_quads;
     bool baked;               /* placed once, or small: it is traced in the world's frame, not as an instance */
     Vec3f *moved;             /* the vertices in the world's frame where it is baked; NULL where the source's are there */
+    _Atomic(struct RtcBoxes *) boxes; /* NULL: not asked for; see rtc_boxes.h */
 } RtcMesh;
 
 typedef struct RtcMaps {

@@ -296,11 +296,10 @@ ATTR_COLD static bool find_all_missed(Path *path, size_t n_hits)
         end = hits->items[0].t;
         found = true;
     }
-    uint32_t n_hulls = n_hits ? 0 : compiled->n_hulls, asked = 0;
-    for (uint32_t hull = 0; hull < n_hulls && asked < RTC_MOST_ASKED; hull++) {
+    uint32_t n_hulls = n_hits ? 0 : compiled->n_hulls;
+    for (uint32_t hull = 0; hull < n_hulls; hull++) {
         uint32_t object = compiled->object_of_hull[hull];
         if (object == SCENE_NONE || !nest_has(&compiled->order, &tracer->list, hull)) continue;
-        asked += rtc_n_primitives(compiled->rtc, object);
         if (!find_missed(tracer, &path->ray, &tracer->list, object, end, hits)) continue;
         end = hits->items[0].t;
         found = true;
