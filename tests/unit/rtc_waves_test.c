@@ -1,4 +1,4 @@
-/* rtc_waves_test.c - rays that creep over meshes of gentle waves.
+/* rtc_waves_test.c - rays that creep over meshes of gentle waves, and rays in the edge of a blade.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "rtc_fixture.h"
 
@@ -130,9 +130,64 @@ static void test_under_three_faces(void **state)
     hit_list_clear(&second);
 }
 
+/* A ridge along z, of so wide a base. By its corner normals, as rough heights get them, one side leans the other way. */
+static Mesh *make_blade(double width)
+{
+    static const uint32_t triangles[][3] = {{0, 1, 3}, {3, 1, 4}, {0, 3, 2}, {2, 3, 5},
+                                            {1, 5, 4}, {1, 2, 5}, {0, 2, 1}, {3, 4, 5}};
+    Mesh *mesh;
+    assert_int_equal(mesh_new(6, COUNT_OF(triangles), true, false, &mesh, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < 6; i++) {
+        float x = i % 3 == 0 ? 0 : i % 3 == 1 ? (float)width : (float)-width;
+        mesh->positions[i] = vec3f(1.3f + x, i % 3 == 0 ? 2 : -1, i < 3 ? 4 : -4);
+        mesh->normals[i] = i % 3 == 0 ? vec3f(.93f, -.36f, 0) : vec3f(x > 0 ? 1 : -1, 0, 0);
+    }
+    memcpy(mesh->triangles, triangles, sizeof triangles);
+    return mesh;
+}
+
+/* Mirrored by the shading normal, and to the side that it came from. */
+static Vec3f mirrored_inside(const TestScene *s, const Ray *ray, const Hit *hit)
+{
+    Vec3f next = mirrored(ray->direction, rtc_shading_normal(s->rtc, ray, hit));
+    return vec3f_dot(next, hit->normal) < 0 ? next : mirrored(next, hit->normal);
+}
+
+/* A ray that is mirrored in a sharp ridge stays in it, and turns back from its edge. */
+static void test_mirrored_in_a_blade(void **state)
+{
+    (void)state;
+    enum { RAYS = 2000, MIRRORED = 200 };
+    static HitList lists[2];
+    TestScene s = {0};
+    uint64_t random = 11, in_all = 0, back = 0;
+    add(&s, keep_mesh(&s, make_blade(.4)), NULL, affine_identity());
+    build(&s);
+    for (int i = 0; i < RAYS; i++) {
+        Vec3 direction = vec3_normalize(vec3(unit(&random) - .5, .1 + unit(&random), .2 * unit(&random)));
+        Ray ray = ray_make(vec3(1.3, .5, -1), vec3f_from(direction));
+        for (int k = 0; k < MIRRORED; k++) {
+            HitList *hits = &lists[k % 2];
+            size_t n = rtc_nearest(s.rtc, &ray, hits, NULL);
+            assert_true(n > 0 && !hits->items[n - 1].entering);
+            in_all++;
+            if (hits->items[0].normal.y < -.9f) { /* the bottom */
+                back++;
+                break;
+            }
+            rtc_leave(s.rtc, &ray, hits->items, &n, false, mirrored_inside(&s, &ray, &hits->items[0]), &ray);
+        }
+    }
+    printf("        in a blade: mirrored %llu times, and back %llu times of %d\n", (unsigned long long)in_all,
+           (unsigned long long)back, RAYS);
+    assert_true(back > RAYS * 99 / 100);
+    destroy(&s);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_under_three_faces),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_mirrored_in_a_blade),
+                                       cmocka_unit_test(test_under_three_faces),
                                        cmocka_unit_test(test_mirrored_by_waves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
