@@ -188,7 +188,7 @@ bool rtc_is_away(const RtcScene *scene, Vec3 centre, double radius);
  * largest coordinate in float. Surfaces nearer to each other than this stand at one place. */
 double rtc_rounding(Vec3 p);
 
-/* The shading normal: unit, outward; on the geometric normal's side. It is that one deep in a wedge between faces.
+/* The shading normal: unit, outward; on the geometric normal's side. It is that one deep in a wedge between surfaces.
  * rtc_smooth_normal: of a hit that is smooth. */
 Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit);
 static inline Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)

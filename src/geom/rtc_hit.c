@@ -4,8 +4,8 @@
 
 /* Below this cosine a ray creeps along a curved surface, and is started off it by a step of double's rounding. */
 #define CREEPING_COSINE 1e-4
-/* A ray that comes to a surface within so many roundings of where it left one of the same object is in a wedge of it, and nearer to
- * the edge than its coordinates tell. */
+/* A ray that comes to a surface within so many roundings of where it left one is in a wedge between the two, and nearer to its edge
+ * than their coordinates tell. */
 #define WEDGE 16
 /* What Embree's barycentric coordinates can be off by, of the ratio of a triangle's length, times the distance, to its
  * area as the ray sees it: some roundings of float. */
@@ -298,7 +298,7 @@ static Vec3f piece_shading(const RtcScene *scene, const RtcPlaced *object, const
 Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    if (UNLIKELY(hit->t <= WEDGE * hit->rounding) && rtc_starts_on(ray, hit->object)) return hit->normal;
+    if (UNLIKELY(hit->t <= WEDGE * hit->rounding) && ray->n_left) return hit->normal;
     return object->is_mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
 }
 
