@@ -185,6 +185,7 @@ static Status describe_state(const char *path, Facts *facts, Error *error)
             snprintf(text, sizeof text, "%.3g %%", 100 * notes->noise);
             add_fact(facts, "state: noise to come to", text);
         }
+        if (file.has_search) add_fact(facts, "state: photons for caustics", file.searching ? "on their way" : "done");
         add_number(facts, "state: done, at least", file.least_samples);
         add_number(facts, "state: done, at most", file.most_samples);
         for (uint32_t i = 0; i < notes->n_facts; i++) {

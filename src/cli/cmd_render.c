@@ -129,10 +129,13 @@ static Status begin_signals(const RenderRun *run, Error *error)
 /* A picture without samples is black: it is not written over one that may be there. */
 static Status refuse_empty(RenderRun *run, Error *error)
 {
+    bool kept = run->checkpoint.path && render_state_is_worth_keeping(&run->state);
+    const char *photons = kept ? "; the photons so far are kept for '--resume' in " : "", *path = kept ? run->checkpoint.path : "";
     run->stopped_early = false;
     if (!*signals_flag())
-        return fail(error, STATUS_STOPPED, "the time was over before the first sample: nothing was written; try a longer '-t'");
-    if (!run->talk->quiet) talk_event(run->talk, "empty", "stopped before the first sample: nothing was written");
+        return fail(error, STATUS_STOPPED, "the time was over before the first sample: nothing was written%s%s%s", photons, path,
+                    kept ? "" : "; try a longer '-t'");
+    if (!run->talk->quiet) talk_event(run->talk, "empty", "stopped before the first sample: nothing was written%s%s", photons, path);
     return STATUS_OK;
 }
 
@@ -141,6 +144,10 @@ static Status keep(RenderRun *run, Error *error)
 {
     bool stopped = run->stats.stopped;
     run->stopped_early = run->stopped_early || (stopped && run->checkpoint.path);
+    if (!stopped && !run->checkpoint.stays) { /* slices are to be merged, not gone on from */
+        guide_search_free(run->state.search);
+        run->state.search = NULL;
+    }
     Status status = stopped || run->checkpoint.stays ? render_write_checkpoint(run, error) : STATUS_OK;
     if (render_has_frames(run) && *signals_flag()) return status;
     if (stopped && run->stats.most_samples == 0) return refuse_empty(run, error);

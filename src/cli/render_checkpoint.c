@@ -201,7 +201,9 @@ Status render_resume(RenderRun *run, Error *error)
         run->checkpoint.samples = file.notes.samples;
         run->checkpoint.noise = file.notes.noise;
     }
-    if (status == STATUS_OK && !run->talk->quiet)
+    if (status == STATUS_OK && !run->talk->quiet && file.searching)
+        talk_event(run->talk, "resumed", "going on from %s: photons for caustics are still on their way", path);
+    else if (status == STATUS_OK && !run->talk->quiet)
         talk_event(run->talk, "resumed", "going on from %s: %u sample%s of each pixel %s there", path,
                    file.least_samples, plural(file.least_samples), file.least_samples == 1 ? "is" : "are");
     checkpoint_close(&file);
@@ -213,7 +215,7 @@ Status render_resume(RenderRun *run, Error *error)
 Status render_write_checkpoint(RenderRun *run, Error *error)
 {
     const RenderState *state = &run->state;
-    if (!run->checkpoint.path || render_state_is_empty(state)) return STATUS_OK;
+    if (!run->checkpoint.path || !render_state_is_worth_keeping(state)) return STATUS_OK;
     CheckpointTexts texts;
     CheckpointNotes notes;
     Image image;

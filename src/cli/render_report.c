@@ -73,6 +73,9 @@ void render_warn(const RenderRun *run)
     const Talk *talk = run->talk;
     unsigned long long faults = stats->nesting_faults, limit = stats->silent_limit, bad = stats->bad_samples,
                        saturated = stats->saturated_samples;
+    if (stats->searching)
+        talk_warning(talk, "the time was over while photons for caustics were on their way: the picture is one without these, "
+                           "and its samples are not kept");
     if (faults)
         talk_warning(talk,
                      "%llu nesting fault%s, %.3g per million crossings: a surface was left that was never entered, or entered "
@@ -177,7 +180,7 @@ void render_summarize(const RenderRun *run)
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
     bool stays = stats->stopped || run->checkpoint.stays;
-    if (stays && run->checkpoint.path && !render_state_is_empty(&run->state))
+    if (stays && run->checkpoint.path && render_state_is_worth_keeping(&run->state))
         buf_format(&line, "%s is there to go on from with --resume\n", run->checkpoint.path);
     talk_write(&line);
     buf_clear(&line);

@@ -27,11 +27,12 @@ typedef struct Head {
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
     uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
+    uint32_t has_search, searching;
     double unit, noise;
     PathCounters counters;
     uint64_t saturated_samples;
 } Head;
-_Static_assert(sizeof(Head) == 22 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
+_Static_assert(sizeof(Head) == 24 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
 _Static_assert(AOV_COUNT <= 32, "a set of AOVs in the head of a checkpoint");
 
 /* ---- writing ---- */
@@ -47,15 +48,27 @@ static Status fail_write(const Writing *writing, Error *error)
     return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", writing->path, strerror(errno ? errno : EIO));
 }
 
+static bool write_bytes(void *stream, const void *bytes, size_t length)
+{
+    Prefix prefix = {length, length ? hash_bulk(bytes, length, 0) : 0};
+    return fwrite(&prefix, sizeof prefix, 1, stream) == 1 &&
+           (length == 0 || fwrite(bytes, 1, length, stream) == length);
+}
+
 static Status write_block(const Writing *writing, const Buf *block, FILE *stream, Error *error)
 {
     if (block->failed) return fail(error, STATUS_NOMEM, "out of memory for the checkpoint '%s'", writing->path);
-    Prefix prefix = {block->length, hash_bulk(block->text, block->length, 0)};
     errno = 0;
-    if (fwrite(&prefix, sizeof prefix, 1, stream) == 1 &&
-        fwrite(block->text, 1, block->length, stream) == block->length)
-        return STATUS_OK;
-    return fail_write(writing, error);
+    return write_bytes(stream, block->text, block->length) ? STATUS_OK : fail_write(writing, error);
+}
+
+static Status write_search(const Writing *writing, FILE *stream, Error *error)
+{
+    bool written = true;
+    errno = 0;
+    if (guide_search_is_begun(writing->state->search))
+        guide_search_write(writing->state->search, write_bytes, stream, &written);
+    return written ? STATUS_OK : fail_write(writing, error);
 }
 
 /* With its end, and its length before it. */
@@ -97,6 +110,8 @@ static void add_head(const Writing *writing, Buf *out)
                  .wants = state->wanted != NULL,
                  .n_facts = notes->n_facts,
                  .n_attributes = notes->n_attributes,
+                 .has_search = guide_search_is_begun(state->search),
+                 .searching = guide_search_is_begun(state->search) && !guide_search_is_done(state->search),
                  .unit = state->aovs.unit,
                  .noise = notes->noise,
                  .counters = state->counters,
@@ -148,6 +163,7 @@ static Status append_state(void *context, FILE *stream, Error *error)
         status = write_block(writing, &block, stream, error);
     }
     buf_clear(&block);
+    if (status == STATUS_OK) status = write_search(writing, stream, error);
     if (status != STATUS_OK) return status;
     off_t end = ftello(stream);
     if (end < 0) return fail_write(writing, error);
@@ -218,7 +234,7 @@ static Status read_block(Checkpoint *file, char **bytes, uint64_t *capacity, uin
     file->left -= prefix.length;
     *length = prefix.length;
 #ifndef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION /* a fuzzer is to get beyond this */
-    if (hash_bulk(*bytes, prefix.length, 0) != prefix.hash) return fail_damaged(file, error);
+    if (prefix.length && hash_bulk(*bytes, prefix.length, 0) != prefix.hash) return fail_damaged(file, error);
 #endif
     return STATUS_OK;
 }
@@ -330,6 +346,8 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     file->counters = head.counters;
     file->saturated_samples = head.saturated_samples;
     file->guide_samples = head.guide_samples;
+    file->has_search = head.has_search != 0;
+    file->searching = head.searching != 0;
     return STATUS_OK;
 }
 
@@ -394,12 +412,29 @@ Status checkpoint_read_row(Checkpoint *file, RenderState *state, uint32_t y, Err
     return good && in.left == 0 ? STATUS_OK : fail_damaged(file, error);
 }
 
+/* Behind the rows. */
+static Status read_search(Checkpoint *file, RenderState *state, Error *error)
+{
+    GuideBytes parts[GUIDE_PARTS] = {{NULL, 0}};
+    Status status = STATUS_OK;
+    for (int i = 0; i < GUIDE_PARTS && status == STATUS_OK; i++) {
+        char *bytes = NULL;
+        uint64_t capacity = 0;
+        status = read_block(file, &bytes, &capacity, &parts[i].length, error);
+        parts[i].bytes = bytes;
+    }
+    if (status == STATUS_OK) return guide_search_read(parts, &state->search) ? STATUS_OK : fail_damaged(file, error);
+    for (int i = 0; i < GUIDE_PARTS; i++) free(parts[i].bytes);
+    return status;
+}
+
 Status checkpoint_read(Checkpoint *file, RenderState *state, Error *error)
 {
     TRY(checkpoint_make_state(file, 0, state, error));
     Status status = STATUS_OK;
     for (uint32_t y = file->crop[1]; status == STATUS_OK && y < file->crop[3]; y++)
         status = checkpoint_read_row(file, state, y, error);
+    if (status == STATUS_OK && file->has_search) status = read_search(file, state, error);
     if (status == STATUS_OK && file->left) status = fail_damaged(file, error);
     if (status != STATUS_OK) render_state_clear(state);
     return status;

@@ -31,6 +31,8 @@ static const double picture_interval_s = 1, picture_share = 0.05;
 /* What is said of the noise on the way takes this part of the time at most. */
 static const double noise_share = 0.02;
 static const double save_share = 0.01;
+/* Of a time limit, what is left for a picture when photons would take all of it. */
+static const double show_share = 0.2;
 
 typedef struct Job {
     const RenderSettings *settings;
@@ -62,6 +64,7 @@ typedef struct Job {
     atomic_bool pause;               /* the pass waits until the state is saved */
     double saved_at, save_cost;
     uint64_t first_samples; /* that were there before this render */
+    bool for_show;          /* these samples are not led by the guide and will be forgotten: no state to be saved */
 } Job;
 
 static bool is_stopped(const Job *job)
@@ -79,14 +82,14 @@ static bool asked_to_stop(const Job *job)
 
 static bool asked_to_save(const Job *job)
 {
-    return job->events && job->events->save && job->events->wish && *job->events->wish;
+    return job->events && job->events->save && job->events->wish && *job->events->wish && !job->for_show;
 }
 
 /* So that saving takes a small part of the time. */
 static bool save_is_due(const Job *job)
 {
     if (asked_to_save(job)) return true;
-    if (!job->events || !job->events->save || !(job->events->save_interval_s > 0)) return false;
+    if (job->for_show || !job->events || !job->events->save || !(job->events->save_interval_s > 0)) return false;
     return clock_now_s() - job->saved_at > fmax(job->events->save_interval_s, job->save_cost / save_share);
 }
 
@@ -499,6 +502,7 @@ void render_state_clear(RenderState *state)
     bright_film_clear(&state->bright);
     aov_film_clear(&state->aovs);
     free(state->wanted);
+    guide_search_free(state->search);
     *state = (RenderState){0};
 }
 
@@ -508,6 +512,11 @@ bool render_state_is_empty(const RenderState *state)
     if (!state->film.pixels) return true;
     count_samples(state, &stats);
     return stats.most_samples == 0;
+}
+
+bool render_state_is_worth_keeping(const RenderState *state)
+{
+    return !render_state_is_empty(state) || (state->film.pixels && guide_search_is_begun(state->search));
 }
 
 static Status choose_crop(const RenderSettings *settings, uint32_t crop[4], Error *error)
@@ -547,12 +556,17 @@ static Status job_init(Job *job, Error *error)
     return STATUS_OK;
 }
 
-/* Samples that were taken without the guide are not those of the picture: they were only shown while photons were followed. */
+/* Samples that were taken without the guide are not those of the render: they were only shown while photons were followed, or
+ * written when the time was over. */
 static Status forget_samples(Job *job, Error *error)
 {
     RenderState *state = job->state;
     pool_run(job->pool, state->crop[3] - state->crop[1], forget_row, job);
     aov_film_clear(&state->aovs);
+    free(state->wanted);
+    state->wanted = NULL;
+    state->counters = job->before.counters;
+    state->saturated_samples = job->before.saturated_samples;
     TRY(aovs_init(state, job->settings, job->world, error));
     state->aovs.world = job->world;
     for (unsigned i = 0; i < job->n_threads; i++) {
@@ -590,26 +604,43 @@ static void report_photons(void *context, double fraction)
     job->events->progress(job->events->context, &progress);
 }
 
-static Status make_guide(Job *job, Guide **guide, GuideStats *stats, Error *error)
+static bool is_slice(const RenderSettings *settings)
+{
+    return settings->end_sample > 0;
+}
+
+/* When a search that a time limit does not shorten is left; 0: when it is done. */
+static double end_of_search(const Job *job)
 {
     const RenderSettings *settings = job->settings;
+    if (!settings->repeatable || !(settings->time_limit_s > 0)) return 0;
+    bool shows = job->first_samples == 0 && !is_slice(settings);
+    return job->start + (shows ? 1 - show_share : 1) * settings->time_limit_s;
+}
+
+static Status search_guide(Job *job, GuideStats *stats, Error *error)
+{
+    const RenderSettings *settings = job->settings;
+    RenderState *state = job->state;
     /* where pixels stop by themselves, or by the clock, it is not known how many there will be */
     const uint32_t uncertain = 256;
     double limit = settings->repeatable ? 0 : settings->time_limit_s;
     bool certain = !(settings->noise > 0) && !(limit > 0);
-    uint32_t *samples = &job->state->guide_samples;
+    uint32_t *samples = &state->guide_samples;
     if (!*samples) *samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
     GuideSettings wish = {.width = settings->width,
                           .height = settings->height,
                           .paths = (uint64_t)settings->width * settings->height * *samples,
                           .seed = settings->seed,
                           .time_limit_s = limit,
+                          .end_s = end_of_search(job),
                           .always = settings->caustics == CAUSTICS_ON,
                           .stop = job->events ? job->events->stop : NULL,
                           .progress = report_photons,
                           .context = job};
     double start = clock_cpu_s();
-    Status status = guide_new(job->world, &wish, job->pool, guide, stats, error);
+    if (!state->search) TRY(guide_search_new(&state->search, error));
+    Status status = guide_search_run(state->search, job->world, &wish, job->pool, stats, error);
     stats->cpu_seconds = clock_cpu_s() - start;
     return status;
 }
@@ -660,14 +691,27 @@ Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, 
 }
 
 /* Looks for caustics first. What a picture shows meanwhile was not led by the guide: its samples do not stay. */
-static Status prepare(Job *job, World *world, Guide **guide, RenderStats *stats, Error *error)
+static Status prepare(Job *job, World *world, RenderStats *stats, Error *error)
 {
     bool shows = shows_picture(job) && job->samples == 0;
     if (job->settings->caustics == CAUSTICS_OFF) return STATUS_OK;
+    job->for_show = true;
     if (shows) TRY(run_coarse(job, COARSEST, &stats->stopped, error));
-    TRY(make_guide(job, guide, &stats->guide, error));
-    world->guide = *guide;
-    return shows && *guide ? forget_samples(job, error) : STATUS_OK;
+    TRY(search_guide(job, &stats->guide, error));
+    stats->searching = !guide_search_is_done(job->state->search);
+    if (stats->searching) return STATUS_OK;
+    job->for_show = false;
+    world->guide = guide_search_result(job->state->search);
+    return shows && world->guide ? forget_samples(job, error) : STATUS_OK;
+}
+
+/* The samples of a render: none where the photons for them are still on their way, but for those that are shown. */
+static Status take_samples(Job *job, RenderStats *stats, Error *error)
+{
+    bool searching = stats->searching, shows = job->first_samples == 0 && !is_slice(job->settings);
+    Status status = searching && !shows ? STATUS_OK : run_passes(job, &stats->stopped, error);
+    if (searching) stats->stopped = true;
+    return status;
 }
 
 Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
@@ -689,12 +733,11 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .n_threads = pool_threads(pool),
                .start = now,
                .saved_at = now};
-    Guide *guide = NULL;
     Status status = job_init(&job, error);
-    if (status == STATUS_OK) status = prepare(&job, &world, &guide, stats, error);
-    bool too_early = is_stopped(&job) && job.first_samples == 0;
+    if (status == STATUS_OK) status = prepare(&job, &world, stats, error);
+    bool too_early = (is_stopped(&job) || stats->searching) && job.first_samples == 0;
     Spread spread = {0};
-    if (status == STATUS_OK) status = run_passes(&job, &stats->stopped, error);
+    if (status == STATUS_OK) status = take_samples(&job, stats, error);
     if (status == STATUS_OK) status = find_spread(state, pool, &spread, stats, error);
     if (status == STATUS_OK) {
         sum_counters(&job, state);
@@ -708,7 +751,6 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     spread_clear(&spread);
     job_clear(&job);
     world_clear(&world);
-    guide_free(guide);
     return status;
 }
 

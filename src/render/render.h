@@ -21,11 +21,11 @@ typedef struct RenderSettings {
     uint32_t crop[4]; /* x0, y0, x1, y1; all 0: the whole frame */
     uint32_t samples; /* per pixel; with a noise: at most; adaptive: in the mean */
     uint32_t first_sample,
-        end_sample;      /* for slices, neither with a noise nor adaptive: only these, without the last; both 0: all */
-    bool repeatable;     /* the search for caustics does not heed the time limit: the picture of so many samples is
-                                 * the same however fast it goes */
-    double noise;        /* each pixel stops at this error, as adapt.h has it; 0: none does */
-    bool adaptive;       /* without a noise: pixels get samples as their errors need them, as adapt.h has it */
+        end_sample;  /* for slices, neither with a noise nor adaptive: only these, without the last; both 0: all */
+    bool repeatable; /* a time limit does not shorten the search for caustics, which is left then and gone on with: the
+                          * picture of so many samples is the same however fast it goes */
+    double noise;    /* each pixel stops at this error, as adapt.h has it; 0: none does */
+    bool adaptive;   /* without a noise: pixels get samples as their errors need them, as adapt.h has it */
     double time_limit_s; /* 0: none */
     uint32_t bounces, seed, camera;
     AovSet aovs;            /* further channels */
@@ -73,6 +73,7 @@ typedef struct RenderStats {
     uint64_t noisy_pixels; /* that are above the noise that was wanted, with the most samples that they may have */
     GuideStats guide;      /* photons that looked for light behind glass, and what they have found */
     bool stopped;          /* by the stop flag or the time limit, before all samples */
+    bool searching; /* and before all photons: the picture is one without caustics, of samples that the state has not */
 } RenderStats;
 
 typedef struct RenderEvents {
@@ -102,10 +103,13 @@ typedef struct RenderState {
     PathCounters counters;
     uint64_t saturated_samples;
     uint32_t guide_samples; /* of each pixel, that caustics were looked for for; 0: they were not, yet */
+    GuideSearch *search;    /* that; NULL: as guide_samples of 0, or it is not known any more, and made anew */
 } RenderState;
 
 void render_state_clear(RenderState *state);
 bool render_state_is_empty(const RenderState *state); /* without any sample */
+/* Whether there is anything to go on from: samples, or photons. */
+bool render_state_is_worth_keeping(const RenderState *state);
 /* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). pool: NULL is fine.
  * STATUS_NOMEM. */
 ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats,
@@ -117,7 +121,8 @@ ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSe
                                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error);
 /* The same, and *state is what it came to. When it has a film on entry, of the same scene and settings (only the number of
  * samples, the noise and the time limit may be others), the render goes on from there, with the guide that it had. It is clear, or good for as much, in any
- * case; with no sample in its film where a stop came too early. */
+ * case; with no sample in its film where a stop came too early. Where the time limit of a repeatable render ends amid the search for
+ * caustics, its last fifth goes to samples without these, for *image alone; a slice has none. */
 ATTR_NODISCARD Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, RenderState *state, Image *image, RenderStats *stats,
                                    Error *error);

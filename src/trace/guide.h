@@ -15,7 +15,7 @@
  * Why not otherwise: manifold next-event estimation (J. Hanika, M. Droske, L. Fascione, EGSR (2015); T. Zeltner, I.
  * Georgiev, W. Jakob, "Specular Manifold Sampling", SIGGRAPH (2020)) has to be told, or to guess, which surfaces a path
  * passes, needs a walk for each of the many ways through nested objects with bubbles, and surfaces that are smooth
- * everywhere. What photons know of one place is taken for its neighbourhood to first order, and guide_new.c lays more
+ * everywhere. What photons know of one place is taken for its neighbourhood to first order, and guide_search.c lays more
  * of them where that is not enough; where light goes through many facets or bumps, there are never enough. Merging
  * vertices with photons is biased by its radius, and makes a sample depend on a pass of photons.
  * Directions learned from paths of the camera (T. Müller, M. Gross, J. Novák, "Practical Path Guiding for Efficient
@@ -53,8 +53,9 @@ typedef struct GuideSettings {
     uint64_t paths;         /* that it will take: what the guide takes is to be a small part of that */
     uint32_t seed;
     double time_limit_s;                              /* of the picture; 0: none. The guide gets a part of it */
+    double end_s;                                     /* on base/clock.h's clock: the search is left then; 0: never */
     bool always;                                      /* also where little is to be gained */
-    const volatile sig_atomic_t *stop;                /* NULL, or not 0 to give up: there is no guide then */
+    const volatile sig_atomic_t *stop;                /* NULL, or not 0: the search is left at once */
     void (*progress)(void *context, double fraction); /* of the work for the guide; NULL: none wanted */
     void *context;
 } GuideSettings;
@@ -65,11 +66,34 @@ typedef struct GuideStats {
     double cpu_seconds; /* that it took to make */
 } GuideStats;
 
-/* Makes a guide for the world; NULL where it would be of no use: without small bright lights, without clear or
+/* The search for a guide, which can be left and gone on with: it comes to the same bits however often it was left. What it takes
+ * is bounded by the time for a batch of photons, or for one trial of what they are worth. */
+typedef struct GuideSearch GuideSearch;
+
+ATTR_NODISCARD Status guide_search_new(GuideSearch **search, Error *error);
+void guide_search_free(GuideSearch *search); /* NULL is fine */
+/* Makes a guide for the world, or goes on with that, always a little. World and settings are always the same, but for the last five of
+ * these. No guide where it would be of no use: without small bright lights, without clear or
  * mirroring objects, where hardly any light comes through these, or where it gains less than the time that it takes (which
- * guide_try.c finds out by paths of the camera). STATUS_NOMEM. */
-ATTR_NODISCARD Status guide_new(const World *world, const GuideSettings *settings, Pool *pool, Guide **guide,
-                                GuideStats *stats, Error *error);
+ * guide_try.c finds out by paths of the camera). *stats: of all so far. STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_search_run(GuideSearch *search, const World *world, const GuideSettings *settings,
+                                       Pool *pool, GuideStats *stats, Error *error);
+bool guide_search_is_begun(const GuideSearch *search);       /* there is something to be kept of it. NULL: no */
+bool guide_search_is_done(const GuideSearch *search);        /* NULL: no */
+const Guide *guide_search_result(const GuideSearch *search); /* lives as long; NULL: none, or not done */
+
+/* A search as bytes, with numbers and structs as in memory: write gets one part after another, until it returns false. A search
+ * that is done takes what its guide takes, one that is not some 110 bytes for each photon that landed, too. */
+enum { GUIDE_PARTS = 10 };
+typedef struct GuideBytes {
+    void *bytes; /* of malloc */
+    uint64_t length;
+} GuideBytes;
+void guide_search_write(const GuideSearch *search, bool (*write)(void *context, const void *bytes, size_t length),
+                        void *context, bool *written);
+/* Takes these parts, in any case; false: they cannot be those of a search, or memory has ended. */
+ATTR_NODISCARD bool guide_search_read(GuideBytes parts[GUIDE_PARTS], GuideSearch **search);
+
 void guide_free(Guide *guide); /* NULL is fine */
 /* The guide at a place. share 0: there is none. */
 typedef struct GuideAt {

@@ -8,7 +8,7 @@ stop_and_resume() {
     shift
     while [ $status -eq 130 ] && [ $stops -lt 40 ]; do
         run_until $wait INT render kept.mns -o "$file.exr" --resume -j $((1 + stops % 2)) "$@"
-        [ ! -s "$file.checkpoint.exr" ] || kept=yes # a stop before the first sample leaves none
+        [ ! -s "$file.checkpoint.exr" ] || kept=yes # a stop before the first photon or sample leaves none
         stops=$((stops + 1))
         wait=$((1 + stops / 4)).5
     done
@@ -47,7 +47,7 @@ end
 
 begin "what noise a checkpoint's render is to come to"
 kept_scene
-run render kept.mns -o a.exr -n 0.01% -s 16000000 --caustics off -t 0.4 --checkpoint 1h -q
+run render kept.mns -o a.exr -n 0.01% -s 16000000 -t 0.4 --checkpoint 1h -q
 exits 75
 run info a.checkpoint.exr
 matches out '^state: noise to come to +0\.01 %$'
@@ -64,7 +64,7 @@ end
 
 begin "a time limit leaves a checkpoint, and status 75; more samples can follow"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.5 --checkpoint 1h
+run render kept.mns -o a.exr -s 16000000 -t 0.5 --checkpoint 1h
 exits 75
 there a.exr
 says err 'a.checkpoint.exr is there to go on from with --resume'
@@ -73,7 +73,7 @@ exits 0
 matches out '^state: samples +1\.\.16000000 of 16000000$'
 run view a.checkpoint.exr -o a.png
 exits 0
-run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.5
+run render kept.mns -o a.exr -s 16000000 -t 0.5
 exits 0
 there a.checkpoint.exr
 run render kept.mns -o a.exr --checkpoint 1h -s 4
@@ -86,6 +86,55 @@ run render kept.mns -o a.exr --resume --restart
 exits 2
 run render kept.mns -o a.exr --resume -s 4 # nothing is there: from the start
 exits 0
+end
+
+begin "a time limit amid photons: a picture without them, and the next piece goes on with them, to the same picture in the end"
+kept_scene
+sed -i 's/samples = 200/samples = 20000  caustics = on/' kept.mns
+run render kept.mns --size 8x6 -o whole.exr -q
+exits 0
+run render kept.mns --size 8x6 -o a.exr --checkpoint 1h -t 0.001 -j 1 # which is over before the first photon
+exits 75
+there a.exr
+says err 'photons for caustics were on their way: the picture is one without these'
+says err 'a.checkpoint.exr is there to go on from with --resume'
+run info a.checkpoint.exr
+matches out '^state: photons for caustics +on their way$'
+matches out '^state: done, at most +0$'
+run merge a.checkpoint.exr -o merged.exr
+exits 4
+says err 'has only 0 of its 20000 samples'
+rm a.exr
+pieces=0 status=75
+while [ $status -eq 75 ] && [ $pieces -lt 100 ]; do
+    limit=$(awk "BEGIN { print $pieces < 20 ? 0.001 : 1 }") # at first a piece is one step
+    run render kept.mns --size 8x6 -o a.exr --resume -t "$limit" -j $((1 + pieces % 2))
+    [ $pieces -gt 0 ] || says err 'going on from a.checkpoint.exr: photons for caustics are still on their way'
+    pieces=$((pieces + 1))
+done
+exits 0
+cmp -s whole.exr a.exr || flunk "the pictures differ"
+gone a.checkpoint.exr
+no_leftovers
+end
+
+begin "a time limit holds where photons would take far longer"
+kept_scene
+sed -i 's/samples = 200/samples = 16000000  caustics = on/' kept.mns
+for beside in "--checkpoint 1h" "--sample-range 1..100000 --resume"; do
+    begun=$(date +%s)
+    # shellcheck disable=SC2086 # two words
+    run render kept.mns -o a.exr -t 0.3 $beside
+    exits 75
+    took=$(($(date +%s) - begun))
+    [ $took -le 8 ] || flunk "0.3 s took $took s with $beside"
+    there a.checkpoint.exr
+    rm -f a.*
+done
+run_until 1 INT render kept.mns -o a.exr --checkpoint 1h
+exits 130
+gone a.exr
+says err "the photons so far are kept for '--resume' in a.checkpoint.exr"
 end
 
 begin "fewer samples or more noise than the checkpoint's render asks for: it stays, and can be gone on from"
@@ -124,10 +173,10 @@ end
 
 begin "another scene or other settings: what has changed"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --checkpoint 1h -q
+run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
 exits 75
 # changed TEXT ARGUMENT...: the error says TEXT
-changed() { wanted=$1; shift; run render -o a.exr -s 16000000 --caustics off -t 0.3 --resume "$@"; exits 4; says err "$wanted"; says err "cannot go on from 'a.checkpoint.exr'"; }
+changed() { wanted=$1; shift; run render -o a.exr -s 16000000 -t 0.3 --resume "$@"; exits 4; says err "$wanted"; says err "cannot go on from 'a.checkpoint.exr'"; }
 changed 'seed: 7 in this render, 0 in the checkpoint' kept.mns --seed 7
 changed 'size: 20 x 15 in this render, 40 x 30 in the checkpoint' kept.mns --scale 50%
 changed 'crop: 0,0,8,8 in this render, 0,0,0,0 in the checkpoint' kept.mns --crop 0,0,8,8
@@ -148,17 +197,17 @@ changed ': its cameras (' other.mns
 sed 's/film/environment { color = .1 }\nfilm/' kept.mns > other.mns
 changed 'its environment' other.mns
 sed 's/sphere ball/\/\/ another text, the same scene\nsphere ball/' kept.mns > other.mns
-run render other.mns -o a.exr -s 16000000 --caustics off -t 0.3 --resume
+run render other.mns -o a.exr -s 16000000 -t 0.3 --resume
 exits 75
 changed 'samples: 1..64 of 16000000 in this render' kept.mns --sample-range 1..64
 end
 
 begin "files that are no checkpoints, or not whole"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --checkpoint 1h -q
+run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
 exits 75
 mv a.checkpoint.exr whole.exr
-resume() { run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --resume; }
+resume() { run render kept.mns -o a.exr -s 16000000 -t 0.3 --resume; }
 size=$(wc -c < whole.exr)
 for n in 0 3 100 1000 $((size / 2)) $((size - 1)); do
     head -c "$n" whole.exr > a.checkpoint.exr
@@ -183,9 +232,9 @@ end
 
 begin "an earlier checkpoint stays where a new one cannot be written"
 kept_scene
-run render kept.mns -o a.exr -s 16000000 --caustics off -t 0.3 --checkpoint 1h -q
+run render kept.mns -o a.exr -s 16000000 -t 0.3 --checkpoint 1h -q
 cp a.checkpoint.exr before.exr
-(ulimit -f 20; "$program" render kept.mns -o a.exr -s 16000000 --caustics off -t 0.5 --resume > out 2> err)
+(ulimit -f 20; "$program" render kept.mns -o a.exr -s 16000000 -t 0.5 --resume > out 2> err)
 status=$?
 exits 5
 cmp -s a.checkpoint.exr before.exr || flunk "the checkpoint was touched"
