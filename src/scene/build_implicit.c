@@ -5,12 +5,13 @@
 #include "shape/implicit.h"
 #include "scene/build_parts.h"
 
-/* Says when the grid could not be made fine enough. */
-static void check_reached(Builder *b, const EvalNode *node, double reached, double tolerance)
+/* Says when the grid could not be made fine enough; NULL: it could. */
+static Diagnostic *check_reached(Builder *b, const EvalNode *node, double reached, double tolerance)
 {
-    if (reached <= 1.5 * tolerance) return;
-    diag_report(b->diag, D_COARSE_SURFACE, build_span(node, "tolerance"),
-                "parts of this %s are off by up to %.2g; the tolerance is %.2g", node->type->name, reached, tolerance);
+    if (reached <= 1.5 * tolerance) return NULL;
+    return diag_report(b->diag, D_COARSE_SURFACE, build_span(node, "tolerance"),
+                       "parts of this %s are off by up to %.2g; the tolerance is %.2g", node->type->name, reached,
+                       tolerance);
 }
 
 /* ---- blobs ---- */
@@ -61,7 +62,7 @@ static Status make_blob(Builder *b, const EvalNode *node, Mesh **mesh, Span *spa
     if (!components) return STATUS_SCENE;
     TRY(mesh_make_blob(components, node->n_children, eval_number(node, "threshold"),
                        tolerance ? tolerance->as.number : 0, b->options->pool, mesh, &reached, error));
-    if (tolerance) check_reached(b, node, reached, tolerance->as.number);
+    if (tolerance) (void)check_reached(b, node, reached, tolerance->as.number);
     return STATUS_OK;
 }
 
@@ -120,6 +121,17 @@ static bool function_layer(void *context, const Lattice *lattice, uint32_t k, co
     return true;
 }
 
+/* Why no grid is fine enough: the edges of steps are cut off by the grid. */
+static void add_jump(Builder *b, Diagnostic *report, const ImplicitFound *found, double threshold)
+{
+    Vec3 p = found->jump_at;
+    diag_hint(b->diag, report,
+              "the function jumps at about <%.4g, %.4g, %.4g>, from %.4g to %.4g: the edges of its steps are cut off "
+              "by up to a "
+              "cell; ask for more 'cells', or a larger tolerance",
+              p.x, p.y, p.z, threshold - found->inner_value, threshold - found->outer_value);
+}
+
 static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)
 {
     Vec3 from = eval_vector(node, "from"), to = eval_vector(node, "to");
@@ -139,10 +151,11 @@ static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Spa
                                      .cells = (uint32_t)eval_number(node, "cells"),
                                      .max_points = 16000000,
                                      .pool = b->options->pool};
-    double reached = 0;
+    ImplicitFound found;
     *span = function->span;
-    TRY(mesh_make_implicit(&field, &options, "the isosurface", mesh, &reached, error));
-    if (tolerance) check_reached(b, node, reached, options.tolerance);
+    TRY(mesh_make_implicit(&field, &options, "the isosurface", mesh, &found, error));
+    Diagnostic *report = tolerance ? check_reached(b, node, found.reached, options.tolerance) : NULL;
+    if (report && found.jumps) add_jump(b, report, &found, context.threshold);
     return STATUS_OK;
 }
 

@@ -211,7 +211,10 @@ static Status make_blob(Blob *blob, const BlobComponent *components, double tole
                                      .cells = (uint32_t)fmin(fmax(48, 10 * extent / smallest), 1000),
                                      .max_points = 20000000,
                                      .pool = pool};
-    return mesh_make_implicit(&field, &options, "the blob", mesh, reached, error);
+    ImplicitFound found;
+    Status status = mesh_make_implicit(&field, &options, "the blob", mesh, &found, error);
+    *reached = found.reached;
+    return status;
 }
 
 Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance, Pool *pool,

@@ -3,6 +3,9 @@
  * there have their vertex at the point that they come from, so that what the bounds cut off ends flat.
  * Vertices stay on the edges that they belong to, so that every triangle stays in its own tetrahedron: no mesh crosses
  * itself. Where an edge is cut near its end this makes slivers, which are too small to be seen.
+ * A function may jump from inside to outside: there the surface is where it jumps, found by halving alone. Its slope says
+ * nothing there: the normals are those of the triangles, and how far these are off is found by asking on which side
+ * places are. Edges between a jump and what is beside it are cut off by the grid, as all edges are.
  * Only two layers are kept in memory.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "shape/implicit.h"
@@ -19,6 +22,18 @@
 #define NO_VERTEX UINT32_MAX
 #define CROSSING 0x80000000U /* no vertex yet: from here on the numbers of crossings */
 enum { EDGES_PER_POINT = 8 /* the first is not used */, MAX_ROUNDS = 5, ROOT_STEPS = 12, SAMPLE_STRIDE = 7 };
+/* A surface that is still crossed by this part of the values' difference when no shorter piece of the edge can be told apart, in so
+ * many halvings, is a jump. */
+#define JUMP_PART 1e-3
+#define LEVEL_PART 1e-6 /* of an edge */
+#define ROUNDING_PART 1e-9
+/* Steps often stand at points of the grid. All edges that meet there have their vertex at the point itself then: places that differ by
+ * rounding would make triangles that pass through each other. */
+#define SNAP_PART 1e-5
+enum { HALVINGS = 24 }; /* as fine as floats are */
+/* A grid that is twice as fine as another takes eight times as long and cuts off half as much of the edges of steps: where a function
+ * jumps, it is made so fine once less, and no finer where there are many steps already. */
+enum { JUMP_POINTS_PART = 8, JUMP_TRIANGLES = 1000000 };
 enum { CHUNK = 32 /* places on the surface that a thread takes at once */ };
 
 /* Where the surface crosses an edge: all those of a layer are found, by all threads, before its triangles are made. */
@@ -26,12 +41,14 @@ typedef struct Crossing {
     Vec3 inner, outer;
     double inner_value, outer_value;
     Vec3 at, normal; /* found */
+    bool jumps;      /* from this value to that */
+    double before_jump, behind_jump;
 } Crossing;
 
 /* How far the surface is from the middle of a triangle. */
 typedef struct Sample {
-    Vec3 middle;
-    float distance; /* found; HUGE_VALF: nothing can be said */
+    Vec3 middle, normal; /* normal: of one where the function jumps, else zero */
+    float distance;      /* found; HUGE_VALF: nothing can be said */
 } Sample;
 
 /* A point of the grid counts from 0 in the layer around, so that 1 .. n are the field's. */
@@ -47,8 +64,12 @@ typedef struct Marcher {
     Grower grower;
     Crossing *crossings; /* of the layer at hand */
     size_t n_crossings, crossings_capacity;
+    double most_change; /* of the function, along an edge that is crossed */
     Sample *samples;
     size_t n_samples, samples_capacity, n_seen;
+    bool *jumps; /* of vertices, as far as any has been one where the function jumps */
+    size_t n_jumps, jumps_capacity;
+    ImplicitFound *found;
     Pool *pool;
     bool stopped;
 } Marcher;
@@ -134,31 +155,85 @@ static void ask_all(Marcher *marcher, size_t n, void (*item)(Marcher *marcher, s
     marcher->stopped = asker.stopped;
 }
 
-/* The part of the way from an inner to an outer point, by the Illinois variant of regula falsi. */
-static double find_root(Asker *asker, const Crossing *crossing)
+/* A piece of the way from an inner to an outer point. */
+typedef struct Bracket {
+    double a, b, fa, fb; /* where it begins and ends, and what the function is there: fa > 0 >= fb */
+} Bracket;
+
+/* Halves the piece until the function hardly changes in it; whether it still does then, and so jumps. */
+static bool is_jump(Asker *asker, const Crossing *crossing, Bracket *piece)
 {
-    double a = 0, b = 1, fa = crossing->inner_value, fb = crossing->outer_value, t = 0;
+    Vec3 along = vec3_sub(crossing->outer, crossing->inner);
+    double small = JUMP_PART * (crossing->inner_value - crossing->outer_value);
+    for (int i = 0; i < HALVINGS && piece->fa - piece->fb > small && !asker->stopped; i++) {
+        double t = 0.5 * (piece->a + piece->b), f = field_value(asker, vec3_along(crossing->inner, t, along));
+        if (f > 0) {
+            piece->a = t;
+            piece->fa = f;
+        } else {
+            piece->b = t;
+            piece->fb = f;
+        }
+    }
+    return piece->fa - piece->fb > small;
+}
+
+/* Of a place where the function is the surface's, and where the piece was to end: whether it is so before that place, too. Then
+ * the piece ends there. */
+static bool is_level(Asker *asker, const Crossing *crossing, Bracket *piece)
+{
+    double t = piece->b - LEVEL_PART; /* where rounding cannot make it level */
+    if (t <= piece->a) return false;
+    double f = field_value(asker, vec3_along(crossing->inner, t, vec3_sub(crossing->outer, crossing->inner)));
+    if (f > 0) return false;
+    piece->b = t;
+    piece->fb = f;
+    return true;
+}
+
+/* The part of the way from an inner to an outer point, by the Illinois variant of regula falsi; where that does not come to an
+ * end, it may be a jump. */
+static double find_root(Asker *asker, Crossing *crossing)
+{
+    Bracket piece = {0, 1, crossing->inner_value, crossing->outer_value};
+    double fa = piece.fa, fb = piece.fb, t = 0;
     Vec3 along = vec3_sub(crossing->outer, crossing->inner);
     double small = 1e-7 * (fa - fb);
+    bool doubtful = true, level = false;
     int side = 0;
     for (int i = 0; i < ROOT_STEPS; i++) {
-        t = fb < fa ? (a * -fb + b * fa) / (fa - fb) : 0.5 * (a + b);
-        if (!(t > a && t < b)) t = 0.5 * (a + b);
+        t = fb < fa ? (piece.a * -fb + piece.b * fa) / (fa - fb) : 0.5 * (piece.a + piece.b);
+        if (!(t > piece.a && t < piece.b)) t = 0.5 * (piece.a + piece.b);
         double f = field_value(asker, vec3_along(crossing->inner, t, along));
-        if (fabs(f) <= small || asker->stopped) break;
+        bool at_end = fabs(f) <= small || asker->stopped;
+        if (at_end && f != 0) {
+            doubtful = false;
+            break;
+        }
         if (f > 0) {
-            a = t;
-            fa = f;
+            piece.a = t;
+            piece.fa = fa = f;
             if (side == 1) fb *= 0.5;
             side = 1;
         } else {
-            b = t;
-            fb = f;
+            piece.b = t;
+            piece.fb = fb = f;
             if (side == -1) fa *= 0.5;
             side = -1;
         }
+        if (at_end) {
+            doubtful = level = is_level(asker, crossing, &piece);
+            break;
+        }
     }
-    return t;
+    /* edges that lie in the surface have values that are nothing but rounding */
+    if (!doubtful || small < 1e-7 * ROUNDING_PART * asker->marcher->most_change) return t;
+    crossing->jumps = is_jump(asker, crossing, &piece);
+    if (crossing->jumps) {
+        crossing->before_jump = piece.fa;
+        crossing->behind_jump = piece.fb;
+    }
+    return crossing->jumps || level ? piece.b : t;
 }
 
 static void place_crossing(Marcher *marcher, size_t index, Asker *asker)
@@ -166,12 +241,37 @@ static void place_crossing(Marcher *marcher, size_t index, Asker *asker)
     Crossing *crossing = &marcher->crossings[index];
     double t = find_root(asker, crossing);
     crossing->at = vec3_along(crossing->inner, t, vec3_sub(crossing->outer, crossing->inner));
-    crossing->normal = vec3_scale(field_gradient(asker, crossing->at), -1);
+    if (crossing->jumps && t < SNAP_PART) crossing->at = crossing->inner;
+    if (crossing->jumps && t > 1 - SNAP_PART) crossing->at = crossing->outer;
+    crossing->normal = crossing->jumps ? vec3(0, 0, 0) : vec3_scale(field_gradient(asker, crossing->at), -1);
+}
+
+/* Goes from the middle of a triangle towards the surface, which is on the side where the function has the other sign. */
+static double distance_along(Asker *asker, Vec3 middle, Vec3 normal, double most)
+{
+    bool inside = field_value(asker, middle) > 0;
+    Vec3 along = inside ? normal : vec3_scale(normal, -1);
+    double near = 0, far = 1e-4 * most;
+    while (far < most && !asker->stopped && (field_value(asker, vec3_along(middle, far, along)) > 0) == inside) {
+        near = far;
+        far *= 2;
+    }
+    if (far >= most) return HUGE_VAL;
+    for (int i = 0; i < 4; i++) {
+        double t = 0.5 * (near + far);
+        *((field_value(asker, vec3_along(middle, t, along)) > 0) == inside ? &near : &far) = t;
+    }
+    return far;
 }
 
 static void take_sample(Marcher *marcher, size_t index, Asker *asker)
 {
     Sample *sample = &marcher->samples[index];
+    if (vec3_dot(sample->normal, sample->normal) > 0) {
+        double most = vec3_length(marcher->lattice.step);
+        sample->distance = (float)distance_along(asker, sample->middle, sample->normal, most);
+        return;
+    }
     double slope = vec3_length(field_gradient(asker, sample->middle)), value = field_value(asker, sample->middle);
     double distance = fmin(fabs(value) / slope, vec3_length(marcher->lattice.step));
     sample->distance = slope > 0 ? (float)distance : HUGE_VALF;
@@ -237,17 +337,43 @@ static void note_crossings(Marcher *marcher, const Cube *cube)
         }
 }
 
+/* Remembers that the function jumps at a vertex, and where it does so most. */
+static void note_jump(Marcher *marcher, uint32_t vertex, const Crossing *crossing)
+{
+    if (!array_reserve(&marcher->jumps, &marcher->jumps_capacity, (size_t)vertex + 1, sizeof *marcher->jumps)) {
+        marcher->grower.out_of_memory = true;
+        return;
+    }
+    while (marcher->n_jumps < vertex) marcher->jumps[marcher->n_jumps++] = false;
+    marcher->jumps[vertex] = true;
+    marcher->n_jumps = (size_t)vertex + 1;
+    ImplicitFound *found = marcher->found;
+    double jump = crossing->before_jump - crossing->behind_jump;
+    if (found->jumps && jump <= found->inner_value - found->outer_value) return;
+    found->jumps = true;
+    found->jump_at = crossing->at;
+    found->inner_value = crossing->before_jump;
+    found->outer_value = crossing->behind_jump;
+}
+
+static bool jumps_at(const Marcher *marcher, uint32_t vertex)
+{
+    return vertex < marcher->n_jumps && marcher->jumps[vertex];
+}
+
 /* The vertex on the edge between two corners, one of which is inside. */
 static uint32_t edge_vertex(Marcher *marcher, const Cube *cube, unsigned inner, unsigned outer)
 {
     uint32_t *place = edge_place(marcher, cube, inner, outer);
     if (*place < CROSSING) return *place;
     size_t number = *place - CROSSING;
-    if (number < marcher->n_crossings)
-        *place = grower_vertex(&marcher->grower, marcher->crossings[number].at, marcher->crossings[number].normal);
+    const Crossing *crossing = number < marcher->n_crossings ? &marcher->crossings[number] : NULL;
+    if (crossing)
+        *place = grower_vertex(&marcher->grower, crossing->at, crossing->normal);
     else
         *place = grower_vertex(&marcher->grower, cube_point(marcher, cube, inner), vec3(0, 0, 0));
     if (*place >= CROSSING) marcher->grower.out_of_memory = true;
+    if (crossing && crossing->jumps && !marcher->grower.out_of_memory) note_jump(marcher, *place, crossing);
     return *place;
 }
 
@@ -256,14 +382,18 @@ static Vec3 grown_point(const Marcher *marcher, uint32_t vertex)
     return vec3_from_f(marcher->grower.positions[vertex]);
 }
 
-static void note_sample(Marcher *marcher, Vec3 a, Vec3 b, Vec3 c)
+static void note_sample(Marcher *marcher, Vec3 a, Vec3 b, Vec3 c, bool jumps)
 {
     if (!ARRAY_ROOM(marcher->samples, marcher->samples_capacity, marcher->n_samples)) {
         marcher->grower.out_of_memory = true;
         return;
     }
     Vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3);
-    marcher->samples[marcher->n_samples++] = (Sample){.middle = middle};
+    Vec3 normal = jumps ? vec3_cross(vec3_sub(b, a), vec3_sub(c, a)) : vec3(0, 0, 0);
+    double length = vec3_length(normal);
+    if (jumps && !(length > 0)) return;
+    marcher->samples[marcher->n_samples++] =
+        (Sample){.middle = middle, .normal = jumps ? vec3_scale(normal, 1 / length) : normal};
 }
 
 static int compare_samples(const void *left, const void *right)
@@ -293,7 +423,7 @@ static void add_triangle(Marcher *marcher, uint32_t a, uint32_t b, uint32_t c, b
         b = grower_vertex(&marcher->grower, pb, normal);
         c = grower_vertex(&marcher->grower, pc, normal);
     } else if (marcher->n_seen++ % SAMPLE_STRIDE == 0) {
-        note_sample(marcher, pa, pb, pc);
+        note_sample(marcher, pa, pb, pc, jumps_at(marcher, a) || jumps_at(marcher, b) || jumps_at(marcher, c));
     }
     grower_triangle(&marcher->grower, a, b, c);
 }
@@ -383,6 +513,11 @@ static void march_layer(Marcher *marcher, size_t k)
     marcher->n_crossings = 0;
     for_crossed_cubes(marcher, k, note_crossings);
     if (marcher->grower.out_of_memory) return;
+    marcher->most_change = 0;
+    for (size_t i = 0; i < marcher->n_crossings; i++) {
+        const Crossing *crossing = &marcher->crossings[i];
+        marcher->most_change = fmax(marcher->most_change, crossing->inner_value - crossing->outer_value);
+    }
     ask_all(marcher, marcher->n_crossings, place_crossing);
     if (!marcher->stopped) for_crossed_cubes(marcher, k, march_cube);
 }
@@ -398,6 +533,7 @@ static void clear_marcher(Marcher *marcher)
     free(marcher->wanted);
     free(marcher->crossings);
     free(marcher->samples);
+    free(marcher->jumps);
     grower_clear(&marcher->grower);
 }
 
@@ -443,15 +579,25 @@ static double n_points_of(const Lattice *lattice)
     return (double)lattice->n[0] * lattice->n[1] * lattice->n[2];
 }
 
+/* How many times as fine a grid may be; n_triangles: of its mesh, or 0. */
+static double fineness_left(const ImplicitOptions *options, bool jumps, const Lattice *lattice, size_t n_triangles)
+{
+    double most = (double)options->max_points / (jumps ? JUMP_POINTS_PART : 1);
+    double fineness = cbrt(most / n_points_of(lattice));
+    return jumps && n_triangles ? fmin(fineness, sqrt(JUMP_TRIANGLES / (double)n_triangles)) : fineness;
+}
+
 Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *options, const char *what, Mesh **mesh,
-                          double *reached, Error *error)
+                          ImplicitFound *found, Error *error)
 {
     Vec3 size = vec3_sub(options->bounds.max, options->bounds.min);
     double step = vec3_max_abs(size) / options->cells;
     *mesh = NULL;
+    *found = (ImplicitFound){.jumps = false};
     for (int round = 0; round < MAX_ROUNDS; round++) {
-        Marcher marcher = {.field = field, .lattice = lattice_of(options->bounds, step), .pool = options->pool};
-        double fineness = cbrt((double)options->max_points / n_points_of(&marcher.lattice));
+        Marcher marcher = {
+            .field = field, .lattice = lattice_of(options->bounds, step), .found = found, .pool = options->pool};
+        double fineness = fineness_left(options, found->jumps, &marcher.lattice, 0);
         if (*mesh && fineness < 1) break;
         marcher.width = marcher.lattice.n[0] + 2;
         marcher.height = marcher.lattice.n[1] + 2;
@@ -462,13 +608,16 @@ Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *opt
             status = fail(error, STATUS_SCENE, "%s has nothing inside", what);
         if (status == STATUS_OK) status = grower_finish(&marcher.grower, what, &made, error);
         double distance = measured_distance(&marcher);
+        Lattice lattice = marcher.lattice;
         clear_marcher(&marcher);
         mesh_free(*mesh);
         *mesh = made;
         if (status != STATUS_OK) return status;
-        *reached = distance;
+        found->reached = distance;
         if (distance <= options->tolerance) break;
         /* chords are off by the square of their length; a little more, and not beyond what is allowed */
+        fineness = fineness_left(options, found->jumps, &lattice, made->n_triangles);
+        if (found->jumps && fineness < 1) break;
         double finer = fmin(fmax(0.85 * sqrt(options->tolerance / distance), 0.1), 0.75);
         step *= fmax(finer, fmin(1 / fineness * 1.001, 0.97));
     }

@@ -18,7 +18,7 @@ static inline Vec3 lattice_point(const Lattice *lattice, uint32_t i, uint32_t j,
                 lattice->origin.z + lattice->step.z * k);
 }
 
-/* A continuous function that is positive inside. The calls return false when they cannot go on; whoever gave the
+/* A function that is positive inside, and continuous, but for jumps. The calls return false when they cannot go on; whoever gave the
  * field knows why. */
 typedef struct ImplicitField {
     void *context;
@@ -41,13 +41,20 @@ typedef struct ImplicitOptions {
     Pool *pool;          /* may be NULL */
 } ImplicitOptions;
 
+typedef struct ImplicitFound {
+    double reached;                  /* how far the surface is from the triangles: 99 of 100 samples keep to that */
+    bool jumps;                      /* the function jumps from inside to outside, */
+    Vec3 jump_at;                    /* here as much as anywhere, */
+    double inner_value, outer_value; /* from this to that */
+} ImplicitFound;
+
 /* Marching tetrahedra: cubes of a grid are cut into six tetrahedra each, of which neighbours share whole faces, so
  * that the mesh is closed and manifold whatever the function does. Vertices are moved onto the surface along their
- * edges, normals are those of the function. The grid is made finer until the tolerance is reached, or max_points;
- * *reached is what 99 of 100 samples keep to. STATUS_SCENE when nothing is inside, and without a text when a call of
+ * edges, normals are those of the function, or of the triangles where it jumps. The grid is made finer until the tolerance is
+ * reached, or max_points. STATUS_SCENE when nothing is inside, and without a text when a call of
  * the field returned false. */
 ATTR_NODISCARD Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *options, const char *what,
-                                         Mesh **mesh, double *reached, Error *error);
+                                         Mesh **mesh, ImplicitFound *found, Error *error);
 
 /* ---- blobs (blob.c) ---- */
 

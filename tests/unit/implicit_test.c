@@ -7,6 +7,7 @@
 #include "lang_fixture.h"
 
 #include "dice.h"
+#include "near.h"
 #include "lang/formula.h"
 #include "scene_fixture.h"
 #include "shape/implicit_blocks.h"
@@ -291,12 +292,12 @@ static void meshes_are_the_same_without_bounds_and_threads(void **state)
         const ImplicitField bounded = {&with, give_layer, give_value, give_value, NULL, give_bounds};
         const ImplicitField plain = {&without, give_layer, give_value, NULL, NULL, NULL};
         Mesh *one = NULL, *other = NULL;
-        double reached, other_reached;
+        ImplicitFound reached, other_reached;
         Error error;
         Status status = mesh_make_implicit(&bounded, &options, "this", &one, &reached, &error);
         assert_int_equal(mesh_make_implicit(&plain, &options, "this", &other, &other_reached, &error), status);
         if (status == STATUS_OK) {
-            assert_true(reached == other_reached);
+            assert_true(reached.reached == other_reached.reached && reached.jumps == other_reached.jumps);
             assert_same_bits(one, other);
             assert_true(with.n <= without.n);
             if (i == 0) assert_true(with.n < without.n / 2);
@@ -310,6 +311,86 @@ static void meshes_are_the_same_without_bounds_and_threads(void **state)
     assert_true(n_made >= COUNT_OF(functions) * 3 / 4);
 }
 
+/* ---- jumps ---- */
+
+static Mesh *mesh_of(const char *text, double tolerance, ImplicitFound *found, uint64_t *asked)
+{
+    Run run;
+    Error error;
+    Mesh *mesh = NULL;
+    Asked with = {open_function(&run, text), 0};
+    const ImplicitField field = {&with, give_layer, give_value, NULL, NULL, NULL};
+    const ImplicitOptions options = {
+        .bounds = {{-1.1, -1.2, -1.3}, {1.3, 1.2, 1.1}}, .tolerance = tolerance, .cells = 40, .max_points = 4000000};
+    assert_int_equal(mesh_make_implicit(&field, &options, "this", &mesh, found, &error), STATUS_OK);
+    *asked = with.n;
+    run_close(&run);
+    return mesh;
+}
+
+/* A ball whose inside is told by a step is that of a function with a slope, in places and normals, and found with no finer grid. */
+static void a_jump_is_a_surface(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"f(p) = .8 - length(p)", "f(p) = length(p) < .8 ? 1 : -1",
+                                        "f(p) = length(p) < .8 ? 1 + p.x : -.01 - p.z * p.z",
+                                        "f(p) = length(p) < .8 ? 7 : 0"};
+    for (size_t i = 0; i < COUNT_OF(texts); i++) {
+        ImplicitFound found;
+        uint64_t asked;
+        Mesh *mesh = mesh_of(texts[i], 1e-3, &found, &asked);
+        double worst = 0;
+        int n_turned = 0; /* of triangles so small that floats do not tell their direction */
+        for (uint32_t v = 0; v < mesh->n_vertices; v++) {
+            Vec3 p = vec3_from_f(mesh->positions[v]);
+            worst = fmax(worst, fabs(vec3_length(p) - .8));
+            n_turned += vec3_dot(vec3_from_f(mesh->normals[v]), p) < vec3_length(p) * cos(4 / 57.3);
+        }
+        printf("    %s: places off by %.2g, %d of %u normals turned, reached %.2g, %llu values\n", texts[i], worst,
+               n_turned, mesh->n_vertices, found.reached, (unsigned long long)asked);
+        assert_true(found.jumps == (i > 0));
+        assert_true(worst < 1e-6);
+        assert_true(n_turned < (int)mesh->n_vertices / 1000);
+        assert_true(found.reached <= 1e-3 && found.reached > 1e-4);
+        assert_true(asked < 1500000);
+        if (found.jumps) assert_near(vec3_length(found.jump_at), .8, 1e-6);
+        if (i == 3) assert_true(found.inner_value == 7 && found.outer_value == 0);
+        mesh_free(mesh);
+    }
+}
+
+/* Nothing but steps, whose edges no grid makes sharp, takes a bounded grid; what is only steep is no jump, nor is an edge of the grid
+ * that lies in the surface. */
+static void jumps_and_others(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        bool jumps;
+    } cases[] = {
+        {"f(p) = -floor(10 * p).x - floor(10 * p).y", true},
+        {"f(p) = floor(p.x * 10) / 10 - p.y", true},
+        {"f(p) = noise(floor(20 * p)) - .1", true},
+        {"f(p) = p.x >= 0 ? 1 : -1", true},
+        {"f(p) = 1e6 * (.5 - length(p))", false},
+        {"f(p) = 1e-200 * (.5 - length(p))", false},
+        {"f(p) = let (u = p.x + .2 * p.y) u / sqrt(u * u + 1e-6)", false},
+        {"f(p) = abs(p.y) - sqrt(p.x ^ 2 + p.z ^ 2)", false},
+        {"f(p) = p.x - p.y", false},
+        {"f(p) = max(0, .5 - length(p))", false},
+        {"f(p) = .7 - max(abs(p.x), abs(p.y), abs(p.z))", false},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        ImplicitFound found;
+        uint64_t asked;
+        Mesh *mesh = mesh_of(cases[i].text, 1e-3, &found, &asked);
+        printf("    %s: %u triangles, %llu values\n", cases[i].text, mesh->n_triangles, (unsigned long long)asked);
+        if (found.jumps != cases[i].jumps) fail_msg("%s: jumps %d", cases[i].text, found.jumps);
+        if (found.jumps) assert_true(mesh->n_triangles < 2000000);
+        mesh_free(mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -317,6 +398,8 @@ int main(void)
         cmocka_unit_test(bounds_are_close),
         cmocka_unit_test(blocks_left_out_hold_no_crossing),
         cmocka_unit_test(meshes_are_the_same_without_bounds_and_threads),
+        cmocka_unit_test(a_jump_is_a_surface),
+        cmocka_unit_test(jumps_and_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -404,6 +404,12 @@ static void isosurfaces(void **state)
                  1);
     /* a slope, cut by the bounds */
     check_volume("def f(p) = p.y - p.x / 2 isosurface { interior = ice function = f cells = 7 }", 4, 1e-5, 1);
+    /* jumps, where they are exactly; from above, from below, and through values that are the threshold */
+    check_volume("def f(p) = p.x > .3 ? 1 : -1 isosurface { interior = ice function = f }", 5.2, 1e-5, 1);
+    check_volume("def f(x, y, z) = floor(x * 10) - 3 isosurface { interior = ice function = f }", 5.2, 1e-5, 1);
+    check_volume("def f(x, y, z) = floor((x + y / 2) * 10) isosurface { interior = ice function = f }", 4, 1e-5, 1);
+    check_volume("def f(p) = length(p) < .8 ? -1 : 1 isosurface { interior = ice  function = f }", 4. / 3 * pi * .512,
+                 2e-3, 30);
     /* a function within a macro sees its names as they are where it is used */
     check_volume("def ball(r) { def f(p) = length(p) - r  isosurface { interior = ice function = f } } ball(.5)",
                  pi / 6, 3e-3, 30);
