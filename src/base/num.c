@@ -91,6 +91,56 @@ static void decimal_shift_left(Decimal *a, int k)
     decimal_trim(a);
 }
 
+/* Times a whole number, of at most MOST_TIMES digits. */
+enum { MOST_TIMES = 80 };
+static void decimal_times(Decimal *a, const char *number)
+{
+    unsigned char product[DECIMAL_DIGITS + MOST_TIMES];
+    int n_times = (int)strlen(number), n = a->n + n_times, first = 0;
+    if (a->n == 0) return;
+    unsigned carry = 0;
+    for (int place = n - 1; place >= 0; place--) { /* of digits i and j, for which i + j + 1 is the place */
+        unsigned sum = carry;
+        for (int j = 0; j < n_times; j++) {
+            int i = place - 1 - j;
+            if (i >= 0 && i < a->n) sum += (unsigned)(a->d[i] * (number[j] - '0'));
+        }
+        product[place] = (unsigned char)(sum % 10);
+        carry = sum / 10;
+    }
+    while (product[first] == 0) first++;
+    a->point += n_times - first;
+    n -= first;
+    a->n = n < DECIMAL_DIGITS ? n : DECIMAL_DIGITS;
+    memcpy(a->d, product + first, (size_t)a->n);
+    for (int i = a->n; i < n; i++)
+        if (product[first + i]) a->truncated = true;
+    decimal_trim(a);
+}
+
+/* Divides by a whole number below 10^8. */
+static void decimal_divide(Decimal *a, uint32_t divisor)
+{
+    unsigned char quotient[DECIMAL_DIGITS];
+    int n = 0, read = 0, point = a->point;
+    uint64_t rest = 0;
+    if (a->n == 0 || divisor == 1) return;
+    while (n < DECIMAL_DIGITS && (read < a->n || rest)) {
+        rest = rest * 10 + (read < a->n ? a->d[read] : 0);
+        read++;
+        if (n == 0 && rest < divisor)
+            point--;
+        else
+            quotient[n++] = (unsigned char)(rest / divisor);
+        rest %= divisor;
+    }
+    if (rest || read < a->n) a->truncated = true; /* the last digit of a decimal is not 0 */
+    memcpy(a->d, quotient, (size_t)n);
+    a->n = n;
+    a->point = point;
+    decimal_trim(a);
+}
+
 /* multiplies by 2^k */
 static void decimal_shift(Decimal *a, int k)
 {
@@ -218,7 +268,7 @@ static double divide_exactly(uint64_t mantissa, int k)
     return round_bits(quotient, inexact, shift + 1 - 64);
 }
 
-static double slow_value(const char *text, size_t length, int exponent)
+static double slow_value(const char *text, size_t length, int exponent, const NumScale *scale)
 {
     Decimal a = {0};
     bool point = false;
@@ -246,13 +296,15 @@ static double slow_value(const char *text, size_t length, int exponent)
     int point_of_digits = a.point;
     decimal_trim(&a);
     if (a.n) a.point = point_of_digits;
+    if (scale->times) decimal_times(&a, scale->times);
+    if (scale->over) decimal_divide(&a, scale->over);
     return decimal_to_double(&a);
 }
 
-static double value_of(const Scan *scan, const char *text, size_t length, int written_exponent)
+static double value_of(const Scan *scan, const char *text, size_t length, int written_exponent, const NumScale *scale)
 {
     if (scan->mantissa == 0) return 0;
-    if (!scan->more) {
+    if (!scan->more && !scale->times && !scale->over) {
         int e = scan->exponent;
         if (scan->mantissa <= (uint64_t)1 << 53) {
             if (e >= 0 && e <= LARGEST_EXACT_POWER) return (double)scan->mantissa * exact_powers[e];
@@ -264,7 +316,7 @@ static double value_of(const Scan *scan, const char *text, size_t length, int wr
             if (!isnan(value)) return value;
         }
     }
-    return slow_value(text, length, written_exponent);
+    return slow_value(text, length, written_exponent, scale);
 }
 
 static size_t scan_exponent(const char *text, size_t length, int *exponent)
@@ -282,10 +334,10 @@ static size_t scan_exponent(const char *text, size_t length, int *exponent)
 
 size_t num_parse(const char *text, size_t length, double *value)
 {
-    return num_parse_shifted(text, length, 0, value);
+    return num_parse_scaled(text, length, (NumScale){.power = 0}, value);
 }
 
-size_t num_parse_shifted(const char *text, size_t length, int power, double *value)
+size_t num_parse_scaled(const char *text, size_t length, NumScale scale, double *value)
 {
     size_t i = 0;
     bool negative = false;
@@ -316,9 +368,9 @@ size_t num_parse_shifted(const char *text, size_t length, int power, double *val
     size_t end_of_digits = i;
     int written_exponent = 0;
     if (i < length && (text[i] == 'e' || text[i] == 'E')) i += scan_exponent(text + i, length - i, &written_exponent);
-    written_exponent += power;
+    written_exponent += scale.power;
     scan.exponent += written_exponent;
-    double result = value_of(&scan, text + first, end_of_digits - first, written_exponent);
+    double result = value_of(&scan, text + first, end_of_digits - first, written_exponent, &scale);
     *value = negative ? -result : result;
     return i;
 }

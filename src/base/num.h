@@ -15,8 +15,13 @@ enum { NUM_TEXT_SIZE = 32 };
  * followed by another '.' is not part of the number ("1..5" reads 1), and neither is an 'e' without digits.
  * Too large gives INFINITY, too small 0. */
 size_t num_parse(const char *text, size_t length, double *value);
-/* The same, times that power of ten, and rounded once: "92" with -1 is 9.2. */
-size_t num_parse_shifted(const char *text, size_t length, int power, double *value);
+/* The same, times what stands here, and rounded once: "92" with a power of -1 is 9.2. */
+typedef struct NumScale {
+    int power;         /* of ten */
+    const char *times; /* a whole number of at most 80 digits; NULL: 1 */
+    unsigned over;     /* a whole number below 10^8; 0: 1 */
+} NumScale;
+size_t num_parse_scaled(const char *text, size_t length, NumScale scale, double *value);
 /* n finite numbers with commas between them; returns where reading stopped, NULL when there are not as many. */
 const char *num_parse_list(const char *text, double *numbers, int n);
 

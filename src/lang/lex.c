@@ -13,22 +13,26 @@
 
 enum { LONGEST_UNIT = 4 };
 
+/* 180 / pi, of which two digits stand in front of the point: no double that is written with fewer than some 50 digits is so near
+ * to the middle of two others that more would matter. */
+#define DEGREES_PER_RADIAN "57295779513082320876798154814105170332405472466564321549160243861202847148321553"
+
 /* clang-format off */
 static const UnitType unit_table[] = {
-    {"nm", UNIT_LENGTH, 1e-9, 1, -9},
-    {"um", UNIT_LENGTH, 1e-6, 1, -6},
-    {"mm", UNIT_LENGTH, 1e-3, 1, -3},
-    {"cm", UNIT_LENGTH, 1e-2, 1, -2},
-    {"m", UNIT_LENGTH, 1, 1, 0},
-    {"km", UNIT_LENGTH, 1e3, 1, 3},
-    {"in", UNIT_LENGTH, 25.4e-3, 254, -4},
-    {"ft", UNIT_LENGTH, 0.3048, 3048, -4},
-    {"deg", UNIT_ANGLE, 1, 1, 0},
-    {"rad", UNIT_ANGLE, 57.29577951308232, 57.29577951308232, 0},
-    {"turn", UNIT_ANGLE, 360, 360, 0},
-    {"ms", UNIT_TIME, 1e-3, 1, -3},
-    {"s", UNIT_TIME, 1, 1, 0},
-    {"K", UNIT_KELVIN, 1, 1, 0},
+    {"nm", UNIT_LENGTH, 1e-9, NULL, -9},
+    {"um", UNIT_LENGTH, 1e-6, NULL, -6},
+    {"mm", UNIT_LENGTH, 1e-3, NULL, -3},
+    {"cm", UNIT_LENGTH, 1e-2, NULL, -2},
+    {"m", UNIT_LENGTH, 1, NULL, 0},
+    {"km", UNIT_LENGTH, 1e3, NULL, 3},
+    {"in", UNIT_LENGTH, 25.4e-3, "254", -4},
+    {"ft", UNIT_LENGTH, 0.3048, "3048", -4},
+    {"deg", UNIT_ANGLE, 1, NULL, 0},
+    {"rad", UNIT_ANGLE, 57.29577951308232, DEGREES_PER_RADIAN, 2 - (int)sizeof DEGREES_PER_RADIAN + 1},
+    {"turn", UNIT_ANGLE, 360, "360", 0},
+    {"ms", UNIT_TIME, 1e-3, NULL, -3},
+    {"s", UNIT_TIME, 1, NULL, 0},
+    {"K", UNIT_KELVIN, 1, NULL, 0},
 };
 /* clang-format on */
 
@@ -67,20 +71,19 @@ const char *unit_of_length(double size_m)
     return unit ? unit->name : NULL;
 }
 
-/* By powers of ten, which no double below 1 is, the digits are moved and not multiplied: 92mm would not be 9.2cm. */
+/* The number is multiplied in its text, and rounded once: 92mm would not be 9.2cm, as no power of ten below 1 is a double. */
 double unit_value(const char *text, size_t length, const UnitType *unit, double unit_m)
 {
-    static const UnitType base = {.size = 1, .count = 1};
+    static const UnitType base = {.size = 1};
     const UnitType *scene = unit->measure == UNIT_LENGTH ? length_unit(unit_m) : &base;
     assert(scene);
-    int power = unit->power - scene->power;
-    bool counted = unit->count != scene->count;
+    NumScale scale = {.power = unit->power - scene->power};
+    if (unit->count != scene->count) scale.times = unit->count;
+    for (const char *digit = scene->count; digit && unit->count != scene->count && *digit; digit++)
+        scale.over = scale.over * 10 + (unsigned)(*digit - '0');
     double number;
-    num_parse_shifted(text, length, counted && power < 0 ? 0 : power, &number);
-    if (!counted) return number;
-    double divisor = scene->count;
-    for (; power < 0; power++) divisor *= 10;
-    return number * unit->count / divisor; /* 1in in centimetres: 254 / 100 */
+    num_parse_scaled(text, length, scale, &number);
+    return number;
 }
 
 const char *unit_measure_text(PropUnit measure)

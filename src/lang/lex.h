@@ -22,7 +22,8 @@ typedef enum TokenKind {
 typedef struct UnitType {
     const char *name;
     PropUnit measure;
-    double size, count;
+    double size;
+    const char *count; /* as digits; NULL: 1 */
     int power;
 } UnitType;
 
@@ -63,7 +64,7 @@ bool lexer_plain_number(Lexer *lexer, double *number, const UnitType **unit);
 const UnitType *unit_of(const char *text, size_t length); /* NULL when there is no such unit */
 const UnitType *unit_at(size_t index);                      /* NULL behind the last */
 /* The number at the start of text, which is of that unit, in metres per scene unit of unit_m (lengths), degrees, seconds or
- * kelvin: the double that is nearest to it, except of inches, feet, radians and turns, which may be off by a rounding. */
+ * kelvin: the double that is nearest to it. */
 double unit_value(const char *text, size_t length, const UnitType *unit, double unit_m);
 const char *unit_list(Arena *arena, PropUnit measure);      /* "nm um mm ..."; UNIT_ANY: all */
 const char *unit_of_length(double size_m);                    /* "mm" for .001; NULL when there is none */

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include <math.h>
+
 #include "base/attr.h"
 #include "base/num.h"
 #include "lang/lex.h"
@@ -91,9 +93,37 @@ static void test_unit_values(void **state)
         const char *text, *unit;
         double unit_m, value;
     } cases[] = {
-        {"92", "mm", 1e-2, 9.2}, {"0.7", "mm", 1e-2, 0.07},  {"-3.3", "um", 1e-3, -0.0033}, {"1.1", "km", 1e-3, 1.1e6},
-        {"1", "in", 1e-2, 2.54}, {"2.5", "in", 1e-3, 63.5},  {"1", "ft", 25.4e-3, 12},      {"25.4", "mm", 25.4e-3, 1},
-        {"40", "ms", 1e-3, .04}, {".25", "turn", 1e-3, 90.}, {"35", "mm", 1, 0.035},        {"1e-3", "m", 1e-9, 1e6},
+        {"92", "mm", 1e-2, 9.2},
+        {"0.7", "mm", 1e-2, 0.07},
+        {"-3.3", "um", 1e-3, -0.0033},
+        {"1.1", "km", 1e-3, 1.1e6},
+        {"1", "in", 1e-2, 2.54},
+        {"2.5", "in", 1e-3, 63.5},
+        {"1", "ft", 25.4e-3, 12},
+        {"25.4", "mm", 25.4e-3, 1},
+        /* where a product of doubles would be off by a rounding */
+        {"139.686796", "in", 0.3048, 11.640566333333334},
+        {"270", "rad", 1e-3, 15469.860468532226},
+        {"30.5923", "cm", 0.3048, 1.0036843832020996},
+        {"19.54", "ft", 1e-3, 5955.792},
+        {"175.8424", "turn", 1e-3, 63303.264},
+        {"107.29322", "in", 1e-2, 272.5247788},
+        {"102.2", "in", 1, 2.59588},
+        {"268.94881", "ft", 1e-2, 8197.5597288},
+        {"53.59482", "mm", 25.4e-3, 2.110032283464567},
+        {"205.787170", "ft", 25.4e-3, 2469.44604},
+        {"278.863", "mm", 0.3048, 0.9149048556430446},
+        {"146.00733", "cm", 25.4e-3, 57.48320078740157},
+        {"88.41727", "ft", 1, 26.949583896},
+        {"39.41", "in", 1e-3, 1001.014},
+        {"3.14159265358979323846264338327950288419716939937510582", "rad", 1e-3, 180},
+        {"1", "in", .3048, 0.08333333333333333},
+        {"1e-320", "turn", 1e-3, 3.6e-318},
+        {"1e308", "turn", 1e-3, HUGE_VAL},
+        {"40", "ms", 1e-3, .04},
+        {".25", "turn", 1e-3, 90.},
+        {"35", "mm", 1, 0.035},
+        {"1e-3", "m", 1e-9, 1e6},
     };
     (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -107,6 +137,13 @@ static void test_unit_values(void **state)
         num_parse(text, length, &value);
         length = (size_t)snprintf(text, sizeof text, "%d.%02dmm", i / 100, i % 100);
         assert_true(unit_value(text, length, unit_of("mm", 2), 1e-2) == value);
+        length = (size_t)snprintf(text, sizeof text, "%de-4", i * 254);
+        num_parse(text, length, &value);
+        length = (size_t)snprintf(text, sizeof text, "%d.%02din", i / 100, i % 100);
+        assert_true(unit_value(text, length, unit_of("in", 2), 1e-2) == value);
+        length = (size_t)snprintf(text, sizeof text, "%d.%02dft", i / 100, i % 100);
+        num_parse(text, length - 2, &value);
+        assert_true(unit_value(text, length, unit_of("ft", 2), .3048) == value);
     }
 }
 
