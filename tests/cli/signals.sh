@@ -58,13 +58,13 @@ exits 0
 there a.exr
 end
 
-begin "TERM while photons are followed: there is no checkpoint without samples, and none is told of"
+begin "TERM while photons are followed: nothing is written but a checkpoint with these"
 kept_scene
 sed -i -e 's/samples = 200/samples = 1000000  caustics = on/' kept.mns
 run_until 1.5 TERM render kept.mns -o a.exr --size 640x480 --checkpoint 5m
 exits 143
-gone a.checkpoint.exr
+there a.checkpoint.exr
 gone a.exr
-says err "stopped before the first sample: nothing was written"
+says err "stopped before the first sample: nothing was written; the photons so far are kept for '--resume' in a.checkpoint.exr"
 says_not err "to go on from"
 end

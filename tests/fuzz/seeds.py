@@ -120,12 +120,16 @@ def states(folder, program):
     put(folder, "small.mns", SMALL_SCENE)
     runs = {"whole": ["-s", "8", "--sample-range", "1..8"],
             "slice": ["-s", "8", "--sample-range", "3..6", "--aov", "cryptomatte,depth,object", "--crop", "1,1,5,4"],
-            "adaptive": ["-s", "1000000", "--adaptive", "on", "--time-limit", "1s", "--checkpoint", "1m"]}
+            "adaptive": ["-s", "1000000", "--adaptive", "on", "--time-limit", "1s", "--checkpoint", "1m"],
+            "photons": ["-s", "1000000", "--caustics", "on", "--time-limit", "0.001s", "--checkpoint", "1m"]}
     for name, options in runs.items():
-        command = [program, "render", scene, "-q", "-j1", "--caustics", "off", "-o", os.path.join(folder, name + ".exr")]
+        command = [program, "render", scene, "-q", "-j1", "-o", os.path.join(folder, name + ".exr")]
+        if "--caustics" not in options:
+            options = options + ["--caustics", "off"]
         if subprocess.run(command + options, check=False).returncode not in (0, NOT_FINISHED):
             sys.exit(f"seeds.py: no state of a render, {name}")
-    os.replace(os.path.join(folder, "adaptive.checkpoint.exr"), os.path.join(folder, "adaptive.exr"))
+    for name in ("adaptive", "photons"):
+        os.replace(os.path.join(folder, name + ".checkpoint.exr"), os.path.join(folder, name + ".exr"))
     os.remove(scene)
 
 
