@@ -32,6 +32,9 @@ static void add_value(Buf *key, const EvalProp *prop)
     case PROP_VECTORS2:
     case PROP_VECTOR2_LISTS: add_list(key, prop, 2); break;
     case PROP_VECTORS3: add_list(key, prop, 3); break;
+    case PROP_FUNCTION: /* instances with properties of their own have their prototype's */
+        buf_add_bytes(key, (const char *)&prop->as.function, sizeof prop->as.function);
+        break;
     default: /* another kind is one of a kind */ buf_add_bytes(key, (const char *)&prop, sizeof prop);
     }
 }

@@ -419,6 +419,14 @@ static void isosurfaces(void **state)
     for (uint32_t i = 0; i < 3; i++)
         assert_near(f.scene->objects[i].volume, 4. / 3 * pi * pow(.2 * (i + 1), 3), .01 * pow(i + 1, 3));
     fixture_clear(&f);
+    /* one mesh for all instances, whatever they are made of */
+    fixture_good(&f, M "def f(p) = length(p) - .8  let ball = isosurface { interior = ice  function = f }"
+                       "ball { } ball { interior = glass translate(<3, 0, 0>) }"
+                       "ball { interior = none surface = surface { albedo = .1 } translate(<6, 0, 0>) }"
+                       "ball { cells = 20 translate(<9, 0, 0>) }" V);
+    assert_int_equal(f.scene->n_objects, 4);
+    assert_int_equal(f.scene->n_shapes, 2);
+    fixture_clear(&f);
     REFUSED("isosurface { interior = ice }", D_MISSING_PROPERTY);
     REFUSED("isosurface { interior = ice function = 3 }", D_WRONG_TYPE);
     REFUSED("isosurface { interior = ice function = sin }", D_UNKNOWN_NAME);
