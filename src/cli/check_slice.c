@@ -15,7 +15,7 @@
 #include "image/image.h"
 #include "check/report.h"
 
-enum { LONG_SIDE = 800, SHORT_SIDE = 64, NAMES_SHOWN = 5, LEGEND_TEXT = 240 };
+enum { LONG_SIDE = 800, SHORT_SIDE = 320, NAMES_SHOWN = 5, LEGEND_TEXT = 240 };
 
 /* ---- options ---- */
 
@@ -204,7 +204,7 @@ static void color_text(const float rgb[3], char text[8])
 
 /* ---- the picture ---- */
 
-enum { SCALE = 2, PAD = 8, SWATCH = 24, LINE = FONT_HEIGHT * SCALE + PAD };
+enum { SCALE = 2, PAD = 8, SWATCH = 24, LINE = FONT_HEIGHT * SCALE + PAD, ROW_LEAST = 10 /* letters */ };
 
 static void fill(Image *image, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, const float rgb[3], bool hatched)
 {
@@ -221,19 +221,76 @@ static double bar_length(double width)
     return width / 4 >= 5 * power ? 5 * power : width / 4 >= 2 * power ? 2 * power : power;
 }
 
-static void draw_bar(const CheckSlice *slice, const Scene *scene, Image *image, uint32_t y)
+/* How long the bar is, and what it says. */
+typedef struct ScaleBar {
+    char text[40];
+    uint32_t pixels, width; /* of the bar; of the wider of both */
+} ScaleBar;
+
+static ScaleBar bar_make(const CheckSlice *slice, const Scene *scene)
 {
     static const char *const names[] = {"m", "cm", "mm", "um", "nm"};
     static const double sizes[] = {1, 1e-2, 1e-3, 1e-6, 1e-9};
     double length = bar_length(slice->plane.width * scene->unit_m);
     size_t i = 0;
     while (i + 1 < COUNT_OF(sizes) && length < sizes[i] * 0.999) i++;
-    char text[40];
-    snprintf(text, sizeof text, "%.4g %s", length / sizes[i], names[i]);
-    uint32_t pixels = (uint32_t)(length / scene->unit_m / slice->plane.width * slice->image.width);
-    uint32_t right = image->width - PAD, left = pixels < right ? right - pixels : 0, width = font_width(text, SCALE);
+    ScaleBar bar = {.pixels = (uint32_t)(length / scene->unit_m / slice->plane.width * slice->image.width)};
+    snprintf(bar.text, sizeof bar.text, "%.4g %s", length / sizes[i], names[i]);
+    uint32_t width = font_width(bar.text, SCALE);
+    bar.width = width > bar.pixels ? width : bar.pixels;
+    return bar;
+}
+
+static void draw_bar(const ScaleBar *bar, Image *image, uint32_t y)
+{
+    uint32_t right = image->width - PAD, left = bar->pixels < right ? right - bar->pixels : 0;
+    uint32_t width = font_width(bar->text, SCALE);
     fill(image, left, y, right, y + 3, slice_line_color, false);
-    font_draw(image, width < right ? right - width : 0, y + 7, SCALE, text, slice_line_color);
+    font_draw(image, width < right ? right - width : 0, y + 7, SCALE, bar->text, slice_line_color);
+}
+
+/* How many bytes of a text go into a row: up to a blank, or all that fit; all where next to nothing does, to be cut. */
+static size_t row_length(const char *text, uint32_t width)
+{
+    uint32_t most = width / (FONT_ADVANCE * SCALE), n = 0;
+    size_t i = 0, blank = 0;
+    if (most < ROW_LEAST) return strlen(text);
+    while (text[i] && n < most) {
+        if (text[i] == ' ') blank = i;
+        for (i++; ((unsigned char)text[i] & 0xc0) == 0x80;) i++;
+        n++;
+    }
+    return !text[i] || text[i] == ' ' || !blank ? i : blank;
+}
+
+/* Draws a line in as many rows as it takes, the first at y; without an image it only counts them. */
+static uint32_t draw_line(const LegendLine *line, uint32_t width, Image *image, uint32_t y)
+{
+    char text[2 * LEGEND_TEXT];
+    const uint32_t left = PAD + SWATCH + PAD, room = width > left + PAD ? width - left - PAD : 0;
+    uint32_t rows = 0;
+    snprintf(text, sizeof text, "%s%s%s", line->medium, *line->medium ? ": " : "", line->text);
+    if (image) {
+        fill(image, PAD - 1, y - 1, PAD + SWATCH + 1, y + FONT_HEIGHT * SCALE + 1, slice_line_color, false);
+        fill(image, PAD, y, PAD + SWATCH, y + FONT_HEIGHT * SCALE, line->rgb, line->hatched);
+    }
+    for (const char *rest = text; *rest; rows++) {
+        char row[sizeof text];
+        size_t n = row_length(rest, room);
+        snprintf(row, sizeof row, "%.*s", (int)n, rest);
+        if (image) font_draw(image, left, y + rows * LINE, SCALE, row, slice_line_color);
+        for (rest += n; *rest == ' ';) rest++;
+    }
+    return rows;
+}
+
+/* Whether the bar fits beside the first line, to its right. */
+static bool bar_fits(const ScaleBar *bar, const Legend *legend, uint32_t width)
+{
+    if (legend->n == 0) return true;
+    const LegendLine *line = &legend->lines[0];
+    uint32_t text = font_width(line->medium, SCALE) + font_width(": ", SCALE) + font_width(line->text, SCALE);
+    return PAD + SWATCH + PAD + text + PAD + bar->width + PAD <= width;
 }
 
 static Status compose(const CheckSlice *slice, const Scene *scene, const Legend *legend, Image *image, Error *error)
@@ -241,21 +298,19 @@ static Status compose(const CheckSlice *slice, const Scene *scene, const Legend 
     static const char *const names[] = {"R", "G", "B"};
     static const float paper[3] = {0.97f, 0.97f, 0.97f};
     const SliceImage *drawn = &slice->image;
-    uint32_t below = (uint32_t)(legend->n > 2 ? legend->n : 2) * LINE + PAD;
-    TRY(image_new(drawn->width, drawn->height + below, names, 3, image, error));
+    ScaleBar bar = bar_make(slice, scene);
+    bool beside = bar_fits(&bar, legend, drawn->width);
+    uint32_t rows = 0;
+    for (size_t i = 0; i < legend->n; i++) rows += draw_line(&legend->lines[i], drawn->width, NULL, 0);
+    uint32_t bar_row = beside ? 0 : rows, n_rows = beside ? rows : rows + 1;
+    TRY(image_new(drawn->width, drawn->height + (n_rows > 2 ? n_rows : 2) * LINE + PAD, names, 3, image, error));
     memcpy(image->pixels, drawn->rgb, 3 * (size_t)drawn->width * drawn->height * sizeof(float));
     fill(image, 0, drawn->height, drawn->width, image->height, paper, false);
     fill(image, 0, drawn->height, drawn->width, drawn->height + 1, slice_line_color, false);
-    for (size_t i = 0; i < legend->n; i++) {
-        const LegendLine *line = &legend->lines[i];
-        uint32_t y = drawn->height + PAD + (uint32_t)i * LINE;
-        char text[2 * LEGEND_TEXT];
-        snprintf(text, sizeof text, "%s%s%s", line->medium, *line->medium ? ": " : "", line->text);
-        fill(image, PAD - 1, y - 1, PAD + SWATCH + 1, y + FONT_HEIGHT * SCALE + 1, slice_line_color, false);
-        fill(image, PAD, y, PAD + SWATCH, y + FONT_HEIGHT * SCALE, line->rgb, line->hatched);
-        font_draw(image, PAD + SWATCH + PAD, y, SCALE, text, slice_line_color);
-    }
-    draw_bar(slice, scene, image, drawn->height + PAD);
+    rows = 0;
+    for (size_t i = 0; i < legend->n; i++)
+        rows += draw_line(&legend->lines[i], drawn->width, image, drawn->height + PAD + rows * LINE);
+    draw_bar(&bar, image, drawn->height + PAD + bar_row * LINE);
     return STATUS_OK;
 }
 

@@ -208,6 +208,25 @@ matches out '^width +200$'
 run check small.mns --slice x=0 --slice-output b.png -j 1 -q
 empty out
 cmp -s small-slice.png b.png || flunk "the slice depends on the number of threads"
+cat > tall.mns <<'EOF'
+meniscus 1.0 unit cm
+medium glass { ior = 1.5  state = solid }
+medium water { ior = 1.33  state = liquid }
+cylinder { to = <0, 30, 0>  radius = 1  interior = glass }
+cylinder { from = <0, 3, 0>  to = <0, 40, 0>  radius = .5  interior = water }
+camera { from = <0, 10, 50> }
+environment { }
+EOF
+run check tall.mns --slice z=0 # the legend's last line takes two rows
+says out "The slice tall-slice.png, 320 x 800 pixels"
+run info tall-slice.png
+matches out '^height +938$'
+run check tall.mns --slice z=0 --slice-size 200x800 # the bar stands below it
+run info tall-slice.png
+matches out '^height +1094$'
+run check tall.mns --slice z=0 --slice-size 60x200 # nothing but a letter fits into a row
+run info tall-slice.png
+matches out '^height +338$'
 for wrong in x q=1 x=1cm 1,2,3 0,0,0:0,0,0; do
     run check small.mns --slice $wrong
     exits 2
