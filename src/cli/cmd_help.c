@@ -87,11 +87,35 @@ static void explain_word(const char *topic, Buf *out)
     buf_add(out, "\nManual: meniscus-language(5)\n");
 }
 
+/* What other programs call a property of a node, and what is written here; STATUS_OK: nothing. */
+static Status refuse_property(const char *topic, const char *node, Error *error)
+{
+    const char *property = habit_property_of(node, topic), *advice = habit_advice(node, topic);
+    if (property)
+        return fail(error, STATUS_USAGE, "there is no help for '%s'; in a %s, write: %s%s", topic, node, property,
+                    strchr(property, '=') ? "" : " = ...");
+    if (advice && advice != habit_advice("", topic))
+        return fail(error, STATUS_USAGE, "there is no help for '%s'; in a %s, %s", topic, node, advice);
+    return STATUS_OK;
+}
+
+/* The same of all nodes: what cameras share with lights is meant of a camera. */
+static Status refuse_properties(const char *topic, Error *error)
+{
+    const Schema *schema = scene_schema();
+    TRY(refuse_property(topic, "camera", error));
+    for (size_t i = 0; i < schema->n_nodes; i++) TRY(refuse_property(topic, schema->nodes[i].name, error));
+    const char *advice = habit_advice("", topic);
+    return advice ? fail(error, STATUS_USAGE, "there is no help for '%s'; %s", topic, advice) : STATUS_OK;
+}
+
 /* POV-Ray's words and others', with what is written here. */
 static Status refuse_topic(const char *topic, Error *error)
 {
-    const char *block = habit_block(topic), *directive = habit_directive_pattern(topic);
+    const char *block = habit_block(topic), *directive = habit_directive_pattern(topic), *word = habit_word(topic);
     if (block) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, block);
+    if (word) return fail(error, STATUS_USAGE, "there is no help for '%s'; write: %s", topic, word);
+    TRY(refuse_properties(topic, error));
     const char *near = nearest_topic(topic);
     if (near) return fail(error, STATUS_USAGE, "there is no help for '%s'; did you mean '%s'?", topic, near);
     if (directive) {
@@ -99,10 +123,11 @@ static Status refuse_topic(const char *topic, Error *error)
         return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); write: %.*s%s%s", topic, (int)name,
                     directive, directive[name] ? "NAME" : "", directive[name] ? directive + name + 1 : "");
     }
-    return fail(error, STATUS_USAGE,
-                "there is no help for '%s', only for commands, their options, nodes, properties, functions, words of the "
-                "language, and the library (help std); see meniscus(1) for the manual's pages",
-                topic);
+    return fail(
+        error, STATUS_USAGE,
+        "there is no help for '%s', only for commands, their options, nodes, properties, functions, words of the "
+        "language, and the library (help std); see meniscus(1) for the manual's pages",
+        topic);
 }
 
 /* A word can be a command and a node (render), a node, a function and an option (noise): then all are explained. */

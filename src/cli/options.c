@@ -43,6 +43,7 @@ static const struct {
     const char *letters, *instead;
 } habits[] = {
     {"W", "--size 640x480"},
+    {"w", "--size 640x480"},
     {"H", "--size 640x480"},
     {"width", "--size 640x480"},
     {"height", "--size 640x480"},
@@ -69,6 +70,7 @@ static const struct {
     {"timeout", "--time-limit 10m"},
     {"param", "-D NAME=VALUE"},
     {"var", "-D NAME=VALUE"},
+    {"Declare", "-D NAME=VALUE"},
 };
 
 /* Does the command take the option that a habit is written as? */
@@ -103,6 +105,9 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
     Command command = parser->options->command;
     for (Command other = 0; other < COMMAND_COUNT; other++) {
         OptionKey key = find_name(other, name, length);
+        if (other != command && key != OPTION_COUNT && option_row(key)->help && command == COMMAND_HELP)
+            return fail(parser->error, STATUS_USAGE, "'help' has no option '--%.*s'; 'meniscus help %.*s' explains it",
+                        (int)length, name, (int)length, name);
         if (other != command && key != OPTION_COUNT && option_row(key)->help)
             return fail(parser->error, STATUS_USAGE, "'%s' has no option '--%.*s'; '%s' has one",
                         command_row(command)->name, (int)length, name, command_row(other)->name);
@@ -220,7 +225,8 @@ static Status check_operands(Parser *parser)
     const Options *options = parser->options;
     const CommandRow *row = command_row(options->command);
     for (size_t i = 0; i < options->n_operands && options->n_operands > row->most; i++)
-        if (*options->operands[i] == '+' && habit_of(options->command, options->operands[i]))
+        if ((*options->operands[i] == '+' || strncmp(options->operands[i], "Declare=", strlen("Declare=")) == 0) &&
+            habit_of(options->command, options->operands[i]))
             return fail(parser->error, STATUS_USAGE, "'%s' is POV-Ray's; here it is %s (see meniscus-povray(7))",
                         options->operands[i], habit_of(options->command, options->operands[i]));
     if (options->n_operands > row->most)

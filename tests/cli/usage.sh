@@ -74,6 +74,12 @@ refuses "there is no help for 'smothstep'; did you mean 'smoothstep'?" help smot
 refuses "there is no help for 'exposur'; did you mean 'exposure'?" help exposur
 refuses "there is no help for 'parma'; did you mean 'param'?" help parma
 refuses "'macro' is POV-Ray's, see meniscus-povray(7); write: def NAME { ... }" help macro
+refuses "there is no help for 'look_at'; in a camera, write: to = ..." help look_at
+refuses "there is no help for 'cubic_spline'; in a lathe, write: curve = cubic" help cubic_spline
+refuses "there is no help for 'rand'; write: rnd(seed, i), which has no state" help rand
+refuses "'help' has no option '--exposure'; 'meniscus help exposure' explains it" help --exposure
+refuses "'Declare=N=3' is POV-Ray's; here it is -D NAME=VALUE" render small.mns Declare=N=3
+refuses "unknown option '-w'; here it is --size 640x480" render small.mns -w 640
 refuses "there is no help for 'window-frames', only for commands, their options, nodes" help window-frames
 refuses "1..10 of a scene that is no animation; --set animation.frames=10 makes it one" render small.mns --frames 1..10
 refuses "to render 'small.mns', write its whole name" small
