@@ -270,6 +270,16 @@ static float part_of(const Texture *textures, const Texture *texture, const Text
     return part > 0 ? part < 1 ? (float)part : 1 : 0;
 }
 
+/* What the parts stand for is averaged, not they: between red and blue there is no green. */
+static Lanes at_parts(const Texture *texture, const PatternParts *parts, Lanes wavelength_nm)
+{
+    Lanes sum = lanes_all(0);
+    for (int i = 0; i < parts->n; i++)
+        sum = lanes_add(sum,
+                        lanes_scale(at_stops(texture, (float)parts->value[i], wavelength_nm), (float)parts->part[i]));
+    return sum;
+}
+
 Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm)
 {
     const Texture *texture = &textures[number];
@@ -279,14 +289,9 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
         return texture_image_channels(texture->image) == 3 ? picture_color(texture, place, wavelength_nm)
                                                            : lanes_all(texture_vector_at(texture, place).x);
     if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
-        /* what the parts stand for is averaged, not they: between red and blue there is no green */
         PatternParts parts;
         parts_of_pattern(texture, place, &parts);
-        Lanes sum = lanes_all(0);
-        for (int i = 0; i < parts.n; i++)
-            sum = lanes_add(sum,
-                            lanes_scale(at_stops(texture, (float)parts.value[i], wavelength_nm), (float)parts.part[i]));
-        return sum;
+        return at_parts(texture, &parts, wavelength_nm);
     }
     float part = part_of(textures, texture, place);
     if (texture->n_stops) return at_stops(texture, part, wavelength_nm);
@@ -294,6 +299,33 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
     if (part >= 1) return texture_at(textures, texture->high, place, wavelength_nm);
     return lanes_add(lanes_scale(texture_at(textures, texture->low, place, wavelength_nm), 1 - part),
                      lanes_scale(texture_at(textures, texture->high, place, wavelength_nm), part));
+}
+
+void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place, unsigned n,
+                     const Lanes wavelength_nm[], Lanes values[])
+{
+    const Texture *texture = &textures[number];
+    if (texture->kind == TEXTURE_CONSTANT || texture->is_value) {
+        for (unsigned k = 0; k < n; k++) values[k] = texture_at(textures, number, place, wavelength_nm[k]);
+        return;
+    }
+    if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
+        PatternParts parts;
+        parts_of_pattern(texture, place, &parts);
+        for (unsigned k = 0; k < n; k++) values[k] = at_parts(texture, &parts, wavelength_nm[k]);
+        return;
+    }
+    float part = part_of(textures, texture, place);
+    if (texture->n_stops) {
+        for (unsigned k = 0; k < n; k++) values[k] = at_stops(texture, part, wavelength_nm[k]);
+        return;
+    }
+    Lanes high[TEXTURE_EACH_MOST];
+    if (part < 1) texture_at_each(textures, texture->low, place, n, wavelength_nm, values);
+    if (part > 0) texture_at_each(textures, texture->high, place, n, wavelength_nm, part < 1 ? high : values);
+    if (part <= 0 || part >= 1) return;
+    for (unsigned k = 0; k < n; k++)
+        values[k] = lanes_add(lanes_scale(values[k], 1 - part), lanes_scale(high[k], part));
 }
 
 float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place)

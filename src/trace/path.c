@@ -70,13 +70,16 @@ void tracers_free(Tracer *tracers, unsigned n)
 /* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
 ATTR_COLD static void reflectance_color(const Path *path, const Event *event, const SceneSurface *surface, float rgb[3])
 {
-    enum { SAMPLES = 32 }; /* of four wavelengths each */
+    enum { SAMPLES = ALBEDOS_MOST }; /* of four wavelengths each */
     double sum[3] = {0}, white[3] = {0};
+    Lanes wavelength_nm[SAMPLES], albedo[SAMPLES];
+    for (int i = 0; i < SAMPLES; i++) wavelength_nm[i] = wavelengths_sample(((float)i + 0.5f) / (4 * SAMPLES)).nm;
+    path_albedos(path, event, surface, SAMPLES, wavelength_nm, albedo);
     for (int i = 0; i < SAMPLES; i++) {
         WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / (4 * SAMPLES));
         Lanes light = white_at(wavelengths.nm);
         float reflected[3], given[3];
-        color_from_lanes(lanes_mul(path_albedo(path, event, surface, wavelengths.nm), light), &wavelengths, reflected);
+        color_from_lanes(lanes_mul(albedo[i], light), &wavelengths, reflected);
         color_from_lanes(light, &wavelengths, given);
         for (int c = 0; c < 3; c++) {
             sum[c] += (double)reflected[c];

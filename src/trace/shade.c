@@ -47,20 +47,22 @@ static inline const SceneSurface *surface_of(const Path *path, const Event *even
     return LIKELY(!surface->mixed) ? surface : one_of_mix(path, event, surface);
 }
 
-Lanes path_albedo(const Path *path, const Event *event, const SceneSurface *surface, Lanes wavelength_nm)
+void path_albedos(const Path *path, const Event *event, const SceneSurface *surface, unsigned n,
+                  const Lanes wavelength_nm[], Lanes albedo[])
 {
     if (surface->mixed) {
         const SceneSurface *surfaces = path->tracer->world->scene->surfaces;
-        Lanes first = path_albedo(path, event, &surfaces[surface->mix[0]], wavelength_nm);
-        Lanes second = path_albedo(path, event, &surfaces[surface->mix[1]], wavelength_nm);
+        Lanes second[ALBEDOS_MOST];
+        path_albedos(path, event, &surfaces[surface->mix[0]], n, wavelength_nm, albedo);
+        path_albedos(path, event, &surfaces[surface->mix[1]], n, wavelength_nm, second);
         float weight = mix_weight(path, event, surface);
-        return lanes_add(lanes_scale(first, 1 - weight), lanes_scale(second, weight));
+        for (unsigned i = 0; i < n; i++)
+            albedo[i] = lanes_add(lanes_scale(albedo[i], 1 - weight), lanes_scale(second[i], weight));
+    } else if (surface->n_textures) {
+        path_read_albedos(path, event, surface, n, wavelength_nm, albedo);
+    } else {
+        for (unsigned i = 0; i < n; i++) albedo[i] = spectrum_at(&surface->albedo, wavelength_nm[i]);
     }
-    if (!surface->n_textures) return spectrum_at(&surface->albedo, wavelength_nm);
-    SurfacePlace place = path_place(path, event);
-    BsdfSpec spec;
-    path_read_textures(path, event, surface, &place, wavelength_nm, &spec);
-    return spectrum_at(&spec.base_color, wavelength_nm);
 }
 
 /* A ray that creeps along a rippled surface meets it several times at one place. It leaves the first of them (through: the last),
