@@ -70,6 +70,28 @@ void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float
                  (float)observer_rgb_from_xyz[c][2] * lanes_get(sum, 2);
 }
 
+void reflected_color_init(ReflectedColor *color)
+{
+    double sum[3] = {0};
+    for (int i = 0; i < COLOR_FOURS; i++) {
+        WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / (LANES * COLOR_FOURS));
+        Lanes light = white_at(wavelengths.nm);
+        color->nm[i] = wavelengths.nm;
+        for (int lane = 0; lane < LANES; lane++) {
+            Lanes alone = lanes_all(0);
+            float rgb[3];
+            lanes_set(&alone, lane, lanes_get(light, lane));
+            color_from_lanes(alone, &wavelengths, rgb);
+            for (int c = 0; c < 3; c++) {
+                lanes_set(&color->weights[i][c], lane, rgb[c]);
+                sum[c] += (double)rgb[c];
+            }
+        }
+    }
+    for (int i = 0; i < COLOR_FOURS; i++)
+        for (int c = 0; c < 3; c++) color->weights[i][c] = lanes_scale(color->weights[i][c], (float)(1 / sum[c]));
+}
+
 double spectrum_luminance(const Spectrum *spectrum)
 {
     double weighted = 0, total = 0;

@@ -46,6 +46,14 @@ WavelengthSample wavelengths_sample(float u);
  * in linear working RGB, scaled so that white light of radiance 1 gives (1,1,1) in expectation. */
 void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float rgb[3]);
 
+/* Wavelengths that are evenly spread by importance, and what a reflectance at each of them adds to a colour under white light:
+ * what reflects all is (1,1,1). */
+enum { COLOR_FOURS = 32 };
+typedef struct ReflectedColor {
+    Lanes nm[COLOR_FOURS], weights[COLOR_FOURS][3]; /* of red, green and blue */
+} ReflectedColor;
+void reflected_color_init(ReflectedColor *color);
+
 /* luminance of linear Rec.709 */
 static inline float color_luminance(const float rgb[3])
 {

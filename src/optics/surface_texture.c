@@ -301,30 +301,30 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
                      lanes_scale(texture_at(textures, texture->high, place, wavelength_nm), part));
 }
 
-void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place, unsigned n,
-                     const Lanes wavelength_nm[], Lanes values[])
+void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place,
+                     const Lanes wavelength_nm[COLOR_FOURS], Lanes values[COLOR_FOURS])
 {
     const Texture *texture = &textures[number];
     if (texture->kind == TEXTURE_CONSTANT || texture->is_value) {
-        for (unsigned k = 0; k < n; k++) values[k] = texture_at(textures, number, place, wavelength_nm[k]);
+        for (int k = 0; k < COLOR_FOURS; k++) values[k] = texture_at(textures, number, place, wavelength_nm[k]);
         return;
     }
     if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
         PatternParts parts;
         parts_of_pattern(texture, place, &parts);
-        for (unsigned k = 0; k < n; k++) values[k] = at_parts(texture, &parts, wavelength_nm[k]);
+        for (int k = 0; k < COLOR_FOURS; k++) values[k] = at_parts(texture, &parts, wavelength_nm[k]);
         return;
     }
     float part = part_of(textures, texture, place);
     if (texture->n_stops) {
-        for (unsigned k = 0; k < n; k++) values[k] = at_stops(texture, part, wavelength_nm[k]);
+        for (int k = 0; k < COLOR_FOURS; k++) values[k] = at_stops(texture, part, wavelength_nm[k]);
         return;
     }
-    Lanes high[TEXTURE_EACH_MOST];
-    if (part < 1) texture_at_each(textures, texture->low, place, n, wavelength_nm, values);
-    if (part > 0) texture_at_each(textures, texture->high, place, n, wavelength_nm, part < 1 ? high : values);
+    Lanes high[COLOR_FOURS];
+    if (part < 1) texture_at_each(textures, texture->low, place, wavelength_nm, values);
+    if (part > 0) texture_at_each(textures, texture->high, place, wavelength_nm, part < 1 ? high : values);
     if (part <= 0 || part >= 1) return;
-    for (unsigned k = 0; k < n; k++)
+    for (int k = 0; k < COLOR_FOURS; k++)
         values[k] = lanes_add(lanes_scale(values[k], 1 - part), lanes_scale(high[k], part));
 }
 

@@ -5,6 +5,7 @@
 #define MEN_SURFACE_TEXTURE_H
 
 #include "base/program.h"
+#include "optics/color.h"
 #include "optics/pattern.h"
 #include "optics/texture_image.h"
 
@@ -71,10 +72,9 @@ typedef struct TexturePlace {
 
 /* The value for each of the wavelengths. */
 Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm);
-/* The same at n times four wavelengths, where what does not depend on them is looked up once. */
-enum { TEXTURE_EACH_MOST = 32 };
-void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place, unsigned n,
-                     const Lanes wavelength_nm[], Lanes values[]);
+/* The same at all the wavelengths of a ReflectedColor, where what does not depend on them is looked up once. */
+void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place,
+                     const Lanes wavelength_nm[COLOR_FOURS], Lanes values[COLOR_FOURS]);
 /* A number. */
 float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place);
 /* The three numbers of an image's pixel. */

@@ -67,26 +67,15 @@ void tracers_free(Tracer *tracers, unsigned n)
     free(tracers);
 }
 
-/* The colour of a reflectance under white light, from wavelengths that are evenly spread by importance. */
+/* The colour of a reflectance under white light. */
 ATTR_COLD static void reflectance_color(const Path *path, const Event *event, const SceneSurface *surface, float rgb[3])
 {
-    enum { SAMPLES = ALBEDOS_MOST }; /* of four wavelengths each */
-    double sum[3] = {0}, white[3] = {0};
-    Lanes wavelength_nm[SAMPLES], albedo[SAMPLES];
-    for (int i = 0; i < SAMPLES; i++) wavelength_nm[i] = wavelengths_sample(((float)i + 0.5f) / (4 * SAMPLES)).nm;
-    path_albedos(path, event, surface, SAMPLES, wavelength_nm, albedo);
-    for (int i = 0; i < SAMPLES; i++) {
-        WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / (4 * SAMPLES));
-        Lanes light = white_at(wavelengths.nm);
-        float reflected[3], given[3];
-        color_from_lanes(lanes_mul(albedo[i], light), &wavelengths, reflected);
-        color_from_lanes(light, &wavelengths, given);
-        for (int c = 0; c < 3; c++) {
-            sum[c] += (double)reflected[c];
-            white[c] += (double)given[c];
-        }
-    }
-    for (int c = 0; c < 3; c++) rgb[c] = (float)(sum[c] / white[c]);
+    const ReflectedColor *color = &path->tracer->world->reflected;
+    Lanes albedo[COLOR_FOURS], sum[3] = {lanes_all(0), lanes_all(0), lanes_all(0)};
+    path_albedos(path, event, surface, color->nm, albedo);
+    for (int i = 0; i < COLOR_FOURS; i++)
+        for (int c = 0; c < 3; c++) sum[c] = lanes_add(sum[c], lanes_mul(albedo[i], color->weights[i][c]));
+    for (int c = 0; c < 3; c++) rgb[c] = lanes_sum(sum[c]);
 }
 
 ATTR_COLD static void note_first_sight(const Path *path, const Event *event)

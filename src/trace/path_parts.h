@@ -240,10 +240,9 @@ void path_leave(Path *path, Event *event, bool through, Vec3f direction);
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
 /* Adds what reaches the camera of a radiance seen at the end of the path. */
 void path_add_radiance(Path *path, Lanes factor, Lanes basic);
-/* The reflectance of an opaque surface where it was hit, at n times four wavelengths. */
-enum { ALBEDOS_MOST = TEXTURE_EACH_MOST };
-void path_albedos(const Path *path, const Event *event, const SceneSurface *surface, unsigned n,
-                  const Lanes wavelength_nm[], Lanes albedo[]);
+/* The reflectance of an opaque surface where it was hit, at all the wavelengths of a ReflectedColor. */
+void path_albedos(const Path *path, const Event *event, const SceneSurface *surface,
+                  const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS]);
 /* A place within a medium where the path is scattered. */
 void path_scatter_in_medium(Path *path, const Event *event);
 
@@ -330,9 +329,9 @@ void path_relief(const Path *path, const Event *event, const SceneSurface *surfa
  * what path_relief does. */
 void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
                         Lanes wavelength_nm, BsdfSpec *spec);
-/* Of a surface with textures its reflectance alone, at n times four wavelengths. */
-void path_read_albedos(const Path *path, const Event *event, const SceneSurface *surface, unsigned n,
-                       const Lanes wavelength_nm[], Lanes albedo[]);
+/* path_albedos of a surface with textures. */
+void path_read_albedos(const Path *path, const Event *event, const SceneSurface *surface,
+                       const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS]);
 
 /* How bright it is where light would come from: mirrored at a boundary, and refracted by it, or straight on where both sides
  * are of index eta_i. It is taken that what the light then leaves by is parallel to the boundary, and leads to the world's

@@ -47,21 +47,21 @@ static inline const SceneSurface *surface_of(const Path *path, const Event *even
     return LIKELY(!surface->mixed) ? surface : one_of_mix(path, event, surface);
 }
 
-void path_albedos(const Path *path, const Event *event, const SceneSurface *surface, unsigned n,
-                  const Lanes wavelength_nm[], Lanes albedo[])
+void path_albedos(const Path *path, const Event *event, const SceneSurface *surface,
+                  const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS])
 {
     if (surface->mixed) {
         const SceneSurface *surfaces = path->tracer->world->scene->surfaces;
-        Lanes second[ALBEDOS_MOST];
-        path_albedos(path, event, &surfaces[surface->mix[0]], n, wavelength_nm, albedo);
-        path_albedos(path, event, &surfaces[surface->mix[1]], n, wavelength_nm, second);
+        Lanes second[COLOR_FOURS];
+        path_albedos(path, event, &surfaces[surface->mix[0]], wavelength_nm, albedo);
+        path_albedos(path, event, &surfaces[surface->mix[1]], wavelength_nm, second);
         float weight = mix_weight(path, event, surface);
-        for (unsigned i = 0; i < n; i++)
+        for (int i = 0; i < COLOR_FOURS; i++)
             albedo[i] = lanes_add(lanes_scale(albedo[i], 1 - weight), lanes_scale(second[i], weight));
     } else if (surface->n_textures) {
-        path_read_albedos(path, event, surface, n, wavelength_nm, albedo);
+        path_read_albedos(path, event, surface, wavelength_nm, albedo);
     } else {
-        for (unsigned i = 0; i < n; i++) albedo[i] = spectrum_at(&surface->albedo, wavelength_nm[i]);
+        for (int i = 0; i < COLOR_FOURS; i++) albedo[i] = spectrum_at(&surface->albedo, wavelength_nm[i]);
     }
 }
 

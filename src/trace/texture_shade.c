@@ -167,18 +167,18 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
     if (surface_has_relief(surface)) add_relief(path, event, surface, &view, place);
 }
 
-void path_read_albedos(const Path *path, const Event *event, const SceneSurface *surface, unsigned n,
-                       const Lanes wavelength_nm[], Lanes albedo[])
+void path_read_albedos(const Path *path, const Event *event, const SceneSurface *surface,
+                       const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS])
 {
     const World *world = path->tracer->world;
     uint32_t i = 0;
     while (i < surface->n_textures && surface->textures[i].offset != offsetof(BsdfSpec, base_color)) i++;
     if (i == surface->n_textures) {
-        for (unsigned k = 0; k < n; k++) albedo[k] = spectrum_at(&surface->spec.base_color, wavelength_nm[k]);
+        for (int k = 0; k < COLOR_FOURS; k++) albedo[k] = spectrum_at(&surface->spec.base_color, wavelength_nm[k]);
         return;
     }
     TextureView view;
     texture_view(world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
-    texture_at_each(world->scene->textures, surface->textures[i].texture, &view.at, n, wavelength_nm, albedo);
-    for (unsigned k = 0; k < n; k++) albedo[k] = lanes_clamp(albedo[k], 0, 1);
+    texture_at_each(world->scene->textures, surface->textures[i].texture, &view.at, wavelength_nm, albedo);
+    for (int k = 0; k < COLOR_FOURS; k++) albedo[k] = lanes_clamp(albedo[k], 0, 1);
 }

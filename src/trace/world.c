@@ -223,6 +223,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         if (status == STATUS_OK && world->lens_crosses && !world->moves)
             status = lens_new(compiled, &world->camera, &world->lens, error);
         beacons_find(compiled, &world->beacons);
+        reflected_color_init(&world->reflected);
     }
     if (status != STATUS_OK) world_clear(world);
     return status;

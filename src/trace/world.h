@@ -88,6 +88,7 @@ typedef struct World {
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
+    ReflectedColor reflected; /* for the albedo that is seen first */
     SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
 

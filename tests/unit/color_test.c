@@ -203,9 +203,28 @@ static void spectral_locus(void **unused)
     }
 }
 
+/* Colours that are made spectra are found in them again. */
+static void reflectances_have_colors(void **unused)
+{
+    (void)unused;
+    static const float colors[][3] = {
+        {1, 1, 1}, {.6f, .6f, .6f}, {.5f, .25f, .125f}, {.02f, .6f, .1f}, {.05f, .1f, .8f}};
+    ReflectedColor color;
+    reflected_color_init(&color);
+    for (size_t k = 0; k < COUNT_OF(colors); k++) {
+        float coefficients[3], rgb[3] = {0};
+        upsample_coefficients(colors[k], coefficients);
+        for (int i = 0; i < COLOR_FOURS; i++)
+            for (int c = 0; c < 3; c++)
+                rgb[c] += lanes_sum(lanes_mul(upsample_at(coefficients, color.nm[i]), color.weights[i][c]));
+        for (int c = 0; c < 3; c++) assert_float_equal(rgb[c], colors[k][c], 0.004f); /* see upsample_coefficients */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reflectances_have_colors),
         cmocka_unit_test(observer_adds_up),
         cmocka_unit_test(matrix_follows_from_the_data),
         cmocka_unit_test(wavelengths_cover_the_range),

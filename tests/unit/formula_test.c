@@ -157,6 +157,8 @@ static void formulas_agree_with_patterns(void **state)
         uint32_t rows[2];
         (void)texture_of(f.scene, 0, &rows[0]);
         assert_int_equal(texture_of(f.scene, 1, &rows[1])->kind, TEXTURE_FORMULA);
+        ReflectedColor color;
+        reflected_color_init(&color);
         Dice dice = {i};
         for (int k = 0; k < 2000; k++) {
             TexturePlace at = {.identity = 5};
@@ -168,12 +170,11 @@ static void formulas_agree_with_patterns(void **state)
                   b = texture_at(f.scene->textures, rows[1], &at, nm);
             for (int lane = 0; lane < LANES; lane++)
                 assert_near((double)lanes_get(a, lane), (double)lanes_get(b, lane), 2e-6);
-            const Lanes several[] = {nm, lanes(400, 480, 610, 700)};
             for (int row = 0; row < 2; row++) { /* at once as one by one */
-                Lanes values[2];
-                texture_at_each(f.scene->textures, rows[row], &at, 2, several, values);
-                for (int n = 0; n < 2; n++) {
-                    Lanes value = texture_at(f.scene->textures, rows[row], &at, several[n]);
+                Lanes values[COLOR_FOURS];
+                texture_at_each(f.scene->textures, rows[row], &at, color.nm, values);
+                for (int n = 0; n < COLOR_FOURS; n++) {
+                    Lanes value = texture_at(f.scene->textures, rows[row], &at, color.nm[n]);
                     for (int lane = 0; lane < LANES; lane++)
                         assert_float_equal(lanes_get(values[n], lane), lanes_get(value, lane), 0);
                 }
