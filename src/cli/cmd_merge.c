@@ -23,11 +23,6 @@ typedef struct MergeRun {
     RenderStats stats;
 } MergeRun;
 
-static const char *text_option(const MergeRun *run, OptionKey key)
-{
-    return option_text(run->options, key, NULL);
-}
-
 static Status plan_outputs(MergeRun *run, Error *error)
 {
     const OptionValue *given = &run->options->values[OPTION_MERGE_OUTPUT];
@@ -79,9 +74,9 @@ static Status write_outputs(const MergeRun *run, Error *error)
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
     ExrOptions exr = {
         .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
+    ColorLook look = output_look(run->options, 0);
     for (size_t i = 0; i < run->n_outputs; i++)
-        TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, text_option(run, OPTION_DISPLAY),
-                         text_option(run, OPTION_VIEW), error));
+        TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &look, error));
     return STATUS_OK;
 }
 

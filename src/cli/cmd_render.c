@@ -11,14 +11,9 @@
 #include "cli/render_watch.h"
 #include "cli/signals.h"
 
-const char *render_display(const RenderRun *run)
+ColorLook render_look(const RenderRun *run)
 {
-    return option_text(run->options, OPTION_DISPLAY, NULL);
-}
-
-const char *render_view(const RenderRun *run)
-{
-    return option_text(run->options, OPTION_VIEW, NULL);
+    return output_look(run->options, run->input.scene->film.exposure);
 }
 
 /* Opens the colour configuration and tries display and view on one pixel. */
@@ -28,7 +23,8 @@ static Status probe_view(RenderRun *run, Error *error)
     Image pixel;
     TRY(color_source_open(&run->input.color, error));
     TRY(image_new(1, 1, names, 3, &pixel, error));
-    Status status = color_view(run->input.color.config, render_display(run), render_view(run), &pixel, error);
+    ColorLook look = render_look(run);
+    Status status = color_view(run->input.color.config, &look, &pixel, error);
     image_clear(&pixel);
     return status;
 }
@@ -46,9 +42,9 @@ static Status prepare(RenderRun *run, Error *error)
     TRY(render_plan_frames(run, error));
     if (option_given(options, OPTION_AOV) && !run->plan.has_exr && !option_given(options, OPTION_RENDER_PIXEL))
         talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
-    if (run->plan.has_png || option_given(options, OPTION_RENDER_PIXEL) || preview_is_for_display(&run->preview) || option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW))
-        TRY(probe_view(run, error));
-    return STATUS_OK;
+    bool shows = run->plan.has_png || option_given(options, OPTION_RENDER_PIXEL) || preview_is_for_display(&run->preview);
+    bool looks = option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW);
+    return shows || looks ? probe_view(run, error) : STATUS_OK;
 }
 
 /* Prints what was found in the scene; status: of what was done so far. */
@@ -85,8 +81,8 @@ static void show_picture(void *context, const Image *image)
     RenderRun *run = context;
     Error error;
     if (run->preview_failed) return;
-    Status status = preview_show(&run->preview, image, run->pool, run->input.color.config, render_display(run),
-                                 render_view(run), &error);
+    ColorLook look = render_look(run);
+    Status status = preview_show(&run->preview, image, run->pool, run->input.color.config, &look, &error);
     run->preview_failed = status != STATUS_OK;
     if (run->preview_failed) talk_warning(run->talk, "%s; the render goes on without a preview", error.text);
 }

@@ -1,6 +1,5 @@
 /* cmd_view.c - the command view: a scene-linear picture as a display shows it.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
@@ -42,23 +41,12 @@ static Status check_output(const char *path, const char *preview, Error *error)
     return output_probe(path, error);
 }
 
-static void brighten(Image *image, double stops)
-{
-    int rgb[3];
-    if (stops == 0 || !image_rgb(image, rgb)) return;
-    bool is_grey = rgb[0] == rgb[1]; /* one channel for all three */
-    float factor = (float)exp2(stops);
-    size_t n = (size_t)image->width * image->height;
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < (is_grey ? 1 : 3); c++) image->pixels[i * image->n_channels + (size_t)rgb[c]] *= factor;
-}
-
 static Status write_png(const Options *options, const ColorConfig *config, const Image *image, const char *path,
                         Error *error)
 {
     Image shown;
-    TRY(image_for_display(image, config, option_text(options, OPTION_DISPLAY, NULL),
-                          option_text(options, OPTION_VIEW, NULL), &shown, error));
+    ColorLook look = output_look(options, 0);
+    TRY(image_for_display(image, config, &look, &shown, error));
     Status status = png_write(path, &shown, option_is(options, OPTION_BITS, "16") ? 16 : 8, error);
     image_clear(&shown);
     return status;
@@ -68,13 +56,13 @@ static Status show(const Options *options, const ColorConfig *config, const Imag
                    Error *error)
 {
     Preview preview;
+    ColorLook look = output_look(options, 0);
     Status status = preview_open(where, file_name(options->operands[0]), &preview, error);
     if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
         status =
             fail(error, STATUS_USAGE, "option '--preview' of 'view' takes term or tev; '-o %s' writes a file", where);
     if (status == STATUS_OK)
-        status = preview_show(&preview, image, NULL, config, option_text(options, OPTION_DISPLAY, NULL),
-                              option_text(options, OPTION_VIEW, NULL), error);
+        status = preview_show(&preview, image, NULL, config, &look, error);
     preview_close(&preview);
     return status;
 }
@@ -84,7 +72,6 @@ static Status view_file(const Options *options, const ColorConfig *config, const
     Image image;
     const char *where = option_text(options, OPTION_VIEW_PREVIEW, NULL);
     TRY(image_read_linear(options->operands[0], &image, error));
-    brighten(&image, options->values[OPTION_EXPOSURE].number);
     Status status = where ? show(options, config, &image, where, error) : STATUS_OK;
     if (status == STATUS_OK && path) status = write_png(options, config, &image, path, error);
     image_clear(&image);

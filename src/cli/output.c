@@ -199,8 +199,17 @@ bool outputs_exist(const OutputList *list)
 
 /* ---- after it ---- */
 
-Status image_for_display(const Image *image, const ColorConfig *color, const char *display, const char *view,
-                         Image *shown, Error *error)
+ColorLook output_look(const Options *options, double stops)
+{
+    return (ColorLook){
+        .display = option_text(options, OPTION_DISPLAY, NULL),
+        .view = option_text(options, OPTION_VIEW, NULL),
+        .stops = option_given(options, OPTION_EXPOSURE) ? options->values[OPTION_EXPOSURE].number : stops,
+    };
+}
+
+Status image_for_display(const Image *image, const ColorConfig *color, const ColorLook *look, Image *shown,
+                         Error *error)
 {
     static const char *const names[] = {"R", "G", "B"};
     int channels[3];
@@ -211,17 +220,17 @@ Status image_for_display(const Image *image, const ColorConfig *color, const cha
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
             shown->pixels[3 * i + c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
-    Status status = color_view(color, display, view, shown, error);
+    Status status = color_view(color, look, shown, error);
     if (status != STATUS_OK) image_clear(shown);
     return status;
 }
 
 Status output_write(const Output *output, const Image *image, const ExrOptions *exr, const ColorConfig *color,
-                    const char *display, const char *view, Error *error)
+                    const ColorLook *look, Error *error)
 {
     if (!output->png) return exr_write(output->path, image, exr, error);
     Image shown;
-    TRY(image_for_display(image, color, display, view, &shown, error));
+    TRY(image_for_display(image, color, look, &shown, error));
     Status status = png_write(output->path, &shown, 8, error);
     image_clear(&shown);
     return status;

@@ -56,11 +56,13 @@ typedef struct OutputClaim {
 ATTR_NODISCARD Status output_check_claims(const OutputClaim *claims, size_t n, Error *error);
 /* As outputs_probe, for one path, also of other files than pictures. STATUS_USAGE for a file that was read. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
-/* color is NULL when no output is a PNG file. display, view: NULL for the defaults. */
+/* What --display, --view and --exposure say; stops: where --exposure says nothing. */
+ColorLook output_look(const Options *options, double stops);
+/* color is NULL when no output is a PNG file. */
 ATTR_NODISCARD Status output_write(const Output *output, const Image *image, const ExrOptions *exr,
-                                   const ColorConfig *color, const char *display, const char *view, Error *error);
-/* The colours of an image under a display and view, as RGB for a PNG file. */
-ATTR_NODISCARD Status image_for_display(const Image *image, const ColorConfig *color, const char *display, const char *view,
+                                   const ColorConfig *color, const ColorLook *look, Error *error);
+/* The colours of an image as they are shown, as RGB for a PNG file. */
+ATTR_NODISCARD Status image_for_display(const Image *image, const ColorConfig *color, const ColorLook *look,
                                         Image *shown, Error *error);
 
 #endif

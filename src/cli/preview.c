@@ -79,23 +79,23 @@ bool preview_is_for_display(const Preview *preview)
 }
 
 static Status show_in_terminal(TerminalPreview *terminal, const Image *image, const ColorConfig *color,
-                               const char *display, const char *view, Error *error)
+                               const ColorLook *look, Error *error)
 {
     Image shown;
-    TRY(image_for_display(image, color, display, view, &shown, error));
+    TRY(image_for_display(image, color, look, &shown, error));
     Status status = terminal_preview_show(terminal, &shown, error);
     image_clear(&shown);
     return status;
 }
 
-Status preview_show(Preview *preview, const Image *image, Pool *pool, const ColorConfig *color, const char *display,
-                    const char *view, Error *error)
+Status preview_show(Preview *preview, const Image *image, Pool *pool, const ColorConfig *color, const ColorLook *look,
+                    Error *error)
 {
     ExrOptions exr = {.half = true, .pool = pool};
     switch (preview->kind) {
     case PREVIEW_NONE: break;
-    case PREVIEW_FILE: return output_write(&preview->file, image, &exr, color, display, view, error);
-    case PREVIEW_TERMINAL: return show_in_terminal(&preview->terminal, image, color, display, view, error);
+    case PREVIEW_FILE: return output_write(&preview->file, image, &exr, color, look, error);
+    case PREVIEW_TERMINAL: return show_in_terminal(&preview->terminal, image, color, look, error);
     case PREVIEW_TEV: return tev_show(preview->tev, image, error);
     }
     return STATUS_OK;

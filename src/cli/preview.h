@@ -22,8 +22,8 @@ ATTR_NODISCARD Status preview_open(const char *where, const char *name, Preview 
 void preview_close(Preview *preview);
 /* Does it show pictures as a display does? */
 bool preview_is_for_display(const Preview *preview);
-/* color, display, view: as of output_write. */
+/* color, look: as of output_write; tev gets the light as it is. */
 ATTR_NODISCARD Status preview_show(Preview *preview, const Image *image, Pool *pool, const ColorConfig *color,
-                                   const char *display, const char *view, Error *error);
+                                   const ColorLook *look, Error *error);
 
 #endif

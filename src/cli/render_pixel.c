@@ -31,7 +31,8 @@ static Status print_shown(const RenderRun *run, const float *values, Buf *out, E
     if (!image_rgb(&run->image, rgb)) return STATUS_OK;
     TRY(image_new(1, 1, names, 3, &pixel, error));
     for (int c = 0; c < 3; c++) pixel.pixels[c] = values[rgb[c]];
-    Status status = color_view(run->input.color.config, render_display(run), render_view(run), &pixel, error);
+    ColorLook look = render_look(run);
+    Status status = color_view(run->input.color.config, &look, &pixel, error);
     if (status == STATUS_OK) {
         buf_add(out, "display #");
         for (int c = 0; c < 3; c++) buf_format(out, "%02x", image_byte(pixel.pixels[c]));

@@ -88,8 +88,7 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
 ATTR_NODISCARD Status render_write_outputs(const RenderRun *run, bool again, Error *error);
 
 /* The display and the view of PNG files; NULL: the first. */
-const char *render_display(const RenderRun *run);
-const char *render_view(const RenderRun *run);
+ColorLook render_look(const RenderRun *run);
 
 /* What is said of a finished render (render_report.c). */
 void render_warn(const RenderRun *run);

@@ -79,9 +79,9 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
 /* A picture, or a slice of one. */
 static Status write_output(const RenderRun *run, const Output *output, const ExrOptions *exr, Error *error)
 {
+    ColorLook look = render_look(run);
     if (!run->slices || output->png)
-        return output_write(output, &run->image, exr, run->input.color.config, render_display(run), render_view(run),
-                            error);
+        return output_write(output, &run->image, exr, run->input.color.config, &look, error);
     Attributes merged;
     CheckpointTexts texts;
     CheckpointNotes notes;

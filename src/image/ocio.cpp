@@ -305,17 +305,26 @@ extern "C" const char *color_config_default_view(const ColorConfig *config, cons
     return name_or_null([=]() { return config->config->getDefaultView(display); });
 }
 
-extern "C" Status color_view(const ColorConfig *config, const char *display, const char *view, Image *image,
-                             Error *error)
+static void brighten(const int channels[3], double stops, Image *image)
 {
-    return guarded(error, "make the view", view ? view : "default", [&]() {
+    const float factor = (float)std::exp2(stops);
+    const size_t n = (size_t)image->width * image->height;
+    const int distinct = channels[0] == channels[1] ? 1 : 3; /* one channel for all three */
+    for (size_t i = 0; stops != 0 && i < n; i++)
+        for (int c = 0; c < distinct; c++) image->pixels[i * image->n_channels + (size_t)channels[c]] *= factor;
+}
+
+extern "C" Status color_view(const ColorConfig *config, const ColorLook *look, Image *image, Error *error)
+{
+    return guarded(error, "make the view", look->view ? look->view : "default", [&]() {
         int channels[3];
         if (!image_rgb(image, channels))
             return fail(error, STATUS_USAGE, "the picture has no channels R, G and B to view");
         std::string display_name, view_name;
-        Status status = choose_view(config, display, view, &display_name, &view_name, error);
-        if (status == STATUS_OK) view_pixels(config, view_processor(config, display_name, view_name), channels, image);
-        return status;
+        TRY(choose_view(config, look->display, look->view, &display_name, &view_name, error));
+        brighten(channels, look->stops, image);
+        view_pixels(config, view_processor(config, display_name, view_name), channels, image);
+        return STATUS_OK;
     });
 }
 

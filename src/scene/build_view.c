@@ -224,6 +224,7 @@ void build_film(Builder *b, const EvalNode *node)
     film->width = (uint32_t)size.x;
     film->height = (uint32_t)size.y;
     film->box = strcmp(eval_word(node, "filter"), "box") == 0;
+    film->exposure = eval_number(node, "exposure");
     build_aovs(b, eval_prop(node, "aovs"));
     const EvalProp *output = eval_prop(node, "output");
     if (!output) return;

@@ -221,6 +221,7 @@ typedef struct SceneFilm {
     const char *const *outputs;
     uint32_t n_outputs;
     AovSet aovs;
+    double exposure; /* by so many stops pictures for a display are brighter */
     bool box; /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 

@@ -52,6 +52,14 @@ cmp -s a.png b.png || flunk "view and render make different PNG files"
 run view a.exr -o c.png --bits 16 --exposure -1
 exits 0
 there c.png
+run view a.exr -o d.png --exposure -1
+run render small.mns -o e.exr -o e.png --exposure -1
+cmp -s a.exr e.exr || flunk "the exposure changes the light"
+cmp -s d.png e.png || flunk "view and render expose otherwise"
+run render small.mns -o f.png --set film.exposure=-1
+cmp -s d.png f.png || flunk "the scene's exposure is another than that of --exposure"
+run render small.mns -o g.png --set film.exposure=-1 --exposure 0
+cmp -s a.png g.png || flunk "--exposure does not come before the scene's"
 run view --list
 exits 0
 [ -s out ] || flunk "no views"

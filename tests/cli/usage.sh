@@ -152,7 +152,7 @@ says out "As a function:"
 says out "As a property:"
 says out "As an option of render:"
 run help exposure
-matches out '^As an option of view:$'
+matches out '^As an option of render, merge and view:$'
 matches out '^      --exposure STOPS$'
 run help quiet
 matches out '^As an option of render.* and .*:$'

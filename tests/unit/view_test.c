@@ -40,7 +40,7 @@ static Status view_pixel(const ColorConfig *color, const char *display, const ch
     Status status = image_new(1, 1, names, 3, &image, error);
     if (status != STATUS_OK) return status;
     memcpy(image.pixels, rgb, 3 * sizeof(float));
-    status = color_view(color, display, view, &image, error);
+    status = color_view(color, &(ColorLook){display, view, 0}, &image, error);
     memcpy(rgb, image.pixels, 3 * sizeof(float));
     image_clear(&image);
     return status;
@@ -68,6 +68,25 @@ static void middle_grey_is_where_aces_puts_it(void **state)
     assert_view(NULL, NULL, 0.18f, 0.35595);
     assert_string_equal(color_config_default_display(config), "sRGB");
     assert_string_equal(color_config_default_view(config, "sRGB"), "ACES 1.0 SDR");
+}
+
+/* By stops it is brightened as light, before the view. */
+static void stops_are_light(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"R", "G", "B"};
+    for (int stops = -2; stops <= 2; stops++) {
+        float plain[3] = {.5f, .18f, .06f}, rgb[3];
+        Image image;
+        Error error;
+        assert_int_equal(image_new(1, 1, names, 3, &image, NULL), STATUS_OK);
+        for (int c = 0; c < 3; c++) image.pixels[c] = ldexpf(plain[c], -stops);
+        assert_int_equal(color_view(config, &(ColorLook){NULL, NULL, stops}, &image, &error), STATUS_OK);
+        memcpy(rgb, image.pixels, sizeof rgb);
+        assert_int_equal(view_pixel(config, NULL, NULL, plain, &error), STATUS_OK);
+        for (int c = 0; c < 3; c++) assert_float_equal(rgb[c], plain[c], 1e-6f);
+        image_clear(&image);
+    }
 }
 
 static void assert_space(const char *space, float r, float g, float b, double x, double y, double z)
@@ -139,7 +158,7 @@ static void alpha_and_other_channels_are_left(void **state)
     Image image;
     assert_int_equal(image_new(3, 2, names, 5, &image, &error), STATUS_OK);
     for (size_t i = 0; i < 30; i++) image.pixels[i] = i % 5 == 4 ? 500 : .18f;
-    assert_int_equal(color_view(config, "sRGB", "Un-tone-mapped", &image, &error), STATUS_OK);
+    assert_int_equal(color_view(config, &(ColorLook){"sRGB", "Un-tone-mapped", 0}, &image, &error), STATUS_OK);
     for (size_t i = 0; i < 30; i++) assert_near(image.pixels[i], i % 5 == 4 ? 500 : i % 5 == 0 ? .18 : .46136, 1e-4);
     image_clear(&image);
 }
@@ -289,6 +308,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(middle_grey_is_where_aces_puts_it),
+        cmocka_unit_test(stops_are_light),
         cmocka_unit_test(inputs_come_into_the_working_space),
         cmocka_unit_test(many_pixels_are_as_one),
         cmocka_unit_test(awkward_values_are_held),
