@@ -180,6 +180,30 @@ static void ripples_are_furnaces(void **state)
     }
 }
 
+/* A block of ice cuts into a long gem: what comes in there goes round in the gem, by total reflection, until it comes to the ice
+ * again. Nearly all of it does within the bounces that a scene gives by itself. */
+static void bounces_of_scenes_are_enough(void **state)
+{
+    (void)state;
+    enum { WIDE = 80 };
+    const char *text = "meniscus 1.0 unit cm medium ice { ior = 1.31 state = solid } medium gem { ior = 2.4 state = solid } "
+                       "capsule { interior = gem from = <-4, 5, 6> to = <1, 4, -2> radius = 2 rotate(y, 45) } "
+                       "box { interior = ice from = <-3, 2, 0> to = <-2, 7, 2> } "
+                       "camera { from = <-9.8, 12, 30> to = <0, 3, 0> fov = 16 }";
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .furnace = true});
+    RenderSettings settings = truth_settings(WIDE, SAMPLES);
+    settings.bounces = scene.scene->render.bounces;
+    truth_render(&scene, &settings, 0, &picture);
+    double mean = truth_mean(&picture, -1).mean; /* the same as of an empty scene, but for what is cut off */
+    printf("    light that goes round in a gem: 1 - %.3g\n", 1 - mean);
+    assert_near(mean, 1, 3e-5);
+    truth_count(&in_all, &picture.stats);
+    truth_clear(&picture);
+    fixture_clear(&scene);
+}
+
 static void faults_are_none_in_ten_million_crossings(void **state)
 {
     (void)state;
@@ -195,6 +219,7 @@ int main(void)
         cmocka_unit_test(modelling_schemes_are_furnaces),
         cmocka_unit_test(examples_are_furnaces),
         cmocka_unit_test(ripples_are_furnaces),
+        cmocka_unit_test(bounces_of_scenes_are_enough),
         cmocka_unit_test(faults_are_none_in_ten_million_crossings),
     };
     return cmocka_run_group_tests_name("furnace", tests, NULL, NULL);

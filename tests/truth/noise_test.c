@@ -296,7 +296,7 @@ static void long_ways_are_not_cut_off(void **state)
     (void)state;
     Fixture scene;
     truth_open(&scene, (TruthInput){.file = "examples/diamond.mns", .policy = NEST_AUTOMATIC});
-    const uint32_t bounces[] = {32, scene.scene->render.bounces, 4000};
+    const uint32_t bounces[] = {32, scene.scene->render.bounces, 20000};
     double mean[3] = {0};
     for (int i = 0; i < 3; i++) {
         Picture picture;
