@@ -117,6 +117,18 @@ void json_number(JsonWriter *json, double number)
     }
 }
 
+void json_float(JsonWriter *json, float number)
+{
+    begin_item(json);
+    char text[NUM_TEXT_SIZE];
+    if (isfinite(number)) {
+        num_print_float(number, text);
+        buf_add(json->out, text);
+    } else {
+        buf_add(json->out, "null");
+    }
+}
+
 void json_whole(JsonWriter *json, uint64_t number)
 {
     begin_item(json);
@@ -145,6 +157,12 @@ void json_add_number(JsonWriter *json, const char *key, double number)
 {
     json_key(json, key);
     json_number(json, number);
+}
+
+void json_add_float(JsonWriter *json, const char *key, float number)
+{
+    json_key(json, key);
+    json_float(json, number);
 }
 
 void json_add_whole(JsonWriter *json, const char *key, uint64_t number)

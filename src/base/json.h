@@ -28,6 +28,7 @@ void json_end(JsonWriter *json); /* of the innermost object or array */
 void json_key(JsonWriter *json, const char *key);
 void json_text(JsonWriter *json, const char *text); /* NULL: null */
 void json_number(JsonWriter *json, double number);  /* the shortest text that reads back the same */
+void json_float(JsonWriter *json, float number);     /* that reads back as the same float: for all that is stored as one */
 void json_whole(JsonWriter *json, uint64_t number);
 void json_truth(JsonWriter *json, bool truth);
 /* A value that is JSON already. */
@@ -35,6 +36,7 @@ void json_raw(JsonWriter *json, const char *value);
 /* A key with its value. */
 void json_add_text(JsonWriter *json, const char *key, const char *text);
 void json_add_number(JsonWriter *json, const char *key, double number);
+void json_add_float(JsonWriter *json, const char *key, float number);
 void json_add_whole(JsonWriter *json, const char *key, uint64_t number);
 void json_add_truth(JsonWriter *json, const char *key, bool truth);
 

@@ -399,19 +399,26 @@ static void decimal_round_up(Decimal *a, int n)
     a->point++;
 }
 
-/* Shortens a, the exact value of mantissa * 2^(exponent - 52), to the fewest digits that still lie between the
+/* What a number is stored in. */
+typedef struct Format {
+    int mantissa_bits;  /* without the leading 1 */
+    int least_exponent; /* of numbers that have one */
+} Format;
+static const Format format_of_double = {MANTISSA_BITS, -1022}, format_of_float = {23, -126};
+
+/* Shortens a, the exact value of mantissa * 2^(exponent - mantissa_bits), to the fewest digits that still lie between the
  * midpoints to its neighbours (Steele & White 1990, in the digit-by-digit form). */
-static void decimal_shorten(Decimal *a, uint64_t mantissa, int exponent)
+static void decimal_shorten(Decimal *a, uint64_t mantissa, int exponent, const Format *format)
 {
     Decimal upper, lower;
     decimal_set(&upper, mantissa * 2 + 1);
-    decimal_shift(&upper, exponent - MANTISSA_BITS - 1);
-    if (mantissa > (uint64_t)1 << MANTISSA_BITS || exponent == -1022) {
+    decimal_shift(&upper, exponent - format->mantissa_bits - 1);
+    if (mantissa > (uint64_t)1 << format->mantissa_bits || exponent == format->least_exponent) {
         decimal_set(&lower, mantissa * 2 - 1);
-        decimal_shift(&lower, exponent - MANTISSA_BITS - 1);
+        decimal_shift(&lower, exponent - format->mantissa_bits - 1);
     } else { /* below a power of two the neighbours are twice as near */
         decimal_set(&lower, mantissa * 4 - 1);
-        decimal_shift(&lower, exponent - MANTISSA_BITS - 2);
+        decimal_shift(&lower, exponent - format->mantissa_bits - 2);
     }
     bool inclusive = mantissa % 2 == 0; /* ties round to even, so the midpoints read back as this one */
     int above = 0; /* how far upper is known to lie above the digits so far: 0 equal, 1 by one unit, 2 more */
@@ -485,7 +492,7 @@ static void decimal_drop_noise(Decimal *a)
     if (rounded.n <= ROUND_DIGITS) *a = rounded;
 }
 
-static size_t print_number(double value, bool noise, char out[NUM_TEXT_SIZE])
+static size_t print_number(double value, const Format *format, bool noise, char out[NUM_TEXT_SIZE])
 {
     size_t n = 0;
     if (isnan(value)) {
@@ -498,21 +505,16 @@ static size_t print_number(double value, bool noise, char out[NUM_TEXT_SIZE])
         memcpy(out + n, "inf", 4);
         return n + 3;
     }
-    if (value < 9007199254740992.0 && value == (double)(uint64_t)value) {
+    if (value < ldexp(2, format->mantissa_bits) && value == (double)(uint64_t)value) {
         n += print_integer((uint64_t)value, out + n);
     } else {
-        uint64_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        int exponent = (int)(bits >> MANTISSA_BITS) - 1023;
-        uint64_t mantissa = bits & (((uint64_t)1 << MANTISSA_BITS) - 1);
-        if (exponent == -1023)
-            exponent = -1022;
-        else
-            mantissa |= (uint64_t)1 << MANTISSA_BITS;
+        int exponent = ilogb(value);
+        if (exponent < format->least_exponent) exponent = format->least_exponent;
+        uint64_t mantissa = (uint64_t)ldexp(value, format->mantissa_bits - exponent);
         Decimal a;
         decimal_set(&a, mantissa);
-        decimal_shift(&a, exponent - MANTISSA_BITS);
-        decimal_shorten(&a, mantissa, exponent);
+        decimal_shift(&a, exponent - format->mantissa_bits);
+        decimal_shorten(&a, mantissa, exponent, format);
         if (!noise) decimal_drop_noise(&a);
         n += print_digits(&a, out + n);
     }
@@ -522,12 +524,17 @@ static size_t print_number(double value, bool noise, char out[NUM_TEXT_SIZE])
 
 size_t num_print(double value, char out[NUM_TEXT_SIZE])
 {
-    return print_number(value, true, out);
+    return print_number(value, &format_of_double, true, out);
+}
+
+size_t num_print_float(float value, char out[NUM_TEXT_SIZE])
+{
+    return print_number((double)value, &format_of_float, true, out);
 }
 
 size_t num_print_rounded(double value, char out[NUM_TEXT_SIZE])
 {
-    return print_number(value, false, out);
+    return print_number(value, &format_of_double, false, out);
 }
 
 const char *num_parse_list(const char *text, double *numbers, int n)

@@ -27,6 +27,8 @@ const char *num_parse_list(const char *text, double *numbers, int n);
 
 /* Writes value, terminated, and returns its length: "0.1", "-3", "1e+20" is "1e20", "inf", "-inf", "nan". */
 size_t num_print(double value, char out[NUM_TEXT_SIZE]);
+/* The shortest text that reads back as the same float: 1.34f is 1.34, and not 1.340000033378601. */
+size_t num_print_float(float value, char out[NUM_TEXT_SIZE]);
 /* The same for people, without the noise of rounding behind the 15th digit: 0.1 + 0.2 is 0.3, and not
  * 0.30000000000000004. */
 size_t num_print_rounded(double value, char out[NUM_TEXT_SIZE]);

@@ -20,7 +20,7 @@ static void add_medium(JsonWriter *json, const SceneMedium *medium)
     static const char *const states[] = {NULL, "liquid", "gas", "solid"};
     json_begin_object(json);
     json_add_text(json, "name", medium->name);
-    json_add_number(json, "ior", (double)spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+    json_add_float(json, "ior", spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
     json_add_truth(json, "disperses", medium->disperses);
     json_add_truth(json, "absorbs", medium->absorbs);
     json_add_truth(json, "scatters", medium->scatters);

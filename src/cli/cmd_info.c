@@ -41,6 +41,16 @@ static void add_number(Facts *facts, const char *name, double number)
         add_fact(facts, name, text);
 }
 
+static void add_float(Facts *facts, const char *name, float number)
+{
+    char text[NUM_TEXT_SIZE];
+    num_print_float(number, text);
+    if (facts->as_json)
+        json_add_float(&facts->json, name, number);
+    else
+        add_fact(facts, name, text);
+}
+
 static void add_truth(Facts *facts, const char *name, bool truth)
 {
     if (facts->as_json)
@@ -105,12 +115,12 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
         add_number(facts, "faces that occur twice", report.n_duplicate);
         add_number(facts, "volume", report.volume);
         add_number(facts, "area", report.area);
-        add_number(facts, "x from", report.bounds.min.x);
-        add_number(facts, "x to", report.bounds.max.x);
-        add_number(facts, "y from", report.bounds.min.y);
-        add_number(facts, "y to", report.bounds.max.y);
-        add_number(facts, "z from", report.bounds.min.z);
-        add_number(facts, "z to", report.bounds.max.z);
+        add_float(facts, "x from", (float)report.bounds.min.x);
+        add_float(facts, "x to", (float)report.bounds.max.x);
+        add_float(facts, "y from", (float)report.bounds.min.y);
+        add_float(facts, "y to", (float)report.bounds.max.y);
+        add_float(facts, "z from", (float)report.bounds.min.z);
+        add_float(facts, "z to", (float)report.bounds.max.z);
     }
     mesh_parts_clear(&parts);
     mesh_source_clear(&source);

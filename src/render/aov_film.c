@@ -382,7 +382,7 @@ static void add_color(JsonWriter *json, const char *name)
     id_color(name, rgb);
     json_key(json, name);
     json_begin_array(json);
-    for (int i = 0; i < 3; i++) json_number(json, (double)rgb[i]);
+    for (int i = 0; i < 3; i++) json_float(json, rgb[i]);
     json_end(json);
 }
 

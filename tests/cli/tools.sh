@@ -132,6 +132,19 @@ exits 0
 if command -v fish > /dev/null; then fish -n out || flunk "fish does not read it"; fi
 end
 
+begin "floats have the fewest digits in JSON"
+small_scene
+echo 'medium wet { ior = 1.34 }' >> small.mns
+run check small.mns --json
+says out '"ior": 1.34,'
+printf 'v 0.1 0 0\nv 1.1 0 0\nv 0 1 0\nv 0 0 -.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' > fine.obj
+run info fine.obj --json
+says out '"x to": 1.1,'
+says out '"z from": -0.3,'
+run info fine.obj
+matches out '^x to +1\.1$'
+end
+
 begin "check --json: the facts of the printed reports, each of them"
 for scene in "$root"/tests/diag/*.mns "$root"/tests/diag/scene/*.mns; do cp "$scene" .; done
 cp -r "$root/tests/diag/parts" "$root"/tests/diag/scene/broken.* .

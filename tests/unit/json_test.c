@@ -17,6 +17,7 @@ static void items_are_divided(void **state)
     json_key(&json, "list");
     json_begin_array(&json);
     json_number(&json, 0.1);
+    json_float(&json, 1.34f);
     json_truth(&json, true);
     json_text(&json, NULL);
     json_begin_object(&json);
@@ -24,7 +25,7 @@ static void items_are_divided(void **state)
     json_raw(&json, "[1]");
     json_end(&json);
     json_end(&json);
-    assert_string_equal(buf_text(&out), "{\"a\": \"b\", \"n\": 18446744073709551615, \"list\": [0.1, true, null, {}, [1]]}");
+    assert_string_equal(buf_text(&out), "{\"a\": \"b\", \"n\": 18446744073709551615, \"list\": [0.1, 1.34, true, null, {}, [1]]}");
     buf_clear(&out);
 }
 
@@ -63,8 +64,11 @@ static void numbers_that_json_lacks_are_null(void **state)
     for (int i = 0; i < 3; i++) {
         Buf out = {0};
         JsonWriter json = json_writer(&out, false);
+        json_begin_array(&json);
         json_number(&json, numbers[i]);
-        assert_string_equal(buf_text(&out), "null");
+        json_float(&json, (float)numbers[i]);
+        json_end(&json);
+        assert_string_equal(buf_text(&out), "[null, null]");
         buf_clear(&out);
     }
 }

@@ -120,6 +120,31 @@ static void test_shortest(void **state)
     }
 }
 
+static void test_floats(void **state)
+{
+    static const struct {
+        float value;
+        const char *text;
+    } cases[] = {{1.34f, "1.34"},       {0.1f, "0.1"},           {-2.5f, "-2.5"},      {123456789.f, "123456790"}, {16777216.f, "16777216"},
+                 {1e-7f, "1e-7"},       {1e-45f, "1e-45"},       {1e30f, "1e30"},      {1e15f, "1000000000000000"},      {3.4028235e38f, "3.4028235e38"},
+                 {1.1754944e-38f, "1.1754944e-38"}, {0.3333333433f, "0.33333334"}, {0, "0"}, {(float)INFINITY, "inf"}};
+    (void)state;
+    char text[NUM_TEXT_SIZE];
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        assert_int_equal(num_print_float(cases[i].value, text), strlen(cases[i].text));
+        assert_string_equal(text, cases[i].text);
+    }
+    for (uint32_t i = 0; i < 20000; i++) {
+        uint32_t bits = i * 2654435761U;
+        float value;
+        memcpy(&value, &bits, sizeof value);
+        if (!isfinite(value)) continue;
+        size_t n = num_print_float(value, text);
+        assert_true(n <= 19); /* -0.0000, and 9 digits more; or 17 and a sign */
+        assert_true(strtof(text, NULL) == value);
+    }
+}
+
 static void test_utf8(void **state)
 {
     static const struct {
@@ -160,7 +185,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reads),    cmocka_unit_test(test_prints), cmocka_unit_test(test_random),
         cmocka_unit_test(test_shortest), cmocka_unit_test(test_prints_rounded),
-        cmocka_unit_test(test_utf8),
+        cmocka_unit_test(test_floats),   cmocka_unit_test(test_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
