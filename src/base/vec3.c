@@ -85,3 +85,18 @@ Affine affine_between(const Affine *keys, uint32_t n, double time)
         for (int column = 0; column < 3; column++) map.m[row][column] = a * from->m[row][column] + b * to->m[row][column];
     return map;
 }
+
+double affine_largest_stretch(const Affine *a)
+{
+    double largest = 0;
+    for (int i = 0; i < 3; i++) {
+        double sum = 0;
+        for (int k = 0; k < 3; k++) {
+            double product = 0;
+            for (int row = 0; row < 3; row++) product += a->m[row][i] * a->m[row][k];
+            sum += fabs(product);
+        }
+        largest = double_max(largest, sum);
+    }
+    return sqrt(largest) * (1 + 1e-12);
+}

@@ -97,6 +97,8 @@ Affine affine_compose(const Affine *a, const Affine *b);
 double affine_determinant(const Affine *a);
 /* The largest factor by which the map stretches a length, at most sqrt(3) too large. */
 double affine_max_stretch(const Affine *a);
+/* The same, and not too large where the axes stay at right angles to each other. */
+double affine_largest_stretch(const Affine *a);
 /* false when the map is singular or not finite. */
 bool affine_invert(const Affine *a, Affine *inverse);
 bool affine_is_identity(const Affine *a);

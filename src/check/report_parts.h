@@ -76,6 +76,9 @@ uint32_t report_lines_of_each(uint32_t n);
 /* Warns of liquids with a thin gap to the opaque vessel that they are in. */
 void report_vessels(const CompiledScene *compiled, Diag *diag);
 
+/* Remarks on objects and lights that are wholly inside of an opaque object. */
+void report_enclosed(const CompiledScene *compiled, Diag *diag);
+
 /* Rows of cells, in columns as wide as their widest cell. */
 enum { REPORT_COLUMNS = 8 };
 typedef struct ReportTable {

@@ -180,60 +180,6 @@ static void remark_mostly_hidden(Remarks *r)
     tally_end(r, &tally);
 }
 
-static bool encloses(const Scene *scene, const SceneObject *object)
-{
-    if (object->shape == SCENE_NONE) return false; /* a combination: its operands say nothing by themselves */
-    const SceneShape *shape = &scene->shapes[object->shape];
-    if (shape->mesh) return shape->mesh->n_triangles > 0;
-    PieceKind kind = shape->solid->pieces[0].kind;
-    return kind == PIECE_SPHERE || kind == PIECE_BAND;
-}
-
-/* Whether the point at t on a line is inside of the object: it is entered once more often than it is left. */
-static bool is_inside_at(const HitList *hits, uint32_t object, double t)
-{
-    int depth = 0;
-    for (size_t i = 0; i < hits->n && hits->items[i].t < t; i++)
-        if (hits->items[i].object == object && !hit_repeats(hits, i)) depth += hits->items[i].entering ? 1 : -1;
-    return depth == 1;
-}
-
-/* Every surface of the hull that a few lines meet is inside of the opaque object. */
-static bool is_enclosed(Remarks *r, uint32_t hull, uint32_t object)
-{
-    enum { LINES = 36 };
-    uint32_t n_met = 0;
-    double back = 2 * size_of(&r->bounds[object]);
-    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
-        LineSet set;
-        Line line;
-        line_set_begin(&set, r->compiled->hull_bounds[hull], direction, LINES / LINE_DIRECTIONS, hull);
-        while (line_set_next(&set, &line)) {
-            Ray ray = ray_make(vec3_along(line.start, -back, vec3_from_f(line.direction)), line.direction);
-            ray.time = line_time(r->compiled, &line);
-            HitList *hits = &r->probe.forward;
-            rtc_all(r->compiled->rtc, &ray, false, hits);
-            for (size_t i = 0; i < hits->n; i++) {
-                if (compiled_hull(r->compiled, hits->items[i].object) != hull) continue;
-                if (!is_inside_at(hits, object, hits->items[i].t)) return false;
-                n_met++;
-            }
-        }
-    }
-    return n_met > 0;
-}
-
-typedef struct Place {
-    double x;
-    uint32_t hull;
-} Place;
-
-static int compare_places(const void *left, const void *right)
-{
-    const Place *a = left, *b = right;
-    return a->x < b->x ? -1 : a->x > b->x;
-}
-
 /* The height of a point above a plane, in the plane's own measure. */
 static double height_of(const Affine *to_plane, Vec3 point)
 {
@@ -267,38 +213,6 @@ static bool is_within(Remarks *r, Vec3 place, uint32_t object)
     return true;
 }
 
-static bool holds_camera(Remarks *r, uint32_t object)
-{
-    for (uint32_t i = 0; i < r->scene->n_cameras; i++)
-        if (is_within(r, r->scene->cameras[i].from, object)) return true;
-    return false;
-}
-
-/* Looks at the hulls whose bounds begin within those of the object, sorted by where they begin. */
-static void remark_enclosed_in(Remarks *r, uint32_t object, const Place *places, Tally *tally)
-{
-    const Box3 *outer = &r->bounds[object];
-    uint32_t n = r->compiled->n_hulls, low = 0, high = n;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (places[middle].x < outer->min.x)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    for (uint32_t i = low; i < n && places[i].x < outer->max.x; i++) {
-        uint32_t hull = places[i].hull;
-        if (!box3_holds(*outer, r->compiled->hull_bounds[hull]) || !is_enclosed(r, hull, object)) continue;
-        if (holds_camera(r, object)) return; /* a room */
-        if (!tally_next(tally)) continue;
-        const SceneObject *inner = report_object(r->compiled, hull);
-        Diagnostic *report =
-            diag_report(r->diag, D_ENCLOSED_OBJECT, inner->span, "%s is wholly inside of %s, which is opaque",
-                        inner->name, r->scene->objects[object].name);
-        diag_note(r->diag, report, r->scene->objects[object].span, "%s is here", r->scene->objects[object].name);
-    }
-}
-
 /* A room that is lit within is a room. */
 static bool holds_light(Remarks *r, uint32_t object)
 {
@@ -309,22 +223,6 @@ static bool holds_light(Remarks *r, uint32_t object)
         if (is_within(r, place, object)) return true;
     }
     return false;
-}
-
-static void remark_enclosed(Remarks *r)
-{
-    uint32_t n = r->compiled->n_hulls;
-    Place *places = malloc((n ? n : 1) * sizeof *places);
-    Tally tally = {.code = D_ENCLOSED_OBJECT};
-    if (!places) return;
-    for (uint32_t h = 0; h < n; h++) places[h] = (Place){r->compiled->hull_bounds[h].min.x, h};
-    qsort(places, n, sizeof *places, compare_places);
-    for (uint32_t i = 0; i < r->scene->n_objects; i++)
-        if (r->compiled->hull_of_object[i] == SCENE_NONE && !scene_is_thin(r->scene, i) &&
-            encloses(r->scene, &r->scene->objects[i]))
-            remark_enclosed_in(r, i, places, &tally);
-    tally_end(r, &tally);
-    free(places);
 }
 
 static bool is_behind(const Box3 *box, const Affine *to_plane, double side)
@@ -737,7 +635,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_near_coincidence(&r);
         remark_indifferent(&r);
         remark_mostly_hidden(&r);
-        remark_enclosed(&r);
+        report_enclosed(compiled, diag);
         remark_behind_ground(&r);
         remark_odd_size(&r);
         remark_coarse_places(&r);

@@ -121,22 +121,6 @@ static bool stands_still(const Finder *f, uint32_t hull, Still *still)
     return true;
 }
 
-/* By how much lengths grow at most: exact where the axes stay at right angles to each other. */
-static double largest_stretch(const Affine *map)
-{
-    double largest = 0;
-    for (int i = 0; i < 3; i++) {
-        double sum = 0;
-        for (int k = 0; k < 3; k++) {
-            double product = 0;
-            for (int row = 0; row < 3; row++) product += map->m[row][i] * map->m[row][k];
-            sum += fabs(product);
-        }
-        largest = double_max(largest, sum);
-    }
-    return sqrt(largest) * (1 + 1e-12);
-}
-
 typedef struct Ball {
     Vec3 centre;
     double radius;
@@ -148,7 +132,7 @@ static Ball ball_around(const Finder *f, uint32_t hull)
     Ball ball = {box3_centre(bounds), diagonal(bounds) / 2};
     Still still;
     if (f->compiled->unbounded[hull] || !stands_still(f, hull, &still)) return ball;
-    double radius = still.radius * largest_stretch(still.to_world);
+    double radius = still.radius * affine_largest_stretch(still.to_world);
     return radius < ball.radius ? (Ball){affine_point(still.to_world, box3_centre(still.box)), radius} : ball;
 }
 
@@ -177,7 +161,7 @@ static BallSide side_of(const Finder *f, uint32_t own, uint32_t other)
         return BALL_NEAR;
     Ball ball = ball_around(f, own);
     Vec3 centre = affine_point(&inverse, ball.centre);
-    double radius = (ball.radius + reach_of_gaps(f, own, other)) * largest_stretch(&inverse);
+    double radius = (ball.radius + reach_of_gaps(f, own, other)) * affine_largest_stretch(&inverse);
     const SceneShape *shape = still.shape;
     if (shape->solid && !shape->mesh)
         return solid_ball_side(shape->solid, still.near ? &still.near->profile : &no_tree, centre, radius);

@@ -228,7 +228,7 @@ static void remarks_tell_what_is_worth_a_look(void **state)
         {GLASS "sphere a { interior = glass } box b { interior = air size = <1, 1, 1> translate(<9, 0, 0>) }" VIEW,
          D_INVISIBLE_OBJECT, "nothing would change without b: it is of air, and so is all that it is in"},
         {GLASS "box a { surface = surface { } size = <9, 9, 9> } sphere b { interior = glass }" VIEW, D_ENCLOSED_OBJECT,
-         "b is wholly inside of a, which is opaque"},
+         "b is wholly inside of a, which is opaque: nothing of it is seen"},
         {GLASS "ground floor { } sphere b { interior = glass center = <0, -2, 0> }"
                "camera eye { from = <0, 5, 1000>  to = <0, 0, 0> } environment { }",
          D_BEHIND_GROUND, "b is wholly below floor, where no camera sees it"},
@@ -297,6 +297,138 @@ static void remarks_are_not_made_of_what_is_meant(void **state)
     }
 }
 
+/* ---- what is enclosed ---- */
+
+#define OPAQUE " surface = surface { } "
+
+static void enclosed_things_are_proved(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene;
+        DiagCode code;
+        const char *text;
+    } cases[] = {
+        {"box a { size = <9, 9, 9>" OPAQUE "} sphere b {" OPAQUE "}", D_ENCLOSED_OBJECT,
+         "b is wholly inside of a, which is opaque: nothing of it is seen"},
+        /* turned, skewed and mirrored: the bounds of b are as large as those of a */
+        {"capsule a { from = <0, 0, 0> to = <20, 0, 0> radius = 2" OPAQUE "rotate(z, 40) scale(<1, -2, 1>) }"
+         "capsule b { from = <0, 0, 0> to = <20, 0, 0> radius = 1.5" OPAQUE "rotate(z, 40) scale(<1, -2, 1>) }",
+         D_ENCLOSED_OBJECT, "b is wholly inside of a, which is opaque: nothing of it is seen"},
+        /* in the wall of a vessel, a text of two bodies */
+        {"lathe a { profile = [<0, 0>, <20, 0>, <20, 60>, <16, 60>, <16, 4>, <0, 4>]" OPAQUE "}"
+         "prism b { outline = [<-6, 20>, <6, 20>, <0, 30>] from = 17 to = 18" OPAQUE "rotate(x, 0) }"
+         "box c { size = <4, 20, .5> translate(<0, 30, 18>)" OPAQUE "}",
+         D_ENCLOSED_OBJECT, "c is wholly inside of a, which is opaque: nothing of it is seen"},
+        /* in what is left of a difference, whose hole is beside it */
+        {"difference a { box { size = <9, 9, 9> } cylinder { from = <-5, 0, 0> to = <5, 0, 0> radius = 2 }" OPAQUE "}"
+         "sphere b { center = <0, 3.2, 0> radius = 1" OPAQUE "}",
+         D_ENCLOSED_OBJECT, "b is wholly inside of a, which is opaque: nothing of it is seen"},
+        /* the smallest that holds it, and a combination is one object */
+        {"box a { size = <9, 9, 9>" OPAQUE "} union b { sphere { } box { size = <3, 1, 1> }" OPAQUE "}",
+         D_ENCLOSED_OBJECT, "b is wholly inside of a, which is opaque: nothing of it is seen"},
+        {"box a { size = <9, 9, 9>" OPAQUE "} light b { shape = point from = <1, 1, 1> intensity = 1 }",
+         D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
+        {"box a { size = <9, 9, 9>" OPAQUE "} light b { shape = sphere radius = 1 from = <1, 1, 1> radiance = 1 }",
+         D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
+        {"box a { size = <9, 9, 9>" OPAQUE
+         "} light b { shape = quad size = <1, 1> from = <1, 1, 1> to = <4, 3, 2> radiance = 1 }",
+         D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture f;
+        char scene[1200];
+        snprintf(scene, sizeof scene, "meniscus 1.0 unit mm %s" VIEW, cases[i].scene);
+        fixture_compile(&f, scene, 1);
+        report_remarks(f.compiled, &f.diag);
+        const Diagnostic *remark = fixture_find(&f, cases[i].code);
+        if (!remark || strcmp(remark->text, cases[i].text) != 0) {
+            fixture_print(&f);
+            fail_msg("no '%s'", cases[i].text);
+        }
+        assert_non_null(remark->hint);
+        fixture_clear(&f);
+    }
+}
+
+static void what_may_be_seen_is_not_enclosed(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        /* a thousandth of it shows; it touches the side; the bounds are within, and it is not */
+        "box a { size = <10, 10, 10>" OPAQUE "} sphere b { center = <0, 4.001, 0> radius = 1" OPAQUE "}",
+        "box a { size = <10, 10, 10>" OPAQUE "} sphere b { center = <0, 4, 0> radius = 1" OPAQUE "}",
+        "sphere a { radius = 5" OPAQUE "} sphere b { center = <3.4, 3.4, 0> radius = .5" OPAQUE "}",
+        /* in the hole of a ring, of a vessel and of a difference, and through the wall between two holes */
+        "torus a { radius = 5 tube = 1" OPAQUE "} sphere b { radius = .5" OPAQUE "}",
+        "lathe a { profile = [<0, 0>, <20, 0>, <20, 60>, <16, 60>, <16, 4>, <0, 4>]" OPAQUE "}"
+        "sphere b { radius = 5 center = <0, 20, 0>" OPAQUE "}",
+        "difference a { box { size = <9, 9, 9> } box { size = <3, 3, 20> }" OPAQUE "} sphere b { radius = 1" OPAQUE "}",
+        "difference a { box { size = <9, 9, 9> } box { size = <3, 3, 20> translate(<2, 0, 0>) } box { size = <3, 3, 20> "
+        "translate(<-2, 0, 0>) }" OPAQUE "} cylinder b { from = <-2, 0, 0> to = <2, 0, 0> radius = .4" OPAQUE "}",
+        /* what light goes through, and what is clear */
+        "sphere a { radius = 5 surface = surface { ior = 1.5  transmission = 1  thin = true } } sphere b {" OPAQUE "}",
+        "medium glass { ior = 1.5 } sphere a { radius = 5 interior = glass } sphere b {" OPAQUE "}",
+        /* operands lie within each other, and are one object */
+        "union a { sphere { radius = 5 } sphere { radius = 1 }" OPAQUE "}",
+        /* it comes out while the shutter is open; a room with a camera in it */
+        "box a { size = <9, 9, 9>" OPAQUE "} sphere b { center = <9 * clock, 0, 0> " OPAQUE "}"
+        "camera { from = <0, 0, 1000>  to = <0, 0, 0>  shutter = 180deg }",
+        "box a { size = <2100, 2100, 2100>" OPAQUE "} sphere b {" OPAQUE "}"
+        "light c { shape = sphere radius = 1 from = <0, 300, 0> radiance = 1 }",
+        /* of many things that are strewn some are hidden */
+        "box a { size = <10, 10, 10>" OPAQUE "} for (i in 0..9) { sphere { center = <i, 0, 0> radius = .1" OPAQUE "} }",
+        "light a { shape = sphere radius = 5 radiance = 1 from = <0, 0, 0> } sphere b {" OPAQUE "}",
+    };
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) {
+        Fixture f;
+        char scene[1200];
+        snprintf(scene, sizeof scene, "meniscus 1.0 unit mm %s" VIEW, scenes[i]);
+        fixture_compile(&f, scene, 1);
+        report_remarks(f.compiled, &f.diag);
+        if (fixture_find(&f, D_ENCLOSED_OBJECT) || fixture_find(&f, D_ENCLOSED_LIGHT)) {
+            fixture_print(&f);
+            fail_msg("enclosed: %s", scenes[i]);
+        }
+        fixture_clear(&f);
+    }
+}
+
+/* A picture plane that goes through the object shows what is in it, and so does a lens that reaches into it. */
+static void cameras_see_what_they_are_in(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *camera;
+        bool enclosed;
+    } cases[] = {
+        {"camera { projection = orthographic width = 40 from = <0, 0, 30> to = <0, 0, 0> }", true},
+        {"camera { projection = orthographic width = 40 from = <30, 20, 30> to = <0, 0, 0> }", true},
+        {"camera { projection = orthographic width = 40 from = <0, 8, 4> to = <0, 8, 0> }", false},
+        {"camera { projection = orthographic width = 4 from = <0, 8, 4> to = <0, 8, 0> }", true},
+        {"camera { from = <0, 0, 4.6> to = <0, 0, 9> }", true},
+        {"camera { from = <0, 0, 4.4> to = <0, 0, 9> }", false},
+        {"camera { from = <0, 0, 30> to = <0, 0, 0> shutter = 180deg } sphere c { center = <clock, 0, 0>" OPAQUE "}",
+         true},
+        {"camera { from = <0, 0, 5 - clock> to = <0, 0, 9> shutter = 180deg }", false},
+        {"camera { from = <0, 0, 30> to = <0, 0, 0> } camera other { from = <4, 0, 0> to = <0, 0, 0> }", false},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture f;
+        char scene[1200];
+        snprintf(scene, sizeof scene,
+                 "meniscus 1.0 unit mm box a { size = <9, 9, 9>" OPAQUE "} sphere b {" OPAQUE "} environment { } %s",
+                 cases[i].camera);
+        fixture_compile(&f, scene, 1);
+        report_remarks(f.compiled, &f.diag);
+        if ((fixture_find(&f, D_ENCLOSED_OBJECT) != NULL) != cases[i].enclosed) {
+            fixture_print(&f);
+            fail_msg("%s", cases[i].camera);
+        }
+        fixture_clear(&f);
+    }
+}
+
 /* A liquid that stands off its glass is a mistake even where the gap is wide; two panes with room between them are not.
  */
 static void wide_gaps_are_mistakes_of_liquids_only(void **state)
@@ -336,6 +468,9 @@ int main(void)
         cmocka_unit_test(many_warnings_are_summed_up),
         cmocka_unit_test(remarks_tell_what_is_worth_a_look),
         cmocka_unit_test(remarks_are_not_made_of_what_is_meant),
+        cmocka_unit_test(enclosed_things_are_proved),
+        cmocka_unit_test(what_may_be_seen_is_not_enclosed),
+        cmocka_unit_test(cameras_see_what_they_are_in),
         cmocka_unit_test(wide_gaps_are_mistakes_of_liquids_only),
     };
     return cmocka_run_group_tests_name("report", tests, NULL, NULL);
