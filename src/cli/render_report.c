@@ -2,45 +2,110 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "cli/render_run.h"
+#include "optics/color.h"
 
 static double per_million(uint64_t n, uint64_t of)
 {
     return of ? 1e6 * (double)n / (double)of : 0;
 }
 
-/* By how many stops half of the picture, or more, is above white. */
-static int stops_above_white(const Image *image)
+/* ---- how bright the picture is ---- */
+
+/* A luminance of 1 is where the upper half of the bands begins. */
+enum { BANDS_OF_STOP = 4, STOPS = 64, BANDS = 2 * STOPS * BANDS_OF_STOP };
+
+/* How often which luminance occurs, in bands of a quarter of a stop. */
+typedef struct Brightness {
+    size_t n, n_of[BANDS];
+    double mean;
+} Brightness;
+
+static void note_luminance(Brightness *brightness, double luminance)
 {
-    enum { STOPS = 64 };
-    size_t n_pixels = (size_t)image->width * image->height, n = 0, n_of_stop[STOPS] = {0};
-    int green = image_channel(image, "G");
-    if (green < 0) return 0;
-    for (size_t i = 0; i < n_pixels; i++) {
-        float value = image->pixels[i * image->n_channels + (unsigned)green];
-        if (value >= 1 && isfinite(value)) n_of_stop[ilogbf(value) < STOPS ? ilogbf(value) : STOPS - 1]++;
-    }
-    int stop = STOPS;
-    while (stop > 0 && 2 * n <= n_pixels) n += n_of_stop[--stop];
-    return stop;
+    double band = luminance > 0 ? floor(BANDS_OF_STOP * (log2(luminance) + STOPS)) : 0;
+    brightness->n_of[(size_t)fmin(fmax(band, 0), BANDS - 1)]++;
+    brightness->mean += (luminance - brightness->mean) / (double)++brightness->n;
 }
 
-/* The commonest reason is a lamp of so many watts, as in a room, above a table of centimetres. */
-static void warn_of_white(const RenderRun *run)
+/* Of the pixels that were rendered and in which something is. */
+static Brightness find_brightness(const RenderRun *run)
 {
-    enum { CLIPPED = 3 };
+    const Image *image = &run->image;
+    Brightness brightness = {0};
+    int red = image_channel(image, "R"), green = image_channel(image, "G"), blue = image_channel(image, "B"),
+        alpha = image_channel(image, "A");
+    if (red < 0 || green < 0 || blue < 0) return brightness;
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+        const float *pixel = &image->pixels[i * image->n_channels];
+        const float rgb[3] = {pixel[red], pixel[green], pixel[blue]};
+        float luminance = color_luminance(rgb);
+        if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0)) note_luminance(&brightness, (double)luminance);
+    }
+    return brightness;
+}
+
+/* Where the band of luminance begins that holds the pixel which has this part of all below it. */
+static double band_at(const Brightness *brightness, double part)
+{
+    size_t below = 0;
+    int band = 0;
+    while (band + 1 < BANDS && (double)(below += brightness->n_of[band]) <= part * (double)brightness->n) band++;
+    return exp2((double)band / BANDS_OF_STOP - STOPS);
+}
+
+/* Something shows the picture as a display does: an EXR file is for those who choose an exposure. */
+static bool is_displayed(const RenderRun *run)
+{
     bool png = false;
     for (size_t i = 0; i < run->outputs.n; i++) png |= run->outputs.items[i].png;
-    int stops = png && run->n_rendered == 0 ? stops_above_white(&run->image) : 0;
-    if (stops >= CLIPPED)
-        talk_warning(run->talk,
-                     "half of the picture is %d stops or more above white: give it %.0f times less light, or write an .exr "
-                     "file and: meniscus view --exposure %d",
-                     stops, ldexp(1, stops + 1), -stops - 1);
+    return png || preview_is_for_display(&run->preview);
+}
+
+/* The first file of a kind that was written; NULL. */
+static const char *file_of(const RenderRun *run, bool png)
+{
+    for (size_t i = 0; i < run->outputs.n; i++)
+        if (run->outputs.items[i].png == png && !output_is_stream(run->outputs.items[i].path))
+            return run->outputs.items[i].path;
+    return NULL;
+}
+
+static void remark_exposure(const RenderRun *run, const char *what, int stops)
+{
+    const char *exr = file_of(run, false), *png = file_of(run, true);
+    char factor[32];
+    snprintf(factor, sizeof factor, "%.3g", exp2(abs(stops)));
+    talk_remark(run->talk, "%s: give it %s times %s light, or%s: meniscus view %s -o %s --exposure %d", what, factor,
+                stops > 0 ? "more" : "less", exr ? "" : " write an .exr file and", exr ? exr : "FILE.exr",
+                png ? png : "FILE.png", stops);
+}
+
+/* The commonest reason of white is a lamp of so many watts, as in a room, above a table of centimetres; of black one of an
+ * intensity of 1 that is metres away. Not of frames behind the first, which may fade. What is meant to be dark has a bright
+ * spot somewhere. */
+static void remark_brightness(const RenderRun *run)
+{
+    const double black = 1.0 / 64 /* 6 of 255 on a display */, dark = 1.0 / 128, nearly_all = 0.998, grey = 0.18;
+    enum { CLIPPED = 3, LEAST_PIXELS = 64 };
+    if (run->n_rendered || !is_displayed(run)) return;
+    Brightness brightness = find_brightness(run);
+    if (brightness.n < LEAST_PIXELS || !(brightness.mean > 0)) return;
+    char what[200];
+    int clipped = ilogb(band_at(&brightness, 0.5));
+    if (clipped >= CLIPPED) {
+        snprintf(what, sizeof what, "half of the picture is %d stops or more above white", clipped);
+        remark_exposure(run, what, -clipped - 1);
+    } else if (run->stats.samples && brightness.mean < dark && band_at(&brightness, nearly_all) < black) {
+        snprintf(what, sizeof what, "the picture is nearly black: its mean luminance is %.2g, where white is 1",
+                 brightness.mean);
+        remark_exposure(run, what, (int)lrint(log2(grey / brightness.mean)));
+    }
 }
 
 static bool is_black(const Image *image)
@@ -84,7 +149,7 @@ void render_warn(const RenderRun *run)
     if (limit)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
     if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
-    warn_of_white(run);
+    remark_brightness(run);
     warn_of_black(run);
     if (saturated)
         talk_warning(talk, "%llu sample%s brighter than the film can hold, and held at its limit", saturated, plural(saturated));

@@ -148,6 +148,15 @@ void talk_warning(const Talk *talk, const char *format, ...)
     va_end(args);
 }
 
+void talk_remark(const Talk *talk, const char *format, ...)
+{
+    if (talk->quiet) return;
+    va_list args;
+    va_start(args, format);
+    say_formatted(talk, "remark", BOLD, format, args);
+    va_end(args);
+}
+
 void talk_note(const Talk *talk, const char *format, ...)
 {
     if (!talk->verbose) return;

@@ -334,17 +334,53 @@ exits 2
 says err "spread"
 end
 
-begin "a picture that is white all over: a warning, with what to do; none for EXR alone, and none where it is not"
+begin "a picture that is white all over: a remark, with what to do; none for EXR alone, and none where it is not"
 small_scene
 sed -e 's/environment { color = 1 }/environment { color = 1000 }/' small.mns > white.mns
 run render white.mns -o white.png
 exits 0
-says err "warning: half of the picture is 8 stops or more above white: give it 512 times less light"
-says err "meniscus view --exposure -9"
+says err "remark: half of the picture is 8 stops or more above white: give it 512 times less light"
+says err "write an .exr file and: meniscus view FILE.exr -o white.png --exposure -9"
+run render white.mns -o white.png -q
+says_not err "above white"
 run render white.mns -o white.exr
 says_not err "above white"
 run render small.mns -o small.png
 says_not err "above white"
+end
+
+begin "a picture that is nearly black: a remark, with what to do; none for EXR alone, nor where a little of it is bright, nor with -q"
+cat > dim.mns <<'SCENE'
+meniscus 1.0 unit cm
+camera { from = <0, 20, 60>  to = <0, 0, 0> }
+ground { surface = surface { } }
+sphere { radius = 5  center = <0, 5, 0>  surface = surface { albedo = #f00 } }
+light { shape = point  from = <300, 300, 300>  intensity = .1 }
+film { size = <32, 24> }
+render { samples = 4 }
+SCENE
+run render dim.mns -o dim.png
+exits 0
+matches err 'remark: the picture is nearly black: its mean luminance is [0-9.e-]+, where white is 1: give it [0-9.e+]+ times more light, or write an \.exr file and: meniscus view FILE\.exr -o dim\.png --exposure [0-9]+$'
+run render dim.mns -o dim.exr -o dim.png
+stops=$(sed -n 's/.*or: meniscus view dim\.exr -o dim\.png --exposure //p' err)
+[ "$stops" -ge 5 ] || flunk "$stops stops"
+run view dim.exr -o bright.png --exposure "$stops"
+exits 0
+run render dim.mns -o dim.exr
+says_not err "nearly black"
+run render dim.mns -o dim.exr --preview shown.png
+says err "nearly black"
+run render dim.mns -o dim.png -q
+[ ! -s err ] || flunk "something is said with -q"
+run render dim.mns -o dim.png --log-format json --progress none
+while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
+matches err '^\{"event": "remark", "message": "the picture is nearly black: '
+{ cat dim.mns; echo 'light { shape = sphere  radius = 1.5  from = <-12, 8, 0>  radiance = 1 }'; } > lamp.mns
+run render lamp.mns -o lamp.png
+says_not err "nearly black"
+run render dim.mns -o dim.png --crop 0,0,4,4
+says_not err "nearly black"
 end
 
 begin "a picture that is black all over: a warning, once, but not where the scene has no light, which is said, nor of the rest of a crop"
