@@ -33,11 +33,12 @@ static void note_luminance(Brightness *brightness, double luminance)
     brightness->mean += (luminance - brightness->mean) / (double)++brightness->n;
 }
 
-/* Of the pixels that were rendered and in which something is. */
+/* As it is shown, of the pixels that were rendered and in which something is. */
 static Brightness find_brightness(const RenderRun *run)
 {
     const Image *image = &run->image;
     Brightness brightness = {0};
+    double factor = exp2(render_look(run).stops);
     int red = image_channel(image, "R"), green = image_channel(image, "G"), blue = image_channel(image, "B"),
         alpha = image_channel(image, "A");
     if (red < 0 || green < 0 || blue < 0) return brightness;
@@ -45,7 +46,7 @@ static Brightness find_brightness(const RenderRun *run)
         const float *pixel = &image->pixels[i * image->n_channels];
         const float rgb[3] = {pixel[red], pixel[green], pixel[blue]};
         float luminance = color_luminance(rgb);
-        if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0)) note_luminance(&brightness, (double)luminance);
+        if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0)) note_luminance(&brightness, factor * (double)luminance);
     }
     return brightness;
 }
@@ -76,14 +77,16 @@ static const char *file_of(const RenderRun *run, bool png)
     return NULL;
 }
 
+/* stops: more than it is shown by. */
 static void remark_exposure(const RenderRun *run, const char *what, int stops)
 {
-    const char *exr = file_of(run, false), *png = file_of(run, true);
-    char factor[32];
-    snprintf(factor, sizeof factor, "%.3g", exp2(abs(stops)));
-    talk_remark(run->talk, "%s: give it %s times %s light, or%s: meniscus view %s -o %s --exposure %d", what, factor,
-                stops > 0 ? "more" : "less", exr ? "" : " write an .exr file and", exr ? exr : "FILE.exr",
-                png ? png : "FILE.png", stops);
+    const char *exr = file_of(run, false), *png = file_of(run, true), *more = stops > 0 ? "more" : "less";
+    double factor = exp2(abs(stops)), exposure = render_look(run).stops + stops;
+    if (exr)
+        talk_remark(run->talk, "%s: give it %.3g times %s light, or: meniscus view %s -o %s --exposure %g", what, factor,
+                    more, exr, png ? png : "FILE.png", exposure);
+    else
+        talk_remark(run->talk, "%s: give it %.3g times %s light, or film { exposure = %g }", what, factor, more, exposure);
 }
 
 /* The commonest reason of white is a lamp of so many watts, as in a room, above a table of centimetres; of black one of an

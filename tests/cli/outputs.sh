@@ -340,7 +340,9 @@ sed -e 's/environment { color = 1 }/environment { color = 1000 }/' small.mns > w
 run render white.mns -o white.png
 exits 0
 says err "remark: half of the picture is 8 stops or more above white: give it 512 times less light"
-says err "write an .exr file and: meniscus view FILE.exr -o white.png --exposure -9"
+says err ", or film { exposure = -9 }"
+run render white.mns -o white.png --exposure -9
+says_not err "above white"
 run render white.mns -o white.png -q
 says_not err "above white"
 run render white.mns -o white.exr
@@ -361,7 +363,7 @@ render { samples = 4 }
 SCENE
 run render dim.mns -o dim.png
 exits 0
-matches err 'remark: the picture is nearly black: its mean luminance is [0-9.e-]+, where white is 1: give it [0-9.e+]+ times more light, or write an \.exr file and: meniscus view FILE\.exr -o dim\.png --exposure [0-9]+$'
+matches err 'remark: the picture is nearly black: its mean luminance is [0-9.e-]+, where white is 1: give it [0-9.e+]+ times more light, or film \{ exposure = [0-9]+ \}$'
 run render dim.mns -o dim.exr -o dim.png
 stops=$(sed -n 's/.*or: meniscus view dim\.exr -o dim\.png --exposure //p' err)
 [ "$stops" -ge 5 ] || flunk "$stops stops"
