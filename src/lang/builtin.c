@@ -1,4 +1,4 @@
-/* builtin.c - the functions of the language on numbers, vectors, colours, lists and texts.
+/* builtin.c - the functions of the language on numbers, vectors and texts.
  * Angles are degrees. rnd and noise hold no state and are specified bit for bit in terms of base/hash.h.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "lang/builtin.h"
@@ -10,7 +10,6 @@
 #include "base/noise.h"
 #include "base/utf8.h"
 #include "lang/builtin_run.h"
-#include "lang/resolve.h"
 
 /* ---- numbers ---- */
 
@@ -65,8 +64,7 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
     result->kind = VALUE_POISON;
 }
 
-/* Are all arguments numbers? false after a report. */
-static bool builtin_numbers(const BuiltinCall *call, Value *result)
+bool builtin_numbers(const BuiltinCall *call, Value *result)
 {
     for (uint32_t i = 0; i < call->n; i++)
         if (call->args[i].kind != VALUE_NUMBER) {
@@ -257,8 +255,7 @@ static void run_cross(const BuiltinCall *call, Value *result)
     *result = value_vector3(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
 
-/* Numbers and vectors in a row; true when they fill v to width, or when one number fills it. */
-static bool fill(const BuiltinCall *call, unsigned width, double v[4], Value *result)
+bool builtin_fill(const BuiltinCall *call, unsigned width, double v[4], Value *result)
 {
     unsigned n = 0;
     for (uint32_t i = 0; i < call->n; i++) {
@@ -282,29 +279,12 @@ static bool fill(const BuiltinCall *call, unsigned width, double v[4], Value *re
 static void make_vector(const BuiltinCall *call, unsigned width, Value *result)
 {
     Value out = {.kind = value_vector_kind(width)};
-    if (fill(call, width, out.as.v, result)) *result = out;
+    if (builtin_fill(call, width, out.as.v, result)) *result = out;
 }
 
 static void run_vec2(const BuiltinCall *call, Value *result) { make_vector(call, 2, result); }
 static void run_vec3(const BuiltinCall *call, Value *result) { make_vector(call, 3, result); }
 static void run_vec4(const BuiltinCall *call, Value *result) { make_vector(call, 4, result); }
-
-/* ---- colours ---- */
-
-static void run_rgb(const BuiltinCall *call, Value *result)
-{
-    double v[4];
-    if (fill(call, 3, v, result)) *result = value_color(v[0], v[1], v[2]);
-}
-
-static void run_srgb(const BuiltinCall *call, Value *result)
-{
-    double v[4];
-    if (!fill(call, 3, v, result)) return;
-    for (int i = 0; i < 3; i++) v[i] = srgb_decode(v[i]);
-    color_from_srgb(call->evaluator->srgb_to_working, v);
-    *result = value_color(v[0], v[1], v[2]);
-}
 
 /* ---- random numbers ---- */
 
@@ -376,28 +356,6 @@ static void run_len(const BuiltinCall *call, Value *result)
         return;
     }
     *result = value_number((double)n);
-}
-
-static void run_sum(const BuiltinCall *call, Value *result)
-{
-    const Value *list = &call->args[0];
-    if (list->kind != VALUE_LIST && list->kind != VALUE_RANGE) {
-        builtin_wrong(call, 0, "a list", result);
-        return;
-    }
-    Value total = value_number(0);
-    size_t n = value_count(list);
-    for (size_t i = 0; i < n && eval_step(call->evaluator, call->expr->span); i++) {
-        Value item = value_element(list, i);
-        unsigned width = value_width(item.kind);
-        if (i == 0) total.kind = item.kind, memset(total.as.v, 0, sizeof total.as.v);
-        if (width == 0 || item.kind != total.kind) {
-            builtin_wrong(call, 0, "a list of numbers, or of vectors of one size", result);
-            return;
-        }
-        for (unsigned k = 0; k < width; k++) total.as.v[k] += item.as.v[k];
-    }
-    *result = total;
 }
 
 static void join(const BuiltinCall *call, uint32_t first, Buf *out)

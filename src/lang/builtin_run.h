@@ -7,6 +7,10 @@
 
 /* Reports that argument index has a wrong type; the result becomes poison. */
 void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, Value *result);
+/* Are all arguments numbers? false after a report. */
+bool builtin_numbers(const BuiltinCall *call, Value *result);
+/* Numbers and vectors in a row: true when they fill v to width, or when one number fills it; false after a report. */
+bool builtin_fill(const BuiltinCall *call, unsigned width, double v[4], Value *result);
 /* Is the result finite? false after a report. */
 bool builtin_finite(const BuiltinCall *call, Value *result);
 /* What rnd() is made of: for each number from argument `first` on, h = hash_u64(h ^ bits of the double). Vectors count as their
@@ -26,6 +30,18 @@ void run_inverse(const BuiltinCall *call, Value *result);
 void run_apply(const BuiltinCall *call, Value *result);
 
 void run_align(const BuiltinCall *call, Value *result);
+
+/* builtin_color.c */
+void run_rgb(const BuiltinCall *call, Value *result);
+void run_srgb(const BuiltinCall *call, Value *result);
+void run_hsv(const BuiltinCall *call, Value *result);
+void run_hsl(const BuiltinCall *call, Value *result);
+
+/* builtin_list.c */
+void run_sum(const BuiltinCall *call, Value *result);
+void run_product(const BuiltinCall *call, Value *result);
+void run_sort(const BuiltinCall *call, Value *result);
+void run_reverse(const BuiltinCall *call, Value *result);
 
 /* builtin_geometry.c */
 void run_bounds(const BuiltinCall *call, Value *result);

@@ -5,6 +5,7 @@
 
 #include "lang/builtin_run.h"
 #include "lang/formula_parts.h"
+#include "lang/resolve.h"
 
 /* One call with arguments of which some depend on the place. */
 typedef struct Call {
@@ -134,19 +135,31 @@ static Form two_numbers(const Call *call)
     return form_number(step(call, op, a, b, 0));
 }
 
-static Form sum(const Call *call)
+/* sum and product */
+static Form total(const Call *call)
 {
     const FormList *list = call->args[0].list;
+    ProgramOp op = strcmp(call->builtin->name, "sum") == 0 ? PROGRAM_ADD : PROGRAM_MULTIPLY;
     if (!list || list->n == 0) return wrong(call, 0, "a list");
     Form result = {.kind = list->items[0].kind};
     for (unsigned k = 0; k < width_of(&list->items[0]); k++) {
         result.at[k] = at(call, &list->items[0], k);
         for (size_t i = 1; i < list->n; i++) {
             if (list->items[i].kind != result.kind) return wrong(call, 0, "a list of numbers, or of vectors of one size");
-            result.at[k] = step(call, PROGRAM_ADD, result.at[k], at(call, &list->items[i], k), 0);
+            result.at[k] = step(call, op, result.at[k], at(call, &list->items[i], k), 0);
         }
     }
     return value_width(result.kind) ? result : wrong(call, 0, "a list of numbers, or of vectors of one size");
+}
+
+static Form reversed(const Call *call)
+{
+    const FormList *list = call->args[0].list;
+    if (!list) return wrong(call, 0, "a list");
+    FormList *made = ARENA_NEW(call->c->evaluator->arena, FormList);
+    *made = (FormList){list->n, ARENA_ARRAY(call->c->evaluator->arena, Form, list->n)};
+    for (size_t i = 0; i < list->n; i++) made->items[i] = list->items[list->n - 1 - i];
+    return (Form){.kind = VALUE_LIST, .list = made};
 }
 
 /* ---- vectors ---- */
@@ -197,11 +210,32 @@ static Form of_vectors(const Call *call)
     return result;
 }
 
-/* vec2, vec3, vec4, rgb: numbers and vectors in a row, or one number */
+/* ---- colours ---- */
+
+/* From values as screens show them, in registers, to the working space. */
+static Form color_of_screen(const Call *call, const uint16_t screen[3])
+{
+    Form result = {.kind = VALUE_COLOR};
+    const double *m = call->c->evaluator->srgb_to_working;
+    uint16_t linear[3];
+    for (int i = 0; i < 3; i++)
+        linear[i] = formula_unary(call->c, call->expr, srgb_decode, PROGRAM_SHAPE_NEARLY_RISES, screen[i]);
+    for (int row = 0; row < 3; row++) {
+        result.at[row] = m ? constant(call, 0) : linear[row];
+        for (int i = 0; m && i < 3; i++) {
+            uint16_t factor = constant(call, m[3 * row + i]);
+            uint16_t part = step(call, PROGRAM_MULTIPLY, factor, linear[i], 0);
+            result.at[row] = step(call, PROGRAM_ADD, result.at[row], part, 0);
+        }
+    }
+    return result;
+}
+
+/* vec2, vec3, vec4, rgb, and the values of srgb: numbers and vectors in a row, or one number */
 static Form row(const Call *call)
 {
     const char *name = call->builtin->name;
-    bool color = strcmp(name, "rgb") == 0;
+    bool color = strcmp(name, "rgb") == 0 || strcmp(name, "srgb") == 0;
     unsigned width = color ? 3 : (unsigned)(name[3] - '0'), n = 0;
     Form result = {.kind = color ? VALUE_COLOR : value_vector_kind(width)};
     for (uint32_t i = 0; i < call->n; i++) {
@@ -212,6 +246,51 @@ static Form row(const Call *call)
     if (n == 1)
         for (; n < width; n++) result.at[n] = result.at[0];
     return n == width ? result : wrong(call, 0, color ? "3 numbers" : "as many numbers as its size");
+}
+
+static Form srgb(const Call *call)
+{
+    Form screen = row(call);
+    return call->c->failed ? screen : color_of_screen(call, screen.at);
+}
+
+/* One of red, green and blue, as builtin_color.c has it. */
+static uint16_t of_hue(const Call *call, double turned, uint16_t hue, uint16_t most, uint16_t chroma)
+{
+    uint16_t zero = constant(call, 0), one = constant(call, 1), four = constant(call, 4), six = constant(call, 6);
+    uint16_t offset = constant(call, turned), sixth = constant(call, 60);
+    uint16_t turns = step(call, PROGRAM_DIVIDE, hue, sixth, 0);
+    uint16_t k = step(call, PROGRAM_ADD, offset, turns, 0);
+    k = step(call, PROGRAM_MODULO, k, six, 0);
+    uint16_t falls = step(call, PROGRAM_SUBTRACT, four, k, 0);
+    uint16_t low = step(call, PROGRAM_SMALLER, k, falls, 0);
+    low = step(call, PROGRAM_SMALLER, low, one, 0);
+    low = step(call, PROGRAM_LARGER, low, zero, 0);
+    low = step(call, PROGRAM_MULTIPLY, chroma, low, 0);
+    return step(call, PROGRAM_SUBTRACT, most, low, 0);
+}
+
+/* hsv and hsl; a saturation beyond 0 to 1, which only some places may have, counts as the nearest that there is */
+static Form of_hues(const Call *call)
+{
+    for (uint32_t i = 0; i < call->n; i++)
+        if (call->args[i].kind != VALUE_NUMBER) return wrong(call, i, "numbers");
+    uint16_t zero = constant(call, 0), one = constant(call, 1), hue = at(call, &call->args[0], 0);
+    uint16_t saturation = at(call, &call->args[1], 0), most = at(call, &call->args[2], 0), chroma;
+    saturation = clamped(call, saturation, zero, one);
+    most = clamped(call, most, zero, one);
+    if (strcmp(call->builtin->name, "hsv") == 0) {
+        chroma = step(call, PROGRAM_MULTIPLY, most, saturation, 0);
+    } else {
+        uint16_t two = constant(call, 2), rest = step(call, PROGRAM_SUBTRACT, one, most, 0);
+        uint16_t half = step(call, PROGRAM_SMALLER, most, rest, 0);
+        half = step(call, PROGRAM_MULTIPLY, saturation, half, 0);
+        most = step(call, PROGRAM_ADD, most, half, 0);
+        chroma = step(call, PROGRAM_MULTIPLY, two, half, 0);
+    }
+    uint16_t screen[3];
+    for (int i = 0; i < 3; i++) screen[i] = of_hue(call, 5 - 2 * i, hue, most, chroma);
+    return color_of_screen(call, screen);
 }
 
 /* ---- random numbers ---- */
@@ -249,8 +328,9 @@ static const struct {
 } makers[] = {
     {"atan2", two_numbers}, {"pow", two_numbers},  {"mod", two_numbers},   {"min", extreme},       {"max", extreme},
     {"clamp", three},       {"mix", three},        {"smoothstep", three},  {"length", of_vectors}, {"distance", of_vectors},
-    {"normalize", of_vectors}, {"dot", of_vectors}, {"cross", of_vectors}, {"sum", sum},           {"vec2", row},
-    {"vec3", row},          {"vec4", row},         {"rgb", row},           {"rnd", rnd},           {"noise", noise},
+    {"normalize", of_vectors}, {"dot", of_vectors}, {"cross", of_vectors}, {"sum", total},         {"product", total},
+    {"reverse", reversed},  {"vec2", row},         {"vec3", row},          {"vec4", row},          {"rgb", row},
+    {"srgb", srgb},         {"hsv", of_hues},      {"hsl", of_hues},       {"rnd", rnd},           {"noise", noise},
 };
 
 Form form_of_builtin(Compiler *c, Expr *expr)

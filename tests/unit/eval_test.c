@@ -319,6 +319,32 @@ static void test_functions(void **state)
     expect_printed("clock, frame, frames, time, x, pi", "0110<1, 0, 0>3.141592653589793");
 }
 
+static void test_hues(void **state)
+{
+    (void)state;
+    expect_printed("[hsv(0, 1, 1) == #f00, hsv(60, 1, 1) == #ff0, hsv(120, 1, 1) == #0f0, hsv(180, 1, 1) == #0ff]",
+                   "[true, true, true, true]");
+    expect_printed("[hsv(240, 1, 1) == #00f, hsv(-60, 1, 1) == #f0f, hsv(720, 1, 1) == #f00, hsv(7, 1, 0) == #000]",
+                   "[true, true, true, true]");
+    expect_printed("[hsv(30, 1, 1) == srgb(1, .5, 0), hsv(210, .5, .5) == srgb(.25, .375, .5), hsv(1, 0, .5) == srgb(.5)]",
+                   "[true, true, true]");
+    expect_printed("[hsl(0, 1, .5) == #f00, hsl(99, 1, 1) == #fff, hsl(99, 1, 0) == #000, hsl(240, 1, .75) == srgb(.5, .5, 1)]",
+                   "[true, true, true, true]");
+    expect_printed("[hsl(210, .5, .25) == srgb(.125, .25, .375), hsl(9, 0, .5) == srgb(.5)]", "[true, true]");
+}
+
+static void test_lists_in_order(void **state)
+{
+    (void)state;
+    expect_printed("sort([3, -1, 2.5, -1]), sort(5..1 by -2), sort([])", "[-1, -1, 2.5, 3][1, 3, 5][]");
+    expect_printed("sort([\"b\", \"é\", \"a\", \"B\", \"ab\"])", "[\"B\", \"a\", \"ab\", \"b\", \"é\"]");
+    expect_printed("reverse(1..4), reverse([\"a\", 1, <1, 2>]), reverse([]), reverse(sort([2, 7, 5]))",
+                   "[4, 3, 2, 1][<1, 2>, 1, \"a\"][][7, 5, 2]");
+    expect_printed("[product(1..5), product([]), product([.5])], product([<1, 2>, <3, 4>]), product([#fff, rgb(.5, .2, .1)])",
+                   "[120, 1, 0.5]<3, 8>rgb(0.5, 0.2, 0.1)");
+    expect_printed("(1 / sort([0, 4])[1]), sort([for (i in 1..300) i * 7 % 300])[299], len(sort(1..1000))", "0.252991000");
+}
+
 static uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -355,10 +381,10 @@ static void test_working_space(void **state)
     (void)state;
     run_open(&run);
     memcpy(run.options.srgb_to_working, swap, sizeof swap);
-    run.text = "meniscus 1.0 unit mm print(#ff0000, srgb(1, 0, 0), rgb(1, 0, 0))";
+    run.text = "meniscus 1.0 unit mm print(#ff0000, srgb(1, 0, 0), rgb(1, 0, 0), hsv(0, 1, 1))";
     run_go(&run);
     expect_fine(&run);
-    assert_string_equal(buf_text(&run.result.printed), "rgb(0, 0, 1)rgb(0, 0, 1)rgb(1, 0, 0)\n");
+    assert_string_equal(buf_text(&run.result.printed), "rgb(0, 0, 1)rgb(0, 0, 1)rgb(1, 0, 0)rgb(0, 0, 1)\n");
     run_close(&run);
 }
 
@@ -447,6 +473,8 @@ int main(void)
         cmocka_unit_test(test_transforms), cmocka_unit_test(test_kept_transforms),      cmocka_unit_test(test_defaults_and_none),
         cmocka_unit_test(test_default_texts),   cmocka_unit_test(test_macros),
         cmocka_unit_test(test_words),           cmocka_unit_test(test_functions),
+        cmocka_unit_test(test_hues),
+        cmocka_unit_test(test_lists_in_order),
         cmocka_unit_test(test_rnd_and_noise),   cmocka_unit_test(test_working_space),
         cmocka_unit_test(test_files),           cmocka_unit_test(test_params),
         cmocka_unit_test(test_animation_names), cmocka_unit_test(test_missing_scene),

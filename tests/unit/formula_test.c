@@ -52,6 +52,11 @@ static const char *const functions[] = {
     "f(p) = fold(p.x, 4)  def fold(x, n) = n == 0 ? x : fold(abs(x - n), n - 1)",
     "f(p) = p[0] + p[2] * table[2] + clock  let table = [1, 2, 5]",
     "f(p) = spline([0, 1, .2], .3) * p.x + len(\"four\")",
+    "f(p) = product([p.x, p.y + 1, 2]) + product([for (i in 1..4) i]) + sum(sort([3, 1, 2])) * p.z",
+    "f(p) = reverse([p.x, p.y, 3])[1] + reverse([p, <1, 2, 3>])[1].z + reverse(1..3)[0] * p.x",
+    "f(p) = srgb(frac(p.x), .5, frac(p.y)) + srgb(frac(p.z)) + srgb(frac(p))",
+    "f(p) = hsv(atan2(p.z, p.x), frac(p.x), frac(p.y)) + hsv(90 * p.x, 1, .5)",
+    "f(p) = hsl(-400 * p.x, frac(p.x), frac(p.y)) + hsl(30, .5, frac(p.z))",
 };
 
 static const EvalProp *function_of(Run *run, const char *definition)
@@ -208,6 +213,9 @@ static void mistakes_are_reported(void **state)
         {ON("f(p) = p.w", "albedo = f"), D_WRONG_TYPE},
         {ON("f(p) = spline([0, 1], p.x)", "albedo = f"), D_WRONG_TYPE},
         {ON("f(p) = sum([for (i in 0..p.x) 1])", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = sort([p.x, p.y])[0]", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = hsv(p, 1, 1)", "albedo = f"), D_WRONG_TYPE},
+        {ON("f(p) = reverse(p)[0]", "albedo = f"), D_WRONG_TYPE},
         {ON("f(a, b, c, d) = a", "albedo = f"), D_WRONG_TYPE},
         {ON("f(p) = [.1, .2][floor(p.x)]", "albedo = f"), D_BAD_INDEX},
         {ON("f(p) = f(p)", "albedo = f"), D_TOO_DEEP},
