@@ -54,7 +54,7 @@ static const WordRow block_rows[] = {
 #define HABIT_BLOCK(word, text)
 };
 
-/* What is so of nodes of one type, or of all: "". */
+/* What is so of nodes of one or some types, or of all: "". */
 typedef struct NodeRow {
     const char *node, *word, *text;
 } NodeRow;
@@ -155,17 +155,28 @@ static const WordRow unit_rows[] = {
 #include "lang/habits.def"
 };
 
+bool habit_is_one_of(const char *words, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = words; *at; at += strspn(at, " ")) {
+        size_t n = strcspn(at, " ");
+        if (n == length && memcmp(at, word, length) == 0) return true;
+        at += n;
+    }
+    return false;
+}
+
 static const char *find(const WordRow *rows, size_t n, const char *word)
 {
     for (size_t i = 0; i < n; i++)
-        if (strcmp(rows[i].word, word) == 0) return rows[i].text;
+        if (habit_is_one_of(rows[i].word, word)) return rows[i].text;
     return NULL;
 }
 
 static const char *find_of_node(const NodeRow *rows, size_t n, const char *node, const char *word)
 {
     for (size_t i = 0; i < n; i++)
-        if (strcmp(rows[i].word, word) == 0 && (!*rows[i].node || (node && strcmp(rows[i].node, node) == 0)))
+        if (habit_is_one_of(rows[i].word, word) && (!*rows[i].node || (node && habit_is_one_of(rows[i].node, node))))
             return rows[i].text;
     return NULL;
 }
@@ -240,8 +251,8 @@ bool habit_is_import(const char *word)
 const char *habit_property(const char *node, const char *word, unsigned number)
 {
     for (size_t i = 0; i < COUNT_OF(property_rows); i++) {
-        if (strcmp(property_rows[i].word, word) != 0) continue;
-        if (*property_rows[i].node && strcmp(property_rows[i].node, node) != 0) continue;
+        if (!habit_is_one_of(property_rows[i].word, word)) continue;
+        if (*property_rows[i].node && !habit_is_one_of(property_rows[i].node, node)) continue;
         if (number-- == 0) return property_rows[i].text;
     }
     return NULL;
@@ -250,7 +261,7 @@ const char *habit_property(const char *node, const char *word, unsigned number)
 const char *habit_property_of(const char *node, const char *word)
 {
     for (size_t i = 0; i < COUNT_OF(property_rows); i++)
-        if (strcmp(property_rows[i].word, word) == 0 && strcmp(property_rows[i].node, node) == 0)
+        if (habit_is_one_of(property_rows[i].word, word) && habit_is_one_of(property_rows[i].node, node))
             return property_rows[i].text;
     return NULL;
 }

@@ -18,6 +18,8 @@ typedef enum DirectiveForm {
     DIRECTIVE_LINE /* nothing that matters behind it */
 } DirectiveForm;
 
+/* Is the word one of those, which have blanks between them? */
+bool habit_is_one_of(const char *words, const char *word);
 /* Word is length bytes, without its '#'; DIRECTIVE_NONE when POV-Ray has none of that name. */
 DirectiveForm habit_directive(const char *word, size_t length);
 /* The rest answer NULL for words that they do not know. */

@@ -85,17 +85,25 @@ static void bare_nodes_are_accepted(void **state)
     fixture_clear(&f);
 }
 
-/* Is there such a property, of that node, or of any where the name is ""? */
-static bool is_property(const char *node, const char *name, size_t length)
+/* How many of the nodes, or of all where they are "", have such a property? */
+static size_t count_property(const char *nodes, const char *name, size_t length)
 {
     const Schema *schema = scene_schema();
+    size_t n = 0;
     for (size_t i = 0; i < schema->n_nodes; i++) {
         const NodeType *type = &schema->nodes[i];
-        if (*node && strcmp(type->name, node) != 0) continue;
+        if (*nodes && !habit_is_one_of(nodes, type->name)) continue;
         for (size_t p = 0; p < type->n_props; p++)
-            if (strlen(type->props[p].name) == length && strncmp(type->props[p].name, name, length) == 0) return true;
+            n += strlen(type->props[p].name) == length && strncmp(type->props[p].name, name, length) == 0;
     }
-    return false;
+    return n;
+}
+
+static size_t count_words(const char *words)
+{
+    size_t n = 0;
+    for (; *words; words += strspn(words, " "), n++) words += strcspn(words, " ");
+    return n;
 }
 
 /* What hints tell writers of other languages to write can be written. */
@@ -115,6 +123,7 @@ static void hints_name_what_there_is(void **state)
 #define HABIT_CHOICE(property, word, choice)
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_UNIT(word, unit)
+#define HABIT_PATTERN(node, property, text) {node, property},
 #define HABIT_VALUES(node, names) {#node, names},
 #define HABIT_PROPERTY(node, word, property) {node, property},
     static const struct {
@@ -126,11 +135,43 @@ static void hints_name_what_there_is(void **state)
     for (size_t i = 0; i < COUNT_OF(hints); i++)
         for (const char *name = hints[i].names; *name; name += strspn(name, "*+ ")) {
             size_t length = strcspn(name, "*+ ");
-            if (!is_property(hints[i].node, name, length))
+            size_t n_nodes = count_words(hints[i].node);
+            if (count_property(hints[i].node, name, length) < (n_nodes ? n_nodes : 1))
                 fail_msg("no property '%.*s' of '%s'", (int)length, name, hints[i].node);
             name += length;
             if (strncmp(name, " =", 2) == 0) break; /* the rest is an example */
         }
+}
+
+/* A hint for what is a property would never be seen, nor one for a node that there is not. */
+static void hints_are_for_what_there_is_not(void **state)
+{
+    (void)state;
+#undef HABIT_ADVICE
+#undef HABIT_PATTERN
+#undef HABIT_VALUES
+#undef HABIT_PROPERTY
+#define HABIT_PATTERN(node, property, text)
+#define HABIT_VALUES(node, names)
+#define HABIT_PROPERTY(node, word, property) {node, word},
+#define HABIT_ADVICE(node, word, text) {node, word},
+    static const struct {
+        const char *nodes, *words;
+    } hints[] = {
+#include "lang/habits.def"
+    };
+    for (size_t i = 0; i < COUNT_OF(hints); i++) {
+        size_t n = 0;
+        for (size_t k = 0; k < scene_schema()->n_nodes; k++)
+            n += habit_is_one_of(hints[i].nodes, scene_schema()->nodes[k].name);
+        if (n != count_words(hints[i].nodes)) fail_msg("one of '%s' is no node", hints[i].nodes);
+        for (const char *word = hints[i].words; *hints[i].nodes && *word; word += strspn(word, " ")) {
+            size_t length = strcspn(word, " ");
+            if (count_property(hints[i].nodes, word, length) == n)
+                fail_msg("'%.*s' is a property of '%s'", (int)length, word, hints[i].nodes);
+            word += length;
+        }
+    }
 }
 
 /* The parser, which knows no schema, is told which nodes hold others: those of the table of nodes, and no more. */
@@ -147,6 +188,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nodes_that_hold_others),
         cmocka_unit_test(hints_name_what_there_is),
+        cmocka_unit_test(hints_are_for_what_there_is_not),
         cmocka_unit_test(names_are_unique_and_documented),
         cmocka_unit_test(defaults_are_in_range),
         cmocka_unit_test(bare_nodes_are_accepted),
