@@ -20,6 +20,7 @@
 #define HABIT_CHOICE(property, word, choice)
 #define HABIT_PROPERTY(node, word, property)
 #define HABIT_ADVICE(node, word, text)
+#define HABIT_PATTERN(node, property, text)
 #define HABIT_UNIT(word, unit)
 
 typedef struct WordRow {
@@ -149,6 +150,14 @@ static const NodeRow advice_rows[] = {
 #define HABIT_ADVICE(node, word, text)
 };
 
+static const NodeRow pattern_rows[] = {
+#undef HABIT_PATTERN
+#define HABIT_PATTERN(node, property, text) {node, property, text},
+#include "lang/habits.def"
+#undef HABIT_PATTERN
+#define HABIT_PATTERN(node, property, text)
+};
+
 static const WordRow unit_rows[] = {
 #undef HABIT_UNIT
 #define HABIT_UNIT(word, unit) {#word, #unit},
@@ -274,6 +283,11 @@ const char *habit_assignment(Arena *arena, const char *candidate, const char *va
 const char *habit_advice(const char *node, const char *word)
 {
     return find_of_node(advice_rows, COUNT_OF(advice_rows), node, word);
+}
+
+const char *habit_pattern(const char *node, const char *property)
+{
+    return find_of_node(pattern_rows, COUNT_OF(pattern_rows), node, property);
 }
 
 const char *habit_fill(Arena *arena, const char *pattern, const char *text)

@@ -11,6 +11,7 @@
 
 #include "diag/suggest.h"
 #include "lang/builtin.h"
+#include "lang/habits.h"
 #include "lang/schema_find.h"
 
 const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "frames", "time", "x", "y", "z", "pi"};
@@ -370,6 +371,22 @@ static void resolve_function_prop(Resolver *resolver, const PropType *prop, Expr
         diag_hint(resolver->diag, symbol->unknown, "write: def %s(x, y, z) = ..., further up", symbol->text);
 }
 
+/* The name of a function, most likely meant for a pattern, where all is of one colour. */
+static bool report_pattern(Resolver *resolver, const NodeType *type, const PropType *prop, Expr *value)
+{
+    const char *pattern = prop ? habit_pattern(type->name, prop->name) : NULL;
+    const Symbol *symbol = value->kind == EXPR_NAME ? value->as.name.symbol : NULL;
+    Binding *binding = symbol ? symbol->binding : NULL;
+    if (!pattern || !binding || binding->kind != BINDING_DEF || !binding->def->body) return false;
+    Diagnostic *report =
+        diag_report(resolver->diag, D_WRONG_TYPE, value->span, "'%s' is a function, and '%s' the same everywhere",
+                    symbol->text, prop->name);
+    diag_hint(resolver->diag, report, "%s", habit_fill(resolver->arena, pattern, symbol->text));
+    binding_use(binding);
+    value->kind = EXPR_POISON;
+    return true;
+}
+
 static void resolve_prop(Resolver *resolver, Stmt *stmt)
 {
     Expr *value = stmt->as.prop.value;
@@ -389,6 +406,8 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);
     if (resolver->context == CONTEXT_NODE && prop && (prop->kind == PROP_FUNCTION || prop->flags & PROP_TEXTURE)) {
         resolve_function_prop(resolver, prop, value);
+    } else if (resolver->context == CONTEXT_NODE && report_pattern(resolver, type, prop, value)) {
+        /* reported */
     } else if (misplaced && is_unknown_word(value)) {
         value->kind = EXPR_POISON; /* "pattern = checker", where there is no such property: most likely a word of it */
     } else if (words && value->kind == EXPR_NAME) {

@@ -178,6 +178,17 @@ static void hint_node(const Check *check, const Value *value, Diagnostic *report
         diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
 
+/* A texture where all is of one colour. */
+static void hint_texture(const Check *check, const Value *value, Diagnostic *report)
+{
+    Diag *diag = check->evaluator->diag;
+    const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
+    if (!owner || value->kind != VALUE_NODE || !(value->as.node->type->flags & NODE_TEXTURE)) return;
+    const char *pattern = habit_pattern(owner->name, check->type->name);
+    const char *texture = arena_format(diag->arena, "%s { ... }", value->as.node->type->name);
+    if (pattern) diag_hint(diag, report, "%s", habit_fill(diag->arena, pattern, texture));
+}
+
 /* How a value of the wanted kind is written, where that is not plain from its name. */
 static void hint_form(const Check *check, const Value *value, Diagnostic *report)
 {
@@ -195,7 +206,10 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
         diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
     if ((kind == PROP_VECTOR2 || kind == PROP_VECTORS2) && parts) diag_hint(diag, report, "write: <x, y>");
-    if (kind == PROP_NODE) hint_node(check, value, report);
+    if (kind == PROP_NODE)
+        hint_node(check, value, report);
+    else
+        hint_texture(check, value, report);
     if (value->kind != VALUE_STRING) return;
     if (kind == PROP_VECTOR2) diag_hint(diag, report, "write: <x, y>, without quotation marks");
     if (check->type->flags & PROP_TEXTURE) diag_hint(diag, report, "of a picture write: image { file = \"...\" }");
