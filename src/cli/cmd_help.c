@@ -87,6 +87,64 @@ static void explain_word(const char *topic, Buf *out)
     buf_add(out, "\nManual: meniscus-language(5)\n");
 }
 
+static const struct {
+    const char *words, *text, *page;
+} topics[] = {
+#define TOPIC(words, text, page) {words, text, page},
+#include "cli/topics.def"
+#undef TOPIC
+};
+
+/* Subjects that no node, function or option bears the name of. */
+static void explain_subject(const char *topic, Buf *out)
+{
+    for (size_t i = 0; i < COUNT_OF(topics); i++) {
+        if (!habit_is_one_of(topics[i].words, topic)) continue;
+        help_wrap(out, topics[i].text, 0, 0);
+        buf_format(out, "\nManual: %s\n", topics[i].page);
+        return;
+    }
+}
+
+static Status refuse_property_of(const NodeType *node, const char *property, Error *error)
+{
+    const char *other = NULL, *advice = habit_advice(node->name, property);
+    for (unsigned i = 0; (other = habit_property(node->name, property, i)); i++) {
+        size_t length = strcspn(other, " ");
+        for (size_t k = 0; k < node->n_props; k++)
+            if (strlen(node->props[k].name) == length && strncmp(node->props[k].name, other, length) == 0)
+                return fail(error, STATUS_USAGE, "'%s' has no property '%s'; write: %s%s", node->name, property, other,
+                            other[length] ? "" : " = ...");
+    }
+    if (advice) return fail(error, STATUS_USAGE, "'%s' has no property '%s'; %s", node->name, property, advice);
+    const char **names = malloc((node->n_props + 1) * sizeof *names);
+    size_t n = 0;
+    while (names && n < node->n_props) names[n] = node->props[n].name, n++;
+    const char *near = suggest_nearest(property, names, n);
+    free(names);
+    if (near)
+        return fail(error, STATUS_USAGE, "'%s' has no property '%s'; did you mean '%s'?", node->name, property, near);
+    return fail(error, STATUS_USAGE, "'%s' has no property '%s'; 'meniscus help %s' lists those that it has",
+                node->name, property, node->name);
+}
+
+/* lathe.profile; *done: it is one, or nearly */
+static Status explain_property_of(const char *topic, Buf *out, bool *done, Error *error)
+{
+    size_t length = strcspn(topic, ".");
+    char name[64]; /* of a node: longer ones are none */
+    *done = false;
+    if (!topic[length] || !topic[length + 1] || length >= sizeof name) return STATUS_OK;
+    memcpy(name, topic, length);
+    name[length] = 0;
+    const NodeType *node = reference_node(name);
+    if (!node) return STATUS_OK;
+    *done = true;
+    if (!reference_print_property_of(node, topic + length + 1, out))
+        return refuse_property_of(node, topic + length + 1, error);
+    return STATUS_OK;
+}
+
 /* What other programs call a property of a node, and what is written here; STATUS_OK: nothing. */
 static Status refuse_property(const char *topic, const char *node, Error *error)
 {
@@ -136,6 +194,9 @@ static Status explain(const char *topic, Buf *out, Error *error)
     Command command = command_named(topic);
     const NodeType *node = reference_node(topic);
     DiagCode code = reference_diagnostic(topic);
+    bool done;
+    TRY(explain_property_of(topic, out, &done, error));
+    if (done) return STATUS_OK;
     if (command != COMMAND_COUNT && command_row(command)->summary) help_print(command, true, out);
     const Builtin *function = builtin_find(topic);
     const TermType *term = reference_term(topic);
@@ -154,6 +215,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
     if (code != D_COUNT) reference_print_diagnostic(code, out);
     explain_library(topic, out);
     explain_word(topic, out);
+    if (out->length == 0) explain_subject(topic, out);
     return out->length ? STATUS_OK : refuse_topic(topic, error);
 }
 

@@ -198,6 +198,19 @@ void reference_print_property(const char *name, Buf *out)
     buf_add(out, "\nManual: meniscus-scene(5)\n");
 }
 
+bool reference_print_property_of(const NodeType *node, const char *name, Buf *out)
+{
+    const PropType *type = schema_prop(node, name);
+    if (!type) return false;
+    Buf text = {0};
+    describe_property(type, &text);
+    buf_format(out, "%s - a property of %s\n\n", name, node->name);
+    help_wrap(out, buf_text(&text), 2, 0);
+    buf_add(out, "\nManual: meniscus-scene(5)\n");
+    buf_clear(&text);
+    return true;
+}
+
 void reference_print_diagnostic(DiagCode code, Buf *out)
 {
     buf_format(out, "%s (%s)\n\n", diag_slug(code), diag_severity_text(diag_severity(code)));

@@ -22,6 +22,8 @@ void reference_print_node(const NodeType *node, Buf *out);
 /* A property's name, whatever the node; and what each node that has it says of it. */
 bool reference_is_property(const char *name);
 void reference_print_property(const char *name, Buf *out);
+/* What that node says of it; false: it has none of that name. */
+bool reference_print_property_of(const NodeType *node, const char *name, Buf *out);
 void reference_print_diagnostic(DiagCode code, Buf *out);
 void reference_print_function(const Builtin *function, Buf *out);
 void reference_print_term(const TermType *term, Buf *out);

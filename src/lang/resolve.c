@@ -378,9 +378,8 @@ static bool report_pattern(Resolver *resolver, const NodeType *type, const PropT
     const Symbol *symbol = value->kind == EXPR_NAME ? value->as.name.symbol : NULL;
     Binding *binding = symbol ? symbol->binding : NULL;
     if (!pattern || !binding || binding->kind != BINDING_DEF || !binding->def->body) return false;
-    Diagnostic *report =
-        diag_report(resolver->diag, D_WRONG_TYPE, value->span, "'%s' is a function, and '%s' the same everywhere",
-                    symbol->text, prop->name);
+    Diagnostic *report = diag_report(resolver->diag, D_WRONG_TYPE, value->span,
+                                     "'%s' is a function, and '%s' the same everywhere", symbol->text, prop->name);
     diag_hint(resolver->diag, report, "%s", habit_fill(resolver->arena, pattern, symbol->text));
     binding_use(binding);
     value->kind = EXPR_POISON;

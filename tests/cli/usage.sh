@@ -80,6 +80,10 @@ refuses "there is no help for 'rand'; write: rnd(seed, i), which has no state" h
 refuses "'help' has no option '--exposure'; 'meniscus help exposure' explains it" help --exposure
 refuses "'Declare=N=3' is POV-Ray's; here it is -D NAME=VALUE" render small.mns Declare=N=3
 refuses "unknown option '-w'; here it is --size 640x480" render small.mns -w 640
+refuses "'sphere' has no property 'centre'; write: center = ..." help sphere.centre
+refuses "'sphere' has no property 'raduis'; did you mean 'radius'?" help sphere.raduis
+refuses "'film' has no property 'gamma'; leave it out: an EXR file keeps light as it is" help film.gamma
+refuses "'lathe' has no property 'wobble'; 'meniscus help lathe' lists those that it has" help lathe.wobble
 refuses "there is no help for 'window-frames', only for commands, their options, nodes" help window-frames
 refuses "1..10 of a scene that is no animation; --set animation.frames=10 makes it one" render small.mns --frames 1..10
 refuses "to render 'small.mns', write its whole name" small
@@ -176,6 +180,17 @@ says out "  surface
 run help surface
 matches out '^  diffuse_roughness$'
 matches out '\(an image\)$'
+run help lathe.profile
+exits 0
+says out "profile - a property of lathe"
+says out "the corners <radius, height>"
+for subject in loop focal_blur dof antialiasing fresnel gamma overlap; do
+    run help "$subject"
+    exits 0
+    says out "Manual: meniscus-"
+done
+run help hsv
+says out "hsv(hue, saturation, value)"
 run help cauchy
 says out "a refractive index"
 run help open-mesh
