@@ -72,10 +72,10 @@ static bool solve_symmetric(double m[3][3], const double b[3], double x[3])
     return true;
 }
 
-double upsample_improve(const UpsampleSolver *solver, const double rgb[3], double coefficients[3])
+/* Until the sum of squared errors is no more than `enough`; returns the largest error. */
+static double improve(const UpsampleSolver *solver, const double rgb[3], double enough, double coefficients[3])
 {
     enum { LIMIT = 200 };
-    const double enough = 1e-20; /* sum of squares */
     double residual[3], jacobian[3][3], damping = 1e-4;
     double error = evaluate(solver, rgb, coefficients, residual, jacobian);
     for (int step = 0; step < LIMIT && error > enough && damping < 1e12; step++) {
@@ -113,6 +113,11 @@ double upsample_improve(const UpsampleSolver *solver, const double rgb[3], doubl
     return fmax(fabs(residual[0]), fmax(fabs(residual[1]), fabs(residual[2])));
 }
 
+double upsample_improve(const UpsampleSolver *solver, const double rgb[3], double coefficients[3])
+{
+    return improve(solver, rgb, 1e-20, coefficients);
+}
+
 double upsample_solve(const UpsampleSolver *solver, const double rgb[3], double coefficients[3])
 {
     enum { STEPS = 8 };
@@ -122,7 +127,7 @@ double upsample_solve(const UpsampleSolver *solver, const double rgb[3], double 
     for (int step = 1; step <= STEPS; step++) {
         double t = (double)step / STEPS, target[3];
         for (int c = 0; c < 3; c++) target[c] = grey + t * (rgb[c] - grey);
-        error = upsample_improve(solver, target, coefficients);
+        error = improve(solver, target, step < STEPS ? 1e-5 : 1e-20, coefficients); /* on the way it need not be exact */
     }
     return error;
 }
