@@ -105,28 +105,25 @@ void json_text(JsonWriter *json, const char *text)
         buf_add(json->out, "null");
 }
 
-void json_number(JsonWriter *json, double number)
+/* text: of a number; what is not finite is null */
+static void add_number_text(JsonWriter *json, bool finite, const char *text)
 {
     begin_item(json);
+    buf_add(json->out, finite ? text : "null");
+}
+
+void json_number(JsonWriter *json, double number)
+{
     char text[NUM_TEXT_SIZE];
-    if (isfinite(number)) {
-        num_print(number, text);
-        buf_add(json->out, text);
-    } else {
-        buf_add(json->out, "null");
-    }
+    num_print(number, text);
+    add_number_text(json, isfinite(number), text);
 }
 
 void json_float(JsonWriter *json, float number)
 {
-    begin_item(json);
     char text[NUM_TEXT_SIZE];
-    if (isfinite(number)) {
-        num_print_float(number, text);
-        buf_add(json->out, text);
-    } else {
-        buf_add(json->out, "null");
-    }
+    num_print_float(number, text);
+    add_number_text(json, isfinite(number), text);
 }
 
 void json_whole(JsonWriter *json, uint64_t number)

@@ -73,7 +73,8 @@ static void fill_boxes(RtcBoxes *boxes, const RtcMesh *mesh)
             double_max(boxes->largest, double_max(fabs((double)all->lower[axis]), fabs((double)all->upper[axis])));
 }
 
-RtcBoxes *rtc_boxes_make(const RtcMesh *mesh)
+/* NULL where memory ends. */
+static RtcBoxes *make_boxes(const RtcMesh *mesh)
 {
     uint32_t n[MOST_LEVELS], n_levels = 1;
     size_t n_all = n[0] = (mesh->n_quads + QUADS - 1) / QUADS;
@@ -135,7 +136,7 @@ static void visit(const Along *along, uint32_t level, uint32_t i)
 static const RtcBoxes *boxes_of(RtcMesh *mesh)
 {
     RtcBoxes *boxes = atomic_load_explicit(&mesh->boxes, memory_order_acquire), *made;
-    if (boxes || !(made = rtc_boxes_make(mesh))) return boxes;
+    if (boxes || !(made = make_boxes(mesh))) return boxes;
     if (atomic_compare_exchange_strong(&mesh->boxes, &boxes, made)) return made;
     rtc_boxes_free(made);
     return boxes;

@@ -7,9 +7,7 @@
 
 typedef struct RtcBoxes RtcBoxes;
 
-/* To be freed by rtc_boxes_free; NULL where memory ends. */
-RtcBoxes *rtc_boxes_make(const RtcMesh *mesh);
-void rtc_boxes_free(RtcBoxes *boxes);
+void rtc_boxes_free(RtcBoxes *boxes); /* NULL is fine */
 
 /* Is told of primitives: first <= primitive < end. */
 typedef void RtcTake(void *context, uint32_t first, uint32_t end);
