@@ -1,4 +1,6 @@
-/* pool.c - the thread pool: one job at a time, its tasks handed out by an atomic counter.
+/* pool.c - the thread pool: one job at a time. Each thread has its share of the tasks and takes from others when that is
+ * done, so that of the same tasks, again and again, as of the passes over a picture, a thread does the same ones: what
+ * they write is still near it.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/pool.h"
 
@@ -7,7 +9,9 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+#include "base/memory.h"
+#include "base/processors.h"
 
 typedef struct PoolThread {
     Pool *pool;
@@ -15,8 +19,14 @@ typedef struct PoolThread {
     pthread_t thread;
 } PoolThread;
 
+/* A thread's part of a job: the number of its next task, and in the upper half of the word that of the first which is not
+ * its own any more. */
+typedef struct Share {
+    _Alignas(MEMORY_APART) atomic_uint_fast64_t left;
+} Share;
+
 struct Pool {
-    unsigned n_threads; /* the calling thread included */
+    unsigned n_threads;  /* the calling thread included */
     PoolThread *threads; /* n_threads - 1 of them were started */
     unsigned n_started;
     pthread_mutex_t mutex;
@@ -26,16 +36,61 @@ struct Pool {
     bool closing;
     void (*task)(void *context, uint32_t index, unsigned worker);
     void *context;
-    uint32_t n_tasks;
-    atomic_uint_fast64_t next; /* 64 bits: threads may step past the end without wrapping */
+    Share *shares; /* one per thread */
 };
+
+static uint32_t count_left(uint64_t left)
+{
+    return (uint32_t)(left >> 32) - (uint32_t)left;
+}
+
+/* A thread's own next task, from the beginning of its share; false: there is none. */
+static bool take_own(Share *share, uint32_t *index)
+{
+    uint64_t left = atomic_load_explicit(&share->left, memory_order_relaxed);
+    do {
+        if (count_left(left) == 0) return false;
+        *index = (uint32_t)left;
+    } while (!atomic_compare_exchange_weak_explicit(&share->left, &left, left + 1, memory_order_relaxed,
+                                                    memory_order_relaxed));
+    return true;
+}
+
+/* One from the end of whichever share has most; false: all are empty. */
+static bool take_other(const Pool *pool, uint32_t *index)
+{
+    for (;;) {
+        Share *share = NULL;
+        uint64_t left = 0;
+        for (unsigned i = 0; i < pool->n_threads; i++) {
+            uint64_t one = atomic_load_explicit(&pool->shares[i].left, memory_order_relaxed);
+            if (count_left(one) <= count_left(left)) continue;
+            left = one;
+            share = &pool->shares[i];
+        }
+        if (!share) return false;
+        *index = (uint32_t)(left >> 32) - 1;
+        if (atomic_compare_exchange_strong_explicit(&share->left, &left, left - (UINT64_C(1) << 32),
+                                                    memory_order_relaxed, memory_order_relaxed))
+            return true;
+    }
+}
 
 static void work(Pool *pool, unsigned worker)
 {
-    for (;;) {
-        uint_fast64_t index = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
-        if (index >= pool->n_tasks) return;
-        pool->task(pool->context, (uint32_t)index, worker);
+    uint32_t index;
+    while (take_own(&pool->shares[worker], &index) || take_other(pool, &index))
+        pool->task(pool->context, index, worker);
+}
+
+/* Of n tasks as many to each thread, one after the other. */
+static void share_out(Pool *pool, uint32_t n)
+{
+    uint64_t first = 0;
+    for (unsigned i = 0; i < pool->n_threads; i++) {
+        uint64_t end = ((uint64_t)i + 1) * n / pool->n_threads;
+        atomic_store_explicit(&pool->shares[i].left, end << 32 | first, memory_order_relaxed);
+        first = end;
     }
 }
 
@@ -58,25 +113,22 @@ static void *thread_main(void *argument)
     return NULL;
 }
 
-static unsigned processor_count(void)
-{
-    long n = sysconf(_SC_NPROCESSORS_ONLN);
-    return n < 1 ? 1 : n > 1024 ? 1024 : (unsigned)n;
-}
-
 Status pool_new(unsigned n_threads, Pool **out, Error *error)
 {
     *out = NULL;
-    if (n_threads == 0) n_threads = processor_count();
+    if (n_threads == 0) n_threads = processors_usable();
     Pool *pool = calloc(1, sizeof *pool);
     PoolThread *threads = calloc(n_threads, sizeof *threads);
-    if (!pool || !threads) {
+    Share *shares = memory_apart(n_threads, sizeof *shares);
+    if (!pool || !threads || !shares) {
         free(pool);
         free(threads);
-        return fail_memory(error, sizeof *pool + n_threads * sizeof *threads, "threads");
+        free(shares);
+        return fail_memory(error, sizeof *pool + n_threads * (sizeof *threads + sizeof *shares), "threads");
     }
     pool->n_threads = n_threads;
     pool->threads = threads;
+    pool->shares = shares;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->job_posted, NULL);
     pthread_cond_init(&pool->job_finished, NULL);
@@ -105,6 +157,7 @@ void pool_free(Pool *pool)
     pthread_cond_destroy(&pool->job_finished);
     pthread_mutex_destroy(&pool->mutex);
     free(pool->threads);
+    free(pool->shares);
     free(pool);
 }
 
@@ -122,8 +175,7 @@ void pool_run(Pool *pool, uint32_t n, void (*task)(void *context, uint32_t index
     pthread_mutex_lock(&pool->mutex);
     pool->task = task;
     pool->context = context;
-    pool->n_tasks = n;
-    atomic_store_explicit(&pool->next, 0, memory_order_relaxed);
+    share_out(pool, n);
     pool->n_busy = pool->n_started;
     pool->job++;
     pthread_cond_broadcast(&pool->job_posted);

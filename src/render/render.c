@@ -60,7 +60,8 @@ typedef struct Job {
     double start, last_progress, noise, fraction;
     double picture_at, picture_cost; /* when the last one was shown, and how long that took */
     double noise_at, noise_cost;     /* the same of the noise */
-    bool *tile_done;                 /* of this pass */
+    bool *tile_done;                 /* of this pass, */
+    atomic_uint n_tiles_done;        /* and how many are */
     atomic_bool pause;               /* the pass waits until the state is saved */
     double saved_at, save_cost;
     uint64_t first_samples; /* that were there before this render */
@@ -251,7 +252,8 @@ static void render_tile(void *context, uint32_t index, unsigned worker)
             if (UNLIKELY(saturated)) job->saturated[worker] += saturated;
         }
     job->tile_done[index] = true;
-    if (worker == 0) report_progress(job, (double)index / (job->tiles_x * job->tiles_y));
+    unsigned n_done = 1 + atomic_fetch_add_explicit(&job->n_tiles_done, 1, memory_order_relaxed);
+    if (worker == 0) report_progress(job, (double)n_done / (job->tiles_x * job->tiles_y));
 }
 
 static uint32_t pass_size(uint32_t done)
@@ -289,6 +291,7 @@ static void run_tiles(Job *job)
     bool again = true;
     while (again) {
         for (uint32_t i = 0; i < n_tiles; i++) job->tile_done[i] = false;
+        atomic_store(&job->n_tiles_done, 0);
         pool_run(job->pool, n_tiles, render_tile, job);
         again = atomic_exchange(&job->pause, false) && !asked_to_stop(job);
         if (save_is_due(job) && !is_stopped(job)) save(job);
