@@ -1,6 +1,12 @@
-/* vec3.c - the affine maps that are too long to inline.
+/* vec3.c - rounding to float, and the affine maps that are too long to inline.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/vec3.h"
+
+Vec3 vec3_rounded(Vec3 a)
+{
+    volatile float x = (float)a.x, y = (float)a.y, z = (float)a.z;
+    return vec3((double)x, (double)y, (double)z);
+}
 
 Affine affine_compose(const Affine *a, const Affine *b)
 {

@@ -57,6 +57,9 @@ static inline Vec3f vec3f_normalize(Vec3f a) { return vec3f_scale(a, 1 / vec3f_l
 static inline Vec3f vec3f_negate(Vec3f a) { return vec3f(-a.x, -a.y, -a.z); }
 /* Rounds to the nearest float vector. */
 static inline Vec3f vec3f_from(Vec3 a) { return vec3f((float)a.x, (float)a.y, (float)a.z); }
+/* Rounded to floats, as doubles. vec3_from_f(vec3f_from(a)) is not: gcc 12 makes vectors of neighbouring doubles and takes what
+ * rounds them and back for nothing; `make lint` finds such places. */
+Vec3 vec3_rounded(Vec3 a);
 
 /* p -> m p + t; columns of m are the images of the axes: m[row][column]. */
 typedef struct Affine {
@@ -90,9 +93,9 @@ static inline Vec3 affine_area(const Affine *a, Vec3 n)
          z = vec3(a->m[0][2], a->m[1][2], a->m[2][2]);
     return vec3_along(vec3_along(vec3_scale(vec3_cross(y, z), n.x), n.y, vec3_cross(z, x)), n.z, vec3_cross(x, y));
 }
-/* first b, then a */
 /* The map at a time 0..1, of n >= 2 maps that are evenly spread over it; linear between them, entry by entry. */
 Affine affine_between(const Affine *keys, uint32_t n, double time);
+/* first b, then a */
 Affine affine_compose(const Affine *a, const Affine *b);
 double affine_determinant(const Affine *a);
 /* The largest factor by which the map stretches a length, at most sqrt(3) too large. */

@@ -411,8 +411,8 @@ void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time
     double rounding = rtc_rounding(point);
     *here = (SurfacesHere){0};
     for (int i = 0; i < LINE_DIRECTIONS && !here->too_many; i++) {
-        Vec3f direction = vec3f_from(line_direction(i));
-        Ray ray = ray_make(vec3_along(point, -2 * rounding, vec3_from_f(direction)), direction);
+        Vec3 direction = vec3_rounded(line_direction(i));
+        Ray ray = ray_make(vec3_along(point, -2 * rounding, direction), vec3f_from(direction));
         ray.time = time;
         ray.t_max = 4 * rounding;
         rtc_all(compiled->rtc, &ray, false, hits);

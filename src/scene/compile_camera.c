@@ -63,7 +63,7 @@ static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, Hi
         for (uint32_t i = 0; i < here->n; i++)
             place = vec3_along(place, (sides >> i & 1 ? -ROUNDINGS : ROUNDINGS) * rtc_rounding(*point),
                                vec3_from_f(here->normals[i]));
-        place = vec3_from_f(vec3f_from(place)); /* whose hulls are found for float */
+        place = vec3_rounded(place); /* whose hulls are found for float */
         compiled_surfaces_at(compiled, place, 0, hits, &there);
         if (there.n) continue;
         *point = place;
@@ -78,7 +78,7 @@ static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList 
     if (*on_surface == SCENE_NONE || camera->keys) return STATUS_OK;
     SurfacesHere here;
     bool none;
-    compiled_surfaces_at(compiled, vec3_from_f(vec3f_from(camera->from)), 0, hits, &here);
+    compiled_surfaces_at(compiled, vec3_rounded(camera->from), 0, hits, &here);
     TRY(are_no_surfaces(compiled, list, &here, &none));
     if (!none || !step_off(compiled, &here, hits, &camera->from)) return STATUS_OK;
     return compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface);
@@ -104,7 +104,7 @@ static Status surface_in_plane(const CompiledScene *compiled, const SceneCamera 
     *object = SCENE_NONE;
     for (uint32_t i = 0; i < SCENE_CAMERA_PLACES && *object == SCENE_NONE; i++) {
         SurfacesHere here;
-        Vec3 place = vec3_from_f(vec3f_from(scene_camera_some_place(compiled->scene, camera, i)));
+        Vec3 place = vec3_rounded(scene_camera_some_place(compiled->scene, camera, i));
         compiled_surfaces_at(compiled, place, 0, &hits, &here);
         for (uint32_t k = 0; k < here.n; k++)
             if (fabs(vec3_dot(vec3_from_f(here.normals[k]), camera->forward)) > 1 - 1e-6) *object = here.objects[k];

@@ -26,11 +26,10 @@
 static bool list_in_picture_plane(Path *path)
 {
     Tracer *tracer = path->tracer;
-    Vec3f place = vec3f_from(path->ray.origin);
-    path->ray.origin = vec3_from_f(place);
+    path->ray.origin = vec3_rounded(path->ray.origin);
     tracer->counters.rays += 2;
-    return compiled_interior(tracer->world->compiled, place, path->ray.time, &tracer->shadow_hits, &tracer->list,
-                             NULL) == STATUS_OK;
+    return compiled_interior(tracer->world->compiled, vec3f_from(path->ray.origin), path->ray.time,
+                             &tracer->shadow_hits, &tracer->list, NULL) == STATUS_OK;
 }
 
 /* The list at the ray's real origin: from the camera's centre on along the lens. */
