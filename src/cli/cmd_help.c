@@ -172,6 +172,8 @@ static Status refuse_topic(const char *topic, Error *error)
 {
     const char *block = habit_block(topic), *directive = habit_directive_pattern(topic), *word = habit_word(topic);
     if (block) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, block);
+    const char *node = habit_node(topic);
+    if (node) return fail(error, STATUS_USAGE, "there is no help for '%s'; %s", topic, node);
     if (word) return fail(error, STATUS_USAGE, "there is no help for '%s'; write: %s", topic, word);
     TRY(refuse_properties(topic, error));
     const char *near = nearest_topic(topic);

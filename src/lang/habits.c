@@ -1,4 +1,4 @@
-/* habits.c - looks words up in habits.def. Only done for messages, so that a walk along the rows is fast enough.
+/* habits.c - looks words up in habits.def and its like. Only done for messages, so that a walk along the rows is fast enough.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "lang/habits.h"
 
@@ -8,7 +8,8 @@
 
 #define HABIT_DIRECTIVE(word, form, pattern)
 #define HABIT_VALUES(node, names)
-#define HABIT_BLOCK(word, text)
+#define HABIT_BLOCK(words, text)
+#define HABIT_NODE(words, text)
 #define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
@@ -49,10 +50,18 @@ static const WordRow value_rows[] = {
 
 static const WordRow block_rows[] = {
 #undef HABIT_BLOCK
-#define HABIT_BLOCK(word, text) {#word, text},
-#include "lang/habits.def"
+#define HABIT_BLOCK(words, text) {words, text},
+#include "lang/habit_nodes.def"
 #undef HABIT_BLOCK
-#define HABIT_BLOCK(word, text)
+#define HABIT_BLOCK(words, text)
+};
+
+static const WordRow node_rows[] = {
+#undef HABIT_NODE
+#define HABIT_NODE(words, text) {words, text},
+#include "lang/habit_nodes.def"
+#undef HABIT_NODE
+#define HABIT_NODE(words, text)
 };
 
 /* What is so of nodes of one or some types, or of all: "". */
@@ -111,7 +120,7 @@ static const WordRow statement_rows[] = {
 static const WordRow word_rows[] = {
 #undef HABIT_WORD
 #define HABIT_WORD(word, text) {#word, text},
-#include "lang/habits.def"
+#include "lang/habit_words.def"
 #undef HABIT_WORD
 #define HABIT_WORD(word, text)
 };
@@ -119,7 +128,7 @@ static const WordRow word_rows[] = {
 static const WordRow prefix_rows[] = {
 #undef HABIT_PREFIX
 #define HABIT_PREFIX(beginning, text) {beginning, text},
-#include "lang/habits.def"
+#include "lang/habit_words.def"
 #undef HABIT_PREFIX
 #define HABIT_PREFIX(beginning, text)
 };
@@ -129,7 +138,7 @@ static const struct {
 } choice_rows[] = {
 #undef HABIT_CHOICE
 #define HABIT_CHOICE(property, word, choice) {property, #word, #choice},
-#include "lang/habits.def"
+#include "lang/habit_properties.def"
 #undef HABIT_CHOICE
 #define HABIT_CHOICE(property, word, choice)
 };
@@ -137,7 +146,7 @@ static const struct {
 static const NodeRow property_rows[] = {
 #undef HABIT_PROPERTY
 #define HABIT_PROPERTY(node, word, property) {node, word, property},
-#include "lang/habits.def"
+#include "lang/habit_properties.def"
 #undef HABIT_PROPERTY
 #define HABIT_PROPERTY(node, word, property)
 };
@@ -145,7 +154,7 @@ static const NodeRow property_rows[] = {
 static const NodeRow advice_rows[] = {
 #undef HABIT_ADVICE
 #define HABIT_ADVICE(node, word, text) {node, word, text},
-#include "lang/habits.def"
+#include "lang/habit_properties.def"
 #undef HABIT_ADVICE
 #define HABIT_ADVICE(node, word, text)
 };
@@ -153,7 +162,7 @@ static const NodeRow advice_rows[] = {
 static const NodeRow pattern_rows[] = {
 #undef HABIT_PATTERN
 #define HABIT_PATTERN(node, property, text) {node, property, text},
-#include "lang/habits.def"
+#include "lang/habit_properties.def"
 #undef HABIT_PATTERN
 #define HABIT_PATTERN(node, property, text)
 };
@@ -212,6 +221,11 @@ const char *habit_values(const char *node)
 const char *habit_block(const char *word)
 {
     return find(block_rows, COUNT_OF(block_rows), word);
+}
+const char *habit_node(const char *word)
+{
+    const char *block = habit_block(word);
+    return block ? block : find(node_rows, COUNT_OF(node_rows), word);
 }
 const char *habit_setting(const char *node, const char *word)
 {

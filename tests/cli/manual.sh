@@ -95,3 +95,25 @@ for event in $(sed -n -e 's/.*talk_event[a-z_]*([^"]*"\([a-z]*\)".*/\1/p' -e 's/
     matches "$root/man/meniscus-render.1" "^\.It Li (.* , )?$event( , |\$)"
 done
 end
+
+begin "every node that other programs have is answered, in scenes and by help"
+"$python" - "$program" "$root/src/lang/habit_nodes.def" <<'PYTHON' > problems 2>&1 || flunk "$(cat problems)"
+import re, subprocess, sys
+program, table = sys.argv[1:]
+problems, seen = [], set()
+for words, hint in re.findall(r'^HABIT_(?:BLOCK|NODE)\("([^"]*)", "((?:[^"\\]|\\.)*)"\)', open(table).read(), re.M):
+    for word in words.split():
+        if word in seen:
+            problems.append(f"{word}: twice")
+        seen.add(word)
+        said = subprocess.run([program, "help", word], capture_output=True, text=True)
+        if said.returncode and hint.replace('\\"', '"') not in said.stderr:
+            problems.append(f"help {word}: {said.stderr}")
+        # what is a node here, too, is answered where something foreign stands in it
+        scene = f"meniscus 1.0 unit mm\n{word} {{ a = 1 }}\n"
+        said = subprocess.run([program, "check", "-"], input=scene, capture_output=True, text=True).stderr
+        if "unknown node" in said and "hint: " not in said:
+            problems.append(f"{word}: {said}")
+print(len(seen), "words", *problems, sep="\n")
+sys.exit(bool(problems) or len(seen) < 200)
+PYTHON

@@ -76,6 +76,7 @@ refuses "there is no help for 'parma'; did you mean 'param'?" help parma
 refuses "'macro' is POV-Ray's, see meniscus-povray(7); write: def NAME { ... }" help macro
 refuses "there is no help for 'look_at'; in a camera, write: to = ..." help look_at
 refuses "there is no help for 'cubic_spline'; in a lathe, write: curve = cubic" help cubic_spline
+refuses "there is no help for 'principled'; write: surface = surface { albedo" help principled
 refuses "there is no help for 'rand'; write: rnd(seed, i), which has no state" help rand
 refuses "'help' has no option '--exposure'; 'meniscus help exposure' explains it" help --exposure
 refuses "'Declare=N=3' is POV-Ray's; here it is -D NAME=VALUE" render small.mns Declare=N=3
