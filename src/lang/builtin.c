@@ -52,6 +52,23 @@ static double unary_log10(double x) { return log10(x); }
 
 /* ---- arguments ---- */
 
+/* What was meant, where a list stands for a vector, a vector for a list, or a list for each of its elements. */
+static void hint_at_brackets(const BuiltinCall *call, const Value *given, const char *wanted, Diagnostic *report)
+{
+    Diag *diag = call->evaluator->diag;
+    const char *name = call->expr->as.call.name;
+    bool is_list = given->kind == VALUE_LIST, is_text = given->kind == VALUE_STRING;
+    if ((is_list || is_text) && strcmp(name, "length") == 0)
+        diag_hint(diag, report, "len() is how many elements a list has, or characters a text");
+    else if (is_list && strncmp(wanted, "a number", strlen("a number")) == 0)
+        diag_hint(diag, report, "of each element of a list: [for (v in list) %s(v)]", name);
+    else if (is_list && strstr(wanted, "vector"))
+        diag_hint(diag, report, "a vector stands between '<' and '>': <1, 2, 3>");
+    else if (given->kind >= VALUE_VECTOR2 && given->kind <= VALUE_VECTOR4 &&
+             strncmp(wanted, "a list", strlen("a list")) == 0)
+        diag_hint(diag, report, "a list stands between '[' and ']': [1, 2, 3]; parts of a vector are v.x, v.y and v.z");
+}
+
 void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, Value *result)
 {
     const Args *args = &call->expr->as.call.args;
@@ -61,6 +78,8 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
                    value_describe(call->evaluator->arena, &call->args[index]));
     if (call->args[index].kind == VALUE_NUMBER && strstr(wanted, "vector of 3"))
         eval_hint_at_axis(call->evaluator, report, expr);
+    else
+        hint_at_brackets(call, &call->args[index], wanted, report);
     result->kind = VALUE_POISON;
 }
 
