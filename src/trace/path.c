@@ -125,10 +125,11 @@ static bool survives(Path *path)
     return true;
 }
 
-/* What the camera's ray would meet first if no medium scattered it. The path stays as it is. */
+/* What the camera's ray would meet first if no medium scattered it. The path stays as it is, and nothing of it counts. */
 ATTR_COLD static void look_ahead(const Path *path)
 {
     Tracer *tracer = path->tracer;
+    const PathCounters counters = tracer->counters;
     Path look = *path;
     Event event;
     NestList kept;
@@ -140,6 +141,7 @@ ATTR_COLD static void look_ahead(const Path *path)
         note_first_sight(&look, &event);
         if (nest_list_copy(&tracer->list, &kept) != STATUS_OK) tracer->out_of_memory = true;
     }
+    tracer->counters = counters;
     nest_list_clear(&kept);
 }
 

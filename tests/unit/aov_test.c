@@ -12,7 +12,7 @@
 enum { SIDE = 24, SAMPLES = 8 };
 #define ALL (((AovSet)1 << AOV_COUNT) - 1)
 
-static void render(const char *text, AovSet set, unsigned n_threads, Fixture *f, Image *image)
+static RenderStats render(const char *text, AovSet set, unsigned n_threads, Fixture *f, Image *image)
 {
     Error error;
     Pool *pool;
@@ -23,6 +23,7 @@ static void render(const char *text, AovSet set, unsigned n_threads, Fixture *f,
     if (render_image(f->compiled, &settings, pool, NULL, image, &stats, &error) != STATUS_OK)
         fail_msg("%s", error.text);
     pool_free(pool);
+    return stats;
 }
 
 static double value(const Image *image, uint32_t x, uint32_t y, const char *channel)
@@ -116,6 +117,27 @@ static void pictures_stay_as_they_are(void **state)
     }
 }
 
+/* Where media scatter, what is met first is looked for by itself: that is no ray of the path, by which adaptive renders share samples out. */
+static void looks_are_not_counted(void **state)
+{
+    (void)state;
+    static const char *const scene =
+        FIXTURE_MEDIA "medium mist { mixes = true scattering = .05 } sphere { interior = mist radius = 9 } "
+                      "box wrap { interior = air size = <9, 9, 9> } sphere { radius = 3 surface = surface { } } "
+                      "camera { from = <0, 0, 100> to = <0, 0, 0> fov = 10 } environment { }";
+    Fixture f[2];
+    Image images[2];
+    RenderStats plain = render(scene, 0, 1, &f[0], &images[0]), with = render(scene, ALL, 1, &f[1], &images[1]);
+    assert_int_equal(plain.rays, with.rays);
+    assert_int_equal(plain.crossings, with.crossings);
+    assert_int_equal(plain.silent_crossings, with.silent_crossings);
+    assert_near(value(&images[1], SIDE / 2, SIDE / 2, "CryptoObject00.G"), 1, 0);
+    for (int i = 0; i < 2; i++) {
+        image_clear(&images[i]);
+        fixture_clear(&f[i]);
+    }
+}
+
 /* Of a combination the whole counts, and of silent surfaces none. */
 static void what_is_seen_first(void **state)
 {
@@ -168,7 +190,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(channels_hold_what_they_say),   cmocka_unit_test(mattes_add_up),
-        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(what_is_seen_first),
+        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(looks_are_not_counted),
+        cmocka_unit_test(what_is_seen_first),
         cmocka_unit_test(names_are_hashed_as_others_do), cmocka_unit_test(scenes_name_them),
     };
     return cmocka_run_group_tests_name("aov", tests, NULL, NULL);
