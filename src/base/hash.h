@@ -33,16 +33,13 @@ static inline uint32_t hash_combine(uint32_t seed, uint32_t x) { return hash_u32
 static inline double hash_to_unit(uint64_t x) { return (double)(x >> 11) * 0x1p-53; }
 static inline float hash_to_unit_f(uint32_t x) { return (float)(x >> 8) * 0x1p-24f; }
 
-/* FNV-1a of bytes, 64 bits, for identities of names and files (not for randomness); hash_bytes_more() goes on from one. */
-static inline uint64_t hash_bytes_more(uint64_t so_far, const void *bytes, size_t length)
-{
-    const unsigned char *p = bytes;
-    for (size_t i = 0; i < length; i++) so_far = (so_far ^ p[i]) * 0x100000001b3U;
-    return so_far;
-}
+/* FNV-1a of bytes, 64 bits, for identities of names and files (not for randomness). */
 static inline uint64_t hash_bytes(const void *bytes, size_t length, uint64_t seed)
 {
-    return hash_bytes_more(seed ^ 0xcbf29ce484222325U, bytes, length);
+    const unsigned char *p = bytes;
+    uint64_t h = seed ^ 0xcbf29ce484222325U;
+    for (size_t i = 0; i < length; i++) h = (h ^ p[i]) * 0x100000001b3U;
+    return h;
 }
 
 /* The same purpose for large arrays, at many times the speed: four strands of eight bytes each. The number depends on the

@@ -80,6 +80,9 @@ struct EvalNode {
     unsigned depth;              /* of children and prototypes within each other, at most LIMIT_NODE_DEPTH */
 };
 
+/* How long a name is without two underscores and a number at its end, by which a flat text tells apart what a scene calls the same. */
+size_t eval_word_length(const char *name);
+
 /* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default, of limits.def. */
 typedef struct EvalLimits {
     uint64_t steps;      /* turns of loops and calls */

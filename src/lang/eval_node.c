@@ -497,3 +497,11 @@ void eval_node_stmt(Evaluator *evaluator, Stmt *stmt)
     if (expr->has_prototype && expr->path.n == 1) hidden = schema_node(evaluator->schema, expr->path.names[0]->text);
     if (node) settle(evaluator, node, hidden);
 }
+
+size_t eval_word_length(const char *name)
+{
+    size_t length = strlen(name), digits = length;
+    while (digits > 0 && name[digits - 1] >= '0' && name[digits - 1] <= '9') digits--;
+    bool numbered = digits < length && digits > 2 && name[digits] != '0' && memcmp(name + digits - 2, "__", 2) == 0;
+    return numbered ? digits - 2 : length;
+}

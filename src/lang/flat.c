@@ -4,6 +4,8 @@
  * just before the first statement that needs them. A prototype is written without its place, and each placing of it as an
  * instance with the whole transform, which was composed when the scene ran: composing it anew could round it
  * differently. Nodes that nothing refers to are written where they stand. Functions that are values become defs.
+ * What is placed is called as in the scene, so that it varies as it does there: several of one name are told apart by numbers
+ * that count for nothing (eval.h), and an instance whose name comes from a prototype between gets that one, too.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "lang/flat.h"
 
@@ -19,6 +21,12 @@
 
 enum { LINE_WIDTH = 110, INDENT = 2, DEEPEST_BLOCK = 90 };
 
+/* A prototype under another name, which only its instances have. */
+typedef struct Alias {
+    const char *declared, *name; /* in the scene, and here */
+    struct Alias *next;
+} Alias;
+
 /* A node that something refers to. */
 typedef struct Shared {
     const EvalNode *node;
@@ -27,6 +35,7 @@ typedef struct Shared {
     bool prototype;     /* something is an instance of it */
     bool stands;        /* as a statement at the top of the scene */
     bool written;
+    Alias *aliases;
 } Shared;
 
 typedef struct Flat {
@@ -142,7 +151,7 @@ static const char *new_name(Flat *flat, const char *wanted)
     for (unsigned n = 2;; n++) {
         Symbol *symbol = symbol_of(&flat->symbols, name, strlen(name));
         if (!symbol->binding && !symbol->keyword) break;
-        name = arena_format(flat->arena, "%s_%u", wanted, n);
+        name = arena_format(flat->arena, "%.*s__%u", (int)eval_word_length(wanted), wanted, n);
     }
     take_name(flat, name);
     return name;
@@ -159,8 +168,30 @@ static void name_shared(Flat *flat, const EvalNode *node)
         shared->name = node->name;
         shared->written = true;
     } else if (node->name || shared->references > 1 || shared->prototype) {
-        shared->name = new_name(flat, node->name ? node->name : arena_format(flat->arena, "%s_1", node->type->name));
+        shared->name = new_name(flat, node->name ? node->name : node->type->name);
     }
+}
+
+static bool is_same_word(const char *a, const char *b)
+{
+    size_t length = eval_word_length(a);
+    return length == eval_word_length(b) && memcmp(a, b, length) == 0;
+}
+
+/* What an instance without a name is called after, where that is neither the node that all of it comes from nor its type; else NULL. */
+static const char *word_between(const EvalNode *node)
+{
+    const EvalNode *origin = origin_of(node), *named = node;
+    while (named != origin && !named->name) named = named->prototype;
+    if (node->name || named == origin || (origin->name && is_same_word(named->name, origin->name))) return NULL;
+    return named->name;
+}
+
+static const Alias *find_alias(const Shared *origin, const char *declared)
+{
+    const Alias *alias = origin->aliases;
+    while (alias && strcmp(alias->declared, declared) != 0) alias = alias->next;
+    return alias;
 }
 
 /* ---- values ---- */
@@ -470,9 +501,9 @@ static void print_statement(Flat *flat, const EvalNode *node)
     const Shared *own = shared_find(flat, node), *origin = node->prototype ? shared_find(flat, origin_of(node)) : NULL;
     if (origin || (own && own->prototype)) {
         const Shared *word = origin ? origin : own;
-        buf_add(flat->out, word->name);
-        bool named = node->name && word->node != node && strcmp(node->name, word->node->name ? word->node->name : "") != 0;
-        if (named) buf_format(flat->out, " %s", own && own->name ? own->name : new_name(flat, node->name));
+        const char *between = origin ? word_between(node) : NULL;
+        buf_add(flat->out, between ? find_alias(word, between)->name : word->name);
+        if (node->name) buf_format(flat->out, " %s", own && origin && own->name ? own->name : new_name(flat, node->name));
         print_body(flat, node, word->node, true);
         return;
     }
@@ -502,6 +533,19 @@ static void declare(Flat *flat, const EvalNode *node)
     buf_add(flat->out, "\n");
 }
 
+/* Also under the name between, where an instance that is placed has its name from there. */
+static void declare_origin(Flat *flat, const EvalNode *node, bool placed)
+{
+    declare(flat, origin_of(node));
+    const char *between = placed ? word_between(node) : NULL;
+    Shared *origin = shared_find(flat, origin_of(node));
+    if (!between || find_alias(origin, between)) return;
+    Alias *alias = ARENA_ARRAY(flat->arena, Alias, 1);
+    *alias = (Alias){between, new_name(flat, between), origin->aliases};
+    origin->aliases = alias;
+    buf_format(flat->out, "let %s = %s { }\n", alias->name, origin->name);
+}
+
 /* whole: with all of its properties and children, and not as an instance of a prototype. */
 static void declare_needs(Flat *flat, const EvalNode *node, bool whole)
 {
@@ -511,7 +555,7 @@ static void declare_needs(Flat *flat, const EvalNode *node, bool whole)
         for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++) declare(flat, prop->as.list.nodes[k]);
     }
     if (node->prototype && !whole) {
-        declare(flat, origin_of(node));
+        declare_origin(flat, node, node->type->flags & NODE_PLACED);
         return;
     }
     for (size_t i = 0; i < node->n_children; i++) declare_needs(flat, node->children[i], false);

@@ -90,17 +90,25 @@ void *room_for_one(Arena *arena, void *items, uint32_t n, uint32_t *capacity, si
 
 /* ---- what all builders use ---- */
 
+const char *build_word(Builder *b, const EvalNode *node)
+{
+    size_t length = node->name ? eval_word_length(node->name) : 0;
+    bool is_type = length == strlen(node->type->name) && memcmp(node->name, node->type->name, length) == 0;
+    return length && !is_type ? arena_copy_text(b->arena, node->name, length) : NULL;
+}
+
 const char *build_name(Builder *b, const EvalNode *node, const char *word)
 {
     const char *declared = node->name;
     for (const EvalNode *p = node; !declared && p; p = p->prototype) declared = p->name;
     bool own = node->name != NULL;
     const char *base = declared ? declared : word;
-    uint32_t *count = map_find(b->arena, &b->names, base, strlen(base), 0);
+    size_t length = eval_word_length(base);
+    uint32_t *count = map_find(b->arena, &b->names, base, length, 0);
     ++*count;
     /* a name that was declared stays as it is unless it was declared in a loop or a macro before */
-    if (own && *count == 1) return arena_copy_text(b->arena, base, strlen(base));
-    return arena_format(b->arena, "%s %u", base, (unsigned)*count);
+    if (own && *count == 1) return arena_copy_text(b->arena, base, length);
+    return arena_format(b->arena, "%.*s %u", (int)length, base, (unsigned)*count);
 }
 
 void build_note_file(Builder *b, const char *path)

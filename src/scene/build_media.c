@@ -202,7 +202,8 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     uint32_t known = *build_row_of(b, &b->media, node, scene->n_media, &found);
     if (found) return known;
     SceneMedium medium = {.span = build_author_place(b, node), .ior = spectrum_constant(1), .state = state_of(node)};
-    medium.name = node->name ? arena_copy_text(b->arena, node->name, strlen(node->name)) : nameless;
+    medium.name = build_word(b, node);
+    if (!medium.name) medium.name = nameless;
     const EvalProp *ior = eval_prop(node, "ior");
     if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
     mixing_of(b, node, &medium);

@@ -107,6 +107,8 @@ ATTR_NODISCARD Status build_at_moment(const SceneText *text, const SceneOptions 
                                       Buf *printed, SceneInstant *instant, Error *error);
 /* Builds a placed node, and what is in it; without lights and cameras when only_shapes is set. */
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent);
+/* What a node was called in the scene, for good; NULL: nothing. */
+const char *build_word(Builder *b, const EvalNode *node);
 /* A name of its own for every thing: as declared, or the word with a number. */
 const char *build_name(Builder *b, const EvalNode *node, const char *word);
 /* Notes a file that was read. */

@@ -456,8 +456,8 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
     bool found;
     uint32_t known = *build_row_of(b, &b->surfaces, node, b->scene->n_surfaces, &found);
     if (found) return known;
-    const char *name = node->name ? node->name : "surface";
-    SceneSurface surface = plain_surface(arena_copy_text(b->arena, name, strlen(name)), 0);
+    const char *name = build_word(b, node);
+    SceneSurface surface = plain_surface(name ? name : "surface", 0);
     if (!eval_prop(node, "emission"))
         build_needs(b, node, "radiance", "without an 'emission'");
     else if (eval_prop(node, "emission")->textured)

@@ -34,11 +34,7 @@ NestState scene_mixing_state(const SceneMedium *medium, bool is_world)
 uint64_t scene_texture_identity(const Scene *scene, uint32_t object)
 {
     const char *name = scene->objects[scene_whole(scene, object)].name;
-    size_t length = strlen(name), digits = length;
-    while (digits > 0 && name[digits - 1] >= '0' && name[digits - 1] <= '9') digits--;
-    if (digits == length || digits < 2 || name[digits - 1] != '_') return hash_bytes(name, length, 0);
-    uint64_t word = hash_bytes(name, digits - 1, 0);
-    return hash_bytes_more(hash_bytes_more(word, " ", 1), name + digits, length - digits);
+    return hash_bytes(name, strlen(name), 0);
 }
 
 /* Around a circle of radius r about the y axis at height y: an image of a circle reaches as far along each axis as the

@@ -341,8 +341,7 @@ static inline bool scene_is_pane(const Scene *scene, uint32_t object)
            surface->spec.transmission_weight > 0 && surface->spec.specular_roughness < 0.03f;
 }
 /* What tells an object from others where textures vary: its name, which neither layout nor objects behind it change; an
- * operand has that of the whole. Of "board 2", which a loop made, and "board_2", as which a flat dump writes it, it is the
- * same. */
+ * operand has that of the whole. */
 uint64_t scene_texture_identity(const Scene *scene, uint32_t object);
 /* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
 static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)

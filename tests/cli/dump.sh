@@ -42,7 +42,7 @@ SCENE
 same_flat shared.mns
 run dump shared.mns
 says out 'let s = surface { '
-says out 'sphere bead_3 { '
+says out 'sphere bead__3 { '
 says out 'ball { interior = air  surface = none  matrix('
 says_not out 'for ('
 end
@@ -97,7 +97,41 @@ environment { }
 SCENE
 same_flat boards.mns
 run dump boards.mns
-says out 'box board_4 { '
+says out 'box board__4 { '
+end
+
+begin "dump --flat: what is placed is called as in the scene, also what prototypes of one name, or one under several names, are made of"
+cat > names.mns <<'SCENE'
+meniscus 1.0 unit cm
+let wood = surface { albedo = variation { } }
+box board { size = <1, 1, 1>  surface = wood  translate(<-9, -4, 0>) }
+board { translate(<2, 0, 0>) }
+let plain = [box { size = <1, 1, 1>  surface = wood }]
+for (i in 0..2) {
+  let board = box { size = <1, 1.5, 1>  surface = wood  translate(<2 * i, 0, 0>) }
+  board { translate(<0, -4, 0>) }
+  let plank = board { translate(<0, 4, 0>) }
+  plank { }
+  let nameless = plain[0]
+  nameless { translate(<2 * i, 2, 0>) }
+  let crate = surface { albedo = noise { vary = 3 } }
+  sphere { surface = crate  translate(<-4 - 2 * i, 0, 0>) }
+  sphere { surface = crate  translate(<-4 - 2 * i, 2, 0>) }
+}
+let stack = group { for (i in 0..1) { box board { size = <1, 1, 1>  surface = wood  translate(<2 * i, 6, 0>) } } }
+stack { }
+stack { translate(<-6, 0, 0>) }
+camera { from = <0, 0, 30>  to = <0, 0, 0> }
+environment { }
+film { size = <32, 24>  aovs = ["object", "cryptomatte"] }
+SCENE
+same_flat names.mns
+says out 'let board__'
+says out 'let plank = board'
+run render names.mns -s 2 -q -o names.exr
+mv flat.mns names.mns
+run render names.mns -s 2 -q -o flat.exr
+cmp -s names.exr flat.exr || flunk "the pictures differ, or the names in them"
 end
 
 begin "dump --flat: functions become defs, with the values that they saw"
@@ -134,9 +168,9 @@ def lean2(p) = max(0, .5 + lean(p))
 SCENE
 same_flat functions.mns
 run dump functions.mns
-says out 'def length_2(p) = sqrt(dot(p, p))'
-says out 'def lumpy_2(p) = '
-says out 'def at_2(x, y, z) = let (p = <x, y, z>) max(length_2(p) - 0.4 - (let (q = 0.4) q), -z)'
+says out 'def length__2(p) = sqrt(dot(p, p))'
+says out 'def lumpy__2(p) = '
+says out 'def at__2(x, y, z) = let (p = <x, y, z>) max(length__2(p) - 0.4 - (let (q = 0.4) q), -z)'
 [ "$(grep -c '^def length' out)" -eq 2 ] || flunk "a function that is the same is written twice"
 says_not out 'bumps'
 # what is no number, vector or text

@@ -42,7 +42,7 @@ exits 0
 says out 'let ball = sphere { radius = 7 '
 says out 'sphere { radius = 3 '
 says out 'size = <5, 5, 5>'
-says out 'sphere bead_2 { radius = 4 '
+says out 'sphere bead__2 { radius = 4 '
 says out 'film { size = <8, 8> }'
 run dump nodes.mns --set sphere.radius=6
 says_not out 'radius = 3'
