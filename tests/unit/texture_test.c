@@ -135,6 +135,25 @@ static void pictures_are_upright(void **state)
     }
 }
 
+/* A box that is mirrored shows the mirrored picture, as everything else does. */
+static void pictures_are_mirrored(void **state)
+{
+    (void)state;
+    static const char *const sideways = ON("box { size = <4, 4, 4> scale(<-1, 1, 1>)", "");
+    expect(sideways, "<1, 1, 9>", "<1, 1, 0>", RED);
+    expect(sideways, "<-1, 1, 9>", "<-1, 1, 0>", GREEN);
+    expect(sideways, "<1, -1, 9>", "<1, -1, 0>", BLUE);
+    expect(sideways, "<-9, 1, 1>", "<0, 1, 1>", RED);
+    expect(sideways, "<-9, 1, -1>", "<0, 1, -1>", GREEN);
+    expect(sideways, "<1, 9, -1>", "<1, 0, -1>", RED);
+    expect(sideways, "<1, 9, 1>", "<1, 0, 1>", BLUE);
+    static const char *const below = ON("box { size = <4, 4, 4> scale(<1, -1, 1>)", "");
+    expect(below, "<-1, -1, 9>", "<-1, -1, 0>", RED);
+    expect(below, "<1, -1, 9>", "<1, -1, 0>", GREEN);
+    expect(below, "<-1, -9, -1>", "<-1, 0, -1>", RED);
+    expect(below, "<-1, -9, 1>", "<-1, 0, 1>", BLUE);
+}
+
 /* Around: u goes to the right from +x, so the middle of the picture is at -x. */
 static void pictures_go_round(void **state)
 {
@@ -414,6 +433,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_upright),
+        cmocka_unit_test(pictures_are_mirrored),
         cmocka_unit_test(pictures_go_round),
         cmocka_unit_test(textures_stay_on_objects),
         cmocka_unit_test(transforms_apply_in_order),
