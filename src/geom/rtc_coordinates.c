@@ -60,9 +60,13 @@ void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool
 void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2])
 {
     const RtcPlaced *object = &scene->objects[hit->object];
-    uv[0] = hit->u;
-    uv[1] = hit->v;
-    if (object->is_mesh) return;
+    if (object->is_mesh) {
+        RtcCoordinates at = {.uv = {hit->u, hit->v}};
+        mesh_coordinates(object, hit, true, &at);
+        uv[0] = at.uv[0];
+        uv[1] = at.uv[1];
+        return;
+    }
     Affine to_local = rtc_to_local(scene, object, ray->time);
     PieceRoot root;
     piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),

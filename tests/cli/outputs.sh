@@ -241,6 +241,21 @@ exits 2
 says err "'sometimes' is not one of on or off"
 end
 
+begin "aov: the coordinates of a mesh are those of its file"
+printf '%s\n' 'v -2 -2 0' 'v 2 -2 0' 'v 2 2 0' 'v -2 2 0' 'vt .25 0' 'vt .75 0' 'vt .75 1' 'vt .25 1' 'f 1/1 2/2 3/3' 'f 1/1 3/3 4/4' > square.obj
+cat > square.mns <<'SCENE'
+meniscus 1.0 unit cm
+mesh { file = "square.obj"  surface = surface { } }
+environment { }
+camera { projection = orthographic  width = 2  from = <0, 0, 5>  to = <0, 0, 0> }
+film { size = <101, 101>  aovs = "uv" }
+SCENE
+run render square.mns --pixel 25,50 -s 16 -q
+exits 0
+matches out '^uv\.U 0\.43[78]'
+matches out '^uv\.V 0\.(49|50)'
+end
+
 begin "aov: further channels"
 small_scene
 run render small.mns -o plain.exr
