@@ -111,15 +111,12 @@ static void hints_name_what_there_is(void **state)
 {
     (void)state;
 #define HABIT_DIRECTIVE(word, form, pattern)
-#define HABIT_BLOCK(word, text)
 #define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
 #define HABIT_HOLDS(node)
 #define HABIT_IMPORT(word)
 #define HABIT_STATEMENT(word, text)
-#define HABIT_WORD(word, text)
-#define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_UNIT(word, unit)
@@ -130,6 +127,7 @@ static void hints_name_what_there_is(void **state)
         const char *node, *names;
     } hints[] = {
 #include "lang/habits.def"
+#include "lang/habit_properties.def"
     };
     assert_true(COUNT_OF(hints) > 80);
     for (size_t i = 0; i < COUNT_OF(hints); i++)
@@ -158,7 +156,7 @@ static void hints_are_for_what_there_is_not(void **state)
     static const struct {
         const char *nodes, *words;
     } hints[] = {
-#include "lang/habits.def"
+#include "lang/habit_properties.def"
     };
     for (size_t i = 0; i < COUNT_OF(hints); i++) {
         size_t n = 0;
@@ -172,6 +170,22 @@ static void hints_are_for_what_there_is_not(void **state)
             word += length;
         }
     }
+}
+
+/* Nor one for a node that there is. */
+static void other_nodes_are_none_here(void **state)
+{
+    (void)state;
+#define HABIT_BLOCK(words, text)
+#define HABIT_NODE(words, text) words,
+    static const char *const rows[] = {
+#include "lang/habit_nodes.def"
+    };
+    assert_true(COUNT_OF(rows) > 40);
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        for (size_t k = 0; k < scene_schema()->n_nodes; k++)
+            if (habit_is_one_of(rows[i], scene_schema()->nodes[k].name))
+                fail_msg("'%s' is a node", scene_schema()->nodes[k].name);
 }
 
 /* The parser, which knows no schema, is told which nodes hold others: those of the table of nodes, and no more. */
@@ -189,6 +203,7 @@ int main(void)
         cmocka_unit_test(nodes_that_hold_others),
         cmocka_unit_test(hints_name_what_there_is),
         cmocka_unit_test(hints_are_for_what_there_is_not),
+        cmocka_unit_test(other_nodes_are_none_here),
         cmocka_unit_test(names_are_unique_and_documented),
         cmocka_unit_test(defaults_are_in_range),
         cmocka_unit_test(bare_nodes_are_accepted),
