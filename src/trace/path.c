@@ -176,7 +176,7 @@ static bool follow(Path *path, bool first)
     const World *world = tracer->world;
     const bool textured = world->scene->n_textures > 0;
     bool clear = first; /* nothing but boundaries so far */
-    if (UNLIKELY(tracer->notes_sight && world->scatters)) look_ahead(path);
+    if (UNLIKELY(first && tracer->notes_sight && world->scatters)) look_ahead(path);
     for (;; first = false) {
         Event event;
         path_next_event(path, &event);

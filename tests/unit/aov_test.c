@@ -138,6 +138,26 @@ static void looks_are_not_counted(void **state)
     }
 }
 
+/* Where media scatter and wavelengths part, the second path of a sample begins in the middle: what it meets there is not seen first. */
+static void what_parts_is_seen_once(void **state)
+{
+    (void)state;
+    Fixture f;
+    Image image;
+    render(FIXTURE_MEDIA "medium flint { ior = cauchy(1.6, .02) } medium mist { mixes = true scattering = .01 } "
+                         "sphere ball { interior = flint radius = 4 } sphere { interior = mist radius = 20 } "
+                         "box wall { from = <-99, -99, -9> to = <99, 99, -8> surface = surface { } } "
+                         "camera { from = <0, 0, 100> to = <0, 0, 0> fov = 5 } environment { }",
+           ALL, 1, &f, &image);
+    uint32_t m = SIDE / 2;
+    assert_true(value(&image, m, m - 4, "CryptoObject00.R") == (double)aov_id_float(aov_id("ball")));
+    assert_near(value(&image, m, m - 4, "CryptoObject00.G"), 1, 0);
+    assert_true(value(&image, m, m - 4, "Z") > 96 && value(&image, m, m - 4, "Z") < 98);
+    assert_true(value(&image, m, m - 4, "P.Z") > 3);
+    image_clear(&image);
+    fixture_clear(&f);
+}
+
 /* Of a combination the whole counts, and of silent surfaces none. */
 static void what_is_seen_first(void **state)
 {
@@ -190,7 +210,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(channels_hold_what_they_say),   cmocka_unit_test(mattes_add_up),
-        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(looks_are_not_counted),
+        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(looks_are_not_counted),         cmocka_unit_test(what_parts_is_seen_once),
         cmocka_unit_test(what_is_seen_first),
         cmocka_unit_test(names_are_hashed_as_others_do), cmocka_unit_test(scenes_name_them),
     };
