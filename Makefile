@@ -347,7 +347,7 @@ format: ## lay the source out with clang-format
 DUMPS := $(if $(shell $(CC) --version | grep -i 'gcc\|free software foundation'),-fdump-tree-slp1 -fdump-tree-slp2 -fdump-tree-vect)
 lint: ## warnings as errors, layers, manual pages
 	$(MAKE) BUILD=build/lint WERROR=-Werror CFLAGS='$(CFLAGS) $(DUMPS)' build/lint/libmeniscus.a build/lint/meniscus
-	$(if $(DUMPS),awk -f tests/roundtrips.awk $$(find build/lint -name '*.slp[12]' -o -name '*.vect'))
+	$(if $(DUMPS),awk -f tests/roundtrips.awk $$(find build/lint -name '*.slp[12]' -o -name '*.vect') < /dev/null)
 	@if command -v clang >/dev/null; then for f in $(filter-out src/cli/%.cpp,$(SOURCES)); do \
 	  clang $(CPPFLAGS_ALL) $(CHAFA_CFLAGS) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only $$f || exit 1; done; \
 	  echo "lint: clang has nothing to say"; else echo "lint: no clang here, skipped"; fi
