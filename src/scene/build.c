@@ -337,14 +337,14 @@ static void check_world(Builder *b, bool distant)
                                          medium->name);
         diag_hint(b->diag, report, "leave 'mixes' out, or put it into an object");
     }
-    if (medium->density && !(medium->density->outside > 0)) return;
+    if (!scene_medium_is_endless(medium)) return;
     if ((medium->absorbs || medium->scatters) && distant) {
         Diagnostic *report = diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, medium->span,
                                          "the world's medium '%s' %s, so that no light from infinitely far arrives",
                                          medium->name, medium->absorbs ? "absorbs" : "scatters");
         diag_hint(b->diag, report, "fill a box with it, around what is seen; with mixes = true that may reach into the ground");
     }
-    if (medium->emits && !medium->absorbs && !medium->scatters)
+    if (scene_medium_adds_up(medium))
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, medium->span,
                     "the world's medium '%s' shines and lets all light through: it is infinitely bright", medium->name);
 }

@@ -194,6 +194,23 @@ static void report_circles(const CompiledScene *compiled, Diag *diag)
     }
 }
 
+/* As of the world's medium, see check_world in build.c. */
+static void report_endless_light(const CompiledScene *compiled, Diag *diag)
+{
+    const Scene *scene = compiled->scene;
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) {
+        const SceneObject *object = &scene->objects[compiled->object_of_hull[h]];
+        if (!compiled->unbounded[h] || object->medium == SCENE_NONE) continue;
+        const SceneMedium *medium = &scene->media[object->medium];
+        if (!scene_medium_is_endless(medium) || !scene_medium_adds_up(medium)) continue;
+        Diagnostic *report = diag_report(diag, D_VALUE_OUT_OF_RANGE, object->span,
+                                         "%s has no end, and its medium '%s' shines and lets all light through: it is "
+                                         "infinitely bright",
+                                         object->name, medium->name);
+        diag_hint(diag, report, "let the medium absorb, or take a box of it");
+    }
+}
+
 static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Diag *diag, Error *error)
 {
     TRY(number_hulls(compiled, error));
@@ -207,6 +224,7 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
     TRY(build_order(compiled, policy, error));
     if (compiled->csg.n_trees) TRY(nest_order_combine(&compiled->order, &compiled->csg, error));
     if (diag) report_circles(compiled, diag);
+    if (diag) report_endless_light(compiled, diag);
     for (size_t i = 0; i < compiled->n_pairs; i++) { /* hulls are numbered in the order of objects, so a < b still */
         compiled->pairs[i].a = compiled->object_of_hull[compiled->pairs[i].a];
         compiled->pairs[i].b = compiled->object_of_hull[compiled->pairs[i].b];

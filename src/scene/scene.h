@@ -60,6 +60,16 @@ typedef struct SurfaceTexture {
 /* The state of matter by which media mix: one that does is where the owner of the place is of its own state. What states
  * none is taken for gas where it mixes, is the world's, or bends light as little as gases do. */
 NestState scene_mixing_state(const SceneMedium *medium, bool is_world);
+/* Whether it goes on without end in an object that does: its density does not end. */
+static inline bool scene_medium_is_endless(const SceneMedium *medium)
+{
+    return !medium->density || medium->density->outside > 0;
+}
+/* Whether all light that it gives off arrives, from however far. */
+static inline bool scene_medium_adds_up(const SceneMedium *medium)
+{
+    return medium->emits && !medium->absorbs && !medium->scatters;
+}
 
 /* The frame of an object whose medium varies from place to place: where its node's own coordinates are in the world. */
 typedef struct SceneFrame {
