@@ -117,3 +117,4 @@ for words, hint in re.findall(r'^HABIT_(?:BLOCK|NODE)\("([^"]*)", "((?:[^"\\]|\\
 print(len(seen), "words", *problems, sep="\n")
 sys.exit(bool(problems) or len(seen) < 200)
 PYTHON
+end

@@ -18,13 +18,14 @@ TERM=dumb
 LC_ALL=C
 export TERM LC_ALL
 
-n_passed=0 n_failed=0 name='' failed=''
+n_passed=0 n_failed=0 name='' failed='' is_open=''
 
 # begin NAME: a test; what follows up to end belongs to it
-begin() { name=$1 failed=''; rm -rf "$scratch/work"; mkdir "$scratch/work"; cd "$scratch/work" || exit 2; }
+begin() { ended; name=$1 failed='' is_open=yes; rm -rf "$scratch/work"; mkdir "$scratch/work"; cd "$scratch/work" || exit 2; }
 flunk() { failed="$failed
 # $*"; }
 end() {
+    is_open=''
     if [ -z "$failed" ]; then
         n_passed=$((n_passed + 1))
         echo "ok $((n_passed + n_failed)) - $name"
@@ -35,6 +36,8 @@ end() {
         [ -s err ] && sed 's/^/#   err: /' err | head -20
     fi
 }
+# a test that nothing ends would count for nothing
+ended() { [ -z "$is_open" ] || { flunk "it has no end"; end; }; }
 # run ARGUMENT...: the program; leaves the files out and err, and $status
 run() {
     "$program" "$@" > out 2> err < /dev/null
@@ -149,6 +152,6 @@ if [ $# -eq 0 ]; then
         [ "$part" = run ] || set -- "$@" "$part"
     done
 fi
-for part; do . "$folder/$part.sh"; done
+for part; do . "$folder/$part.sh"; ended; done
 echo "$n_passed passed, $n_failed failed"
 [ $n_failed -eq 0 ]
