@@ -342,9 +342,9 @@ FORMATTED := $(wildcard src/*/*.[ch] src/*/*.cpp tests/unit/*.[ch] tests/truth/*
 format: ## lay the source out with clang-format
 	clang-format -i $(FORMATTED)
 
-# Warnings are errors here, with both compilers where clang is installed; nothing is kept.
 # What gcc makes of each file, for roundtrips.awk; clang drops no rounding.
-DUMPS := $(if $(shell $(CC) --version | grep -i 'gcc\|free software foundation'),-fdump-tree-slp1 -fdump-tree-slp2 -fdump-tree-vect)
+DUMPS = $(if $(shell $(CC) --version | grep -i 'gcc\|free software foundation'),-fdump-tree-slp1 -fdump-tree-slp2 -fdump-tree-vect)
+# Warnings are errors here, with both compilers where clang is installed; nothing is kept.
 lint: ## warnings as errors, layers, manual pages
 	$(MAKE) BUILD=build/lint WERROR=-Werror CFLAGS='$(CFLAGS) $(DUMPS)' build/lint/libmeniscus.a build/lint/meniscus
 	$(if $(DUMPS),awk -f tests/roundtrips.awk $$(find build/lint -name '*.slp[12]' -o -name '*.vect') < /dev/null)

@@ -93,6 +93,11 @@ static inline Vec3 affine_area(const Affine *a, Vec3 n)
          z = vec3(a->m[0][2], a->m[1][2], a->m[2][2]);
     return vec3_along(vec3_along(vec3_scale(vec3_cross(y, z), n.x), n.y, vec3_cross(z, x)), n.z, vec3_cross(x, y));
 }
+/* The same along it in any case, of a map that is known to mirror or not to: from a direction outward to one outward behind it. */
+static inline Vec3 affine_outward(const Affine *a, bool mirrors, Vec3 n)
+{
+    return vec3_scale(affine_area(a, n), mirrors ? -1 : 1);
+}
 /* The map at a time 0..1, of n >= 2 maps that are evenly spread over it; linear between them, entry by entry. */
 Affine affine_between(const Affine *keys, uint32_t n, double time);
 /* first b, then a */

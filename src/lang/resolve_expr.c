@@ -44,9 +44,9 @@ static Words visible_words(const Resolver *resolver, bool functions, bool nodes)
 
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes)
 {
-    const char *block = nodes ? habit_node(wrong->text) : NULL, *word = nodes ? NULL : habit_word(wrong->text);
-    if (block || word) {
-        diag_hint(resolver->diag, report, block ? "%s" : "write: %s", block ? block : word);
+    const char *node = nodes ? habit_node(wrong->text) : NULL, *word = nodes ? NULL : habit_word(wrong->text);
+    if (node || word) {
+        diag_hint(resolver->diag, report, node ? "%s" : "write: %s", node ? node : word);
         return;
     }
     Words words = visible_words(resolver, functions, nodes);

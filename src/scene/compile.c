@@ -223,8 +223,10 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
                        error));
     TRY(build_order(compiled, policy, error));
     if (compiled->csg.n_trees) TRY(nest_order_combine(&compiled->order, &compiled->csg, error));
-    if (diag) report_circles(compiled, diag);
-    if (diag) report_endless_light(compiled, diag);
+    if (diag) {
+        report_circles(compiled, diag);
+        report_endless_light(compiled, diag);
+    }
     for (size_t i = 0; i < compiled->n_pairs; i++) { /* hulls are numbered in the order of objects, so a < b still */
         compiled->pairs[i].a = compiled->object_of_hull[compiled->pairs[i].a];
         compiled->pairs[i].b = compiled->object_of_hull[compiled->pairs[i].b];

@@ -109,9 +109,8 @@ static void add_relief(const Path *path, const Event *event, const SceneSurface 
     bool front = event->hit.entering;
     Affine to_world;
     if (!affine_invert(view->to_texture, &to_world)) return;
-    double sign = view->mirrored ? -1 : 1;
     Vec3 outward = vec3_from_f(front ? place->normal : vec3f_negate(place->normal));
-    Vec3 n = vec3_scale(vec3_normalize(affine_area(view->to_texture, outward)), sign);
+    Vec3 n = vec3_normalize(affine_outward(view->to_texture, view->mirrored, outward));
     if (surface->normal_map != SCENE_NONE) n = normal_of_map(world->scene, surface, view, n);
     if (surface->bump != SCENE_NONE) {
         Vec3 slope = slope_of_bump(world, surface, view);

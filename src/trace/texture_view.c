@@ -2,12 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/texture_view.h"
 
-/* The direction that a map sends a normal to, which shows outward behind one that mirrors, too. */
-static Vec3 outward_behind(const Affine *map, Vec3 normal)
-{
-    return vec3_scale(affine_area(map, normal), affine_determinant(map) < 0 ? -1 : 1);
-}
-
 /* The uv of a mesh without any: each side of the box around it is 0..1, to the right and up seen from outside. */
 static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place,
                       Vec3 *du, Vec3 *dv)
@@ -41,7 +35,8 @@ static void view_uv(const SceneTextureFrame *frame, const RtcCoordinates *at, Ve
     if (at->has_uv)
         for (int i = 0; i < 2; i++) place->uv[i] = at->uv[i];
     else
-        uv_of_box(frame, at, outward_behind(&at->to_local, outward), place, &du, &dv);
+        uv_of_box(frame, at, affine_outward(&at->to_local, affine_determinant(&at->to_local) < 0, outward), place, &du,
+                  &dv);
     place->du = frame->moved ? vec3_scale(affine_area(&frame->from_shape, du), frame->inverse) : du;
     place->dv = frame->moved ? vec3_scale(affine_area(&frame->from_shape, dv), frame->inverse) : dv;
 }
@@ -72,8 +67,8 @@ static void view_object(const World *world, const SceneSurface *surface, const R
         view->composed = affine_compose(&frame->from_shape, &at->to_local);
         view->to_texture = &view->composed;
     }
-    Vec3 outward = vec3_from_f(hit->normal), normal = outward_behind(view->to_texture, outward);
     view->mirrored = affine_determinant(view->to_texture) < 0;
+    Vec3 outward = vec3_from_f(hit->normal), normal = affine_outward(view->to_texture, view->mirrored, outward);
     if (surface->textures_use_uv) {
         view_uv(frame, at, outward, place);
     } else {

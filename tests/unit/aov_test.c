@@ -210,8 +210,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(channels_hold_what_they_say),   cmocka_unit_test(mattes_add_up),
-        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(looks_are_not_counted),         cmocka_unit_test(what_parts_is_seen_once),
-        cmocka_unit_test(what_is_seen_first),
+        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(looks_are_not_counted),
+        cmocka_unit_test(what_parts_is_seen_once),       cmocka_unit_test(what_is_seen_first),
         cmocka_unit_test(names_are_hashed_as_others_do), cmocka_unit_test(scenes_name_them),
     };
     return cmocka_run_group_tests_name("aov", tests, NULL, NULL);

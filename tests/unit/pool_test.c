@@ -46,7 +46,7 @@ static void every_task_is_run_once(void **state)
         Pool *pool = NULL;
         assert_int_equal(pool_new(threads, &pool, NULL), STATUS_OK);
         assert_int_equal(pool_threads(pool), threads);
-        for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        for (size_t s = 0; s < COUNT_OF(sizes); s++) {
             memset(&work, 0, sizeof work);
             work.n = sizes[s];
             work.slow = threads > 1 ? (unsigned)s % threads : MOST_THREADS; /* the others take what it leaves */
@@ -93,8 +93,7 @@ static void quotas_of_control_groups(void **state)
 {
     (void)state;
     const char *folders[] = {"a", "a/b", "cpu,cpuacct", "cpu,cpuacct/job"};
-    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
-        assert_int_equal(mkdir(in_folder(folders[i]), 0700), 0);
+    for (size_t i = 0; i < COUNT_OF(folders); i++) assert_int_equal(mkdir(in_folder(folders[i]), 0700), 0);
     assert_true(quota_of("0::/a/b\n") == 0); /* nobody says anything */
     write_text("a/b/cpu.max", "max 100000\n");
     assert_true(quota_of("0::/a/b\n") == 0);
