@@ -77,21 +77,45 @@ static bool has_pairs(const Film *film, const uint32_t crop[4])
     return true;
 }
 
-double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4])
+typedef struct Judgement {
+    const Film *film;
+    const Spread *spread; /* NULL: none */
+    const Evenness *evenness;
+    const uint32_t *crop;
+    double *sums; /* of the noise, of each row */
+} Judgement;
+
+static void judge_row(void *context, uint32_t row, unsigned worker)
 {
+    const Judgement *j = context;
+    (void)worker;
+    uint32_t y = j->crop[1] + row;
     double sum = 0;
-    uint64_t n = 0;
+    for (uint32_t x = j->crop[0]; x < j->crop[2]; x++) {
+        double error = pixel_error(j->film, j->evenness, x, y) / sqrt(film_pixel(j->film, x, y)->n);
+        if (j->spread) error = error_after(error, j->spread, x, y);
+        sum += relative(error, luminance_around(j->film, j->crop, x, y));
+    }
+    j->sums[row] = sum;
+}
+
+double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4], Pool *pool)
+{
     Evenness evenness;
+    Error unused; /* the picture is not to suffer */
+    uint32_t height = crop[3] - crop[1];
     if (film->first_sample || !has_pairs(film, crop)) return -1;
-    Error unused;
-    if (evenness_init(&evenness, film, crop, &unused) != STATUS_OK) return -1; /* the picture is not to suffer */
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++, n++) {
-            double error = pixel_error(film, &evenness, x, y) / sqrt(film_pixel(film, x, y)->n);
-            if (spread) error = error_after(error, spread, x, y);
-            sum += relative(error, luminance_around(film, crop, x, y));
-        }
+    double *sums = malloc((height + 1U) * sizeof *sums), sum = 0;
+    if (!sums || evenness_init(&evenness, film, crop, pool, &unused) != STATUS_OK) {
+        free(sums);
+        return -1;
+    }
+    Judgement judgement = {film, spread, &evenness, crop, sums};
+    pool_run(pool, height, judge_row, &judgement);
+    for (uint32_t row = 0; row < height; row++) sum += sums[row];
     evenness_clear(&evenness);
+    free(sums);
+    uint64_t n = (uint64_t)height * (crop[2] - crop[0]);
     return n ? sum / (double)n : -1;
 }
 
@@ -124,43 +148,60 @@ static uint32_t next_step(uint32_t n, double least)
     return step;
 }
 
+typedef struct Reading {
+    const Adapt *adapt;
+    const Film *film;
+    const Evenness *evenness;
+} Reading;
+
+static void read_row(void *context, uint32_t row, unsigned worker)
+{
+    const Reading *reading = context;
+    (void)worker;
+    const uint32_t *crop = reading->adapt->crop;
+    float *const *maps = reading->adapt->maps;
+    size_t i = (size_t)row * (crop[2] - crop[0]);
+    for (uint32_t x = crop[0], y = crop[1] + row; x < crop[2]; x++, i++) {
+        const FilmPixel *pixel = film_pixel(reading->film, x, y);
+        double mean, of_samples;
+        film_luminance(pixel, &mean, &of_samples);
+        maps[ADAPT_FAR_ERROR][i] = (float)mean; /* the luminance, for now */
+        maps[ADAPT_DEVIATION][i] = (float)(of_samples * sqrt(pixel->n));
+        maps[ADAPT_ERROR][i] = (float)pixel_error(reading->film, reading->evenness, x, y);
+    }
+}
+
 /* What every pixel's neighbours say of it: those close by, and more around where wide is not 0. */
-static Status make_maps(Adapt *adapt, const Film *film, uint32_t near, uint32_t wide, Error *error)
+static Status make_maps(Adapt *adapt, const Film *film, uint32_t near, uint32_t wide, Pool *pool, Error *error)
 {
     Evenness evenness;
-    TRY(evenness_init(&evenness, film, adapt->crop, error));
+    TRY(evenness_init(&evenness, film, adapt->crop, pool, error));
     uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
-    float **maps = adapt->maps, *scratch = maps[ADAPT_SCRATCH], *luminance = maps[ADAPT_FAR_ERROR];
-    size_t i = 0;
-    for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
-        for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
-            const FilmPixel *pixel = film_pixel(film, x, y);
-            double mean, of_samples;
-            film_luminance(pixel, &mean, &of_samples);
-            luminance[i] = (float)mean;
-            maps[ADAPT_DEVIATION][i] = (float)(of_samples * sqrt(pixel->n));
-            maps[ADAPT_ERROR][i] = (float)pixel_error(film, &evenness, x, y);
-        }
+    size_t n = (size_t)width * height;
+    float **maps = adapt->maps, *scratch = maps[ADAPT_SCRATCH];
+    Reading reading = {adapt, film, &evenness};
+    pool_run(pool, height, read_row, &reading);
     evenness_clear(&evenness);
-    mean_around(luminance, width, height, NEXT, scratch, maps[ADAPT_LUMINANCE]);
-    mean_around(maps[ADAPT_ERROR], width, height, FAR, scratch, maps[ADAPT_FAR_ERROR]);
-    mean_around(maps[ADAPT_DEVIATION], width, height, FAR, scratch, maps[ADAPT_ERROR]);
-    for (size_t j = 0; j < i; j++) {
-        float deviation = maps[ADAPT_ERROR][j];
-        maps[ADAPT_FAR_ERROR][j] = deviation > 0 ? maps[ADAPT_FAR_ERROR][j] / deviation : 0;
+    mean_around(maps[ADAPT_FAR_ERROR], width, height, NEXT, scratch, maps[ADAPT_LUMINANCE], pool);
+    mean_around(maps[ADAPT_ERROR], width, height, FAR, scratch, maps[ADAPT_FAR_ERROR], pool);
+    mean_around(maps[ADAPT_DEVIATION], width, height, FAR, scratch, maps[ADAPT_ERROR], pool);
+    for (size_t i = 0; i < n; i++) {
+        float deviation = maps[ADAPT_ERROR][i];
+        maps[ADAPT_FAR_ERROR][i] = deviation > 0 ? maps[ADAPT_FAR_ERROR][i] / deviation : 0;
     }
-    mean_around(maps[ADAPT_DEVIATION], width, height, near, scratch, maps[ADAPT_NEAR]);
-    mean_around(maps[ADAPT_DEVIATION], width, height, wide ? wide : near, scratch, maps[ADAPT_ERROR]);
-    for (size_t j = 0; j < i; j++)
-        maps[ADAPT_ERROR][j] =
-            fmaxf(maps[ADAPT_NEAR][j], maps[ADAPT_ERROR][j]) * fmaxf(maps[ADAPT_FAR_ERROR][j], 0); /* of rounded sums */
+    mean_around(maps[ADAPT_DEVIATION], width, height, near, scratch, maps[ADAPT_NEAR], pool);
+    mean_around(maps[ADAPT_DEVIATION], width, height, wide ? wide : near, scratch, maps[ADAPT_ERROR], pool);
+    for (size_t i = 0; i < n; i++)
+        maps[ADAPT_ERROR][i] =
+            fmaxf(maps[ADAPT_NEAR][i], maps[ADAPT_ERROR][i]) * fmaxf(maps[ADAPT_FAR_ERROR][i], 0); /* of rounded sums */
     return STATUS_OK;
 }
 
-Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, AdaptPlan *result, Error *error)
+Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, Pool *pool, AdaptPlan *result,
+                  Error *error)
 {
     AdaptPlan plan = {0};
-    TRY(make_maps(adapt, film, NEAR, WIDE, error));
+    TRY(make_maps(adapt, film, NEAR, WIDE, pool, error));
     size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
@@ -221,7 +262,7 @@ static uint32_t step_near(uint32_t n, double samples, uint32_t x, uint32_t y)
 }
 
 /* What numbers of samples are to be in proportion to. */
-static void find_need(Adapt *adapt, const Film *film)
+static void find_need(Adapt *adapt, const Film *film, Pool *pool)
 {
     uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
     float **maps = adapt->maps, *cost = maps[ADAPT_FAR_ERROR];
@@ -231,7 +272,7 @@ static void find_need(Adapt *adapt, const Film *film)
             const FilmPixel *pixel = film_pixel(film, x, y);
             maps[ADAPT_DEVIATION][i] = (float)((double)pixel->rays / pixel->n);
         }
-    mean_around(maps[ADAPT_DEVIATION], width, height, NEXT, maps[ADAPT_SCRATCH], cost);
+    mean_around(maps[ADAPT_DEVIATION], width, height, NEXT, maps[ADAPT_SCRATCH], cost, pool);
     for (size_t j = 0; j < i; j++) {
         double error = relative((double)maps[ADAPT_ERROR][j], (double)maps[ADAPT_LUMINANCE][j]);
         maps[ADAPT_NEAR][j] =
@@ -258,11 +299,11 @@ static double want_shares(Adapt *adapt, double scale, double least, bool now)
     return sum;
 }
 
-Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *plan, Error *error)
+Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, Pool *pool, AdaptPlan *plan, Error *error)
 {
     *plan = (AdaptPlan){0};
-    TRY(make_maps(adapt, film, NEXT, 0, error));
-    find_need(adapt, film);
+    TRY(make_maps(adapt, film, NEXT, 0, pool, error));
+    find_need(adapt, film, pool);
     float *have = adapt->maps[ADAPT_DEVIATION];
     uint32_t width = adapt->crop[2] - adapt->crop[0];
     size_t pixels = (size_t)width * (adapt->crop[3] - adapt->crop[1]);

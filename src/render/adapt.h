@@ -11,13 +11,14 @@
 #ifndef MEN_ADAPT_H
 #define MEN_ADAPT_H
 
+#include "base/pool.h"
 #include "render/film.h"
 #include "render/spread.h"
 
 /* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples,
  * the film does not begin with the first sample, or memory ends. spread: NULL, or of the same pixels, where single bright samples
- * go. */
-double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4]);
+ * go. pool: here and below, NULL, or who shares the work; the same bits for any number of threads. */
+double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4], Pool *pool);
 
 /* Maps: the deviation of a pixel's samples; its error for one sample, as first its halves and at last its neighbours say it;
  * its luminance, as they do; and what is needed on the way. */
@@ -42,12 +43,13 @@ void adapt_clear(Adapt *adapt);
 /* Judges all pixels, which have 2 samples or more, and sets what each wants next: at most twice what it has, at most
  * `most`, and in steps such that the samples of a pixel fill its strata, 2^k or 3 * 2^k of them. A function of the film alone.
  * STATUS_NOMEM. */
-ATTR_NODISCARD Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, AdaptPlan *plan,
-                                 Error *error);
+ATTR_NODISCARD Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, Pool *pool,
+                                 AdaptPlan *plan, Error *error);
 /* The same where not the noise is given but the number of samples: `samples` is to be the mean of all pixels, and each gets the
  * more the larger its error is and the fewer rays its samples take, and at least a quarter of the mean. Each plan looks ahead to
  * that number, or to four times what there is, and gives pixels their shares of it, but only as many as they have; they are asked
  * again then, when more is known. The last plan meets the number to a hundredth. plan->at_most and unmet are 0. */
-ATTR_NODISCARD Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, AdaptPlan *plan, Error *error);
+ATTR_NODISCARD Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, Pool *pool, AdaptPlan *plan,
+                                  Error *error);
 
 #endif

@@ -324,27 +324,42 @@ static uint32_t channel_names(AovSet set, const Image *plain, char (*names)[64])
     return n;
 }
 
-Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Image *image, Error *error)
+/* A picture, and the same with more channels. */
+typedef struct Extension {
+    const AovFilm *aovs;
+    const Film *film;
+    const Image *plain;
+    Image *whole;
+} Extension;
+
+static void extend_row(void *context, uint32_t y, unsigned worker)
+{
+    const Extension *e = context;
+    (void)worker;
+    for (uint32_t x = 0; x < e->plain->width; x++) {
+        float *out = image_at(e->whole, x, y);
+        memcpy(out, image_at(e->plain, x, y), e->plain->n_channels * sizeof *out);
+        out += e->plain->n_channels;
+        for (Aov aov = 0; aov < AOV_COUNT; aov++)
+            if (has(e->aovs->set, aov)) out = put_aov(e->aovs, e->film, (size_t)y * e->plain->width + x, aov, out);
+    }
+}
+
+Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool, Image *image,
+                        Error *error)
 {
     enum { MOST_CHANNELS = 64 };
-    TRY(film_resolve(film, spread, image, error));
+    TRY(film_resolve(film, spread, pool, image, error));
     if (!aovs->set) return STATUS_OK;
     if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
     char names[MOST_CHANNELS][64];
     const char *pointers[MOST_CHANNELS];
-    uint32_t n = channel_names(aovs->set, image, names), n_plain = image->n_channels;
+    uint32_t n = channel_names(aovs->set, image, names);
     for (uint32_t i = 0; i < n; i++) pointers[i] = names[i];
     Image whole_image;
     Status status = image_new(image->width, image->height, pointers, n, &whole_image, error);
-    if (status == STATUS_OK) {
-        for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
-            float *out = whole_image.pixels + i * n;
-            memcpy(out, image->pixels + i * n_plain, n_plain * sizeof *out);
-            out += n_plain;
-            for (Aov aov = 0; aov < AOV_COUNT; aov++)
-                if (has(aovs->set, aov)) out = put_aov(aovs, film, i, aov, out);
-        }
-    }
+    Extension extension = {aovs, film, image, &whole_image};
+    if (status == STATUS_OK) pool_run(pool, image->height, extend_row, &extension);
     image_clear(image);
     if (status == STATUS_OK) *image = whole_image;
     return status;

@@ -41,9 +41,9 @@ void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight
 void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
 bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
 bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y);
-/* The whole picture: the film's channels, and these. spread: see film_resolve. */
-ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Image *image,
-                                       Error *error);
+/* The whole picture: the film's channels, and these. spread, pool: see film_resolve. */
+ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool,
+                                       Image *image, Error *error);
 
 /* Of a pixel, by its number in rows: of a film that keeps guides. */
 void aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES]);

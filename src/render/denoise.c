@@ -62,14 +62,16 @@ typedef struct Planes {
     float *plane[PLANES]; /* where the area begins; PLANE_NOISE: squares of standard errors */
     float *maps[MAPS];
     float *memory;
+    Pool *pool;
 } Planes;
 
-static Status planes_new(Planes *planes, uint32_t width, uint32_t height, Error *error)
+static Status planes_new(Planes *planes, uint32_t width, uint32_t height, Pool *pool, Error *error)
 {
     uint32_t tiles_x = (width + TILE_X - 1) / TILE_X, tiles_y = (height + TILE_Y - 1) / TILE_Y;
     size_t stride = (size_t)tiles_x * TILE_X + 2 * BORDER, size = stride * ((size_t)tiles_y * TILE_Y + 2 * BORDER);
     size_t map_size = (size_t)width * height, bytes = (size * PLANES + map_size * MAPS) * sizeof(float);
-    *planes = (Planes){.width = width, .height = height, .tiles_x = tiles_x, .tiles_y = tiles_y, .stride = stride};
+    *planes = (Planes){
+        .width = width, .height = height, .tiles_x = tiles_x, .tiles_y = tiles_y, .stride = stride, .pool = pool};
     planes->memory = malloc(bytes);
     if (!planes->memory) return fail_memory(error, bytes, "denoising the picture");
     for (size_t i = 0; i < PLANES; i++) planes->plane[i] = planes->memory + i * size + BORDER * stride + BORDER;
@@ -120,7 +122,7 @@ static void fill(const Planes *planes, const Film *film, const AovFilm *aovs, co
 static void blur(const Planes *planes, int map, uint32_t radius)
 {
     float *from = planes->maps[map], *mean = planes->maps[MAP_MEAN];
-    mean_around(from, planes->width, planes->height, radius, planes->maps[MAP_SCRATCH], mean);
+    mean_around(from, planes->width, planes->height, radius, planes->maps[MAP_SCRATCH], mean, planes->pool);
     memcpy(from, mean, (size_t)planes->width * planes->height * sizeof *from);
 }
 
@@ -200,7 +202,7 @@ static void fill_noise(const Planes *planes, const Film *film, const uint32_t ar
             float error = image_at(image, x, y)[channel], own = planes->maps[MAP_OWN][i];
             noise[i] = float_min(error * error, HELD * own * own) * planes->maps[k][i];
         }
-        mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around);
+        mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around, planes->pool);
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++)
             planes->plane[PLANE_NOISE + k][i / planes->width * planes->stride + i % planes->width] =
                 around[i] + OWN_NOISE * (noise[i] - around[i]);
@@ -355,7 +357,7 @@ static void settle(const Planes *planes, const uint32_t area[4], Image *image)
 Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Pool *pool, Image *image, Error *error)
 {
     Planes planes;
-    TRY(planes_new(&planes, area[2] - area[0], area[3] - area[1], error));
+    TRY(planes_new(&planes, area[2] - area[0], area[3] - area[1], pool, error));
     fill(&planes, film, aovs, area, image);
     fill_noise(&planes, film, area, image);
     for (int i = 0; i < PLANES; i++) mirror(&planes, planes.plane[i]);

@@ -75,44 +75,69 @@ double evenness_of_error(const Evenness *evenness, uint32_t x, uint32_t y, uint3
     return 1 + RARE * (exp2(fmin(slope, SLOWEST)) - exp2(BY_CHANCE));
 }
 
-/* Adds what one rung of the pixels' ladders has to do with the slope and the excess of a line through the logarithms of all
- * that alternates, in so far as that comes back. */
-static void add_rung(Evenness *evenness, const Film *film, int rung, float *map, float *scratch, float *mean)
+typedef struct Ladders {
+    Evenness *evenness;
+    const Film *film;
+    uint32_t width;
+    float *rungs[FILM_LADDER]; /* of each pixel's ladder, */
+    int rung;                  /* and the one that counts now: */
+    float *mean;               /* of the pixels around */
+} Ladders;
+
+static void climb_row(void *context, uint32_t row, unsigned worker)
+{
+    const Ladders *ladders = context;
+    const uint32_t *area = ladders->evenness->area;
+    (void)worker;
+    for (uint32_t x = 0; x < ladders->width; x++) {
+        float ladder[FILM_LADDER];
+        film_ladder(film_pixel(ladders->film, area[0] + x, area[1] + row), ladder);
+        for (int rung = 0; rung < FILM_LADDER; rung++)
+            ladders->rungs[rung][(size_t)row * ladders->width + x] = ladder[rung];
+    }
+}
+
+/* Adds what one rung has to do with the slope and the excess of a line through the logarithms of all that alternates, in so
+ * far as that comes back. */
+static void add_rung_to_row(void *context, uint32_t row, unsigned worker)
 {
     static const float straight[FILM_LADDER] = {0.3f, 0.1f, -0.1f, -0.3f},
                        alternating[FILM_LADDER] = {0.25f, 0.25f, -0.25f, -0.25f},
                        excess[FILM_LADDER] = {0.125f, -0.375f, 0.375f, -0.125f};
+    const Ladders *ladders = context;
+    (void)worker;
+    int rung = ladders->rung;
     const float of_line = straight[rung] + COMES_BACK * (alternating[rung] - straight[rung]),
                 of_excess = 2 * COMES_BACK * excess[rung];
-    const uint32_t *area = evenness->area, width = area[2] - area[0], height = area[3] - area[1];
-    size_t n = 0;
-    for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++) {
-            float ladder[FILM_LADDER];
-            film_ladder(film_pixel(film, x, y), ladder);
-            map[n++] = ladder[rung];
-        }
-    mean_around(map, width, height, FAR, scratch, mean);
-    for (size_t i = 0; i < n; i++) {
-        float logarithm = 2 * log2f(mean[i]); /* of squares of mean roots */
-        evenness->slope[i] += of_line * logarithm;
-        evenness->excess[i] += of_excess * logarithm;
+    size_t from = (size_t)row * ladders->width;
+    for (size_t i = from; i < from + ladders->width; i++) {
+        float logarithm = 2 * log2f(ladders->mean[i]); /* of squares of mean roots */
+        ladders->evenness->slope[i] += of_line * logarithm;
+        ladders->evenness->excess[i] += of_excess * logarithm;
     }
 }
 
-Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Error *error)
+Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Pool *pool, Error *error)
 {
     *evenness = (Evenness){.area = {area[0], area[1], area[2], area[3]}};
-    size_t n = (size_t)(area[2] - area[0]) * (area[3] - area[1]);
-    float *maps = malloc(3 * n * sizeof *maps);
+    uint32_t width = area[2] - area[0], height = area[3] - area[1];
+    size_t n = (size_t)width * height;
+    float *maps = malloc((FILM_LADDER + 2) * n * sizeof *maps), *scratch = maps + FILM_LADDER * n;
     evenness->slope = calloc(n, sizeof *evenness->slope);
     evenness->excess = calloc(n, sizeof *evenness->excess);
     if (!maps || !evenness->slope || !evenness->excess) {
         free(maps);
         evenness_clear(evenness);
-        return fail_memory(error, 5 * n * sizeof *maps, "the noise of the picture");
+        return fail_memory(error, (FILM_LADDER + 4) * n * sizeof *maps, "the noise of the picture");
     }
-    for (int rung = 0; rung < FILM_LADDER; rung++) add_rung(evenness, film, rung, maps, maps + n, maps + 2 * n);
+    Ladders ladders = {.evenness = evenness, .film = film, .width = width, .mean = scratch + n};
+    for (int rung = 0; rung < FILM_LADDER; rung++) ladders.rungs[rung] = maps + (size_t)rung * n;
+    pool_run(pool, height, climb_row, &ladders);
+    for (int rung = 0; rung < FILM_LADDER; rung++) {
+        ladders.rung = rung;
+        mean_around(ladders.rungs[rung], width, height, FAR, scratch, ladders.mean, pool);
+        pool_run(pool, height, add_rung_to_row, &ladders);
+    }
     free(maps);
     for (size_t i = 0; i < n; i++)
         if (!isfinite(evenness->slope[i]) || !isfinite(evenness->excess[i])) { /* nothing differs around, or too few */

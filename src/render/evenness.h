@@ -17,6 +17,7 @@
 #ifndef MEN_EVENNESS_H
 #define MEN_EVENNESS_H
 
+#include "base/pool.h"
 #include "render/film.h"
 
 typedef struct Evenness {
@@ -27,8 +28,9 @@ typedef struct Evenness {
     float *excess; /* logarithm of the factor of the last |difference| over those before and behind, which alternate */
 } Evenness;
 
-/* For the pixels from x0, y0 up to but without x1, y1. STATUS_NOMEM. */
-ATTR_NODISCARD Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Error *error);
+/* For the pixels from x0, y0 up to but without x1, y1. pool: NULL, or who shares the work. STATUS_NOMEM. */
+ATTR_NODISCARD Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Pool *pool,
+                                    Error *error);
 void evenness_clear(Evenness *evenness);
 /* What film_spread is to be multiplied by, of n samples, n > 1: for mean errors, and for mean squares, whose root it is, and
  * which few bright samples do not make too small. x, y: within the area. */

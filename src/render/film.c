@@ -202,37 +202,52 @@ void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
     *pixel = sum;
 }
 
+typedef struct Resolve {
+    const Film *film;
+    float *noise; /* of each pixel */
+    Image *image;
+} Resolve;
+
 /* Of samples that heed no other. */
-static void independent_noise(const Film *film, float *noise)
+static void independent_noise_of_row(void *context, uint32_t y, unsigned worker)
 {
-    for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
+    const Resolve *resolve = context;
+    (void)worker;
+    for (uint32_t x = 0; x < resolve->film->width; x++) {
         double mean, standard_error;
-        film_luminance(&film->pixels[i], &mean, &standard_error);
-        noise[i] = (float)fmax(standard_error, 0);
+        film_luminance(film_pixel(resolve->film, x, y), &mean, &standard_error);
+        resolve->noise[(size_t)y * resolve->film->width + x] = (float)fmax(standard_error, 0);
     }
 }
 
-Status film_resolve(const Film *film, const Spread *spread, Image *image, Error *error)
+static void resolve_row(void *context, uint32_t y, unsigned worker)
+{
+    const Resolve *resolve = context;
+    (void)worker;
+    for (uint32_t x = 0; x < resolve->film->width; x++) {
+        const FilmPixel *pixel = film_pixel(resolve->film, x, y);
+        float *out = image_at(resolve->image, x, y);
+        double scale = pixel->n ? 1.0 / pixel->n : 0;
+        for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
+        out[3] = (float)(pixel->alpha * scale);
+        out[4] = resolve->noise[(size_t)y * resolve->film->width + x];
+    }
+}
+
+Status film_resolve(const Film *film, const Spread *spread, Pool *pool, Image *image, Error *error)
 {
     static const char *const names[] = {"R", "G", "B", "A", "noise.Y"};
     float *noise = malloc((size_t)film->width * film->height * sizeof *noise);
     if (!noise)
         return fail_memory(error, (size_t)film->width * film->height * sizeof *noise, "the noise of the picture");
+    Resolve resolve = {film, noise, image};
     Status status = STATUS_OK;
     if (film->first_sample)
-        independent_noise(film, noise);
+        pool_run(pool, film->height, independent_noise_of_row, &resolve);
     else
-        status = pixel_noise(film, spread, noise, error);
+        status = pixel_noise(film, spread, pool, noise, error);
     if (status == STATUS_OK) status = image_new(film->width, film->height, names, COUNT_OF(names), image, error);
-    for (uint32_t y = 0; status == STATUS_OK && y < film->height; y++)
-        for (uint32_t x = 0; x < film->width; x++) {
-            const FilmPixel *pixel = film_pixel(film, x, y);
-            float *out = image->pixels + ((size_t)y * film->width + x) * COUNT_OF(names);
-            double scale = pixel->n ? 1.0 / pixel->n : 0;
-            for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
-            out[3] = (float)(pixel->alpha * scale);
-            out[4] = noise[(size_t)y * film->width + x];
-        }
+    if (status == STATUS_OK) pool_run(pool, film->height, resolve_row, &resolve);
     free(noise);
     if (status == STATUS_OK && spread) spread_apply(spread, image);
     return status;

@@ -6,6 +6,7 @@
 #define MEN_FILM_H
 
 #include "base/buf.h"
+#include "base/pool.h"
 #include "image/image.h"
 
 #define FILM_UNIT 0x1p-30
@@ -76,7 +77,8 @@ void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared
 struct Spread;
 /* Channels R G B A and noise.Y, the standard error of the luminance, as even as the samples are; of a film that does not begin
  * with the first sample as if they were independent, an upper bound. spread: NULL, or where single
- * bright samples go. */
-ATTR_NODISCARD Status film_resolve(const Film *film, const struct Spread *spread, Image *image, Error *error);
+ * bright samples go. pool: NULL, or who shares the work; the same bits for any number of threads. */
+ATTR_NODISCARD Status film_resolve(const Film *film, const struct Spread *spread, Pool *pool, Image *image,
+                                   Error *error);
 
 #endif

@@ -8,10 +8,11 @@
 #ifndef MEN_PIXEL_NOISE_H
 #define MEN_PIXEL_NOISE_H
 
+#include "base/pool.h"
 #include "render/spread.h"
 
 /* For each pixel of the film, by rows: the standard error of the luminance; 0 with fewer than 2 samples. spread: NULL, or
- * which samples are shared out. STATUS_NOMEM. */
-ATTR_NODISCARD Status pixel_noise(const Film *film, const Spread *spread, float *noise, Error *error);
+ * which samples are shared out. pool: NULL, or who shares the work; the same bits for any number of threads. STATUS_NOMEM. */
+ATTR_NODISCARD Status pixel_noise(const Film *film, const Spread *spread, Pool *pool, float *noise, Error *error);
 
 #endif

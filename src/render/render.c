@@ -158,7 +158,7 @@ static void judge_noise(Job *job)
 {
     double now = clock_now_s();
     if (!job->events || !job->events->progress || now - job->noise_at < job->noise_cost / noise_share) return;
-    job->noise = adapt_noise(&job->state->film, NULL, job->state->crop);
+    job->noise = adapt_noise(&job->state->film, NULL, job->state->crop, job->pool);
     job->noise_at = clock_now_s();
     job->noise_cost = job->noise_at - now;
 }
@@ -369,8 +369,8 @@ static uint32_t most_wanted(const Job *job, const uint32_t *wanted)
 static Status plan_samples(Job *job, Adapt *adapt, Error *error)
 {
     const Film *film = &job->state->film;
-    if (!(job->settings->noise > 0)) return adapt_share(adapt, film, job->wish, &job->plan, error);
-    return adapt_plan(adapt, film, job->settings->noise, job->wish, &job->plan, error);
+    if (!(job->settings->noise > 0)) return adapt_share(adapt, film, job->wish, job->pool, &job->plan, error);
+    return adapt_plan(adapt, film, job->settings->noise, job->wish, job->pool, &job->plan, error);
 }
 
 /* Samples where the noise is too large, until it is nowhere so, or until all are given out. A pass is no longer than elsewhere, so that a wish to stop is
@@ -674,8 +674,8 @@ static Status resolve(const RenderState *state, const Spread *spread, Pool *pool
     stats->saturated_samples = state->saturated_samples;
     stats->spread_samples = spread->samples;
     stats->spread_light = spread->light;
-    stats->noise = adapt_noise(&state->film, moved, state->crop);
-    TRY(aov_film_resolve(&state->aovs, &state->film, moved, image, error));
+    stats->noise = adapt_noise(&state->film, moved, state->crop, pool);
+    TRY(aov_film_resolve(&state->aovs, &state->film, moved, pool, image, error));
     uint32_t step = stats->samples ? 1 : early_step(&state->film, state->crop);
     if (step > 1) early_fill(&state->film, state->crop, step, image);
     if (step > 1 || !state->aovs.guides) return STATUS_OK;

@@ -681,7 +681,7 @@ static bool find_and_go(Maps *maps, Pool *pool, Spread *spread)
         free(scratch);
         return false;
     }
-    mean_around(maps->looks.plain, maps->width, maps->height, AROUND, scratch, maps->looks.around);
+    mean_around(maps->looks.plain, maps->width, maps->height, AROUND, scratch, maps->looks.around, pool);
     free(scratch);
     pool_run(pool, maps->height, find_ways_of_row, maps);
     double light = 0, moved = 0;

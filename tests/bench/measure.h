@@ -47,6 +47,9 @@ RenderStats render_image_at(const CompiledScene *compiled, uint32_t width, uint3
 /* The same, and throws the picture away. */
 RenderStats render_at(const CompiledScene *compiled, uint32_t width, uint32_t height, uint32_t samples, Pool *pool);
 Pool *pool_of(unsigned threads);
+/* Prints the processor's time for the same paths beside another process over that alone: of processes that share the scene's
+ * memory, and of such as do not. Before this process has built a scene or has threads. */
+void processes_of(const char *path);
 
 /* ---- the benchmarks; see the table in bench.c ---- */
 

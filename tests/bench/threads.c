@@ -259,6 +259,10 @@ static void stages_of(const char *path, Pool *two)
 
 void bench_threads(char **paths, int n)
 {
+    printf("the processors' time for a path beside another process that renders the same, over that alone\n%-20s  %-21s"
+           "  %-21s\n",
+           "scene", "memory in common", "each its own");
+    for (int i = 0; i < n; i++) processes_of(paths[i]);
     Pool *one = pool_of(1), *two = pool_of(2);
     printf(
         "what two threads do in the time of one (goal: 1.95): by the processors' time and the schedule of the tasks,\n"

@@ -36,7 +36,7 @@ static AdaptPlan plan_of(const Film *film, double noise, uint32_t most, uint32_t
     Adapt adapt;
     assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
     AdaptPlan plan;
-    assert_int_equal(adapt_plan(&adapt, film, noise, most, &plan, &error), STATUS_OK);
+    assert_int_equal(adapt_plan(&adapt, film, noise, most, NULL, &plan, &error), STATUS_OK);
     memcpy(wanted, adapt.wanted, SIDE * SIDE * sizeof *wanted);
     adapt_clear(&adapt);
     return plan;
@@ -49,10 +49,10 @@ static void noise_is_the_mean_error(void **state)
     Film film;
     fill(&film, 16);
     double expected = 0.5 * sqrt(2 / acos(-1)) * 0.125 / sqrt(1.01);
-    assert_near(adapt_noise(&film, NULL, whole), expected, 0.06 * expected);
+    assert_near(adapt_noise(&film, NULL, whole, NULL), expected, 0.06 * expected);
     film_clear(&film);
     fill(&film, 1);
-    assert_true(adapt_noise(&film, NULL, whole) < 0);
+    assert_true(adapt_noise(&film, NULL, whole, NULL) < 0);
     film_clear(&film);
 }
 
@@ -106,7 +106,7 @@ static AdaptPlan shares_of(const Film *film, uint32_t samples, uint32_t *wanted,
     Adapt adapt;
     AdaptPlan plan;
     assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
-    assert_int_equal(adapt_share(&adapt, film, samples, &plan, &error), STATUS_OK);
+    assert_int_equal(adapt_share(&adapt, film, samples, NULL, &plan, &error), STATUS_OK);
     double sum = 0;
     for (uint32_t i = 0; i < SIDE * SIDE; i++) sum += wanted[i] = adapt.wanted[i];
     *mean = sum / (SIDE * SIDE);
@@ -189,7 +189,7 @@ static void crop_error(uint32_t side, double *mean, double *least)
     assert_int_equal(film_init(&film, SIDE, SIDE, &error), STATUS_OK);
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = SIDE - side; x < SIDE; x++) add(&film, x, y, 64);
-    assert_int_equal(pixel_noise(&film, NULL, errors, &error), STATUS_OK);
+    assert_int_equal(pixel_noise(&film, NULL, NULL, errors, &error), STATUS_OK);
     *mean = 0;
     *least = 9;
     for (uint32_t y = 0; y < SIDE; y++)
@@ -215,12 +215,55 @@ static void what_is_beyond_a_crop_is_no_neighbour(void **state)
     }
 }
 
+/* All that is asked of a film: what its noise is, the errors of its pixels, and its samples' shares. */
+typedef struct Answers {
+    double noise;
+    float errors[SIDE * SIDE];
+    uint32_t shares[SIDE * SIDE];
+} Answers;
+
+static void ask(const Film *film, Pool *pool, Answers *answers)
+{
+    Error error;
+    Adapt adapt;
+    AdaptPlan plan;
+    answers->noise = adapt_noise(film, NULL, whole, pool);
+    assert_int_equal(pixel_noise(film, NULL, pool, answers->errors, &error), STATUS_OK);
+    assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
+    assert_int_equal(adapt_share(&adapt, film, 64, pool, &plan, &error), STATUS_OK);
+    memcpy(answers->shares, adapt.wanted, sizeof answers->shares);
+    adapt_clear(&adapt);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void)state;
+    static Answers alone, together;
+    Film film;
+    Pool *pool;
+    Error error;
+    assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
+    fill(&film, 16);
+    ask(&film, NULL, &alone);
+    ask(&film, pool, &together);
+    assert_true(alone.noise > 0);
+    assert_true(alone.noise == together.noise);
+    assert_memory_equal(alone.errors, together.errors, sizeof alone.errors);
+    assert_memory_equal(alone.shares, together.shares, sizeof alone.shares);
+    film_clear(&film);
+    pool_free(pool);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(noise_is_the_mean_error),     cmocka_unit_test(samples_go_where_the_noise_is),
-        cmocka_unit_test(no_pixel_judges_itself),      cmocka_unit_test(a_number_of_samples_is_shared_out_by_need),
-        cmocka_unit_test(without_noise_a_render_ends), cmocka_unit_test(what_is_beyond_a_crop_is_no_neighbour),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(noise_is_the_mean_error),
+        cmocka_unit_test(samples_go_where_the_noise_is),
+        cmocka_unit_test(no_pixel_judges_itself),
+        cmocka_unit_test(a_number_of_samples_is_shared_out_by_need),
+        cmocka_unit_test(without_noise_a_render_ends),
+        cmocka_unit_test(what_is_beyond_a_crop_is_no_neighbour),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

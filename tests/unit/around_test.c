@@ -35,7 +35,7 @@ static void means_are_those_of_the_neighbours(void **state)
             int width = cases[c][0], height = cases[c][1], radius = cases[c][2];
             for (int i = 0; i < width * height; i++)
                 map[i] = (float)dice_unit(&dice) * (with_dots && dice_unit(&dice) < 0.01 ? 1e14f : 1);
-            mean_around(map, (uint32_t)width, (uint32_t)height, (uint32_t)radius, scratch, mean);
+            mean_around(map, (uint32_t)width, (uint32_t)height, (uint32_t)radius, scratch, mean, NULL);
             for (int y = 0; y < height; y++)
                 for (int x = 0; x < width; x++) {
                     double wanted = mean_by_hand(map, width, height, radius, x, y);

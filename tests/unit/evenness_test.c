@@ -88,7 +88,7 @@ static double stated_over_measured(Integrand integrand, uint32_t n, double mean)
                 float value = integrand(x, y, i);
                 (void)film_add(&film, x, y, (float[]){value, value, value}, 1);
             }
-    assert_int_equal(evenness_init(&evenness, &film, whole, &error), STATUS_OK);
+    assert_int_equal(evenness_init(&evenness, &film, whole, NULL, &error), STATUS_OK);
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
             const FilmPixel *pixel = film_pixel(&film, x, y);
@@ -142,7 +142,7 @@ static void little_is_known_of_few_samples(void **state)
                 float value = y < SIDE / 2 ? ramp(x, y, i) : 1;
                 (void)film_add(&film, x, y, (float[]){value, value, value}, 1);
             }
-    assert_int_equal(evenness_init(&evenness, &film, whole, &error), STATUS_OK);
+    assert_int_equal(evenness_init(&evenness, &film, whole, NULL, &error), STATUS_OK);
     for (uint32_t y = 0; y < SIDE; y++) {
         if (y + 20 > SIDE / 2 && y < SIDE / 2 + 20) continue;
         assert_near(evenness_of_square(&evenness, 5, y, 16), 1, 1e-9);

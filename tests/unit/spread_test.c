@@ -56,7 +56,7 @@ static void resolve(Films *films, const uint32_t area[4])
     Pool *pool;
     Spread alone;
     size_t n = (size_t)(area[2] - area[0]) * (area[3] - area[1]);
-    assert_int_equal(film_resolve(&films->film, NULL, &films->kept, &error), STATUS_OK);
+    assert_int_equal(film_resolve(&films->film, NULL, NULL, &films->kept, &error), STATUS_OK);
     assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
     assert_int_equal(spread_init(&films->way, &films->film, &films->bright, area, pool, &error), STATUS_OK);
     pool_free(pool);
@@ -65,7 +65,7 @@ static void resolve(Films *films, const uint32_t area[4])
     assert_int_equal(alone.samples, films->way.samples);
     assert_true(alone.light == films->way.light);
     spread_clear(&alone);
-    assert_int_equal(film_resolve(&films->film, &films->way, &films->spread, &error), STATUS_OK);
+    assert_int_equal(film_resolve(&films->film, &films->way, NULL, &films->spread, &error), STATUS_OK);
 }
 
 static void end(Films *films)
