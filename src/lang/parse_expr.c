@@ -203,6 +203,7 @@ static Expr *parse_elem(Parser *parser)
     parser->brackets--;
     expr->as.each.body = parse_elem(parser);
     expr->span = span_from(parser, begin);
+    if (!each && !parser->panic && parser->token.kind == TOKEN_ELSE) parse_else_of_element(parser, expr);
     leave(parser);
     return expr;
 }
@@ -440,6 +441,7 @@ Expr *parse_prim(Parser *parser)
     case TOKEN_LESS: return parse_vector(parser);
     case TOKEN_BRACKET_OPEN: return parse_list(parser);
     case TOKEN_BRACE_OPEN: return parse_braced_list(parser);
+    case TOKEN_IF: parse_if_value(parser); return poison_expr(parser);
     default: expected_error(parser, "an expression"); return poison_expr(parser);
     }
 }

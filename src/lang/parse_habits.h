@@ -29,6 +29,8 @@ bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind t
 bool parse_operator_habit(Parser *parser, Span operand);             /* at what stands behind it */
 Expr *parse_braced_body(Parser *parser, const Def *def); /* a value in a def's braces; NULL: there are statements */
 Expr *parse_names_and_value(Parser *parser, const char *head); /* lets and a value in braces, of a def of that head */
+void parse_if_value(Parser *parser); /* "if (a) b else c" where a value should stand, at the 'if' */
+void parse_else_of_element(Parser *parser, const Expr *element); /* the same in a list, at the 'else' */
 Expr *parse_bare_let(Parser *parser, Span begin); /* a let without brackets, behind the word; NULL: it is none */
 void parse_apart_unit(Parser *parser, Span number);      /* at a name behind the number */
 bool parse_percent_habit(Parser *parser, const Expr *number); /* at what stands behind a factor */

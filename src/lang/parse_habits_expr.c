@@ -197,6 +197,56 @@ Expr *parse_bare_let(Parser *parser, Span begin)
     return expr;
 }
 
+static const char *choice_text(Parser *parser);
+
+/* A value of a choice: another choice, what stands in braces, or a value. */
+static const char *chosen_text(Parser *parser)
+{
+    if (parser->token.kind == TOKEN_IF) return choice_text(parser);
+    if (parser->token.kind != TOKEN_BRACE_OPEN) return quote_read(parser, parse_tern);
+    uint32_t begin = peek(parser).begin;
+    skip_brackets(parser);
+    uint32_t end = consumed_end(parser);
+    while (end > begin && strchr("} \t\n", parser->lexer.text[end - 1])) end--;
+    return quote(parser, begin, end);
+}
+
+/* "if (a) b else c" and "if a then b else c", from the 'if' on, as it is written here; what is not there is "...". */
+static const char *choice_text(Parser *parser)
+{
+    if (!enter(parser)) return "...";
+    consume(parser);
+    bool bracketed = parser->token.kind == TOKEN_PAREN_OPEN;
+    uint32_t begin = bracketed ? peek(parser).begin : parser->token.begin;
+    (bracketed ? parse_prim : parse_tern)(parser);
+    const char *condition = quote(parser, begin, consumed_end(parser) - bracketed), *yes = "...", *no = "...";
+    if (parser->token.kind == TOKEN_NAME && strcmp(parser->token.as.symbol->text, "then") == 0) consume(parser);
+    if (!parser->panic) yes = chosen_text(parser);
+    if (!parser->panic && consume_if(parser, TOKEN_ELSE)) no = chosen_text(parser);
+    leave(parser);
+    return arena_format(parser->arena, "%s ? %s : %s", condition, yes, no);
+}
+
+void parse_if_value(Parser *parser)
+{
+    Diagnostic *report = report_at(parser, token_span(parser), "'if' places nodes, a value is chosen by '?' and ':'");
+    const char *text = choice_text(parser);
+    if (!parser->panic) hint_write(parser, report, text);
+}
+
+void parse_else_of_element(Parser *parser, const Expr *element)
+{
+    const Expr *condition = element->as.each.source, *yes = element->as.each.body;
+    Diagnostic *report =
+        report_at(parser, token_span(parser), "'if' leaves elements of a list out, it has no 'else' there");
+    consume(parser);
+    const char *no = chosen_text(parser);
+    if (parser->panic) return;
+    hint_write(parser, report,
+               arena_format(parser->arena, "%s ? %s : %s", quote(parser, condition->span.begin, condition->span.end),
+                            quote(parser, yes->span.begin, yes->span.end), no));
+}
+
 /* "def f(x) { x * 2 }": what stands in the braces is neither a statement nor a block */
 Expr *parse_braced_body(Parser *parser, const Def *def)
 {
