@@ -201,6 +201,14 @@ Diagnostic *build_needs(Builder *b, const EvalNode *node, const char *property, 
     return diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span, "'%s' has no effect %s", property, needed);
 }
 
+Diagnostic *build_needs_other(Builder *b, const EvalNode *node, const char *property, const char *other,
+                              const char *without)
+{
+    const EvalProp *prop = eval_prop(node, other);
+    bool there = prop && (prop->type->kind != PROP_BOOL || prop->as.truth);
+    return there ? NULL : build_needs(b, node, property, without);
+}
+
 /* ---- the walk ---- */
 
 static void visit_group(Builder *b, const EvalNode *node, const Affine *to_world)

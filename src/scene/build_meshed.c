@@ -183,7 +183,7 @@ static Status make_prism(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
 
 void build_prism(Builder *b, const EvalNode *node, const Affine *to_world)
 {
-    if (eval_number(node, "bevel") == 0) build_needs(b, node, "bevel_segments", "without a bevel");
+    build_needs_other(b, node, "bevel_segments", "bevel", "without a bevel");
     if (strcmp(eval_word(node, "curve"), "linear") == 0) build_needs(b, node, "tolerance", "without curves");
     build_made(b, node, to_world, make_prism, "", 0);
 }

@@ -134,6 +134,10 @@ bool build_exclude(Builder *b, const EvalNode *node, const char *property, const
 /* Reports a property that has no effect without another, or with another value of it; returns the report, NULL where the
  * property is not set. */
 Diagnostic *build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed);
+/* The same where another property is not set, or false. A number that is 0 is meant so: by a parameter, or at the beginning of an
+ * animation. */
+Diagnostic *build_needs_other(Builder *b, const EvalNode *node, const char *property, const char *other,
+                              const char *without);
 
 /* build_media.c */
 uint32_t build_medium(Builder *b, const EvalNode *node);

@@ -236,7 +236,7 @@ void build_box(Builder *b, const EvalNode *node, const Affine *to_world)
     if (!box_corners(b, node, &low, &high)) return;
     double bevel = eval_number(node, "bevel");
     double shortest = fmin(high.x - low.x, fmin(high.y - low.y, high.z - low.z));
-    if (bevel == 0) build_needs(b, node, "bevel_segments", "without a bevel");
+    build_needs_other(b, node, "bevel_segments", "bevel", "without a bevel");
     if (bevel > 0 && !(2 * bevel < shortest)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "bevel"),
                     "a bevel of %g does not fit a box whose shortest edge is %g", bevel, shortest);

@@ -234,20 +234,20 @@ static void check_pane(Builder *b, const EvalNode *node, bool thin, bool pane)
 static void check_needs(Builder *b, const EvalNode *node)
 {
     static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
-    bool thin = eval_truth(node, "thin"), pane = is_on(node, "transmission");
+    bool thin = eval_truth(node, "thin"), pane = eval_prop(node, "transmission");
     for (size_t i = 0; i < COUNT_OF(needs); i++) {
         const Need *need = &needs[i];
-        Diagnostic *report = is_on(node, need->other) ? NULL : build_needs(b, node, need->property, need->words);
+        Diagnostic *report = build_needs_other(b, node, need->property, need->other, need->words);
         if (report) diag_hint(b->diag, report, "%s", need->hint);
     }
     if (!thin || !pane) check_pane(b, node, thin, pane);
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
     static const char *const of_grain[] = {"grain", "grain_angle"};
-    bool grained = is_on(node, "anisotropy") || is_on(node, "coat_anisotropy");
+    bool grained = eval_prop(node, "anisotropy") || eval_prop(node, "coat_anisotropy");
     for (size_t i = 0; !grained && i < COUNT_OF(of_grain); i++)
         build_needs(b, node, of_grain[i], "without 'anisotropy'");
-    if (!thin || pane || is_on(node, "translucency")) return;
+    if (!thin || pane || eval_prop(node, "translucency")) return;
     Diagnostic *report =
         diag_report(b->diag, D_MISSING_PROPERTY, build_span(node, "thin"), "nothing goes through this thin surface");
     diag_hint(b->diag, report,
@@ -355,7 +355,7 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
 static void check_opaque(Builder *b, const EvalNode *node)
 {
     bool thin = eval_truth(node, "thin"),
-         facets = eval_prop(node, "ior") || eval_prop(node, "metal") || is_on(node, "metalness");
+         facets = eval_prop(node, "ior") || eval_prop(node, "metal") || eval_prop(node, "metalness");
     if (is_on(node, "transmission") && !thin) {
         Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "transmission"),
                                          "this object has no interior for light to go through");

@@ -73,7 +73,7 @@ static Status make_text(Builder *b, const EvalNode *node, Mesh **mesh, Span *spa
 
 void build_text(Builder *b, const EvalNode *node, const Affine *to_world)
 {
-    if (eval_number(node, "bevel") == 0) build_needs(b, node, "bevel_segments", "without a bevel");
+    build_needs_other(b, node, "bevel_segments", "bevel", "without a bevel");
     const char *font = find_font(b, node);
     if (font) build_made(b, node, to_world, make_text, font, strlen(font));
 }

@@ -224,7 +224,7 @@ static void read_place(Builder *b, const EvalNode *node, Texture *texture)
     if (!has_row(node, "turbulence")) return;
     texture->turbulence = eval_number(node, "turbulence");
     texture->turbulence_octaves = (unsigned)eval_number(node, "turbulence_octaves");
-    if (texture->turbulence == 0) build_needs(b, node, "turbulence_octaves", "without turbulence");
+    build_needs_other(b, node, "turbulence_octaves", "turbulence", "without turbulence");
     if (!(fabs(texture->turbulence) <= SCENE_REACH)) no_finite(b, build_span(node, "turbulence"), "the turbulence");
 }
 

@@ -55,7 +55,7 @@ static bool focus(Builder *b, const EvalNode *node, const Affine *to_world, Scen
 {
     const EvalProp *prop = eval_prop(node, "focus");
     if (!prop) return true;
-    if (camera->lens_radius == 0) build_needs(b, node, "focus", "without an aperture");
+    build_needs_other(b, node, "focus", "aperture", "without an aperture");
     Vec3 point = affine_point(to_world, vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]));
     camera->focus_distance = vec3_dot(vec3_sub(point, camera->from), camera->forward);
     if (camera->focus_distance > 0) return true;
@@ -69,7 +69,7 @@ static void open_shutter(Builder *b, const EvalNode *node)
     Scene *scene = b->scene;
     const EvalProp *prop = eval_prop(node, "shutter");
     double shutter = prop ? prop->as.number / 360 : 0;
-    if (shutter == 0) build_needs(b, node, "shutter_steps", "without a shutter");
+    build_needs_other(b, node, "shutter_steps", "shutter", "without a shutter");
     if (shutter == 0) return;
     uint32_t n_keys = (uint32_t)eval_number(node, "shutter_steps") + 1;
     if (scene->shutter > 0 && (scene->shutter != shutter || scene->n_keys != n_keys)) {

@@ -83,3 +83,28 @@ run check small.mns --preset drift
 exits 3
 says err "did you mean 'draft'?"
 end
+
+begin "--set: what is turned off by 0 may keep what says how it works; what was never turned on may not"
+cat > off.mns <<'SCENE'
+meniscus 1.0 unit cm
+param much = 0
+camera { from = <0, 0, -10>  to = <0, 0, 0>  aperture = much  focus = <0, 0, 0>  shutter = 180 * much  shutter_steps = 3 }
+surface cloth { albedo = noise { turbulence = much  turbulence_octaves = 3 }  fuzz = much  fuzz_roughness = .5 }
+surface paint { albedo = .5  metalness = much  roughness = .3  anisotropy = much  grain = x  coat = much  coat_tint = rgb(.9, .8, .7) }
+sphere { radius = 1  surface = paint }
+box { from = <2, 0, 0>  to = <3, 1, 1>  bevel = .1 * much  bevel_segments = 3  surface = cloth }
+environment { }
+SCENE
+for much in 0 .5; do
+    run check off.mns -D much=$much
+    exits 0
+    empty err
+done
+run check off.mns -D much=.5 --set camera.aperture=0 --set camera.shutter=0 --set surface.coat=0
+exits 0
+sed -i 's/aperture = much//; s/coat = much//' off.mns
+run check off.mns -D much=.5
+exits 3
+says err "'focus' has no effect without an aperture"
+says err "'coat_tint' has no effect without a coat"
+end
