@@ -1,7 +1,7 @@
 /* upsample.c - spectra of colours. [JH19] W. Jakob, J. Hanika, "A Low-Dimensional Function Space for
  * Efficient Spectral Upsampling", Computer Graphics Forum 38(2), 2019.
  * The polynomial runs over w = (nm - 360) / 470 and not over nm, which keeps its coefficients in the range
- * of a float's digits. Single colours are solved for; images go through the table.
+ * of a float's digits. Single colours are solved for, from where the table has them; images go through the table alone.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/color.h"
 #include "optics/upsample_solve.h"
@@ -32,10 +32,13 @@ static bool is_grey(const double rgb[3]) { return rgb[0] == rgb[1] && rgb[0] == 
 
 static Spectrum sigmoid_spectrum(SpectrumKind kind, double scale, const double rgb[3])
 {
+    const float rgb_f[3] = {(float)rgb[0], (float)rgb[1], (float)rgb[2]};
+    float near[3];
     UpsampleSolver solver;
-    double coefficients[3];
     upsample_solver_init(&solver);
-    upsample_solve(&solver, rgb, coefficients);
+    upsample_coefficients(rgb_f, near);
+    double coefficients[3] = {(double)near[0], (double)near[1], (double)near[2]};
+    upsample_solve_near(&solver, rgb, coefficients);
     return (Spectrum){.kind = kind,
                       .scale = (float)scale,
                       .value = {(float)coefficients[0], (float)coefficients[1], (float)coefficients[2]}};

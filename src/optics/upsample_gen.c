@@ -11,16 +11,6 @@
 
 typedef double Column[UPSAMPLE_KNOTS][3];
 
-static double solve_knot(const UpsampleSolver *solver, const double rgb[3], double coefficients[3])
-{
-    double error = upsample_improve(solver, rgb, coefficients);
-    if (error < 1e-7) return error;
-    double fresh[3], fresh_error = upsample_solve(solver, rgb, fresh);
-    if (fresh_error >= error) return error;
-    for (int i = 0; i < 3; i++) coefficients[i] = fresh[i];
-    return fresh_error;
-}
-
 /* All z of one pair of ratios; returns the largest error. */
 static double solve_column(const UpsampleSolver *solver, int largest, int second, int first, Column column)
 {
@@ -33,7 +23,7 @@ static double solve_column(const UpsampleSolver *solver, int largest, int second
             rgb[largest] = z;
             rgb[(largest + 1) % 3] = z * upsample_ratio_of_knot(first);
             rgb[(largest + 2) % 3] = z * upsample_ratio_of_knot(second);
-            double error = knot == middle ? upsample_solve(solver, rgb, coefficients) : solve_knot(solver, rgb, coefficients);
+            double error = (knot == middle ? upsample_solve : upsample_solve_near)(solver, rgb, coefficients);
             worst = fmax(worst, error);
             for (int i = 0; i < 3; i++) column[knot][i] = coefficients[i];
         }

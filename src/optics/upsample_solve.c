@@ -131,3 +131,13 @@ double upsample_solve(const UpsampleSolver *solver, const double rgb[3], double 
     }
     return error;
 }
+
+double upsample_solve_near(const UpsampleSolver *solver, const double rgb[3], double coefficients[3])
+{
+    double error = upsample_improve(solver, rgb, coefficients);
+    if (error < 1e-7) return error;
+    double fresh[3], fresh_error = upsample_solve(solver, rgb, fresh);
+    if (fresh_error >= error) return error;
+    for (int i = 0; i < 3; i++) coefficients[i] = fresh[i];
+    return fresh_error;
+}

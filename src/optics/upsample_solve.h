@@ -22,6 +22,9 @@ double upsample_improve(const UpsampleSolver *solver, const double rgb[3], doubl
 /* The same from nothing, by continuation from grey. */
 double upsample_solve(const UpsampleSolver *solver, const double rgb[3], double coefficients[3]);
 
+/* Improves coefficients, or takes those from nothing where that ends in a better place; returns the error. */
+double upsample_solve_near(const UpsampleSolver *solver, const double rgb[3], double coefficients[3]);
+
 /* The constant reflectance: S(c0) = value. Saturates at 0 and 1. */
 double upsample_constant(double value);
 

@@ -6,8 +6,9 @@
 
 #include "dice.h"
 #include "exact_color.h"
+#include "near.h"
 #include "optics/color.h"
-#include "optics/observer.h"
+#include "optics/upsample_solve.h"
 
 static double largest_error(const double a[3], const double b[3])
 {
@@ -53,6 +54,27 @@ static void reflectances_come_back(void **unused)
     }
     printf("solved: largest error %.2g, root mean square %.2g\n", worst, sqrt(sum / N));
     assert_true(worst < 1e-5);
+}
+
+/* From the table, from nothing, and from where the sigmoid is flat and leads nowhere. */
+static void starts_do_not_matter(void **unused)
+{
+    (void)unused;
+    Dice dice = {2};
+    UpsampleSolver solver;
+    upsample_solver_init(&solver);
+    for (int i = 0; i < 500; i++) {
+        double rgb[3], from[3][3] = {{0}, {0}, {9e3, 0, 0}};
+        float near[3];
+        for (int c = 0; c < 3; c++) rgb[c] = dice_unit(&dice);
+        upsample_coefficients((const float[3]){(float)rgb[0], (float)rgb[1], (float)rgb[2]}, near);
+        for (int c = 0; c < 3; c++) from[1][c] = (double)near[c];
+        assert_true(upsample_solve(&solver, rgb, from[0]) < 1e-7);
+        for (int k = 1; k < 3; k++) {
+            assert_true(upsample_solve_near(&solver, rgb, from[k]) < 1e-7);
+            for (int c = 0; c < 3; c++) assert_near(from[k][c], from[0][c], 1e-4 * (1 + fabs(from[0][c])));
+        }
+    }
 }
 
 static void greys_are_constant(void **unused)
@@ -124,8 +146,8 @@ static void table_comes_back(void **unused)
         for (int c = 0; c < 3; c++) rgb[c] *= 0.5 / largest;
         worst_scaled = fmax(worst_scaled, 2 * table_error(rgb));
     }
-    printf("table: largest error %.2g, root mean square %.2g; lights %.2g of their largest channel\n", worst, sqrt(sum / N),
-           worst_scaled);
+    printf("table: largest error %.2g, root mean square %.2g; lights %.2g of their largest channel\n", worst,
+           sqrt(sum / N), worst_scaled);
     assert_true(worst < 0.002);
     assert_true(worst_scaled < 0.002);
     /* the surface of the cube */
@@ -180,7 +202,8 @@ static void color_through(const Spectrum *absorption, double length, double rgb[
     for (int i = 0; i < STEPS; i++) {
         float xyz[3], nm = 360 + ((float)i + 0.5f) * 470 / STEPS;
         color_matching(nm, xyz);
-        double light = exp(-length * (double)spectrum_at_one(absorption, nm)) * (double)lanes_get(white_at(lanes_all(nm)), 0);
+        double light =
+            exp(-length * (double)spectrum_at_one(absorption, nm)) * (double)lanes_get(white_at(lanes_all(nm)), 0);
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < 3; k++) rgb[c] += observer_rgb_from_xyz[c][k] * (double)xyz[k] * light * 470 / STEPS;
     }
@@ -219,7 +242,8 @@ static void tints_tint(void **unused)
 static void coefficients_absorb(void **unused)
 {
     (void)unused;
-    const double media[][3] = {{0.40, 0.08, 0.03}, {0.35, 0.07, 0.02}, {0.02, 0.025, 0.03}, {300, 200, 100}, {1, 0, 0}, {0, 0.5, 1}};
+    const double media[][3] = {{0.40, 0.08, 0.03}, {0.35, 0.07, 0.02}, {0.02, 0.025, 0.03},
+                               {300, 200, 100},    {1, 0, 0},          {0, 0.5, 1}};
     float table[SPECTRUM_SAMPLES];
     double worst = 0;
     for (size_t i = 0; i < 6; i++) {
@@ -286,8 +310,8 @@ static void no_colour_shifts(void **unused)
             sum[way] += difference / (STEPS * STEPS * STEPS);
         }
     }
-    printf("sRGB and back: colour difference in CIELAB at most %.4f, mean %.5f; by the table %.3f, mean %.4f\n", worst[0],
-           sum[0], worst[1], sum[1]);
+    printf("sRGB and back: colour difference in CIELAB at most %.4f, mean %.5f; by the table %.3f, mean %.4f\n",
+           worst[0], sum[0], worst[1], sum[1]);
     assert_true(worst[0] < 0.05);
     assert_true(worst[1] < 1 && sum[1] < 0.1);
 }
@@ -295,10 +319,11 @@ static void no_colour_shifts(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reflectances_come_back), cmocka_unit_test(greys_are_constant),
-        cmocka_unit_test(lights_come_back),       cmocka_unit_test(table_comes_back),
-        cmocka_unit_test(table_has_no_seams),     cmocka_unit_test(tints_tint),
-        cmocka_unit_test(coefficients_absorb),    cmocka_unit_test(no_colour_shifts),
+        cmocka_unit_test(starts_do_not_matter), cmocka_unit_test(reflectances_come_back),
+        cmocka_unit_test(greys_are_constant),   cmocka_unit_test(lights_come_back),
+        cmocka_unit_test(table_comes_back),     cmocka_unit_test(table_has_no_seams),
+        cmocka_unit_test(tints_tint),           cmocka_unit_test(coefficients_absorb),
+        cmocka_unit_test(no_colour_shifts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
