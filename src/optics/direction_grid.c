@@ -118,25 +118,22 @@ Vec3f direction_grid_knot(const DirectionGrid *grid, int knot)
 DirectionPlace direction_grid_place(const DirectionGrid *grid, Vec3f w)
 {
     float azimuth = azimuth_of(w), z = fabsf(w.z);
-    int row = 0, end = grid->n_azimuths - 1;
-    while (end - row > 1) {
-        int middle = (row + end) / 2;
-        if (grid->azimuths[middle] <= azimuth)
-            row = middle;
-        else
-            end = middle;
+    int row = 0;
+    for (int n = grid->n_azimuths - 1; n > 1;) { /* without branches, which could not be foretold */
+        int half = n / 2;
+        row += half * (grid->azimuths[row + half] <= azimuth);
+        n -= half;
     }
     float past = (azimuth - grid->azimuths[row]) / (grid->azimuths[row + 1] - grid->azimuths[row]);
     past = float_min(float_max(past, 0), 1);
     const float *near = grid->cosines[row], *far = grid->cosines[row + 1];
-    int low = 0, high = grid->n_cosines - 1;
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        if (near[middle] + (far[middle] - near[middle]) * past <= z)
-            low = middle;
-        else
-            high = middle;
+    int low = 0;
+    for (int n = grid->n_cosines - 1; n > 1;) {
+        int half = n / 2, middle = low + half;
+        low += half * (near[middle] + (far[middle] - near[middle]) * past <= z);
+        n -= half;
     }
+    const int high = low + 1;
     float from = near[low] + (far[low] - near[low]) * past, to = near[high] + (far[high] - near[high]) * past;
     return (DirectionPlace){row, low, past, float_min(float_max((z - from) / (to - from), 0), 1)};
 }

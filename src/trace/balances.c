@@ -20,12 +20,13 @@ typedef struct BalanceKey {
     bool bare;
 } BalanceKey;
 
-/* Never changed once it is in a bucket. */
+/* Never changed once it is ready. */
 typedef struct Node Node;
 struct Node {
     BalanceKey key;
-    Balance *balance; /* NULL: none is wanted */
+    Balance *balance; /* NULL: none is wanted, or there is no memory for it */
     BsdfKept kept;
+    atomic_bool ready; /* else the thread that put it there is making it */
     Node *next;
 };
 
@@ -47,8 +48,9 @@ typedef struct Need {
 struct Balances {
     const Scene *scene;
     Need *needs; /* of each surface */
-    pthread_mutex_t making;
-    LayerNode *layers; /* for who is making */
+    pthread_mutex_t lock;
+    pthread_cond_t made;
+    LayerNode *layers; /* for who has the lock; as is the right to add to a bucket */
     _Atomic(Node *) buckets[BUCKETS];
 };
 
@@ -127,7 +129,9 @@ Status balances_new(const Scene *scene, Balances **balances, Error *error)
 {
     Balances *b = *balances = calloc(1, sizeof *b);
     Need *needs = calloc(scene->n_surfaces + 1U, sizeof *needs);
-    if (!b || !needs || pthread_mutex_init(&b->making, NULL) != 0) {
+    bool locks = b && needs && pthread_mutex_init(&b->lock, NULL) == 0;
+    if (!locks || pthread_cond_init(&b->made, NULL) != 0) {
+        if (locks) pthread_mutex_destroy(&b->lock);
         free(b);
         free(needs);
         *balances = NULL;
@@ -153,7 +157,8 @@ void balances_free(Balances *balances)
         next = layer->next;
         free(layer);
     }
-    pthread_mutex_destroy(&balances->making);
+    pthread_cond_destroy(&balances->made);
+    pthread_mutex_destroy(&balances->lock);
     free(balances->needs);
     free(balances);
 }
@@ -209,24 +214,37 @@ static void keep_layers(Balances *balances, const BalanceKey *key, const BsdfSpe
     if (need->skin) kept->inner = bsdf_inner_reflectance(spec, lanes_all(eta_i), lanes_all(middle_nm));
 }
 
-/* NULL: there is no memory for it. */
-static Node *make(Balances *balances, uint32_t bucket, const BalanceKey *key, const BsdfSpec *spec)
+/* NULL: there is no memory for it. With the lock. */
+static Node *add(Balances *balances, uint32_t bucket, const BalanceKey *key)
 {
-    const SceneMedium *media = balances->scene->media;
     Node *node = calloc(1, sizeof *node);
     if (!node) return NULL;
-    float eta_i = index_of(&media[key->medium_from].ior), eta_t = index_of(&media[key->medium_to].ior);
-    bool wanted = balances->needs[key->surface].balance && balance_is_wanted(spec, eta_i, eta_t);
-    if (wanted && balance_new(spec, eta_i, eta_t, &node->balance) != STATUS_OK) {
-        free(node);
-        return NULL;
-    }
     node->key = *key;
-    node->kept = (BsdfKept){.balance = node->balance, .inner = -1};
-    if (!node->balance && !key->bare) keep_layers(balances, key, spec, &node->kept);
     node->next = atomic_load_explicit(&balances->buckets[bucket], memory_order_relaxed);
     atomic_store_explicit(&balances->buckets[bucket], node, memory_order_release);
     return node;
+}
+
+/* A balance takes a while: others are made meanwhile, and only who needs this one waits for it. With the lock before and
+ * after. */
+static void make(Balances *balances, Node *node, const BsdfSpec *spec)
+{
+    const SceneMedium *media = balances->scene->media;
+    const BalanceKey *key = &node->key;
+    float eta_i = index_of(&media[key->medium_from].ior), eta_t = index_of(&media[key->medium_to].ior);
+    pthread_mutex_unlock(&balances->lock);
+    bool wanted = balances->needs[key->surface].balance && balance_is_wanted(spec, eta_i, eta_t);
+    if (wanted && balance_new(spec, eta_i, eta_t, &node->balance) != STATUS_OK) node->balance = NULL;
+    pthread_mutex_lock(&balances->lock);
+    node->kept = (BsdfKept){.balance = node->balance, .inner = -1};
+    if (!wanted && !key->bare) keep_layers(balances, key, spec, &node->kept);
+    atomic_store_explicit(&node->ready, true, memory_order_release);
+    pthread_cond_broadcast(&balances->made);
+}
+
+static bool is_ready(const Node *node)
+{
+    return atomic_load_explicit(&node->ready, memory_order_acquire);
 }
 
 const BsdfKept *balances_find(Balances *balances, const BalanceCase *at)
@@ -243,16 +261,17 @@ const BsdfKept *balances_find(Balances *balances, const BalanceCase *at)
     uint32_t places = hash_combine(hash_combine(number, key.medium_from), key.medium_to);
     uint32_t bucket = hash_combine(places, key.steps) % BUCKETS;
     Node *node = look_up(balances, bucket, &key);
-    if (node) return &node->kept;
+    if (node && is_ready(node)) return &node->kept;
     if (!need->n_textured) stepped = *at->spec;
     if (at->bare) {
         stepped.transmission_weight = 1;
         stepped.base_metalness = stepped.coat_weight = stepped.fuzz_weight = 0;
         stepped.thin_walled = false;
     }
-    pthread_mutex_lock(&balances->making);
+    pthread_mutex_lock(&balances->lock);
     node = look_up(balances, bucket, &key);
-    if (!node) node = make(balances, bucket, &key, &stepped);
-    pthread_mutex_unlock(&balances->making);
+    if (!node && (node = add(balances, bucket, &key))) make(balances, node, &stepped);
+    while (node && !is_ready(node)) pthread_cond_wait(&balances->made, &balances->lock);
+    pthread_mutex_unlock(&balances->lock);
     return node ? &node->kept : NULL;
 }
