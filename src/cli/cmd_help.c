@@ -14,6 +14,18 @@
 #include "scene/build.h"
 #include "scene/library.h"
 
+/* Subjects that no node, function or option bears the name of. */
+static const struct {
+    const char *const *words; /* NULL behind the last one */
+    const char *text, *page;
+} topics[] = {
+#define WORDS(...) ((const char *const[]){__VA_ARGS__, NULL})
+#define TOPIC(words, text, page) {words, text, page},
+#include "cli/topics.def"
+#undef TOPIC
+#undef WORDS
+};
+
 /* Each once: between two that are as near none is the nearest. */
 static void add_topic(const char **names, size_t *n, const char *name)
 {
@@ -26,10 +38,12 @@ static void add_topic(const char **names, size_t *n, const char *name)
 static const char *nearest_topic(const char *wrong)
 {
     const Schema *schema = scene_schema();
-    size_t n_props = 0;
+    size_t n_props = 0, n_words = 0;
     for (size_t i = 0; i < schema->n_nodes; i++) n_props += schema->nodes[i].n_props;
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        for (const char *const *word = topics[i].words; *word; word++) n_words++;
     const char **names = malloc((COMMAND_COUNT + schema->n_nodes + n_props + OPTION_COUNT + builtin_count() +
-                                 schema->n_terms + D_COUNT + TOKEN_COUNT + std_library.n_files) *
+                                 schema->n_terms + D_COUNT + TOKEN_COUNT + n_words + std_library.n_files) *
                                 sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
@@ -44,12 +58,14 @@ static const char *nearest_topic(const char *wrong)
     for (size_t i = 0; i < schema->n_terms; i++) names[n++] = schema->terms[i].name;
     for (DiagCode code = 0; code < D_COUNT; code++) names[n++] = diag_slug(code);
     for (size_t i = 0; keyword_at(i); i++) add_topic(names, &n, keyword_at(i)->word);
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        for (const char *const *word = topics[i].words; *word; word++) add_topic(names, &n, *word);
     size_t first_file = n;
     for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
     const char *near = suggest_nearest(wrong, names, n);
-    if (!near) { /* the ending of a file may be left out */
+    for (int i = 0; i < 2 && !near; i++) { /* the ending of a file may be left out, and its folder */
         Buf whole = {0};
-        buf_format(&whole, "%s.mns", wrong);
+        buf_format(&whole, "%s%s.mns", i ? "std/" : "", wrong);
         near = suggest_nearest(buf_text(&whole), names + first_file, n - first_file);
         buf_clear(&whole);
     }
@@ -67,6 +83,16 @@ static void explain_library(const char *topic, Buf *out)
         buf_add_bytes(out, file->text, file->length);
     else if (file)
         library_print_file(file, out);
+}
+
+/* glassware, as std/glassware */
+static void explain_library_file(const char *topic, Buf *out)
+{
+    Buf whole = {0};
+    buf_format(&whole, "std/%s", topic);
+    const EvalLibraryFile *file = library_named(buf_text(&whole));
+    if (file) library_print_file(file, out);
+    buf_clear(&whole);
 }
 
 /* The manual explains the language as a whole. */
@@ -87,19 +113,12 @@ static void explain_word(const char *topic, Buf *out)
     buf_add(out, "\nManual: meniscus-language(5)\n");
 }
 
-static const struct {
-    const char *words, *text, *page;
-} topics[] = {
-#define TOPIC(words, text, page) {words, text, page},
-#include "cli/topics.def"
-#undef TOPIC
-};
-
-/* Subjects that no node, function or option bears the name of. */
 static void explain_subject(const char *topic, Buf *out)
 {
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
-        if (!habit_is_one_of(topics[i].words, topic)) continue;
+        const char *const *word = topics[i].words;
+        while (*word && strcmp(*word, topic) != 0) word++;
+        if (!*word) continue;
         help_wrap(out, topics[i].text, 0, 0);
         buf_format(out, "\nManual: %s\n", topics[i].page);
         return;
@@ -218,6 +237,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
     explain_library(topic, out);
     explain_word(topic, out);
     if (out->length == 0) explain_subject(topic, out);
+    if (out->length == 0) explain_library_file(topic, out);
     return out->length ? STATUS_OK : refuse_topic(topic, error);
 }
 

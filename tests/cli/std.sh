@@ -153,6 +153,12 @@ done
 run help std
 exits 0
 says out std/media.mns
+run help glassware
+exits 0
+says out 'std/glassware.mns - '
+run help glasswar
+exits 2
+says err "did you mean 'std/glassware.mns'?"
 run help std/glasware
 exits 2
 says err "did you mean 'std/glassware.mns'?"

@@ -194,6 +194,14 @@ run help hsv
 says out "hsv(hue, saturation, value)"
 run help cauchy
 says out "a refractive index"
+for topic in povray language scene errors loops; do
+    run help $topic
+    exits 0
+    matches out '^Manual: meniscus'
+done
+run help languag
+exits 2
+says err "did you mean 'language'?"
 run help open-mesh
 says out interior
 end
