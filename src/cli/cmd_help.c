@@ -34,6 +34,22 @@ static void add_topic(const char **names, size_t *n, const char *name)
     if (k == *n) names[(*n)++] = name;
 }
 
+/* Of the library's files: their ending may be left out, and their folder. */
+static const char *nearest_file(const char *wrong, const char **names, size_t n)
+{
+    const size_t folder = strlen("std/");
+    Buf file = {0};
+    buf_format(&file, "%s.mns", wrong);
+    const char *near = suggest_nearest(buf_text(&file), names, n);
+    if (!near) {
+        for (size_t i = 0; i < n; i++) names[i] += folder;
+        near = suggest_nearest(buf_text(&file), names, n);
+        if (near) near -= folder;
+    }
+    buf_clear(&file);
+    return near;
+}
+
 /* Everything that has help, for did-you-mean. */
 static const char *nearest_topic(const char *wrong)
 {
@@ -63,12 +79,7 @@ static const char *nearest_topic(const char *wrong)
     size_t first_file = n;
     for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
     const char *near = suggest_nearest(wrong, names, n);
-    for (int i = 0; i < 2 && !near; i++) { /* the ending of a file may be left out, and its folder */
-        Buf whole = {0};
-        buf_format(&whole, "%s%s.mns", i ? "std/" : "", wrong);
-        near = suggest_nearest(buf_text(&whole), names + first_file, n - first_file);
-        buf_clear(&whole);
-    }
+    if (!near) near = nearest_file(wrong, names + first_file, n - first_file);
     free(names);
     return near;
 }
