@@ -45,6 +45,9 @@ static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
 
 /* ---- guide_try.c ---- */
 
+/* A promise that nothing but light behind glass makes which some pixels get: examples have 0.1 to 20, whatever they gain. */
+#define GUIDE_GREAT_PROMISE 1000.0
+
 typedef struct GuideWorth {
     double gain; /* expected: variance times work without it, over that with it */
     double

@@ -33,9 +33,8 @@
 /* Rays for the guide, as a part of the picture's; and what it may take of the smallest picture. */
 #define RAYS_PART 0.06
 #define FEWEST_RAYS 200000.0
-/* Of that, what is granted on a promise; all of it if the promise is as great as that. */
+/* Of that, what is granted on a promise; all of it if that is GUIDE_GREAT_PROMISE. */
 #define UNSURE_PART 0.2
-#define GREAT_PROMISE 1000.0
 /* And of a limit of time. */
 #define TIME_PART 0.1
 /* A sample so many times as bright as the mean is not foreseen. */
@@ -182,7 +181,7 @@ static void grant(GuideSearch *search)
 {
     const GuideSettings *settings = search->settings;
     GuideFacts *facts = &search->facts;
-    double hope = facts->tried > 1 ? 0 : facts->worth.promise / GREAT_PROMISE;
+    double hope = facts->tried > 1 ? 0 : facts->worth.promise / GUIDE_GREAT_PROMISE;
     double part = fmin(fmax(fmax(facts->worth.gain - 1, hope), UNSURE_PART), 1);
     facts->rays_granted = part * fmax(RAYS_PART * facts->worth.rays_per_path * (double)settings->paths, FEWEST_RAYS);
 }
