@@ -235,9 +235,8 @@ static void run_macro(Evaluator *evaluator, Frame *frame)
     evaluator->frame = frame->caller;
 }
 
-/* What stands there in the text, if it is short and without any of the characters; else otherwise. */
-static const char *written(const Evaluator *evaluator, Span span, size_t longest, const char *without,
-                           const char *otherwise)
+const char *eval_written(const Evaluator *evaluator, Span span, size_t longest, const char *without,
+                         const char *otherwise)
 {
     const char *text = evaluator->diag->sources->sources[span.source].text + span.begin;
     size_t n = span.end - span.begin;
@@ -252,7 +251,7 @@ static void hint_at_block(Evaluator *evaluator, Diagnostic *report, const Expr *
     const Def *def = call->as.call.to.def;
     const Args *args = &call->as.call.args;
     const char *name = def->name->text, *list = "";
-    const char *as_call = written(evaluator, call->span, 40, "\n", arena_format(evaluator->arena, "%s(...)", name));
+    const char *as_call = eval_written(evaluator, call->span, 40, "\n", arena_format(evaluator->arena, "%s(...)", name));
     if (!block->first) {
         diag_hint(evaluator->diag, report, "write: %s, without '{ }'", as_call);
         return;
@@ -260,7 +259,7 @@ static void hint_at_block(Evaluator *evaluator, Diagnostic *report, const Expr *
     for (uint32_t i = 0; i < args->n && i < def->n_formals; i++) { /* the place of a value may leave its brackets out */
         const Symbol *formal = args->items[i].name ? args->items[i].name : def->formals[i].name;
         list = arena_format(evaluator->arena, "%s%s = %s  ", list, formal->text,
-                            written(evaluator, args->items[i].value->span, 16, "()[]{}<>\n", "..."));
+                            eval_written(evaluator, args->items[i].value->span, 16, "()[]{}<>\n", "..."));
     }
     if (block->first->kind == STMT_CALL)
         diag_hint(evaluator->diag, report, "to move all that it places: group { %s  ... }, or %s { %s... }", as_call,

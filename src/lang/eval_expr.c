@@ -321,14 +321,27 @@ static void eval_compare(Evaluator *evaluator, Expr *expr, Value *result)
     }
 }
 
+void eval_hint_truth(Evaluator *evaluator, Diagnostic *report, const Expr *expr)
+{
+    Diag *diag = evaluator->diag;
+    bool loose = expr->kind == EXPR_CONDITION;
+    const char *text = eval_written(evaluator, expr->span, 40, "\n", "...");
+    if (expr->kind == EXPR_CONSTANT)
+        diag_hint(diag, report, "write: %s", expr->as.constant.value.as.number != 0 ? "true" : "false");
+    else
+        diag_hint(diag, report, "write: %s%s%s != 0", loose ? "(" : "", text, loose ? ")" : "");
+}
+
 bool eval_condition(Evaluator *evaluator, Expr *expr, bool *poison)
 {
     Value room;
     const Value *value = eval_operand(evaluator, expr, &room);
     *poison = value->kind != VALUE_BOOL;
     if (!*poison) return value->as.truth;
-    if (value->kind != VALUE_POISON)
-        eval_error(evaluator, expr, D_WRONG_TYPE, "expected true or false, not %s", value_describe(evaluator->arena, value));
+    if (value->kind == VALUE_POISON) return false;
+    Diagnostic *report = eval_error(evaluator, expr, D_WRONG_TYPE, "expected true or false, not %s",
+                                    value_describe(evaluator->arena, value));
+    if (value->kind == VALUE_NUMBER) eval_hint_truth(evaluator, report, expr);
     return false;
 }
 

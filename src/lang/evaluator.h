@@ -138,6 +138,10 @@ struct EvalFunctionValue {
 Diagnostic *eval_report(Evaluator *evaluator, DiagCode code, Span span, const char *format, ...) ATTR_PRINTF(4, 5);
 /* The same at an expression: once for each, however often it runs. */
 Diagnostic *eval_error(Evaluator *evaluator, Expr *expr, DiagCode code, const char *format, ...) ATTR_PRINTF(4, 5);
+/* What stands there in the text, if it is short and without any of the characters; else otherwise. */
+const char *eval_written(const Evaluator *evaluator, Span span, size_t longest, const char *without,
+                         const char *otherwise);
+void eval_hint_truth(Evaluator *evaluator, Diagnostic *report, const Expr *expr); /* a number where a truth is wanted */
 /* Of a number where a vector of 3 should stand: whether a name of the scene is in it that hides an axis, which is said. */
 bool eval_hint_at_axis(Evaluator *evaluator, Diagnostic *report, const Expr *expr);
 const DiagChain *frame_chain(Evaluator *evaluator, Frame *frame);

@@ -90,7 +90,9 @@ static Form compare(Compiler *c, Expr *expr)
 static bool is_truth(Compiler *c, const Expr *expr, const Form *form)
 {
     if (c->failed || form->kind == VALUE_BOOL) return !c->failed;
-    eval_report(c->evaluator, D_WRONG_TYPE, expr->span, "expected true or false, not %s", form_describe(form));
+    Diagnostic *report =
+        eval_report(c->evaluator, D_WRONG_TYPE, expr->span, "expected true or false, not %s", form_describe(form));
+    if (form->kind == VALUE_NUMBER) eval_hint_truth(c->evaluator, report, expr);
     c->failed = true;
     return false;
 }

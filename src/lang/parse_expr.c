@@ -294,8 +294,10 @@ static Expr *parse_vector(Parser *parser)
     if (plain) return plain;
     ExprList list = {0};
     consume(parser);
-    do expr_list_add(parser, &list, parse_add(parser));
-    while (!parser->panic && accept_comma(parser, "',' or '>'", false) && list.n < 64);
+    do {
+        expr_list_add(parser, &list, parse_add(parser));
+        if (parser->token.kind == TOKEN_GREATER) parse_vector_comparison(parser);
+    } while (!parser->panic && accept_comma(parser, "',' or '>'", false) && list.n < 64);
     expect_close(parser, TOKEN_GREATER, opening, "',' or '>'");
     Span span = span_from(parser, opening);
     if (!parser->panic && (list.n < 2 || list.n > 4)) {

@@ -280,8 +280,12 @@ bool parse_comma_habit(Parser *parser)
     if (!parser->comma_reported) {
         Diagnostic *report = report_at(parser, token_span(parser), "no comma stands between statements or properties");
         bool vector = parser->previous == TOKEN_NUMBER && (next.kind == TOKEN_NUMBER || next.kind == TOKEN_MINUS);
-        diag_hint(parser->diag, report,
-                  vector ? "a vector stands in '<' and '>': <1, 2, 3>" : "remove it; a blank is enough");
+        bool name = !parser->node && next.kind == TOKEN_NAME && lexer_next(&look.lexer).kind == TOKEN_ASSIGN;
+        if (name) /* let a = 1, b = 2 */
+            diag_hint(parser->diag, report, "each name has a statement of its own: let %s = ...", next.as.symbol->text);
+        else
+            diag_hint(parser->diag, report,
+                      vector ? "a vector stands in '<' and '>': <1, 2, 3>" : "remove it; a blank is enough");
     }
     parser->comma_reported = true;
     consume(parser);

@@ -26,6 +26,7 @@ void parse_second_variable(Parser *parser, const char *first);
 /* -- expressions (parse_habits_expr.c) -- */
 bool parse_color_habit(Parser *parser, const char *word);            /* behind the word */
 bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind the word */
+bool parse_vector_comparison(Parser *parser); /* at a '>' behind an element of a vector, which may end it */
 bool parse_operator_habit(Parser *parser, Span operand);             /* at what stands behind it */
 Expr *parse_braced_body(Parser *parser, const Def *def); /* a value in a def's braces; NULL: there are statements */
 Expr *parse_names_and_value(Parser *parser, const char *head); /* lets and a value in braces, of a def of that head */

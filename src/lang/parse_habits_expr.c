@@ -35,6 +35,47 @@ static bool vector_ahead(const Parser *parser)
     return false;
 }
 
+/* What may stand between a comparison and its '?', outside of brackets. */
+static bool is_in_condition(TokenKind kind)
+{
+    return kind == TOKEN_NAME || kind == TOKEN_NUMBER || kind == TOKEN_DOT || kind == TOKEN_AND || kind == TOKEN_OR ||
+           (kind >= TOKEN_PLUS && kind <= TOKEN_CARET);
+}
+
+/* Does a '>' compare with what follows, on the way to a '?'? Behind a vector no name or number could stand. */
+static bool compares_ahead(const Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    Token token = lexer_next(&look.lexer);
+    bool may = token.kind == TOKEN_NAME || token.kind == TOKEN_NUMBER;
+    bool another = false; /* behind 'and' and 'or' there may be a second one */
+    int brackets = 0;
+    while (may && (brackets > 0 || token.kind != TOKEN_QUESTION)) {
+        bool opens = token.kind == TOKEN_PAREN_OPEN || token.kind == TOKEN_BRACKET_OPEN;
+        bool closes = token.kind == TOKEN_PAREN_CLOSE || token.kind == TOKEN_BRACKET_CLOSE;
+        bool second = another && token.kind == TOKEN_GREATER;
+        may = opens || second || (brackets > 0 ? token.kind != TOKEN_END : is_in_condition(token.kind));
+        if (brackets == 0) another = !second && (another || token.kind == TOKEN_AND || token.kind == TOKEN_OR);
+        brackets += opens - closes;
+        if (token.begin > parser->token.begin + NEAR_LOOK) return false;
+        token = lexer_next(&look.lexer);
+    }
+    return may;
+}
+
+bool parse_vector_comparison(Parser *parser)
+{
+    if (parser->panic || !compares_ahead(parser)) return false;
+    diag_hint(parser->diag, report_at(parser, token_span(parser), "'>' ends the vector here"), WITHIN_VECTOR);
+    do { /* and is read on as if it stood there in parentheses */
+        consume(parser);
+        parse_add(parser);
+    } while (!parser->panic && (begins_comparison(parser->token.kind) || parser->token.kind == TOKEN_COLON ||
+                                (parser->token.kind == TOKEN_GREATER && compares_ahead(parser))));
+    return true;
+}
+
 /* "rgb 1", "rgb <1, .5, 0>" and "color rgb ...", behind the first word */
 bool parse_color_habit(Parser *parser, const char *word)
 {

@@ -170,8 +170,7 @@ static bool brackets_close_ahead(const Parser *parser, int brackets)
 
 /* ---- closing brackets ---- */
 
-/* What the elements of a vector have no room for, since '>' ends them. */
-static bool begins_comparison(TokenKind kind)
+bool begins_comparison(TokenKind kind)
 {
     return kind == TOKEN_LESS || kind == TOKEN_LESS_EQUAL || kind == TOKEN_GREATER_EQUAL || kind == TOKEN_EQUAL ||
            kind == TOKEN_NOT_EQUAL || kind == TOKEN_QUESTION || kind == TOKEN_AND || kind == TOKEN_OR;
@@ -191,7 +190,7 @@ bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expe
                       arena_format(parser->arena, "expected %s, found %s", expected, found_text(parser)));
     diag_note(parser->diag, report, opening, "to close this");
     if (kind == TOKEN_GREATER && begins_comparison(parser->token.kind))
-        diag_hint(parser->diag, report, "within < > a comparison, '?', 'and' or 'or' stands in parentheses");
+        diag_hint(parser->diag, report, WITHIN_VECTOR);
     return false;
 }
 

@@ -51,6 +51,9 @@ bool consume_if(Parser *parser, TokenKind kind);
 bool expect(Parser *parser, TokenKind kind, const char *context);
 /* Consumes a closing bracket, or reports it as missing with a note on the opening one. */
 bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expected);
+/* What the elements of a vector have no room for, since '>' ends them; and what is said of it. */
+bool begins_comparison(TokenKind kind);
+#define WITHIN_VECTOR "within < > a comparison, '?', 'and' or 'or' stands in parentheses"
 bool expect_name(Parser *parser, const char *context, Symbol **name, Span *span);
 bool begins_value(TokenKind kind); /* a constant or a list: a name may begin something else */
 bool starts_value(const Parser *parser);

@@ -195,6 +195,7 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
     Diag *diag = check->evaluator->diag;
     PropKind kind = check->type->kind;
     bool number = value->kind == VALUE_NUMBER, parts = number || value->kind == VALUE_LIST;
+    if (kind == PROP_BOOL && number) diag_hint(diag, report, "write: %s", value->as.number != 0 ? "true" : "false");
     if (kind == PROP_VECTOR3 && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
         const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";

@@ -238,6 +238,14 @@ static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
         *span = path->span;
         status = mesh_make_sweep(&shape, mesh, &overlap, error);
     }
+    if (overlap.folds) {
+        Diagnostic *report = build_report_shape(b, path->span, error);
+        if (report)
+            diag_hint(b->diag, report,
+                      prop ? "a smaller outline or wider bends; or sweeps that overlap, in a union"
+                           : "a smaller radius or wider bends; or spheres and capsules from point to point, in a union");
+        error->text[0] = 0; /* that is said */
+    }
     if (overlap.found)
         diag_report(b->diag, D_SELF_OVERLAP, path->span, "the sweep runs into itself near <%.6g, %.6g, %.6g>",
                     overlap.at.x, overlap.at.y, overlap.at.z);

@@ -246,6 +246,8 @@ uint32_t build_sphere_shape(Builder *b, double radius);
 /* What came of making the solid of a new shape: fills in its facts, or reports and returns false. A failed shape stays in
  * the table, empty: the scene is thrown away in the end. */
 bool build_keep_solid(Builder *b, uint32_t shape, Status status, const Error *error, Span span);
+/* Reports a shape that cannot be; of several of one place, as in a loop, the first. NULL: that has been reported. */
+Diagnostic *build_report_shape(Builder *b, Span span, const Error *error);
 /* false (after reporting a scene mistake at span, or noting a failure) unless status is STATUS_OK. */
 bool build_succeeded(Builder *b, Status status, const Error *error, Span span);
 /* A right-handed frame at `origin` whose y axis is the unit vector y. */

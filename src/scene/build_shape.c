@@ -10,11 +10,19 @@
 
 /* ---- shapes ---- */
 
+Diagnostic *build_report_shape(Builder *b, Span span, const Error *error)
+{
+    const Diagnostic *last = b->diag->last;
+    bool told = last && last->code == D_DEGENERATE_SHAPE && last->has_span && last->span.source == span.source &&
+                last->span.begin == span.begin && last->span.end == span.end;
+    return told ? NULL : diag_report(b->diag, D_DEGENERATE_SHAPE, span, "%s", error->text);
+}
+
 bool build_succeeded(Builder *b, Status status, const Error *error, Span span)
 {
     if (status == STATUS_OK) return true;
     if (status == STATUS_SCENE) {
-        diag_report(b->diag, D_DEGENERATE_SHAPE, span, "%s", error->text);
+        build_report_shape(b, span, error);
     } else if (b->status == STATUS_OK) {
         b->status = fail(b->error, status, "%s", error->text);
     }

@@ -39,6 +39,7 @@ typedef struct SweepShape {
 typedef struct SweepOverlap {
     bool found;
     Vec3 at;
+    bool folds; /* the path bends more than the outline allows: then there is an error, and no sweep */
 } SweepOverlap;
 
 /* An outline that is moved along a path, turned as little as possible: rotation minimizing frames by double reflection

@@ -32,6 +32,7 @@ typedef struct SweepMaker {
     Station *stations; /* closed: the last is the first again */
     size_t n_stations, capacity;
     double twist, twist_rate; /* in all, in degrees; per length, in radians */
+    bool folds;               /* it has been found to */
     Grower grower;
 } SweepMaker;
 
@@ -322,10 +323,11 @@ static Vec3 station_normal(const SweepMaker *maker, const Station *station, cons
     return vec3_along(normal, -rate / fmax(1 - vec3_dot(station->bend, offset), 1e-3), t);
 }
 
-static Status check_fold(const Station *a, const Station *b, Point2 p, Error *error)
+static Status check_fold(SweepMaker *maker, const Station *a, const Station *b, Point2 p, Error *error)
 {
     Vec3 step = vec3_sub(station_point(b, p), station_point(a, p)), chord = vec3_sub(b->at, a->at);
     if (vec3_dot(step, chord) > 0) return STATUS_OK;
+    maker->folds = true;
     double bend = fmax(vec3_length(a->bend), vec3_length(b->bend)), reach = a->scale * hypot(p.x, p.y);
     if (bend > 0)
         return fail(
@@ -348,7 +350,7 @@ static Status add_span(SweepMaker *maker, size_t i, Error *error)
         for (size_t k = begin; k < end; k++) {
             const OutlinePoint2 *p = &maker->outline->points[k],
                                 *q = &maker->outline->points[k + 1 < end ? k + 1 : begin];
-            TRY(check_fold(a, b, p->at, error));
+            TRY(check_fold(maker, a, b, p->at, error));
             uint32_t corners[4];
             const Station *stations[4] = {a, a, b, b};
             for (int c = 0; c < 4; c++) {
@@ -470,7 +472,7 @@ static Status find_overlap(const SweepMaker *maker, SweepOverlap *overlap, Error
         for (size_t k = i + 1; k < n && places[k].at.x - places[i].at.x < places[i].scale + largest; k++) {
             if (++tests >= MAX_TESTS) break;
             if (!runs_into(maker, &places[i], &places[k])) continue;
-            *overlap = (SweepOverlap){true, vec3_scale(vec3_add(places[i].at, places[k].at), 0.5)};
+            *overlap = (SweepOverlap){.found = true, .at = vec3_scale(vec3_add(places[i].at, places[k].at), 0.5)};
             break;
         }
     free(places);
@@ -534,6 +536,7 @@ Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overl
     if (own.n_points) maker.outline = &own;
     maker.hollow = hollow.n_points ? &hollow : maker.outline;
     if (status == STATUS_OK) status = make_all(&maker, overlap, error);
+    overlap->folds = maker.folds;
     if (status == STATUS_OK) status = grower_finish(&maker.grower, "the sweep", mesh, error);
     grower_clear(&maker.grower);
     free(maker.stations);
