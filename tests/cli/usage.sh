@@ -32,6 +32,10 @@ refuses "'render' has no option '--flip'; 'compare' has one" render --flip small
 refuses "'render' needs SCENE" render
 refuses "'other.mns' is one word too many" render small.mns other.mns
 refuses "'+W640' is POV-Ray's; here it is --size 640x480" render small.mns +W640 +H480
+refuses "'+P' is POV-Ray's; here it is --preview term" render small.mns +P +D
+refuses "'+SC0.2' is POV-Ray's; here it is --crop 10,20,110,120" render small.mns +SC0.2 +EC0.4
+refuses "'+SF3' is POV-Ray's; here it is --frames 10..20" render small.mns +SF3
+refuses "'+C' is POV-Ray's; here it is --skip-existing" render small.mns +C
 refuses "'+WT4' is POV-Ray's; here it is -j 4" render small.mns +WT4
 refuses "unknown option '-W'; here it is --size 640x480" render small.mns -W 640
 refuses "unknown option '--width'; here it is --size 640x480" render small.mns --width 640
