@@ -112,7 +112,8 @@ float guide_pdf(const GuideAt *at, Vec3f direction);
 float guide_threshold(const Guide *guide);
 
 /* What paths note of a guide that is tried out (see guide_try.c): that they came to a place (amount: the part of its share
- * that counts there, ratio: what the path carries), that a probe was sent (amount: its rays), and what was found of the
+ * that counts there, ratio: what the path carries), that a probe was sent (amount: its rays, ratio: what the place scatters of its
+ * light, over a white surface that faces it), and what was found of the
  * light that probes look for (amount: luminance; ratio: of the densities by which probes and the path itself find it). */
 typedef enum GuideRecordKind { GUIDE_VISIT, GUIDE_SENT, GUIDE_FOUND } GuideRecordKind;
 typedef struct GuideLedger GuideLedger;

@@ -48,6 +48,7 @@ typedef struct Tally {
     uint32_t cell, n_found, visits;
     double weight, sent, rays; /* how often probes would be sent if all shares were 1; those sent, and their rays */
     double carried;            /* squares of what the paths carried there */
+    double returned;           /* and of what part of the light of a white surface went back along them, of those sent */
     double saved[N_SHARES];    /* of the squares, over having no guide */
 } Tally;
 
@@ -118,6 +119,7 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
     case GUIDE_SENT:
         tally->sent++;
         tally->rays += amount;
+        tally->returned += fmin(ratio * ratio, 1);
         break;
     case GUIDE_FOUND:
         if (!isfinite(amount) || !isfinite(ratio)) break;
@@ -171,6 +173,7 @@ static void tally_add(Tally *sum, const Tally *more)
     sum->sent += more->sent;
     sum->rays += more->rays;
     sum->carried += more->carried;
+    sum->returned += more->returned;
     for (int k = 0; k < N_SHARES; k++) sum->saved[k] += more->saved[k];
 }
 
@@ -280,10 +283,11 @@ static void choose_shares(Tryout *trial, const bool wanted[HALVES])
 }
 
 /* The variance that photons promise to take away, roughly and at most: as if all surfaces were white, and each place in
- * a cell got as much as the others. */
-static double promised(const Tryout *trial, const Photon *photons, uint32_t followed)
+ * a cell got as much as the others. *seen: the same for surfaces as they are. */
+static double promised(const Tryout *trial, const Photon *photons, uint32_t followed, double *seen)
 {
     double sum = 0;
+    *seen = 0;
     for (uint32_t i = 0; i < trial->guide->n_cells; i++) {
         const GuideCell *cell = &trial->guide->cells[i];
         Vec3f size = vec3f_along(cell->high, -1, cell->low);
@@ -291,9 +295,11 @@ static double promised(const Tryout *trial, const Photon *photons, uint32_t foll
         double square = 0;
         for (uint32_t k = trial->guide->begins[i]; k < trial->guide->begins[i + 1]; k++)
             square += (double)photons[k].flux * (double)photons[k].radiance;
-        if (area > 0)
-            sum += square / ((double)followed * (double)(area * SAMPLING_PI)) *
-                   (trial->cells[0][i].carried + trial->cells[1][i].carried);
+        if (!(area > 0)) continue;
+        const Tally *a = &trial->cells[0][i], *b = &trial->cells[1][i];
+        double promise = square / ((double)followed * (double)(area * SAMPLING_PI)) * (a->carried + b->carried);
+        sum += promise;
+        *seen += promise * (a->returned + b->returned) / fmax(a->sent + b->sent, 1);
     }
     return sum;
 }
@@ -309,8 +315,10 @@ static double gain_of(Toll without, Toll first, Toll second)
 }
 
 /* A rainbow on a few hundred pixels is met by some ten of the trial's paths, and what photons tell of each of its colours is found
- * by one probe in twenty: then it is no wonder that nothing was found. Where photons promise so much all the same, they are
- * taken at their word, and the more so as probes cost little where there is a place in hundreds that they are sent from. */
+ * by one probe in twenty: then it is no wonder that nothing was found. Where photons promise so much all the same, of surfaces
+ * as they are, they are taken at their word: probes cost little where there is a place in hundreds that they are sent from. (What
+ * is left of a promise on a black table, where the sun shines through a ball, is 100; of rainbows, on a wall and in haze, it is
+ * 5e3 to 5e7.) */
 static void trust_photons(Tryout *trial, GuideWorth *worth)
 {
     for (uint32_t i = 0; i < trial->guide->n_cells; i++) trial->chosen[i] = N_SHARES - 1;
@@ -321,6 +329,7 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
 {
     const bool first[HALVES] = {true, false}, second[HALVES] = {false, true}, both[HALVES] = {true, true};
     Guide *guide = trial->guide;
+    double seen;
     sum_spots(trial);
     /* one share for all takes no luck for a gain; but in part, where it is little that was found of great brightness */
     for (uint32_t i = 0; i < guide->n_cells; i++) trial->chosen[i] = EVEN;
@@ -333,8 +342,8 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     choose_shares(trial, second);
     worth->gain = fmax(EVEN_TRUST * even, gain_of(without, change_of(trial, 0), change));
     choose_shares(trial, both);
-    worth->promise = promised(trial, photons, followed) / without.variance;
-    if (all.n_found < LEAST_FOUND && worth->promise > GUIDE_GREAT_PROMISE) trust_photons(trial, worth);
+    worth->promise = promised(trial, photons, followed, &seen) / without.variance;
+    if (all.n_found == 0 && seen > GUIDE_GREAT_PROMISE * without.variance) trust_photons(trial, worth);
     worth->rays_per_path = without.work / trial->paths;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
         guide->cells[i].share = shares[trial->chosen[i]];

@@ -105,7 +105,8 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
     prober->ledger = tracer->ledger;
     path_follow(&probe);
     if (UNLIKELY(tracer->ledger))
-        guide_note(tracer->ledger, guide, GUIDE_SENT, (float)(prober->counters.rays - rays), 0);
+        guide_note(tracer->ledger, guide, GUIDE_SENT, (float)(prober->counters.rays - rays),
+                   lanes_mean(scattered) * SAMPLING_PI);
     tracer->counters = prober->counters;
     tracer->out_of_memory |= prober->out_of_memory;
     path->radiance = lanes_add(path->radiance, probe.radiance);

@@ -186,6 +186,13 @@ static const char rainbow[] =
     "light { shape = distant  from = <-20, .4, -13>  to = <0, 0, 0>  power = 60 } environment { color = .01 }\n"
     "camera { from = <0, 20, 22>  to = <2, 0, -2>  fov = 55 }\n";
 
+/* Photons land on what returns nothing. */
+static const char black_table[] = MEDIA
+    "ground { surface = surface { albedo = 0  ior = 1.4  roughness = .05 } } environment { color = .3 }\n"
+    "sphere { center = <0, 30, 0>  radius = 30  interior = glass }\n"
+    "light { shape = distant  from = <5, 10, 2>  to = <0, 0, 0>  power = 5 }\n"
+    "camera { from = <0, 80, 200>  to = <0, 30, 0>  fov = 40 }\n";
+
 /* A guide is used where it pays: the sun through a drink and a window; not where the camera sees little of what it finds.
  * In some, cells hold one photon, or a row of them. */
 static void guides_unasked(void **state)
@@ -199,6 +206,7 @@ static void guides_unasked(void **state)
                  {"minirt", {.file = "examples/minirt.mns"}, true},
                  {"a rainbow on few pixels", {.text = rainbow}, true},
                  {"a light bulb", {.file = "examples/light-bulb.mns"}, false},
+                 {"a black table", {.text = black_table}, false},
                  {"finishes", {.file = "examples/finishes.mns"}, false}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Fixture scene;
