@@ -171,10 +171,35 @@ static bool has_further_value(const Parser *parser, bool call)
     return call && starts_value(parser) && !first_on_line(parser);
 }
 
+/* "matrix <1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0>", behind the word: more in '<' and '>' than a vector has */
+static bool parse_matrix_habit(Parser *parser, const char *word)
+{
+    if (strcmp(word, "matrix") != 0 || parser->token.kind != TOKEN_LESS) return false;
+    Look look;
+    look_from(parser, &look);
+    int commas = 0;
+    for (Token token = lexer_next(&look.lexer); token.kind != TOKEN_GREATER; token = lexer_next(&look.lexer)) {
+        commas += token.kind == TOKEN_COMMA;
+        if (token.kind == TOKEN_END || token.begin > parser->token.begin + NEAR_LOOK) return false;
+    }
+    if (commas < 4) return false;
+    Diagnostic *report = report_at(parser, behind_last(parser), "expected '(' behind 'matrix', found '<'");
+    consume(parser);
+    uint32_t begin = parser->token.begin;
+    do parse_add(parser);
+    while (!parser->panic && consume_if(parser, TOKEN_COMMA));
+    if (parser->panic) return true;
+    diag_hint(parser->diag, report, "write: matrix(%s)", quote(parser, begin, consumed_end(parser)));
+    consume_if(parser, TOKEN_GREATER);
+    calm_down(parser);
+    return true;
+}
+
 /* name value */
 static void value_behind_name(Parser *parser, Path path)
 {
     const char *word = path.names[path.n - 1]->text, *advice = NULL;
+    if (path.n == 1 && parse_matrix_habit(parser, word)) return;
     const char *pattern = habit_setting(parser->node, word);
     if (path.n == 1 && parser->node) advice = habit_advice(parser->node, word);
     const char *other = parser->node && !pattern ? habit_property_of(parser->node, word) : NULL;
