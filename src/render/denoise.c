@@ -373,7 +373,8 @@ static float share_of(float lost)
 
 /* Bright pixels that stand alone lose light that nothing around them gets: a diamond was a sixteenth darker. So what is lost on
  * balance over a wide neighbourhood, where the noise of single pixels is small, goes back there. A pixel's own loss is not
- * asked: what stands quite alone is noise. Measured: the light of all examples within 0.2 %, at 1.00 to 1.07 of the error. */
+ * asked: what stands quite alone is noise. Measured, light within 0.2 % in seven examples, at 0.97 to 1.07 of the error; given back by
+ * the noise that is stated, 1.1 to 1.4. */
 static void give_back(const Planes *planes, const uint32_t area[4], Image *image)
 {
     float *const *maps = planes->maps, lost[3];
