@@ -534,7 +534,7 @@ Stmt *parse_stmt(Parser *parser)
     case TOKEN_INCLUDE: return parse_import(parser);
     case TOKEN_DEFAULTS: return parse_defaults(parser);
     case TOKEN_CHILDREN: return parse_kids(parser);
-    case TOKEN_NAME: return parse_named(parser);
+    case TOKEN_NAME: return parse_foreach(parser) ? parse_flow(parser) : parse_named(parser);
     case TOKEN_ELSE: syntax_error(parser, token_span(parser), "'else' without an 'if' before it"); return NULL;
     case TOKEN_DIRECTIVE: parse_directive(parser); return NULL;
     default:

@@ -846,6 +846,17 @@ static bool parse_listed_loop(Parser *parser)
     return true;
 }
 
+bool parse_foreach(Parser *parser)
+{
+    const Symbol *word = parser->token.as.symbol;
+    if (strcmp(word->text, "foreach") != 0 || word->declared != SYMBOL_FREE || peek(parser).kind != TOKEN_PAREN_OPEN)
+        return false;
+    hint_write(parser, report_at(parser, token_span(parser), "there is no statement 'foreach'"),
+               "for (i in list) { ... }");
+    parser->token.kind = TOKEN_FOR;
+    return true;
+}
+
 /* for (int i = 0; i < 10; i++), behind the '(' */
 bool parse_counting_loop(Parser *parser)
 {
