@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/motion.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -63,6 +64,44 @@ static bool same_map(const Affine *a, const Affine *b)
         for (int column = 0; column < 3; column++)
             if (a->m[row][column] != b->m[row][column]) return false;
     return a->t.x == b->t.x && a->t.y == b->t.y && a->t.z == b->t.z;
+}
+
+static Vec3 column(const Affine *map, int i)
+{
+    return vec3(map->m[0][i], map->m[1][i], map->m[2][i]);
+}
+
+/* Whether a lamp looks the same however it is turned about its axis. */
+static bool is_round(const SceneLight *light)
+{
+    return light->kind == LIGHT_DISC || (light->kind == LIGHT_POINT && !light->profile);
+}
+
+/* A lamp's frame is level, so that it goes round by half a turn when its axis passes the vertical, where any frame is
+ * level; in between it would be squeezed to nothing. The lamp looks the same half a turn about its axis further, a round
+ * one any turn: of these frames the one is taken that is next to the one before. */
+static Affine least_turned(const SceneLight *light, const Affine *before, const Affine *then)
+{
+    const double hardly = 0.9, across = 0.1, upright = 1 - 1e-15;
+    Vec3 old = column(before, 0), x = column(then, 0), y = column(then, 1);
+    Vec3 same = vec3_along(old, -vec3_dot(old, y), y); /* turned no more than the axis is */
+    double kept = vec3_dot(old, x);
+    bool any_is_level = light->kind == LIGHT_RECT && fabs(kept) < across && fabs(y.y) >= upright;
+    if (kept > hardly) return *then;
+    if ((is_round(light) || any_is_level) && vec3_length(same) > 1e-6)
+        x = vec3_normalize(same);
+    else if (light->kind == LIGHT_RECT && kept < 0)
+        x = vec3_scale(x, -1);
+    else
+        return *then;
+    Vec3 z = vec3_cross(x, y);
+    return (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, then->t};
+}
+
+/* Where a thing was a key before that one, as far as is known. */
+static const Affine *place_before(const Scene *scene, uint32_t n_keys, uint32_t motion, const Affine *first, uint32_t key)
+{
+    return motion == SCENE_NONE ? first : &scene->motions[(size_t)motion * n_keys + key - 1];
 }
 
 /* *motion is of a thing that is at `first` when the shutter opens. */
@@ -159,7 +198,9 @@ static Status move_lights(Finder *f, const Scene *other, uint32_t key)
             /* mostly at the same number */
             const SceneLight *then = &other->lights[(i + k) % other->n_lights];
             if (then->kind != LIGHT_POINT || then->identity != light->identity) continue;
-            status = move_thing(f, &light->motion, &light->to_world, &then->to_world, key);
+            const Affine *before = place_before(f->scene, f->n_keys, light->motion, &light->to_world, key);
+            Affine to_world = least_turned(light, before, &then->to_world);
+            status = move_thing(f, &light->motion, &light->to_world, &to_world, key);
             break;
         }
     }
@@ -178,7 +219,12 @@ static Status compare_with(Finder *f, Scene *other, uint32_t key)
         const SceneObject *then = find_object(&places, other, object, &changes);
         if (!then && changes) report_new_parts(f, object);
         if (!then || object->shape == SCENE_NONE) continue;
-        status = move_thing(f, &object->motion, &object->to_world, &then->to_world, key);
+        Affine to_world = then->to_world;
+        if (object->light != SCENE_NONE) {
+            const Affine *before = place_before(f->scene, f->n_keys, object->motion, &object->to_world, key);
+            to_world = least_turned(&f->scene->lights[object->light], before, &to_world);
+        }
+        status = move_thing(f, &object->motion, &object->to_world, &to_world, key);
         if (status == STATUS_OK && key + 1 == f->n_keys) change_shape(f, object, &other->shapes[then->shape]);
     }
     free(places.slots);

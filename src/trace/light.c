@@ -178,6 +178,16 @@ static double ball_radius(const World *world, const SceneObject *object, uint32_
     return piece_of(world, object, piece)->r0 * vec3_length(affine_vector(&object->to_world, vec3(1, 0, 0)));
 }
 
+/* A direction in the frame of a light. Between two places that it turns through the frame is squeezed; what the light
+ * shines around it is not. */
+static Vec3 in_frame(const SceneLight *light, const Affine *to_world, Vec3 direction)
+{
+    if (to_world == &light->to_world) return affine_normal(to_world, direction); /* rigid: the transpose inverts it */
+    Vec3 y = vec3_normalize(affine_vector(to_world, vec3(0, 1, 0))), x = affine_vector(to_world, vec3(1, 0, 0));
+    x = vec3_normalize(vec3_along(x, -vec3_dot(x, y), y));
+    return vec3(vec3_dot(x, direction), vec3_dot(y, direction), vec3_dot(vec3_cross(x, y), direction));
+}
+
 static void sample_point(const SceneLight *light, const Affine *to_world, Vec3 from, LightSample *sample)
 {
     Vec3 to = vec3_sub(to_world->t, from);
@@ -185,8 +195,7 @@ static void sample_point(const SceneLight *light, const Affine *to_world, Vec3 f
     *sample = (LightSample){.pdf_w = 0};
     if (!(distance > 0)) return;
     Vec3 direction = vec3_scale(to, 1 / distance);
-    float shape =
-        light_shape(light, vec3_scale(affine_normal(to_world, direction), -1)); /* rigid: the transpose inverts it */
+    float shape = light_shape(light, vec3_scale(in_frame(light, to_world, direction), -1));
     if (!(shape > 0)) return;
     *sample = (LightSample){.direction = vec3f_from(direction),
                             .distance = distance,

@@ -343,15 +343,15 @@ static void filament_in_a_bulb(void **state)
 
 /* ---- moving lights ---- */
 
-/* A ball that moves along a quarter of the way from 20 to 40 above the floor: the mean over the shutter of
+/* Lights that move or turn. A ball that moves along a quarter of the way from 20 to 40 above the floor: the mean over the shutter of
  * pi L (r / d)^2, with the mean of 1 / d^2 over d = a .. b being 1 / (a b). */
-static void moving_ball(void **state)
+static void moving_lights(void **state)
 {
     (void)state;
     const char *frame =
         "animation { frames = 2 }\n"
         "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg  shutter = 360deg  shutter_steps = 1 }\n";
-    static const struct {
+    const struct {
         const char *what, *light;
         double irradiance;
     } cases[] = {
@@ -363,6 +363,19 @@ static void moving_ball(void **state)
          "p * .01 + <0, 20 + 20 * clock, 0>]  triangles = [<0, 1, 2>, <0, 2, 3>]\n"
          "surface = surface { albedo = 0  emission = 1  radiance = 1e4 } }",
          1e4 * 4e-4 / 800},
+        /* Its axis goes from 45 degrees on one side to 45 on the other, straight in between as the two frames are: by
+         * atan(2 t - 1). So the place below is within 30 degrees for tan(30) of the time. */
+        {"a spot that turns, first away from the place",
+         "light { shape = spot  from = <0, 20, 0>  to = <-20 + 40 * clock, 0, 0>  angle = 60deg  blend = 0  intensity = 2 "
+         "}",
+         2 / 400e-6 / sqrt(3)},
+        /* Its area's part towards the place below is the same all the way, whatever is squeezed. */
+        {"a disc that turns through the vertical",
+         "light { shape = disc  from = <0, 200, 0>  to = <-200 + 400 * clock, 0, 0>  radius = .1  radiance = 1e4 }",
+         1e4 * TRUTH_PI * .01 / 4e4 * sqrt(0.5)},
+        {"a quad that turns through the vertical",
+         "light { from = <0, 200, 0>  to = <-200 + 400 * clock, 0, 0>  size = <.3, .2>  radiance = 1e4 }",
+         1e4 * .06 / 4e4 * sqrt(0.5)},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
@@ -381,7 +394,7 @@ int main(void)
         cmocka_unit_test(point_in_fog),
         cmocka_unit_test(in_water),
         cmocka_unit_test(filament_in_a_bulb),
-        cmocka_unit_test(moving_ball),
+        cmocka_unit_test(moving_lights),
         cmocka_unit_test(floor_under_a_sky),
         cmocka_unit_test(portals),
         cmocka_unit_test(portals_in_a_room),
