@@ -325,6 +325,9 @@ void build_render(Builder *b, const EvalNode *node);
 /* scene->hash, and all that moves while the shutter is open. */
 uint64_t scene_hash_with_motion(const Scene *scene);
 uint64_t scene_shape_hash(const SceneShape *shape);
+uint64_t scene_medium_hash(const SceneMedium *medium);
+/* Of how bright a light is and to what sides it shines, in its own frame; of a distant one also from where. */
+uint64_t scene_light_hash(const SceneLight *light);
 /* Sets the hashes of the scene's parts, too. */
 uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch);
 

@@ -207,10 +207,55 @@ static Status move_lights(Finder *f, const Scene *other, uint32_t key)
     return status;
 }
 
+/* ---- what does not move, but is another one ---- */
+
+static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights and cameras, "
+                                       "and meshes whose triangles stay the same";
+
+static void report_part(Finder *f, const Scene *other, int part, const char *what)
+{
+    if (f->scene->part_hashes[part] == other->part_hashes[part]) return;
+    Diagnostic *report = diag_report_nowhere(
+        f->diag, D_VALUE_CHANGES, "%s changes while the shutter is open, and stays as it is at first", what);
+    diag_hint(f->diag, report, "%s", only_places);
+}
+
+static void report_value(Finder *f, Span span, const char *what, const char *name)
+{
+    Diagnostic *report =
+        diag_report(f->diag, D_VALUE_CHANGES, span, "%s%s changes while the shutter is open, and stays as it is at first",
+                    what, name);
+    diag_hint(f->diag, report, "%s", only_places);
+}
+
+/* Without volumes, which are not made for later times; nor are textures. */
+static bool same_medium(SceneMedium a, SceneMedium b)
+{
+    a.density = b.density = a.temperature = b.temperature = NULL;
+    return scene_medium_hash(&a) == scene_medium_hash(&b);
+}
+
+/* At the last key. Rows are compared where there are as many: else something has come or gone, which is no change. */
+static void report_values(Finder *f, const Scene *other)
+{
+    const Scene *scene = f->scene;
+    for (uint32_t i = 0; scene->n_media == other->n_media && i < scene->n_media; i++)
+        if (!same_medium(scene->media[i], other->media[i]))
+            report_value(f, scene->media[i].span, "medium ", scene->media[i].name);
+    for (uint32_t i = 0; scene->n_lights == other->n_lights && i < scene->n_lights; i++)
+        if (scene_light_hash(&scene->lights[i]) != scene_light_hash(&other->lights[i]))
+            report_value(f, scene->lights[i].span, "what shines of ",
+                         scene->lights[i].name ? scene->lights[i].name : "this light");
+    if (scene->n_surfaces == other->n_surfaces && scene->n_textures == other->n_textures)
+        report_part(f, other, SCENE_PART_SURFACES, "a surface");
+    report_part(f, other, SCENE_PART_ENVIRONMENT, "the environment");
+}
+
 static Status compare_with(Finder *f, Scene *other, uint32_t key)
 {
     Places places;
     TRY(places_init(&places, other, f->error));
+    if (key + 1 == f->n_keys) report_values(f, other);
     Status status = move_cameras(f, other, key);
     if (status == STATUS_OK) status = move_lights(f, other, key);
     for (uint32_t i = 0; i < f->scene->n_objects && status == STATUS_OK; i++) {

@@ -106,7 +106,7 @@ static void add_volume(Hasher *h, const Volume *volume)
     add_number(h, (double)volume->outside);
 }
 
-static uint64_t medium_hash(const SceneMedium *medium)
+uint64_t scene_medium_hash(const SceneMedium *medium)
 {
     Hasher h = {2};
     add_spectrum(&h, &medium->ior);
@@ -269,7 +269,7 @@ static Rows hash_rows(const Scene *scene, Arena *scratch)
                  ARENA_ARRAY(scratch, uint64_t, scene->n_surfaces), ARENA_ARRAY(scratch, uint64_t, scene->n_textures),
                  ARENA_ARRAY(scratch, bool, scene->n_textures)};
     for (uint32_t i = 0; i < scene->n_shapes; i++) rows.shapes[i] = scene_shape_hash(&scene->shapes[i]);
-    for (uint32_t i = 0; i < scene->n_media; i++) rows.media[i] = medium_hash(&scene->media[i]);
+    for (uint32_t i = 0; i < scene->n_media; i++) rows.media[i] = scene_medium_hash(&scene->media[i]);
     for (uint32_t i = 0; i < scene->n_textures; i++) {
         rows.textures[i] = texture_hash(&scene->textures[i], &rows);
         rows.texture_varies[i] = texture_varies(&scene->textures[i], &rows);
@@ -348,6 +348,18 @@ static void add_lights(Hasher *h, const Scene *scene)
         add_vector(h, light->towards);
         add_number(h, light->cos_angle);
     }
+}
+
+uint64_t scene_light_hash(const SceneLight *light)
+{
+    Hasher h = {5};
+    add_spectrum(&h, &light->radiance);
+    add_number(&h, light->cos_full);
+    add_number(&h, light->cos_none);
+    if (light->kind != LIGHT_DISTANT) return h.state;
+    add_vector(&h, light->towards);
+    add_number(&h, light->cos_angle);
+    return h.state;
 }
 
 static void add_camera(Hasher *h, const SceneCamera *camera)

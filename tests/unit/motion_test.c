@@ -8,7 +8,8 @@
 #include "near.h"
 #include "scene_fixture.h"
 
-#define VIEW(shutter) " camera { from = <0, 0, 1000>  to = <0, 0, 0>  " shutter " } environment { } "
+#define CAMERA(shutter) " camera { from = <0, 0, 1000>  to = <0, 0, 0>  " shutter " } "
+#define VIEW(shutter) CAMERA(shutter) "environment { } "
 #define HALF VIEW("shutter = 180deg  shutter_steps = 2")
 
 static const Affine *keys_of(const Fixture *scene, uint32_t object)
@@ -71,6 +72,39 @@ static void meshes_deform_and_cones_do_not(void **state)
     assert_true(fixture_find(&scene, D_SHAPE_CHANGES) != NULL);
     assert_int_equal(scene.diag.n_warnings, 1);
     fixture_clear(&scene);
+}
+
+/* What is blurred are places: of all else that the clock changes it is told that it stays. */
+static void other_values_stay_and_are_told(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        bool told;
+    } cases[] = {
+        {"medium m { ior = 1 + clock } sphere { interior = m } environment { }", true},
+        {"sphere { surface = surface { albedo = .5 + clock / 2 } } environment { }", true},
+        {"light { shape = spot  from = y  to = -y  angle = 30 + 60 * clock }", true},
+        {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", true},
+        {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }", true},
+        /* volumes and textures are made for the first time only, and are no change */
+        {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f } }"
+         "sphere { interior = m  center = <clock, 0, 0> }"
+         "sphere { surface = surface { albedo = noise { } }  center = <clock, 0, 0> }"
+         "light { shape = spot  from = y  to = <clock, -1, 0> } light { shape = distant  from = y  to = -y }"
+         "environment { sky = clear }",
+         false},
+        /* nor is what comes or goes */
+        {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { }", false},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1000];
+        Fixture scene;
+        snprintf(text, sizeof text, FIXTURE_MEDIA "%s" CAMERA("shutter = 180deg  shutter_steps = 2"), cases[i].text);
+        fixture_good(&scene, text);
+        if ((fixture_find(&scene, D_VALUE_CHANGES) != NULL) != cases[i].told) fail_msg("%s", cases[i].text);
+        fixture_clear(&scene);
+    }
 }
 
 static void mistakes_of_later_are_told(void **state)
@@ -223,6 +257,7 @@ int main(void)
         cmocka_unit_test(places_follow_the_clock),
         cmocka_unit_test(without_a_shutter_nothing_moves),
         cmocka_unit_test(meshes_deform_and_cones_do_not),
+        cmocka_unit_test(other_values_stay_and_are_told),
         cmocka_unit_test(mistakes_of_later_are_told),
         cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
         cmocka_unit_test(what_is_dropped_of_a_mesh_is_dropped_a_frame_later),
