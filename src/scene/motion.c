@@ -157,6 +157,17 @@ static void report_projection(Finder *f, const SceneCamera *camera)
                 "the projection of %s changes while the shutter is open, and stays as it is at first", camera->name);
 }
 
+static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights and cameras, "
+                                       "and meshes whose triangles stay the same";
+
+static void report_value(Finder *f, Span span, const char *what, const char *name)
+{
+    Diagnostic *report =
+        diag_report(f->diag, D_VALUE_CHANGES, span, "%s%s changes while the shutter is open, and stays as it is at first",
+                    what, name);
+    diag_hint(f->diag, report, "%s", only_places);
+}
+
 static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
 {
     Scene *scene = f->scene;
@@ -169,6 +180,8 @@ static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
                 report_projection(f, camera);
                 continue;
             }
+            if (key + 1 == f->n_keys && then->lens_radius != camera->lens_radius)
+                report_value(f, camera->span, "the aperture of ", camera->name);
             for (uint32_t later = key; later < f->n_keys; later++) {
                 keys[later].from = then->from;
                 keys[later].right = then->right;
@@ -209,22 +222,11 @@ static Status move_lights(Finder *f, const Scene *other, uint32_t key)
 
 /* ---- what does not move, but is another one ---- */
 
-static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights and cameras, "
-                                       "and meshes whose triangles stay the same";
-
 static void report_part(Finder *f, const Scene *other, int part, const char *what)
 {
     if (f->scene->part_hashes[part] == other->part_hashes[part]) return;
     Diagnostic *report = diag_report_nowhere(
         f->diag, D_VALUE_CHANGES, "%s changes while the shutter is open, and stays as it is at first", what);
-    diag_hint(f->diag, report, "%s", only_places);
-}
-
-static void report_value(Finder *f, Span span, const char *what, const char *name)
-{
-    Diagnostic *report =
-        diag_report(f->diag, D_VALUE_CHANGES, span, "%s%s changes while the shutter is open, and stays as it is at first",
-                    what, name);
     diag_hint(f->diag, report, "%s", only_places);
 }
 
