@@ -158,6 +158,11 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
         for (int k = 0; k < 3; k++) planes->maps[k][i] = (planes->maps[k][i] + least) / (luminance[i] + least);
 }
 
+static float luminance_of(const float rgb[3])
+{
+    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
 /* By how much a pixel differs from what those next to it foretell, for an even slope: R, G, B and luminance. */
 static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x, uint32_t y, float difference[4])
 {
@@ -166,7 +171,7 @@ static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x
     const float *here = image_at(image, x, y), *beside = image_at(image, right, y), *under = image_at(image, x, below),
                 *across = image_at(image, right, below);
     for (int k = 0; k < 3; k++) difference[k] = here[k] - beside[k] - under[k] + across[k];
-    difference[3] = 0.2126f * difference[0] + 0.7152f * difference[1] + 0.0722f * difference[2];
+    difference[3] = luminance_of(difference);
 }
 
 /* Colours may make up for each other in the luminance of all samples, and not of halves of them: what neighbours differ by shows
@@ -362,7 +367,7 @@ static float lost_at(const Planes *planes, uint32_t x, uint32_t y, const float *
 {
     size_t at = y * planes->stride + x;
     for (int k = 0; k < 3; k++) lost[k] = planes->plane[PLANE_RED + k][at] - color[k];
-    return 0.2126f * lost[0] + 0.7152f * lost[1] + 0.0722f * lost[2];
+    return luminance_of(lost);
 }
 
 /* Of what is lost (or gained) around a pixel it gets (gives) back its share, in proportion to what it has lost (gained) itself. */

@@ -206,13 +206,6 @@ static const Need needs[] = {
     {"weight", "mix", "without a 'mix'", "a mixture of two: mix = [a, b]"},
 };
 
-static bool is_on(const EvalNode *node, const char *property) /* set, and neither 0 nor false */
-{
-    const EvalProp *prop = eval_prop(node, property);
-    if (prop && prop->type->kind == PROP_BOOL) return prop->as.truth;
-    return prop && (prop->textured || prop->type->kind != PROP_NUMBER || prop->as.number > 0);
-}
-
 #define TINTS "what is clear has the tint of its medium, medium glass { ior = 1.5  tint = rgb(.6, .9, .7)  depth = 1cm }"
 #define FILM "thin = true  ior = 1.4  transmission = 1  film = 300nm"
 
@@ -356,11 +349,13 @@ static void check_opaque(Builder *b, const EvalNode *node)
 {
     bool thin = eval_truth(node, "thin"),
          facets = eval_prop(node, "ior") || eval_prop(node, "metal") || eval_prop(node, "metalness");
-    if (is_on(node, "transmission") && !thin) {
+    const EvalProp *transmission = eval_prop(node, "transmission");
+    bool lets_through = transmission && (transmission->textured || transmission->as.number > 0);
+    if (lets_through && !thin) {
         Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "transmission"),
                                          "this object has no interior for light to go through");
         diag_hint(b->diag, report, "name one, interior = a medium, or make the surface thin = true");
-    } else if (is_on(node, "transmission") && !eval_prop(node, "ior")) {
+    } else if (lets_through && !eval_prop(node, "ior")) {
         Diagnostic *report = build_needs(b, node, "transmission", "without an 'ior'");
         if (report) diag_hint(b->diag, report, "a pane of glass: ior = 1.5");
     }

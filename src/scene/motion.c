@@ -160,11 +160,12 @@ static void report_projection(Finder *f, const SceneCamera *camera)
 static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights and cameras, "
                                        "and meshes whose triangles stay the same";
 
-static void report_value(Finder *f, Span span, const char *what, const char *name)
+/* where NULL: nowhere in the text */
+static void report_value(Finder *f, const Span *where, const char *what, const char *name)
 {
-    Diagnostic *report =
-        diag_report(f->diag, D_VALUE_CHANGES, span, "%s%s changes while the shutter is open, and stays as it is at first",
-                    what, name);
+    static const char text[] = "%s%s changes while the shutter is open, and stays as it is at first";
+    Diagnostic *report = where ? diag_report(f->diag, D_VALUE_CHANGES, *where, text, what, name)
+                               : diag_report_nowhere(f->diag, D_VALUE_CHANGES, text, what, name);
     diag_hint(f->diag, report, "%s", only_places);
 }
 
@@ -181,7 +182,7 @@ static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
                 continue;
             }
             if (key + 1 == f->n_keys && then->lens_radius != camera->lens_radius)
-                report_value(f, camera->span, "the aperture of ", camera->name);
+                report_value(f, &camera->span, "the aperture of ", camera->name);
             for (uint32_t later = key; later < f->n_keys; later++) {
                 keys[later].from = then->from;
                 keys[later].right = then->right;
@@ -224,10 +225,7 @@ static Status move_lights(Finder *f, const Scene *other, uint32_t key)
 
 static void report_part(Finder *f, const Scene *other, int part, const char *what)
 {
-    if (f->scene->part_hashes[part] == other->part_hashes[part]) return;
-    Diagnostic *report = diag_report_nowhere(
-        f->diag, D_VALUE_CHANGES, "%s changes while the shutter is open, and stays as it is at first", what);
-    diag_hint(f->diag, report, "%s", only_places);
+    if (f->scene->part_hashes[part] != other->part_hashes[part]) report_value(f, NULL, what, "");
 }
 
 /* Without volumes, which are not made for later times; nor are textures. */
@@ -243,10 +241,10 @@ static void report_values(Finder *f, const Scene *other)
     const Scene *scene = f->scene;
     for (uint32_t i = 0; scene->n_media == other->n_media && i < scene->n_media; i++)
         if (!same_medium(scene->media[i], other->media[i]))
-            report_value(f, scene->media[i].span, "medium ", scene->media[i].name);
+            report_value(f, &scene->media[i].span, "medium ", scene->media[i].name);
     for (uint32_t i = 0; scene->n_lights == other->n_lights && i < scene->n_lights; i++)
         if (scene_light_hash(&scene->lights[i]) != scene_light_hash(&other->lights[i]))
-            report_value(f, scene->lights[i].span, "what shines of ",
+            report_value(f, &scene->lights[i].span, "what shines of ",
                          scene->lights[i].name ? scene->lights[i].name : "this light");
     if (scene->n_surfaces == other->n_surfaces && scene->n_textures == other->n_textures)
         report_part(f, other, SCENE_PART_SURFACES, "a surface");
