@@ -38,6 +38,9 @@ says out "$(printf '\033[38;')"
 says out 'wrote b.exr'
 on_terminal xterm render small.mns -o b.exr --preview term:sixel
 says out "$(printf '\033P')"
+run render small.mns -o c.exr --spp 9 --aov depth
+on_terminal xterm-256color view c.exr --layer depth --preview term
+says out "$(printf '\033[38;')"
 on_terminal xterm render small.mns -o b.exr --preview term:ascii
 says out "no graphics 'ascii' of terminals; symbols, sixel, kitty and iterm2 are known"
 rm b.exr
@@ -93,9 +96,9 @@ says err "no tev takes pictures at localhost:$port"
 gone b.exr
 end
 
-# until_says FILE TEXT: waits for it, ten seconds at most
+# until_says FILE TEXT: waits for it, ten seconds at most; the file, too, may still be to come
 until_says() {
-    for _ in $(seq 100); do grep -qF -e "$2" "$1" && return; sleep .1; done
+    for _ in $(seq 100); do [ -e "$1" ] && grep -qF -e "$2" "$1" && return; sleep .1; done
     flunk "$1 never says: $2"
 }
 
