@@ -1,5 +1,7 @@
 /* cmd_view.c - the command view: a scene-linear picture as a display shows it.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
@@ -7,6 +9,9 @@
 #include "base/file.h"
 #include "cli/commands.h"
 #include "cli/preview.h"
+#include "diag/suggest.h"
+#include "image/layer.h"
+#include "scene/aov.h"
 
 /* The default display and the default view of each first. */
 static void list_views(const ColorConfig *config, const char *display, Buf *out)
@@ -41,18 +46,114 @@ static Status check_output(const char *path, const char *preview, Error *error)
     return output_probe(path, error);
 }
 
-static Status write_png(const Options *options, const ColorConfig *config, const Image *image, const char *path,
+/* A picture, or a layer of it. */
+typedef struct Viewed {
+    Image image;
+    bool shown; /* as a display shows it, not scene-linear */
+} Viewed;
+
+/* What the channels of an AOV are as a layer: "N" of "N.X|N.Y|N.Z", "Z" of "Z". */
+static void layer_of_aov(Aov aov, char layer[LAYER_NAME_SIZE])
+{
+    const char *channels = aov_channels(aov);
+    size_t length = strchr(channels, '|') ? strcspn(channels, ".") : strlen(channels);
+    snprintf(layer, LAYER_NAME_SIZE, "%.*s", (int)length, channels);
+}
+
+/* What a layer is asked for by: the name of its AOV, if it is one. */
+static const char *asked_name(const char *layer)
+{
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) {
+        char name[LAYER_NAME_SIZE];
+        layer_of_aov(aov, name);
+        if (strcmp(name, layer) == 0) return aov_name(aov);
+    }
+    return layer;
+}
+
+/* The names of the layers whose channels' names begin so, each once, in `words`, which has room for as many as there are channels;
+ * those that are no AOV in `names`. Returns how many. */
+static size_t list_layers(const Image *image, const char *front, char (*names)[LAYER_NAME_SIZE], const char **words)
+{
+    size_t n = 0;
+    for (uint32_t i = 0; i < image->n_channels; i++) {
+        if (strncmp(image->names[i], front, strlen(front)) != 0) continue;
+        bool known = false;
+        layer_of_channel(image, i, names[n]);
+        words[n] = asked_name(names[n]);
+        for (size_t k = 0; k < n && !known; k++) known = strcmp(words[k], words[n]) == 0;
+        n += !known;
+    }
+    return n;
+}
+
+static Status fail_to_find(const Image *image, const char *asked, const char *layer, Error *error)
+{
+    size_t size = image->n_channels * sizeof *image->names;
+    char(*names)[LAYER_NAME_SIZE] = malloc(size), front[LAYER_NAME_SIZE + 1];
+    const char **words = malloc(image->n_channels * sizeof *words);
+    Buf list = {0};
+    Status status = STATUS_INPUT;
+    if (names && words) {
+        snprintf(front, sizeof front, "%s.", layer);
+        size_t n_parts = list_layers(image, front, names, words),
+               n = n_parts ? n_parts : list_layers(image, "", names, words);
+        const char *near = n_parts ? NULL : suggest_nearest(asked, words, n);
+        for (size_t i = 0; i < n; i++) buf_format(&list, "%s%s", i ? ", " : "", words[i]);
+        if (near)
+            (void)fail(error, status, "the picture has no layer '%s'; did you mean '%s'?", asked, near);
+        else if (n_parts)
+            (void)fail(error, status, "the channels of '%s' are no colours; name one of them: %s", asked,
+                       buf_text(&list));
+        else
+            (void)fail(error, status, "the picture has no layer '%s', only: %s", asked, buf_text(&list));
+    } else {
+        status = fail_memory(error, size, "the names of layers");
+    }
+    buf_clear(&list);
+    free(words);
+    free(names);
+    return status;
+}
+
+/* The layer takes the picture's place. */
+static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, Error *error)
+{
+    char in_file[LAYER_NAME_SIZE];
+    Layer layer;
+    Aov aov = aov_named(name, strlen(name));
+    if (aov == AOV_CRYPTOMATTE)
+        return fail(error, STATUS_USAGE,
+                    "the mattes of '%s' are for programs that composite; 'object' and 'medium' are layers to look at",
+                    name);
+    snprintf(in_file, sizeof in_file, "%s", name);
+    if (aov != AOV_COUNT) layer_of_aov(aov, in_file);
+    if (!layer_is_in(&viewed->image, in_file)) return fail_to_find(&viewed->image, name, in_file, error);
+    TRY(layer_of(&viewed->image, in_file, &layer, error));
+    if (layer.kind == LAYER_NUMBERS && layer.white > layer.black)
+        talk_remark(talk, "%s: black is %.4g, white %.4g%s", name, (double)layer.black, (double)layer.white,
+                    layer.held ? " and more" : "");
+    else if (layer.kind == LAYER_NUMBERS)
+        talk_remark(talk, "%s: all of it is %.4g", name, (double)layer.black);
+    image_clear(&viewed->image);
+    *viewed = (Viewed){layer.image, layer.kind != LAYER_COLOR};
+    return STATUS_OK;
+}
+
+static Status write_png(const Options *options, const ColorConfig *config, const Viewed *viewed, const char *path,
                         Error *error)
 {
+    unsigned bits = option_is(options, OPTION_BITS, "16") ? 16 : 8;
     Image shown;
     ColorLook look = output_look(options, 0);
-    TRY(image_for_display(image, config, &look, &shown, error));
-    Status status = png_write(path, &shown, option_is(options, OPTION_BITS, "16") ? 16 : 8, error);
+    if (viewed->shown) return png_write(path, &viewed->image, bits, error);
+    TRY(image_for_display(&viewed->image, config, &look, &shown, error));
+    Status status = png_write(path, &shown, bits, error);
     image_clear(&shown);
     return status;
 }
 
-static Status show(const Options *options, const ColorConfig *config, const Image *image, const char *where,
+static Status show(const Options *options, const ColorConfig *config, const Viewed *viewed, const char *where,
                    Error *error)
 {
     Preview preview;
@@ -61,26 +162,30 @@ static Status show(const Options *options, const ColorConfig *config, const Imag
     if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
         status =
             fail(error, STATUS_USAGE, "option '--preview' of 'view' takes term or tev; '-o %s' writes a file", where);
-    if (status == STATUS_OK)
-        status = preview_show(&preview, image, NULL, config, &look, error);
+    if (status == STATUS_OK && preview.kind == PREVIEW_TERMINAL && viewed->shown)
+        status = terminal_preview_show(&preview.terminal, &viewed->image, error);
+    else if (status == STATUS_OK)
+        status = preview_show(&preview, &viewed->image, NULL, config, &look, error);
     preview_close(&preview);
     return status;
 }
 
-static Status view_file(const Options *options, const ColorConfig *config, const char *path, Error *error)
+static Status view_file(const Options *options, const ColorConfig *config, const Talk *talk, const char *path,
+                        Error *error)
 {
-    Image image;
+    Viewed viewed = {.shown = false};
     const char *where = option_text(options, OPTION_VIEW_PREVIEW, NULL);
-    TRY(image_read_linear(options->operands[0], &image, error));
-    Status status = where ? show(options, config, &image, where, error) : STATUS_OK;
-    if (status == STATUS_OK && path) status = write_png(options, config, &image, path, error);
-    image_clear(&image);
+    const char *layer = option_text(options, OPTION_LAYER, NULL);
+    TRY(image_read_linear(options->operands[0], &viewed.image, error));
+    Status status = layer ? choose_layer(layer, talk, &viewed, error) : STATUS_OK;
+    if (status == STATUS_OK && where) status = show(options, config, &viewed, where, error);
+    if (status == STATUS_OK && path) status = write_png(options, config, &viewed, path, error);
+    image_clear(&viewed.image);
     return status;
 }
 
 Status cmd_view(const Options *options, const Talk *talk, Error *error)
 {
-    (void)talk;
     bool list = option_given(options, OPTION_LIST);
     const char *path = option_text(options, OPTION_VIEW_OUTPUT, NULL);
     if (!list && options->n_operands == 0) return fail(error, STATUS_USAGE, "'view' needs FILE");
@@ -89,7 +194,7 @@ Status cmd_view(const Options *options, const Talk *talk, Error *error)
     TRY(output_check_claims(claims, COUNT_OF(claims), error));
     ColorConfig *config = NULL;
     TRY(color_config_open(option_text(options, OPTION_OCIO, NULL), &config, error));
-    Status status = list ? list_all(config, error) : view_file(options, config, path, error);
+    Status status = list ? list_all(config, error) : view_file(options, config, talk, path, error);
     color_config_close(config);
     return status;
 }

@@ -79,6 +79,39 @@ run view text.exr -o b.png
 exits 4
 end
 
+begin "view: another layer, by the AOV's name or the channel's"
+small_scene
+run render small.mns -o a.exr --aov depth,normal,medium,nesting,cryptomatte
+run view a.exr --layer depth -o depth.png
+exits 0
+matches err '^meniscus view: remark: depth: black is [0-9.]*, white [0-9.]* and more$'
+run view a.exr --layer Z -o z.png -q
+empty err
+cmp -s depth.png z.png || flunk "an AOV is not the layer of its channels"
+run view a.exr --layer normal -o n.png --exposure 3
+exits 0
+empty err
+run view a.exr --layer N -o n0.png
+cmp -s n.png n0.png || flunk "directions get brighter by --exposure"
+run view a.exr --layer medium -o m.png
+run view a.exr --layer medium -o m1.png --exposure -2
+empty err
+if cmp -s m.png m1.png; then flunk "colours do not get darker by --exposure"; fi
+run view a.exr --layer nesting -o x.png
+exits 4
+says err "the channels of 'nesting' are no colours; name one of them: nesting.depth, nesting.faults, nesting.silent"
+run view a.exr --layer nesting.faults -o x.png
+says err 'nesting.faults: all of it is 0'
+run view a.exr --layer cryptomatte -o y.png
+exits 2
+run view a.exr --layer dpeth -o y.png
+exits 4
+says err "the picture has no layer 'dpeth'; did you mean 'depth'?"
+run view a.exr --layer beauty -o y.png
+matches err "the picture has no layer 'beauty', only: A, B, .*normal.*depth"
+gone y.png
+end
+
 begin "bench: paths and rays of one thread and of two"
 run bench -j 2
 exits 0
