@@ -82,6 +82,9 @@ static const struct {
     {"param", "-D NAME=VALUE"},
     {"var", "-D NAME=VALUE"},
     {"Declare", "-D NAME=VALUE"},
+    {"aov", "--layer depth"},
+    {"channel", "--layer depth"},
+    {"channels", "--layer depth"},
 };
 
 /* Does the command take the option that a habit is written as? */
@@ -114,12 +117,15 @@ static const char *habit_of(Command command, const char *word)
 static Status unknown_name(Parser *parser, const char *name, size_t length)
 {
     Command command = parser->options->command;
+    char wrong[64];
+    snprintf(wrong, sizeof wrong, "%.*s", (int)length, name);
+    const char *habit = habit_of(command, wrong);
     for (Command other = 0; other < COMMAND_COUNT; other++) {
         OptionKey key = find_name(other, name, length);
         if (other != command && key != OPTION_COUNT && option_row(key)->help && command == COMMAND_HELP)
             return fail(parser->error, STATUS_USAGE, "'help' has no option '--%.*s'; 'meniscus help %.*s' explains it",
                         (int)length, name, (int)length, name);
-        if (other != command && key != OPTION_COUNT && option_row(key)->help)
+        if (other != command && key != OPTION_COUNT && option_row(key)->help && !habit)
             return fail(parser->error, STATUS_USAGE, "'%s' has no option '--%.*s'; '%s' has one",
                         command_row(command)->name, (int)length, name, command_row(other)->name);
     }
@@ -128,10 +134,8 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
     for (OptionKey key = 0; key < OPTION_COUNT; key++)
         if (command_has_option(command, key) && option_row(key)->name && option_row(key)->help)
             names[n++] = option_row(key)->name;
-    char wrong[64];
-    snprintf(wrong, sizeof wrong, "%.*s", (int)length, name);
-    const char *near = suggest_nearest(wrong, names, n), *habit = near ? NULL : habit_of(command, wrong);
-    if (habit) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
+    const char *near = suggest_nearest(wrong, names, n);
+    if (habit && !near) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
     return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'%s%s%s", (int)length, name,
                 near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");
 }

@@ -110,6 +110,9 @@ says err "the picture has no layer 'dpeth'; did you mean 'depth'?"
 run view a.exr --layer beauty -o y.png
 matches err "the picture has no layer 'beauty', only: A, B, .*normal.*depth"
 gone y.png
+run view a.exr --aov depth -o y.png
+exits 2
+says err "unknown option '--aov'; here it is --layer depth"
 end
 
 begin "bench: paths and rays of one thread and of two"
