@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/num.h"
@@ -16,17 +17,29 @@
 /* Facts go out as "name  text" or as members of one JSON object. */
 typedef struct Facts {
     bool as_json;
+    size_t longest; /* of the texts: the names of hundreds of objects would fill a terminal; 0: as long as they are */
     JsonWriter json;
     Buf *out;
 } Facts;
 
-enum { NAME_COLUMNS = 28 };
+enum { NAME_COLUMNS = 28, LONGEST_ON_TERMINAL = 240 };
+
+/* As many bytes as there are up to `most`, without a part of a character of UTF-8. */
+static size_t text_head(const char *text, size_t most)
+{
+    while (most > 0 && ((unsigned char)text[most] & 0xc0) == 0x80) most--;
+    return most;
+}
 
 static void add_fact(void *context, const char *name, const char *text)
 {
     Facts *facts = context;
+    size_t length = strlen(text);
     if (facts->as_json)
         json_add_text(&facts->json, name, text);
+    else if (facts->longest && length > facts->longest)
+        buf_format(facts->out, "%-*s %.*s... (%zu bytes; --json has all)\n", NAME_COLUMNS, name,
+                   (int)text_head(text, facts->longest), text, length);
     else
         buf_format(facts->out, "%-*s %s\n", NAME_COLUMNS, name, text);
 }
@@ -229,6 +242,7 @@ Status cmd_info(const Options *options, const Talk *talk, Error *error)
     (void)talk;
     Buf out = {0};
     Facts facts = {.as_json = option_given(options, OPTION_JSON), .json = json_writer(&out, true), .out = &out};
+    if (isatty(STDOUT_FILENO)) facts.longest = LONGEST_ON_TERMINAL;
     if (facts.as_json) json_begin_object(&facts.json);
     Status status = describe(options->operands[0], &facts, error);
     if (facts.as_json) {

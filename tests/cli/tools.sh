@@ -126,6 +126,16 @@ is_json out
 matches out '"pathsPerSecond": [1-9]'
 end
 
+begin "info: texts that would fill a terminal are cut short there, and nowhere else"
+small_scene
+for i in $(seq 60); do echo "sphere drop_$i { center = <$i, 20, 0>  radius = .2  interior = water }"; done >> small.mns
+run render small.mns -o a.exr --aov object
+run info a.exr
+matches out '"drop_60":.*}$'
+on_terminal xterm info a.exr
+matches out 'meniscus/objects .{200,260}\.\.\. \([0-9]* bytes; --json has all\)'
+end
+
 begin "info: meshes"
 cat > tetrahedron.obj <<'MESH'
 v 0 0 0
