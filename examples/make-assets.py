@@ -4,8 +4,9 @@
     examples/make-assets.py FOLDER
 
 writes ice1.ply ice2.ply ice3.ply (ice cubes of about 24 units, centred on the origin), water_surface.ply
-(the body of water of the aquarium), goby.ply (a fish of 6 units that swims towards +x), studio.exr (a
-lat-long environment of soft lights) and label.png (an oval label, clear around it). The same bytes on every run. Python's standard library is enough.
+(the body of water of the aquarium), goby.ply and trout.ply (fish of 6 units that swim towards +x), spruce1.ply
+spruce2.ply (trees of 1 unit that stand on the origin), studio.exr (a lat-long environment of soft lights) and label.png
+(an oval label, clear around it). The same bytes on every run. Python's standard library is enough.
 SPDX-License-Identifier: Apache-2.0
 """
 
@@ -321,6 +322,136 @@ def make_goby():
     return mesh
 
 
+# ---- trout ----
+
+# along the body and the tail fin, nose first: x, half height, half width, height of the middle
+TROUT_SECTIONS = [(3.0, .0, .0, -.06), (2.95, .11, .10, -.06), (2.8, .22, .18, -.05), (2.5, .36, .29, -.03),
+                  (2.0, .50, .37, .0), (1.3, .61, .42, .0), (.5, .64, .42, .0), (-.3, .58, .36, .0),
+                  (-1.0, .45, .27, .02), (-1.6, .30, .17, .03), (-2.0, .22, .10, .03), (-2.2, .23, .065, .03),
+                  (-2.45, .38, .035, .03), (-2.7, .56, .022, .03), (-2.93, .68, .014, .03), (-3.0, .69, .008, .03)]
+TROUT_RINGS, TROUT_ANGLES = 120, 44
+
+# fins, in the order front of the base, back of the base, front and back of the rim; z is doubled to both flanks
+TROUT_FINS = [((.95, .50, 0), (-.40, .48, 0), (.45, 1.08, 0), (-.62, .80, 0)),            # on the back
+              ((-1.30, .30, 0), (-1.55, .24, 0), (-1.62, .54, 0), (-1.72, .46, 0)),       # the small one behind it
+              ((-.85, -.36, 0), (-1.40, -.26, 0), (-1.28, -.84, 0), (-1.62, -.52, 0)),    # under the tail
+              ((1.85, -.33, .24), (1.55, -.42, .24), (1.15, -.62, .82), (.90, -.62, .55)),   # behind the gills
+              ((.10, -.52, .14), (-.22, -.50, .14), (-.45, -.82, .42), (-.66, -.72, .28))]   # at the belly
+
+
+def trout_bend(x, y, z):
+    """As it swims: the tail strikes out farthest."""
+    return (x, y, z + (.06 + .0135 * (3 - x) ** 2) * math.sin(.95 * x - .3))
+
+
+def trout_body(t, angle):
+    s = t * (len(TROUT_SECTIONS) - 1)
+    i = min(int(s), len(TROUT_SECTIONS) - 2)
+    f = s - i
+    rows = [TROUT_SECTIONS[min(max(i + k, 0), len(TROUT_SECTIONS) - 1)] for k in (-1, 0, 1, 2)]
+    x, half_height, half_width, middle = [
+        b + .5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a))) for a, b, c, d in zip(*rows)]
+    up, side = math.cos(angle), math.sin(angle)
+    y, z = middle + half_height * up, half_width * side
+    eye = math.exp(-((x - 2.50) ** 2 + (y - .09) ** 2) / .012)
+    forked = .42 * smoothstep(-2.25, -3, x) * (1 - abs(up)) ** 1.3
+    return trout_bend(x + forked, y, z + math.copysign(.05 * eye, side))
+
+
+def make_trout():
+    """A body, and fins that stand in it; fins are as thin as paper at their rims, and closed."""
+    mesh, n, m = Mesh(), TROUT_RINGS, TROUT_ANGLES
+    nose, tail = TROUT_SECTIONS[0], TROUT_SECTIONS[-1]
+
+    def corner(ring, k):
+        if ring == 0:
+            return mesh.vertex('nose', trout_bend(nose[0], nose[3], 0.0))
+        return mesh.vertex((ring, k % m), lambda: trout_body((ring / n) ** 1.1, 2 * math.pi * (k % m) / m))
+
+    end = mesh.vertex('tail', trout_bend(tail[0] + .40, tail[3], 0.0))
+    for k in range(m):
+        mesh.triangles.append((corner(0, 0), corner(1, k), corner(1, k + 1)))
+        mesh.triangles.append((end, corner(n, k + 1), corner(n, k)))
+        for ring in range(1, n):
+            mesh.quad(corner(ring, k), corner(ring + 1, k), corner(ring + 1, k + 1), corner(ring, k + 1))
+    nu, nv = 16, 12
+    for number, (a, b, c, d) in enumerate(TROUT_FINS):
+        for flank in ((1, -1) if a[2] else (1,)):
+            out = normalized(cross([q - p for p, q in zip(a, b)], [q - p for p, q in zip(a, c)]))
+
+            def rim(i, j, side):
+                u, v = i / nu, j / nv
+                inner = 0 < i < nu and 0 < j < nv
+                high = v * (1 - .12 * (2 * u - 1) ** 4 + .08 * math.sin(math.pi * u))
+                thick = side * .03 * math.sin(math.pi * u) ** .5 * (v * (1 - v) * (2 - v)) ** .5 if inner else 0
+                base, top = [p + (q - p) * u for p, q in zip(a, b)], [p + (q - p) * u for p, q in zip(c, d)]
+                x, y, z = [p + (q - p) * high + o * thick for p, q, o in zip(base, top, out)]
+                return mesh.vertex((number, flank, i, j, side if inner else 0), lambda: trout_bend(x, y, z * flank))
+
+            for side in (1, -1):
+                for i in range(nu):
+                    for j in range(nv):
+                        quad = [rim(i, j, side), rim(i + 1, j, side), rim(i + 1, j + 1, side), rim(i, j + 1, side)]
+                        mesh.quad(*(quad if side * flank > 0 else quad[::-1]))
+    mesh.round_to_float()
+    mesh.compute_normals()
+    return mesh
+
+
+# ---- spruces ----
+
+def make_spruce(seed):
+    """A spruce of height 1: a trunk and boughs that droop, of twigs that are pyramids with three sides."""
+    rng, mesh = random.Random(seed), Mesh()
+
+    def pyramid(key, base, tip):
+        a, b, c, d = [mesh.vertex((key, i), p) for i, p in enumerate(base + [tip])]
+        p, q, r, s = base + [tip]
+        e, f, g = [[w - v for v, w in zip(p, o)] for o in (q, r, s)]
+        if sum([v * w for v, w in zip(cross(e, f), g)]) > 0:
+            b, c = c, b
+        mesh.triangles.extend([(a, b, c), (a, c, d), (c, b, d), (b, a, d)])
+
+    top, bottom = mesh.vertex('top', (0.0, 1.0, 0.0)), mesh.vertex('bottom', (0.0, -.05, 0.0))
+    foot = [mesh.vertex(('foot', k), (.014 * math.cos(math.pi * k / 4), -.05, .014 * math.sin(math.pi * k / 4)))
+            for k in range(8)]
+    for k in range(8):
+        mesh.triangles.extend([(foot[k - 1], top, foot[k]), (foot[k], bottom, foot[k - 1])])
+    levels = 40
+    for level in range(levels):
+        height = .05 + .94 * (level / levels) ** .95
+        n = 9 if height < .7 else 7 if height < .9 else 5
+        for bough in range(n):
+            angle = 2 * math.pi * (bough + .8 * rng.random()) / n + 2.4 * level
+            reach = (.175 * (1 - height) ** .85 + .008) * rng.uniform(.62, 1.12) * smoothstep(-.25, .15, height)
+            start = height + .012 * rng.uniform(-1, 1)
+            droop = rng.uniform(.35, .65)
+            out, across = (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+
+            def along(t):
+                return (out[0] * reach * t, start - reach * droop * (1.5 * t - .8 * t * t), out[1] * reach * t)
+
+            steps = 4 if reach < .04 else 7
+            for step in range(steps):
+                t = (step + .6) / steps
+                p, q = along(t - .55 / steps), along(t + .55 / steps)
+                for side in (-1, 1):
+                    length = reach * (.50 - .30 * t) * rng.uniform(.7, 1.2) + .006
+                    ahead, down = rng.uniform(.5, .9), rng.uniform(.15, .55)
+                    tip = (q[0] + length * (ahead * out[0] + side * across[0]), q[1] - length * down,
+                           q[2] + length * (ahead * out[1] + side * across[1]))
+                    over = (.5 * (p[0] + q[0]), .5 * (p[1] + q[1]) + .10 * length + .003, .5 * (p[2] + q[2]))
+                    foot = [(x + .001 * side * across[0], y, z + .001 * side * across[1]) for x, y, z in (p, q, over)]
+                    pyramid((level, bough, step, side), foot, tip)
+            p, q = along(.8), along(1.0)
+            foot = [(p[0] + .004, p[1], p[2]), (p[0] - .004, p[1], p[2] + .004), (p[0], p[1] + .004, p[2] - .004)]
+            pyramid((level, bough, 'end'), foot,
+                    (q[0] + .2 * (q[0] - p[0]), q[1] + .3 * (q[1] - p[1]) + .002, q[2] + .2 * (q[2] - p[2])))
+    mesh.round_to_float()
+    mesh.compute_normals()
+    return mesh
+
+
 # ---- studio ----
 
 STUDIO_SIZE = (1024, 512)
@@ -487,6 +618,9 @@ def main():
         make_ice(i).write(os.path.join(folder, 'ice%d.ply' % i))
     make_water().write(os.path.join(folder, 'water_surface.ply'))
     make_goby().write(os.path.join(folder, 'goby.ply'))
+    make_trout().write(os.path.join(folder, 'trout.ply'))
+    for i in (1, 2):
+        make_spruce(i).write(os.path.join(folder, 'spruce%d.ply' % i))
     write_label(os.path.join(folder, 'label.png'))
     write_studio(os.path.join(folder, 'studio.exr'))
 
