@@ -195,8 +195,6 @@ static inline Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, co
 {
     return hit->smooth ? rtc_smooth_normal(scene, ray, hit) : hit->normal;
 }
-/* A surface's own coordinates where it was met: the mesh's, barycentric ones of a triangle without any, PieceRoot's of a piece. */
-void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2]);
 
 /* Where on its object a surface was met, for textures: in the object's own frame, where it stays while the object moves or
  * its mesh deforms. */

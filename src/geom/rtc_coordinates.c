@@ -56,21 +56,3 @@ void rtc_coordinates(const RtcScene *scene, const Ray *ray, const Hit *hit, bool
     coordinates->uv[1] = (float)root.v;
     piece_gradients(piece, coordinates->local, &coordinates->du, &coordinates->dv);
 }
-
-void rtc_uv(const RtcScene *scene, const Ray *ray, const Hit *hit, float uv[2])
-{
-    const RtcPlaced *object = &scene->objects[hit->object];
-    if (object->is_mesh) {
-        RtcCoordinates at = {.uv = {hit->u, hit->v}};
-        mesh_coordinates(object, hit, true, &at);
-        uv[0] = at.uv[0];
-        uv[1] = at.uv[1];
-        return;
-    }
-    Affine to_local = rtc_to_local(scene, object, ray->time);
-    PieceRoot root;
-    piece_surface(&object->solid->pieces[hit->primitive], affine_point(&to_local, ray->origin),
-                  affine_vector(&to_local, vec3_from_f(ray->direction)), hit->t, &root);
-    uv[0] = (float)root.u;
-    uv[1] = (float)root.v;
-}

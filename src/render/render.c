@@ -736,7 +736,8 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .n_threads = pool_threads(pool),
                .start = now,
                .saved_at = now};
-    Status status = job_init(&job, error);
+    Status status = settings->aovs >> AOV_UV & 1 ? world_find_mesh_boxes(&world, error) : STATUS_OK;
+    if (status == STATUS_OK) status = job_init(&job, error);
     if (status == STATUS_OK) status = prepare(&job, &world, stats, error);
     bool too_early = (is_stopped(&job) || stats->searching) && job.first_samples == 0;
     Spread spread = {0};

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 
 #include "trace/airlight.h"
+#include "trace/texture_view.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
  * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the
@@ -99,7 +100,7 @@ ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
     sight->distance = event->hit.t;
     sight->position = ray_point(&path->ray, event->hit.t);
     sight->normal = event->hit.cos_normal < 0 ? shading : vec3f_negate(shading);
-    rtc_uv(world->compiled->rtc, &path->ray, &event->hit, sight->uv);
+    texture_uv(world, &path->ray, &event->hit, sight->uv);
     for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
     if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
         reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);

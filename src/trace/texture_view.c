@@ -3,10 +3,10 @@
 #include "trace/texture_view.h"
 
 /* The uv of a mesh without any: each side of the box around it is 0..1, to the right and up seen from outside. */
-static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, Vec3 normal, TexturePlace *place,
-                      Vec3 *du, Vec3 *dv)
+static void uv_of_box(const Box3 *box, const RtcCoordinates *at, Vec3 outward, float uv[2], Vec3 *du, Vec3 *dv)
 {
-    Vec3 low = frame->box.min, size = vec3_sub(frame->box.max, frame->box.min), p = vec3_sub(at->local, low);
+    Vec3 normal = affine_outward(&at->to_local, affine_determinant(&at->to_local) < 0, outward);
+    Vec3 low = box->min, size = vec3_sub(box->max, box->min), p = vec3_sub(at->local, low);
     double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
     size = vec3(fmax(size.x, 1e-30), fmax(size.y, 1e-30), fmax(size.z, 1e-30));
     double u = p.x / size.x, v = p.y / size.y;
@@ -23,8 +23,8 @@ static void uv_of_box(const SceneTextureFrame *frame, const RtcCoordinates *at, 
         *dv = vec3(0, 0, (up ? -1 : 1) / size.z);
         turned = false;
     }
-    place->uv[0] = (float)(turned ? 1 - u : u);
-    place->uv[1] = (float)v;
+    uv[0] = (float)(turned ? 1 - u : u);
+    uv[1] = (float)v;
     if (turned) *du = vec3_scale(*du, -1);
 }
 
@@ -35,8 +35,7 @@ static void view_uv(const SceneTextureFrame *frame, const RtcCoordinates *at, Ve
     if (at->has_uv)
         for (int i = 0; i < 2; i++) place->uv[i] = at->uv[i];
     else
-        uv_of_box(frame, at, affine_outward(&at->to_local, affine_determinant(&at->to_local) < 0, outward), place, &du,
-                  &dv);
+        uv_of_box(&frame->box, at, outward, place->uv, &du, &dv);
     place->du = frame->moved ? vec3_scale(affine_area(&frame->from_shape, du), frame->inverse) : du;
     place->dv = frame->moved ? vec3_scale(affine_area(&frame->from_shape, dv), frame->inverse) : dv;
 }
@@ -90,6 +89,20 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
     place->world = beneath(ray_point(ray, hit->t), place->world_normal);
     place->world_footprint = footprint;
     place->identity = world->looks[hit->object].identity;
+}
+
+void texture_uv(const World *world, const Ray *ray, const Hit *hit, float uv[2])
+{
+    RtcCoordinates at;
+    rtc_coordinates(world->compiled->rtc, ray, hit, true, &at);
+    if (!at.has_uv && world->mesh_boxes) {
+        const SceneShape *shapes = world->scene->shapes;
+        uint32_t shape = world->scene->objects[hit->object].shape, whole = shapes[shape].layer_of;
+        uv_of_box(&world->mesh_boxes[whole == SCENE_NONE ? shape : whole], &at, vec3_from_f(hit->normal), at.uv, &at.du,
+                  &at.dv);
+    }
+    uv[0] = at.uv[0];
+    uv[1] = at.uv[1];
 }
 
 Lanes texture_emission(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,

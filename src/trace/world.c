@@ -229,6 +229,22 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
     return status;
 }
 
+Status world_find_mesh_boxes(World *world, Error *error)
+{
+    const Scene *scene = world->scene;
+    size_t size = (size_t)scene->n_shapes * sizeof *world->mesh_boxes;
+    world->mesh_boxes = malloc(size ? size : 1);
+    if (!world->mesh_boxes) return fail_memory(error, size, "the boxes around meshes");
+    for (uint32_t i = 0; i < scene->n_shapes; i++) {
+        const Mesh *mesh = scene->shapes[i].mesh;
+        Box3 box = box3_empty();
+        for (uint32_t k = 0; mesh && !mesh->uvs && k < mesh->n_vertices; k++)
+            box = box3_add_point(box, vec3_from_f(mesh->positions[k]));
+        world->mesh_boxes[i] = box;
+    }
+    return STATUS_OK;
+}
+
 void world_leave_to_chance(World *world)
 {
     world->seeks_airlight = false;
@@ -254,6 +270,7 @@ void world_clear(World *world)
         free(world->choices[reach].of_light);
     }
     free(world->reach);
+    free(world->mesh_boxes);
     free(world->looks);
     nest_list_clear(&world->camera_list);
     *world = (World){0};

@@ -88,6 +88,7 @@ typedef struct World {
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
+    Box3 *mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
     ReflectedColor reflected; /* for the albedo that is seen first */
     SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
@@ -97,6 +98,7 @@ ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, ui
                                  bool no_absorption, Pool *pool, Error *error);
 /* No light is chosen any more, so that all of them are found by scattering alone; those without size are gone. */
 void world_leave_to_chance(World *world);
+ATTR_NODISCARD Status world_find_mesh_boxes(World *world, Error *error);
 void world_clear(World *world);
 /* Whether a medium's index may change with the wavelength. */
 static inline bool world_medium_disperses(const World *world, uint32_t medium)

@@ -256,6 +256,30 @@ matches out '^uv\.U 0\.43[78]'
 matches out '^uv\.V 0\.(49|50)'
 end
 
+begin "aov: the coordinates of a box are those that pictures take"
+cat > sides.mns <<'SCENE'
+meniscus 1.0 unit cm
+difference {
+  box { size = <4, 4, 4> }
+  sphere { radius = .1  center = <1.9, 1.9, 1.9> }
+  surface = surface { }
+  scale(<1, 2, 1>)
+}
+environment { }
+camera { projection = orthographic  width = 2  from = <0, 0, 5>  to = <0, 0, 0> }
+film { size = <101, 101>  aovs = "uv" }
+SCENE
+run render sides.mns --pixel 0,100 -s 16 -q
+exits 0
+matches out '^uv\.U 0\.25[23]'
+matches out '^uv\.V 0\.37[56]'
+sed 's/scale(<1, 2, 1>)/rotate(y, 180)/' sides.mns > behind.mns
+run render behind.mns --pixel 0,100 -s 16 -q
+exits 0
+matches out '^uv\.U 0\.25[23]'
+matches out '^uv\.V 0\.25[23]'
+end
+
 begin "aov: further channels"
 small_scene
 run render small.mns -o plain.exr
