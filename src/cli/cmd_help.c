@@ -1,5 +1,6 @@
 /* cmd_help.c - the commands help and version.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,20 +35,26 @@ static void add_topic(const char **names, size_t *n, const char *name)
     if (k == *n) names[(*n)++] = name;
 }
 
-/* Of the library's files: their ending may be left out, and their folder. */
-static const char *nearest_file(const char *wrong, const char **names, size_t n)
+/* The name of a file of the library without its folder and its ending. */
+static const char *bare_name(char bare[64], const char *name)
 {
-    const size_t folder = strlen("std/");
-    Buf file = {0};
-    buf_format(&file, "%s.mns", wrong);
-    const char *near = suggest_nearest(buf_text(&file), names, n);
-    if (!near) {
-        for (size_t i = 0; i < n; i++) names[i] += folder;
-        near = suggest_nearest(buf_text(&file), names, n);
-        if (near) near -= folder;
-    }
-    buf_clear(&file);
-    return near;
+    const char *folder = "std/";
+    if (strncmp(name, folder, strlen(folder)) == 0) name += strlen(folder);
+    snprintf(bare, 64, "%.*s", (int)strcspn(name, "."), name);
+    return bare;
+}
+
+static const char *nearest_file(const char *wrong)
+{
+    enum { MOST = 32 };
+    char bare[MOST + 1][64];
+    const char *names[MOST];
+    size_t n = std_library.n_files < MOST ? std_library.n_files : MOST;
+    for (size_t i = 0; i < n; i++) names[i] = bare_name(bare[i], std_library.files[i].name);
+    const char *near = suggest_nearest(bare_name(bare[MOST], wrong), names, n);
+    for (size_t i = 0; i < n; i++)
+        if (near == names[i]) return std_library.files[i].name;
+    return NULL;
 }
 
 /* Everything that has help, for did-you-mean. */
@@ -59,7 +66,7 @@ static const char *nearest_topic(const char *wrong)
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         for (const char *const *word = topics[i].words; *word; word++) n_words++;
     const char **names = malloc((COMMAND_COUNT + schema->n_nodes + n_props + OPTION_COUNT + builtin_count() +
-                                 schema->n_terms + D_COUNT + TOKEN_COUNT + n_words + std_library.n_files) *
+                                 schema->n_terms + D_COUNT + TOKEN_COUNT + n_words) *
                                 sizeof *names);
     if (!names) return NULL;
     size_t n = 0;
@@ -76,10 +83,8 @@ static const char *nearest_topic(const char *wrong)
     for (size_t i = 0; keyword_at(i); i++) add_topic(names, &n, keyword_at(i)->word);
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         for (const char *const *word = topics[i].words; *word; word++) add_topic(names, &n, *word);
-    size_t first_file = n;
-    for (size_t i = 0; i < std_library.n_files; i++) names[n++] = std_library.files[i].name;
     const char *near = suggest_nearest(wrong, names, n);
-    if (!near) near = nearest_file(wrong, names + first_file, n - first_file);
+    if (!near) near = nearest_file(wrong);
     free(names);
     return near;
 }

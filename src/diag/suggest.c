@@ -61,6 +61,15 @@ const char *suggest_list(Arena *arena, const char *const *words, size_t n, const
     return text;
 }
 
+/* Is one of them the other with an 's' behind it? They are one word, as "bubble" and "bubbles" are. */
+static int same_but_for_number(const char *a, const char *b)
+{
+    size_t n_a = strlen(a), n_b = strlen(b);
+    const char *longer = n_a > n_b ? a : b;
+    size_t n = n_a > n_b ? n_b : n_a;
+    return n_a + n_b == 2 * n + 1 && strncmp(a, b, n) == 0 && longer[n] == 's';
+}
+
 const char *suggest_nearest(const char *wrong, const char *const *candidates, size_t n)
 {
     size_t length = strlen(wrong);
@@ -79,6 +88,8 @@ const char *suggest_nearest(const char *wrong, const char *const *candidates, si
             best = d;
             nearest = candidates[i];
             unique = 1;
+        } else if (d == best && nearest && same_but_for_number(nearest, candidates[i])) {
+            if (n_candidate == length) nearest = candidates[i]; /* two letters that changed places, and not one too many */
         } else if (d == best && nearest && strcmp(nearest, candidates[i]) != 0) {
             unique = 0;
         }

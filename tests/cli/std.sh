@@ -159,6 +159,12 @@ says out 'std/glassware.mns - '
 run help glasswar
 exits 2
 says err "did you mean 'std/glassware.mns'?"
+run help glas
+exits 2
+says_not err "did you mean"
+run help bubblse
+exits 2
+says err "did you mean 'bubbles'?"
 run help std/glasware
 exits 2
 says err "did you mean 'std/glassware.mns'?"

@@ -182,6 +182,10 @@ static void test_suggest(void **state)
     assert_null(suggest_nearest("", words, n));
     static const char *const twins[] = {"cat", "car"};
     assert_null(suggest_nearest("cab", twins, 2)); /* two as near: none is suggested */
+    static const char *const number[] = {"cat", "cats"};
+    assert_string_equal(suggest_nearest("catt", number, 2), "cats");
+    assert_string_equal(suggest_nearest("ctas", number, 2), "cats");
+    assert_string_equal(suggest_nearest("ca", number, 2), "cat");
     static const char *const same[] = {"cat", "cat"};
     assert_string_equal(suggest_nearest("catt", same, 2), "cat");
 }
