@@ -9,7 +9,6 @@ SPDX-License-Identifier: Apache-2.0
 import json
 import os
 import random
-import re
 import subprocess
 import sys
 import tempfile
@@ -121,26 +120,15 @@ def run(meniscus, *arguments):
 
 
 def render(meniscus, name, shapes, camera):
-    """None where the scene is refused; without what nothing is left of, which cannot be known before."""
-    for _ in range(len(shapes)):
-        text = HEAD + "\n".join(shapes) + "\n" + SKY + camera
-        with open(name + ".mns", "w") as file:
-            file.write(text)
-        done = run(meniscus, "render", name + ".mns", "--size", "%dx%d" % (WIDTH, HEIGHT), "-s", str(SAMPLES), "--caustics", "off",
-                   "--fireflies", "keep", "--no-absorption", "--stats=" + name + ".json", "-o", name + ".exr")
-        empty = re.search(r"^%s\.mns:(\d+):.*\[empty-combination\]" % name, done.stderr, re.M)
-        if done.returncode == 0:
-            with open(name + ".json") as file:
-                return json.load(file)
-        if not empty:
-            return None
-        line = HEAD.count("\n")
-        for shape in shapes:
-            line += shape.count("\n") + 1
-            if line >= int(empty.group(1)):
-                shapes.remove(shape)
-                break
-    return None
+    """None where the scene is refused."""
+    with open(name + ".mns", "w") as file:
+        file.write(HEAD + "\n".join(shapes) + "\n" + SKY + camera)
+    done = run(meniscus, "render", name + ".mns", "--size", "%dx%d" % (WIDTH, HEIGHT), "-s", str(SAMPLES), "--caustics", "off",
+               "--fireflies", "keep", "--no-absorption", "--stats=" + name + ".json", "-o", name + ".exr")
+    if done.returncode != 0:
+        return None
+    with open(name + ".json") as file:
+        return json.load(file)
 
 
 def try_scene(meniscus, seed, empty):

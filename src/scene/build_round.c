@@ -3,6 +3,7 @@
  * All spheres and ellipsoids share the unit sphere, for which a scale is exact enough (the intersection is in double);
  * the others keep their true sizes, so that only a rigid map stands between a hull's edge and the numbers in the scene.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <string.h>
 
 #include "scene/build_parts.h"
@@ -213,6 +214,24 @@ static uint32_t lathe_shape(Builder *b, const LatheParts *parts, bool *found)
     return build_shape_of(b, key, n_numbers * sizeof *key, found);
 }
 
+/* The outside of a vessel alone, as other programs take it: the edge that closes the profile, from the last point to the
+ * first, is slanted, and either it ends on the axis at one end only, or it is longer than all others by far. */
+static void remark_open_profile(Builder *b, const EvalProp *profile)
+{
+    const double *p = profile->as.list.numbers;
+    size_t n = profile->as.list.n, last = 2 * (n - 1);
+    double across = fabs(p[last] - p[0]), up = fabs(p[last + 1] - p[1]), closing = hypot(across, up), longest = 0;
+    for (size_t i = 0; i + 1 < n; i++)
+        longest = fmax(longest, hypot(p[2 * i + 2] - p[2 * i], p[2 * i + 3] - p[2 * i + 1]));
+    bool slanted = fmin(across, up) > .01 * closing;
+    bool on_axis = p[0] <= 0 || p[last] <= 0;
+    if (!slanted || (!on_axis && closing < 1.5 * longest)) return;
+    Diagnostic *report = diag_report(b->diag, D_OPEN_PROFILE, profile->span,
+                                     "the profile ends at <%g, %g> and is closed by a straight edge from there to <%g, %g>",
+                                     p[last], p[last + 1], p[0], p[1]);
+    diag_hint(b->diag, report, "lead it back along the inside, for a wall; or to the axis, for what is full");
+}
+
 void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
 {
     LatheParts parts;
@@ -234,6 +253,7 @@ void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
             status = solid_make_lathe((const double(*)[2])points, (uint32_t)n, parts.round, parts.smooth != 0, solid,
                                       &error);
         if (!build_keep_solid(b, shape, status, &error, parts.profile->span)) return;
+        if (*solid) remark_open_profile(b, parts.profile);
     }
     if (*solid) build_object(b, node, shape, to_world);
 }

@@ -193,9 +193,9 @@ static bool is_left(Search *search, Box3 box)
     return false;
 }
 
-static void report_empty(DiagCode code, const SceneObject *object, Diag *diag)
+static void report_empty(const SceneObject *object, Diag *diag)
 {
-    diag_hint(diag, diag_report(diag, code, object->span, "nothing is left of %s", object->name),
+    diag_hint(diag, diag_report(diag, D_NOTHING_LEFT, object->span, "nothing is left of %s", object->name),
               "do its operands meet?");
 }
 
@@ -210,11 +210,11 @@ Status combinations_report_empty(const CompiledScene *compiled, Diag *diag, Erro
         uint32_t hull = csg->trees[t].hull;
         search.tree = t;
         if (hull != NEST_OPAQUE) {
-            if (!(compiled->hulls[hull].volume > 0)) report_empty(D_EMPTY_COMBINATION, object, diag);
+            if (!(compiled->hulls[hull].volume > 0)) report_empty(object, diag);
             continue;
         }
         Box3 box = scene_object_bounds(compiled->scene, object, NULL);
-        if (!box3_is_unbounded(box) && !is_left(&search, box)) report_empty(D_NOTHING_LEFT, object, diag);
+        if (!box3_is_unbounded(box) && !is_left(&search, box)) report_empty(object, diag);
         enough = !search.hits.out_of_memory;
     }
     free(search.net);

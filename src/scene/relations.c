@@ -261,6 +261,8 @@ HullPair relation_judge_candidate(const Finder *f, const Candidate *candidate)
     uint32_t own, other;
     relation_by_size(f, candidate, &own, &other);
     HullPair pair = {.a = candidate->a, .b = candidate->b, .gap = HUGE_VAL, .overlap_depth = candidate->depth};
+    const NestHull *hulls = f->compiled->hulls;
+    if (!(hulls[own].volume > 0 && hulls[other].volume > 0)) return pair; /* combinations of which nothing is left */
     const PairFacts *facts[2];
     relation_facts_known(f, candidate, facts);
     const PairFacts *first = facts[0], *second = facts[1];
@@ -279,7 +281,6 @@ HullPair relation_judge_candidate(const Finder *f, const Candidate *candidate)
         pair.contact_area_error = sqrt(areas->contact.variance);
     }
     if (volume && pair.overlaps) {
-        const NestHull *hulls = f->compiled->hulls;
         pair.overlap_volume = fmin(volume->volume.sum / LINE_DIRECTIONS, fmin(hulls[own].volume, hulls[other].volume));
         pair.overlap_volume_error = sqrt(volume->volume.variance) / LINE_DIRECTIONS;
     }

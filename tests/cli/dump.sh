@@ -247,3 +247,29 @@ says err 'nothing moves in it'
 run dump small.mns
 empty err
 end
+
+begin "dump: combinations that are empty as the shutter opens"
+cat > meet.mns <<'SCENE'
+meniscus 1.0 unit mm
+animation { frames = 2 }
+medium g { ior = 1.5 }
+intersection lens { sphere { radius = 2 } sphere { radius = 2  translate(<5 - 5 * clock, 0, 0>) } interior = g }
+environment { }
+camera { from = <0, 0, 9>  to = <0, 0, 0>  shutter = 360deg }
+film { size = <8, 8> }
+SCENE
+run render meet.mns --frame 1 -s 1 -o meet.exr
+exits 0
+says_not err 'nothing is left'
+run dump meet.mns
+exits 0
+cp out met.mns
+run render met.mns -s 1 -o met.exr
+exits 0
+says err 'warning: nothing is left of lens [nothing-left]'
+sed 's/  shutter = 360deg//' meet.mns > apart.mns
+run render apart.mns -s 1 -o apart.####.exr
+exits 0
+there apart.0001.exr
+there apart.0002.exr
+end
