@@ -250,7 +250,8 @@ static void hint_at_block(Evaluator *evaluator, Diagnostic *report, const Expr *
 {
     const Def *def = call->as.call.to.def;
     const Args *args = &call->as.call.args;
-    const char *name = def->name->text, *list = "";
+    const char *text = evaluator->diag->sources->sources[call->span.source].text + call->span.begin, *list = "";
+    const char *name = arena_copy_text(evaluator->arena, text, strcspn(text, "( \t\n")); /* gems.princess */
     const char *as_call = eval_written(evaluator, call->span, 40, "\n", arena_format(evaluator->arena, "%s(...)", name));
     if (!block->first) {
         diag_hint(evaluator->diag, report, "write: %s, without '{ }'", as_call);

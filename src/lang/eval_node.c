@@ -63,7 +63,9 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
         prop = schema_prop(target->type, stmt->as.prop.name->text);
         stmt->as.prop.node_type = target->type;
         stmt->as.prop.prop = prop;
-        if (!prop) {
+        if (!prop && target->hidden && schema_prop(target->hidden, stmt->as.prop.name->text)) {
+            target->has_unknown = true; /* settle reports what it all comes from */
+        } else if (!prop) {
             evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
             report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text);
             evaluator->diag->chain = NULL;
@@ -239,9 +241,12 @@ static bool find_prototype(Evaluator *evaluator, NodeExpr *expr, const EvalNode 
     const char *word = expr->path.names[expr->path.n - 1]->text;
     if (value->kind == VALUE_UNSET)
         eval_report(evaluator, D_UNSET_NAME, expr->path.span, "'%s' is used before it has its value", word);
-    else if (value->kind != VALUE_POISON)
-        eval_report(evaluator, D_WRONG_TYPE, expr->path.span, "'%s' is %s, not a node", word,
-                    value_describe(evaluator->arena, value));
+    else if (value->kind != VALUE_POISON) {
+        Diagnostic *report = eval_report(evaluator, D_WRONG_TYPE, expr->path.span, "'%s' is %s, not a node", word,
+                                         value_describe(evaluator->arena, value));
+        if (value->kind == VALUE_TRANSFORM)
+            diag_hint(evaluator->diag, report, "write: transform(%s), in what it is to move", word);
+    }
     return false;
 }
 
@@ -287,6 +292,12 @@ static void apply_overrides(Evaluator *evaluator, Target *target, const char *na
 }
 
 /* NULL after a report. partial: defaults, which need not be complete. */
+/* The type of node that the word of an instance hides; or NULL. */
+static const NodeType *hidden_node(const Evaluator *evaluator, const NodeExpr *expr)
+{
+    return expr->has_prototype && expr->path.n == 1 ? schema_node(evaluator->schema, expr->path.names[0]->text) : NULL;
+}
+
 static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *name, bool partial)
 {
     const EvalNode *prototype;
@@ -294,6 +305,7 @@ static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *nam
     const NodeType *type = prototype ? prototype->type : expr->type;
     Target target = {.type = type, .base = prototype, .name = type->name, .span = expr->path.span};
     target.transform = affine_identity();
+    if (!name && !(type->flags & (NODE_SINGLE | NODE_PLACED))) target.hidden = hidden_node(evaluator, expr);
     if (!prototype && expr->has_defaults) {
         const Value *defaults = eval_slot(evaluator, expr->defaults);
         if (defaults->kind == VALUE_NODE) target.base = defaults->as.node;
@@ -493,9 +505,7 @@ void eval_node_stmt(Evaluator *evaluator, Stmt *stmt)
         Value value = {.kind = node ? VALUE_NODE : VALUE_POISON, .as.node = node};
         *eval_slot(evaluator, expr->name_slot) = value;
     }
-    const NodeType *hidden = NULL;
-    if (expr->has_prototype && expr->path.n == 1) hidden = schema_node(evaluator->schema, expr->path.names[0]->text);
-    if (node) settle(evaluator, node, hidden);
+    if (node) settle(evaluator, node, hidden_node(evaluator, expr));
 }
 
 size_t eval_word_length(const char *name)

@@ -49,6 +49,8 @@ struct Target {
     Affine transform;
     NodeList children;
     bool shape_changed;
+    const NodeType *hidden;    /* the node whose name the scene gave to what this is an instance of, and that it was meant for
+                                * by all that can be: of no use where it stands. Or NULL */
     bool has_unknown;          /* a property has been reported as unknown */
     bool collects;             /* takes any placed node: the nodes that a macro places */
 };

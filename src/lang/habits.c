@@ -23,6 +23,8 @@
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_PATTERN(node, property, text)
 #define HABIT_UNIT(word, unit)
+#define HABIT_MEASURE(node, property, unit, text)
+#define HABIT_FILE(beginnings, text)
 
 typedef struct WordRow {
     const char *word, *text;
@@ -167,6 +169,26 @@ static const NodeRow pattern_rows[] = {
 #define HABIT_PATTERN(node, property, text)
 };
 
+static const WordRow file_rows[] = {
+#undef HABIT_FILE
+#define HABIT_FILE(beginnings, text) {beginnings, text},
+#include "lang/habits.def"
+#undef HABIT_FILE
+#define HABIT_FILE(beginnings, text)
+};
+
+static const struct {
+    const char *node, *property;
+    PropUnit unit;
+    const char *text;
+} measure_rows[] = {
+#undef HABIT_MEASURE
+#define HABIT_MEASURE(node, property, unit, text) {node, property, UNIT_##unit, text},
+#include "lang/habit_properties.def"
+#undef HABIT_MEASURE
+#define HABIT_MEASURE(node, property, unit, text)
+};
+
 static const WordRow unit_rows[] = {
 #undef HABIT_UNIT
 #define HABIT_UNIT(word, unit) {#word, #unit},
@@ -302,6 +324,27 @@ const char *habit_advice(const char *node, const char *word)
 const char *habit_pattern(const char *node, const char *property)
 {
     return find_of_node(pattern_rows, COUNT_OF(pattern_rows), node, property);
+}
+
+const char *habit_file(const char *text)
+{
+    for (size_t i = 0; i < COUNT_OF(file_rows); i++)
+        for (const char *at = file_rows[i].word; *at; at += strspn(at, " ")) {
+            size_t n = strcspn(at, " ");
+            bool whole = strncmp(text, at, n) == 0 && (strchr(" \t\r\n\"", text[n]) || strchr("<{", *at)); /* or the 0 */
+            if (whole) return file_rows[i].text;
+            at += n;
+        }
+    return NULL;
+}
+
+const char *habit_measure(const char *node, const char *property, PropUnit unit)
+{
+    for (size_t i = 0; i < COUNT_OF(measure_rows); i++)
+        if (measure_rows[i].unit == unit && habit_is_one_of(measure_rows[i].property, property) &&
+            habit_is_one_of(measure_rows[i].node, node))
+            return measure_rows[i].text;
+    return NULL;
 }
 
 const char *habit_fill(Arena *arena, const char *pattern, const char *text)

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "base/arena.h"
+#include "lang/schema.h"
 
 /* How a directive of POV-Ray goes on, so that the parser can, too. */
 typedef enum DirectiveForm {
@@ -40,6 +41,10 @@ const char *habit_assignment(Arena *arena, const char *candidate, const char *va
 const char *habit_advice(const char *node, const char *word);
 /* Of a property of such a node that takes no texture, where one stands: a hint, with '@' for the texture. */
 const char *habit_pattern(const char *node, const char *property);
+/* What to do with a text that begins so. */
+const char *habit_file(const char *text);
+/* Of a value that measures something else than the property does: a hint. */
+const char *habit_measure(const char *node, const char *property, PropUnit unit);
 bool habit_is_type(const char *word);
 bool habit_is_function(const char *word);
 bool habit_is_import(const char *word);

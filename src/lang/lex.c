@@ -158,6 +158,12 @@ static Diagnostic *lex_error_at(Lexer *lexer, DiagCode code, uint32_t begin, uin
     return diag_report(lexer->diag, code, (Span){lexer->source, begin, end}, "%s", text);
 }
 
+static void report_byte(Lexer *lexer, uint32_t begin, uint32_t end)
+{
+    diag_hint(lexer->diag, lex_error_at(lexer, D_INVALID_UTF8, begin, end, "this byte is not text in UTF-8"),
+              "save the file in UTF-8, or: iconv -f latin1 -t utf-8 old.mns > new.mns");
+}
+
 void lexer_init(Lexer *lexer, Diag *diag, SymbolTable *symbols, uint32_t source)
 {
     const Source *from = &diag->sources->sources[source];
@@ -257,7 +263,7 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
     else if (two)
         diag_hint(lexer->diag, report, "two numbers are a vector: <%.*s, %s>", (int)(begin - number),
                   lexer->text + number, wrong + 1);
-    else if (strcmp(wrong, "W") == 0)
+    else if (habit_is_one_of("W mW kW watt watts lm lumen cd", wrong))
         diag_hint(lexer->diag, report, "power is in watts, and radiance in W/(m^2 sr), without a unit");
     else if (habit_unit(wrong))
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
@@ -371,7 +377,7 @@ static void read_string(Lexer *lexer, Token *token)
         uint32_t code;
         uint32_t n = (uint32_t)utf8_decode(lexer->text + at, lexer->length - at, &code);
         if (code == UTF8_INVALID || code == 0) {
-            if (!bad) lex_error_at(lexer, D_INVALID_UTF8, at, at + 1, "this byte is not text in UTF-8");
+            if (!bad) report_byte(lexer, at, at + 1);
             bad = true;
         } else if (value.length <= LIMIT_STRING_BYTES) { /* the rest is only looked through */
             buf_add_bytes(&value, lexer->text + at, n);
@@ -471,7 +477,7 @@ static void skip_unknown(Lexer *lexer)
         while (lexer->at < lexer->length && utf8_decode(lexer->text + lexer->at, lexer->length - lexer->at, &code) &&
                code == UTF8_INVALID)
             lexer->at++;
-        diag_report(lexer->diag, D_INVALID_UTF8, span, "this byte is not text in UTF-8");
+        report_byte(lexer, span.begin, span.end);
         return;
     }
     const char *shown = arena_copy_text(lexer->diag->arena, lexer->text + begin, n);

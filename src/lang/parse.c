@@ -6,6 +6,7 @@
 
 #include "base/array.h"
 #include "diag/suggest.h"
+#include "lang/habits.h"
 #include "lang/parse_habits.h"
 #include "lang/parser.h"
 
@@ -155,6 +156,16 @@ Block *parse_node_block(Parser *parser, const char *node)
     return block;
 }
 
+/* What hints can say of a name by the look of its value. */
+static SymbolUse use_of_value(const Expr *value)
+{
+    if (value->kind == EXPR_NODE) return SYMBOL_NODE;
+    const Expr *callee = value->kind == EXPR_CALL ? value->as.call.callee : NULL;
+    bool transform = callee && callee->kind == EXPR_NAME &&
+                     habit_is_one_of("rotate translate scale matrix transform inverse align", callee->as.name.symbol->text);
+    return transform ? SYMBOL_TRANSFORM : SYMBOL_FREE;
+}
+
 /* bind = ( "let" | "var" ) name "=" expr ; */
 static Stmt *parse_bind(Parser *parser)
 {
@@ -171,7 +182,8 @@ static Stmt *parse_bind(Parser *parser)
     }
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */
-    if (stmt->as.bind.value->kind == EXPR_NODE) stmt->as.bind.name->declared = SYMBOL_NODE;
+    SymbolUse use = use_of_value(stmt->as.bind.value);
+    if (use != SYMBOL_FREE) stmt->as.bind.name->declared = use;
     return stmt;
 }
 
@@ -534,7 +546,9 @@ Stmt *parse_stmt(Parser *parser)
     case TOKEN_INCLUDE: return parse_import(parser);
     case TOKEN_DEFAULTS: return parse_defaults(parser);
     case TOKEN_CHILDREN: return parse_kids(parser);
-    case TOKEN_NAME: return parse_foreach(parser) ? parse_flow(parser) : parse_named(parser);
+    case TOKEN_NAME:
+        if (parse_do_loop(parser)) return NULL;
+        return parse_foreach(parser) ? parse_flow(parser) : parse_named(parser);
     case TOKEN_ELSE: syntax_error(parser, token_span(parser), "'else' without an 'if' before it"); return NULL;
     case TOKEN_DIRECTIVE: parse_directive(parser); return NULL;
     default:
@@ -713,6 +727,23 @@ static bool is_text(const File *file, Diag *diag)
     return false;
 }
 
+/* Scenes of other programs, and meshes: one report for all that stands in them. */
+static bool is_ours(const File *file, Diag *diag)
+{
+    const char *text = diag->sources->sources[file->source].text, *at = text + strspn(text, " \t\r\n");
+    while (at[0] == '#' && at[1] == ' ') { /* their comments */
+        at += strcspn(at, "\n");
+        at += strspn(at, " \t\r\n");
+    }
+    const char *hint = habit_file(at);
+    if (!hint) return true;
+    uint32_t begin = (uint32_t)(at - text), length = (uint32_t)strcspn(at, " \t\r\n");
+    Diagnostic *report = diag_report(diag, D_MISSING_HEADER, (Span){file->source, begin, begin + length},
+                                     "the file does not begin with its header");
+    diag_hint(diag, report, "%s", hint);
+    return false;
+}
+
 /* file = "meniscus" number [ "unit" unit ] { stmt } ; */
 void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTable *symbols)
 {
@@ -720,7 +751,7 @@ void parse_file(File *file, bool has_header, double unit_m, Diag *diag, SymbolTa
     file->block = ARENA_NEW(diag->arena, Block); /* stays when the tree does not */
     file->block->span = (Span){file->source, 0, 0};
     file->unit_m = unit_m > 0 ? unit_m : 1;
-    if (has_header && !(is_text(file, diag) && has_lines(file, diag))) return;
+    if (has_header && !(is_text(file, diag) && has_lines(file, diag) && is_ours(file, diag))) return;
     parser_init(&parser, file, file->source, file->unit_m, diag, symbols);
     if (has_header) {
         parse_header(&parser, unit_m);

@@ -521,12 +521,18 @@ static bool parse_quoted_name(Parser *parser, Path path)
     return true;
 }
 
-/* A name that is declared, alone: "union { a; b { } }" */
+/* A name that is declared, alone: "union { a; b { } }", "sphere { t }" */
 static bool parse_bare_instance(Parser *parser, Path path)
 {
     SymbolUse declared = path.names[0]->declared;
     const char *name = quote(parser, path.span.begin, path.span.end);
     if (declared == SYMBOL_FREE && path.n == 1) return false;
+    if (declared == SYMBOL_TRANSFORM && path.n == 1) {
+        hint_write(parser, report_at(parser, path.span, "a transform that has a name is applied by 'transform'"),
+                   arena_format(parser->arena, "transform(%s)", name));
+        calm_down(parser);
+        return true;
+    }
     Diagnostic *report = expected_error(
         parser, arena_format(parser->arena, "%s behind '%s'", declared == SYMBOL_DEF ? "'('" : "'{'", name));
     if (report && declared == SYMBOL_DEF && path.n == 1)
@@ -629,10 +635,12 @@ void parse_two_names(Parser *parser, Path path)
     const char *first = path.names[0]->text, *second = parser->token.as.symbol->text;
     const char *nearest = path.n == 1 ? suggest_nearest(first, words, COUNT_OF(words)) : NULL;
     TokenKind next = peek(parser).kind;
-    bool placed = path.names[0]->declared != SYMBOL_FREE &&
-                  (first_on_line(parser) || parser->token.as.symbol->declared != SYMBOL_FREE);
+    SymbolUse declared = path.names[0]->declared;
+    bool placed =
+        declared != SYMBOL_FREE && (first_on_line(parser) || parser->token.as.symbol->declared != SYMBOL_FREE);
     if (parse_assigned_block(parser, path) || parse_foreign_import(parser, path)) return;
     if (placed && next != TOKEN_ASSIGN && parse_bare_instance(parser, path)) return;
+    if (declared == SYMBOL_TRANSFORM && parser->node && parse_bare_instance(parser, path)) return;
     if (parse_flag_habit(parser, path)) return;
     if (next == TOKEN_PAREN_OPEN && habit_is_function(first)) {
         Diagnostic *report = report_at(parser, path.span, "'%s' begins nothing here", first);
@@ -828,6 +836,22 @@ void parse_bare_block(Parser *parser, Block *block)
 
 /* ---- loops ---- */
 
+/* for (i, c in list), at the comma */
+static bool parse_numbered_element(Parser *parser, Diagnostic *report, const char *number)
+{
+    Look look;
+    look_from(parser, &look);
+    Token element = lexer_next(&look.lexer);
+    if (element.kind != TOKEN_NAME || lexer_next(&look.lexer).kind != TOKEN_IN) return false;
+    for (int i = 0; i < 3; i++) consume(parser);
+    const char *list = quote_read(parser, parse_expr);
+    if (parser->panic) return true;
+    diag_hint(parser->diag, report, "write: for (%s in 0..<len(%s)) { let %s = %s[%s] ... }", number, list,
+              element.as.symbol->text, list, number);
+    consume_if(parser, TOKEN_PAREN_CLOSE);
+    return true;
+}
+
 /* for (i, 0, 10), behind the '(' */
 static bool parse_listed_loop(Parser *parser)
 {
@@ -835,6 +859,7 @@ static bool parse_listed_loop(Parser *parser)
     const char *variable = parser->token.as.symbol->text, *parts[3] = {NULL, NULL, NULL};
     Diagnostic *report = report_at(parser, token_span(parser), "a loop runs over a list or a range");
     consume(parser);
+    if (parse_numbered_element(parser, report, variable)) return true;
     for (unsigned n = 0; parser->token.kind == TOKEN_COMMA && n < COUNT_OF(parts); n++) {
         consume(parser);
         parts[n] = quote_read(parser, parse_expr);
@@ -854,6 +879,28 @@ bool parse_foreach(Parser *parser)
     hint_write(parser, report_at(parser, token_span(parser), "there is no statement 'foreach'"),
                "for (i in list) { ... }");
     parser->token.kind = TOKEN_FOR;
+    return true;
+}
+
+/* "do { ... } while (n < 10)" and "do { ... } until (n == 10)", and "repeat" in its place */
+bool parse_do_loop(Parser *parser)
+{
+    const Symbol *word = parser->token.as.symbol;
+    bool loop = strcmp(word->text, "do") == 0 || strcmp(word->text, "repeat") == 0;
+    if (!loop || word->declared != SYMBOL_FREE || peek(parser).kind != TOKEN_BRACE_OPEN) return false;
+    Diagnostic *report = report_at(parser, token_span(parser), "there is no statement '%s'", word->text);
+    consume(parser);
+    parse_block(parser);
+    const char *condition = "...";
+    bool until = parser->token.kind == TOKEN_NAME && strcmp(parser->token.as.symbol->text, "until") == 0;
+    if (!parser->panic && (until || parser->token.kind == TOKEN_WHILE) && peek(parser).kind == TOKEN_PAREN_OPEN) {
+        consume(parser);
+        uint32_t begin = parser->token.end;
+        skip_brackets(parser);
+        condition = quote(parser, begin, consumed_end(parser) - 1);
+    }
+    diag_hint(parser->diag, report, "write: while (%s%s%s) { ... }, which is asked before each turn", until ? "not (" : "",
+              condition, until ? ")" : "");
     return true;
 }
 

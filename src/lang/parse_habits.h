@@ -20,6 +20,7 @@ void parse_unquoted_file(Parser *parser, const char *word); /* behind 'use' or '
 Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
 void parse_bare_block(Parser *parser, Block *block);
 bool parse_foreach(Parser *parser); /* at a word: "foreach" is taken for a 'for', which is then the next token */
+bool parse_do_loop(Parser *parser); /* at a word */
 bool parse_counting_loop(Parser *parser); /* behind the '(' of 'for' */
 /* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */
 void parse_second_variable(Parser *parser, const char *first);

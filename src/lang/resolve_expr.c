@@ -42,9 +42,62 @@ static Words visible_words(const Resolver *resolver, bool functions, bool nodes)
     return words;
 }
 
+/* ---- what the program's own library declares ---- */
+
+/* What stands behind these two words at the begin of a line: ' ' or '('; NULL: they do not stand there. */
+static const char *declaration(const EvalLibraryFile *file, const char *keyword, const char *name)
+{
+    size_t first = strlen(keyword), second = strlen(name);
+    for (const char *at = file->text; at; at = strchr(at, '\n')) {
+        at += *at == '\n';
+        if (strncmp(at, keyword, first) != 0 || at[first] != ' ' || strncmp(at + first + 1, name, second) != 0) continue;
+        const char *behind = at + first + 1 + second;
+        if (*behind == ' ' || *behind == '(') return behind;
+    }
+    return NULL;
+}
+
+/* The name under which the scene uses that file; NULL: it does not. */
+static const char *name_in_use(const Resolver *resolver, const EvalLibraryFile *file)
+{
+    const SymbolTable *table = resolver->symbols;
+    for (uint32_t i = 0; i < table->n_buckets; i++)
+        for (const Symbol *symbol = table->buckets[i]; symbol; symbol = symbol->next_in_bucket) {
+            Binding *binding = symbol->binding;
+            if (!binding || binding->kind != BINDING_MODULE) continue;
+            if (strcmp(resolver->diag->sources->sources[binding->module->source].name, file->name) != 0) continue;
+            binding_use(binding);
+            return symbol->text;
+        }
+    return NULL;
+}
+
+/* Of a name that a file of the library has; medium: as a value, before its macros and functions. */
+static bool hint_at_library(Resolver *resolver, Diagnostic *report, const char *name, bool medium)
+{
+    for (size_t i = 0; resolver->library && i < resolver->library->n_files; i++) {
+        const EvalLibraryFile *file = &resolver->library->files[i];
+        const char *value = medium ? declaration(file, "medium", name) : NULL, *def = declaration(file, "def", name);
+        if (!value && !def) continue;
+        const char *call = value ? "" : strncmp(def, "()", 2) == 0 ? "()" : "(...)";
+        const char *known = name_in_use(resolver, file), *base = strrchr(file->name, '/');
+        base = base ? base + 1 : file->name;
+        const char *module = known ? known : arena_copy_text(resolver->arena, base, strcspn(base, "."));
+        if (known)
+            diag_hint(resolver->diag, report, "write: %s.%s%s", module, name, call);
+        else
+            diag_hint(resolver->diag, report, "write: %s.%s%s, with: use \"%s\" as %s", module, name, call, file->name,
+                      module);
+        return true;
+    }
+    return false;
+}
+
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes)
 {
     const char *node = nodes ? habit_node(wrong->text) : NULL, *word = nodes ? NULL : habit_word(wrong->text);
+    bool vague = node && strstr(node, "use \"std/"); /* of a file, and not which of its macros */
+    if ((!node || vague) && (functions || nodes) && hint_at_library(resolver, report, wrong->text, false)) return;
     if (node || word) {
         diag_hint(resolver->diag, report, node ? "%s" : "write: %s", node ? node : word);
         return;
@@ -60,6 +113,7 @@ void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong
             diag_note(resolver->diag, report, binding->span, "'%s' is declared here", nearest);
     }
     if (!report->hint && !functions) suggest_later(resolver, report, wrong);
+    if (!report->hint && !functions) hint_at_library(resolver, report, wrong->text, true);
 }
 
 const char *nearest_visible(Resolver *resolver, const Symbol *wrong)
@@ -115,7 +169,12 @@ static void report_not_exported(Resolver *resolver, Span span, const File *file,
  * file into use, one of the program's own, where there is one. */
 static void hint_at_use(Resolver *resolver, Diagnostic *report, Symbol *symbol, const Symbol *member)
 {
+    static const char endings[] = "exr png jpg jpeg hdr obj ply stl gltf glb nvdb ies ttf otf pfb txt csv mns";
     const char *folder = "", *name = symbol->text;
+    if (habit_is_one_of(endings, member->text)) {
+        diag_hint(resolver->diag, report, "the name of a file stands in quotes: \"%s.%s\"", name, member->text);
+        return;
+    }
     if (member->binding && member->binding->has_span) { /* by a use without 'as' */
         binding_use(member->binding);
         diag_hint(resolver->diag, report, "write: %s, without '%s.'", member->text, name);
@@ -397,6 +456,7 @@ static void report_no_function(Resolver *resolver, const Expr *callee, const Bin
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "'%s' is no function", symbol->text);
         if (binding->has_span) diag_note(resolver->diag, report, binding->span, "declared here");
+        if (symbol->declared == SYMBOL_TRANSFORM) diag_hint(resolver->diag, report, "write: transform(%s)", symbol->text);
         return;
     }
     Diagnostic *report =

@@ -156,6 +156,13 @@ static bool is_name(const char *text)
     return *text && !strchr(digits, *text) && !text[strspn(text, letters)];
 }
 
+static void hint_measure(const Check *check, PropUnit found, Diagnostic *report)
+{
+    const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
+    const char *hint = owner ? habit_measure(owner->name, check->type->name, found) : NULL;
+    if (hint) diag_hint(check->evaluator->diag, report, "%s", hint);
+}
+
 /* A node that another property is for, a colour for a node that has one, and a name in quotation marks. */
 static void hint_node(const Check *check, const Value *value, Diagnostic *report)
 {
@@ -168,13 +175,23 @@ static void hint_node(const Check *check, const Value *value, Diagnostic *report
     for (size_t i = 0; wanted && value->kind == VALUE_COLOR && !report->hint && i < wanted->n_props; i++)
         if (wanted->props[i].kind == PROP_COLOR)
             diag_hint(diag, report, "write: %s { %s = ... }", wanted->name, wanted->props[i].name);
+    bool texture = value->kind == VALUE_NODE && value->as.node->type->flags & NODE_TEXTURE;
+    for (size_t i = 0; wanted && texture && !report->hint && i < wanted->n_props; i++)
+        if (wanted->props[i].flags & PROP_TEXTURE)
+            diag_hint(diag, report, "write: %s { %s = %s { ... } }", wanted->name, wanted->props[i].name,
+                      value->as.node->type->name);
+    if (value->kind == VALUE_NUMBER) hint_measure(check, UNIT_NONE, report);
     /* a bare number is most likely what such a node has first: the index of a medium, the albedo of a surface */
     bool number = value->kind == VALUE_NUMBER && wanted && wanted->n_props > 0;
     if (number && (wanted->props[0].kind == PROP_NUMBER_OR_TERM || wanted->props[0].kind == PROP_COLOR))
         diag_hint(diag, report, "write: %s { %s = %s }", wanted->name, wanted->props[0].name,
                   number_allowed(&wanted->props[0], value->as.number) ? number_text(diag->arena, value->as.number)
                                                                       : "...");
-    if (value->kind == VALUE_STRING && is_name(value->as.text))
+    const char *color = value->kind == VALUE_STRING ? habit_word(value->as.text) : NULL;
+    if (color && strncmp(color, "rgb(", 4) == 0 && wanted && wanted->n_props > 0 && wanted->props[0].kind == PROP_COLOR)
+        diag_hint(diag, report, "write: %s { %s = %.*s }", wanted->name, wanted->props[0].name,
+                  (int)strcspn(color, ")") + 1, color);
+    else if (value->kind == VALUE_STRING && is_name(value->as.text))
         diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
 
@@ -189,6 +206,53 @@ static void hint_texture(const Check *check, const Value *value, Diagnostic *rep
     if (pattern) diag_hint(diag, report, "%s", habit_fill(diag->arena, pattern, texture));
 }
 
+static bool is_color_kind(PropKind kind)
+{
+    return kind == PROP_COLOR || kind == PROP_SPECTRUM;
+}
+
+static bool is_number_kind(PropKind kind)
+{
+    return kind == PROP_NUMBER || kind == PROP_INTEGER || kind == PROP_NUMBER_OR_TERM;
+}
+
+/* Texts of what is wanted: "#f80", "red", "0.5", "yes" */
+static void hint_text(const Check *check, const char *text, Diagnostic *report)
+{
+    Diag *diag = check->evaluator->diag;
+    PropKind kind = check->type->kind;
+    const char *word = habit_word(text);
+    double number;
+    bool digits = *text == '#' && text[1] && !text[1 + strspn(text + 1, "0123456789abcdefABCDEF")];
+    bool read = *text && num_parse(text, strlen(text), &number) == strlen(text);
+    if ((is_color_kind(kind) && digits) || (is_number_kind(kind) && read))
+        diag_hint(diag, report, "write: %s, without quotation marks", text);
+    else if (is_color_kind(kind) && word && strncmp(word, "rgb(", 4) == 0)
+        diag_hint(diag, report, "write: %s", word);
+    else if (kind == PROP_BOOL)
+        diag_hint(diag, report, "write: %s",
+                  strcmp(text, "false") == 0 || (word && strcmp(word, "false") == 0) ? "false" : "true");
+    else if (kind == PROP_VECTOR2)
+        diag_hint(diag, report, "write: <x, y>, without quotation marks");
+    else if (check->type->flags & PROP_TEXTURE)
+        diag_hint(diag, report, "of a picture write: image { file = \"...\" }");
+}
+
+/* Some numbers as a vector or a colour. */
+static void hint_numbers(const Check *check, const Value *value, Diagnostic *report)
+{
+    Diag *diag = check->evaluator->diag;
+    PropKind kind = check->type->kind;
+    bool list = value->kind == VALUE_LIST && value->as.list->element == VALUE_NUMBER;
+    size_t n = list ? value_count(value) : value_width(value->kind);
+    const double *v = list ? value->as.list->numbers : value->as.v;
+    if (!list && value->kind != VALUE_VECTOR3) return;
+    if (is_color_kind(kind) && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
+    if (kind == PROP_VECTOR3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
+    if (kind == PROP_VECTOR2 && n == 2) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
+    if (kind == PROP_VECTORS2 && !list) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
+}
+
 /* How a value of the wanted kind is written, where that is not plain from its name. */
 static void hint_form(const Check *check, const Value *value, Diagnostic *report)
 {
@@ -196,6 +260,10 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
     PropKind kind = check->type->kind;
     bool number = value->kind == VALUE_NUMBER, parts = number || value->kind == VALUE_LIST;
     if (kind == PROP_BOOL && number) diag_hint(diag, report, "write: %s", value->as.number != 0 ? "true" : "false");
+    if (kind == PROP_CHOICE && value->kind == VALUE_BOOL) {
+        const char *choice = habit_choice(check->type->name, value->as.truth ? "yes" : "no");
+        if (choice && choice_allows(check->type->choices, choice)) diag_hint(diag, report, "write: %s", choice);
+    }
     if (kind == PROP_VECTOR3 && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
         const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";
@@ -203,17 +271,15 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
                   value->as.number);
         return;
     }
-    if (kind == PROP_COLOR && value->kind == VALUE_VECTOR3)
-        diag_hint(diag, report, "write: rgb(%g, %g, %g)", value->as.v[0], value->as.v[1], value->as.v[2]);
+    hint_numbers(check, value, report);
+    if (report->hint) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
     if ((kind == PROP_VECTOR2 || kind == PROP_VECTORS2) && parts) diag_hint(diag, report, "write: <x, y>");
     if (kind == PROP_NODE)
         hint_node(check, value, report);
     else
         hint_texture(check, value, report);
-    if (value->kind != VALUE_STRING) return;
-    if (kind == PROP_VECTOR2) diag_hint(diag, report, "write: <x, y>, without quotation marks");
-    if (check->type->flags & PROP_TEXTURE) diag_hint(diag, report, "of a picture write: image { file = \"...\" }");
+    if (value->kind == VALUE_STRING) hint_text(check, value->as.text, report);
 }
 
 static bool wrong_type(const Check *check, const Value *value)
@@ -285,10 +351,33 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
 
 /* ---- units of literals ---- */
 
+/* "1/2mm", which is the half of one over a millimetre */
+static bool check_quotient(const Check *check, Expr *expr)
+{
+    const Expr *a = expr->as.op.a, *b = expr->as.op.b;
+    PropUnit wanted = check->type->unit;
+    bool over = a->kind == EXPR_CONSTANT && !a->as.constant.unit && b->kind == EXPR_CONSTANT && b->as.constant.unit;
+    if (!over || wanted == UNIT_NONE || wanted == UNIT_PER_LENGTH || wanted == UNIT_ANY) return true;
+    const UnitType *unit = b->as.constant.unit;
+    Diagnostic *report = eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not 1 over %s", check->type->name,
+                                    unit_measure_text(wanted), unit_measure_text(unit->measure));
+    if (unit->measure == wanted)
+        diag_hint(check->evaluator->diag, report, "write: %s%s / %.*s",
+                  eval_written(check->evaluator, a->span, 16, "\n", "1"), unit->name,
+                  (int)(b->span.end - b->span.begin - strlen(unit->name)),
+                  eval_written(check->evaluator, b->span, 16, "\n", "2"));
+    else
+        hint_measure(check, unit->measure, report);
+    return false;
+}
+
 /* A literal says what it measures; the language does not follow units through computations. */
 static bool check_unit(const Check *check, Expr *expr)
 {
     PropUnit wanted = check->type->unit;
+    PropKind kind = check->type->kind;
+    if (kind == PROP_NODE || kind == PROP_NODES || kind == PROP_BOOL || kind == PROP_FUNCTION) return true;
+    if (expr->kind == EXPR_DIVIDE) return check_quotient(check, expr);
     if (expr->kind == EXPR_VECTOR || expr->kind == EXPR_LIST) {
         for (uint32_t i = 0; i < expr->as.list.n; i++)
             if (!check_unit(check, expr->as.list.items[i])) return false;
@@ -297,8 +386,9 @@ static bool check_unit(const Check *check, Expr *expr)
     if (expr->kind != EXPR_CONSTANT || !expr->as.constant.unit) return true;
     PropUnit found = expr->as.constant.unit->measure;
     if (found == wanted || wanted == UNIT_ANY) return true;
-    eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not %s", check->type->name, unit_measure_text(wanted),
-               unit_measure_text(found));
+    hint_measure(check, found,
+                 eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not %s", check->type->name,
+                            unit_measure_text(wanted), unit_measure_text(found)));
     return false;
 }
 

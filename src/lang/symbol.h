@@ -9,7 +9,7 @@
 #include "base/arena.h"
 
 /* What the texts that were read so far declare a name as, somewhere: for hints of the parser, which knows no scopes. */
-typedef enum SymbolUse { SYMBOL_FREE, SYMBOL_NODE, SYMBOL_DEF } SymbolUse;
+typedef enum SymbolUse { SYMBOL_FREE, SYMBOL_NODE, SYMBOL_TRANSFORM, SYMBOL_DEF } SymbolUse;
 
 typedef struct Symbol Symbol;
 struct Symbol {

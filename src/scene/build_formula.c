@@ -184,7 +184,8 @@ void build_check_formulas(Builder *b, uint32_t object_row)
     const SceneTextureFrame *frame = &b->scene->texture_frames[object->texture_frame];
     bool failed = false;
     for (uint32_t n = 0; n < b->n_open_textures && !failed; n++) {
-        const OpenTexture *open = &b->open_textures[n];
+        OpenTexture *open = &b->open_textures[n];
+        if (open->failed) continue; /* for another object: it is one mistake */
         if (!build_surface_includes(b->scene, object->surface, open->row, 0)) continue;
         uint32_t places = places_on(b);
         for (uint32_t i = 0; i < places && !failed; i++) {
@@ -195,7 +196,7 @@ void build_check_formulas(Builder *b, uint32_t object_row)
             at.object_normal = unit_or(affine_normal(&frame->from_shape, normal), vec3(0, 1, 0));
             at.world = affine_point(&object->to_world, p);
             at.world_normal = unit_or(affine_normal(&object->to_world, normal), vec3(0, 1, 0));
-            failed = !check_user(b, open->row, open->user, &at);
+            failed = open->failed = !check_user(b, open->row, open->user, &at);
         }
     }
 }

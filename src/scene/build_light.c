@@ -89,6 +89,9 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
             if (shape == &shapes[0] && !eval_prop(node, "shape"))
                 diag_hint(b->diag, report,
                           "'quad' is the default; the other shapes are disc, sphere, distant, point, spot and portal");
+            else if (strcmp(names[i], "to") == 0)
+                diag_hint(b->diag, report, "write: to = <0, 0, 0>, the point that it shines at%s",
+                          shape->kind == LIGHT_DISTANT ? "; only the direction counts, from 'from' to there" : "");
             fine = false;
         }
     }

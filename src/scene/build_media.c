@@ -174,7 +174,11 @@ static void mixing_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     static const char *const reasons[] = {"it has the index of what it is in", "it is on top of nothing"};
     medium->mixes = eval_truth(node, "mixes");
     if (!medium->mixes && !eval_prop(node, "ior"))
-        diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a medium lacks its property 'ior'");
+        diag_hint(b->diag,
+                  diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a medium lacks its property 'ior'"),
+                  eval_prop(node, "scattering") || eval_prop(node, "density") || eval_prop(node, "emission")
+                      ? "write: mixes = true, for what is within something, as smoke is in air, or ior = 1 for the world's medium"
+                      : "write: ior = 1.5 for glass, 1.33 for water");
     for (size_t i = 0; medium->mixes && i < COUNT_OF(of_owners); i++) {
         const EvalProp *prop = eval_prop(node, of_owners[i]);
         if (!prop) continue;

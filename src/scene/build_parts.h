@@ -62,6 +62,7 @@ typedef struct TextureFacts {
 typedef struct OpenTexture {
     uint32_t row;
     const EvalProp *user;
+    bool failed; /* a mistake of it has been reported */
 } OpenTexture;
 
 typedef struct Builder {

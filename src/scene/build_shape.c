@@ -233,8 +233,10 @@ static bool box_corners(Builder *b, const EvalNode *node, Vec3 *low, Vec3 *high)
     if (!build_check_reach(b, node->span, "box", box)) return false;
     /* the corners are stored as floats */
     if ((float)low->x < (float)high->x && (float)low->y < (float)high->y && (float)low->z < (float)high->z) return true;
-    diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this box is flat: it measures %g x %g x %g", high->x - low->x,
-                high->y - low->y, high->z - low->z);
+    diag_hint(b->diag,
+              diag_report(b->diag, D_DEGENERATE_SHAPE, node->span, "this box is flat: it measures %g x %g x %g",
+                          high->x - low->x, high->y - low->y, high->z - low->z),
+              "give it a thickness, which for a label or a sheet can be as little as .1mm");
     return false;
 }
 

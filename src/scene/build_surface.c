@@ -335,7 +335,9 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
             diag_hint(b->diag, report, TINTS);
         else if (strcmp(name, "ior") == 0)
             diag_hint(b->diag, report, "the index is that of its medium, the interior");
-        else if (!thin && !shines)
+        else if (thin)
+            diag_hint(b->diag, report, "leave 'interior' out: on both sides of what is thin is what it stands in");
+        else if (!shines)
             diag_hint(b->diag, report, "transmission = .5 makes it half clear and half painted, 0 all painted");
         break;
     }

@@ -445,7 +445,7 @@ uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double 
     if (facts->formula) {
         b->open_textures = room_for_one(b->arena, b->open_textures, b->n_open_textures, &b->open_textures_capacity,
                                         sizeof *b->open_textures);
-        b->open_textures[b->n_open_textures++] = (OpenTexture){row, prop};
+        b->open_textures[b->n_open_textures++] = (OpenTexture){.row = row, .user = prop};
     }
     if (facts->open) { /* known when it is asked where the surface is */
         *least = fmax(type->min, 0);
