@@ -199,12 +199,68 @@ static void density_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 /* Of media without a name, until it is known whose they are. */
 static const char nameless[] = "medium";
 
+static void add_value(Buf *key, const void *value, size_t size)
+{
+    buf_add_bytes(key, value, size);
+}
+
+static void add_term(Buf *key, const EvalTerm *term)
+{
+    add_value(key, &term->type, sizeof term->type);
+    add_value(key, term->args, term->n_args * sizeof *term->args);
+    add_value(key, &term->scale, sizeof term->scale);
+    add_value(key, &term->n_pairs, sizeof term->n_pairs);
+    if (term->pairs) add_value(key, term->pairs, 2 * term->n_pairs * sizeof *term->pairs);
+    if (term->text) add_value(key, term->text, strlen(term->text) + 1);
+}
+
+/* What tells media apart that have no name. */
+static void add_values(Buf *key, const EvalNode *node)
+{
+    for (size_t i = 0; i < node->n_props; i++) {
+        const EvalProp *prop = &node->props[i];
+        bool is_spectrum = prop->type->kind == PROP_SPECTRUM || prop->type->kind == PROP_NUMBER_OR_TERM ||
+                           prop->type->kind == PROP_TERM;
+        add_value(key, &prop->type, sizeof prop->type);
+        if (is_spectrum) add_value(key, &prop->as.spectrum.form, sizeof prop->as.spectrum.form);
+        if (is_spectrum && prop->as.spectrum.form == SPECTRUM_TERM)
+            add_term(key, prop->as.spectrum.term);
+        else if (is_spectrum)
+            add_value(key, prop->as.spectrum.rgb, (prop->as.spectrum.form == SPECTRUM_NUMBER ? 1 : 3) * sizeof(double));
+        else if (prop->type->kind == PROP_COLOR)
+            add_value(key, prop->as.vector, sizeof prop->as.vector);
+        else if (prop->type->kind == PROP_CHOICE)
+            add_value(key, prop->as.text, strlen(prop->as.text) + 1);
+        else if (prop->type->kind == PROP_BOOL)
+            add_value(key, &prop->as.truth, sizeof prop->as.truth);
+        else if (prop->type->kind == PROP_NODE)
+            add_value(key, &prop->as.node, sizeof prop->as.node);
+        else
+            add_value(key, &prop->as.number, sizeof prop->as.number);
+    }
+}
+
+/* A macro or a loop makes the medium in its block anew each time: without a name, those of the same values are one. */
+static uint32_t row_of_values(Builder *b, const EvalNode *node, uint32_t row_if_new)
+{
+    Buf key = {0};
+    add_values(&key, node);
+    const char *text = buf_text(&key);
+    const uint32_t *known = map_seek(&b->nameless_media, text, key.length);
+    uint32_t row = known ? *known : row_if_new;
+    if (!known) map_find(b->arena, &b->nameless_media, arena_copy_text(b->arena, text, key.length), key.length, row);
+    buf_clear(&key);
+    return row;
+}
+
 uint32_t build_medium(Builder *b, const EvalNode *node)
 {
     Scene *scene = b->scene;
     bool found;
-    uint32_t known = *build_row_of(b, &b->media, node, scene->n_media, &found);
-    if (found) return known;
+    uint32_t *row = build_row_of(b, &b->media, node, scene->n_media, &found);
+    if (found) return *row;
+    if (!build_word(b, node)) *row = row_of_values(b, node, scene->n_media);
+    if (*row != scene->n_media) return *row;
     SceneMedium medium = {.span = build_author_place(b, node), .ior = spectrum_constant(1), .state = state_of(node)};
     medium.name = build_word(b, node);
     if (!medium.name) medium.name = nameless;
@@ -223,8 +279,8 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     scene->media = room_for_one(b->arena, scene->media, scene->n_media, &b->media_capacity, sizeof medium);
     scene->media[scene->n_media] = medium;
     for (const EvalNode *model = node->prototype; model; model = model->prototype) {
-        const uint32_t *row = map_seek(&b->media, &model, sizeof model);
-        if (row) scene->media[*row].models = true;
+        const uint32_t *its = map_seek(&b->media, &model, sizeof model);
+        if (its) scene->media[*its].models = true;
     }
     return scene->n_media++;
 }

@@ -81,6 +81,7 @@ typedef struct Builder {
     size_t objects_capacity;
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
+    Map nameless_media;                        /* by their values */
     Map textures, pictures;
     TextureFacts *texture_facts; /* of scene->textures */
     OpenTexture *open_textures;

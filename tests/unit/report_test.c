@@ -88,6 +88,22 @@ static void nameless_media_are_told_apart(void **state)
     free(text);
 }
 
+/* A macro and a loop make them anew each time. */
+static void nameless_media_of_the_same_values_are_one(void **state)
+{
+    (void)state;
+    char *text = report_of("meniscus 1.0 unit mm def pane(at, c) { box { from = <at, 0, 0>  to = <at + 2, 1, 1>\n"
+                           "  interior = medium { ior = cauchy(1.5, .004)  tint = c  depth = 1 } } }\n"
+                           "for (i in 0..<6) { pane(1.5 * i, rgb(.9, .9, .8)) }\n"
+                           "pane(30, rgb(.9, .8, .8))\n" FIXTURE_VIEW,
+                           false);
+    assert_has(text, "  medium of box 1  index");
+    assert_has(text, "  medium of box 7  index");
+    assert_null(strstr(text, "  medium of box 2  index"));
+    assert_has(text, "both medium of box 1, they merge");
+    free(text);
+}
+
 static void few_pairs_stand_by_themselves(void **state)
 {
     (void)state;
@@ -460,6 +476,7 @@ int main(void)
         cmocka_unit_test(the_text_says_who_is_on_top),
         cmocka_unit_test(what_mixes_stands_below),
         cmocka_unit_test(nameless_media_are_told_apart),
+        cmocka_unit_test(nameless_media_of_the_same_values_are_one),
         cmocka_unit_test(few_pairs_stand_by_themselves),
         cmocka_unit_test(other_policies_decide_otherwise),
         cmocka_unit_test(units_suit_people),
