@@ -147,6 +147,16 @@ const char *file_extension(const char *path)
     return dot && dot != name ? dot + 1 : "";
 }
 
+const char *file_number_mark(const char *path, size_t *length)
+{
+    for (const char *mark = path; (mark = strchr(mark, '%')); mark++) {
+        size_t n_digits = strspn(mark + 1, "0123456789");
+        *length = n_digits + 2;
+        if (mark[1 + n_digits] == 'd') return mark;
+    }
+    return NULL;
+}
+
 size_t file_stem_length(const char *path)
 {
     const char *extension = file_extension(path);

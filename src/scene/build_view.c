@@ -212,6 +212,12 @@ static void check_output(Builder *b, Span span, const char *name)
             diag_report(b->diag, D_BAD_OUTPUT, span, "'%s' is no kind of file that can be written", name);
         diag_hint(b->diag, report, "end it in .exr for what comes after, or in .png to look at");
     }
+    size_t length;
+    const char *mark = file_number_mark(name, &length);
+    if (!mark) return;
+    Diagnostic *report = diag_report(b->diag, D_BAD_OUTPUT, span, "'%.*s' is no place for the number of a frame",
+                                     (int)length, mark);
+    diag_hint(b->diag, report, "write: \"%.*s####%s\"", (int)(mark - name), name, mark + length);
 }
 
 void build_film(Builder *b, const EvalNode *node)

@@ -327,3 +327,15 @@ run render moving.mns --frames 1..2 -t 0.2s
 exits 0
 frames_there moving.0001.exr moving.0002.exr
 end
+
+begin "frames: the number of a frame by the ways of C is answered with '#'"
+small_scene
+run render small.mns -o 'frame%03d.png'
+exits 2
+says err "'%03d' is no place for the number of a frame in the output 'frame%03d.png'; write: frame####.png"
+sed 's/size = <16, 16>/size = <16, 16>  output = "f%d.exr"/' small.mns > other.mns
+run check other.mns
+exits 3
+says err 'write: "f####.exr"'
+no_leftovers
+end
