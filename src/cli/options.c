@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include "base/file.h"
 #include "diag/suggest.h"
 
 typedef struct Parser {
@@ -235,6 +237,19 @@ static Status read_cluster(Parser *parser, const char *word)
     return STATUS_OK;
 }
 
+static Status refuse_surplus(Parser *parser, const char *word)
+{
+    Command command = parser->options->command;
+    const CommandRow *row = command_row(command);
+    const char *ending = file_extension(word);
+    bool picture = strcasecmp(ending, "png") == 0 || strcasecmp(ending, "exr") == 0;
+    if (picture && find_name(command, "output", strlen("output")) != OPTION_COUNT)
+        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: what is written stands behind -o, as -o %s",
+                    word, word);
+    return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s", word, row->name,
+                row->most == 0 ? "none" : row->operands);
+}
+
 static Status check_operands(Parser *parser)
 {
     const Options *options = parser->options;
@@ -244,9 +259,7 @@ static Status check_operands(Parser *parser)
             habit_of(options->command, options->operands[i]))
             return fail(parser->error, STATUS_USAGE, "'%s' is POV-Ray's; here it is %s (see meniscus-povray(7))",
                         options->operands[i], habit_of(options->command, options->operands[i]));
-    if (options->n_operands > row->most)
-        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s",
-                    options->operands[row->most], row->name, row->most == 0 ? "none" : row->operands);
+    if (options->n_operands > row->most) return refuse_surplus(parser, options->operands[row->most]);
     if (options->n_operands < row->fewest)
         return fail(parser->error, STATUS_USAGE, "'%s' needs %s", row->name, row->operands);
     return STATUS_OK;

@@ -296,12 +296,19 @@ static Expr *parse_expression_behind(Loader *loader, uint32_t source, const char
     return expr;
 }
 
+/* How much of the text is no blank at its end. */
+static size_t without_blanks(const char *text, size_t length)
+{
+    while (length > 0 && strchr(" \t", text[length - 1])) length--;
+    return length;
+}
+
 /* "name=expression" */
 static bool parse_define(Loader *loader, const char *text, Define *define)
 {
     Diag *diag = loader->diag;
     const char *equal = strchr(text, '=');
-    size_t length = equal ? (size_t)(equal - text) : strlen(text);
+    size_t length = without_blanks(text, equal ? (size_t)(equal - text) : strlen(text));
     uint32_t source = source_add(diag->sources, "-D", NULL, text, strlen(text));
     *define = (Define){.name = arena_copy_text(loader->arena, text, length), .span = {source, 0, (uint32_t)length}};
     if (!equal) {
@@ -309,7 +316,7 @@ static bool parse_define(Loader *loader, const char *text, Define *define)
         diag_hint(diag, report, "write -D %s=VALUE", define->name);
         return false;
     }
-    define->expr = parse_expression_behind(loader, source, text, length + 1);
+    define->expr = parse_expression_behind(loader, source, text, (size_t)(equal - text) + 1);
     return true;
 }
 
@@ -317,19 +324,19 @@ static bool parse_define(Loader *loader, const char *text, Define *define)
 static bool parse_override(Loader *loader, const char *text, Override *override)
 {
     Diag *diag = loader->diag;
-    size_t length = strlen(text), equal = strcspn(text, "="), dot = equal;
+    size_t length = strlen(text), equal = strcspn(text, "="), end = without_blanks(text, equal), dot = equal;
     uint32_t source = source_add(diag->sources, "--set", NULL, text, length);
     for (size_t i = 0; i < equal; i++)
         if (text[i] == '.') dot = i; /* the last one: properties have no dots */
     *override = (Override){.node = arena_copy_text(loader->arena, text, dot),
-                           .node_span = {source, 0, (uint32_t)dot}, .prop_span = {source, (uint32_t)dot + 1, (uint32_t)equal}};
-    if (equal == length || dot == equal || dot == 0 || dot + 1 == equal) {
+                           .node_span = {source, 0, (uint32_t)dot}, .prop_span = {source, (uint32_t)dot + 1, (uint32_t)end}};
+    if (equal == length || dot == equal || dot == 0 || dot + 1 >= end) {
         Span all = {source, 0, (uint32_t)length};
         Diagnostic *report = diag_report(diag, D_SYNTAX, all, "--set takes NODE.PROPERTY=VALUE");
         diag_hint(diag, report, "for instance --set camera.fov=30");
         return false;
     }
-    override->prop = arena_copy_text(loader->arena, text + dot + 1, equal - dot - 1);
+    override->prop = arena_copy_text(loader->arena, text + dot + 1, end - dot - 1);
     override->expr = parse_expression_behind(loader, source, text, equal + 1);
     return true;
 }

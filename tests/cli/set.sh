@@ -108,3 +108,14 @@ exits 3
 says err "'focus' has no effect without an aperture"
 says err "'coat_tint' has no effect without a coat"
 end
+
+begin "-D and --set: blanks around the '='"
+small_scene
+echo 'param count = 3' >> small.mns
+run render small.mns -D 'count = 2' --set 'camera.fov = 20' -o a.exr
+exits 0
+run render small.mns -D count=2 --set camera.fov=20 -o b.exr
+exits 0
+run compare a.exr b.exr --max-rmse 0
+exits 0
+end

@@ -31,6 +31,7 @@ refuses "did you mean '--spp' (with two dashes)?" render -spp 3 small.mns
 refuses "'render' has no option '--flip'; 'compare' has one" render --flip small.mns
 refuses "'render' needs SCENE" render
 refuses "'other.mns' is one word too many" render small.mns other.mns
+refuses "'small.png' is one word too many: what is written stands behind -o, as -o small.png" render small.mns small.png
 refuses "'+W640' is POV-Ray's; here it is --size 640x480" render small.mns +W640 +H480
 refuses "'+P' is POV-Ray's; here it is --preview term" render small.mns +P +D
 refuses "'+SC0.2' is POV-Ray's; here it is --crop 10,20,110,120" render small.mns +SC0.2 +EC0.4
