@@ -107,6 +107,21 @@ static void note_missing(const Search *search)
     file_note_missing(arena_format(search->diag->arena, "%.*s%s", length, slash ? source->path : "", search->name));
 }
 
+/* A name for a message: "C:\textures" has become one with a tab in it. */
+static const char *shown_name(Arena *arena, const char *name)
+{
+    Buf shown = {0};
+    for (const char *at = name; *at; at++) {
+        if (*at == '\n' || *at == '\t')
+            buf_add(&shown, *at == '\n' ? "\\n" : "\\t");
+        else
+            buf_add_bytes(&shown, at, 1);
+    }
+    const char *text = arena_copy_text(arena, buf_text(&shown), shown.length);
+    buf_clear(&shown);
+    return text;
+}
+
 static void report_missing(const Search *search)
 {
     Diag *diag = search->diag;
@@ -122,7 +137,9 @@ static void report_missing(const Search *search)
         return;
     }
     note_missing(search);
-    Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", search->name);
+    Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'",
+                                     shown_name(diag->arena, search->name));
+    if (strpbrk(search->name, "\n\t\\")) diag_hint(diag, report, "write '/' between the folders of a path");
     const EvalLibraryFile *library;
     Search whole = *search; /* "std/media" */
     whole.name = arena_format(diag->arena, "%s.mns", search->name);
@@ -131,7 +148,7 @@ static void report_missing(const Search *search)
         diag_hint(diag, report, "files of POV-Ray's are not read; meniscus help std lists what stands in their place");
     else if (search_file(&whole, &library) || library)
         diag_hint(diag, report, "did you mean '%s'?", whole.name);
-    else
+    else if (!report->hint)
         suggest_library(search, report);
     if (!report->hint && strncmp(search->name, "std/", 4) == 0)
         diag_hint(diag, report, "meniscus help std lists what the library has");

@@ -352,7 +352,10 @@ static bool read_escape(Lexer *lexer, uint32_t *at, Buf *out)
     if (c == '\n' || *at > lexer->length)
         --*at; /* the string itself is not closed: that is reported */
     else
-        lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at, "unknown escape; the escapes are \\\" \\\\ \\n \\t \\u{...}");
+        diag_hint(lexer->diag,
+                  lex_error_at(lexer, D_INVALID_ESCAPE, begin, *at,
+                               "unknown escape; the escapes are \\\" \\\\ \\n \\t \\u{...}"),
+                  "write '/' between the folders of a path, and \\\\ for a '\\'");
     return false;
 }
 
