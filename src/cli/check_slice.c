@@ -38,7 +38,8 @@ static Status read_plane(CheckSlice *slice, const char *text, Error *error)
     slice->normal = vec3(n[0], n[1], n[2]);
     if (!end || *end)
         return fail(error, STATUS_USAGE,
-                    "option '--slice': '%s' is not a plane, such as x=0, or 0,5,0:1,0,1 for a point and a normal",
+                    "option '--slice': '%s' is not a plane, such as x=0, or 0,5,0:1,0,1 for a point and a normal, in "
+                    "the scene's unit",
                     text);
     if (!(vec3_length(slice->normal) > 0))
         return fail(error, STATUS_USAGE, "option '--slice': the normal of '%s' is 0", text);

@@ -74,6 +74,7 @@ static const struct {
     {"antialias", "-s 256: more samples smooth edges, too"},
     {"samples", "--spp 32"},
     {"samples-per-pixel", "--spp 32"},
+    {"o", "--slice-output level.png"},
     {"out", "--output picture.exr"},
     {"outfile", "--output picture.exr"},
     {"output-file", "--output picture.exr"},

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "lang/evaluator.h"
+#include "lang/habits.h"
 #include "lang/resolve.h"
 
 static bool any_poison(const Value *a, const Value *b)
@@ -29,7 +30,11 @@ static void eval_bare_word(Evaluator *evaluator, Expr *expr, Value *result)
 {
     Diagnostic *report =
         eval_error(evaluator, expr, D_UNKNOWN_NAME, "unknown name '%s'", expr->as.name.symbol->text);
-    if (expr->as.name.nearest) diag_hint(evaluator->diag, report, "did you mean '%s'?", expr->as.name.nearest);
+    const char *word = habit_word(expr->as.name.symbol->text);
+    if (word)
+        diag_hint(evaluator->diag, report, "write: %s", word);
+    else if (expr->as.name.nearest)
+        diag_hint(evaluator->diag, report, "did you mean '%s'?", expr->as.name.nearest);
     result->kind = VALUE_POISON;
 }
 

@@ -135,6 +135,8 @@ static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value 
                                          stmt->as.bind.name->text, value_describe(evaluator->arena, value),
                                          value_describe(evaluator->arena, &given));
         diag_note(evaluator->diag, report, stmt->as.bind.name_span, "declared here");
+        if (value->kind == VALUE_BOOL && given.kind == VALUE_NUMBER)
+            diag_hint(evaluator->diag, report, "write: %s", given.as.number != 0 ? "true" : "false");
         return false;
     }
     double number = given.as.number;

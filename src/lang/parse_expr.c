@@ -287,7 +287,7 @@ static Expr *plain_vector(Parser *parser, Span span)
 }
 
 /* "<" add "," add [ "," add [ "," add ] ] ">" */
-static Expr *parse_vector(Parser *parser)
+static Expr *parse_elements(Parser *parser)
 {
     Span opening = token_span(parser);
     Expr *plain = plain_vector(parser, opening);
@@ -311,6 +311,13 @@ static Expr *parse_vector(Parser *parser)
     expr->as.list.items = list.items;
     expr->as.list.n = list.n;
     return expr;
+}
+
+static Expr *parse_vector(Parser *parser)
+{
+    Expr *vector = parse_elements(parser);
+    if (parser->token.kind == TOKEN_NAME && !parser->panic) parse_vector_unit(parser);
+    return vector;
 }
 
 static Expr *parse_number(Parser *parser)
@@ -748,6 +755,10 @@ Expr *parse_expression(uint32_t source, double unit_m, Diag *diag, SymbolTable *
     Parser parser;
     parser_init(&parser, NULL, source, unit_m, diag, symbols);
     Expr *expr = parse_expr(&parser);
-    if (!parser.panic && parser.token.kind != TOKEN_END) expected_error(&parser, "the end of the expression");
+    if (!parser.panic && parser.token.kind != TOKEN_END) {
+        bool comma = parser.token.kind == TOKEN_COMMA; /* pos=1,2,3 */
+        Diagnostic *report = expected_error(&parser, "the end of the expression");
+        if (report && comma) diag_hint(diag, report, "a vector stands in '<' and '>', in quotes for the shell: 'pos=<1, 2, 3>'");
+    }
     return parser.panic ? poison_expr(&parser) : expr;
 }

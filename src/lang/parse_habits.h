@@ -36,6 +36,7 @@ void parse_if_value(Parser *parser); /* "if (a) b else c" where a value should s
 void parse_else_of_element(Parser *parser, const Expr *element); /* the same in a list, at the 'else' */
 Expr *parse_bare_let(Parser *parser, Span begin); /* a let without brackets, behind the word; NULL: it is none */
 void parse_apart_unit(Parser *parser, Span number);      /* at a name behind the number */
+void parse_vector_unit(Parser *parser); /* at a name behind a vector */
 bool parse_percent_habit(Parser *parser, const Expr *number); /* at what stands behind a factor */
 
 /* -- directives (parse_directives.c) -- */

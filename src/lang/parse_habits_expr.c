@@ -314,26 +314,42 @@ Expr *parse_braced_body(Parser *parser, const Def *def)
 /* ---- units ---- */
 
 /* "3 mm" is read as "3mm", unless what follows makes the word a name of its own. */
-void parse_apart_unit(Parser *parser, Span number)
+/* The unit that the name at the present token is, where it is not what begins something else; NULL. */
+static const char *apart_unit(Parser *parser)
 {
     const Symbol *word = parser->token.as.symbol;
     const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
-    if (!unit || first_on_line(parser)) return;
+    if (!unit || first_on_line(parser)) return NULL;
     Look look;
     look_from(parser, &look);
-    switch (lexer_next(&look.lexer).kind) {
+    Token next = lexer_next(&look.lexer);
+    switch (next.kind) {
     case TOKEN_NAME:
-        if (lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN) return;
-        break;
+        return !begins_line(parser, next.begin) && lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN ? NULL : unit;
     case TOKEN_ASSIGN:
     case TOKEN_CHANGE:
     case TOKEN_DOT:
     case TOKEN_PAREN_OPEN:
-    case TOKEN_BRACE_OPEN: return;
-    default: break;
+    case TOKEN_BRACE_OPEN: return NULL;
+    default: return unit;
     }
+}
+
+void parse_apart_unit(Parser *parser, Span number)
+{
+    const char *unit = apart_unit(parser);
+    if (!unit) return;
     Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
     diag_hint(parser->diag, report, "write: %s%s", quote(parser, number.begin, number.end), unit);
+    consume(parser);
+}
+
+void parse_vector_unit(Parser *parser)
+{
+    const char *unit = apart_unit(parser);
+    if (!unit) return;
+    Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind a number");
+    diag_hint(parser->diag, report, "write: <1%s, 2%s, 3%s>, or <1, 2, 3> * 1%s", unit, unit, unit, unit);
     consume(parser);
 }
 

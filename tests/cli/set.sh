@@ -119,3 +119,17 @@ exits 0
 run compare a.exr b.exr --max-rmse 0
 exits 0
 end
+
+begin "-D: words and numbers in place of colours, truths and vectors"
+small_scene
+printf '%s\n' 'param c = #ff0000' 'param on = true' 'param pos = <1, 2, 3>' 'sphere { center = pos  surface = surface { albedo = c } }' 'if (on) { }' >> small.mns
+run check small.mns -D c=red
+exits 3
+says err 'hint: write: rgb(1, 0, 0)'
+run check small.mns -D on=1
+exits 3
+says err 'hint: write: true'
+run check small.mns -D pos=1,2,3
+exits 3
+says err "hint: a vector stands in '<' and '>'"
+end
