@@ -96,6 +96,8 @@ static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, con
                    value_describe(evaluator->arena, a), value_describe(evaluator->arena, b));
     if (expr->kind == EXPR_ADD && (a->kind == VALUE_STRING || b->kind == VALUE_STRING))
         diag_hint(evaluator->diag, report, "write: str(a, b), for texts and what becomes one");
+    else if (expr->kind == EXPR_ADD && a->kind == VALUE_LIST)
+        diag_hint(evaluator->diag, report, "write: list + [element]");
     else if ((a->kind == VALUE_VECTOR3 && b->kind == VALUE_NUMBER) || (a->kind == VALUE_NUMBER && b->kind == VALUE_VECTOR3))
         eval_hint_at_axis(evaluator, report, a->kind == VALUE_NUMBER ? expr->as.op.a : expr->as.op.b);
 }
@@ -541,10 +543,13 @@ static void eval_index(Evaluator *evaluator, Expr *expr, Value *result)
     }
     size_t n = vector ? value_width(base->kind) : value_count(base);
     double at = index->as.number;
-    if (!(at >= 0 && at < (double)n && at == floor(at)))
-        eval_error(evaluator, expr, D_BAD_INDEX, "index %g is no whole number from 0 to %.0f", at, (double)n - 1);
-    else
+    if (!(at >= 0 && at < (double)n && at == floor(at))) {
+        Diagnostic *report =
+            eval_error(evaluator, expr, D_BAD_INDEX, "index %g is no whole number from 0 to %.0f", at, (double)n - 1);
+        if (at == -1) diag_hint(evaluator->diag, report, "the last element is list[len(list) - 1]");
+    } else {
         *result = vector ? value_number(base->as.v[(size_t)at]) : value_element(base, (size_t)at);
+    }
 }
 
 static void eval_let(Evaluator *evaluator, Expr *expr, Value *result)

@@ -173,6 +173,10 @@ static Stmt *parse_bind(Parser *parser)
     stmt->as.bind.variable = parser->token.kind == TOKEN_VAR;
     consume(parser);
     if (!expect_name(parser, "to declare", &stmt->as.bind.name, &stmt->as.bind.name_span)) return NULL;
+    if (parser->token.kind == TOKEN_COMMA) {
+        parse_names_together(parser, stmt->as.bind.name);
+        return NULL;
+    }
     if (parser->token.kind == TOKEN_CHANGE) {
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "':=' changes a var that is declared already");
@@ -180,6 +184,9 @@ static Stmt *parse_bind(Parser *parser)
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "write: let %s = ...", parser->token.as.symbol->text);
     }
+    const char *word = stmt->as.bind.variable ? "var" : "let", *value = stmt->as.bind.variable ? "0" : "...";
+    const char *whole = arena_format(parser->arena, "%s %s = %s", word, stmt->as.bind.name->text, value);
+    if (parse_no_value(parser, "'=' behind the name", whole)) return NULL;
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */
     SymbolUse use = use_of_value(stmt->as.bind.value);
@@ -200,6 +207,9 @@ static Stmt *parse_param(Parser *parser)
     consume(parser);
     if (!expect_name(parser, "to declare", &stmt->as.bind.name, &stmt->as.bind.name_span)) return NULL;
     parse_type(parser, &stmt->as.bind.type, &stmt->as.bind.type_span);
+    if (parse_no_value(parser, "'=' and a default behind the name",
+                       arena_format(parser->arena, "param %s = 1", stmt->as.bind.name->text)))
+        return NULL;
     expect(parser, TOKEN_ASSIGN, "and a default behind the name");
     stmt->as.bind.value = parse_tern(parser);
     if (consume_if(parser, TOKEN_IN)) stmt->as.bind.range = parse_expr(parser);
@@ -251,6 +261,7 @@ Stmt *parse_def(Parser *parser, Span begin, bool reports_body)
     Span opening = token_span(parser);
     if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
     const char *head = quote(parser, def->span.begin, consumed_end(parser));
+    if (!parser->panic) parse_result_type(parser, head);
     if (consume_if(parser, TOKEN_ASSIGN))
         def->body = parser->token.kind == TOKEN_BRACE_OPEN ? parse_names_and_value(parser, head) : parse_expr(parser);
     else if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN && (def->body = parse_braced_body(parser, def)))
@@ -349,8 +360,10 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
     if (!bare && parse_counting_loop(parser)) return;
     parser->brackets += !bare;
     parser->no_blocks |= bare;
+    parse_loop_type(parser);
     if (expect_name(parser, "for the loop", &stmt->as.loop.name, &stmt->as.loop.name_span)) {
         parse_loop_source(parser, stmt);
+        if (!parser->panic) parse_loop_step(parser);
         if (!bare && parser->token.kind == TOKEN_COMMA) parse_second_variable(parser, stmt->as.loop.name->text);
         if (report && !parser->panic)
             diag_hint(parser->diag, report, "write: for (%s) { ... }",
@@ -547,7 +560,7 @@ Stmt *parse_stmt(Parser *parser)
     case TOKEN_DEFAULTS: return parse_defaults(parser);
     case TOKEN_CHILDREN: return parse_kids(parser);
     case TOKEN_NAME:
-        if (parse_do_loop(parser)) return NULL;
+        if (parse_do_loop(parser) || parse_switch(parser)) return NULL;
         return parse_foreach(parser) ? parse_flow(parser) : parse_named(parser);
     case TOKEN_ELSE: syntax_error(parser, token_span(parser), "'else' without an 'if' before it"); return NULL;
     case TOKEN_DIRECTIVE: parse_directive(parser); return NULL;

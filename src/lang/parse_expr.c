@@ -742,6 +742,7 @@ Expr *parse_expr(Parser *parser)
     bool open = parser->token.kind == TOKEN_RANGE_OPEN;
     if (parser->panic || (!open && parser->token.kind != TOKEN_RANGE)) return first;
     Span operator_span = token_span(parser);
+    if (!open) parse_three_points(parser, first);
     consume(parser);
     Expr *expr = binary_expr(parser, EXPR_RANGE, first, operator_span, parse_tern(parser));
     expr->as.op.open = open;

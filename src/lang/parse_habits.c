@@ -834,126 +834,55 @@ void parse_bare_block(Parser *parser, Block *block)
     leave(parser);
 }
 
-/* ---- loops ---- */
+/* ---- declarations ---- */
 
-/* for (i, c in list), at the comma */
-static bool parse_numbered_element(Parser *parser, Diagnostic *report, const char *number)
+void parse_names_together(Parser *parser, const Symbol *first)
 {
+    enum { MOST = 8 };
+    const char *names[MOST] = {first->text}, *hint = "";
+    size_t n = 1, n_values = 0;
+    Diagnostic *report = report_at(parser, token_span(parser), "each name has a statement of its own");
+    while (consume_if(parser, TOKEN_COMMA) && parser->token.kind == TOKEN_NAME) {
+        if (n < MOST) names[n++] = parser->token.as.symbol->text;
+        consume(parser);
+    }
+    bool assigned = consume_if(parser, TOKEN_ASSIGN);
+    for (; assigned && !parser->panic; n_values++) {
+        const char *value = quote_read(parser, parse_tern);
+        if (n_values < n)
+            hint = arena_format(parser->arena, "%s%slet %s = %s", hint, *hint ? "  " : "", names[n_values], value);
+        if (!consume_if(parser, TOKEN_COMMA)) {
+            n_values++;
+            break;
+        }
+    }
+    if (!parser->panic && n_values == n) hint_write(parser, report, hint);
+    if (!parser->panic && n_values != n) diag_hint(parser->diag, report, "write: let %s = ...", first->text);
+    parser->panic = false;
+    calm_down(parser);
+}
+
+bool parse_no_value(Parser *parser, const char *expected, const char *hint)
+{
+    if (parser->panic || parser->token.kind == TOKEN_ASSIGN || !is_behind_statement(parser, &parser->token)) return false;
+    hint_write(parser, expected_error(parser, expected), hint);
+    parser->panic = false;
+    calm_down(parser);
+    return true;
+}
+
+void parse_result_type(Parser *parser, const char *head)
+{
+    TokenKind kind = parser->token.kind;
     Look look;
     look_from(parser, &look);
-    Token element = lexer_next(&look.lexer);
-    if (element.kind != TOKEN_NAME || lexer_next(&look.lexer).kind != TOKEN_IN) return false;
-    for (int i = 0; i < 3; i++) consume(parser);
-    const char *list = quote_read(parser, parse_expr);
-    if (parser->panic) return true;
-    diag_hint(parser->diag, report, "write: for (%s in 0..<len(%s)) { let %s = %s[%s] ... }", number, list,
-              element.as.symbol->text, list, number);
-    consume_if(parser, TOKEN_PAREN_CLOSE);
-    return true;
-}
-
-/* for (i, 0, 10), behind the '(' */
-static bool parse_listed_loop(Parser *parser)
-{
-    if (parser->token.kind != TOKEN_NAME || peek(parser).kind != TOKEN_COMMA) return false;
-    const char *variable = parser->token.as.symbol->text, *parts[3] = {NULL, NULL, NULL};
-    Diagnostic *report = report_at(parser, token_span(parser), "a loop runs over a list or a range");
-    consume(parser);
-    if (parse_numbered_element(parser, report, variable)) return true;
-    for (unsigned n = 0; parser->token.kind == TOKEN_COMMA && n < COUNT_OF(parts); n++) {
-        consume(parser);
-        parts[n] = quote_read(parser, parse_expr);
-        if (parser->panic) return true;
-    }
-    diag_hint(parser->diag, report, "write: for (%s in %s..%s%s%s) { ... }", variable, parts[0] ? parts[0] : "1",
-              parts[1] ? parts[1] : "10", parts[2] ? " by " : "", parts[2] ? parts[2] : "");
-    consume_if(parser, TOKEN_PAREN_CLOSE);
-    return true;
-}
-
-bool parse_foreach(Parser *parser)
-{
-    const Symbol *word = parser->token.as.symbol;
-    if (strcmp(word->text, "foreach") != 0 || word->declared != SYMBOL_FREE || peek(parser).kind != TOKEN_PAREN_OPEN)
-        return false;
-    hint_write(parser, report_at(parser, token_span(parser), "there is no statement 'foreach'"),
-               "for (i in list) { ... }");
-    parser->token.kind = TOKEN_FOR;
-    return true;
-}
-
-/* "do { ... } while (n < 10)" and "do { ... } until (n == 10)", and "repeat" in its place */
-bool parse_do_loop(Parser *parser)
-{
-    const Symbol *word = parser->token.as.symbol;
-    bool loop = strcmp(word->text, "do") == 0 || strcmp(word->text, "repeat") == 0;
-    if (!loop || word->declared != SYMBOL_FREE || peek(parser).kind != TOKEN_BRACE_OPEN) return false;
-    Diagnostic *report = report_at(parser, token_span(parser), "there is no statement '%s'", word->text);
-    consume(parser);
-    parse_block(parser);
-    const char *condition = "...";
-    bool until = parser->token.kind == TOKEN_NAME && strcmp(parser->token.as.symbol->text, "until") == 0;
-    if (!parser->panic && (until || parser->token.kind == TOKEN_WHILE) && peek(parser).kind == TOKEN_PAREN_OPEN) {
-        consume(parser);
-        uint32_t begin = parser->token.end;
-        skip_brackets(parser);
-        condition = quote(parser, begin, consumed_end(parser) - 1);
-    }
-    diag_hint(parser->diag, report, "write: while (%s%s%s) { ... }, which is asked before each turn", until ? "not (" : "",
-              condition, until ? ")" : "");
-    return true;
-}
-
-/* for (int i = 0; i < 10; i++), behind the '(' */
-bool parse_counting_loop(Parser *parser)
-{
-    if (parse_listed_loop(parser)) return true;
-    Look look;
-    look_from(parser, &look);
-    Token name = parser->token, next = lexer_next(&look.lexer);
-    if (name.kind == TOKEN_NAME && next.kind == TOKEN_NAME) {
-        name = next;
-        next = lexer_next(&look.lexer);
-    }
-    if (name.kind != TOKEN_NAME || next.kind != TOKEN_ASSIGN) return false;
-    Token tokens[64];
-    size_t n = 0, semicolons[2] = {0, 0}, n_semicolons = 0;
-    for (; n < COUNT_OF(tokens); n++) {
-        tokens[n] = lexer_next(&look.lexer);
-        if (tokens[n].kind == TOKEN_END) break;
-        if (tokens[n].kind == TOKEN_SEMICOLON && n_semicolons < 2) semicolons[n_semicolons++] = n;
-        if (n_semicolons == 2) break;
-    }
-    Diagnostic *report = report_at(parser, token_span(parser), "a loop runs over a list or a range");
-    size_t a = semicolons[0], b = semicolons[1];
-    const char *variable = name.as.symbol->text,
-               *hint = arena_format(parser->arena, "for (%s in 1..10) { ... }", variable);
-    if (n_semicolons == 2 && a > 0 && b > a + 3 &&
-        (tokens[a + 2].kind == TOKEN_LESS || tokens[a + 2].kind == TOKEN_LESS_EQUAL))
-        hint = arena_format(
-            parser->arena, "for (%s in %s%s%s) { ... }", variable, quote(parser, tokens[0].begin, tokens[a - 1].end),
-            tokens[a + 2].kind == TOKEN_LESS ? "..<" : "..", quote(parser, tokens[a + 3].begin, tokens[b - 1].end));
-    hint_write(parser, report, hint);
-    int depth = 1; /* to behind the ')' */
-    while (depth > 0 && parser->token.kind != TOKEN_END && parser->token.kind != TOKEN_BRACE_OPEN) {
-        depth += (parser->token.kind == TOKEN_PAREN_OPEN) - (parser->token.kind == TOKEN_PAREN_CLOSE);
-        consume(parser);
-    }
-    return true;
-}
-
-/* for (x in a, y in b), at the comma */
-void parse_second_variable(Parser *parser, const char *first)
-{
-    Look look;
-    look_from(parser, &look);
-    Token name = lexer_next(&look.lexer);
-    if (name.kind != TOKEN_NAME || lexer_next(&look.lexer).kind != TOKEN_IN) return;
-    Diagnostic *report = report_at(parser, token_span(parser), "a loop has one variable");
-    diag_hint(parser->diag, report, "write: for (%s in ...) { for (%s in ...) { ... } }", first, name.as.symbol->text);
-    while (parser->token.kind == TOKEN_COMMA) {
-        consume(parser);
-        if (!consume_if(parser, TOKEN_NAME) || !consume_if(parser, TOKEN_IN)) return;
-        parse_expr(parser);
-    }
+    Token type = lexer_next(&look.lexer);
+    bool arrow = kind == TOKEN_MINUS && type.kind == TOKEN_GREATER && type.begin == parser->token.end;
+    if (!arrow && kind != TOKEN_COLON) return;
+    if (arrow) type = lexer_next(&look.lexer);
+    TokenKind behind = lexer_next(&look.lexer).kind;
+    if (type.kind != TOKEN_NAME || (behind != TOKEN_ASSIGN && behind != TOKEN_BRACE_OPEN)) return;
+    Diagnostic *report = report_at(parser, token_span(parser), "the value of a def has no type to be told");
+    diag_hint(parser->diag, report, "write: def %s = ...", head);
+    for (int i = arrow ? 3 : 2; i > 0; i--) consume(parser);
 }

@@ -19,11 +19,23 @@ void parse_unquoted_file(Parser *parser, const char *word); /* behind 'use' or '
 /* Behind the head of a def of that text, without '=' or '{'; reports: that has not been said. NULL: it was a block. */
 Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
 void parse_bare_block(Parser *parser, Block *block);
+/* let a, b = 1, 2 at the comma, behind the first name */
+void parse_names_together(Parser *parser, const Symbol *first);
+/* Behind a name that is declared, without a value: "var n" */
+bool parse_no_value(Parser *parser, const char *expected, const char *hint);
+/* def f(x): number = ... and def f(x) -> number = ..., behind the parameters, at what tells the type */
+void parse_result_type(Parser *parser, const char *head);
+
+/* -- loops and choices (parse_habits_flow.c) -- */
 bool parse_foreach(Parser *parser); /* at a word: "foreach" is taken for a 'for', which is then the next token */
 bool parse_do_loop(Parser *parser); /* at a word */
+bool parse_switch(Parser *parser);  /* at a word */
 bool parse_counting_loop(Parser *parser); /* behind the '(' of 'for' */
+void parse_loop_type(Parser *parser);     /* at what stands there otherwise: "int i" */
+void parse_loop_step(Parser *parser);     /* behind a range: "step 2" */
 /* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */
 void parse_second_variable(Parser *parser, const char *first);
+void parse_three_points(Parser *parser, const Expr *first); /* at the '..' behind that: "1...5" */
 
 /* -- expressions (parse_habits_expr.c) -- */
 bool parse_color_habit(Parser *parser, const char *word);            /* behind the word */

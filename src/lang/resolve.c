@@ -471,8 +471,31 @@ static void resolve_def(Resolver *resolver, Def *def)
     resolver->context_type = outer.context_type;
 }
 
+static bool is_number(const Expr *expr, double *number)
+{
+    if (expr->kind == EXPR_NEGATE && is_number(expr->as.op.a, number)) {
+        *number = -*number;
+        return true;
+    }
+    if (expr->kind != EXPR_CONSTANT || expr->as.constant.value.kind != VALUE_NUMBER) return false;
+    *number = expr->as.constant.value.as.number;
+    return true;
+}
+
+/* "5..1", written so: a range goes up where nothing else is said. */
+static void warn_of_empty_range(Resolver *resolver, const Expr *range)
+{
+    double first, last;
+    if (range->kind != EXPR_RANGE || range->as.op.c || !is_number(range->as.op.a, &first) ||
+        !is_number(range->as.op.b, &last) || first <= last)
+        return;
+    Diagnostic *report = diag_report(resolver->diag, D_EMPTY_RANGE, range->span, "a range from %g up to %g is empty", first, last);
+    diag_hint(resolver->diag, report, "write: %g..%g by -1", first, last);
+}
+
 static void resolve_for(Resolver *resolver, Stmt *stmt)
 {
+    warn_of_empty_range(resolver, stmt->as.loop.source);
     resolve_expr(resolver, stmt->as.loop.source);
     scope_begin(resolver);
     stmt->as.loop.slot = scope_declare_slot(resolver, stmt->as.loop.name, stmt->as.loop.name_span);

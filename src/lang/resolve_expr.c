@@ -394,7 +394,9 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         }
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
-        if (is_property(resolver->schema, name->text))
+        if (habit_is_one_of("length size count", name->text))
+            diag_hint(resolver->diag, report, "how many elements there are is len(list), how long a vector is length(v)");
+        else if (is_property(resolver->schema, name->text))
             hint_at_reading(resolver->diag, report, name->text);
         else
             diag_hint(resolver->diag, report, "the components are x y z w, or r g b of a colour, one or more of them");

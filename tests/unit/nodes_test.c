@@ -121,6 +121,8 @@ static void hints_name_what_there_is(void **state)
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_UNIT(word, unit)
 #define HABIT_PATTERN(node, property, text) {node, property},
+#define HABIT_FILE(beginnings, text)
+#define HABIT_MEASURE(node, property, unit, text) {node, property},
 #define HABIT_VALUES(node, names) {#node, names},
 #define HABIT_PROPERTY(node, word, property) {node, property},
     static const struct {
@@ -147,6 +149,8 @@ static void hints_are_for_what_there_is_not(void **state)
     (void)state;
 #undef HABIT_ADVICE
 #undef HABIT_PATTERN
+#undef HABIT_MEASURE
+#define HABIT_MEASURE(node, property, unit, text)
 #undef HABIT_VALUES
 #undef HABIT_PROPERTY
 #define HABIT_PATTERN(node, property, text)
