@@ -60,7 +60,7 @@ static void hint_at_brackets(const BuiltinCall *call, const Value *given, const 
     bool is_list = given->kind == VALUE_LIST, is_text = given->kind == VALUE_STRING;
     if ((is_list || is_text) && strcmp(name, "length") == 0)
         diag_hint(diag, report, "len() is how many elements a list has, or characters a text");
-    else if (is_list && strncmp(wanted, "a number", strlen("a number")) == 0)
+    else if (is_list && strncmp(wanted, "a number", strlen("a number")) == 0 && strcmp(name, "scale") != 0)
         diag_hint(diag, report, "of each element of a list: [for (v in list) %s(v)]", name);
     else if (is_list && strstr(wanted, "vector"))
         diag_hint(diag, report, "a vector stands between '<' and '>': <1, 2, 3>");

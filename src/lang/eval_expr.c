@@ -96,6 +96,9 @@ static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, con
                    value_describe(evaluator->arena, a), value_describe(evaluator->arena, b));
     if (expr->kind == EXPR_ADD && (a->kind == VALUE_STRING || b->kind == VALUE_STRING))
         diag_hint(evaluator->diag, report, "write: str(a, b), for texts and what becomes one");
+    else if (a->kind == VALUE_NODE && b->kind == VALUE_NODE)
+        diag_hint(evaluator->diag, report, "write: %s { a { }  b { } }",
+                  expr->kind == EXPR_SUBTRACT ? "difference" : expr->kind == EXPR_MULTIPLY ? "intersection" : "union");
     else if (expr->kind == EXPR_ADD && a->kind == VALUE_LIST)
         diag_hint(evaluator->diag, report, "write: list + [element]");
     else if ((a->kind == VALUE_VECTOR3 && b->kind == VALUE_NUMBER) || (a->kind == VALUE_NUMBER && b->kind == VALUE_VECTOR3))

@@ -125,6 +125,9 @@ bool parse_counting_loop(Parser *parser)
         hint = arena_format(parser->arena, "for (%s in %s..%s) { ... }", variable,
                             quote(parser, tokens[0].begin, tokens[to - 1].end),
                             quote(parser, tokens[to + 1].begin, end_of_bracket(tokens + to + 1, n - to - 1)));
+    if (n > 4 && tokens[0].kind == TOKEN_BRACKET_OPEN && tokens[2].kind == TOKEN_COLON) /* i = [0:5] */
+        hint = arena_format(parser->arena, "for (%s in %s..%s) { ... }", variable,
+                            quote(parser, tokens[1].begin, tokens[1].end), quote(parser, tokens[3].begin, tokens[3].end));
     if (n_semicolons == 2 && a > 0 && b > a + 3 &&
         (tokens[a + 2].kind == TOKEN_LESS || tokens[a + 2].kind == TOKEN_LESS_EQUAL))
         hint = arena_format(

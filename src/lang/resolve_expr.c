@@ -437,6 +437,8 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
                     "'%s' takes %s argument%s, not %u", name, wanted, min == max && min == 1 ? "" : "s", args->n);
     if (args->n == 3 && (strcmp(name, "translate") == 0 || strcmp(name, "rotate") == 0 || strcmp(name, "scale") == 0))
         diag_hint(resolver->diag, report, "write: %s(<x, y, z>)", name);
+    else if (args->n == 2 && (strcmp(name, "translate") == 0 || strcmp(name, "scale") == 0))
+        diag_hint(resolver->diag, report, "write: ball { %s(<x, y, z>) }, in what is to be moved", name);
     expr->kind = EXPR_POISON;
 }
 
