@@ -16,13 +16,27 @@
 /* Below this cosine a ray that starts within rounding of a plane may meet it where Embree does not look. */
 #define CREEPING 0x1p-10
 
+static const int next[3] = {1, 2, 0};
+
+/* The corners are moved along the line to the plane through its origin that is across its longest coordinate, as in S. Woop, C.
+ * Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1) (2013), 3, here with weights of the same scale for all
+ * lines. What is along the line would else drown small triangles far from the origin in rounding: any line seemed to meet them. */
 bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3])
 {
-    Vec3 relative[3];
-    for (int i = 0; i < 3; i++) relative[i] = vec3_sub(corner[i], query->origin);
-    for (int i = 0; i < 3; i++) {
-        const Vec3 *a = &relative[(i + 1) % 3], *b = &relative[(i + 2) % 3];
-        weight[i] = vec3_dot(query->direction, vec3_cross(*a, *b));
+    const Vec3 *o = &query->origin, *d = &query->direction;
+    const double origin[3] = {o->x, o->y, o->z}, direction[3] = {d->x, d->y, d->z};
+    double x = fabs(d->x), y = fabs(d->y), z = fabs(d->z), across[3][2];
+    int k = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2), i = next[k], j = next[i];
+    double slope_i = direction[i] / direction[k], slope_j = direction[j] / direction[k];
+    for (int c = 0; c < 3; c++) {
+        const double at[3] = {corner[c].x, corner[c].y, corner[c].z};
+        double along = at[k] - origin[k];
+        across[c][0] = (at[i] - origin[i]) - slope_i * along;
+        across[c][1] = (at[j] - origin[j]) - slope_j * along;
+    }
+    for (int c = 0; c < 3; c++) {
+        const double *a = across[next[c]], *b = across[next[next[c]]];
+        weight[c] = direction[k] * (a[0] * b[1] - a[1] * b[0]);
     }
     return (weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0) || (weight[0] <= 0 && weight[1] <= 0 && weight[2] <= 0);
 }

@@ -168,6 +168,57 @@ static void test_floors_of_kilometres(void **state)
     }
 }
 
+/* On which side of each edge the query's line passes: by how much, times the edge's length. away: about where it does so. */
+static void sides_of(const Query *query, double away, const Vec3 corner[3], long double side[3])
+{
+    long double d[3] = {query->direction.x, query->direction.y, query->direction.z}, at[3][3];
+    for (int c = 0; c < 3; c++) {
+        at[c][0] = (long double)corner[c].x - query->origin.x - away * d[0];
+        at[c][1] = (long double)corner[c].y - query->origin.y - away * d[1];
+        at[c][2] = (long double)corner[c].z - query->origin.z - away * d[2];
+    }
+    for (int c = 0; c < 3; c++) {
+        const long double *a = at[(c + 1) % 3], *b = at[(c + 2) % 3];
+        side[c] = 0;
+        for (int k = 0; k < 3; k++) {
+            int l = (k + 1) % 3, m = (k + 2) % 3;
+            side[c] += d[k] * (a[l] * b[m] - a[m] * b[l]);
+        }
+    }
+}
+
+/* Of triangles down to 1e-6 and lines that come from up to 1e6: what double says is what wider numbers say, wherever that
+ * is beyond what the rounding of coordinates can change. A landscape seen from the sun took minutes, as the lines that met nothing but
+ * rounding were looked at closer and closer. */
+static void test_lines_from_afar_meet_small_triangles(void **state)
+{
+    (void)state;
+    enum { LINES = 400000 };
+    uint64_t random = 29;
+    size_t n_met = 0, n_clear = 0, n_wrong = 0;
+    for (int i = 0; i < LINES; i++) {
+        double size = pow(10, -6 * unit(&random)), away = pow(10, 6 * unit(&random)),
+               beside = i % 2 ? size : 100 * unit(&random);
+        Vec3 centre = vec3(100 * unit(&random), 100 * unit(&random), 100 * unit(&random)), corner[3];
+        for (int c = 0; c < 3; c++) corner[c] = vec3_along(centre, size, random_direction(&random));
+        Query query = {.direction = vec3_from_f(vec3f_from(random_direction(&random)))};
+        query.origin = vec3_along(vec3_along(centre, beside, random_direction(&random)), -away, query.direction);
+        double weight[3];
+        long double side[3];
+        bool meets = rtc_line_meets(&query, corner, weight);
+        sides_of(&query, away, corner, side);
+        long double nearest = fminl(fabsl(side[0]), fminl(fabsl(side[1]), fabsl(side[2])));
+        if (nearest < 0x1p-50L * (long double)(away * (size + beside))) continue;
+        bool met = (side[0] > 0) == (side[1] > 0) && (side[1] > 0) == (side[2] > 0);
+        n_clear++;
+        n_met += met;
+        n_wrong += meets != met;
+    }
+    printf("%zu of %zu lines meet a triangle, %zu not as they should\n", n_met, n_clear, n_wrong);
+    assert_true(n_clear > LINES / 2 && n_met > LINES / 40);
+    assert_int_equal(n_wrong, 0);
+}
+
 /* How far the boxes of drops near the origin are from them at most. */
 static double widest_margin(const TestScene *s)
 {
@@ -230,6 +281,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_floors_of_kilometres),
+        cmocka_unit_test(test_lines_from_afar_meet_small_triangles),
         cmocka_unit_test(test_what_is_large_costs_little),
         cmocka_unit_test(test_few),
         cmocka_unit_test(test_on_a_plane),
