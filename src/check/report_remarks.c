@@ -590,6 +590,58 @@ static void remark_unused_media(Remarks *r)
     free(used);
 }
 
+/* ---- what takes long ---- */
+
+/* The mean length of lines through a body, of all directions: 4 V / S, S its surface. That is at least a ball's of its volume; about
+ * as large a part of its box's as its volume is of the box's, which is so of balls, cylinders and cubes in theirs; and where it
+ * is hollow, half of that at least. */
+static double mean_chord(double volume, const Box3 *box)
+{
+    const double pi = 3.14159265358979323846;
+    Vec3 d = vec3_sub(box->max, box->min);
+    double of_ball = cbrt(36 * pi * volume * volume), of_box = 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
+    return 4 * volume / fmax(of_ball, of_box * fmax(volume / (d.x * d.y * d.z), 0.5));
+}
+
+/* How often light is scattered in a body before it has left or is absorbed, of the wavelength of which that is most. What comes
+ * in evenly goes 4 V / S in there on the mean, however often it is scattered (S. Blanco, R. Fournier, "An Invariance Property of
+ * Diffusive Random Walks", Europhysics Letters 61(2) (2003)). */
+static double count_scatterings(const SceneMedium *medium, double chord)
+{
+    const float wavelengths[] = {450, 500, 550, 600, 650};
+    double most = 0;
+    for (size_t i = 0; i < COUNT_OF(wavelengths); i++) {
+        double scattering = (double)spectrum_at_one(&medium->scattering, wavelengths[i]),
+               absorption = (double)spectrum_at_one(&medium->absorption, wavelengths[i]);
+        most = fmax(most, scattering * chord / (1 + absorption * chord));
+    }
+    return most;
+}
+
+/* Each time a path goes on in another direction, and asks for light. */
+static void remark_many_scatterings(Remarks *r)
+{
+    const double many = 150;
+    Tally tally = {.code = D_MANY_SCATTERINGS};
+    for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
+        const SceneObject *object = report_object(r->compiled, h);
+        const SceneMedium *medium = &r->scene->media[object->medium];
+        double volume = r->compiled->hulls[h].volume;
+        if (!medium->scatters || medium->density || !isfinite(volume) || is_one_of_many(r, h)) continue;
+        double n = count_scatterings(medium, mean_chord(volume, &r->compiled->hull_bounds[h]));
+        if (n < many || !tally_next(&tally)) continue;
+        Diagnostic *report =
+            diag_report(r->diag, D_MANY_SCATTERINGS, object->span,
+                        "light is scattered some %.0f times in %s before it leaves, which takes a path as many steps",
+                        10 * round(n / 10), object->name);
+        diag_note(r->diag, report, medium->span, "its medium is here");
+        diag_hint(r->diag, report,
+                  "if no light is to be seen through it, a surface with an albedo takes one; else let light go farther "
+                  "between two of them");
+    }
+    tally_end(r, &tally);
+}
+
 /* In the shape's own frame; empty for a plane. */
 static Box3 shape_bounds(const SceneShape *shape)
 {
@@ -644,6 +696,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_covered_cameras(&r);
         remark_beyond_poles(&r);
         remark_unused_media(&r);
+        remark_many_scatterings(&r);
     }
     probe_clear(&r.probe);
     report_groups_clear(&r.groups);
