@@ -291,13 +291,13 @@ static void apply_overrides(Evaluator *evaluator, Target *target, const char *na
     evaluator->in_override = false;
 }
 
-/* NULL after a report. partial: defaults, which need not be complete. */
 /* The type of node that the word of an instance hides; or NULL. */
 static const NodeType *hidden_node(const Evaluator *evaluator, const NodeExpr *expr)
 {
     return expr->has_prototype && expr->path.n == 1 ? schema_node(evaluator->schema, expr->path.names[0]->text) : NULL;
 }
 
+/* NULL after a report. partial: defaults, which need not be complete. */
 static EvalNode *make_node(Evaluator *evaluator, NodeExpr *expr, const char *name, bool partial)
 {
     const EvalNode *prototype;
