@@ -80,15 +80,30 @@ static double run_step(const ProgramStep *step, const double *r)
     return 0;
 }
 
-void program_run(const Program *program, const double inputs[PROGRAM_INPUTS], double *outputs)
+/* With the constants in their registers. */
+static void run_steps(const Program *program, double *registers, const double inputs[PROGRAM_INPUTS], double *outputs)
 {
-    double registers[PROGRAM_MOST_REGISTERS];
     memcpy(registers, inputs, PROGRAM_INPUTS * sizeof *registers);
-    if (program->n_constants)
-        memcpy(registers + PROGRAM_INPUTS, program->constants, program->n_constants * sizeof *registers);
     const ProgramStep *end = program->steps + program->n_steps;
     for (const ProgramStep *step = program->steps; step < end; step++) registers[step->to] = run_step(step, registers);
     for (uint32_t i = 0; i < program->n_outputs; i++) outputs[i] = registers[program->outputs[i]];
+}
+
+void program_run(const Program *program, const double inputs[PROGRAM_INPUTS], double *outputs)
+{
+    double registers[PROGRAM_MOST_REGISTERS];
+    if (program->n_constants)
+        memcpy(registers + PROGRAM_INPUTS, program->constants, program->n_constants * sizeof *registers);
+    run_steps(program, registers, inputs, outputs);
+}
+
+void program_run_between(const Program *from, const Program *to, double part, const double inputs[PROGRAM_INPUTS],
+                         double *outputs)
+{
+    double registers[PROGRAM_MOST_REGISTERS];
+    for (uint32_t i = 0; i < from->n_constants; i++)
+        registers[PROGRAM_INPUTS + i] = from->constants[i] + (to->constants[i] - from->constants[i]) * part;
+    run_steps(from, registers, inputs, outputs);
 }
 
 uint64_t program_hash(const Program *program)

@@ -7,6 +7,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/arena.h"
+
 /* What programs know of a place on a surface: the first registers of each. */
 enum {
     PROGRAM_POINT = 0,  /* x, y, z */
@@ -75,6 +77,13 @@ typedef struct Program {
 
 /* outputs: n_outputs of them. Allocates nothing; may run in any number of threads at once. */
 void program_run(const Program *program, const double inputs[PROGRAM_INPUTS], double *outputs);
+
+/* As a program would with constants that are `part` of the way from those of one to those of another that is aligned with it. */
+void program_run_between(const Program *from, const Program *to, double part, const double inputs[PROGRAM_INPUTS],
+                         double *outputs);
+/* Whether n programs take the same steps with constants of their own. Then *aligned gets n that do what they do and have
+ * their registers in common, in the arena (program_align.c). */
+bool program_align(const Program *const *programs, uint32_t n, Arena *arena, const Program *const **aligned);
 
 /* What a number is between, both ends included; from -HUGE_VAL to HUGE_VAL it can be anything, NaN too. */
 typedef struct ProgramRange {
