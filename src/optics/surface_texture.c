@@ -13,6 +13,53 @@ static Lanes any_wavelength(void)
     return lanes_all(550);
 }
 
+/* ---- when ---- */
+
+static double mix(double a, double b, double part)
+{
+    return a + (b - a) * part;
+}
+
+static void mix_patterns(const Pattern *to, double part, Pattern *now)
+{
+    const Pattern from = *now;
+    now->size = vec3_along(from.size, part, vec3_sub(to->size, from.size));
+    now->mortar = mix(from.mortar, to->mortar, part);
+    now->bevel = mix(from.bevel, to->bevel, part);
+    now->bond = mix(from.bond, to->bond, part);
+    now->frequency = mix(from.frequency, to->frequency, part);
+    now->phase = mix(from.phase, to->phase, part);
+    now->lacunarity = mix(from.lacunarity, to->lacunarity, part);
+    now->gain = mix(from.gain, to->gain, part);
+    now->grain = mix(from.grain, to->grain, part);
+    now->radius = mix(from.radius, to->radius, part);
+    now->blur = mix(from.blur, to->blur, part);
+}
+
+/* A texture that changes while the shutter is open, as it is at a time. Between keys it goes straight, its place as an
+ * object's does. */
+static void texture_between(const Texture *texture, double time, Texture *now)
+{
+    uint32_t last = texture->n_keys - 1;
+    double place = time * last;
+    uint32_t k = place < last - 1 ? (uint32_t)place : last - 1;
+    const Texture *from = &texture->keys[k], *to = from + 1;
+    double part = place - k;
+    *now = *from;
+    now->later = to;
+    now->part = (float)part;
+    now->vary = mix(from->vary, to->vary, part);
+    now->turns = mix(from->turns, to->turns, part);
+    now->turbulence = mix(from->turbulence, to->turbulence, part);
+    if (texture->kind == TEXTURE_PATTERN) mix_patterns(&to->pattern, part, &now->pattern);
+    if (!from->placed) return;
+    const Affine ends[2] = {from->to_pattern, to->to_pattern};
+    Affine from_pattern = affine_between(ends, 2, part);
+    if (!affine_invert(&from_pattern, &now->to_pattern)) /* on its way to the other side it is flat for a moment */
+        now->to_pattern = affine_identity();
+    now->shrink = cbrt(fabs(affine_determinant(&now->to_pattern)));
+}
+
 /* ---- where ---- */
 
 /* A place in a texture's own coordinates. */
@@ -86,7 +133,10 @@ static uint32_t run_formula(const Texture *texture, const TexturePlace *place, d
 {
     double inputs[PROGRAM_INPUTS];
     texture_formula_inputs(texture, place, inputs);
-    program_run(texture->program, inputs, outputs);
+    if (texture->later)
+        program_run_between(texture->program, texture->later->program, (double)texture->part, inputs, outputs);
+    else
+        program_run(texture->program, inputs, outputs);
     for (uint32_t i = 0; i < texture->program->n_outputs; i++)
         if (!isfinite(outputs[i])) outputs[i] = 0;
     return texture->program->n_outputs;
@@ -220,6 +270,11 @@ static Lanes picture_color(const Texture *texture, const TexturePlace *place, La
 
 Vec3f texture_vector_at(const Texture *texture, const TexturePlace *place)
 {
+    Texture now;
+    if (UNLIKELY(texture->keys != NULL)) {
+        texture_between(texture, place->time, &now);
+        texture = &now;
+    }
     TextureLook looks[MOST_LOOKS];
     float weights[MOST_LOOKS], values[3] = {0, 0, 0};
     int n = find_looks(texture, place, looks, weights);
@@ -233,8 +288,41 @@ Vec3f texture_vector_at(const Texture *texture, const TexturePlace *place)
 
 /* ---- what ---- */
 
+static float mix_floats(float a, float b, float part)
+{
+    return a + (b - a) * part;
+}
+
+static Lanes mix_lanes(Lanes a, Lanes b, float part)
+{
+    return lanes_add(lanes_scale(a, 1 - part), lanes_scale(b, part));
+}
+
+static Lanes mix_spectra(const Spectrum *a, const Spectrum *b, float part, Lanes wavelength_nm)
+{
+    return mix_lanes(spectrum_at(a, wavelength_nm), spectrum_at(b, wavelength_nm), part);
+}
+
+/* Of a ramp between two keys: its stops and their values are, too. */
+static Lanes at_moving_stops(const Texture *texture, float part, Lanes wavelength_nm)
+{
+    const TextureStop *from = texture->stops, *to = texture->later->stops;
+    uint32_t low = 0, n = texture->n_stops;
+    float before = 0, at = 0;
+    for (; low < n; low++, before = at) {
+        at = mix_floats(from[low].at, to[low].at, texture->part);
+        if (at > part) break;
+    }
+    uint32_t first = low ? low - 1 : 0, second = low < n ? low : n - 1;
+    Lanes value = mix_spectra(&from[first].value, &to[first].value, texture->part, wavelength_nm);
+    if (first == second || low == 0) return value;
+    return mix_lanes(value, mix_spectra(&from[second].value, &to[second].value, texture->part, wavelength_nm),
+                     (part - before) / (at - before));
+}
+
 static Lanes at_stops(const Texture *texture, float part, Lanes wavelength_nm)
 {
+    if (texture->later) return at_moving_stops(texture, part, wavelength_nm);
     const TextureStop *stops = texture->stops;
     uint32_t low = 0, high = texture->n_stops; /* the first stop beyond the place */
     while (low < high) {
@@ -247,8 +335,7 @@ static Lanes at_stops(const Texture *texture, float part, Lanes wavelength_nm)
     if (low == 0) return spectrum_at(&stops[0].value, wavelength_nm);
     if (low == texture->n_stops) return spectrum_at(&stops[low - 1].value, wavelength_nm);
     float t = (part - stops[low - 1].at) / (stops[low].at - stops[low - 1].at);
-    return lanes_add(lanes_scale(spectrum_at(&stops[low - 1].value, wavelength_nm), 1 - t),
-                     lanes_scale(spectrum_at(&stops[low].value, wavelength_nm), t));
+    return mix_spectra(&stops[low - 1].value, &stops[low].value, t, wavelength_nm);
 }
 
 static float part_of(const Texture *textures, const Texture *texture, const TexturePlace *place)
@@ -280,10 +367,8 @@ static Lanes at_parts(const Texture *texture, const PatternParts *parts, Lanes w
     return sum;
 }
 
-Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm)
+static Lanes value_at(const Texture *textures, const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
 {
-    const Texture *texture = &textures[number];
-    if (texture->kind == TEXTURE_CONSTANT) return spectrum_at(&texture->value, wavelength_nm);
     if (texture->is_value && texture->kind == TEXTURE_FORMULA) return formula_value(texture, place, wavelength_nm);
     if (texture->is_value)
         return texture_image_channels(texture->image) == 3 ? picture_color(texture, place, wavelength_nm)
@@ -297,15 +382,32 @@ Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *p
     if (texture->n_stops) return at_stops(texture, part, wavelength_nm);
     if (part <= 0) return texture_at(textures, texture->low, place, wavelength_nm);
     if (part >= 1) return texture_at(textures, texture->high, place, wavelength_nm);
-    return lanes_add(lanes_scale(texture_at(textures, texture->low, place, wavelength_nm), 1 - part),
-                     lanes_scale(texture_at(textures, texture->high, place, wavelength_nm), part));
+    return mix_lanes(texture_at(textures, texture->low, place, wavelength_nm),
+                     texture_at(textures, texture->high, place, wavelength_nm), part);
+}
+
+/* Of one that changes while the shutter is open. */
+static Lanes moving_at(const Texture *textures, const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+{
+    Texture now;
+    texture_between(texture, place->time, &now);
+    if (now.kind == TEXTURE_CONSTANT) return mix_spectra(&now.value, &now.later->value, now.part, wavelength_nm);
+    return value_at(textures, &now, place, wavelength_nm);
+}
+
+Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm)
+{
+    const Texture *texture = &textures[number];
+    if (UNLIKELY(texture->keys != NULL)) return moving_at(textures, texture, place, wavelength_nm);
+    if (texture->kind == TEXTURE_CONSTANT) return spectrum_at(&texture->value, wavelength_nm);
+    return value_at(textures, texture, place, wavelength_nm);
 }
 
 void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place,
                      const Lanes wavelength_nm[COLOR_FOURS], Lanes values[COLOR_FOURS])
 {
     const Texture *texture = &textures[number];
-    if (texture->kind == TEXTURE_CONSTANT || texture->is_value) {
+    if (texture->kind == TEXTURE_CONSTANT || texture->is_value || texture->keys) {
         for (int k = 0; k < COLOR_FOURS; k++) values[k] = texture_at(textures, number, place, wavelength_nm[k]);
         return;
     }
@@ -324,8 +426,7 @@ void texture_at_each(const Texture *textures, uint32_t number, const TexturePlac
     if (part < 1) texture_at_each(textures, texture->low, place, wavelength_nm, values);
     if (part > 0) texture_at_each(textures, texture->high, place, wavelength_nm, part < 1 ? high : values);
     if (part <= 0 || part >= 1) return;
-    for (int k = 0; k < COLOR_FOURS; k++)
-        values[k] = lanes_add(lanes_scale(values[k], 1 - part), lanes_scale(high[k], part));
+    for (int k = 0; k < COLOR_FOURS; k++) values[k] = mix_lanes(values[k], high[k], part);
 }
 
 float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place)

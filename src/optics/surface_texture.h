@@ -57,6 +57,13 @@ typedef struct Texture {
     uint32_t n_stops;
     uint32_t blend; /* MIX: a texture of numbers */
     Spectrum value; /* CONSTANT */
+    uint64_t source; /* IMAGE: of the name of its file, and how that is read */
+    /* NULL, or n_keys of them: what it is at evenly spread times while the shutter is open, of the same kind and with as
+     * many steps and stops. Their to_pattern goes the other way, from the pattern. */
+    struct Texture *keys;
+    uint32_t n_keys;
+    const struct Texture *later; /* of one between two keys: the second, and how near it is; else NULL */
+    float part;
 } Texture;
 
 /* Where textures are looked up. Object: in the frame that the object was described in, where textures stand still on it. */
@@ -68,6 +75,7 @@ typedef struct TexturePlace {
     double footprint; /* what is smaller than this length in the object's frame need not be told apart */
     double world_footprint;
     uint64_t identity; /* of the object */
+    double time;       /* of the shutter */
 } TexturePlace;
 
 /* The value for each of the wavelengths. */

@@ -157,11 +157,23 @@ float *build_new_table(Builder *b);
 uint32_t build_surface(Builder *b, const EvalNode *node);
 /* Whether a surface suits an object that is clear, or one that is opaque; reports when not. */
 bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear);
+/* What a surface has otherwise than another, from one to the next: the property's name; NULL: nothing more. *n is 0 at first.
+ * What the textures of both make of theirs does not matter. */
+const char *build_next_change(const SceneSurface *a, const SceneSurface *b, unsigned *n);
+/* NULL: none says that property. */
+const SurfaceTexture *build_texture_of(const SceneSurface *surface, const char *property);
+/* Says of the largest values that the surface's textures can come to those of a later moment, too. */
+void build_widen_surface(SceneSurface *surface, const SceneSurface *later);
 uint32_t build_black_surface(Builder *b);
 uint32_t build_grey_surface(Builder *b);
 
 /* build_texture.c */
 typedef enum TextureUse { TEXTURE_OF_NUMBERS, TEXTURE_OF_COLORS, TEXTURE_OF_VECTORS, TEXTURE_OF_LIGHT } TextureUse;
+/* Whether the scene is built for a moment after the shutter opens, to be compared. */
+static inline bool build_is_later(const Builder *b)
+{
+    return b->options->moment.later > 0;
+}
 /* Whether textures matter to what is being built. */
 bool build_textures_wanted(const Builder *b);
 /* The row of the texture that a property has instead of a value; reports values outside of the property's range. *least,
@@ -186,8 +198,9 @@ void build_formula(Builder *b, const EvalNode *node, TextureUse use, Texture *te
 void build_check_formulas(Builder *b, uint32_t object_row);
 
 /* build_picture.c */
-/* The picture of an image node; NULL after reporting. */
-const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use);
+/* The picture of an image node; NULL after reporting. *source: another number where it is of another file, or read in
+ * another way. */
+const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use, uint64_t *source);
 /* build_field.c */
 /* A function of a point, to be asked at very many of them. */
 typedef struct SceneField {

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "diag/limits.h"
 #include "scene/build_parts.h"
 
@@ -96,8 +97,19 @@ static bool fits(Builder *b, Span span, const PictureWish *wish, const Pixels *p
     return true;
 }
 
+/* While the shutter is open it is only asked whether there is another picture: one pixel stands for all. */
+static Status load_stand_in(Pixels *pixels, Error *error)
+{
+    pixels->rgb = malloc(3 * sizeof *pixels->rgb);
+    if (!pixels->rgb) return fail_memory(error, 3 * sizeof *pixels->rgb, "a picture");
+    for (int c = 0; c < 3; c++) pixels->rgb[c] = 0.5f;
+    pixels->width = pixels->height = 1;
+    return STATUS_OK;
+}
+
 static Status load(Builder *b, const PictureWish *wish, Pixels *pixels, Error *error)
 {
+    if (build_is_later(b)) return load_stand_in(pixels, error);
     if (!b->options->load_image) return fail(error, STATUS_INPUT, "images cannot be read here");
     TRY(b->options->load_image(b->options->load_image_context, wish->path, wish->space, &pixels->rgb, &pixels->width,
                                &pixels->height, error));
@@ -128,15 +140,14 @@ static TextureImage *new_picture(Builder *b, Span span, const PictureWish *wish)
     return image;
 }
 
-const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use)
+const TextureImage *build_texture_image(Builder *b, const EvalNode *node, TextureUse use, uint64_t *source)
 {
     Scene *scene = b->scene;
     const EvalProp *file = eval_prop(node, "file"), *space = eval_prop(node, "colorspace");
     const char *word = eval_word(node, "channel");
     if (!file) return NULL; /* reported */
     PictureWish wish = {.use = use, .channel = -1, .clip = eval_truth(node, "clip")};
-    wish.path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
-    if (!wish.path) return NULL;
+    wish.path = file->as.text;
     if (use == TEXTURE_OF_NUMBERS) {
         for (int c = 0; c < 3; c++)
             if (strcmp(word, channel_names[c]) == 0) wish.channel = c;
@@ -148,9 +159,15 @@ const TextureImage *build_texture_image(Builder *b, const EvalNode *node, Textur
     if (space) wish.space = strcmp(space->as.text, "raw") == 0 ? SCENE_SPACE_DATA : space->as.text;
     if (use == TEXTURE_OF_NUMBERS && strcmp(word, "alpha") == 0) wish.space = SCENE_SPACE_ALPHA;
     const char *key = wish_key(b, &wish);
+    *source = hash_bytes(key, strlen(key), 0);
+    if (!build_is_later(b)) {
+        wish.path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
+        if (!wish.path) return NULL;
+        key = wish_key(b, &wish);
+    }
     const uint32_t *known = map_seek(&b->pictures, key, strlen(key));
     if (known) return *known == SCENE_NONE ? NULL : scene->images[*known];
-    build_note_file(b, wish.path);
+    if (!build_is_later(b)) build_note_file(b, wish.path);
     scene->images =
         room_for_one(b->arena, scene->images, scene->n_images, &b->pictures_capacity, sizeof *scene->images);
     uint32_t *row = map_find(b->arena, &b->pictures, key, strlen(key), SCENE_NONE);

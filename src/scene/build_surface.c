@@ -1,6 +1,7 @@
 /* build_surface.c - surfaces: what covers opaque objects, and the boundaries of clear ones.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "optics/color.h"
@@ -59,6 +60,7 @@ static void read_texture(Builder *b, const EvalProp *prop, const Parameter *para
     *texture = (SurfaceTexture){
         .texture = build_texture(b, prop, color ? TEXTURE_OF_COLORS : TEXTURE_OF_NUMBERS, &least, &most),
         .color = color,
+        .property = parameter->property,
         .offset = parameter->offset,
         .least = (float)prop->type->min,
         .most = (float)prop->type->max,
@@ -123,6 +125,7 @@ static void read_checker(Builder *b, const EvalNode *node, SceneSurface *surface
     texture[surface->n_textures++] =
         (SurfaceTexture){.texture = build_world_checker(b, (const double[3]){rgb.x, rgb.y, rgb.z},
                                                         (const double[3]){second.x, second.y, second.z}, size),
+                         .property = "albedo",
                          .color = true,
                          .offset = offsetof(BsdfSpec, base_color),
                          .most = 1};
@@ -479,4 +482,90 @@ uint32_t build_grey_surface(Builder *b)
 {
     if (b->grey == SCENE_NONE) b->grey = add_surface(b, plain_surface("grey", 0.5f));
     return b->grey;
+}
+
+/* ---- while the shutter is open ---- */
+
+static bool same_spectrum(const Spectrum *a, const Spectrum *b)
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
+        if (spectrum_at_one(a, nm) != spectrum_at_one(b, nm)) return false;
+    }
+    return true;
+}
+
+const SurfaceTexture *build_texture_of(const SceneSurface *surface, const char *property)
+{
+    for (uint32_t i = 0; i < surface->n_textures; i++)
+        if (strcmp(surface->textures[i].property, property) == 0) return &surface->textures[i];
+    return NULL;
+}
+
+static bool same_parameter(const Parameter *parameter, const SceneSurface *a, const SceneSurface *b)
+{
+    const char *first = (const char *)&a->spec + parameter->offset, *second = (const char *)&b->spec + parameter->offset;
+    bool textured = build_texture_of(a, parameter->property) != NULL;
+    if (textured != (build_texture_of(b, parameter->property) != NULL)) return false;
+    if (textured) return true;
+    if (parameter->kind == PARAMETER_NUMBER || parameter->kind == PARAMETER_NANOMETRES)
+        return *(const float *)first == *(const float *)second;
+    return same_spectrum((const Spectrum *)first, (const Spectrum *)second);
+}
+
+static bool same_emission(const SceneSurface *a, const SceneSurface *b)
+{
+    bool textured = a->emission_texture != SCENE_NONE;
+    if (textured != (b->emission_texture != SCENE_NONE)) return false;
+    if (textured) return a->emission_factor == b->emission_factor;
+    return a->emits == b->emits && (!a->emits || same_spectrum(&a->emission, &b->emission));
+}
+
+static bool same_metal(const SceneSurface *a, const SceneSurface *b)
+{
+    return a->spec.measured_metal == b->spec.measured_metal &&
+           (!a->spec.measured_metal || same_spectrum(&a->spec.metal_n, &b->spec.metal_n));
+}
+
+const char *build_next_change(const SceneSurface *a, const SceneSurface *b, unsigned *n)
+{
+    while (*n < COUNT_OF(parameters)) {
+        const Parameter *parameter = &parameters[(*n)++];
+        if (!same_parameter(parameter, a, b)) return parameter->property;
+    }
+    const struct {
+        const char *property;
+        bool same;
+    } rest[] = {
+        {"emission", same_emission(a, b)},
+        {"metal", same_metal(a, b)},
+        {"mix", a->mixed == b->mixed},
+        {"thin", a->thin == b->thin},
+        {"bump", (a->bump == SCENE_NONE) == (b->bump == SCENE_NONE)},
+        {"bump_height", a->bump_height == b->bump_height},
+        {"normal_map", (a->normal_map == SCENE_NONE) == (b->normal_map == SCENE_NONE)},
+        {"normal_strength", a->normal_x == b->normal_x && a->normal_y == b->normal_y},
+        {"grain", a->grain == b->grain},
+        {"grain_angle", a->grain_angle == b->grain_angle},
+    };
+    while (*n < COUNT_OF(parameters) + COUNT_OF(rest)) {
+        size_t i = (*n)++ - COUNT_OF(parameters);
+        if (!rest[i].same) return rest[i].property;
+    }
+    return NULL;
+}
+
+void build_widen_surface(SceneSurface *surface, const SceneSurface *later)
+{
+    for (uint32_t i = 0; i < surface->n_textures; i++) {
+        const SurfaceTexture *texture = &surface->textures[i];
+        if (texture->color) continue;
+        float *most = (float *)((char *)&surface->spec + texture->offset);
+        *most = fmaxf(*most, *(const float *)((const char *)&later->spec + texture->offset));
+    }
+    surface->roughness = surface->spec.specular_roughness;
+    surface->finished = surface->finished || later->finished;
+    if (surface->emission_texture == SCENE_NONE || surface->emits || !later->emits) return;
+    surface->emits = true; /* it was dark at first */
+    surface->emission = later->emission;
 }

@@ -356,9 +356,10 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         texture.is_value = use == TEXTURE_OF_VECTORS ||
                            (!eval_prop(node, "from") && !eval_prop(node, "to") && !eval_prop(node, "ramp"));
         TextureUse of_image = texture.is_value ? use : TEXTURE_OF_NUMBERS;
-        texture.image = build_texture_image(b, node, of_image);
+        texture.image = build_texture_image(b, node, of_image, &texture.source);
         if (texture.is_value) {
             float least = 0, most = 0;
+            facts->open = build_is_later(b) && use == TEXTURE_OF_NUMBERS;
             if (texture.image && use == TEXTURE_OF_NUMBERS) texture_image_range(texture.image, 0, &least, &most);
             if (texture.image && use == TEXTURE_OF_LIGHT) least = most = texture_image_luminance(texture.image);
             facts->least = (double)least;
@@ -428,8 +429,7 @@ void build_texture_place(const Builder *b, uint32_t row, SceneSurface *surface)
 
 bool build_textures_wanted(const Builder *b)
 {
-    /* while the shutter is open only places are compared */
-    return !b->only_shapes && !(b->options->moment.later > 0);
+    return !b->only_shapes;
 }
 
 uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double *least, double *most)
@@ -496,6 +496,7 @@ void build_texture_frame(Builder *b, uint32_t object_row, const Affine *node_to_
     memset(&frame, 0, sizeof frame); /* it is compared as bytes */
     frame.from_shape = affine_compose(&to_node, &object->to_world);
     frame.moved = !affine_is_identity(&frame.from_shape);
+    frame.motion = SCENE_NONE;
     frame.inverse = 1 / affine_determinant(&frame.from_shape);
     frame.box = b->facts[object->shape].bounds;
     /* instances of one prototype share theirs, but for rounding */

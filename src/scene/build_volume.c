@@ -1,9 +1,11 @@
 /* build_volume.c - volumes: grids from files, and functions of the scene that are made into grids.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/hash.h"
 #include "diag/limits.h"
 #include "optics/nanovdb.h"
 #include "scene/build_parts.h"
@@ -149,6 +151,43 @@ static Volume *volume_of_file(Builder *b, const EvalNode *node, const EvalProp *
     return NULL;
 }
 
+/* ---- at later moments ---- */
+
+/* Of all that the values of a volume come from. */
+static uint64_t content_of(Builder *b, const EvalNode *node)
+{
+    enum { PLACES = 2000 };
+    const EvalProp *file = eval_prop(node, "file"), *function = eval_prop(node, "function");
+    const EvalProp *grid = eval_prop(node, "grid");
+    double scale = eval_number(node, "scale");
+    uint64_t h = hash_bytes(&scale, sizeof scale, 0);
+    if (file) h = hash_bytes(file->as.text, strlen(file->as.text), h);
+    if (grid) h = hash_bytes(grid->as.text, strlen(grid->as.text), h);
+    if (!function) return h;
+    const Vec3 ends[2] = {eval_vector(node, "from"), eval_vector(node, "to")};
+    const double cells = eval_number(node, "cells");
+    h = hash_bytes(ends, sizeof ends, hash_bytes(&cells, sizeof cells, h));
+    const SceneField field = build_field(b, function->as.function);
+    if (field.program) return hash_u64(h ^ program_hash(field.program));
+    for (uint64_t i = 0; i < PLACES; i++) { /* what only the evaluation can do is told by what it gives */
+        double at[3], value = 0;
+        for (uint64_t axis = 0; axis < 3; axis++) at[axis] = hash_to_unit(hash_u64(3 * i + axis));
+        Vec3 size = vec3_sub(ends[1], ends[0]);
+        Vec3 p = vec3_add(ends[0], vec3(size.x * at[0], size.y * at[1], size.z * at[2]));
+        if (!build_field_value(&field, p, &value)) break; /* reported */
+        h = hash_bytes(&value, sizeof value, h);
+    }
+    return h;
+}
+
+/* While the shutter is open only its place is asked for, and whether it is another one: grids cost time and memory. */
+static Volume *stand_in(void)
+{
+    Volume *volume = calloc(1, sizeof *volume);
+    if (volume) volume->to_lattice = affine_identity();
+    return volume;
+}
+
 /* ---- nodes ---- */
 
 static void check_node(Builder *b, const EvalNode *node)
@@ -190,17 +229,25 @@ static Volume *make_volume(Builder *b, const EvalNode *node, const char *what)
 const Volume *build_volume(Builder *b, const EvalNode *node, const char *property)
 {
     const EvalProp *prop = eval_prop(node, property);
-    /* media are as they are when the shutter opens: later ones of the same scene are not looked at */
-    if (!prop || b->only_shapes || b->options->moment.later > 0) return NULL;
+    bool later = build_is_later(b);
+    if (!prop || b->only_shapes) return NULL;
     Scene *scene = b->scene;
     bool found;
     uint32_t *row = build_row_of(b, &b->volumes, prop->as.node, SCENE_NONE, &found);
     if (found) return *row == SCENE_NONE ? NULL : scene->volumes[*row];
+    uint32_t capacity = b->volumes_capacity;
     scene->volumes =
         room_for_one(b->arena, scene->volumes, scene->n_volumes, &b->volumes_capacity, sizeof *scene->volumes);
-    Volume *volume = make_volume(b, prop->as.node, property);
-    if (!volume) return NULL;
+    scene->volume_places =
+        room_for_one(b->arena, scene->volume_places, scene->n_volumes, &capacity, sizeof *scene->volume_places);
+    Volume *volume = later ? stand_in() : make_volume(b, prop->as.node, property);
+    if (!volume) {
+        if (later) arena_fail(b->arena);
+        return NULL;
+    }
     *row = scene->n_volumes;
+    scene->volume_places[*row] = (SceneVolumePlace){
+        .to_frame = prop->as.node->transform, .motion = SCENE_NONE, .content = content_of(b, prop->as.node)};
     scene->volumes[scene->n_volumes++] = volume;
     return volume;
 }
@@ -211,5 +258,5 @@ void build_note_frame(Builder *b, uint32_t object)
     const SceneMedium *medium = &scene->media[scene->objects[object].medium];
     if (!medium->density && !medium->temperature) return;
     scene->frames = room_for_one(b->arena, scene->frames, scene->n_frames, &b->frames_capacity, sizeof *scene->frames);
-    scene->frames[scene->n_frames++] = (SceneFrame){object, b->node_to_world};
+    scene->frames[scene->n_frames++] = (SceneFrame){object, SCENE_NONE, b->node_to_world};
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "scene/build_parts.h"
+#include "scene/motion_parts.h"
 
 /* ---- which object is which ---- */
 
@@ -48,15 +48,6 @@ static const SceneObject *find_object(const Places *places, const Scene *scene, 
 }
 
 /* ---- the scene at another time ---- */
-
-typedef struct Finder {
-    Scene *scene;
-    Diag *diag;
-    Error *error;
-    uint32_t n_keys;
-    size_t motions_capacity;
-    bool *shape_reported, projection_reported;
-} Finder;
 
 static bool same_map(const Affine *a, const Affine *b)
 {
@@ -99,37 +90,40 @@ static Affine least_turned(const SceneLight *light, const Affine *before, const 
 }
 
 /* Where a thing was a key before that one, as far as is known. */
-static const Affine *place_before(const Scene *scene, uint32_t n_keys, uint32_t motion, const Affine *first, uint32_t key)
+static const Affine *place_before(const Finder *f, uint32_t motion, const Affine *first)
 {
-    return motion == SCENE_NONE ? first : &scene->motions[(size_t)motion * n_keys + key - 1];
+    return motion == SCENE_NONE ? first : &f->scene->motions[(size_t)motion * f->n_keys + f->key - 1];
 }
 
-/* *motion is of a thing that is at `first` when the shutter opens. */
-static Status move_thing(Finder *f, uint32_t *motion, const Affine *first, const Affine *to_world, uint32_t key)
+void motion_of_map(Finder *f, uint32_t *motion, const Affine *first, const Affine *then)
 {
     Scene *scene = f->scene;
     if (*motion == SCENE_NONE) {
-        if (same_map(first, to_world)) return STATUS_OK;
+        if (same_map(first, then)) return;
         size_t bytes = f->n_keys * sizeof *scene->motions;
-        if (!array_reserve(&scene->motions, &f->motions_capacity, scene->n_motions + 1U, bytes))
-            return fail_memory(f->error, (scene->n_motions + 1U) * bytes, "what moves");
+        if (!array_reserve(&scene->motions, &f->motions_capacity, scene->n_motions + 1U, bytes)) {
+            fail_memory(f->error, (scene->n_motions + 1U) * bytes, "what moves");
+            arena_fail(&scene->arena);
+        }
         *motion = scene->n_motions++;
         for (uint32_t k = 0; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *first;
     }
     /* what is not there any more later on stays where it was last */
-    for (uint32_t k = key; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *to_world;
-    return STATUS_OK;
+    for (uint32_t k = f->key; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *then;
 }
 
-/* At the last key: an object whose shape is another one by now. A mesh is taken over from there. */
-static void change_shape(Finder *f, const SceneObject *object, SceneShape *last)
+/* An object whose shape is another one by now. A mesh is taken over from the last key. */
+static void change_shape(Finder *f, const SceneObject *object, uint32_t then)
 {
-    SceneShape *shape = &f->scene->shapes[object->shape];
-    if (shape->mesh_end || f->shape_reported[object->shape] || scene_shape_hash(shape) == scene_shape_hash(last))
-        return;
-    if (shape->mesh && last->mesh && mesh_same_triangles(shape->mesh, last->mesh)) {
-        shape->mesh_end = last->mesh;
-        last->mesh = NULL;
+    SceneShape *shape = &f->scene->shapes[object->shape], *other = &f->other->shapes[then];
+    bool last = f->key + 1 == f->n_keys, meshes = shape->mesh && other->mesh;
+    if (f->shape_reported[object->shape] || f->shape_then[object->shape] == then) return;
+    f->shape_then[object->shape] = then;
+    if (shape->mesh_end || (meshes && !last)) return;
+    if (scene_shape_hash(shape) == scene_shape_hash(other)) return;
+    if (meshes && mesh_same_triangles(shape->mesh, other->mesh)) {
+        shape->mesh_end = other->mesh;
+        other->mesh = NULL;
         return;
     }
     f->shape_reported[object->shape] = true;
@@ -157,11 +151,11 @@ static void report_projection(Finder *f, const SceneCamera *camera)
                 "the projection of %s changes while the shutter is open, and stays as it is at first", camera->name);
 }
 
-static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights and cameras, "
-                                       "and meshes whose triangles stay the same";
+static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights, cameras, "
+                                       "textures and volumes, and numbers and colours of textures";
 
 /* where NULL: nowhere in the text */
-static void report_value(Finder *f, const Span *where, const char *what, const char *name)
+void motion_report(Finder *f, const Span *where, const char *what, const char *name)
 {
     static const char text[] = "%s%s changes while the shutter is open, and stays as it is at first";
     Diagnostic *report = where ? diag_report(f->diag, D_VALUE_CHANGES, *where, text, what, name)
@@ -169,9 +163,11 @@ static void report_value(Finder *f, const Span *where, const char *what, const c
     diag_hint(f->diag, report, "%s", only_places);
 }
 
-static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
+static void move_cameras(Finder *f)
 {
     Scene *scene = f->scene;
+    const Scene *other = f->other;
+    const uint32_t key = f->key;
     for (uint32_t i = 0; i < scene->n_cameras; i++) {
         SceneCamera *camera = &scene->cameras[i], *keys = scene->camera_keys + (size_t)i * f->n_keys;
         for (uint32_t k = 0; k < other->n_cameras; k++) {
@@ -181,8 +177,8 @@ static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
                 report_projection(f, camera);
                 continue;
             }
-            if (key + 1 == f->n_keys && then->lens_radius != camera->lens_radius)
-                report_value(f, &camera->span, "the aperture of ", camera->name);
+            if (then->lens_radius != camera->lens_radius)
+                motion_report(f, &camera->span, "the aperture of ", camera->name);
             for (uint32_t later = key; later < f->n_keys; later++) {
                 keys[later].from = then->from;
                 keys[later].right = then->right;
@@ -198,82 +194,57 @@ static Status move_cameras(Finder *f, const Scene *other, uint32_t key)
                 camera->keys = keys;
         }
     }
-    return STATUS_OK;
 }
 
 /* Lights without an object that moves for them. There are few. */
-static Status move_lights(Finder *f, const Scene *other, uint32_t key)
+static void move_lights(Finder *f)
 {
-    Status status = STATUS_OK;
-    for (uint32_t i = 0; i < f->scene->n_lights && status == STATUS_OK; i++) {
+    const Scene *other = f->other;
+    for (uint32_t i = 0; i < f->scene->n_lights; i++) {
         SceneLight *light = &f->scene->lights[i];
         if (light->kind != LIGHT_POINT) continue;
         for (uint32_t k = 0; k < other->n_lights; k++) {
             /* mostly at the same number */
             const SceneLight *then = &other->lights[(i + k) % other->n_lights];
             if (then->kind != LIGHT_POINT || then->identity != light->identity) continue;
-            const Affine *before = place_before(f->scene, f->n_keys, light->motion, &light->to_world, key);
+            const Affine *before = place_before(f, light->motion, &light->to_world);
             Affine to_world = least_turned(light, before, &then->to_world);
-            status = move_thing(f, &light->motion, &light->to_world, &to_world, key);
+            motion_of_map(f, &light->motion, &light->to_world, &to_world);
             break;
         }
     }
-    return status;
 }
 
-/* ---- what does not move, but is another one ---- */
-
-static void report_part(Finder *f, const Scene *other, int part, const char *what)
+static void move_object(Finder *f, SceneObject *object, const SceneObject *then)
 {
-    if (f->scene->part_hashes[part] != other->part_hashes[part]) report_value(f, NULL, what, "");
+    Affine to_world = then->to_world;
+    if (object->light != SCENE_NONE) {
+        const Affine *before = place_before(f, object->motion, &object->to_world);
+        to_world = least_turned(&f->scene->lights[object->light], before, &to_world);
+    }
+    motion_of_map(f, &object->motion, &object->to_world, &to_world);
+    motion_of_texture_frame(f, object, then);
+    change_shape(f, object, then->shape);
 }
 
-/* Without volumes, which are not made for later times; nor are textures. */
-static bool same_medium(SceneMedium a, SceneMedium b)
+static void compare_with(Finder *f, const Places *places)
 {
-    a.density = b.density = a.temperature = b.temperature = NULL;
-    return scene_medium_hash(&a) == scene_medium_hash(&b);
-}
-
-/* At the last key. Rows are compared where there are as many: else something has come or gone, which is no change. */
-static void report_values(Finder *f, const Scene *other)
-{
-    const Scene *scene = f->scene;
-    for (uint32_t i = 0; scene->n_media == other->n_media && i < scene->n_media; i++)
-        if (!same_medium(scene->media[i], other->media[i]))
-            report_value(f, &scene->media[i].span, "medium ", scene->media[i].name);
-    for (uint32_t i = 0; scene->n_lights == other->n_lights && i < scene->n_lights; i++)
-        if (scene_light_hash(&scene->lights[i]) != scene_light_hash(&other->lights[i]))
-            report_value(f, &scene->lights[i].span, "what shines of ",
-                         scene->lights[i].name ? scene->lights[i].name : "this light");
-    if (scene->n_surfaces == other->n_surfaces && scene->n_textures == other->n_textures)
-        report_part(f, other, SCENE_PART_SURFACES, "a surface");
-    report_part(f, other, SCENE_PART_ENVIRONMENT, "the environment");
-}
-
-static Status compare_with(Finder *f, Scene *other, uint32_t key)
-{
-    Places places;
-    TRY(places_init(&places, other, f->error));
-    if (key + 1 == f->n_keys) report_values(f, other);
-    Status status = move_cameras(f, other, key);
-    if (status == STATUS_OK) status = move_lights(f, other, key);
-    for (uint32_t i = 0; i < f->scene->n_objects && status == STATUS_OK; i++) {
+    uint32_t *const rows[] = {f->shape_then, f->medium_then, f->surface_then, f->texture_then};
+    const uint32_t n[] = {f->scene->n_shapes, f->scene->n_media, f->scene->n_surfaces, f->scene->n_textures};
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        for (uint32_t k = 0; k < n[i]; k++) rows[i][k] = SCENE_NONE;
+    motion_of_values(f);
+    move_cameras(f);
+    move_lights(f);
+    for (uint32_t i = 0; i < f->scene->n_objects; i++) {
         SceneObject *object = &f->scene->objects[i];
         bool changes;
-        const SceneObject *then = find_object(&places, other, object, &changes);
+        const SceneObject *then = find_object(places, f->other, object, &changes);
         if (!then && changes) report_new_parts(f, object);
-        if (!then || object->shape == SCENE_NONE) continue;
-        Affine to_world = then->to_world;
-        if (object->light != SCENE_NONE) {
-            const Affine *before = place_before(f->scene, f->n_keys, object->motion, &object->to_world, key);
-            to_world = least_turned(&f->scene->lights[object->light], before, &to_world);
-        }
-        status = move_thing(f, &object->motion, &object->to_world, &to_world, key);
-        if (status == STATUS_OK && key + 1 == f->n_keys) change_shape(f, object, &other->shapes[then->shape]);
+        if (!then) continue;
+        motion_of_matter(f, i, (uint32_t)(then - f->other->objects));
+        if (object->shape != SCENE_NONE) move_object(f, object, then);
     }
-    free(places.slots);
-    return status;
 }
 
 /* The first mistake of another time, at its place: the same texts were read then. */
@@ -296,26 +267,33 @@ static void report_later(Finder *f, const Diag *then, double later)
 
 /* Builds the scene `later` frames after it was, and compares. Its mistakes are those of another clock: the first is
  * told. */
-static Status look_later(Finder *f, const SceneText *text, const SceneOptions *options, double later, uint32_t key)
+static Status look_later(Finder *f, double later)
 {
-    Arena arena;
-    arena_init(&arena);
-    SourceSet sources = {.arena = &arena};
+    SourceSet sources = {.arena = &f->other_arena};
     Diag diag;
-    Scene *other = NULL;
-    SceneOptions at = *options;
+    SceneOptions at = *f->options;
     at.moment.later += later;
-    diag_init(&diag, &arena, &sources);
-    Status status = build_at_moment(text, &at, &diag, &other, NULL, NULL, f->error);
+    diag_init(&diag, &f->other_arena, &sources);
+    Status status = build_at_moment(f->text, &at, &diag, &f->other, NULL, NULL, f->error);
     if (status == STATUS_OK) {
-        status = compare_with(f, other, key);
+        Places places;
+        TRY(places_init(&places, f->other, f->error));
+        f->places = places.slots;
+        compare_with(f, &places);
     } else if (status == STATUS_SCENE) {
         report_later(f, &diag, later);
         fail(f->error, STATUS_SCENE, "the scene has errors");
     }
-    scene_free(other);
-    arena_clear(&arena);
     return status;
+}
+
+static void forget_later(Finder *f)
+{
+    scene_free(f->other);
+    arena_clear(&f->other_arena);
+    free(f->places);
+    f->other = NULL;
+    f->places = NULL;
 }
 
 /* The part of the way to the given later meshes that is gone while the shutter is open. */
@@ -336,17 +314,41 @@ static void blend_meshes(Scene *scene)
     }
 }
 
-static Status finder_init(Finder *f)
+static void finder_init(Finder *f)
 {
     Scene *scene = f->scene;
+    Arena *arena = &scene->arena;
     size_t n_cameras = scene->n_cameras;
-    f->shape_reported = calloc(scene->n_shapes + 1U, sizeof *f->shape_reported);
+    f->shape_reported = ARENA_ARRAY(arena, bool, scene->n_shapes + 1U);
+    f->shape_then = ARENA_ARRAY(arena, uint32_t, scene->n_shapes + 1U);
+    f->medium_then = ARENA_ARRAY(arena, uint32_t, scene->n_media + 1U);
+    f->surface_then = ARENA_ARRAY(arena, uint32_t, scene->n_surfaces + 1U);
+    f->texture_then = ARENA_ARRAY(arena, uint32_t, scene->n_textures + 1U);
+    f->texture_users = ARENA_ARRAY(arena, TextureUser, scene->n_textures + 1U);
+    f->texture_stays = ARENA_ARRAY(arena, bool, scene->n_textures + 1U);
+    f->texture_frames_capacity = scene->n_texture_frames;
     scene->camera_keys = malloc((n_cameras * f->n_keys + 1) * sizeof *scene->camera_keys);
-    if (!f->shape_reported || !scene->camera_keys)
-        return fail_memory(f->error, n_cameras * f->n_keys * sizeof *scene->camera_keys, "what moves");
+    if (!scene->camera_keys) arena_fail(arena);
     for (size_t i = 0; i < n_cameras; i++)
         for (uint32_t k = 0; k < f->n_keys; k++) scene->camera_keys[i * f->n_keys + k] = scene->cameras[i];
-    return STATUS_OK;
+}
+
+static void task_in_scene(void *context)
+{
+    Finder *f = context;
+    finder_init(f);
+    for (f->key = 1; f->key < f->n_keys && f->status == STATUS_OK; f->key++) {
+        f->status = look_later(f, f->scene->shutter * f->key / (f->n_keys - 1));
+        forget_later(f);
+    }
+    if (f->status != STATUS_OK) return;
+    Scene *scene = f->scene;
+    bool moves = motion_finish_textures(f) || scene->n_motions > 0;
+    for (uint32_t i = 0; i < scene->n_shapes; i++) moves = moves || scene->shapes[i].mesh_end;
+    for (uint32_t i = 0; i < scene->n_cameras; i++) moves = moves || scene->cameras[i].keys;
+    if (!moves) return;
+    scene->n_keys = f->n_keys;
+    scene->hash = scene_hash_with_motion(scene);
 }
 
 Status scene_find_motion(const SceneText *text, const SceneOptions *options, const SceneInstant *instant, Diag *diag,
@@ -369,17 +371,9 @@ Status scene_find_motion(const SceneText *text, const SceneOptions *options, con
         again = (SceneText){source->name, source->text, source->length};
     }
     at.moment.animation = &instant->animation;
-    Finder f = {.scene = scene, .diag = diag, .error = error, .n_keys = n_keys};
-    Status status = finder_init(&f);
-    for (uint32_t k = 1; k < n_keys && status == STATUS_OK; k++)
-        status = look_later(&f, &again, &at, scene->shutter * k / (n_keys - 1), k);
-    free(f.shape_reported);
-    bool moves = scene->n_motions > 0;
-    for (uint32_t i = 0; i < scene->n_shapes; i++) moves = moves || scene->shapes[i].mesh_end;
-    for (uint32_t i = 0; i < scene->n_cameras; i++) moves = moves || scene->cameras[i].keys;
-    if (moves) {
-        scene->n_keys = n_keys;
-        scene->hash = scene_hash_with_motion(scene);
-    }
-    return status;
+    Finder f = {.scene = scene, .diag = diag, .error = error, .text = &again, .options = &at, .n_keys = n_keys};
+    arena_init(&f.other_arena);
+    bool done = arena_guard(&scene->arena, task_in_scene, &f);
+    forget_later(&f);
+    return done ? f.status : fail(error, STATUS_NOMEM, "out of memory while looking for what moves");
 }

@@ -9,8 +9,9 @@
 #include "scene/build.h"
 
 /* Fills in the motions of a scene that was built at `instant`, when the shutter opens: of objects, area lights and
- * cameras, and of meshes whose triangles stay the same. What is there at some of the times only stands still where it
- * was last. Everything else - media, surfaces, distant lights, the environment - is as when the shutter opens.
+ * cameras, of textures and volumes, and of meshes whose triangles stay the same; numbers and colours of textures are motions,
+ * too. What is there at some of the times only stands still where it was last. Everything else - what media and surfaces say
+ * themselves, distant lights, the environment - is as when the shutter opens, and what of it changes is told.
  * STATUS_SCENE, after reporting, when the scene has mistakes at one of the other times. */
 ATTR_NODISCARD Status scene_find_motion(const SceneText *text, const SceneOptions *options, const SceneInstant *instant,
                                         Diag *diag, Scene *scene, Error *error);

@@ -119,7 +119,7 @@ Box3 scene_object_bounds(const Scene *scene, const SceneObject *object, const Af
 const Affine *light_keys(const Scene *scene, const SceneLight *light)
 {
     uint32_t motion = light->object == SCENE_NONE ? light->motion : scene->objects[light->object].motion;
-    return motion == SCENE_NONE ? NULL : scene->motions + (size_t)motion * scene->n_keys;
+    return scene_motion(scene, motion);
 }
 
 /* The angle about the axis as one of those that the profile has. */

@@ -50,6 +50,7 @@ typedef struct SceneMedium {
 
 /* A parameter of a surface that a texture says. */
 typedef struct SurfaceTexture {
+    const char *property;
     uint32_t texture; /* of scene->textures */
     bool color;       /* the parameter is a Spectrum of reflectances; else a float in least .. most */
     size_t offset;    /* in BsdfSpec */
@@ -74,8 +75,16 @@ static inline bool scene_medium_adds_up(const SceneMedium *medium)
 /* The frame of an object whose medium varies from place to place: where its node's own coordinates are in the world. */
 typedef struct SceneFrame {
     uint32_t object;
+    uint32_t motion; /* of the frame, which of the scene's; SCENE_NONE when it stands still */
     Affine to_world;
 } SceneFrame;
+
+/* What is known of a volume beside its grid: where its own coordinates are in the frame. */
+typedef struct SceneVolumePlace {
+    Affine to_frame;
+    uint32_t motion;  /* of that, as SceneFrame's */
+    uint64_t content; /* of all that its values come from */
+} SceneVolumePlace;
 
 /* Along what the scratches of a brushed metal run: circles about the y axis of the object's shape, or one of its axes. */
 typedef enum SceneGrain { GRAIN_AROUND, GRAIN_X, GRAIN_Y, GRAIN_Z } SceneGrain;
@@ -143,6 +152,7 @@ typedef struct SceneTextureFrame {
     Affine from_shape; /* from the frame of the object's shape */
     bool moved;        /* that is not the identity */
     double inverse;    /* 1 / its determinant */
+    uint32_t motion;   /* of from_shape, which of the scene's; SCENE_NONE when it is always the same */
     Box3 box;          /* around the shape, in its own frame: the sides of it stand for the uv of a mesh without any */
 } SceneTextureFrame;
 
@@ -277,6 +287,7 @@ typedef struct Scene {
     SceneTextureFrame *texture_frames;
     uint32_t n_texture_frames;
     Volume **volumes; /* freed by scene_free */
+    SceneVolumePlace *volume_places; /* of each */
     uint32_t n_volumes;
     SceneFrame *frames; /* in the order of objects */
     uint32_t n_frames;
@@ -286,7 +297,7 @@ typedef struct Scene {
     uint32_t n_objects;
     double shutter;           /* how long it is open, in frames; 0: not to speak of */
     uint32_t n_keys;          /* of each motion, at evenly spread times while the shutter is open; 0: nothing moves */
-    Affine *motions;          /* to the world: n_keys for each motion */
+    Affine *motions;          /* n_keys for each motion: of what to the world, where it is not said to be another map */
     SceneCamera *camera_keys; /* n_keys for each camera, also for those that stand still; NULL without a shutter */
     uint32_t n_motions;
     SceneTree *trees;
@@ -353,10 +364,15 @@ static inline bool scene_is_pane(const Scene *scene, uint32_t object)
 /* What tells an object from others where textures vary: its name, which neither layout nor objects behind it change; an
  * operand has that of the whole. */
 uint64_t scene_texture_identity(const Scene *scene, uint32_t object);
+/* The maps of a motion at the times of the scene's keys; NULL for SCENE_NONE. */
+static inline const Affine *scene_motion(const Scene *scene, uint32_t motion)
+{
+    return motion == SCENE_NONE ? NULL : scene->motions + (size_t)motion * scene->n_keys;
+}
 /* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
 static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)
 {
-    return object->motion == SCENE_NONE ? NULL : scene->motions + (size_t)object->motion * scene->n_keys;
+    return scene_motion(scene, object->motion);
 }
 /* Where a moving light is at the times of the scene's keys; NULL for one that stands still. */
 const Affine *light_keys(const Scene *scene, const SceneLight *light);

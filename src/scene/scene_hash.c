@@ -437,6 +437,19 @@ uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch)
     return h.state;
 }
 
+/* The textures that keys refer to are still ones of the scene, or have keys of their own: which they are does not matter. */
+static void add_texture_keys(Hasher *h, const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_textures; i++) {
+        const Texture *texture = &scene->textures[i];
+        for (uint32_t k = 0; texture->keys && k < texture->n_keys; k++) {
+            Texture key = texture->keys[k];
+            key.low = key.high = key.blend = TEXTURE_NONE;
+            add_integer(h, texture_hash(&key, NULL));
+        }
+    }
+}
+
 uint64_t scene_hash_with_motion(const Scene *scene)
 {
     Hasher h = {scene->hash};
@@ -445,6 +458,10 @@ uint64_t scene_hash_with_motion(const Scene *scene)
     for (size_t i = 0; i < (size_t)scene->n_motions * scene->n_keys; i++) add_map(&h, &scene->motions[i]);
     for (uint32_t i = 0; i < scene->n_objects; i++)
         if (scene->objects[i].motion != SCENE_NONE) add_integer(&h, i);
+    for (uint32_t i = 0; i < scene->n_texture_frames; i++) add_integer(&h, scene->texture_frames[i].motion);
+    for (uint32_t i = 0; i < scene->n_frames; i++) add_integer(&h, scene->frames[i].motion);
+    for (uint32_t i = 0; i < scene->n_volumes; i++) add_integer(&h, scene->volume_places[i].motion);
+    add_texture_keys(&h, scene);
     for (uint32_t i = 0; i < scene->n_shapes; i++)
         if (scene->shapes[i].mesh_end) add_mesh(&h, scene->shapes[i].mesh_end);
     for (uint32_t i = 0; i < scene->n_cameras; i++)

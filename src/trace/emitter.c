@@ -182,7 +182,7 @@ static void add_glows(Finder *f)
         const Glow *glow = &f->media->glows[i];
         LightBounds bounds = {.axis = {0, 1, 0}, .cos_o = -1, .power = (float)glow->power};
         Box3 box = box3_empty();
-        uint32_t n_times = glow->place->keys ? scene->n_keys : 1;
+        uint32_t n_times = glow->place->moves ? scene->n_keys : 1;
         for (uint32_t k = 0; k < n_times; k++)
             box = box3_union(box, glow_box(scene, glow, n_times > 1 ? (double)k / (n_times - 1) : 0));
         set_box(&bounds, box);

@@ -6,15 +6,32 @@
 
 /* ---- places ---- */
 
+/* From a frame to a volume's lattice. The volume has these places in the frame while the shutter is open; NULL: it stands
+ * still there. */
+static Affine to_lattice_at(const Scene *scene, const Volume *volume, const Affine *keys, double time)
+{
+    Affine to_frame, to_own;
+    if (!keys) return volume->to_lattice;
+    to_frame = affine_between(keys, scene->n_keys, time);
+    if (!affine_invert(&to_frame, &to_own)) return volume->to_lattice;
+    Affine from_own = affine_compose(&volume->to_lattice, &keys[0]);
+    return affine_compose(&from_own, &to_own);
+}
+
 /* With the frame that the volumes stand in; no object is flat. */
-static MediumMaps maps_of(const SceneMedium *medium, const MediumPlace *place, const Affine *frame_to_world)
+static MediumMaps maps_of(const Scene *scene, const MediumPlace *place, const Affine *frame_to_world, double time)
 {
     MediumMaps maps = {.stretch = 1};
-    Affine to_frame;
+    const SceneMedium *medium = &scene->media[place->medium];
+    Affine to_frame, to_lattice;
     if (!affine_invert(frame_to_world, &to_frame)) to_frame = affine_identity();
-    if (medium->temperature) maps.to_temperature = affine_compose(&medium->temperature->to_lattice, &to_frame);
+    if (medium->temperature) {
+        to_lattice = to_lattice_at(scene, medium->temperature, place->temperature_keys, time);
+        maps.to_temperature = affine_compose(&to_lattice, &to_frame);
+    }
     if (!medium->density && !place->has_cells) return maps;
-    maps.to_density = affine_compose(medium->density ? &medium->density->to_lattice : &place->to_cells, &to_frame);
+    to_lattice = medium->density ? to_lattice_at(scene, medium->density, place->density_keys, time) : place->to_cells;
+    maps.to_density = affine_compose(&to_lattice, &to_frame);
     maps.stretch = fabs(affine_determinant(&maps.to_density));
     return maps;
 }
@@ -42,17 +59,31 @@ static void make_cells(const CompiledScene *compiled, MediumPlace *place, const 
     place->has_cells = true;
 }
 
+static const Affine *volume_keys(const Scene *scene, const Volume *volume)
+{
+    for (uint32_t i = 0; volume && i < scene->n_volumes; i++)
+        if (scene->volumes[i] == volume) return scene_motion(scene, scene->volume_places[i].motion);
+    return NULL;
+}
+
+static void place_medium(const Scene *scene, MediumPlace *place)
+{
+    const SceneMedium *medium = &scene->media[place->medium];
+    place->density_keys = volume_keys(scene, medium->density);
+    place->temperature_keys = volume_keys(scene, medium->temperature);
+    place->moves = place->keys || place->density_keys || place->temperature_keys;
+    place->maps = maps_of(scene, place, &place->frame_to_world, 0);
+}
+
 static MediumPlace place_of_frame(const CompiledScene *compiled, const SceneFrame *frame)
 {
     const Scene *scene = compiled->scene;
-    const SceneObject *object = &scene->objects[frame->object];
-    MediumPlace place = {
-        .hull = compiled->hull_of_object[frame->object], .medium = object->medium, .keys = scene_keys(scene, object)};
-    Affine to_object;
-    if (affine_invert(&object->to_world, &to_object))
-        place.frame_in_object = affine_compose(&to_object, &frame->to_world);
+    MediumPlace place = {.hull = compiled->hull_of_object[frame->object],
+                         .medium = scene->objects[frame->object].medium,
+                         .keys = scene_motion(scene, frame->motion),
+                         .frame_to_world = frame->to_world};
     make_cells(compiled, &place, &frame->to_world);
-    place.maps = maps_of(&scene->media[object->medium], &place, &frame->to_world);
+    place_medium(scene, &place);
     return place;
 }
 
@@ -72,7 +103,7 @@ static Status find_places(const CompiledScene *compiled, WorldMedia *media, Erro
     for (uint32_t h = 0; h < n_hulls; h++) { /* what shines without a volume, its frame being its own or the world's */
         const SceneObject *object = &scene->objects[compiled->object_of_hull[h]];
         if (!scene->media[compiled->hulls[h].medium].emits || media->place_of_hull[h] != SCENE_NONE) continue;
-        SceneFrame frame = {compiled->object_of_hull[h], affine_identity()};
+        SceneFrame frame = {compiled->object_of_hull[h], object->motion, affine_identity()};
         if (scene_keys(scene, object)) frame.to_world = object->to_world;
         MediumPlace place = place_of_frame(compiled, &frame);
         if (!place.has_cells) continue;
@@ -80,10 +111,9 @@ static Status find_places(const CompiledScene *compiled, WorldMedia *media, Erro
         media->place_of_hull[h] = media->n_places++;
     }
     if (scene->media[0].density || scene->media[0].temperature) {
-        const Affine world = affine_identity();
         MediumPlace *place = &media->places[media->n_places];
-        *place = (MediumPlace){.hull = NEST_WORLD};
-        place->maps = maps_of(&scene->media[0], place, &world);
+        *place = (MediumPlace){.hull = NEST_WORLD, .frame_to_world = affine_identity()};
+        place_medium(scene, place);
         media->place_of_hull[n_hulls] = media->n_places++;
     }
     return STATUS_OK;
@@ -100,10 +130,9 @@ bool media_is_there(const CompiledScene *compiled, const WorldMedia *media, cons
 
 const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, double time, MediumMaps *room)
 {
-    if (!place->keys) return &place->maps;
-    Affine to_world = affine_between(place->keys, scene->n_keys, time);
-    to_world = affine_compose(&to_world, &place->frame_in_object);
-    *room = maps_of(&scene->media[place->medium], place, &to_world);
+    if (!place->moves) return &place->maps;
+    Affine to_world = place->keys ? affine_between(place->keys, scene->n_keys, time) : place->frame_to_world;
+    *room = maps_of(scene, place, &to_world, time);
     return room;
 }
 

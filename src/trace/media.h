@@ -17,9 +17,11 @@ typedef struct MediumMaps {
 typedef struct MediumPlace {
     uint32_t hull; /* NEST_WORLD: where no hull is */
     uint32_t medium;
-    const Affine *keys;     /* NULL, or the object's places while the shutter is open */
-    Affine frame_in_object; /* of what moves */
-    MediumMaps maps;        /* of what moves, when the shutter opens */
+    bool moves;             /* while the shutter is open: */
+    const Affine *keys;     /* NULL, or where the frame is then */
+    const Affine *density_keys, *temperature_keys; /* NULL, or where the volumes are in the frame */
+    Affine frame_to_world;  /* of what does not move, or when the shutter opens; */
+    MediumMaps maps;        /* these, too */
     Affine from_density;    /* the inverse of maps.to_density, */
     bool has_inverse;       /* if there is one */
     bool has_cells;

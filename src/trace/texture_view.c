@@ -53,11 +53,26 @@ static Vec3 beneath(Vec3 place, Vec3 normal)
     return vec3_along(place, -deep * vec3_max_abs(place), normal);
 }
 
+/* The object moves otherwise than the node that it was described in. */
+static SceneTextureFrame frame_at(const Scene *scene, const SceneTextureFrame *frame, double time)
+{
+    SceneTextureFrame now = *frame;
+    now.from_shape = affine_between(scene_motion(scene, frame->motion), scene->n_keys, time);
+    now.moved = true;
+    now.inverse = 1 / affine_determinant(&now.from_shape);
+    return now;
+}
+
 static void view_object(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
                         double footprint, TextureView *view)
 {
     const Scene *scene = world->scene;
     const SceneTextureFrame *frame = &scene->texture_frames[scene->objects[hit->object].texture_frame];
+    SceneTextureFrame now;
+    if (UNLIKELY(frame->motion != SCENE_NONE)) {
+        now = frame_at(scene, frame, ray->time);
+        frame = &now;
+    }
     const RtcCoordinates *at = &view->coordinates;
     rtc_coordinates(world->compiled->rtc, ray, hit, surface->textures_use_uv, &view->coordinates);
     TexturePlace *place = &view->at;
@@ -88,6 +103,7 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
     place->world_normal = vec3_from_f(hit->normal);
     place->world = beneath(ray_point(ray, hit->t), place->world_normal);
     place->world_footprint = footprint;
+    place->time = ray->time;
     place->identity = world->looks[hit->object].identity;
 }
 

@@ -74,37 +74,145 @@ static void meshes_deform_and_cones_do_not(void **state)
     fixture_clear(&scene);
 }
 
-/* What is blurred are places: of all else that the clock changes it is told that it stays. */
+/* What is blurred are places, and numbers of textures: of all else that the clock changes it is told that it stays. */
 static void other_values_stay_and_are_told(void **state)
 {
     (void)state;
+#define BALL(surface) "sphere ball { surface = surface { " surface " } } environment { } "
+#define CLOUD(volume) "medium m { ior = 1  absorption = 1  density = " volume " } sphere { interior = m } environment { } "
     static const struct {
-        const char *text;
-        bool told;
+        const char *text, *told; /* a part of the message; NULL: there is none */
     } cases[] = {
-        {"medium m { ior = 1 + clock } sphere { interior = m } environment { }", true},
-        {"sphere { surface = surface { albedo = .5 + clock / 2 } } environment { }", true},
-        {"light { shape = spot  from = y  to = -y  angle = 30 + 60 * clock }", true},
-        {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", true},
-        {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }", true},
-        /* volumes and textures are made for the first time only, and are no change */
-        {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f } }"
+        {"medium m { ior = 1 + clock } sphere { interior = m } environment { }", "medium m"},
+        {"medium m { ior = 1 + clock } sphere { interior = m } if (clock > .1) { sphere { interior = glass  center = <9, 0, 0> } }"
+         "medium n { ior = 2 } environment { }", "medium m"},
+        {"sphere { interior = clock < .2 ? glass : ice } sphere { interior = glass  center = <9, 0, 0> } environment { }",
+         "medium"},
+        {"if (clock < .2) { sphere { interior = glass } } else { sphere { interior = glass } } environment { }", NULL},
+        {"sphere ball { interior = glass  priority = clock < .2 ? 1 : 2 } environment { }", "the priority of ball"},
+        {BALL("albedo = .5 + clock / 2"), "'albedo' of ball"},
+        {BALL("albedo = .5  ior = 1.5  roughness = clock < .2 ? .1 : clock > .4 ? .1 : .3"), "'roughness' of ball"},
+        {BALL("albedo = clock < .2 ? noise { } : .5"), "'albedo' of ball"},
+        {BALL("mix = [surface { albedo = .2 }, surface { albedo = .2 + clock }]"), "'albedo' of ball"},
+        {BALL("albedo = .5  emission = #fff  radiance = 1 + clock"), "'emission' of ball"},
+        {BALL("albedo = .5  bump = noise { }  bump_height = .1 + clock"), "'bump_height' of ball"},
+        {BALL("albedo = clock < .2 ? noise { } : wood { }"), "'albedo' of ball: its texture"},
+        {BALL("albedo = noise { octaves = clock < .2 ? 1 : 2 }"), "'albedo' of ball: its texture"},
+        {BALL("albedo = wood { seed = clock < .2 ? 1 : 2 }"), "'albedo' of ball: its texture"},
+        {"def f(p) = clock < .2 ? .5 : .5 + .1 * sin(p.x) " BALL("albedo = f"), "'albedo' of ball: its texture"},
+        {BALL("albedo = mix { blend = clock < .2 ? spots { } : wood { } }"), "'albedo' of ball: its texture"},
+        {"light { shape = spot  from = y  to = -y  angle = 30 + 60 * clock }", "what shines of light"},
+        {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", "what shines of light"},
+        {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }", "the environment"},
+        {"sphere { interior = glass } environment { color = .5 + clock }", "the environment"},
+        {"sphere { interior = glass } environment { rotate(y, 90 * clock) }", "the environment"},
+        {"def f(p) = 1 + clock " CLOUD("volume { function = f }"), "the density of m"},
+        {"def f(p) = 1 " CLOUD("volume { function = f  cells = 8 + 8 * clock }"), "the density of m"},
+        {"def f(p) = 1 " CLOUD("volume { function = f  scale = 1 + clock }"), "the density of m"},
+        {"def f(p) = 999 medium m { ior = 1  emission = blackbody(1500)  temperature = volume { function = f  scale = 1 + clock } }"
+         "sphere { interior = m } environment { }", "the temperature of m"},
+        /* what is blurred is no change */
+        {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f  translate(<clock, 0, 0>) } }"
          "sphere { interior = m  center = <clock, 0, 0> }"
          "sphere { surface = surface { albedo = noise { } }  center = <clock, 0, 0> }"
+         "sphere { surface = surface { ior = 1.5  roughness = gradient { phase = clock  to = clock } } }"
          "light { shape = spot  from = y  to = <clock, -1, 0> } light { shape = distant  from = y  to = -y }"
          "environment { sky = clear }",
-         false},
+         NULL},
+        {"def f(p) = max(0, .5 + .3 * sin(90 * p.x + clock)) " BALL("albedo = f"), NULL},
         /* nor is what comes or goes */
-        {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { }", false},
+        {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { }", NULL},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
         Fixture scene;
         snprintf(text, sizeof text, FIXTURE_MEDIA "%s" CAMERA("shutter = 180deg  shutter_steps = 2"), cases[i].text);
         fixture_good(&scene, text);
-        if ((fixture_find(&scene, D_VALUE_CHANGES) != NULL) != cases[i].told) fail_msg("%s", cases[i].text);
+        const Diagnostic *report = fixture_find(&scene, D_VALUE_CHANGES);
+        if ((report != NULL) != (cases[i].told != NULL)) fail_msg("%s: %s", cases[i].text, report ? report->text : "-");
+        if (report && !strstr(report->text, cases[i].told)) fail_msg("%s: %s", cases[i].text, report->text);
         fixture_clear(&scene);
     }
+}
+
+static void shapes_that_come_back_are_told(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA "cone { interior = ice  to = <0, 5 + sin(720 * clock), 0> }"
+                 CAMERA("shutter = 180deg  shutter_steps = 4") "environment { }");
+    assert_non_null(fixture_find(&scene, D_SHAPE_CHANGES));
+    fixture_clear(&scene);
+}
+
+/* A sphere whose centre moves goes through the texture of its node; one that its node moves takes it along. Each has a
+ * frame of its own, also where they shared one at first. */
+static void textures_are_where_their_node_is(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA "let s = surface { albedo = noise { } }"
+                 "sphere { surface = s } sphere { surface = s  center = <clock, 0, 0> }"
+                 "sphere { surface = s  center = <2 * clock, 0, 0> } sphere { surface = s  rotate(y, 100 * clock) }" HALF);
+    const Scene *s = scene.scene;
+    for (uint32_t i = 0; i < 4; i++) {
+        const Affine *keys = scene_motion(s, s->texture_frames[s->objects[i].texture_frame].motion);
+        assert_true((keys != NULL) == (i == 1 || i == 2));
+        if (keys) assert_near(keys[2].t.x, 0.5 * i, 1e-12);
+    }
+    fixture_clear(&scene);
+}
+
+/* A number of a texture half-way through the shutter, which is open from clock 0 to 1/2. */
+static void numbers_of_textures_are_between_keys(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA "def f(p) = max(0, p.x + clock) "
+                 "sphere { radius = .3  surface = surface { albedo = f } } sphere { surface = surface { albedo = gradient { from = clock  to = 1 } } }"
+                 CAMERA("shutter = 180deg  shutter_steps = 1") "environment { }");
+    const Scene *s = scene.scene;
+    assert_int_equal(s->n_keys, 2);
+    TexturePlace at = {.object = {0.2, 0, 0}, .object_normal = {0, 1, 0}, .time = 0.5};
+    Lanes nm = lanes_all(550);
+    uint32_t function = s->surfaces[s->objects[0].surface].textures[0].texture;
+    assert_near((double)lanes_get(texture_at(s->textures, function, &at, nm), 0), 0.45, 1e-6);
+    at.object.x = -0.3; /* below 0 until the clock is .3 */
+    assert_near((double)lanes_get(texture_at(s->textures, function, &at, nm), 0), 0, 1e-6);
+    at.time = 1;
+    assert_near((double)lanes_get(texture_at(s->textures, function, &at, nm), 0), 0.2, 1e-6);
+    uint32_t gradient = s->surfaces[s->objects[1].surface].textures[0].texture;
+    at = (TexturePlace){.object = {0.5, 0, 0}, .object_normal = {0, 1, 0}, .time = 0.5};
+    assert_near((double)lanes_get(texture_at(s->textures, gradient, &at, nm), 0), 0.625, 1e-3);
+    fixture_clear(&scene);
+}
+
+static void programs_are_aligned(void **state)
+{
+    (void)state;
+    /* x * c0 + c1, where c0 and c1 are one constant in the first */
+    const ProgramStep alike[] = {{.op = PROGRAM_MULTIPLY, .to = 10, .a = 0, .b = 9},
+                                 {.op = PROGRAM_ADD, .to = 11, .a = 10, .b = 9}};
+    const ProgramStep apart[] = {{.op = PROGRAM_MULTIPLY, .to = 11, .a = 0, .b = 9},
+                                 {.op = PROGRAM_ADD, .to = 12, .a = 11, .b = 10}};
+    const ProgramStep other[] = {{.op = PROGRAM_MULTIPLY, .to = 11, .a = 1, .b = 9},
+                                 {.op = PROGRAM_ADD, .to = 12, .a = 11, .b = 10}};
+    const double one[] = {2}, two[] = {2, 6};
+    const Program a = {one, alike, 1, 2, 12, 1, {11}}, b = {two, apart, 2, 2, 13, 1, {12}}, c = {two, other, 2, 2, 13, 1, {12}};
+    const Program *pair[] = {&a, &b}, *odd[] = {&a, &c}, *const *aligned;
+    const double inputs[PROGRAM_INPUTS] = {3};
+    double value;
+    Arena arena;
+    arena_init(&arena);
+    assert_false(program_align(odd, 2, &arena, &aligned));
+    assert_true(program_align(pair, 2, &arena, &aligned));
+    for (int k = 0; k < 2; k++) {
+        program_run(aligned[k], inputs, &value);
+        assert_near(value, k ? 12 : 8, 0);
+    }
+    program_run_between(aligned[0], aligned[1], 0.5, inputs, &value);
+    assert_near(value, 10, 0);
+    arena_clear(&arena);
 }
 
 static void mistakes_of_later_are_told(void **state)
@@ -258,6 +366,10 @@ int main(void)
         cmocka_unit_test(without_a_shutter_nothing_moves),
         cmocka_unit_test(meshes_deform_and_cones_do_not),
         cmocka_unit_test(other_values_stay_and_are_told),
+        cmocka_unit_test(shapes_that_come_back_are_told),
+        cmocka_unit_test(textures_are_where_their_node_is),
+        cmocka_unit_test(numbers_of_textures_are_between_keys),
+        cmocka_unit_test(programs_are_aligned),
         cmocka_unit_test(mistakes_of_later_are_told),
         cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
         cmocka_unit_test(what_is_dropped_of_a_mesh_is_dropped_a_frame_later),
