@@ -182,10 +182,9 @@ static const Look textures[] = {
 };
 
 static const Look volumes[] = {
-    {"a box through its cloud",
-     PUFF CLOUD(
-         "volume { function = puff  from = <-2, -2, -2>  to = <2, 2, 2> }") "box { interior = cloud  from = <-2 + t, "
-                                                                            "-1, -2>  to = <1 + t, 2, 2> }\n",
+    {"a ball through its cloud",
+     PUFF CLOUD("volume { function = puff  from = <-2, -2, -2>  to = <2, 2, 2> }")
+     "sphere { interior = cloud  center = <1.5 * t - 1, 0, 0>  radius = 1.5 }\n",
      NEAR, 1024, 32, .02},
     {"a box with its cloud",
      PUFF CLOUD("volume { function = puff  from = <-2, -2, -2>  to = <2, 2, 2> }") "box { interior = cloud  size = <4, "
