@@ -101,7 +101,7 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
 }
 
 /* The light's frame in its node's space, y towards where it shines, x level. */
-static bool local_frame(Builder *b, const EvalNode *node, Affine *frame)
+static bool local_frame(Builder *b, const EvalNode *node, Affine *frame, bool *hangs)
 {
     Vec3 from = eval_vector(node, "from");
     *frame = affine_identity();
@@ -117,7 +117,8 @@ static bool local_frame(Builder *b, const EvalNode *node, Affine *frame)
     }
     Vec3 y = vec3_scale(along, 1 / length);
     Vec3 level = vec3_cross(vec3(0, 1, 0), y);
-    Vec3 x = vec3_length(level) > 1e-9 ? vec3_normalize(level) : vec3(1, 0, 0);
+    *hangs = !(vec3_length(level) > 1e-9);
+    Vec3 x = *hangs ? vec3(1, 0, 0) : vec3_normalize(level);
     Vec3 z = vec3_cross(x, y);
     *frame = (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, from};
     return true;
@@ -221,7 +222,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
                         .identity = b->where};
     double scale = light.kind == LIGHT_DISTANT ? 1 : affine_even_scale(to_world, 1e-6);
     Affine frame;
-    if (!check_properties(b, node, shape) || !local_frame(b, node, &frame)) return;
+    if (!check_properties(b, node, shape) || !local_frame(b, node, &frame, &light.hangs)) return;
     if (!(scale > 0)) {
         diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span,
                     "a light can be turned, moved and scaled evenly, but not stretched or sheared");

@@ -57,44 +57,6 @@ static bool same_map(const Affine *a, const Affine *b)
     return a->t.x == b->t.x && a->t.y == b->t.y && a->t.z == b->t.z;
 }
 
-static Vec3 column(const Affine *map, int i)
-{
-    return vec3(map->m[0][i], map->m[1][i], map->m[2][i]);
-}
-
-/* Whether a lamp looks the same however it is turned about its axis. */
-static bool is_round(const SceneLight *light)
-{
-    return light->kind == LIGHT_DISC || (light->kind == LIGHT_POINT && !light->profile);
-}
-
-/* A lamp's frame is level, so that it goes round by half a turn when its axis passes the vertical, where any frame is
- * level; in between it would be squeezed to nothing. The lamp looks the same half a turn about its axis further, a round
- * one any turn: of these frames the one is taken that is next to the one before. */
-static Affine least_turned(const SceneLight *light, const Affine *before, const Affine *then)
-{
-    const double hardly = 0.9, across = 0.1, upright = 1 - 1e-15;
-    Vec3 old = column(before, 0), x = column(then, 0), y = column(then, 1);
-    Vec3 same = vec3_along(old, -vec3_dot(old, y), y); /* turned no more than the axis is */
-    double kept = vec3_dot(old, x);
-    bool any_is_level = light->kind == LIGHT_RECT && fabs(kept) < across && fabs(y.y) >= upright;
-    if (kept > hardly) return *then;
-    if ((is_round(light) || any_is_level) && vec3_length(same) > 1e-6)
-        x = vec3_normalize(same);
-    else if (light->kind == LIGHT_RECT && kept < 0)
-        x = vec3_scale(x, -1);
-    else
-        return *then;
-    Vec3 z = vec3_cross(x, y);
-    return (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, then->t};
-}
-
-/* Where a thing was a key before that one, as far as is known. */
-static const Affine *place_before(const Finder *f, uint32_t motion, const Affine *first)
-{
-    return motion == SCENE_NONE ? first : &f->scene->motions[(size_t)motion * f->n_keys + f->key - 1];
-}
-
 void motion_of_map(Finder *f, uint32_t *motion, const Affine *first, const Affine *then)
 {
     Scene *scene = f->scene;
@@ -196,33 +158,12 @@ static void move_cameras(Finder *f)
     }
 }
 
-/* Lights without an object that moves for them. There are few. */
-static void move_lights(Finder *f)
-{
-    const Scene *other = f->other;
-    for (uint32_t i = 0; i < f->scene->n_lights; i++) {
-        SceneLight *light = &f->scene->lights[i];
-        if (light->kind != LIGHT_POINT) continue;
-        for (uint32_t k = 0; k < other->n_lights; k++) {
-            /* mostly at the same number */
-            const SceneLight *then = &other->lights[(i + k) % other->n_lights];
-            if (then->kind != LIGHT_POINT || then->identity != light->identity) continue;
-            const Affine *before = place_before(f, light->motion, &light->to_world);
-            Affine to_world = least_turned(light, before, &then->to_world);
-            motion_of_map(f, &light->motion, &light->to_world, &to_world);
-            break;
-        }
-    }
-}
-
 static void move_object(Finder *f, SceneObject *object, const SceneObject *then)
 {
-    Affine to_world = then->to_world;
-    if (object->light != SCENE_NONE) {
-        const Affine *before = place_before(f, object->motion, &object->to_world);
-        to_world = least_turned(&f->scene->lights[object->light], before, &to_world);
-    }
-    motion_of_map(f, &object->motion, &object->to_world, &to_world);
+    if (object->light != SCENE_NONE && then->light != SCENE_NONE)
+        motion_of_lamp(f, object->light, then->light, &object->motion, &object->to_world);
+    else
+        motion_of_map(f, &object->motion, &object->to_world, &then->to_world);
     motion_of_texture_frame(f, object, then);
     change_shape(f, object, then->shape);
 }
@@ -235,7 +176,7 @@ static void compare_with(Finder *f, const Places *places)
         for (uint32_t k = 0; k < n[i]; k++) rows[i][k] = SCENE_NONE;
     motion_of_values(f);
     move_cameras(f);
-    move_lights(f);
+    motion_of_points(f);
     for (uint32_t i = 0; i < f->scene->n_objects; i++) {
         SceneObject *object = &f->scene->objects[i];
         bool changes;
@@ -325,6 +266,8 @@ static void finder_init(Finder *f)
     f->surface_then = ARENA_ARRAY(arena, uint32_t, scene->n_surfaces + 1U);
     f->texture_then = ARENA_ARRAY(arena, uint32_t, scene->n_textures + 1U);
     f->texture_users = ARENA_ARRAY(arena, TextureUser, scene->n_textures + 1U);
+    f->hung = ARENA_ARRAY(arena, uint8_t, scene->n_lights + 1U);
+    for (uint32_t i = 0; i < scene->n_lights; i++) f->hung[i] = scene->lights[i].hangs ? HUNG_BEFORE | HUNG_SO_FAR : 0;
     f->texture_stays = ARENA_ARRAY(arena, bool, scene->n_textures + 1U);
     f->texture_frames_capacity = scene->n_texture_frames;
     scene->camera_keys = malloc((n_cameras * f->n_keys + 1) * sizeof *scene->camera_keys);

@@ -11,6 +11,9 @@ typedef struct TextureUser {
     const char *property;
 } TextureUser;
 
+/* Of a lamp, see SceneLight.hangs. */
+enum { HUNG_BEFORE = 1 /* at the key before */, HUNG_SO_FAR = 2 /* at all of them */ };
+
 /* The scene as the shutter opens, and it at another moment. Rows are found by the objects that they belong to. */
 typedef struct Finder {
     Scene *scene;
@@ -26,6 +29,7 @@ typedef struct Finder {
     uint32_t *shape_then, *medium_then, *surface_then, *texture_then;
     TextureUser *texture_users;
     bool *texture_stays; /* it was told to stay as it is at first */
+    uint8_t *hung; /* of each light */
     Arena other_arena;
     Scene *other;
     uint32_t *places; /* which of its objects is which */
@@ -37,6 +41,11 @@ typedef struct Finder {
 void motion_of_map(Finder *f, uint32_t *motion, const Affine *first, const Affine *then);
 /* Tells that a value stays. where NULL: nowhere in the text. */
 void motion_report(Finder *f, const Span *where, const char *what, const char *name);
+
+/* motion_lamp.c: *motion is of what shines, of a light that is at `first` when the shutter opens. */
+void motion_of_lamp(Finder *f, uint32_t light, uint32_t then, uint32_t *motion, const Affine *first);
+/* Lights without an object that moves for them. */
+void motion_of_points(Finder *f);
 
 /* motion_values.c: what there is beside places, of an object and of what belongs to no object. */
 void motion_of_values(Finder *f);

@@ -199,6 +199,7 @@ typedef struct SceneLight {
     uint32_t motion; /* of LIGHT_POINT, as SceneObject's; others move with their object */
     uint64_t identity;
     Affine to_world;             /* rigid: rotation and translation */
+    bool hangs;                  /* along its node's y axis: how it is turned about its own is of no meaning */
     Vec3 towards;                /* LIGHT_DISTANT: unit, from the scene to the light */
     double cos_angle;            /* LIGHT_DISTANT: of the cone's half angle */
     const LightProfile *profile; /* LIGHT_POINT: NULL, or instead of what cos_full says; cos_none bounds it */

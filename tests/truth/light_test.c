@@ -376,6 +376,23 @@ static void moving_lights(void **state)
         {"a quad that turns through the vertical",
          "light { from = <0, 200, 0>  to = <-200 + 400 * clock, 0, 0>  size = <.3, .2>  radiance = 1e4 }",
          1e4 * .06 / 4e4 * sqrt(0.5)},
+        /* From straight down to 45 degrees, and on to the side: of its area's part towards the place below, which is as long
+         * as the middle axis of its frame is level, half is left of what goes, in the mean. */
+        {"a quad that looks straight down at first, and turns to +x",
+         "light { from = <0, 200, 0>  to = <200 * clock, 0, 0>  size = <.3, .2>  radiance = 1e4 }",
+         1e4 * .06 / 4e4 * (1 + sqrt(0.5)) / 2},
+        {"a quad that looks straight down at first, and turns to -z",
+         "light { from = <0, 200, 0>  to = <0, 0, -200 * clock>  size = <.3, .2>  radiance = 1e4 }",
+         1e4 * .06 / 4e4 * (1 + sqrt(0.5)) / 2},
+        {"a disc that looks straight down at first, and turns to between -x and +z",
+         "light { shape = disc  from = <0, 200, 0>  to = <-120 * clock, 0, 160 * clock>  radius = .1  radiance = 1e4 }",
+         1e4 * TRUTH_PI * .01 / 4e4 * (1 + sqrt(0.5)) / 2},
+        {"a disc that looks straight down at first, and to the side in the end",
+         "light { shape = disc  from = <0, 200, 0>  to = <200 * clock, 200 * clock, 0>  radius = .1  radiance = 1e4 }",
+         1e4 * TRUTH_PI * .01 / 4e4 / 2},
+        {"a quad that looks straight down in the end",
+         "light { from = <0, 200, 0>  to = <200 - 200 * clock, 0, 0>  size = <.3, .2>  radiance = 1e4 }",
+         1e4 * .06 / 4e4 * (1 + sqrt(0.5)) / 2},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];

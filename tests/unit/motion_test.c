@@ -103,6 +103,9 @@ static void other_values_stay_and_are_told(void **state)
         {BALL("albedo = mix { blend = clock < .2 ? spots { } : wood { } }"), "'albedo' of ball: its texture"},
         {"light { shape = spot  from = y  to = -y  angle = 30 + 60 * clock }", "what shines of light"},
         {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", "what shines of light"},
+        {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp.ies\"  shape = point  power = 1 }",
+         "the turn about its own axis of light"},
+        {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp_quarter.ies\"  shape = point  power = 1 }", NULL},
         {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }", "the environment"},
         {"sphere { interior = glass } environment { color = .5 + clock }", "the environment"},
         {"sphere { interior = glass } environment { rotate(y, 90 * clock) }", "the environment"},
@@ -184,6 +187,27 @@ static void numbers_of_textures_are_between_keys(void **state)
     uint32_t gradient = s->surfaces[s->objects[1].surface].textures[0].texture;
     at = (TexturePlace){.object = {0.5, 0, 0}, .object_normal = {0, 1, 0}, .time = 0.5};
     assert_near((double)lanes_get(texture_at(s->textures, gradient, &at, nm), 0), 0.625, 1e-3);
+    fixture_clear(&scene);
+}
+
+static Vec3 first_axis(const Affine *map)
+{
+    return vec3(map->m[0][0], map->m[1][0], map->m[2][0]);
+}
+
+/* A lamp that hangs straight may be turned about itself by its node; before it begins to turn it hangs as it does then. */
+static void hanging_lamps_turn_as_they_are_turned(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA "light { from = 0 * y  to = -y  size = <3, 1>  rotate(y, 360 * clock)  translate(9 * y) }"
+                 "light { from = 9 * y  to = 9 * y + <max(0, clock - .25), -1, 0>  size = <3, 1> }" HALF);
+    const Affine *about = keys_of(&scene, 0), *later = keys_of(&scene, 1);
+    assert_near(vec3_length(vec3_sub(first_axis(&about[1]), vec3(0, 0, -1))), 0, 1e-12);
+    assert_near(vec3_length(vec3_sub(first_axis(&about[2]), vec3(-1, 0, 0))), 0, 1e-12);
+    Vec3 x = first_axis(&later[2]);
+    assert_near(fabs(x.z), 1, 1e-12);
+    for (int k = 0; k < 2; k++) assert_near(vec3_length(vec3_sub(first_axis(&later[k]), x)), 0, 1e-12);
     fixture_clear(&scene);
 }
 
@@ -369,6 +393,7 @@ int main(void)
         cmocka_unit_test(shapes_that_come_back_are_told),
         cmocka_unit_test(textures_are_where_their_node_is),
         cmocka_unit_test(numbers_of_textures_are_between_keys),
+        cmocka_unit_test(hanging_lamps_turn_as_they_are_turned),
         cmocka_unit_test(programs_are_aligned),
         cmocka_unit_test(mistakes_of_later_are_told),
         cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
