@@ -16,6 +16,9 @@
 /* What double precision makes of a point on a surface. */
 #define DOUBLE_NOISE 0x1p-42
 
+/* What double makes of a place on an edge, of what float does. */
+#define EDGE_ROUNDING 0x1p-18
+
 /* Below this cosine the window for surfaces at one place grows no further. */
 #define RTC_LEAST_COSINE 1e-4
 
@@ -70,13 +73,19 @@ static inline bool rtc_passes(const Query *query, uint32_t object)
 }
 /* Whether two surfaces, b not in front of a, stand at one place: nearer to each other along the normal than coordinates can
  * tell. Along the steeper normal, so that different surfaces are kept apart; along the flatter one for the two sides of one
- * object's edge, which the ray clips or misses within rounding. */
+ * object's edge, which the ray clips or misses within rounding. Both sides are met in double, and no more than that rounds what is
+ * between them: else far from the origin, where floats are coarse, the edges of objects could not be seen. */
 static inline bool rtc_together(const Hit *a, const Hit *b)
 {
     double flat = double_min(fabs(a->cos_normal), fabs(b->cos_normal)),
            steep = double_max(fabs(a->cos_normal), fabs(b->cos_normal));
     bool edge = a->object == b->object && a->entering != b->entering;
-    return (b->t - a->t) * (edge ? double_max(flat, RTC_LEAST_COSINE) : steep) <= double_max(a->rounding, b->rounding);
+    double rounding = double_max(a->rounding, b->rounding);
+    if (UNLIKELY(edge)) {
+        steep = double_max(flat, RTC_LEAST_COSINE);
+        rounding *= EDGE_ROUNDING;
+    }
+    return (b->t - a->t) * steep <= rounding;
 }
 /* By distance, then by number, so that the order does not depend on Embree's. */
 void rtc_sort_hits(HitList *hits);
