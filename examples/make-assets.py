@@ -4,8 +4,8 @@
     examples/make-assets.py FOLDER
 
 writes ice1.ply ice2.ply ice3.ply (ice cubes of about 24 units, centred on the origin), water_surface.ply
-(the body of water of the aquarium), goby.ply and trout.ply (fish of 6 units that swim towards +x), spruce1.ply
-spruce2.ply (trees of 1 unit that stand on the origin), studio.exr (a lat-long environment of soft lights) and label.png
+(the body of water of the aquarium), goby.ply trout.ply tetra.ply angelfish.ply (fish of 6 units that swim towards +x),
+spruce1.ply spruce2.ply (trees of 1 unit that stand on the origin), studio.exr (a lat-long environment of soft lights) and label.png
 (an oval label, clear around it). The same bytes on every run. Python's standard library is enough.
 SPDX-License-Identifier: Apache-2.0
 """
@@ -322,15 +322,13 @@ def make_goby():
     return mesh
 
 
-# ---- trout ----
+# ---- trout, tetras, angelfish ----
 
 # along the body and the tail fin, nose first: x, half height, half width, height of the middle
 TROUT_SECTIONS = [(3.0, .0, .0, -.06), (2.95, .11, .10, -.06), (2.8, .22, .18, -.05), (2.5, .36, .29, -.03),
                   (2.0, .50, .37, .0), (1.3, .61, .42, .0), (.5, .64, .42, .0), (-.3, .58, .36, .0),
                   (-1.0, .45, .27, .02), (-1.6, .30, .17, .03), (-2.0, .22, .10, .03), (-2.2, .23, .065, .03),
                   (-2.45, .38, .035, .03), (-2.7, .56, .022, .03), (-2.93, .68, .014, .03), (-3.0, .69, .008, .03)]
-TROUT_RINGS, TROUT_ANGLES = 120, 44
-
 # fins, in the order front of the base, back of the base, front and back of the rim; z is doubled to both flanks
 TROUT_FINS = [((.95, .50, 0), (-.40, .48, 0), (.45, 1.08, 0), (-.62, .80, 0)),            # on the back
               ((-1.30, .30, 0), (-1.55, .24, 0), (-1.62, .54, 0), (-1.72, .46, 0)),       # the small one behind it
@@ -338,64 +336,94 @@ TROUT_FINS = [((.95, .50, 0), (-.40, .48, 0), (.45, 1.08, 0), (-.62, .80, 0)),  
               ((1.85, -.33, .24), (1.55, -.42, .24), (1.15, -.62, .82), (.90, -.62, .55)),   # behind the gills
               ((.10, -.52, .14), (-.22, -.50, .14), (-.45, -.82, .42), (-.66, -.72, .28))]   # at the belly
 
+# small and slender, with a forked tail
+TETRA_SECTIONS = [(3.0, .0, .0, .0), (2.93, .15, .13, .0), (2.7, .33, .24, .02), (2.3, .52, .34, .04), (1.6, .70, .38, .03),
+                  (.8, .76, .36, .0), (.0, .68, .30, .0), (-.8, .50, .20, .02), (-1.4, .33, .12, .04), (-1.75, .26, .08, .05),
+                  (-1.95, .28, .05, .05), (-2.2, .50, .03, .05), (-2.6, .86, .018, .05), (-2.9, 1.10, .01, .05),
+                  (-3.0, 1.14, .008, .05)]
+TETRA_FINS = [((.75, .70, 0), (.0, .62, 0), (.05, 1.50, 0), (-.55, 1.15, 0)),
+              ((-.95, .44, 0), (-1.15, .38, 0), (-1.30, .62, 0), (-1.38, .52, 0)),
+              ((.0, -.60, 0), (-1.25, -.32, 0), (-.35, -1.30, 0), (-1.55, -.62, 0)),
+              ((1.75, -.30, .32), (1.55, -.36, .32), (1.05, -.66, .72), (.92, -.50, .60)),
+              ((.85, -.70, .12), (.60, -.68, .12), (.30, -1.15, .34), (.15, -1.0, .24))]
 
-def trout_bend(x, y, z):
-    """As it swims: the tail strikes out farthest."""
-    return (x, y, z + (.06 + .0135 * (3 - x) ** 2) * math.sin(.95 * x - .3))
+# a thin, high disc, whose fins sweep back above and below
+ANGEL_SECTIONS = [(3.0, .0, .0, -.05), (2.92, .16, .12, -.04), (2.65, .48, .24, .0), (2.2, .95, .36, .04), (1.5, 1.55, .44, .05),
+                  (.6, 1.92, .42, .03), (-.2, 1.80, .34, .0), (-.9, 1.25, .22, .0), (-1.35, .70, .13, .0), (-1.6, .48, .08, .0),
+                  (-1.8, .50, .05, .0), (-2.1, .70, .03, .0), (-2.6, .98, .018, .0), (-2.9, 1.14, .01, .0), (-3.0, 1.16, .008, .0)]
+ANGEL_FINS = [((1.1, 1.68, 0), (-1.30, .66, 0), (-1.9, 4.3, 0), (-2.0, 1.25, 0)),
+              ((.9, -1.74, 0), (-1.30, -.66, 0), (-2.3, -4.7, 0), (-2.1, -1.30, 0)),
+              ((1.55, -.25, .42), (1.30, -.45, .42), (.70, -.75, .80), (.60, -.35, .70)),
+              ((1.45, -1.50, .10), (1.27, -1.58, .10), (.55, -4.30, .30), (.45, -4.25, .30))]
 
 
-def trout_body(t, angle):
-    s = t * (len(TROUT_SECTIONS) - 1)
-    i = min(int(s), len(TROUT_SECTIONS) - 2)
-    f = s - i
-    rows = [TROUT_SECTIONS[min(max(i + k, 0), len(TROUT_SECTIONS) - 1)] for k in (-1, 0, 1, 2)]
-    x, half_height, half_width, middle = [
-        b + .5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a))) for a, b, c, d in zip(*rows)]
-    up, side = math.cos(angle), math.sin(angle)
-    y, z = middle + half_height * up, half_width * side
-    eye = math.exp(-((x - 2.50) ** 2 + (y - .09) ** 2) / .012)
-    forked = .42 * smoothstep(-2.25, -3, x) * (1 - abs(up)) ** 1.3
-    return trout_bend(x + forked, y, z + math.copysign(.05 * eye, side))
+class Fish:
+    """6 long. As it swims, the tail strikes out farthest, by `stroke`; the tail fin is forked by `fork`."""
+
+    def __init__(self, sections, fins, eye, stroke, fork, rings, angles):
+        self.sections, self.fins, self.eye, self.stroke, self.fork = sections, fins, eye, stroke, fork
+        self.rings, self.angles = rings, angles
+
+    def bend(self, x, y, z):
+        return (x, y, z + self.stroke * (.06 + .0135 * (3 - x) ** 2) * math.sin(.95 * x - .3))
+
+    def body(self, t, angle):
+        rows = self.sections
+        s = t * (len(rows) - 1)
+        i = min(int(s), len(rows) - 2)
+        f = s - i
+        rows = [rows[min(max(i + k, 0), len(rows) - 1)] for k in (-1, 0, 1, 2)]
+        x, half_height, half_width, middle = [
+            b + .5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a))) for a, b, c, d in zip(*rows)]
+        up, side = math.cos(angle), math.sin(angle)
+        y, z = middle + half_height * up, half_width * side
+        eye = math.exp(-((x - self.eye[0]) ** 2 + (y - self.eye[1]) ** 2) / .012)
+        forked = self.fork * smoothstep(-2.25, -3, x) * (1 - abs(up)) ** 1.3
+        return self.bend(x + forked, y, z + math.copysign(.05 * eye, side))
+
+    def make(self):
+        """A body, and fins that stand in it; fins are as thin as paper at their rims, and closed."""
+        mesh, n, m = Mesh(), self.rings, self.angles
+        nose, tail = self.sections[0], self.sections[-1]
+
+        def corner(ring, k):
+            if ring == 0:
+                return mesh.vertex('nose', self.bend(nose[0], nose[3], 0.0))
+            return mesh.vertex((ring, k % m), lambda: self.body((ring / n) ** 1.1, 2 * math.pi * (k % m) / m))
+
+        end = mesh.vertex('tail', self.bend(tail[0] + self.fork - .02, tail[3], 0.0))
+        for k in range(m):
+            mesh.triangles.append((corner(0, 0), corner(1, k), corner(1, k + 1)))
+            mesh.triangles.append((end, corner(n, k + 1), corner(n, k)))
+            for ring in range(1, n):
+                mesh.quad(corner(ring, k), corner(ring + 1, k), corner(ring + 1, k + 1), corner(ring, k + 1))
+        nu, nv = 16, 12
+        for number, (a, b, c, d) in enumerate(self.fins):
+            for flank in ((1, -1) if a[2] else (1,)):
+                out = normalized(cross([q - p for p, q in zip(a, b)], [q - p for p, q in zip(a, c)]))
+
+                def rim(i, j, side):
+                    u, v = i / nu, j / nv
+                    inner = 0 < i < nu and 0 < j < nv
+                    high = v * (1 - .12 * (2 * u - 1) ** 4 + .08 * math.sin(math.pi * u))
+                    thick = side * .03 * math.sin(math.pi * u) ** .5 * (v * (1 - v) * (2 - v)) ** .5 if inner else 0
+                    base, top = [p + (q - p) * u for p, q in zip(a, b)], [p + (q - p) * u for p, q in zip(c, d)]
+                    x, y, z = [p + (q - p) * high + o * thick for p, q, o in zip(base, top, out)]
+                    return mesh.vertex((number, flank, i, j, side if inner else 0), lambda: self.bend(x, y, z * flank))
+
+                for side in (1, -1):
+                    for i in range(nu):
+                        for j in range(nv):
+                            quad = [rim(i, j, side), rim(i + 1, j, side), rim(i + 1, j + 1, side), rim(i, j + 1, side)]
+                            mesh.quad(*(quad if side * flank > 0 else quad[::-1]))
+        mesh.round_to_float()
+        mesh.compute_normals()
+        return mesh
 
 
-def make_trout():
-    """A body, and fins that stand in it; fins are as thin as paper at their rims, and closed."""
-    mesh, n, m = Mesh(), TROUT_RINGS, TROUT_ANGLES
-    nose, tail = TROUT_SECTIONS[0], TROUT_SECTIONS[-1]
-
-    def corner(ring, k):
-        if ring == 0:
-            return mesh.vertex('nose', trout_bend(nose[0], nose[3], 0.0))
-        return mesh.vertex((ring, k % m), lambda: trout_body((ring / n) ** 1.1, 2 * math.pi * (k % m) / m))
-
-    end = mesh.vertex('tail', trout_bend(tail[0] + .40, tail[3], 0.0))
-    for k in range(m):
-        mesh.triangles.append((corner(0, 0), corner(1, k), corner(1, k + 1)))
-        mesh.triangles.append((end, corner(n, k + 1), corner(n, k)))
-        for ring in range(1, n):
-            mesh.quad(corner(ring, k), corner(ring + 1, k), corner(ring + 1, k + 1), corner(ring, k + 1))
-    nu, nv = 16, 12
-    for number, (a, b, c, d) in enumerate(TROUT_FINS):
-        for flank in ((1, -1) if a[2] else (1,)):
-            out = normalized(cross([q - p for p, q in zip(a, b)], [q - p for p, q in zip(a, c)]))
-
-            def rim(i, j, side):
-                u, v = i / nu, j / nv
-                inner = 0 < i < nu and 0 < j < nv
-                high = v * (1 - .12 * (2 * u - 1) ** 4 + .08 * math.sin(math.pi * u))
-                thick = side * .03 * math.sin(math.pi * u) ** .5 * (v * (1 - v) * (2 - v)) ** .5 if inner else 0
-                base, top = [p + (q - p) * u for p, q in zip(a, b)], [p + (q - p) * u for p, q in zip(c, d)]
-                x, y, z = [p + (q - p) * high + o * thick for p, q, o in zip(base, top, out)]
-                return mesh.vertex((number, flank, i, j, side if inner else 0), lambda: trout_bend(x, y, z * flank))
-
-            for side in (1, -1):
-                for i in range(nu):
-                    for j in range(nv):
-                        quad = [rim(i, j, side), rim(i + 1, j, side), rim(i + 1, j + 1, side), rim(i, j + 1, side)]
-                        mesh.quad(*(quad if side * flank > 0 else quad[::-1]))
-    mesh.round_to_float()
-    mesh.compute_normals()
-    return mesh
+TROUT = Fish(TROUT_SECTIONS, TROUT_FINS, (2.50, .09), 1, .42, 120, 44)
+TETRA = Fish(TETRA_SECTIONS, TETRA_FINS, (2.45, .10), .6, .50, 72, 32)
+ANGEL = Fish(ANGEL_SECTIONS, ANGEL_FINS, (2.25, .22), .4, .12, 96, 48)
 
 
 # ---- spruces ----
@@ -618,7 +646,8 @@ def main():
         make_ice(i).write(os.path.join(folder, 'ice%d.ply' % i))
     make_water().write(os.path.join(folder, 'water_surface.ply'))
     make_goby().write(os.path.join(folder, 'goby.ply'))
-    make_trout().write(os.path.join(folder, 'trout.ply'))
+    for name, fish in (('trout', TROUT), ('tetra', TETRA), ('angelfish', ANGEL)):
+        fish.make().write(os.path.join(folder, name + '.ply'))
     for i in (1, 2):
         make_spruce(i).write(os.path.join(folder, 'spruce%d.ply' % i))
     write_label(os.path.join(folder, 'label.png'))
