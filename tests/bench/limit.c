@@ -3,8 +3,8 @@
  * The linker puts __wrap_rtc_nearest and __wrap_rtc_all in place of the two questions that a render asks of the
  * geometry (see the Makefile). They note the rays, in order. The rays are then cast again through bare rtcIntersect1 and
  * rtcOccluded1, robust as in the render, on triangles alone: no callback, no list, no double precision, nothing done
- * with the answer. Meshes are as they are in the scene; analytic pieces, which Embree has no notion of, become
- * triangles. So the replay is what a renderer would pay that does nothing but find the surfaces of a tessellated scene.
+ * with the answer. Meshes are as they are in the scene, those that are placed again and again as instances; analytic pieces,
+ * which Embree has no notion of, become triangles. So the replay is what a renderer would pay that does nothing but find the surfaces of a tessellated scene.
  * How many of the answers agree with the render's is printed, too: the replay is worth as much as that; and what the same
  * rays take when they are asked again as the render asks them, exactly and past silent surfaces, without anything being
  * done with the answers: what is beyond that is the list, shading, sampling, light and film. What the whole ratio would be if
@@ -99,7 +99,16 @@ bool __wrap_rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, 
 
 /* ---- the scene as triangles ---- */
 
+/* A mesh that is placed again and again is one scene of Embree's. */
+enum { MOST_COPIES = 8 };
+typedef struct Placing {
+    uint32_t shape;
+    Affine to_world;
+} Placing;
+
 typedef struct Soup {
+    Placing *placings;
+    size_t n_placings, placings_capacity;
     Vec3f *vertices;
     uint32_t (*triangles)[3];
     size_t n_vertices, n_triangles, vertices_capacity, triangles_capacity;
@@ -178,20 +187,36 @@ static double add_piece(Soup *soup, const Piece *piece, const Affine *to_world)
     return around > 1 ? radius * (1 - cos(3.14159 / around)) : 0;
 }
 
+/* The mesh of an object. */
+static void place_mesh(Soup *soup, const CompiledScene *compiled, uint32_t object, const uint32_t *n_placed)
+{
+    const SceneObject *placed = &compiled->scene->objects[object];
+    if (n_placed[placed->shape] <= MOST_COPIES) {
+        add_mesh(soup, compiled->scene->shapes[placed->shape].mesh, &placed->to_world);
+        return;
+    }
+    if (!array_reserve(&soup->placings, &soup->placings_capacity, soup->n_placings + 1, sizeof *soup->placings))
+        bench_fail("memory", NULL);
+    soup->placings[soup->n_placings++] = (Placing){placed->shape, placed->to_world};
+}
+
 static void soup_from_scene(Soup *soup, const CompiledScene *compiled)
 {
     *soup = (Soup){0};
+    uint32_t *n_placed = calloc(compiled->scene->n_shapes + 1U, sizeof *n_placed);
     Box3 bounds = rtc_scene_bounds(compiled->rtc);
     soup->reach = fmax(vec3_max_abs(bounds.min), vec3_max_abs(bounds.max));
     if (!isfinite(soup->reach)) soup->reach = 1;
     soup->steps = calloc(compiled->scene->n_objects, sizeof *soup->steps);
-    if (!soup->steps) bench_fail("memory", NULL);
+    if (!soup->steps || !n_placed) bench_fail("memory", NULL);
+    for (uint32_t i = 0; i < compiled->scene->n_objects; i++)
+        if (compiled->scene->objects[i].shape != SCENE_NONE) n_placed[compiled->scene->objects[i].shape]++;
     for (uint32_t i = 0; i < compiled->scene->n_objects; i++) {
         const SceneObject *object = &compiled->scene->objects[i];
         if (object->shape == SCENE_NONE) continue;
         const SceneShape *shape = &compiled->scene->shapes[object->shape];
         soup->steps[i] = 1e-5 * soup->reach;
-        if (shape->mesh) add_mesh(soup, shape->mesh, &object->to_world);
+        if (shape->mesh) place_mesh(soup, compiled, i, n_placed);
         for (uint32_t k = 0; shape->solid && k < shape->solid->n_pieces; k++) {
             double off = add_piece(soup, &shape->solid->pieces[k], &object->to_world);
             soup->steps[i] = fmax(soup->steps[i], 2 * off);
@@ -201,10 +226,41 @@ static void soup_from_scene(Soup *soup, const CompiledScene *compiled)
         if (object->light != SCENE_NONE && compiled->scene->lights[object->light].kind == LIGHT_SPHERE)
             soup->steps[i] = 2 * compiled->scene->lights[object->light].half_width;
     }
+    free(n_placed);
+}
+
+/* All of it in Embree. */
+static RTCScene soup_scene(const Soup *soup, const CompiledScene *compiled, RTCDevice device)
+{
+    RTCScene world =
+        bare_scene(device, soup->vertices, soup->n_vertices, (const uint32_t(*)[3])soup->triangles, soup->n_triangles);
+    RTCScene *meshes = calloc(compiled->scene->n_shapes + 1U, sizeof(RTCScene));
+    if (!meshes) bench_fail("memory", NULL);
+    for (size_t i = 0; i < soup->n_placings; i++) {
+        const Placing *placing = &soup->placings[i];
+        RTCScene *mesh = &meshes[placing->shape];
+        float map[12];
+        for (int k = 0; k < 9; k++) map[k] = (float)placing->to_world.m[k % 3][k / 3];
+        const Vec3 *t = &placing->to_world.t;
+        map[9] = (float)t->x, map[10] = (float)t->y, map[11] = (float)t->z;
+        if (!*mesh) *mesh = bare_mesh(device, compiled->scene->shapes[placing->shape].mesh);
+        RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(instance, *mesh);
+        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, map);
+        rtcCommitGeometry(instance);
+        rtcAttachGeometry(world, instance);
+        rtcReleaseGeometry(instance);
+    }
+    for (uint32_t i = 0; i < compiled->scene->n_shapes; i++)
+        if (meshes[i]) rtcReleaseScene(meshes[i]); /* the instances hold them */
+    free(meshes);
+    rtcCommitScene(world);
+    return world;
 }
 
 static void soup_clear(Soup *soup)
 {
+    free(soup->placings);
     free(soup->vertices);
     free(soup->triangles);
     free(soup->steps);
@@ -311,9 +367,7 @@ static void limit_of(const char *path, RTCDevice device, Pool *pools[2])
     soup_from_scene(&soup, made.compiled);
     noted.steps = soup.steps;
     note_render(made.compiled, &noted, pools[0]);
-    Replay replay = {.scene = bare_scene(device, soup.vertices, soup.n_vertices, (const uint32_t(*)[3])soup.triangles,
-                                         soup.n_triangles),
-                     .notes = &noted};
+    Replay replay = {.scene = soup_scene(&soup, made.compiled, device), .notes = &noted};
     Packets *packets = packets_new(noted.items, noted.n);
     if (!packets) bench_fail("memory", NULL);
     double ratio[2][RUNS], exact[RUNS], by_packets[RUNS], ray_ns[RUNS], rate[3][RUNS], agreed;
