@@ -647,8 +647,7 @@ static Box3 shape_bounds(const SceneShape *shape)
 {
     Box3 box = box3_empty();
     if (shape->mesh)
-        for (uint32_t i = 0; i < shape->mesh->n_vertices; i++)
-            box = box3_add_point(box, vec3_from_f(shape->mesh->positions[i]));
+        box = mesh_bounds(shape->mesh);
     else if (shape->solid && shape->solid->pieces[0].kind != PIECE_PLANE)
         for (uint32_t i = 0; i < shape->solid->n_pieces; i++)
             box = box3_union(box, piece_bounds(&shape->solid->pieces[i]));

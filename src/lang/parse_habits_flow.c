@@ -70,7 +70,7 @@ bool parse_do_loop(Parser *parser)
     consume(parser);
     parse_block(parser);
     const char *condition = "...";
-    bool until = parser->token.kind == TOKEN_NAME && strcmp(parser->token.as.symbol->text, "until") == 0;
+    bool until = at_word(parser, "until");
     if (!parser->panic && (until || parser->token.kind == TOKEN_WHILE) && peek(parser).kind == TOKEN_PAREN_OPEN) {
         consume(parser);
         uint32_t begin = parser->token.end;

@@ -307,6 +307,13 @@ Status mesh_inspect(const Mesh *mesh, Pool *pool, MeshReport *report, Error *err
     return status;
 }
 
+Box3 mesh_bounds(const Mesh *mesh)
+{
+    Box3 bounds = box3_empty();
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) bounds = box3_add_point(bounds, vec3_from_f(mesh->positions[i]));
+    return bounds;
+}
+
 double mesh_volume(const Mesh *mesh)
 {
     Box3 bounds = box3_empty();

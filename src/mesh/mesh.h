@@ -114,6 +114,8 @@ ATTR_NODISCARD Status mesh_take_layers(const Mesh *mesh, const MeshParts *parts,
  * sheet that encloses positive volume stays. Vertex normals that point against the triangles around them
  * in the end are turned, if any triangle was. */
 ATTR_NODISCARD Status mesh_orient(Mesh *mesh, Pool *pool, bool *mended, Error *error);
+/* Around all vertices. */
+Box3 mesh_bounds(const Mesh *mesh);
 /* Divergence theorem over the triangles, double precision, relative to the mesh's centre. */
 double mesh_volume(const Mesh *mesh);
 

@@ -70,6 +70,15 @@ float spectrum_at_one(const Spectrum *spectrum, float wavelength_nm)
     return lanes_get(spectrum_at(spectrum, lanes_all(wavelength_nm)), 0);
 }
 
+bool spectrum_same(const Spectrum *a, const Spectrum *b)
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
+        if (spectrum_at_one(a, nm) != spectrum_at_one(b, nm)) return false;
+    }
+    return true;
+}
+
 bool spectrum_is_constant(const Spectrum *spectrum)
 {
     const float *value = spectrum->value;

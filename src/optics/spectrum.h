@@ -44,6 +44,7 @@ static inline Lanes spectrum_at(const Spectrum *spectrum, Lanes wavelength_nm)
 float spectrum_at_one(const Spectrum *spectrum, float wavelength_nm);
 bool spectrum_is_constant(const Spectrum *spectrum); /* the same at all wavelengths */
 bool spectrum_is_zero(const Spectrum *spectrum);
+bool spectrum_same(const Spectrum *a, const Spectrum *b); /* at all kept wavelengths, whatever they are made of */
 /* the largest value over the range, to within the sampling of 5 nm */
 float spectrum_max(const Spectrum *spectrum);
 

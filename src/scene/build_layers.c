@@ -18,13 +18,6 @@ static Status take_layers(Builder *b, uint32_t shape, uint32_t first, bool end, 
     return status;
 }
 
-static Box3 mesh_bounds(const Mesh *mesh)
-{
-    Box3 bounds = box3_empty();
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) bounds = box3_add_point(bounds, vec3_from_f(mesh->positions[i]));
-    return bounds;
-}
-
 /* Rows for the layers, after those of all other shapes. */
 static Status make_layers(Builder *b, uint32_t shape, uint32_t *first, Error *error)
 {

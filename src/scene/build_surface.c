@@ -486,15 +486,6 @@ uint32_t build_grey_surface(Builder *b)
 
 /* ---- while the shutter is open ---- */
 
-static bool same_spectrum(const Spectrum *a, const Spectrum *b)
-{
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
-        float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
-        if (spectrum_at_one(a, nm) != spectrum_at_one(b, nm)) return false;
-    }
-    return true;
-}
-
 const SurfaceTexture *build_texture_of(const SceneSurface *surface, const char *property)
 {
     for (uint32_t i = 0; i < surface->n_textures; i++)
@@ -510,7 +501,7 @@ static bool same_parameter(const Parameter *parameter, const SceneSurface *a, co
     if (textured) return true;
     if (parameter->kind == PARAMETER_NUMBER || parameter->kind == PARAMETER_NANOMETRES)
         return *(const float *)first == *(const float *)second;
-    return same_spectrum((const Spectrum *)first, (const Spectrum *)second);
+    return spectrum_same((const Spectrum *)first, (const Spectrum *)second);
 }
 
 static bool same_emission(const SceneSurface *a, const SceneSurface *b)
@@ -518,13 +509,13 @@ static bool same_emission(const SceneSurface *a, const SceneSurface *b)
     bool textured = a->emission_texture != SCENE_NONE;
     if (textured != (b->emission_texture != SCENE_NONE)) return false;
     if (textured) return a->emission_factor == b->emission_factor;
-    return a->emits == b->emits && (!a->emits || same_spectrum(&a->emission, &b->emission));
+    return a->emits == b->emits && (!a->emits || spectrum_same(&a->emission, &b->emission));
 }
 
 static bool same_metal(const SceneSurface *a, const SceneSurface *b)
 {
     return a->spec.measured_metal == b->spec.measured_metal &&
-           (!a->spec.measured_metal || same_spectrum(&a->spec.metal_n, &b->spec.metal_n));
+           (!a->spec.measured_metal || spectrum_same(&a->spec.metal_n, &b->spec.metal_n));
 }
 
 const char *build_next_change(const SceneSurface *a, const SceneSurface *b, unsigned *n)

@@ -30,15 +30,6 @@ static bool same_numbers(const Pattern *p, const Pattern *q)
     return true;
 }
 
-static bool same_spectrum(const Spectrum *a, const Spectrum *b)
-{
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
-        float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
-        if (spectrum_at_one(a, nm) != spectrum_at_one(b, nm)) return false;
-    }
-    return true;
-}
-
 /* As far apart as rounding makes equal places. */
 static bool nearly_same_map(const Affine *a, const Affine *b)
 {
@@ -57,11 +48,11 @@ static bool same_texture(const Texture *a, const Texture *b)
     if (a->placed != b->placed || a->vary != b->vary || a->turns != b->turns || a->turbulence != b->turbulence ||
         (a->placed && !nearly_same_map(&a->to_pattern, &b->to_pattern)))
         return false;
-    if (a->kind == TEXTURE_CONSTANT && !same_spectrum(&a->value, &b->value)) return false;
+    if (a->kind == TEXTURE_CONSTANT && !spectrum_same(&a->value, &b->value)) return false;
     if (a->kind == TEXTURE_PATTERN && !same_numbers(&a->pattern, &b->pattern)) return false;
     if (a->kind == TEXTURE_FORMULA && program_hash(a->program) != program_hash(b->program)) return false;
     for (uint32_t i = 0; i < a->n_stops; i++)
-        if (a->stops[i].at != b->stops[i].at || !same_spectrum(&a->stops[i].value, &b->stops[i].value)) return false;
+        if (a->stops[i].at != b->stops[i].at || !spectrum_same(&a->stops[i].value, &b->stops[i].value)) return false;
     return true;
 }
 

@@ -7,13 +7,6 @@
 
 /* ---- media ---- */
 
-static uint32_t volume_row(const Scene *scene, const Volume *volume)
-{
-    for (uint32_t i = 0; volume && i < scene->n_volumes; i++)
-        if (scene->volumes[i] == volume) return i;
-    return SCENE_NONE;
-}
-
 static void move_volume(Finder *f, const SceneMedium *medium, const char *what, uint32_t row, uint32_t row_then)
 {
     if (row == SCENE_NONE && row_then == SCENE_NONE) return;
@@ -26,8 +19,9 @@ static void move_volume(Finder *f, const SceneMedium *medium, const char *what, 
 static void compare_media(Finder *f, uint32_t row, uint32_t row_then)
 {
     SceneMedium a = f->scene->media[row], b = f->other->media[row_then];
-    move_volume(f, &a, "the density of ", volume_row(f->scene, a.density), volume_row(f->other, b.density));
-    move_volume(f, &a, "the temperature of ", volume_row(f->scene, a.temperature), volume_row(f->other, b.temperature));
+    move_volume(f, &a, "the density of ", scene_volume_row(f->scene, a.density), scene_volume_row(f->other, b.density));
+    move_volume(f, &a, "the temperature of ", scene_volume_row(f->scene, a.temperature),
+                scene_volume_row(f->other, b.temperature));
     a.density = b.density = a.temperature = b.temperature = NULL; /* theirs is compared */
     if (scene_medium_hash(&a) != scene_medium_hash(&b) || a.reference_k != b.reference_k || a.priority != b.priority)
         motion_report(f, &a.span, "medium ", a.name);

@@ -294,3 +294,10 @@ Box3 scene_camera_bounds(const Scene *scene, const SceneCamera *camera)
         box = box3_add_point(box, scene_camera_place(scene, camera, corner & 1 ? 1 : -1, corner & 2 ? 1 : -1));
     return box;
 }
+
+uint32_t scene_volume_row(const Scene *scene, const Volume *volume)
+{
+    for (uint32_t i = 0; volume && i < scene->n_volumes; i++)
+        if (scene->volumes[i] == volume) return i;
+    return SCENE_NONE;
+}

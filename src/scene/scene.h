@@ -370,6 +370,8 @@ static inline const Affine *scene_motion(const Scene *scene, uint32_t motion)
 {
     return motion == SCENE_NONE ? NULL : scene->motions + (size_t)motion * scene->n_keys;
 }
+/* A volume's row among the scene's; SCENE_NONE: it has none, as NULL. */
+uint32_t scene_volume_row(const Scene *scene, const Volume *volume);
 /* Where a moving object is at the times of the scene's keys; NULL for one that stands still. */
 static inline const Affine *scene_keys(const Scene *scene, const SceneObject *object)
 {

@@ -61,9 +61,8 @@ static void make_cells(const CompiledScene *compiled, MediumPlace *place, const 
 
 static const Affine *volume_keys(const Scene *scene, const Volume *volume)
 {
-    for (uint32_t i = 0; volume && i < scene->n_volumes; i++)
-        if (scene->volumes[i] == volume) return scene_motion(scene, scene->volume_places[i].motion);
-    return NULL;
+    uint32_t row = scene_volume_row(scene, volume);
+    return row == SCENE_NONE ? NULL : scene_motion(scene, scene->volume_places[row].motion);
 }
 
 static void place_medium(const Scene *scene, MediumPlace *place)

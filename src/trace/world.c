@@ -237,10 +237,7 @@ Status world_find_mesh_boxes(World *world, Error *error)
     if (!world->mesh_boxes) return fail_memory(error, size, "the boxes around meshes");
     for (uint32_t i = 0; i < scene->n_shapes; i++) {
         const Mesh *mesh = scene->shapes[i].mesh;
-        Box3 box = box3_empty();
-        for (uint32_t k = 0; mesh && !mesh->uvs && k < mesh->n_vertices; k++)
-            box = box3_add_point(box, vec3_from_f(mesh->positions[k]));
-        world->mesh_boxes[i] = box;
+        world->mesh_boxes[i] = mesh && !mesh->uvs ? mesh_bounds(mesh) : box3_empty();
     }
     return STATUS_OK;
 }
