@@ -6,7 +6,8 @@
  * off (put_off) until the search is over and few are left, and only what decides about the search is asked at once: is it
  * in front of the start for certain? where it is not, it is computed exactly on the spot (take_exactly). What is then
  * found in double shows whether the search went far enough; where it did not, at grazing rays above all, it is done
- * again with every candidate computed as it comes (search_exactly). Surfaces that the ray passes by are noted on the way
+ * again with every candidate computed as it comes (search_exactly). What is met near an edge is first looked at closer
+ * (rtc_edge.c), and may turn out not to be there. Surfaces that the ray passes by are noted on the way
  * in a list of their own (rtc_passed.c), and end nothing.
  *
  * The ray that Embree sees starts a little behind the true one, so that a triangle right at the start is
@@ -799,6 +800,24 @@ ATTR_COLD static size_t search_exactly(Query *query)
     }
 }
 
+/* What has been found near edges is looked at closer. False where nothing is left as far as the search went: it may have ended
+ * at a triangle that the exact ray misses. */
+ATTR_COLD static bool settle(Query *query)
+{
+    rtc_look_closer(query);
+    sort_found(query, query->hits);
+    if (query->passes) rtc_complete_hits(query, query->passed, query->reach);
+    return query->hits->n > 0 && reaches_behind(query, &query->hits->items[0]);
+}
+
+/* The nearest place as the usual search finds it; false where an exact one is needed. n: of hits there. */
+static bool find_nearest(Query *query, size_t *n)
+{
+    if (UNLIKELY(!complete_nearest(query)) || (UNLIKELY(query->unsure) && !settle(query))) return false;
+    *n = nearest_place(query);
+    return LIKELY(*n <= 1) || chain_end(&query->hits->items[*n - 1]) <= query->reach;
+}
+
 /* Whether a ray goes into an object that nothing else reaches into: it then meets the other side of its surface, and that
  * alone. */
 static bool cross_lone(Query *query)
@@ -821,11 +840,10 @@ size_t rtc_nearest(const RtcScene *scene, const Ray *ray, HitList *hits, HitList
     hits->beside = false;
     if (ray->n_left == 1 && ray->left->inside && cross_lone(&query)) return 1;
     for (;;) {
-        if (UNLIKELY(!search_nearest(&query))) return 0;
-        bool good = complete_nearest(&query);
-        size_t n = good ? nearest_place(&query) : 0;
-        if (UNLIKELY(!good || query.unsure || (n > 1 && chain_end(&hits->items[n - 1]) > query.reach)))
-            n = search_exactly(&query);
+        size_t n = 0;
+        bool at_edge = query.unsure;
+        if (LIKELY(!at_edge) && UNLIKELY(!search_nearest(&query))) return 0;
+        if (UNLIKELY(at_edge) || UNLIKELY(!find_nearest(&query, &n))) n = search_exactly(&query);
         if (query.passes && passed->n) passed->n = rtc_drop_repeats(ray, passed->items, passed->n);
         if (n == 0) return 0;
         if (LIKELY(n == 1 && (ray->n_left == 0 || (ray->n_left == 1 && !may_repeat(ray->left, hits->items)))))

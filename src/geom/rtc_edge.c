@@ -9,8 +9,10 @@
 #include "geom/rtc_boxes.h"
 #include "geom/rtc_query.h"
 
-/* How far Embree's line may run beside the exact one, of the coordinates: the nudge, and some roundings. */
-#define LINE_NOISE 0x1p-19
+/* How far Embree's line may run beside the exact one, of the coordinates: the nudge of a quarter of that, and some roundings. */
+#define LINE_NOISE 0x1p-20
+/* What it rounds of a triangle's weights themselves, of that; it counts where an edge runs along the line. */
+#define ALONG_LINE 0.25
 /* The slope from one triangle of a quad to the other at which both are one plane. */
 #define FLAT 0x1p-20
 /* Below this cosine a ray that starts within rounding of a plane may meet it where Embree does not look. */
@@ -62,6 +64,12 @@ static bool is_flat(const Query *query, const Hit *hit, const Vec3 corner[3])
     return slope > 0 && fabs(vec3_dot(normal, out)) * vec3_length(edge) <= FLAT * slope;
 }
 
+double rtc_edge_noise(const Query *query, Vec3 edge, double scale)
+{
+    double across = vec3_length(vec3_cross(query->direction, edge));
+    return LINE_NOISE * scale * (across + ALONG_LINE * vec3_length(edge));
+}
+
 bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale)
 {
     Vec3 corner[3];
@@ -70,8 +78,8 @@ bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale)
     if (!rtc_line_meets(query, corner, weight)) return false;
     for (int i = 0; i < 3; i++) {
         Vec3 edge = vec3_sub(corner[(i + 2) % 3], corner[(i + 1) % 3]);
-        double noise = LINE_NOISE * scale, across = vec3_length(vec3_cross(query->direction, edge));
-        if (fabs(weight[i]) <= noise * across && (i > 0 || !is_flat(query, hit, corner))) return false;
+        if (fabs(weight[i]) <= rtc_edge_noise(query, edge, scale) && (i > 0 || !is_flat(query, hit, corner)))
+            return false;
     }
     return true;
 }
@@ -207,8 +215,7 @@ void rtc_look_at(Query *query, const Hit *at)
     for (int k = 0; k < 3; k++) inside = vec3_along(inside, sum > 0 ? weight[k] / sum : 1.0 / 3, corner[k]);
     for (int k = 0; k < 3; k++) {
         Vec3 a = corner[(k + 1) % 3], edge = vec3_sub(corner[(k + 2) % 3], a);
-        double across = vec3_length(vec3_cross(query->direction, edge));
-        if (weight[k] > LINE_NOISE * scale * across) continue;
+        if (weight[k] > rtc_edge_noise(query, edge, scale)) continue;
         far = double_max(far, vec3_length(vec3_cross(vec3_sub(inside, a), edge)) / vec3_length(edge));
     }
     /* Where Embree's line runs beside the exact one, it comes to a flat surface that much earlier or later, a few faces away. */

@@ -9,7 +9,7 @@
 #define WEDGE 16
 /* What Embree's barycentric coordinates can be off by, of the ratio of a triangle's length, times the distance, to its
  * area as the ray sees it: some roundings of float. */
-#define EDGE_NOISE 0x1p-18
+#define EDGE_NOISE 0x1p-19
 
 double rtc_rounding(Vec3 p)
 {

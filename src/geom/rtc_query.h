@@ -106,13 +106,16 @@ static inline void rtc_need_frame(Query *query, const RtcPlaced *object)
 {
     if (query->local.frame != object->frame) rtc_enter_frame(query, object);
 }
+/* RtcMaps.rounding of a frame that moves, whose maps Embree makes for each ray. */
+#define RTC_MOVING_ROUNDING 8
 /* The coordinates that Embree rounds where a triangle of an object is met at t; largest: its own. */
 static inline double rtc_rounded_scale(const Query *query, const RtcPlaced *object, double largest, double t)
 {
     double scale = double_max(query->start_scale, largest) + fabs(t);
     if (LIKELY(object->mesh->baked)) return scale;
     /* an instance is traced in its own frame: what goes into it and back is rounded, too */
-    return 4 * (scale + vec3_max_abs(object->place));
+    double times = object->moves ? RTC_MOVING_ROUNDING : object->mapped ? object->maps->rounding : 1;
+    return times * (scale + vec3_max_abs(object->place));
 }
 /* How far along a ray double may take its start to be off; scale: the largest coordinate of its start and of the scene. */
 static inline double rtc_start_noise(double scale, const Ray *ray)
@@ -153,8 +156,10 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object);
 /* Whether the ray's line goes through a triangle, and the corners' weights there, up to a common factor. One of
  * neighbours that share an edge is met, or both, or none. */
 bool rtc_line_meets(const Query *query, const Vec3 corner[3], double weight[3]);
-/* Whether it goes through the triangle of a hit, and so far from the edges that Embree's line meets it, too. scale: the
+/* How near 0 such a weight is at most where Embree may say that the line passes an edge on the other side. scale: the
  * coordinates that Embree rounds. */
+double rtc_edge_noise(const Query *query, Vec3 edge, double scale);
+/* Whether it goes through the triangle of a hit, and so far from the edges that Embree's line meets it, too. */
 bool rtc_line_is_clear(const Query *query, const Hit *hit, double scale);
 /* A ray from afar: where Embree's starts, and what is not seen from there. */
 void rtc_start_from_afar(Query *query);

@@ -30,6 +30,7 @@ typedef struct RtcMesh {
 
 typedef struct RtcMaps {
     Affine to_world, to_local; /* at time 0 */
+    double rounding;           /* how many times what float rounds of coordinates is off that go into the frame and back */
 } RtcMaps;
 
 /* Whether anything else reaches into an object; see rtc_lone.c. */
