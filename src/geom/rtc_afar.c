@@ -10,8 +10,8 @@
  *     m(b) = 2^-19 max(b, L),
  * L being RtcScene.piece_reach, and no less than 2^-12 of the reach R of the scene. A ray from o meets the piece at p: |p| <= b.
  * Embree's line is displaced, along each axis, by no more than d:
- *   - from nearby, |o| <= 2 L: the start is nudged by 2^-22 |o|, moved back by 2^-9 of |o| or of the triangles' coordinates, which
- *     are no larger than R, and then rounded: d <= 1.25 x 2^-22 |o| + 2^-33 R <= (0.31 + 0.25) 2^-19 L < m.
+ *   - from nearby, |o| <= 2 L: the start is nudged by 2^-22 |o|, moved back by 2^-12 of |o| or of the triangles' coordinates, which
+ *     are no larger than R, and then rounded: d <= 1.25 x 2^-22 |o| + 2^-36 R <= (0.31 + 0.03) 2^-19 L < m.
  *   - from farther away: by the same d < m where |p| >= |o| / 2.
  *   - For the rest, the ray enters the cube of all points no larger than h = |o| / 2, and Embree is shown it from there on, with
  *     no nudge: d <= 2^-24 h, which is half of m where h <= 16 max(|p|, L). While that is not so for all p, so again at the cube

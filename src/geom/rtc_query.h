@@ -6,11 +6,12 @@
 #include "geom/rtc_scene.h"
 
 /* A float has 24 bits. Coordinates are trusted to 4 units in the last place; Embree's distances to 16,
- * divided by the cosine; the start is moved back by 32,768, for surfaces that are left at a grazing angle. */
+ * divided by the cosine; the start is moved back by 2,048, for surfaces near it that are grazed: what is nearer to the start along
+ * its normal than coordinates are trusted stands at one place with it. */
 #define UNIT_ROUNDING 0x1p-23
 #define TRUSTED_ULPS 4.0
 #define EMBREE_NOISE 0x1p-20
-#define START_BACK 0x1p-9
+#define START_BACK 0x1p-12
 /* Rays are from afar that start so many times as far away as RtcScene.piece_reach. */
 #define RTC_AFAR 2
 /* What double precision makes of a point on a surface. */
