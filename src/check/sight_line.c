@@ -8,6 +8,26 @@
 #include "check/report_parts.h"
 #include "nest/cross.h"
 
+/* A combination has a surface where it begins or ends, and none where an operand does so within it, or outside. Leaves of n hits those
+ * whose objects have one; entering becomes the object's own. */
+static size_t keep_surfaces(const CompiledScene *compiled, const NestList *before, const NestList *behind, Hit *hits,
+                            size_t n)
+{
+    const NestCsg *csg = compiled->order.csg;
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t hull = compiled->hull_of_object[hits[i].object];
+        if (csg && hull != SCENE_NONE && hull >= csg->first_operand) {
+            uint32_t tree = nest_csg_tree(csg, hull);
+            bool held = nest_csg_holds(csg, tree, before), holds = nest_csg_holds(csg, tree, behind);
+            if (held == holds) continue;
+            hits[i].entering = holds;
+        }
+        hits[kept++] = hits[i];
+    }
+    return kept;
+}
+
 /* The objects whose surfaces are among n hits, each once. */
 static uint32_t count_objects(const CompiledScene *compiled, const Hit *hits, size_t n)
 {
@@ -33,26 +53,37 @@ static SightKind kind_of(const CompiledScene *compiled, const NestCrossing *cros
     return SIGHT_ALIKE;
 }
 
-/* Crosses the surfaces at one place, and notes what that is; false when memory ends. */
-static bool add_step(const CompiledScene *compiled, const Hit *hits, size_t n, NestList *list, SightLine *line)
+/* Crosses the surfaces at one place; false when memory ends. */
+static bool cross_all(const CompiledScene *compiled, const Hit *hits, size_t n, NestList *list, NestCrossing *crossing)
 {
-    if (!ARRAY_ROOM(line->steps, line->capacity, line->n)) return false;
-    const Hit *first = &hits[0];
-    bool opaque = false;
-    NestCrossing crossing = {.owner_from = nest_owner(&compiled->order, list),
-                             .owner_to = nest_owner(&compiled->order, list)};
-    crossing.medium_from = crossing.medium_to = nest_medium(list);
+    uint32_t n_passes = 0;
     NestPass *passes = malloc(n * sizeof *passes);
     if (!passes) return false;
-    uint32_t n_passes = 0;
+    crossing->owner_from = crossing->owner_to = nest_owner(&compiled->order, list);
+    crossing->medium_from = crossing->medium_to = nest_medium(list);
     for (size_t i = 0; i < n; i++) {
         uint32_t pass = compiled->hull_of_object[hits[i].object];
-        if (pass == SCENE_NONE && !opaque) first = &hits[i];
-        opaque = opaque || pass == SCENE_NONE;
         if (pass != SCENE_NONE) passes[n_passes++] = (NestPass){pass, hits[i].entering};
     }
-    bool fine = !n_passes || nest_cross(list, &compiled->order, passes, n_passes, &crossing) == STATUS_OK;
+    bool fine = !n_passes || nest_cross(list, &compiled->order, passes, n_passes, crossing) == STATUS_OK;
     free(passes);
+    return fine;
+}
+
+/* Crosses the surfaces at one place, and notes what that is; false when memory ends. */
+static bool add_step(const CompiledScene *compiled, Hit *hits, size_t n, NestList *list, SightLine *line)
+{
+    NestCrossing crossing = {0};
+    NestList before;
+    nest_list_init(&before);
+    bool fine = ARRAY_ROOM(line->steps, line->capacity, line->n) && nest_list_copy(&before, list) == STATUS_OK &&
+                cross_all(compiled, hits, n, list, &crossing);
+    if (fine) n = keep_surfaces(compiled, &before, list, hits, n);
+    nest_list_clear(&before);
+    if (!fine || n == 0) return fine;
+    const Hit *first = &hits[0], *opaque = NULL;
+    for (size_t i = 0; i < n && !opaque; i++)
+        if (compiled->hull_of_object[hits[i].object] == SCENE_NONE) opaque = first = &hits[i];
     line->steps[line->n++] = (SightStep){.distance = hits[0].t,
                                          .kind = kind_of(compiled, &crossing, opaque),
                                          .object = scene_whole(compiled->scene, first->object),
@@ -61,7 +92,7 @@ static bool add_step(const CompiledScene *compiled, const Hit *hits, size_t n, N
                                          .to = crossing.medium_to,
                                          .top = crossing.owner_to,
                                          .entering = first->entering};
-    return fine;
+    return true;
 }
 
 Status sight_line_find(const CompiledScene *compiled, const Ray *ray, SightLine *line, Error *error)
@@ -80,7 +111,7 @@ Status sight_line_find(const CompiledScene *compiled, const Ray *ray, SightLine 
         size_t n = rtc_cluster(hits.items + begin, hits.n - begin);
         fine = add_step(compiled, hits.items + begin, n, &list, line);
         begin += n;
-        if (fine && line->steps[line->n - 1].kind == SIGHT_OPAQUE) break;
+        if (line->n && line->steps[line->n - 1].kind == SIGHT_OPAQUE) break;
     }
     hit_list_clear(&hits);
     nest_list_clear(&list);

@@ -239,6 +239,23 @@ s = json.load(open("out"))["sight"]
 assert s["start"] == "air", s
 assert [x["kind"] for x in s["surfaces"]] == ["boundary", "silent", "boundary", "boundary", "boundary", "boundary", "boundary", "boundary", "opaque"], s
 ' || flunk "the JSON of --pixel"
+cat > cut.mns <<'SCENE'
+meniscus 1.0 unit mm
+medium glass { ior = 1.5  state = solid }
+medium water { ior = 1.33  state = liquid }
+box pane { interior = glass  from = <-9, -9, 0>  to = <9, 9, 40> }
+difference pond { interior = water  box { from = <-8, -8, -20>  to = <8, 8, 30> }  sphere { center = <0, 0, 15>  radius = 5 } }
+union twins { interior = water  box { from = <-2, -2, -40>  to = <2, 2, -30> }  box { from = <-2, -2, -50>  to = <2, 2, -35> } }
+intersection elsewhere { interior = water  box { from = <-2, -2, -70>  to = <2, 2, -60> }  sphere { center = <30, 0, -65>  radius = 2 } }
+camera { from = <0, 0, 100>  to = <0, 0, 0>  fov = 10deg }
+environment { }
+film { size = <9, 9> }
+SCENE
+run check cut.mns --pixel 4,4 # the cut is in the pane; what ends within a combination, or outside of it, is no surface
+matches out '^ +80.0 mm +pond +left in silence: pane is on top, by state of matter$'
+matches out '^ +90.0 mm +pond +entered in silence: pane is on top, by state of matter$'
+[ "$(grep -c '^ .* twins  *boundary' out)" = 2 ] || flunk "boundaries between the twins"
+[ "$(sed -n '/^Along/,$p' out | grep -c elsewhere)" = 0 ] || flunk "a surface of what the line passes by"
 run check sight.mns --pixel 9,0
 exits 2
 says err "no pixel of the picture, 0,0 to 8,8"
