@@ -4,25 +4,56 @@
 
 #include "cli/commands.h"
 #include "cli/scene_input.h"
+#include "lang/lex.h"
+
+/* What the numbers of a parameter are in; NULL: nothing says so. */
+static const char *unit_of_param(const EvalResult *result, const EvalParam *param)
+{
+    switch (param->measure) {
+    case UNIT_LENGTH: return unit_of_length(result->unit_m);
+    case UNIT_ANGLE: return "deg";
+    case UNIT_TIME: return "s";
+    case UNIT_KELVIN: return "K";
+    default: return NULL;
+    }
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* With the unit behind each number, as -D takes it: "<10mm, 2mm>", "5mm..60mm". */
+static void add_with_unit(Buf *out, const char *text, const char *unit)
+{
+    for (const char *c = text; *c; c++) {
+        buf_format(out, "%c", *c);
+        bool goes_on = is_digit(c[1]) || c[1] == 'e' || (c[1] == '.' && is_digit(c[2]));
+        if (unit && is_digit(*c) && !goes_on) buf_add(out, unit);
+    }
+}
 
 static void print_text(const EvalResult *result, Buf *out)
 {
     size_t widest_name = 0, widest_value = 0;
-    for (size_t i = 0; i < result->n_params; i++) {
-        const EvalParam *param = &result->params[i];
-        if (strlen(param->name) > widest_name) widest_name = strlen(param->name);
-        if (strlen(param->value) > widest_value) widest_value = strlen(param->value);
-    }
-    for (size_t i = 0; i < result->n_params; i++) {
-        const EvalParam *param = &result->params[i];
-        const char *doc = param->doc ? param->doc : "";
-        Buf rest = {0};
-        buf_add(&rest, doc);
-        if (param->range) buf_format(&rest, "%sin %s", *doc ? ", " : "", param->range);
-        buf_format(out, "%-*s = %-*s%s%s\n", (int)widest_name, param->name, rest.length ? (int)widest_value : 0, param->value,
-                   rest.length ? "  " : "", buf_text(&rest));
-        buf_clear(&rest);
-    }
+    Buf value = {0}, rest = {0};
+    for (int prints = 0; prints <= 1; prints++) /* after the widths are known */
+        for (size_t i = 0; i < result->n_params; i++) {
+            const EvalParam *param = &result->params[i];
+            const char *unit = unit_of_param(result, param), *doc = param->doc ? param->doc : "";
+            value.length = rest.length = 0;
+            add_with_unit(&value, param->value, unit);
+            buf_add(&rest, doc);
+            if (param->range) buf_format(&rest, "%sin ", *doc ? ", " : "");
+            if (param->range) add_with_unit(&rest, param->range, unit);
+            if (strlen(param->name) > widest_name) widest_name = strlen(param->name);
+            if (value.length > widest_value) widest_value = value.length;
+            if (prints)
+                buf_format(out, "%-*s = %-*s%s%s\n", (int)widest_name, param->name, rest.length ? (int)widest_value : 0,
+                           buf_text(&value), rest.length ? "  " : "", rest.length ? buf_text(&rest) : "");
+        }
+    buf_clear(&value);
+    buf_clear(&rest);
 }
 
 static void print_json(const EvalResult *result, Buf *out)
@@ -35,6 +66,7 @@ static void print_json(const EvalResult *result, Buf *out)
         json_begin_object(&json);
         json_add_text(&json, "name", result->params[i].name);
         json_add_text(&json, "value", result->params[i].value);
+        json_add_text(&json, "unit", unit_of_param(result, &result->params[i]));
         json_add_text(&json, "type", result->params[i].type);
         json_add_text(&json, "range", result->params[i].range);
         json_add_text(&json, "doc", result->params[i].doc);

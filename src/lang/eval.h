@@ -159,6 +159,7 @@ typedef struct EvalParam {
     const char *value; /* as text */
     const char *type;  /* "a number" */
     const char *range; /* "5..60", "[1, 2]"; NULL: any */
+    PropUnit measure;  /* of the numbers in value and range, as its literals say; UNIT_NONE: they do not say */
 } EvalParam;
 
 typedef struct EvalResult {

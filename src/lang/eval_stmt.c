@@ -105,11 +105,17 @@ static const UnitType *unit_of_literal(const Expr *expr)
     }
 }
 
-/* A parameter measures what its default does, or its range: -D may not give it a unit of another kind. */
+/* A parameter measures what its default does, or its range. */
+static const UnitType *unit_of_param(const Stmt *stmt)
+{
+    const UnitType *unit = unit_of_literal(stmt->as.bind.value);
+    return unit || !stmt->as.bind.range ? unit : unit_of_literal(stmt->as.bind.range);
+}
+
+/* -D may not give it a unit of another kind. */
 static bool unit_fits(Evaluator *evaluator, const Stmt *stmt, const Define *define)
 {
-    const UnitType *wanted = unit_of_literal(stmt->as.bind.value), *given = unit_of_literal(define->expr);
-    if (!wanted && stmt->as.bind.range) wanted = unit_of_literal(stmt->as.bind.range);
+    const UnitType *wanted = unit_of_param(stmt), *given = unit_of_literal(define->expr);
     if (!wanted || !given || wanted->measure == given->measure) return true;
     Diagnostic *report =
         eval_report(evaluator, D_WRONG_UNIT, define->expr->span, "parameter '%s' is %s, not %s",
@@ -199,10 +205,11 @@ static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Val
 static void record_param(Evaluator *evaluator, const Stmt *stmt, const Value *value, const char *range)
 {
     if (!ARRAY_ROOM(evaluator->params, evaluator->param_capacity, evaluator->n_params)) return;
+    const UnitType *unit = unit_of_param(stmt);
     evaluator->params[evaluator->n_params++] =
         (EvalParam){.name = stmt->as.bind.name->text, .doc = stmt->as.bind.doc, .span = stmt->as.bind.name_span,
                     .value = text_of(evaluator, value), .type = value_describe(evaluator->arena, value),
-                    .range = range};
+                    .range = range, .measure = unit ? unit->measure : UNIT_NONE};
 }
 
 static void param_stmt(Evaluator *evaluator, Stmt *stmt)

@@ -135,6 +135,23 @@ says out '"type": "a number"'
 says out '"range": "1..5"'
 run params small.mns -D level=4 -D level=2
 matches out '^level = 2'
+cat >units.mns <<'EOF'
+meniscus 1.0 unit mm
+param level = 3cm in 5mm..60mm "height"
+param turn = .25turn   param place = <1cm, 2, .5>   param light = 2700K   param blink = 20ms   param n = 1e6
+print(level, turn, place, light, blink, n)
+EOF
+run params units.mns -q
+exits 0
+matches out '^level = 30mm +height, in 5mm..60mm$'
+matches out '^turn  = 90deg$'
+matches out '^place = <10mm, 2mm, 0.5mm>$'
+matches out '^light = 2700K$'
+matches out '^blink = 0.02s$'
+matches out '^n     = 1000000$'
+run params units.mns -q --json
+is_json out
+says out '"unit": "mm"'
 run render small.mns --camera side -o side.exr -D level=2
 exits 0
 run info side.exr
