@@ -49,7 +49,8 @@ static Status read_number(const OptionRow *row, const char *spelled, const char 
         return fail(error, STATUS_USAGE, "option '%s': '%s' is not a number%s", spelled, text,
                     row->kind == KIND_FRACTION ? ", such as 0.5 or 50%" : "");
     if (!in_range(row, value->number))
-        return fail(error, STATUS_USAGE, "option '%s': %s is outside of %g to %g", spelled, text, row->low, row->high);
+        return fail(error, STATUS_USAGE, "option '%s': %s is outside of %g to %g%s", spelled, text, row->low, row->high,
+                    row->kind == KIND_FRACTION && text[n - 1] != '%' ? "; hundredths have a '%', as 50%" : "");
     return STATUS_OK;
 }
 

@@ -238,6 +238,34 @@ static Status read_cluster(Parser *parser, const char *word)
     return STATUS_OK;
 }
 
+/* The option that stands right before that word, with its value; OPTION_COUNT: none. */
+static OptionKey option_before(const Parser *parser, const char *word)
+{
+    size_t at = 0;
+    while (at < parser->n_words && parser->words[at] != word) at++;
+    for (OptionKey key = 0; at > 0 && key < OPTION_COUNT; key++)
+        if (parser->options->values[key].place == at && option_row(key)->kind != KIND_FLAG) return key;
+    return OPTION_COUNT;
+}
+
+/* A word that stands behind the value of an option, and is no scene, was meant to be of that value. */
+static Status refuse_second_value(Parser *parser, const char *word)
+{
+    OptionKey key = option_before(parser, word);
+    if (key == OPTION_COUNT || strcmp(word, "-") == 0 || strcasecmp(file_extension(word), "mns") == 0) return STATUS_OK;
+    const OptionRow *row = option_row(key);
+    char spelled[64] = {'-', row->letter}; /* as examples have them: -D, but --spp */
+    if (!row->letter || !is_list(row->kind)) snprintf(spelled, sizeof spelled, "--%s", row->name);
+    if (row->kind == KIND_OPTIONAL_FILE)
+        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: the file of '%s' stands behind '=', as %s=%s",
+                    word, spelled, spelled, word);
+    if (is_list(row->kind))
+        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: each %s has its own '%s', as %s %s", word,
+                    row->argument, spelled, spelled, word);
+    return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes one, %s, as in: %s", word, spelled,
+                row->argument, row->example);
+}
+
 static Status refuse_surplus(Parser *parser, const char *word)
 {
     Command command = parser->options->command;
@@ -247,6 +275,7 @@ static Status refuse_surplus(Parser *parser, const char *word)
     if (picture && find_name(command, "output", strlen("output")) != OPTION_COUNT)
         return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: what is written stands behind -o, as -o %s",
                     word, word);
+    for (size_t i = 0; i < parser->options->n_operands; i++) TRY(refuse_second_value(parser, parser->options->operands[i]));
     return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s", word, row->name,
                 row->most == 0 ? "none" : row->operands);
 }

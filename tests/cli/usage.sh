@@ -32,6 +32,12 @@ refuses "'render' has no option '--flip'; 'compare' has one" render --flip small
 refuses "'render' needs SCENE" render
 refuses "'other.mns' is one word too many" render small.mns other.mns
 refuses "'small.png' is one word too many: what is written stands behind -o, as -o small.png" render small.mns small.png
+refuses "'albedo' is one word too many: '--aov' takes one, LIST, as in: meniscus render glass.mns --aov normal,depth" render --aov depth albedo small.mns
+refuses "'min' is one word too many: '--time-limit' takes one, TIME" small.mns --time-limit 10 min
+refuses "'b=2' is one word too many: each NAME=VALUE has its own '-D', as -D b=2" small.mns -D a=1 b=2
+refuses "'s.json' is one word too many: the file of '--stats' stands behind '=', as --stats=s.json" small.mns --stats s.json
+refuses "'small.mns' is one word too many: 'render' takes SCENE" -s 3 other.mns small.mns
+refuses "option '--scale': 50 is outside of 0.0001 to 10; hundredths have a '%', as 50%" small.mns --scale 50
 refuses "'+W640' is POV-Ray's; here it is --size 640x480" render small.mns +W640 +H480
 refuses "'+P' is POV-Ray's; here it is --preview term" render small.mns +P +D
 refuses "'+SC0.2' is POV-Ray's; here it is --crop 10,20,110,120" render small.mns +SC0.2 +EC0.4
