@@ -190,7 +190,8 @@ static bool takes_value(const OptionRow *row)
 static Status next_value(Parser *parser, const OptionRow *row, const char *spelled, const char **text)
 {
     if (parser->next >= parser->n_words)
-        return fail(parser->error, STATUS_USAGE, "option '%s' needs a value: %s", spelled, row->argument);
+        return fail(parser->error, STATUS_USAGE, "option '%s' needs a value: %s, as in: %s", spelled, row->argument,
+                    row->example);
     *text = parser->words[parser->next++];
     return STATUS_OK;
 }

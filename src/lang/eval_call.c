@@ -4,6 +4,7 @@
 
 #include "diag/suggest.h"
 #include "lang/evaluator.h"
+#include "lang/habits.h"
 
 /* ---- memory of frames: a stack in chunks that never move ---- */
 
@@ -102,14 +103,29 @@ static int formal_of(const Def *def, const Symbol *name)
     return -1;
 }
 
-static void report_formal(Evaluator *evaluator, const Def *def, const Arg *arg)
+/* diameter = 6, where there is a radius */
+static const char *habit_formal(Arena *arena, const char *wrong, const char *const *words, size_t n)
+{
+    const char *other;
+    for (unsigned number = 0; (other = habit_property("", wrong, number)); number++)
+        for (size_t i = 0; i < n; i++)
+            if (strlen(words[i]) == strcspn(other, " ") && strncmp(other, words[i], strlen(words[i])) == 0)
+                return habit_assignment(arena, other, "...");
+    return NULL;
+}
+
+void eval_report_formal(Evaluator *evaluator, const Def *def, const char *wrong, Span span)
 {
     const char *words[BUILTIN_MAX_ARGS];
     size_t n = 0;
     for (; n < def->n_formals && n < COUNT_OF(words); n++) words[n] = def->formals[n].name->text;
-    Diagnostic *report = eval_report(evaluator, D_WRONG_ARGUMENT, arg->name_span, "'%s' has no parameter '%s'",
-                                     def->name->text, arg->name->text);
-    diag_suggest(evaluator->diag, report, arg->name->text, words, n);
+    Diagnostic *report =
+        eval_report(evaluator, D_WRONG_ARGUMENT, span, "'%s' has no parameter '%s'", def->name->text, wrong);
+    const char *habit = habit_formal(evaluator->diag->arena, wrong, words, n);
+    if (habit)
+        diag_hint(evaluator->diag, report, "write: %s", habit);
+    else
+        diag_suggest(evaluator->diag, report, wrong, words, n);
     diag_note(evaluator->diag, report, def->span, "declared here");
 }
 
@@ -122,7 +138,7 @@ static bool bind_args(Evaluator *evaluator, Expr *expr, const Def *def, Value *s
     for (uint32_t i = 0; i < args->n; i++) {
         const Arg *arg = &args->items[i];
         int index = arg->name ? formal_of(def, arg->name) : (int)position++;
-        if (index < 0 && !expr->reported) report_formal(evaluator, def, arg);
+        if (index < 0 && !expr->reported) eval_report_formal(evaluator, def, arg->name->text, arg->name_span);
         if (index >= (int)def->n_formals) {
             Diagnostic *report = eval_error(evaluator, arg->value, D_WRONG_ARGUMENT, "'%s' takes %u argument%s, not %u",
                                             def->name->text, def->n_formals, def->n_formals == 1 ? "" : "s", args->n);

@@ -101,14 +101,7 @@ static void set_macro_arg(Evaluator *evaluator, Stmt *stmt, Target *target)
     }
     if (stmt->reported) return;
     stmt->reported = true;
-    const char *words[BUILTIN_MAX_ARGS];
-    size_t n = 0;
-    for (; n < def->n_formals && n < COUNT_OF(words); n++) words[n] = def->formals[n].name->text;
-    const char *wrong = stmt->as.prop.name->text;
-    Diagnostic *report =
-        eval_report(evaluator, D_WRONG_ARGUMENT, stmt->span, "'%s' has no parameter '%s'", def->name->text, wrong);
-    diag_suggest(evaluator->diag, report, wrong, words, n);
-    diag_note(evaluator->diag, report, def->span, "declared here");
+    eval_report_formal(evaluator, def, stmt->as.prop.name->text, stmt->span);
 }
 
 void eval_prop_stmt(Evaluator *evaluator, Stmt *stmt)

@@ -199,6 +199,8 @@ bool eval_sequence(Evaluator *evaluator, Expr *expr, Value *value);
 /* ---- calls (eval_call.c) ---- */
 
 EvalFunction eval_call_def, eval_call_builtin, eval_call_term;
+/* That a def has no parameter of that name. */
+void eval_report_formal(Evaluator *evaluator, const Def *def, const char *wrong, Span span);
 /* The function that an EXPR_FUNCTION names, with all that is visible in it as it is now; NULL after a report.
  * on_surface: it is asked for places on a surface, not for points. */
 const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_surface);

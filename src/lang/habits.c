@@ -23,6 +23,7 @@
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_PATTERN(node, property, text)
 #define HABIT_UNIT(word, unit)
+#define HABIT_UNLIKELY(node, property, from, to, what, text)
 #define HABIT_MEASURE(node, property, unit, text)
 #define HABIT_FILE(beginnings, text)
 
@@ -189,6 +190,18 @@ static const struct {
 #define HABIT_MEASURE(node, property, unit, text)
 };
 
+static const struct {
+    const char *node, *property;
+    double from, to;
+    const char *what, *text;
+} unlikely_rows[] = {
+#undef HABIT_UNLIKELY
+#define HABIT_UNLIKELY(node, property, from, to, what, text) {node, #property, from, to, what, text},
+#include "lang/habit_properties.def"
+#undef HABIT_UNLIKELY
+#define HABIT_UNLIKELY(node, property, from, to, what, text)
+};
+
 static const WordRow unit_rows[] = {
 #undef HABIT_UNIT
 #define HABIT_UNIT(word, unit) {#word, #unit},
@@ -344,6 +357,17 @@ const char *habit_measure(const char *node, const char *property, PropUnit unit)
         if (measure_rows[i].unit == unit && habit_is_one_of(measure_rows[i].property, property) &&
             habit_is_one_of(measure_rows[i].node, node))
             return measure_rows[i].text;
+    return NULL;
+}
+
+const char *habit_unlikely(const char *node, const char *property, double number, const char **what)
+{
+    for (size_t i = 0; i < COUNT_OF(unlikely_rows); i++)
+        if (strcmp(unlikely_rows[i].property, property) == 0 && habit_is_one_of(unlikely_rows[i].node, node) &&
+            number >= unlikely_rows[i].from && number <= unlikely_rows[i].to) {
+            *what = unlikely_rows[i].what;
+            return unlikely_rows[i].text;
+        }
     return NULL;
 }
 

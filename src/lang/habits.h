@@ -45,6 +45,9 @@ const char *habit_pattern(const char *node, const char *property);
 const char *habit_file(const char *text);
 /* Of a value that measures something else than the property does: a hint. */
 const char *habit_measure(const char *node, const char *property, PropUnit unit);
+/* Of a plain number that such a property of such a node would hardly have: what the property is, and a hint, with '@' for the
+ * number; NULL: it may well have it. */
+const char *habit_unlikely(const char *node, const char *property, double number, const char **what);
 bool habit_is_type(const char *word);
 bool habit_is_function(const char *word);
 bool habit_is_import(const char *word);

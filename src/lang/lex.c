@@ -263,6 +263,10 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
     else if (two)
         diag_hint(lexer->diag, report, "two numbers are a vector: <%.*s, %s>", (int)(begin - number),
                   lexer->text + number, wrong + 1);
+    else if (wrong[0] == '_' && !wrong[strspn(wrong, "_0123456789")]) /* 1_000_000 */
+        diag_hint(lexer->diag, report, "the digits of a number stand together, or write it as 1e6");
+    else if (habit_is_one_of("min mins minute minutes h hr hour hours", wrong))
+        diag_hint(lexer->diag, report, "write a number of seconds: 10 * 60s");
     else if (habit_is_one_of("W mW kW watt watts lm lumen cd", wrong))
         diag_hint(lexer->diag, report, "power is in watts, and radiance in W/(m^2 sr), without a unit");
     else if (habit_unit(wrong))

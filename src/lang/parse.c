@@ -188,7 +188,7 @@ static Stmt *parse_bind(Parser *parser)
     const char *whole = arena_format(parser->arena, "%s %s = %s", word, stmt->as.bind.name->text, value);
     if (parse_no_value(parser, "'=' behind the name", whole)) return NULL;
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
-    stmt->as.bind.value = parse_expr(parser); /* poison after a mistake: the name is declared all the same */
+    stmt->as.bind.value = parse_whole_value(parser); /* poison after a mistake: the name is declared all the same */
     SymbolUse use = use_of_value(stmt->as.bind.value);
     if (use != SYMBOL_FREE) stmt->as.bind.name->declared = use;
     return stmt;
@@ -483,6 +483,7 @@ static Stmt *parse_call_stmt(Parser *parser, Path path)
     stmt->as.call.call->as.call.args = parse_args(parser, opening);
     stmt->as.call.call->span = span_from(parser, path.span);
     if (!parser->panic && parser->token.kind == TOKEN_BRACE_OPEN) stmt->as.call.block = parse_node_block(parser, NULL);
+    if (!parser->panic && parser->token.kind == TOKEN_ASSIGN && parse_function_habit(parser, path)) return NULL;
     return stmt;
 }
 
@@ -527,7 +528,7 @@ static Stmt *parse_named(Parser *parser)
     bool assign = parser->token.kind == TOKEN_CHANGE;
     Stmt *stmt = stmt_new(parser, assign ? STMT_ASSIGN : STMT_PROP, path.span);
     consume(parser);
-    Expr *value = parse_expr(parser);
+    Expr *value = parse_whole_value(parser);
     if (assign) {
         stmt->as.bind.name = path.names[0];
         stmt->as.bind.name_span = path.span;
@@ -630,8 +631,11 @@ static void parse_header_unit(Parser *parser)
     } else if (is_word && unit) {
         set_unit(parser->file, token_span(parser), unit);
     } else if (is_word) {
-        diag_report(parser->diag, D_UNKNOWN_UNIT, token_span(parser), "expected a unit of length: %s, found %s",
-                    unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
+        Diagnostic *report =
+            diag_report(parser->diag, D_UNKNOWN_UNIT, token_span(parser), "expected a unit of length: %s, found %s",
+                        unit_list(parser->arena, UNIT_LENGTH), found_text(parser));
+        const char *text = parser->token.kind == TOKEN_STRING ? parser->token.as.text : "";
+        if (unit_of(text, strlen(text))) diag_hint(parser->diag, report, "write: %s, without quotation marks", text);
         if (parser->token.kind == TOKEN_NAME) consume(parser);
     } else if (unit) {
         report_header_unit(parser, span, "the word 'unit' stands in front of the unit", unit);

@@ -257,11 +257,21 @@ static const char *next_value_name(Arena *arena, const char **names, char *mark)
     return length ? name : "PROPERTY";
 }
 
+/* aperture = f2.8, of which .8 is left when the name f2 has been read */
+static bool is_f_number(const Parser *parser)
+{
+    const char *text = parser->lexer.text;
+    uint32_t end = parser->token.begin, begin = end;
+    while (begin > 0 && text[begin - 1] >= '0' && text[begin - 1] <= '9') begin--;
+    return parser->previous == TOKEN_NAME && text[end] == '.' && begin < end && begin > 0 && text[begin - 1] == 'f';
+}
+
 /* value, value ... in the block of a node; the first one may have been read as a name already */
 static void values_without_names(Parser *parser, const Path *first)
 {
     const char *node = parser->node, *known = habit_values(node), *names = known ? known : "", *hint = NULL;
     Span span = first ? first->span : token_span(parser);
+    bool f_number = !first && strcmp(node, "camera") == 0 && is_f_number(parser);
     Diagnostic *report = report_at(parser, span, "a value of '%s' has no name", node);
     for (int i = 0; i < MOST_VALUES && !parser->panic; i++) {
         bool over = known && !*names;
@@ -276,7 +286,10 @@ static void values_without_names(Parser *parser, const Path *first)
         if (!over) hint = arena_format(parser->arena, "%s%s%s = %s", hint ? hint : "", hint ? "  " : "", name, value);
         if (!consume_if(parser, TOKEN_COMMA) && !(starts_value(parser) && known)) break;
     }
-    if (hint) hint_write(parser, report, hint);
+    if (f_number)
+        diag_hint(parser->diag, report, "%s", habit_advice("camera", "f_number"));
+    else if (hint)
+        hint_write(parser, report, hint);
     if (!parser->panic) calm_down(parser);
 }
 
@@ -314,6 +327,22 @@ bool parse_comma_habit(Parser *parser)
     }
     parser->comma_reported = true;
     consume(parser);
+    return true;
+}
+
+bool parse_function_habit(Parser *parser, Path path)
+{
+    if (path.n > 1 || first_on_line(parser)) return false;
+    const char *head = quote(parser, path.span.begin, consumed_end(parser)), *advice = habit_block(path.names[0]->text);
+    Diagnostic *report = expected_error(parser, "a statement");
+    parser->panic = false;
+    consume(parser);
+    const char *value = quote_read(parser, parse_expr);
+    if (parser->node && advice)
+        diag_hint(parser->diag, report, "%s", advice);
+    else
+        hint_write(parser, report, arena_format(parser->arena, "def %s = %s%s", head, value,
+                                                parser->node ? ", before the node" : ""));
     return true;
 }
 

@@ -14,6 +14,7 @@ bool parse_name_habit(Parser *parser, Path path);  /* behind a path that nothing
 bool parse_lone_word(Parser *parser, Path path);   /* "break", behind it */
 bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
 void parse_two_names(Parser *parser, Path path);   /* behind the first, at the second; no '{' follows */
+bool parse_function_habit(Parser *parser, Path path); /* "f(x) = ...", at the '=' */
 void parse_member_change(Parser *parser, Path path); /* "a.x := 5", behind the path */
 void parse_unquoted_file(Parser *parser, const char *word); /* behind 'use' or 'include', where a string should stand */
 /* Behind the head of a def of that text, without '=' or '{'; reports: that has not been said. NULL: it was a block. */
@@ -50,6 +51,7 @@ Expr *parse_bare_let(Parser *parser, Span begin); /* a let without brackets, beh
 void parse_apart_unit(Parser *parser, Span number);      /* at a name behind the number */
 void parse_vector_unit(Parser *parser); /* at a name behind a vector */
 bool parse_percent_habit(Parser *parser, const Expr *number); /* at what stands behind a factor */
+Expr *parse_whole_value(Parser *parser); /* of a statement, with "1 if a else 2", and "7 // 2", which is warned of */
 
 /* -- directives (parse_directives.c) -- */
 void parse_directive(Parser *parser);

@@ -268,6 +268,61 @@ static const char *choice_text(Parser *parser)
     return arena_format(parser->arena, "%s ? %s : %s", condition, yes, no);
 }
 
+/* Does "if ... else" without a block stand there, behind a value and on its line? */
+static bool is_choice_behind(const Parser *parser)
+{
+    if (parser->panic || parser->token.kind != TOKEN_IF || first_on_line(parser)) return false;
+    Look look;
+    look_from(parser, &look);
+    for (Token token = lexer_next(&look.lexer); token.kind != TOKEN_END; token = lexer_next(&look.lexer)) {
+        if (token.kind == TOKEN_ELSE) return true;
+        if (token.kind == TOKEN_BRACE_OPEN || token.kind == TOKEN_BRACE_CLOSE || begins_line(parser, token.begin)) break;
+    }
+    return false;
+}
+
+/* 1 if a else 2 */
+static void parse_choice_behind(Parser *parser, const Expr *yes)
+{
+    Diagnostic *report =
+        report_at(parser, token_span(parser), "'if' chooses no value, a value is chosen by '?' and ':'");
+    consume(parser);
+    const char *condition = quote_read(parser, parse_tern), *no = "...";
+    if (!parser->panic && consume_if(parser, TOKEN_ELSE)) no = quote_read(parser, parse_expr);
+    hint_write(parser, report,
+               arena_format(parser->arena, "%s ? %s : %s", condition, quote(parser, yes->span.begin, yes->span.end), no));
+}
+
+/* The comment on the line of a value that has just been read: "7 // 2" is a division of whole numbers in Python. */
+static void warn_of_comment(const Parser *parser, const Expr *value)
+{
+    bool number = parser->previous == TOKEN_NUMBER || parser->previous == TOKEN_NAME || parser->previous == TOKEN_PAREN_CLOSE;
+    if (parser->panic || !number) return;
+    uint32_t end = consumed_end(parser), at = end;
+    const char *text = parser->lexer.text;
+    uint32_t before = (uint32_t)strspn(text + at, " ");
+    at += before;
+    if (before > 1 || strncmp(text + at, "//", 2) != 0 || strspn(text + at + 2, " ") != before) return;
+    uint32_t begin = at, digits = at + 2 + before;
+    at = digits + (uint32_t)strspn(text + digits, "0123456789");
+    if (at == digits || !strchr("\r\n", text[at])) return; /* or the 0 */
+    Span span = {parser->lexer.source, begin, at};
+    Diagnostic *report = diag_report(parser->diag, D_COMMENT_DIVIDES, span, "'//' begins a comment, and divides nothing");
+    bool plain = value->kind == EXPR_CONSTANT || value->kind == EXPR_NAME || value->kind == EXPR_CALL;
+    diag_hint(parser->diag, report, "a division of whole numbers is: floor(%s / %.*s)",
+              plain ? quote(parser, value->span.begin, end) : "...", (int)(at - digits), text + digits);
+}
+
+Expr *parse_whole_value(Parser *parser)
+{
+    Expr *value = parse_expr(parser);
+    if (is_choice_behind(parser))
+        parse_choice_behind(parser, value);
+    else
+        warn_of_comment(parser, value);
+    return value;
+}
+
 void parse_if_value(Parser *parser)
 {
     Diagnostic *report = report_at(parser, token_span(parser), "'if' places nodes, a value is chosen by '?' and ':'");
@@ -362,9 +417,20 @@ bool parse_percent_habit(Parser *parser, const Expr *number)
     Look look;
     look_from(parser, &look);
     switch (lexer_next(&look.lexer).kind) {
-    case TOKEN_NAME:
-        if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
+    case TOKEN_NAME: {
+        TokenKind next = lexer_next(&look.lexer).kind;
+        if (next != TOKEN_ASSIGN && next != TOKEN_NAME) return false;
         break;
+    }
+    case TOKEN_LET:
+        if (lexer_next(&look.lexer).kind == TOKEN_PAREN_OPEN) return false;
+        break;
+    case TOKEN_VAR:
+    case TOKEN_PARAM:
+    case TOKEN_DEF:
+    case TOKEN_FOR:
+    case TOKEN_IF:
+    case TOKEN_WHILE:
     case TOKEN_BRACE_CLOSE:
     case TOKEN_BRACKET_CLOSE:
     case TOKEN_PAREN_CLOSE:

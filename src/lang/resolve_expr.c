@@ -530,6 +530,10 @@ static bool has_factor_pi(const Expr *expr)
         return has_factor_pi(a) || has_factor_pi(b);
     case EXPR_ADD:
     case EXPR_SUBTRACT: return has_factor_pi(a) || has_factor_pi(b);
+    case EXPR_VECTOR:
+        for (uint32_t i = 0; i < expr->as.list.n; i++)
+            if (has_factor_pi(expr->as.list.items[i])) return true;
+        return false;
     default: return false;
     }
 }
@@ -537,10 +541,11 @@ static bool has_factor_pi(const Expr *expr)
 /* In other languages angles are in radians there, and nothing else would tell. */
 static void warn_of_radians(Resolver *resolver, const Expr *call)
 {
-    static const char *const functions[] = {"sin", "cos", "tan"};
+    static const char *const functions[] = {"sin", "cos", "tan", "rotate"};
     const Expr *callee = call->as.call.callee;
-    if (callee->kind != EXPR_NAME || callee->as.name.symbol->binding || call->as.call.args.n != 1) return;
-    const Expr *angle = call->as.call.args.items[0].value;
+    uint32_t n = call->as.call.args.n;
+    if (callee->kind != EXPR_NAME || callee->as.name.symbol->binding || n == 0) return;
+    const Expr *angle = call->as.call.args.items[n - 1].value; /* rotate(y, pi / 2) */
     for (size_t i = 0; i < COUNT_OF(functions); i++) {
         if (strcmp(callee->as.name.symbol->text, functions[i]) != 0 || !has_factor_pi(angle)) continue;
         Diagnostic *report = diag_report(resolver->diag, D_RADIANS, angle->span,
@@ -552,6 +557,19 @@ static void warn_of_radians(Resolver *resolver, const Expr *call)
 static bool is_literal_number(const Expr *expr)
 {
     return expr->kind == EXPR_CONSTANT && expr->literal && expr->as.constant.value.kind == VALUE_NUMBER;
+}
+
+/* aperture = f / 2.8, as photographers write it */
+static void resolve_quotient(Resolver *resolver, Expr *expr)
+{
+    Expr *a = expr->as.op.a, *b = expr->as.op.b;
+    const Symbol *f = a->kind == EXPR_NAME && is_literal_number(b) && strcmp(a->as.name.symbol->text, "f") == 0
+                          ? a->as.name.symbol
+                          : NULL;
+    resolve_expr(resolver, a);
+    resolve_expr(resolver, b);
+    if (f && !f->binding && f->unknown && !f->unknown->hint)
+        diag_hint(resolver->diag, f->unknown, "%s", habit_advice("camera", "f_number"));
 }
 
 /* str(x, 0, 2) is POV-Ray's for what text() does: here it would put the two numbers behind x. */
@@ -631,8 +649,24 @@ static void find_node(Resolver *resolver, NodeExpr *node)
     if (node->type) resolve_defaults_of(resolver, node);
 }
 
+/* 'h', and in the next line 'group { ... }': h was to be placed, and no group of that name. It goes on with the group. */
+static void split_bare_placement(Resolver *resolver, NodeExpr *node)
+{
+    if (!node->name || !(node->name->binding || schema_node(resolver->schema, node->name->text))) return;
+    SourceSet *sources = resolver->diag->sources;
+    uint32_t line = source_position(sources, node->path.span.source, node->path.span.begin).line;
+    if (source_position(sources, node->name_span.source, node->name_span.begin).line == line) return;
+    const char *text = node->path.names[node->path.n - 1]->text;
+    Diagnostic *report = diag_report(resolver->diag, D_MISPLACED, node->path.span, "'%s' stands alone", text);
+    diag_hint(resolver->diag, report, "to place it write: %s { }", text);
+    resolve_path(resolver, &node->path);
+    node->path = (Path){.names = {node->name}, .n = 1, .span = node->name_span};
+    node->name = NULL;
+}
+
 void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
 {
+    split_bare_placement(resolver, node);
     find_node(resolver, node);
     if (node->def && (expression || !node->def->block)) {
         const char *name = node->def->name->text;
@@ -723,6 +757,7 @@ static Expr *resolve_step(Resolver *resolver, Expr *expr)
     case EXPR_CALL_BUILTIN:
     case EXPR_CALL_TERM:
     case EXPR_FIELD: return NULL;
+    case EXPR_DIVIDE: resolve_quotient(resolver, expr); return NULL;
     default:
         if (expr->as.op.b) resolve_expr(resolver, expr->as.op.b);
         if (expr->as.op.c) resolve_expr(resolver, expr->as.op.c);

@@ -234,8 +234,11 @@ static void hint_text(const Check *check, const char *text, Diagnostic *report)
                   strcmp(text, "false") == 0 || (word && strcmp(word, "false") == 0) ? "false" : "true");
     else if (kind == PROP_VECTOR2)
         diag_hint(diag, report, "write: <x, y>, without quotation marks");
-    else if (check->type->flags & PROP_TEXTURE)
+    else if (check->type->flags & PROP_TEXTURE && (strchr(text, '.') || !is_color_kind(kind)))
         diag_hint(diag, report, "of a picture write: image { file = \"...\" }");
+    else if (is_color_kind(kind))
+        diag_hint(diag, report, "a colour is written rgb(.5, .1, .1), or #802020 as on a screen%s",
+                  check->type->flags & PROP_TEXTURE ? "; a picture is image { file = \"...\" }" : "");
 }
 
 /* Some numbers as a vector or a colour. */
@@ -250,7 +253,8 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
     if (is_color_kind(kind) && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
     if (kind == PROP_VECTOR3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
     if (kind == PROP_VECTOR2 && n == 2) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
-    if (kind == PROP_VECTORS2 && !list) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
+    if (kind == PROP_VECTORS2 && (!list || n == 2)) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
+    if (kind == PROP_VECTORS3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
 }
 
 /* How a value of the wanted kind is written, where that is not plain from its name. */
@@ -265,12 +269,19 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
         if (choice && choice_allows(check->type->choices, choice)) diag_hint(diag, report, "write: %s", choice);
     }
     if (kind == PROP_VECTOR3 && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
+    if (kind == PROP_VECTOR3 && number) hint_measure(check, UNIT_NONE, report);
+    if (report->hint) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
         const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";
         diag_hint(diag, report, "write: %s, or vec%d(%g) for the same of each", axes, kind == PROP_VECTOR3 ? 3 : 2,
                   value->as.number);
         return;
     }
+    if (kind == PROP_INTEGER && value->kind == VALUE_RANGE)
+        diag_hint(diag, report, "write: %zu, as many as these are", value_count(value));
+    if (kind == PROP_VECTOR3 && value->kind == VALUE_NODE && value->as.node->type->flags & NODE_PLACED)
+        diag_hint(diag, report, "write: bounds(%s).center, the middle of it",
+                  eval_written(check->evaluator, check->expr->span, 32, "\n{", "NODE"));
     hint_numbers(check, value, report);
     if (report->hint) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
@@ -308,14 +319,45 @@ const char *schema_bounds_text(Arena *arena, const PropType *type)
 }
 
 /* rgb(255, 128, 0) */
+static bool are_bytes(const double *numbers, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (numbers[i] < 0 || numbers[i] > 255 || numbers[i] != floor(numbers[i])) return false;
+    return n == 3;
+}
+
 static void hint_bytes(const Check *check, const double *numbers, size_t n, Diagnostic *report)
 {
-    PropKind kind = check->type->kind;
-    if (n != 3 || (kind != PROP_COLOR && kind != PROP_SPECTRUM) || check->type->max != 1) return;
-    for (size_t i = 0; i < n; i++)
-        if (numbers[i] < 0 || numbers[i] > 255 || numbers[i] != floor(numbers[i])) return;
+    if (!is_color_kind(check->type->kind) || !are_bytes(numbers, n)) return;
     diag_hint(check->evaluator->diag, report, "of a screen's values from 0 to 255 write: #%02x%02x%02x",
               (unsigned)numbers[0], (unsigned)numbers[1], (unsigned)numbers[2]);
+}
+
+static bool is_plain_literal(const Expr *expr)
+{
+    if (expr->kind == EXPR_DIVIDE) return is_plain_literal(expr->as.op.a) && is_plain_literal(expr->as.op.b); /* 1/50 */
+    return expr->kind == EXPR_CONSTANT && expr->literal && !expr->as.constant.unit;
+}
+
+/* Right values that nobody means: the shutter of 1/50 degree, a light of rgb(255, 255, 255). */
+static void warn_of_unlikely(const Check *check, const double *numbers, size_t n)
+{
+    Evaluator *evaluator = check->evaluator;
+    const PropType *type = check->type;
+    const NodeType *owner = evaluator->target ? evaluator->target->type : NULL;
+    Expr *expr = check->expr;
+    const char *what, *hint = owner && is_plain_literal(expr) ? habit_unlikely(owner->name, type->name, numbers[0], &what) : NULL;
+    if (hint) {
+        const char *text = number_text(evaluator->arena, numbers[0]);
+        Diagnostic *report =
+            eval_error(evaluator, expr, D_UNLIKELY_VALUE, "'%s' is %s, and %s is hardly meant", type->name, what, text);
+        diag_hint(evaluator->diag, report, "%s", habit_fill(evaluator->diag->arena, hint, text));
+    }
+    bool rgb = expr->kind == EXPR_CALL_BUILTIN && strcmp(expr->as.call.name, "rgb") == 0 && type->unit == UNIT_NONE;
+    if (rgb && are_bytes(numbers, n) && fmax(numbers[0], fmax(numbers[1], numbers[2])) >= 64)
+        hint_bytes(check, numbers, n,
+                   eval_error(evaluator, expr, D_UNLIKELY_VALUE, "the white of a screen is 1 for '%s', and %s is hardly meant",
+                              type->name, number_text(evaluator->arena, fmax(numbers[0], fmax(numbers[1], numbers[2])))));
 }
 
 /* A number that a property does not take, in all of its digits where it misses what is taken by a few of them. */
@@ -346,6 +388,7 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
             eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name, text);
         return false;
     }
+    if (n > 0) warn_of_unlikely(check, numbers, n);
     return true;
 }
 

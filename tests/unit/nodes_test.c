@@ -123,6 +123,7 @@ static void hints_name_what_there_is(void **state)
 #define HABIT_PATTERN(node, property, text) {node, property},
 #define HABIT_FILE(beginnings, text)
 #define HABIT_MEASURE(node, property, unit, text) {node, property},
+#define HABIT_UNLIKELY(node, property, from, to, what, text) {node, #property},
 #define HABIT_VALUES(node, names) {#node, names},
 #define HABIT_PROPERTY(node, word, property) {node, property},
     static const struct {
@@ -151,6 +152,8 @@ static void hints_are_for_what_there_is_not(void **state)
 #undef HABIT_PATTERN
 #undef HABIT_MEASURE
 #define HABIT_MEASURE(node, property, unit, text)
+#undef HABIT_UNLIKELY
+#define HABIT_UNLIKELY(node, property, from, to, what, text)
 #undef HABIT_VALUES
 #undef HABIT_PROPERTY
 #define HABIT_PATTERN(node, property, text)
