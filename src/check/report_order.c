@@ -92,12 +92,20 @@ static void add_place(Buf *out, SourceSet *sources, Span span)
     buf_format(out, "%s:%u", sources->sources[span.source].name, (unsigned)place.line);
 }
 
+static void add_size(Buf *out, const Scene *scene, double volume)
+{
+    if (volume == 0)
+        buf_add(out, "empty");
+    else
+        report_add_volume(out, scene, volume);
+}
+
 static void print_hull(const CompiledScene *compiled, SourceSet *sources, uint32_t hull, Buf *row)
 {
     const SceneObject *object = report_object(compiled, hull);
     buf_add(&row[2], object->name);
     buf_add(&row[3], compiled->scene->media[object->medium].name);
-    report_add_volume(&row[4], compiled->scene, compiled->hulls[hull].volume);
+    add_size(&row[4], compiled->scene, compiled->hulls[hull].volume);
     if (object->priority) buf_format(&row[5], "priority %d", (int)object->priority);
     add_place(&row[6], sources, object->span);
 }
@@ -107,7 +115,7 @@ static void print_hull_group(const CompiledScene *compiled, const ReportGroup *g
     buf_format(&row[1], "%u ×", (unsigned)group->n);
     buf_add_bytes(&row[2], group->first.word, group->first.length);
     buf_add(&row[3], compiled->scene->media[group->first.medium].name);
-    report_add_volume(&row[4], compiled->scene, group->sum);
+    add_size(&row[4], compiled->scene, group->sum);
     buf_add(&row[5], "together");
 }
 

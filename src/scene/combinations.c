@@ -196,7 +196,7 @@ static bool is_left(Search *search, Box3 box)
 static void report_empty(const SceneObject *object, Diag *diag)
 {
     diag_hint(diag, diag_report(diag, D_NOTHING_LEFT, object->span, "nothing is left of %s", object->name),
-              "do its operands meet?");
+              "do its operands meet, and is not all of it taken away?");
 }
 
 Status combinations_report_empty(const CompiledScene *compiled, Diag *diag, Error *error)

@@ -207,6 +207,18 @@ exits 3
 run check small.mns -q
 exits 0
 empty out
+cat >gone.mns <<'EOF'
+meniscus 1.0
+medium glass { ior = 1.5 }
+difference gone { sphere { radius = 1 }  sphere { radius = 2 }  interior = glass }
+sphere there { center = <9, 0, 0>  radius = 1  interior = glass }
+environment { }   camera { from = <0, 0, 9>  to = <0, 0, 0> }
+EOF
+run check gone.mns
+exits 0
+says err "nothing is left of gone"
+matches out '^  gone +glass +empty '
+matches out '^  there +glass +4.19 '
 end
 
 begin "check: slices"
