@@ -49,7 +49,13 @@ static void call_stmt(Evaluator *evaluator, Stmt *stmt)
     } else if (value.kind == VALUE_NODE) {
         eval_place_value(evaluator, value.as.node, stmt->span);
     } else if (value.kind != VALUE_POISON && value.kind != VALUE_NONE) {
-        eval_error(evaluator, call, D_UNUSED_VALUE, "the value of '%s' is not used", call->as.call.name);
+        Diagnostic *report =
+            eval_error(evaluator, call, D_UNUSED_VALUE, "the value of '%s' is not used", call->as.call.name);
+        const Source *source = &evaluator->diag->sources->sources[call->span.source];
+        uint32_t at = call->span.begin;
+        while (at > 0 && source->text[at - 1] == ' ') at--;
+        if (at > 0 && at < call->span.begin && strchr("0123456789.)", source->text[at - 1])) /* radius = 1 + 2 sin(a) */
+            diag_hint(evaluator->diag, report, "a product is written with '*': ... * %s(...)", call->as.call.name);
     }
 }
 

@@ -273,6 +273,10 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
     else
         diag_suggest(lexer->diag, report, wrong, names, COUNT_OF(names));
+    bool letter = !wrong[1] && !strchr("efEF", wrong[0]); /* 2r, as it is written on paper; 2e, 2f are of other kinds */
+    if (!report->hint && letter)
+        diag_hint(lexer->diag, report, "the units are %s; a product is written %.*s * %s",
+                  unit_list(lexer->diag->arena, UNIT_ANY), (int)(begin - number), lexer->text + number, wrong);
     if (!report->hint) diag_hint(lexer->diag, report, "the units are %s", unit_list(lexer->diag->arena, UNIT_ANY));
 }
 

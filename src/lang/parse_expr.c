@@ -426,7 +426,7 @@ static Expr *parse_braced_list(Parser *parser)
     Diagnostic *report = expected_error(parser, "an expression");
     if (report && (list || properties) && !parser->no_blocks) {
         diag_hint(parser->diag, report,
-                  list ? "a list stands in '[' and ']'"
+                  list ? "a vector stands in '<' and '>', a list in '[' and ']'"
                        : "a node begins with its type: surface = surface { ... }, interior = medium { ... }");
         parser->panic = false;
         skip_brackets(parser);

@@ -253,6 +253,7 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
     if (is_color_kind(kind) && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
     if (kind == PROP_VECTOR3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
     if (kind == PROP_VECTOR2 && n == 2) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
+    if (kind == PROP_RAMP && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
     if (kind == PROP_VECTORS2 && (!list || n == 2)) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
     if (kind == PROP_VECTORS3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
 }
