@@ -554,6 +554,45 @@ static void warn_of_radians(Resolver *resolver, const Expr *call)
     }
 }
 
+/* The first call of rnd() in an expression that has not been resolved yet, up to some depth; NULL: there is none. */
+static const Expr *find_random(const Expr *expr, int depth)
+{
+    const Expr *found = NULL;
+    if (!expr || depth == 0) return NULL;
+    if (expr->kind == EXPR_CALL) {
+        const Expr *callee = expr->as.call.callee;
+        const Symbol *symbol = callee->kind == EXPR_NAME ? callee->as.name.symbol : NULL;
+        if (symbol && !symbol->binding && strcmp(symbol->text, "rnd") == 0) return expr;
+        for (uint32_t i = 0; !found && i < expr->as.call.args.n; i++)
+            found = find_random(expr->as.call.args.items[i].value, depth - 1);
+    } else if (expr->kind >= EXPR_NEGATE && expr->kind <= EXPR_POWER) {
+        found = find_random(expr->as.op.a, depth - 1);
+        if (!found) found = find_random(expr->as.op.b, depth - 1);
+    }
+    return found;
+}
+
+/* <rnd(i), rnd(i), rnd(i)>: where numbers at random have a state, these are three, and here they are one. */
+static void warn_of_same_random(Resolver *resolver, const Expr *vector)
+{
+    enum { DEPTH = 6 };
+    const Expr *first = NULL;
+    for (uint32_t i = 0; i < vector->as.list.n; i++) {
+        const Expr *call = find_random(vector->as.list.items[i], DEPTH);
+        if (!call) continue;
+        const char *text = resolver->diag->sources->sources[call->span.source].text;
+        uint32_t length = call->span.end - call->span.begin;
+        if (first && first->span.end - first->span.begin == length &&
+            memcmp(text + first->span.begin, text + call->span.begin, length) == 0) {
+            Diagnostic *report = diag_report(resolver->diag, D_SAME_RANDOM, call->span, "'%.*s' is the same number as before",
+                                             (int)(length < 40 ? length : 40), text + call->span.begin);
+            diag_hint(resolver->diag, report, "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3)");
+            return;
+        }
+        if (!first) first = call;
+    }
+}
+
 static bool is_literal_number(const Expr *expr)
 {
     return expr->kind == EXPR_CONSTANT && expr->literal && expr->as.constant.value.kind == VALUE_NUMBER;
@@ -738,7 +777,7 @@ static Expr *resolve_step(Resolver *resolver, Expr *expr)
     switch (expr->kind) {
     case EXPR_NAME: resolve_name(resolver, expr); return NULL;
     case EXPR_CONSTANT: resolve_color(resolver, expr); return NULL;
-    case EXPR_VECTOR:
+    case EXPR_VECTOR: warn_of_same_random(resolver, expr); /* fall through */
     case EXPR_LIST:
         for (uint32_t i = 0; i < expr->as.list.n; i++) resolve_expr(resolver, expr->as.list.items[i]);
         return NULL;
