@@ -292,6 +292,15 @@ static bool may_be_ground(const Remarks *r, uint32_t object)
     return shape != SCENE_NONE && r->scene->shapes[shape].mesh && r->compiled->hull_of_object[object] == SCENE_NONE;
 }
 
+/* A hundred frames of one picture, which take a hundred times as long. */
+static void remark_still_animation(Remarks *r)
+{
+    if (r->scene->animation.n_frames < 2 || !r->scene->is_still) return;
+    Diagnostic *report = diag_report_nowhere(r->diag, D_STILL_ANIMATION, "all %u frames of the animation are the same",
+                                             (unsigned)r->scene->animation.n_frames);
+    diag_hint(r->diag, report, "what moves depends on clock, which goes from 0 to 1: rotate(y, 360 * clock)");
+}
+
 /* The one object beyond a step of a factor of a thousand in the sizes of all. Bubbles are small, but there are many. */
 static void remark_odd_size(Remarks *r)
 {
@@ -703,6 +712,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         report_enclosed(compiled, diag);
         remark_behind_ground(&r);
         remark_odd_size(&r);
+        remark_still_animation(&r);
         remark_coarse_places(&r);
         remark_loose_liquid(&r);
         remark_cameras(&r);

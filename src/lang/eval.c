@@ -478,6 +478,8 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     for (; resolver.n_late < options->n_overrides; resolver.n_late++)
         resolver.late[resolver.n_late] = overrides[resolver.n_late].expr;
     resolve_file(&resolver, scene, true);
+    result->is_still = !resolver_uses(&resolver, PREDECLARED_CLOCK) && !resolver_uses(&resolver, PREDECLARED_FRAME) &&
+                       !resolver_uses(&resolver, PREDECLARED_TIME);
     Evaluator evaluator = {.diag = diag, .arena = options->arena ? options->arena : loader->arena, .options = options, .schema = options->schema,
                            .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .defines = defines,
                            .n_defines = options->n_defines, .overrides = overrides,

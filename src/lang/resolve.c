@@ -769,6 +769,13 @@ void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const S
     }
 }
 
+bool resolver_uses(const Resolver *resolver, int name)
+{
+    for (const Binding *binding = resolver->scope->bindings; binding; binding = binding->next_in_scope)
+        if (!binding->has_span && strcmp(binding->symbol->text, predeclared_names[name]) == 0) return binding->used;
+    return false;
+}
+
 void resolve_prelude(Resolver *resolver, File *prelude)
 {
     resolve_stmts(resolver, prelude->block->first);

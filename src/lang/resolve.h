@@ -72,6 +72,8 @@ typedef struct Resolver {
 
 void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,
                    const double *srgb_to_working);
+/* Whether anything asks for that predeclared name, of all that has been resolved. */
+bool resolver_uses(const Resolver *resolver, int name);
 /* The prelude first; its names stay visible for all files. */
 void resolve_prelude(Resolver *resolver, File *prelude);
 /* Files that it imports first. warns_unused: the file itself is the scene. */

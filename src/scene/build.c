@@ -389,6 +389,7 @@ static void build_all(Builder *b)
     scene->unit_m = b->result.unit_m;
     scene->animation = b->instant.animation;
     scene->frame = b->instant.frame;
+    scene->is_still = b->result.is_still;
     for (size_t i = 0; i < b->result.n_files; i++) build_note_file(b, b->result.files[i]);
     build_media(b);
     Affine world = affine_identity();

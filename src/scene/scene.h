@@ -317,6 +317,7 @@ typedef struct Scene {
     SceneRender render;
     SceneAnimation animation;
     uint32_t frame; /* of the animation, that the scene is at */
+    bool is_still;  /* nothing in its texts asks for the clock, the frame or the time */
     double unit_m;
     const char *const *files; /* everything that was read: scene files, meshes, images */
     uint32_t n_files;
