@@ -258,8 +258,9 @@ static Status refuse_second_value(Parser *parser, const char *word)
     char spelled[64] = {'-', row->letter}; /* as examples have them: -D, but --spp */
     if (!row->letter || !is_list(row->kind)) snprintf(spelled, sizeof spelled, "--%s", row->name);
     if (row->kind == KIND_OPTIONAL_FILE)
-        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: the file of '%s' stands behind '=', as %s=%s",
-                    word, spelled, spelled, word);
+        return fail(parser->error, STATUS_USAGE,
+                    "'%s' is one word too many: the file of '%s' stands behind '=', as %s=%s", word, spelled, spelled,
+                    word);
     if (is_list(row->kind))
         return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: each %s has its own '%s', as %s %s", word,
                     row->argument, spelled, spelled, word);
@@ -276,7 +277,8 @@ static Status refuse_surplus(Parser *parser, const char *word)
     if (picture && find_name(command, "output", strlen("output")) != OPTION_COUNT)
         return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: what is written stands behind -o, as -o %s",
                     word, word);
-    for (size_t i = 0; i < parser->options->n_operands; i++) TRY(refuse_second_value(parser, parser->options->operands[i]));
+    for (size_t i = 0; i < parser->options->n_operands; i++)
+        TRY(refuse_second_value(parser, parser->options->operands[i]));
     return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s", word, row->name,
                 row->most == 0 ? "none" : row->operands);
 }

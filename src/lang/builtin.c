@@ -77,7 +77,8 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
         eval_error(call->evaluator, expr, D_WRONG_TYPE, "'%s' takes %s, not %s", call->expr->as.call.name, wanted,
                    value_describe(call->evaluator->arena, &call->args[index]));
     bool number = call->args[index].kind == VALUE_NUMBER && strstr(wanted, "vector of 3");
-    bool turns = strcmp(call->expr->as.call.name, "rotate") == 0, moves = strcmp(call->expr->as.call.name, "translate") == 0;
+    bool turns = strcmp(call->expr->as.call.name, "rotate") == 0,
+         moves = strcmp(call->expr->as.call.name, "translate") == 0;
     if (number && !eval_hint_at_axis(call->evaluator, report, expr) && (turns || moves))
         diag_hint(call->evaluator->diag, report, turns ? "write: rotate(y, %g)" : "write: translate(<%g, 0, 0>)",
                   call->args[index].as.number);

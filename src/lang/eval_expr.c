@@ -99,8 +99,10 @@ static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, con
     else if (a->kind == VALUE_NODE && b->kind == VALUE_NODE)
         diag_hint(evaluator->diag, report, "write: %s { a { }  b { } }",
                   expr->kind == EXPR_SUBTRACT ? "difference" : expr->kind == EXPR_MULTIPLY ? "intersection" : "union");
-    else if (expr->kind == EXPR_MODULO && a->kind == VALUE_NUMBER && b->kind == VALUE_NODE) /* 40%, and sphere { } below it */
-        diag_hint(evaluator->diag, report, "it is the remainder of a division, not a hundredth; write: %g", a->as.number / 100);
+    else if (expr->kind == EXPR_MODULO && a->kind == VALUE_NUMBER &&
+             b->kind == VALUE_NODE) /* 40%, and sphere { } below it */
+        diag_hint(evaluator->diag, report, "it is the remainder of a division, not a hundredth; write: %g",
+                  a->as.number / 100);
     else if (expr->kind == EXPR_ADD && a->kind == VALUE_LIST)
         diag_hint(evaluator->diag, report, "write: list + [element]");
     else if ((a->kind == VALUE_VECTOR3 && b->kind == VALUE_NUMBER) || (a->kind == VALUE_NUMBER && b->kind == VALUE_VECTOR3))

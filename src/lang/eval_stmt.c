@@ -212,10 +212,13 @@ static void record_param(Evaluator *evaluator, const Stmt *stmt, const Value *va
 {
     if (!ARRAY_ROOM(evaluator->params, evaluator->param_capacity, evaluator->n_params)) return;
     const UnitType *unit = unit_of_param(stmt);
-    evaluator->params[evaluator->n_params++] =
-        (EvalParam){.name = stmt->as.bind.name->text, .doc = stmt->as.bind.doc, .span = stmt->as.bind.name_span,
-                    .value = text_of(evaluator, value), .type = value_describe(evaluator->arena, value),
-                    .range = range, .measure = unit ? unit->measure : UNIT_NONE};
+    evaluator->params[evaluator->n_params++] = (EvalParam){.name = stmt->as.bind.name->text,
+                                                           .doc = stmt->as.bind.doc,
+                                                           .span = stmt->as.bind.name_span,
+                                                           .value = text_of(evaluator, value),
+                                                           .type = value_describe(evaluator->arena, value),
+                                                           .range = range,
+                                                           .measure = unit ? unit->measure : UNIT_NONE};
 }
 
 static void param_stmt(Evaluator *evaluator, Stmt *stmt)

@@ -341,8 +341,8 @@ bool parse_function_habit(Parser *parser, Path path)
     if (parser->node && advice)
         diag_hint(parser->diag, report, "%s", advice);
     else
-        hint_write(parser, report, arena_format(parser->arena, "def %s = %s%s", head, value,
-                                                parser->node ? ", before the node" : ""));
+        hint_write(parser, report,
+                   arena_format(parser->arena, "def %s = %s%s", head, value, parser->node ? ", before the node" : ""));
     return true;
 }
 

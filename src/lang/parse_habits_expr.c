@@ -276,7 +276,8 @@ static bool is_choice_behind(const Parser *parser)
     look_from(parser, &look);
     for (Token token = lexer_next(&look.lexer); token.kind != TOKEN_END; token = lexer_next(&look.lexer)) {
         if (token.kind == TOKEN_ELSE) return true;
-        if (token.kind == TOKEN_BRACE_OPEN || token.kind == TOKEN_BRACE_CLOSE || begins_line(parser, token.begin)) break;
+        if (token.kind == TOKEN_BRACE_OPEN || token.kind == TOKEN_BRACE_CLOSE || begins_line(parser, token.begin))
+            break;
     }
     return false;
 }
@@ -289,14 +290,16 @@ static void parse_choice_behind(Parser *parser, const Expr *yes)
     consume(parser);
     const char *condition = quote_read(parser, parse_tern), *no = "...";
     if (!parser->panic && consume_if(parser, TOKEN_ELSE)) no = quote_read(parser, parse_expr);
-    hint_write(parser, report,
-               arena_format(parser->arena, "%s ? %s : %s", condition, quote(parser, yes->span.begin, yes->span.end), no));
+    hint_write(
+        parser, report,
+        arena_format(parser->arena, "%s ? %s : %s", condition, quote(parser, yes->span.begin, yes->span.end), no));
 }
 
 /* The comment on the line of a value that has just been read: "7 // 2" is a division of whole numbers in Python. */
 static void warn_of_comment(const Parser *parser, const Expr *value)
 {
-    bool number = parser->previous == TOKEN_NUMBER || parser->previous == TOKEN_NAME || parser->previous == TOKEN_PAREN_CLOSE;
+    bool number =
+        parser->previous == TOKEN_NUMBER || parser->previous == TOKEN_NAME || parser->previous == TOKEN_PAREN_CLOSE;
     if (parser->panic || !number) return;
     uint32_t end = consumed_end(parser), at = end;
     const char *text = parser->lexer.text;
@@ -307,7 +310,8 @@ static void warn_of_comment(const Parser *parser, const Expr *value)
     at = digits + (uint32_t)strspn(text + digits, "0123456789");
     if (at == digits || !strchr("\r\n", text[at])) return; /* or the 0 */
     Span span = {parser->lexer.source, begin, at};
-    Diagnostic *report = diag_report(parser->diag, D_COMMENT_DIVIDES, span, "'//' begins a comment, and divides nothing");
+    Diagnostic *report =
+        diag_report(parser->diag, D_COMMENT_DIVIDES, span, "'//' begins a comment, and divides nothing");
     bool plain = value->kind == EXPR_CONSTANT || value->kind == EXPR_NAME || value->kind == EXPR_CALL;
     diag_hint(parser->diag, report, "a division of whole numbers is: floor(%s / %.*s)",
               plain ? quote(parser, value->span.begin, end) : "...", (int)(at - digits), text + digits);

@@ -584,9 +584,11 @@ static void warn_of_same_random(Resolver *resolver, const Expr *vector)
         uint32_t length = call->span.end - call->span.begin;
         if (first && first->span.end - first->span.begin == length &&
             memcmp(text + first->span.begin, text + call->span.begin, length) == 0) {
-            Diagnostic *report = diag_report(resolver->diag, D_SAME_RANDOM, call->span, "'%.*s' is the same number as before",
-                                             (int)(length < 40 ? length : 40), text + call->span.begin);
-            diag_hint(resolver->diag, report, "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3)");
+            Diagnostic *report =
+                diag_report(resolver->diag, D_SAME_RANDOM, call->span, "'%.*s' is the same number as before",
+                            (int)(length < 40 ? length : 40), text + call->span.begin);
+            diag_hint(resolver->diag, report,
+                      "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3)");
             return;
         }
         if (!first) first = call;
@@ -777,8 +779,9 @@ static Expr *resolve_step(Resolver *resolver, Expr *expr)
     switch (expr->kind) {
     case EXPR_NAME: resolve_name(resolver, expr); return NULL;
     case EXPR_CONSTANT: resolve_color(resolver, expr); return NULL;
-    case EXPR_VECTOR: warn_of_same_random(resolver, expr); /* fall through */
+    case EXPR_VECTOR:
     case EXPR_LIST:
+        if (expr->kind == EXPR_VECTOR) warn_of_same_random(resolver, expr);
         for (uint32_t i = 0; i < expr->as.list.n; i++) resolve_expr(resolver, expr->as.list.items[i]);
         return NULL;
     case EXPR_CALL: resolve_call(resolver, expr); return NULL;

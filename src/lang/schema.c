@@ -347,7 +347,8 @@ static void warn_of_unlikely(const Check *check, const double *numbers, size_t n
     const PropType *type = check->type;
     const NodeType *owner = evaluator->target ? evaluator->target->type : NULL;
     Expr *expr = check->expr;
-    const char *what, *hint = owner && is_plain_literal(expr) ? habit_unlikely(owner->name, type->name, numbers[0], &what) : NULL;
+    const char *what,
+        *hint = owner && is_plain_literal(expr) ? habit_unlikely(owner->name, type->name, numbers[0], &what) : NULL;
     if (hint) {
         const char *text = number_text(evaluator->arena, numbers[0]);
         Diagnostic *report =
@@ -355,10 +356,13 @@ static void warn_of_unlikely(const Check *check, const double *numbers, size_t n
         diag_hint(evaluator->diag, report, "%s", habit_fill(evaluator->diag->arena, hint, text));
     }
     bool rgb = expr->kind == EXPR_CALL_BUILTIN && strcmp(expr->as.call.name, "rgb") == 0 && type->unit == UNIT_NONE;
-    if (rgb && are_bytes(numbers, n) && fmax(numbers[0], fmax(numbers[1], numbers[2])) >= 64)
+    if (!rgb || !are_bytes(numbers, n)) return;
+    double most = fmax(numbers[0], fmax(numbers[1], numbers[2]));
+    if (most >= 64)
         hint_bytes(check, numbers, n,
-                   eval_error(evaluator, expr, D_UNLIKELY_VALUE, "the white of a screen is 1 for '%s', and %s is hardly meant",
-                              type->name, number_text(evaluator->arena, fmax(numbers[0], fmax(numbers[1], numbers[2])))));
+                   eval_error(evaluator, expr, D_UNLIKELY_VALUE,
+                              "the white of a screen is 1 for '%s', and %s is hardly meant", type->name,
+                              number_text(evaluator->arena, most)));
 }
 
 /* A number that a property does not take, in all of its digits where it misses what is taken by a few of them. */

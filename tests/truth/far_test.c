@@ -39,7 +39,9 @@ static void far_is_as_near(void **state)
     } cases[] = {
         {"sphere", "sphere { interior = dark }", {1e-9, 1e-9, 1e-9}},
         {"cylinder", "cylinder { interior = dark  from = -.7 * y  to = .7 * y  radius = .8 }", {1e-9, 1e-9, 1e-9}},
-        {"lathe", "lathe { interior = dark  profile = [<0, -1>, <.7, -1>, <.5, .2>, <.8, 1>, <0, 1>] }", {1e-9, 1e-9, 2e-5}},
+        {"lathe",
+         "lathe { interior = dark  profile = [<0, -1>, <.7, -1>, <.5, .2>, <.8, 1>, <0, 1>] }",
+         {1e-9, 1e-9, 2e-5}},
         {"torus", "torus { interior = dark  radius = .7  tube = .3  rotate(x, 50) }", {1e-9, 1e-9, 1e-9}},
         {"box", "box { interior = dark  size = <1.5, 1.5, 1.5>  rotate(y, 30) }", {3e-4, 3e-3, 0}},
         {"mesh", "superellipsoid { interior = dark  exponents = <.5, .5> }", {2e-4, 1e-3, 0}},
