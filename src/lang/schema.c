@@ -350,7 +350,7 @@ static void warn_of_unlikely(const Check *check, const double *numbers, size_t n
     const char *what,
         *hint = owner && is_plain_literal(expr) ? habit_unlikely(owner->name, type->name, numbers[0], &what) : NULL;
     if (hint) {
-        const char *text = number_text(evaluator->arena, numbers[0]);
+        const char *text = arena_format(evaluator->arena, "%g", numbers[0]); /* 1/60 */
         Diagnostic *report =
             eval_error(evaluator, expr, D_UNLIKELY_VALUE, "'%s' is %s, and %s is hardly meant", type->name, what, text);
         diag_hint(evaluator->diag, report, "%s", habit_fill(evaluator->diag->arena, hint, text));
