@@ -307,6 +307,9 @@ static void report_free_property(Resolver *resolver, const Stmt *stmt)
     else if (binding && binding->constant)
         diag_hint(resolver->diag, report, "'%s' does not change; declare it by var %s = ..., and change it by %s := ...", name,
                   name, name);
+    else if (resolver->call)
+        diag_hint(resolver->diag, report, "a macro takes it as an argument, if it has one for it: %s(%s = ...)",
+                  resolver->call->as.call.path.names[resolver->call->as.call.path.n - 1]->text, name);
     else
         diag_hint(resolver->diag, report, "a name is declared by let %s = ...", name);
 }
@@ -431,9 +434,12 @@ static void resolve_call_stmt(Resolver *resolver, Stmt *stmt)
     if (!stmt->as.call.block) return;
     NodeContext context = resolver->context;
     const NodeType *type = resolver->context_type;
+    const Stmt *outer = resolver->call;
+    resolver->call = stmt;
     resolver->context = CONTEXT_FREE;
     resolver->context_type = NULL;
     resolve_block(resolver, stmt->as.call.block);
+    resolver->call = outer;
     resolver->context = context;
     resolver->context_type = type;
 }
