@@ -10,7 +10,8 @@
 #include "scene/build_parts.h"
 
 static const double pi = 3.14159265358979323846;
-static const double suns_angle = 0.53; /* degrees, the whole disc */
+static const double suns_angle = 0.53;   /* degrees, the whole disc */
+static const double usual_spot = 45;     /* degrees */
 static const double least_angle = 0.001; /* degrees: the cosine is to tell it from none */
 static const double brightest_sky = 1e20;
 static const double degree = 3.14159265358979323846 / 180;
@@ -28,8 +29,8 @@ typedef struct LightShape {
 } LightShape;
 
 static const LightShape shapes[] = {
-    {"quad", LIGHT_RECT, "|size|to|", "|size|to|radiance|power|color|"},
-    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|radiance|power|color|"},
+    {"quad", LIGHT_RECT, "|size|to|", "|size|to|angle|blend|radiance|power|color|"},
+    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|angle|blend|radiance|power|color|"},
     {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|power|color|"},
     {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|power|color|"},
     {"point", LIGHT_POINT, "|", "|intensity|profile|to|power|color|"},
@@ -160,7 +161,8 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
         return (power ? power->as.number / beam : intensity ? intensity->as.number : 1) / unit2;
     }
     double area_m2 = area_of(light) * b->scene->unit_m * b->scene->unit_m;
-    return power ? power->as.number / (pi * area_m2) : radiance ? radiance->as.number : 1;
+    double steradians = light->kind == LIGHT_SPHERE ? pi : light_beam(light);
+    return power ? power->as.number / (steradians * area_m2) : radiance ? radiance->as.number : 1;
 }
 
 static bool check_area(Builder *b, const EvalNode *node, const SceneLight *light, double scale)
@@ -201,14 +203,12 @@ static void add_light(Builder *b, const SceneLight *light)
     scene->lights[scene->n_lights++] = *light;
 }
 
-/* The cone of a spot; a point light shines to all sides. */
-static void set_cone(const EvalNode *node, SceneLight *light, bool spot)
+/* Of a spot, of a quad or a disc: it shines into a cone of so many degrees, from edge to edge. */
+static void set_cone(const EvalNode *node, SceneLight *light, double angle)
 {
-    const double usual = 45;
-    const EvalProp *angle = eval_prop(node, "angle");
-    double half_angle = (angle ? angle->as.number : usual) / 2 * degree;
-    light->cos_none = spot ? cos(half_angle) : -1;
-    light->cos_full = spot ? cos(half_angle * (1 - eval_number(node, "blend"))) : -1;
+    double half_angle = angle / 2 * degree;
+    light->cos_none = fmax(cos(half_angle), 0);
+    light->cos_full = cos(half_angle * (1 - eval_number(node, "blend")));
 }
 
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
@@ -229,12 +229,15 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         return;
     }
     const EvalProp *angle = eval_prop(node, "angle");
+    if (light.kind == LIGHT_RECT || light.kind == LIGHT_DISC)
+        build_needs_other(b, node, "blend", "angle", "without an angle, into which it shines");
     if (angle && !(angle->as.number >= least_angle)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, angle->span, "an angle of %g degrees is too small: %g is the least",
                     angle->as.number, least_angle);
         return;
     }
     double half_angle = (angle ? angle->as.number : suns_angle) / 2 * degree;
+    if (angle && light.kind != LIGHT_DISTANT) set_cone(node, &light, angle->as.number);
     light.to_world = rigid_frame(to_world, &frame);
     light.towards = vec3_scale(column(&light.to_world, 1), -1);
     light.cos_angle = cos(half_angle);
@@ -245,7 +248,10 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
     } else if (light.kind == LIGHT_DISC || light.kind == LIGHT_SPHERE) {
         light.half_width = light.half_height = eval_number(node, "radius") * scale;
     } else if (light.kind == LIGHT_POINT) {
-        set_cone(node, &light, strcmp(shape->word, "spot") == 0);
+        if (!is_named(shape->takes, "angle"))
+            light.cos_full = light.cos_none = -1; /* to all sides */
+        else if (!angle)
+            set_cone(node, &light, usual_spot);
         if (eval_prop(node, "profile") && !build_profile(b, eval_prop(node, "profile"), &light)) return;
         Box3 bounds = {light.to_world.t, light.to_world.t};
         if (!build_check_reach(b, node->span, "this light", bounds)) return;

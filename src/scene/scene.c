@@ -211,8 +211,9 @@ double light_beam(const SceneLight *light)
         }
     }
     if (light->profile) return sum;
-    return 2 * 3.14159265358979323846 *
-           (1 - 0.5 * (light->cos_full + light->cos_none)); /* the smooth step's mean is 1/2 */
+    double full = light->cos_full, none = light->cos_none, fade = full - none;
+    if (light->kind == LIGHT_POINT) return 2 * pi * (1 - 0.5 * (full + none)); /* the smooth step's mean is 1/2, */
+    return pi * (1 - full * full) + 2 * pi * fade * (0.5 * none + 0.35 * fade); /* and times its place it is 0.35 */
 }
 
 /* Whether every coordinate of an image comes from one coordinate alone, as without any turns, or with quarter turns. */

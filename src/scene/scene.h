@@ -204,12 +204,13 @@ typedef struct SceneLight {
     double cos_angle;            /* LIGHT_DISTANT: of the cone's half angle */
     const LightProfile *profile; /* LIGHT_POINT: NULL, or instead of what cos_full says; cos_none bounds it */
     double cos_full,
-        cos_none; /* LIGHT_POINT: as bright as ever within the first angle from +y, dark beyond the other */
+        cos_none; /* as bright as ever within the first angle from +y, dark beyond the other; 0 of LIGHT_RECT and LIGHT_DISC
+                   * that shine to all of one side, and of what has no direction */
 } SceneLight;
 
-/* How bright a LIGHT_POINT is towards a direction (unit, in its own frame), its axis being 1. */
+/* How bright a LIGHT_POINT, a LIGHT_RECT or a LIGHT_DISC is towards a direction (unit, in its own frame), its axis being 1. */
 float light_shape(const SceneLight *light, Vec3 direction);
-/* The integral of that over all directions, in steradians. */
+/* The integral of that over all directions, in steradians; of what is flat times the cosine to its normal. */
 double light_beam(const SceneLight *light);
 
 /* How places of the film become rays; the words of nodes.def, in its order. */

@@ -333,9 +333,11 @@ static void add_lights(Hasher *h, const Scene *scene)
         add_number(h, light->half_width);
         add_number(h, light->half_height);
         if (light->kind == LIGHT_POINT || light->kind == LIGHT_PORTAL) add_map(h, &light->to_world);
-        if (light->kind == LIGHT_POINT) {
+        if (light->kind == LIGHT_POINT || light->cos_none > 0) {
             add_number(h, light->cos_full);
             add_number(h, light->cos_none);
+        }
+        if (light->kind == LIGHT_POINT) {
             const LightProfile *profile = light->profile;
             if (profile) add_integer(h, profile->type);
             for (uint32_t k = 0; profile && k < profile->n_vertical; k++) add_number(h, (double)profile->vertical[k]);

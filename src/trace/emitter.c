@@ -49,8 +49,8 @@ static double light_flux(const SceneLight *light)
 {
     double luminance = luminance_of(&light->radiance), w = light->half_width;
     switch (light->kind) {
-    case LIGHT_RECT: return luminance * pi * 4 * w * light->half_height;
-    case LIGHT_DISC: return luminance * pi * pi * w * w;
+    case LIGHT_RECT: return luminance * light_beam(light) * 4 * w * light->half_height;
+    case LIGHT_DISC: return luminance * light_beam(light) * pi * w * w;
     case LIGHT_SPHERE: return luminance * pi * 4 * pi * w * w;
     case LIGHT_POINT: return luminance * light_beam(light);
     case LIGHT_DISTANT:
@@ -63,7 +63,7 @@ static LightBounds bounds_of_light(const Scene *scene, const SceneLight *light)
 {
     LightBounds bounds = {.axis = vec3f_from(affine_vector(&light->to_world, vec3(0, 1, 0))), .cos_o = 1, .cos_e = 0};
     const Affine *keys = light_keys(scene, light);
-    if (light->kind == LIGHT_POINT) { /* within the cone, and not beyond it */
+    if (light->kind == LIGHT_POINT || light->cos_none > 0) { /* within the cone, and not beyond it */
         bounds.cos_o = light->cos_none > -1 ? (float)fmax(light->cos_none, -0.999999) : -1;
         bounds.cos_e = 0.9999f;
     }

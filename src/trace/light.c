@@ -3,6 +3,7 @@
 #include "trace/light.h"
 
 #include "optics/sampling.h"
+#include "trace/light_flat.h"
 #include "trace/texture_view.h"
 
 /* Where a thing with these keys is at a time of the shutter; room is for one that moves. */
@@ -21,37 +22,6 @@ static const Affine *light_place(const World *world, const SceneLight *light, do
 static const Affine *object_place(const World *world, const SceneObject *object, double time, Affine *room)
 {
     return place_at(world, scene_keys(world->scene, object), &object->to_world, time, room);
-}
-
-/* Of a quad or disc; also its unit normal. Between two places that it moves through it may be squeezed. */
-static double light_area(const SceneLight *light, const Affine *to_world, Vec3 *normal)
-{
-    double area = light->kind == LIGHT_DISC ? (double)SAMPLING_PI * light->half_width * light->half_width
-                                            : 4 * light->half_width * light->half_height;
-    if (to_world == &light->to_world) { /* rigid */
-        *normal = affine_vector(to_world, vec3(0, 1, 0));
-        return area;
-    }
-    Vec3 across = vec3_cross(affine_vector(to_world, vec3(0, 0, 1)), affine_vector(to_world, vec3(1, 0, 0)));
-    double stretch = vec3_length(across);
-    *normal = vec3_scale(across, 1 / stretch);
-    return area * stretch;
-}
-
-/* A point on an area light, and its normal there. Uniform in area; a sphere is sampled by its visible
- * cone instead (sample_sphere). */
-static Vec3 area_point(const SceneLight *light, const Affine *to_world, const float u[2], Vec3 *normal, double *area)
-{
-    Vec3 local = vec3(0, 0, 0);
-    if (light->kind == LIGHT_DISC) {
-        float x, z;
-        sampling_disc(u[0], u[1], &x, &z);
-        local = vec3((double)x * light->half_width, 0, (double)z * light->half_width);
-    } else {
-        local = vec3((2 * (double)u[0] - 1) * light->half_width, 0, (2 * (double)u[1] - 1) * light->half_height);
-    }
-    *area = light_area(light, to_world, normal);
-    return affine_point(to_world, local);
 }
 
 /* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2
@@ -81,25 +51,6 @@ static void sample_sphere(uint32_t object, double radius, Vec3 centre, Vec3 from
                             .object = object,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = sampling_cone_pdf((float)cone)};
-}
-
-static void sample_area(const SceneLight *light, const Affine *to_world, Vec3 from, const float u[2],
-                        LightSample *sample)
-{
-    Vec3 normal;
-    double area;
-    Vec3 to = vec3_sub(area_point(light, to_world, u, &normal, &area), from);
-    double distance = vec3_length(to), cosine = -vec3_dot(to, normal) / distance;
-    if (!(cosine > 0)) {
-        *sample = (LightSample){.pdf_w = 0};
-        return;
-    }
-    *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            /* a little behind the light: it is the ray's target and does not block it */
-                            .distance = distance * (1 + 1e-5),
-                            .object = light->object,
-                            .primitive = RTC_NO_OBJECT,
-                            .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
 static void sample_distant(const SceneLight *light, const float u[2], LightSample *sample)
@@ -219,7 +170,11 @@ static void sample_light(const World *world, const SceneLight *light, Vec3 from,
         sample_point(light, to_world, from, sample);
         radiance = lanes_mul(sample->radiance, radiance);
         break;
-    default: sample_area(light, to_world, from, u, sample);
+    default: {
+        float part;
+        light_flat_sample(light, to_world, from, u, sample, &part);
+        radiance = lanes_scale(radiance, part);
+    }
     }
     sample->radiance = radiance;
 }
@@ -368,9 +323,10 @@ LightPivot light_pivot_at(const World *world, uint32_t number, double time, Vec3
         const SceneObject *object = &scene->objects[emitter->of];
         return pivot_of_ball(object->to_world.t, ball_radius(world, object, emitter->part));
     }
-    if (emitter->kind == EMITTER_LIGHT && scene->lights[emitter->of].kind == LIGHT_SPHERE) {
+    const SceneLight *light = emitter->kind == EMITTER_LIGHT ? &scene->lights[emitter->of] : NULL;
+    if (light &&
+        (light->kind == LIGHT_SPHERE || light_is_focused(light))) { /* which place depends on where it is seen from */
         Affine room;
-        const SceneLight *light = &scene->lights[emitter->of];
         return pivot_of_ball(light_place(world, light, time, &room)->t, light->half_width);
     }
     return (LightPivot){place, 0};
@@ -381,14 +337,12 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
     const Emitter *emitter = &world->emitters.emitters[number];
     const Scene *scene = world->scene;
     Vec3 place = vec3(0, 0, 0), unused;
-    double area;
     Affine room;
     switch (emitter->kind) {
     case EMITTER_LIGHT: {
         const SceneLight *light = &scene->lights[emitter->of];
         const Affine *to_world = light_place(world, light, time, &room);
-        place = light->kind == LIGHT_RECT || light->kind == LIGHT_DISC ? area_point(light, to_world, u, &unused, &area)
-                                                                       : to_world->t;
+        place = light_is_flat(light) ? light_flat_point(light, to_world, u) : to_world->t;
         break;
     }
     case EMITTER_TRIANGLE: place = triangle_point(world, emitter, time, u, &unused); break;
@@ -404,52 +358,19 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
     return light_pivot_at(world, number, time, place);
 }
 
-/* Cuts a stretch of a line, origin + t direction, to where it is within the cone about the axis (unit) whose tip is at 0; of
- * the half angle of that cosine, which is >= 0. */
-static bool cut_to_cone(Vec3 origin, Vec3 direction, Vec3 axis, double cosine, double *begin, double *end)
-{
-    double height = vec3_dot(origin, axis), rise = vec3_dot(direction, axis), square = cosine * cosine;
-    double a = rise * rise - square, b = height * rise - square * vec3_dot(origin, direction);
-    double c = height * height - square * vec3_dot(origin, origin);
-    if (square == 0 ||
-        fabs(a) < 1e-12) { /* half of space; or along the cone's side, where half of space is not too little */
-        if (rise == 0) return height > 0;
-        if (rise > 0)
-            *begin = fmax(*begin, -height / rise);
-        else
-            *end = fmin(*end, -height / rise);
-        return *begin < *end;
-    }
-    double root = b * b - a * c;
-    if (!(root > 0)) return false;
-    root = sqrt(root);
-    double first = (-b - copysign(root, a)) / a, last = (-b + copysign(root, a)) / a;
-    if (a < 0) { /* both ends of a chord, of this cone or of the one opposite */
-        if (height + 0.5 * (first + last) * rise < 0) return false;
-        *begin = fmax(*begin, first);
-        *end = fmin(*end, last);
-    } else if (rise > 0) { /* it leaves the cone opposite first */
-        *begin = fmax(*begin, last);
-    } else {
-        *end = fmin(*end, first);
-    }
-    return *begin < *end;
-}
-
 bool light_reach(const World *world, uint32_t number, double time, Vec3 origin, Vec3f direction, double *begin,
                  double *end)
 {
     const Emitter *emitter = &world->emitters.emitters[number];
     if (emitter->kind != EMITTER_LIGHT) return true;
     const SceneLight *light = &world->scene->lights[emitter->of];
-    bool flat = light->kind == LIGHT_RECT || light->kind == LIGHT_DISC;
+    bool flat = light_is_flat(light);
     if (!flat && (light->kind != LIGHT_POINT || !(light->cos_none > 0))) return true;
     Affine room;
     const Affine *to_world = light_place(world, light, time, &room);
+    if (flat) return light_flat_reach(light, to_world, origin, direction, begin, end);
     Vec3 axis = vec3_normalize(affine_vector(to_world, vec3(0, 1, 0)));
-    if (flat) light_area(light, to_world, &axis);
-    return cut_to_cone(vec3_sub(origin, to_world->t), vec3_from_f(direction), axis, flat ? 0 : light->cos_none, begin,
-                       end);
+    return light_cut_to_cone(vec3_sub(origin, to_world->t), vec3_from_f(direction), axis, light->cos_none, begin, end);
 }
 
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)
@@ -458,7 +379,13 @@ bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lane
     const ObjectLook *look = &world->looks[hit->object];
     if (LIKELY(!look->shines)) return false;
     if (look->light != SCENE_NONE) {
-        *radiance = spectrum_at(&scene->lights[look->light].radiance, wavelength_nm);
+        const SceneLight *light = &scene->lights[look->light];
+        *radiance = spectrum_at(&light->radiance, wavelength_nm);
+        if (UNLIKELY(light_is_focused(light))) {
+            Affine room;
+            const Affine *to_world = light_place(world, light, ray->time, &room);
+            *radiance = lanes_scale(*radiance, light_flat_radiance(light, to_world, ray->direction));
+        }
         return hit->entering; /* lights shine to one side */
     }
     const SceneSurface *surface = &scene->surfaces[look->surface];
@@ -475,11 +402,7 @@ static float light_pdf(const World *world, const SceneLight *light, Vec3 from, c
         double cone = sphere_cone(light->half_width, vec3_sub(to_world->t, from));
         return cone < 2 ? sampling_cone_pdf((float)cone) : 0;
     }
-    if (!hit->entering) return 0;
-    Vec3 normal;
-    double area = light_area(light, to_world, &normal);
-    Vec3 to = vec3_sub(ray_point(ray, hit->t), from);
-    return (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area));
+    return hit->entering ? light_flat_pdf(light, to_world, from, ray, hit) : 0;
 }
 
 /* Of a place on an object that shines. */

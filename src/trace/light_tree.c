@@ -86,11 +86,33 @@ static inline Beside beside(const TreeNode *node, const LightLine *line)
                     lanes_sub(z, lanes_mul(nearest, dz)), along};
 }
 
+/* How much of their light a node's parts send to where the line is nearest to their axes: what shines into a narrow cone may cross it
+ * there, and hardly does where the line is nearest to the lights. */
+static inline Lanes sent_across(const TreeNode *node, const LightLine *line)
+{
+    Lanes dx = lanes_all(line->direction.x), dy = lanes_all(line->direction.y), dz = lanes_all(line->direction.z);
+    Lanes x = lanes_sub(node->x, lanes_all(line->origin.x)), y = lanes_sub(node->y, lanes_all(line->origin.y)),
+          z = lanes_sub(node->z, lanes_all(line->origin.z));
+    Lanes slope = dot(dx, dy, dz, node->axis_x, node->axis_y, node->axis_z);
+    Lanes along = dot(x, y, z, dx, dy, dz), height = dot(x, y, z, node->axis_x, node->axis_y, node->axis_z);
+    Lanes place =
+        lanes_div(lanes_sub(along, lanes_mul(slope, height)), at_least(lanes_rest(lanes_mul(slope, slope)), 1e-6f));
+    place = lanes_greater(lanes_lesser(place, lanes_all(line->end)), lanes_all(line->begin));
+    x = lanes_sub(x, lanes_mul(place, dx)), y = lanes_sub(y, lanes_mul(place, dy)),
+    z = lanes_sub(z, lanes_mul(place, dz));
+    Lanes distance2 = at_least(dot(x, y, z, x, y, z), FLT_MIN), inverse2 = lanes_div(lanes_all(1), distance2);
+    Lanes sin_b2 = lanes_mul(node->radius2, inverse2);
+    Lanes part =
+        sent(node, x, y, z, lanes_sqrt(inverse2), lanes_sqrt(sin_b2), lanes_sqrt(at_least(lanes_rest(sin_b2), 0)));
+    return lanes_select_less(node->radius2, distance2, part, lanes_all(1));
+}
+
 /* The integral of power over squared distance along a line, as from the middle of the bounds and no nearer than their
- * radius: [KF12] section 3. Which way the lights face counts as seen from the line's nearest place, but never excludes them. */
+ * radius: [KF12] section 3. Which way the lights face counts as seen from the line's nearest place, but never excludes them; of those
+ * that shine into cones alone, as seen from where the line is nearest to their axes, too. */
 static inline Lanes importance_along(const TreeNode *node, const LightLine *line)
 {
-    const float least = 0.1f;
+    const float least = 0.1f, narrow = 0.5f;
     Beside at = beside(node, line);
     Lanes begin = lanes_sub(lanes_all(line->begin), at.along), end = lanes_sub(lanes_all(line->end), at.along);
     Lanes beyond = at_least(begin, 0);
@@ -102,6 +124,8 @@ static inline Lanes importance_along(const TreeNode *node, const LightLine *line
     Lanes angle = lanes_atan2(across, lanes_add(distance2, lanes_mul(end, begin)));
     Lanes inverse = lanes_sqrt(lanes_div(lanes_all(1), at_least(to2, FLT_MIN)));
     Lanes part = at_least(sent(node, at.x, at.y, at.z, inverse, lanes_all(0), lanes_all(1)), least);
+    if (UNLIKELY(lanes_not_above(lanes_all(narrow), node->cos_e)))
+        part = lanes_select_less(lanes_all(narrow), node->cos_e, lanes_greater(part, sent_across(node, line)), part);
     return lanes_mul(lanes_div(lanes_mul(node->power, angle), distance), part);
 }
 

@@ -234,6 +234,15 @@ static void looks_agree(void **state)
          "for (i in 0..40) { sphere { center = <sin(i), cos(i * 1.7), -.1 * i - .5>  radius = .02  surface = surface { "
          "emission = 1  radiance = i + 1 } } }",
          256},
+        {"a beam",
+         "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
+         "<4, 4, 1> }"
+         "light { shape = disc  from = <1, 1, -3>  to = <0, 0, -3>  radius = .2  angle = 30deg  radiance = 5 }",
+         256},
+        {"a lamp behind a grid",
+         "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
+         "light { from = <0, 2, -3>  to = <0, 0, -3>  size = <2, 1>  angle = 50deg  blend = .5  radiance = 5 }",
+         256},
         {"a spot",
          "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
          "<4, 4, 1> }"

@@ -106,6 +106,33 @@ static void discs(void **state)
     }
 }
 
+/* What shines into a cone alone, and lights the place from all of that: pi L sin^2; less where it fades, as L is then that of its middle.
+ * By power it is the power over the light's area, whatever the cone. */
+static void into_a_cone(void **state)
+{
+    (void)state;
+    const double sine = sin(20 * degree), full = cos(10 * degree), none = cos(20 * degree), fade = full - none;
+    const double faded = TRUTH_PI * (1 - full * full) + 2 * TRUTH_PI * fade * (none / 2 + .35 * fade);
+    expect_both("quad behind a grid, near to it",
+                "light { from = <5, 20, 3>  to = <5, 0, 3>  size = <60, 50>  angle = 40deg  blend = 0  radiance = 2 }",
+                NULL, TRUTH_PI * 2 * sine * sine, 8192);
+    expect_both("disc behind a grid",
+                "light { shape = disc  from = <5, 20, 3>  to = <5, 0, 3>  radius = 30  angle = 40deg  blend = 0  "
+                "radiance = 2 }",
+                NULL, TRUTH_PI * 2 * sine * sine, 8192);
+    expect_both(
+        "disc that fades to its border, aslant",
+        "light { shape = disc  from = <0, 20 * cos(30), 20 * sin(30)>  to = <0, 0, 0>  radius = 30  angle = 40deg  "
+        "blend = .5  radiance = 2 }",
+        NULL, 2 * faded * cos(30 * degree), 8192);
+    expect_both("quad of 5 W into a cone",
+                "light { from = <0, 20, 0>  to = <0, 0, 0>  size = <60, 50>  angle = 30deg  blend = .4  power = 5 }",
+                NULL, 5 / (.06 * .05), 16384);
+    expect_both("a beam of 2 W, of half a degree",
+                "light { shape = disc  from = <0, 90, 0>  to = <0, 0, 0>  radius = 3  angle = .5deg  power = 2 }", NULL,
+                2 / (TRUTH_PI * 9e-6), 0);
+}
+
 static double bright_zenith(double elevation)
 {
     return 0.2 + 3 * pow(fmax(sin(elevation), 0), 4);
@@ -207,6 +234,8 @@ static void agree_in_fog(void **state)
     } cases[] = {
         {"quad in fog", "light { from = <0, 20, 0>  to = <0, 0, 0>  size = <30, 22>  radiance = 2 }"},
         {"disc in fog", "light { shape = disc  from = <5, 14, 0>  to = <0, 0, 0>  radius = 9  radiance = 2 }"},
+        {"disc into a cone in fog",
+         "light { shape = disc  from = <5, 14, 0>  to = <0, 0, 0>  radius = 9  angle = 60deg  radiance = 2 }"},
         {"sphere in fog", "light { shape = sphere  from = <5, 16, 0>  radius = 9  radiance = 2 }"},
         {"distant light on fog",
          "light { shape = distant  to = <0, 0, 0>  from = <1, 3, 1>  angle = 60deg  radiance = 2 }"},
@@ -273,9 +302,9 @@ static void through_panes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),       cmocka_unit_test(quads),         cmocka_unit_test(discs),
-        cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),       cmocka_unit_test(bulb_in_murk),
-        cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
+        cmocka_unit_test(spheres),      cmocka_unit_test(quads),         cmocka_unit_test(discs),
+        cmocka_unit_test(into_a_cone),  cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),
+        cmocka_unit_test(bulb_in_murk), cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }
