@@ -144,4 +144,5 @@ void report_warnings(const CompiledScene *compiled, Diag *diag)
     report_vessels(compiled, diag);
     warn_of_hidden(compiled, diag);
     report_lost_lights(compiled, diag);
+    report_endless(compiled, diag);
 }

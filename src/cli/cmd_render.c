@@ -186,11 +186,12 @@ static Status render_and_write(RenderRun *run, Error *error)
     return status;
 }
 
-/* What a picture would be without, and not look wrong for. */
-static void warn_of_lights(void *context)
+/* What a picture would be without, and not look wrong for; and what it would take for ever. */
+static void warn_of_light(void *context)
 {
     RenderRun *run = context;
     report_lost_lights(run->input.compiled, &run->input.diag);
+    report_endless(run->input.compiled, &run->input.diag);
 }
 
 /* The input's scene is at the frame. */
@@ -198,7 +199,7 @@ static Status render_frame(RenderRun *run, Error *error)
 {
     Status status = render_settings_merge(run, error);
     if (status == STATUS_OK) status = scene_input_compile(&run->input, run->pool, error);
-    if (status == STATUS_OK) status = scene_input_guard(&run->input, warn_of_lights, run, error);
+    if (status == STATUS_OK) status = scene_input_guard(&run->input, warn_of_light, run, error);
     if (status == STATUS_OK) status = compiled_share_levels(run->input.compiled, error);
     TRY(print_findings(run, status, error));
     note_scene(run);
