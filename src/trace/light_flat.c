@@ -4,7 +4,8 @@
 
 #include "optics/sampling.h"
 
-double light_flat_area(const SceneLight *light, const Affine *to_world, Vec3 *normal)
+/* Its area and unit normal. Between two places that it moves through it may be squeezed. */
+static double find_area(const SceneLight *light, const Affine *to_world, Vec3 *normal)
 {
     double area = light->kind == LIGHT_DISC ? (double)SAMPLING_PI * light->half_width * light->half_width
                                             : 4 * light->half_width * light->half_height;
@@ -69,7 +70,7 @@ void light_flat_sample(const SceneLight *light, const Affine *to_world, Vec3 fro
 {
     Vec3 normal;
     Patch patch;
-    double area = light_flat_area(light, to_world, &normal), w = light->half_width;
+    double area = find_area(light, to_world, &normal), w = light->half_width;
     bool in_patch = find_patch(light, to_world, from, &patch);
     Vec3 local = in_patch ? point_of_patch(&patch, u) : local_point(light, u);
     if (in_patch) area = area_of(&patch);
@@ -91,7 +92,7 @@ float light_flat_pdf(const SceneLight *light, const Affine *to_world, Vec3 from,
 {
     Vec3 normal, to = vec3_sub(ray_point(ray, hit->t), from);
     Patch patch;
-    double area = light_flat_area(light, to_world, &normal);
+    double area = find_area(light, to_world, &normal);
     if (light_is_focused(light) && !(light_flat_radiance(light, to_world, ray->direction) > 0)) return 0;
     if (find_patch(light, to_world, from, &patch)) area = area_of(&patch);
     return area > 0 ? (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area)) : 0;
@@ -100,7 +101,7 @@ float light_flat_pdf(const SceneLight *light, const Affine *to_world, Vec3 from,
 float light_flat_radiance(const SceneLight *light, const Affine *to_world, Vec3f direction)
 {
     Vec3 normal, along = vec3_from_f(direction);
-    light_flat_area(light, to_world, &normal);
+    find_area(light, to_world, &normal);
     return light_shape(light, vec3(0, -vec3_dot(along, normal) / vec3_length(along), 0));
 }
 
@@ -139,7 +140,7 @@ bool light_flat_reach(const SceneLight *light, const Affine *to_world, Vec3 orig
                       double *end)
 {
     Vec3 normal, along = vec3_from_f(direction), from = vec3_sub(origin, to_world->t);
-    light_flat_area(light, to_world, &normal);
+    find_area(light, to_world, &normal);
     if (!light_cut_to_cone(from, along, normal, 0, begin, end)) return false;
     if (!light_is_focused(light)) return true;
     double radius = light->kind == LIGHT_DISC ? light->half_width : hypot(light->half_width, light->half_height);

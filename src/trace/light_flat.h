@@ -14,8 +14,6 @@ static inline bool light_is_focused(const SceneLight *light)
 {
     return light->cos_none > 0 && light_is_flat(light);
 }
-/* Its area and unit normal, where it is at some time. Between two places that it moves through it may be squeezed. */
-double light_flat_area(const SceneLight *light, const Affine *to_world, Vec3 *normal);
 /* A point on it, uniform in area. */
 Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const float u[2]);
 /* Samples the part of it that may shine at a point; radiance: in relation to that along the normal. */

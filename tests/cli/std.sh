@@ -62,6 +62,8 @@ studio.top_camera()
 studio.hero_camera()
 lights.softbox()
 lights.strip { power = 3  color = lights.tungsten() }
+lights.softbox { angle = 30 }
+lights.laser { wavelength = 633 }
 lights.window()
 lights.lamp { color = lights.candle_light() }
 lights.lamp { color = lights.illuminant_a()  power = 2 }
