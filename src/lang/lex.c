@@ -499,6 +499,13 @@ static void skip_unknown(Lexer *lexer)
         report = diag_report(lexer->diag, D_INVALID_CHARACTER, span, "'%s' has no meaning here", shown);
     if (code == 0x201c || code == 0x201d || code == '\'') diag_hint(lexer->diag, report, "strings stand in '\"'");
     if (code == 0xb0) diag_hint(lexer->diag, report, "write 'deg'");
+    const char *name = lexer->text + begin + 1;
+    if (code == '$' && class_of(*name) == CLASS_LETTER) {
+        bool facets = name[0] == 'f' && name[1] && strchr("nas", name[1]); /* $fn, $fa, $fs of OpenSCAD */
+        diag_hint(lexer->diag, report,
+                  facets ? "leave it out: what is round is exactly so, or as fine as 'tolerance' says"
+                         : "names have no mark before them");
+    }
     if (code == 0xb2 || code == 0xb3) diag_hint(lexer->diag, report, "write '^ %c'", code == 0xb2 ? '2' : '3');
     while (code != 0 && lexer->at + n <= lexer->length && memcmp(lexer->text + lexer->at, shown, n) == 0)
         lexer->at += n;
