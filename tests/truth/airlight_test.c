@@ -243,6 +243,11 @@ static void looks_agree(void **state)
          "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
          "light { from = <0, 2, -3>  to = <0, 0, -3>  size = <2, 1>  angle = 50deg  blend = .5  radiance = 5 }",
          256},
+        {"a beam beside a larger lamp",
+         "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
+         "light { shape = disc  from = <3, .5, -2>  to = <-3, 0, -3>  radius = .2  angle = 4deg  power = 1 }"
+         "light { from = <0, 3.5, -3>  to = <0, 0, -3>  size = <2, 1>  power = 5 }",
+         256},
         {"a spot",
          "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
          "<4, 4, 1> }"
