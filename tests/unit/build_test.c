@@ -413,7 +413,7 @@ static void wrong_lights_are_refused(void **state)
     REFUSED("light { shape = sphere }", D_MISSING_PROPERTY);
     REFUSED("light { shape = sphere radius = 1 to = <1, 0, 0> }", D_CONFLICTING_PROPERTIES);
     REFUSED("light { shape = disc radius = 1 size = <1, 1> to = <1, 0, 0> }", D_CONFLICTING_PROPERTIES);
-    REFUSED("light { size = <1, 1> to = <1, 0, 0> angle = 3 }", D_CONFLICTING_PROPERTIES);
+    REFUSED("light { shape = sphere radius = 1 angle = 3 }", D_CONFLICTING_PROPERTIES);
     REFUSED("light { size = <1, 1> to = <1, 0, 0> power = 1 radiance = 1 }", D_CONFLICTING_PROPERTIES);
     REFUSED("light { size = <1, 1> to = <0, 0, 0> }", D_DEGENERATE_SHAPE);
     REFUSED("light { size = <1, 1> to = <1, 0, 0> scale(<1, 2, 1>) }", D_SINGULAR_TRANSFORM);
