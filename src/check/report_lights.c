@@ -45,14 +45,18 @@ static void add_loss(Fate *fate, uint32_t object, double flux)
     fate->by[i] += flux;
 }
 
+Vec3 report_direction(int i, int n, double least_y)
+{
+    const double golden_angle = 2.399963229728653;
+    double y = 1 - (1 - least_y) * (i + 0.5) / n, r = sqrt(fmax(1 - y * y, 0));
+    return vec3(r * cos(golden_angle * i), y, r * sin(golden_angle * i));
+}
+
 /* false when memory ends */
 static bool follow(const CompiledScene *compiled, const SceneLight *light, Fate *fate)
 {
     for (int i = 0; i < DIRECTIONS; i++) {
-        /* even over what the light shines into */
-        double y = 1 - (1 - light->cos_none) * (i + 0.5) / DIRECTIONS, turn = 2.399963229728653 * i;
-        double r = sqrt(fmax(1 - y * y, 0));
-        Vec3 local = vec3(r * cos(turn), y, r * sin(turn));
+        Vec3 local = report_direction(i, DIRECTIONS, light->cos_none);
         double flux = (double)light_shape(light, local);
         if (!(flux > 0)) continue;
         Ray ray = ray_make(light->to_world.t, vec3f_from(affine_vector(&light->to_world, local)));

@@ -626,17 +626,16 @@ static double mean_chord(double volume, const Box3 *box)
     return 4 * volume / fmax(of_ball, of_box * fmax(volume / (d.x * d.y * d.z), 0.5));
 }
 
-/* How often light is scattered in a body before it has left or is absorbed, of the wavelength of which that is most. What comes
- * in evenly goes 4 V / S in there on the mean, however often it is scattered (S. Blanco, R. Fournier, "An Invariance Property of
+/* What comes in evenly goes 4 V / S in there on the mean, however often it is scattered (S. Blanco, R. Fournier, "An Invariance Property of
  * Diffusive Random Walks", Europhysics Letters 61(2) (2003)). */
-static double count_scatterings(const SceneMedium *medium, double chord)
+double report_count_scatterings(const SceneMedium *medium, double chord)
 {
     const float wavelengths[] = {450, 500, 550, 600, 650};
     double most = 0;
     for (size_t i = 0; i < COUNT_OF(wavelengths); i++) {
         double scattering = (double)spectrum_at_one(&medium->scattering, wavelengths[i]),
                absorption = (double)spectrum_at_one(&medium->absorption, wavelengths[i]);
-        most = fmax(most, scattering * chord / (1 + absorption * chord));
+        most = fmax(most, scattering / (1 / chord + absorption));
     }
     return most;
 }
@@ -651,7 +650,7 @@ static void remark_many_scatterings(Remarks *r)
         const SceneMedium *medium = &r->scene->media[object->medium];
         double volume = r->compiled->hulls[h].volume;
         if (!medium->scatters || medium->density || !isfinite(volume) || is_one_of_many(r, h)) continue;
-        double n = count_scatterings(medium, mean_chord(volume, &r->compiled->hull_bounds[h]));
+        double n = report_count_scatterings(medium, mean_chord(volume, &r->compiled->hull_bounds[h]));
         if (n < many || !tally_next(&tally)) continue;
         Diagnostic *report =
             diag_report(r->diag, D_MANY_SCATTERINGS, object->span,

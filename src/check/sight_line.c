@@ -85,7 +85,7 @@ static bool add_step(const CompiledScene *compiled, Hit *hits, size_t n, NestLis
     for (size_t i = 0; i < n && !opaque; i++)
         if (compiled->hull_of_object[hits[i].object] == SCENE_NONE) opaque = first = &hits[i];
     line->steps[line->n++] = (SightStep){.distance = hits[0].t,
-                                         .kind = kind_of(compiled, &crossing, opaque),
+                                         .kind = kind_of(compiled, &crossing, opaque != NULL),
                                          .object = scene_whole(compiled->scene, first->object),
                                          .n = count_objects(compiled, hits, n),
                                          .from = crossing.medium_from,

@@ -229,7 +229,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         return;
     }
     const EvalProp *angle = eval_prop(node, "angle");
-    if (light.kind == LIGHT_RECT || light.kind == LIGHT_DISC)
+    if (light_is_flat(&light))
         build_needs_other(b, node, "blend", "angle", "without an angle, into which it shines");
     if (angle && !(angle->as.number >= least_angle)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, angle->span, "an angle of %g degrees is too small: %g is the least",

@@ -208,6 +208,15 @@ typedef struct SceneLight {
                    * that shine to all of one side, and of what has no direction */
 } SceneLight;
 
+static inline bool light_is_flat(const SceneLight *light)
+{
+    return light->kind == LIGHT_RECT || light->kind == LIGHT_DISC;
+}
+/* Whether it is flat, and shines into a cone alone. */
+static inline bool light_is_focused(const SceneLight *light)
+{
+    return light->cos_none > 0 && light_is_flat(light);
+}
 /* How bright a LIGHT_POINT, a LIGHT_RECT or a LIGHT_DISC is towards a direction (unit, in its own frame), its axis being 1. */
 float light_shape(const SceneLight *light, Vec3 direction);
 /* The integral of that over all directions, in steradians; of what is flat times the cosine to its normal. */

@@ -333,7 +333,7 @@ static void add_lights(Hasher *h, const Scene *scene)
         add_number(h, light->half_width);
         add_number(h, light->half_height);
         if (light->kind == LIGHT_POINT || light->kind == LIGHT_PORTAL) add_map(h, &light->to_world);
-        if (light->kind == LIGHT_POINT || light->cos_none > 0) {
+        if (light->kind == LIGHT_POINT || light_is_focused(light)) {
             add_number(h, light->cos_full);
             add_number(h, light->cos_none);
         }

@@ -61,8 +61,8 @@ static void add_light(Finder *f, const SceneLight *light)
     switch (light->kind) {
     case LIGHT_RECT:
     case LIGHT_DISC:
-        lamp.luminance *= (double)light_shape(
-            light, affine_normal(map, vec3_scale(to, -1 / sqrt(distance2)))); /* rigid: the transpose inverts it */
+        if (light_is_focused(light)) /* the frame is rigid: the transpose inverts it */
+            lamp.luminance *= (double)light_shape(light, affine_normal(map, vec3_scale(to, -1 / sqrt(distance2))));
         lamp.flat = true;
         lamp.disc = light->kind == LIGHT_DISC;
         lamp.normal = affine_vector(map, vec3(0, 1, 0));

@@ -63,7 +63,7 @@ static LightBounds bounds_of_light(const Scene *scene, const SceneLight *light)
 {
     LightBounds bounds = {.axis = vec3f_from(affine_vector(&light->to_world, vec3(0, 1, 0))), .cos_o = 1, .cos_e = 0};
     const Affine *keys = light_keys(scene, light);
-    if (light->kind == LIGHT_POINT || light->cos_none > 0) { /* within the cone, and not beyond it */
+    if (light->kind == LIGHT_POINT || light_is_focused(light)) { /* within the cone, and not beyond it */
         bounds.cos_o = light->cos_none > -1 ? (float)fmax(light->cos_none, -0.999999) : -1;
         bounds.cos_e = 0.9999f;
     }

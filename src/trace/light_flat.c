@@ -77,7 +77,7 @@ void light_flat_sample(const SceneLight *light, const Affine *to_world, Vec3 fro
     Vec3 to = vec3_sub(affine_point(to_world, local), from);
     double distance = vec3_length(to), cosine = -vec3_dot(to, normal) / distance;
     *sample = (LightSample){.pdf_w = 0};
-    *radiance = cosine > 0 ? light_shape(light, vec3(0, cosine, 0)) : 0;
+    *radiance = !(cosine > 0) ? 0 : UNLIKELY(light_is_focused(light)) ? light_shape(light, vec3(0, cosine, 0)) : 1;
     bool beside = in_patch && light->kind == LIGHT_DISC && local.x * local.x + local.z * local.z > w * w;
     if (!(*radiance > 0) || !(area > 0) || beside) return;
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),

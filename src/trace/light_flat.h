@@ -5,15 +5,6 @@
 
 #include "trace/light.h"
 
-static inline bool light_is_flat(const SceneLight *light)
-{
-    return light->kind == LIGHT_RECT || light->kind == LIGHT_DISC;
-}
-/* Whether it shines into a cone alone. */
-static inline bool light_is_focused(const SceneLight *light)
-{
-    return light->cos_none > 0 && light_is_flat(light);
-}
 /* A point on it, uniform in area. */
 Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const float u[2]);
 /* Samples the part of it that may shine at a point; radiance: in relation to that along the normal. */
