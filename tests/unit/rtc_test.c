@@ -613,6 +613,15 @@ static void test_corner_from_afar(void **state)
     destroy(&s);
 }
 
+/* A plate, object 0, whose top is at y = 0, and a post through it with a face at x = 0; turned and moved at random. */
+static Affine add_plate_and_post(TestScene *s, double half, uint32_t cuts_of_plate, uint64_t *random)
+{
+    Affine place = turned(360 * unit(random), random_direction(random), vec3_scale(random_direction(random), 100));
+    add(s, keep_mesh(s, cut_box_mesh(vec3(-half, -20, -30), vec3(half, 0, 30), cuts_of_plate)), NULL, place);
+    add(s, keep_mesh(s, box_mesh(vec3(0, -30, -40), vec3(20, 10, 40))), NULL, place);
+    return place;
+}
+
 /* A face that a ray grazes stands just in front of one that it meets steeply, and by Embree's distances often behind it: it is
  * not lost, whatever the size of its triangles, and of the scene. */
 static void test_grazed_in_front(void **state)
@@ -625,10 +634,7 @@ static void test_grazed_in_front(void **state)
         TestScene s = {0};
         uint64_t random = hash_u64(1000 + (uint64_t)k);
         double half = k % 4 == 3 ? 300 : 30;
-        Affine place =
-            turned(360 * unit(&random), random_direction(&random), vec3_scale(random_direction(&random), 100));
-        add(&s, keep_mesh(&s, cut_box_mesh(vec3(-half, -20, -30), vec3(half, 0, 30), k % 3 ? 1 : 4)), NULL, place);
-        add(&s, keep_mesh(&s, box_mesh(vec3(0, -30, -40), vec3(20, 10, 40))), NULL, place);
+        Affine place = add_plate_and_post(&s, half, k % 3 ? 1 : 4, &random);
         add(&s, keep_mesh(&s, box_mesh(vec3(1399, 0, 0), vec3(1400, 1, 1))), NULL, affine_identity());
         build(&s);
         for (int i = 0; i < RAYS; i++) {
@@ -665,10 +671,7 @@ static void test_grazed_at_the_start(void **state)
     for (int k = 0; k < SCENES; k++) {
         TestScene s = {0};
         uint64_t random = hash_u64(2000 + (uint64_t)k);
-        Affine place =
-            turned(360 * unit(&random), random_direction(&random), vec3_scale(random_direction(&random), 100));
-        add(&s, keep_mesh(&s, cut_box_mesh(vec3(-40, -20, -30), vec3(40, 0, 30), k % 3 ? 1 : 4)), NULL, place);
-        add(&s, keep_mesh(&s, box_mesh(vec3(0, -30, -40), vec3(20, 10, 40))), NULL, place);
+        Affine place = add_plate_and_post(&s, 40, k % 3 ? 1 : 4, &random);
         build(&s);
         for (int i = 0; i < RAYS; i++) {
             double slope = 2e-4 * pow(50, unit(&random)), height = 1e-5 * pow(1e3, unit(&random));
