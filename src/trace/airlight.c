@@ -3,6 +3,7 @@
 #include "trace/airlight.h"
 
 #include "optics/sampling.h"
+#include "trace/shaft.h"
 
 /* A stretch that scatters less than this part of the light is looked at with a probability in proportion: what it adds to
  * the picture is little, and so is its noise. */
@@ -97,9 +98,7 @@ static float pass_density(const Airway *way, double t)
     return (float)sampling_exponential_pdf(t - way->begin, (double)way->extinction, way->end - way->begin);
 }
 
-/* pf: the density with which flights are scattered at a place by what has this coefficient there; depth: since the beginning
- * of the stretch. The mean over the wavelengths, each by how the path came there with it. */
-static float flight_density(const Airway *way, Lanes coefficient, Lanes depth)
+float airlight_flight_density(const Airway *way, Lanes coefficient, Lanes depth)
 {
     Lanes passing = lanes_mul(way->ratio, flight_attenuation(depth));
     return lanes_mean(lanes_mul(passing, coefficient)) / lanes_mean(way->ratio);
@@ -131,14 +130,16 @@ static bool typical(Path *path, uint32_t medium, bool uneven, Lanes *scattering,
     return !lanes_zero(*scattering);
 }
 
-/* Sets path->way; false: the stretch is not looked at. */
+/* Sets path->way but for its shares; false: nothing is scattered there, or nobody looks for it. */
 static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length)
 {
+    const World *world = path->tracer->world;
     Airway *way = &path->way;
     Lanes scattering, even;
-    way->share = way->rarity = 0;
-    way->lights = world_lights_in(path->tracer->world, medium);
-    if (!way->lights->n || !(length > 0) || !typical(path, medium, uneven, &scattering, &even)) return false;
+    way->share = way->rarity = way->shaft = 0;
+    way->lights = world_lights_in(world, medium);
+    if ((!way->lights->n && !world->guide) || !(length > 0) || !typical(path, medium, uneven, &scattering, &even))
+        return false;
     float mean = lanes_mean(scattering), of_even = lanes_mean(even), all = float_max(of_even, mean);
     double reach = fmin(length, 1e18);
     if (of_even > 0) reach = fmin(reach, DEEP / (double)of_even);
@@ -149,18 +150,26 @@ static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool un
     way->extinction = all;
     way->free_path = 1 / (double)all;
     way->alone = expf(-mean * flight_length(length));
-    if (way->alone < FEW) {
-        way->alone = 0;
-        if (!any_near(path->tracer->world, way)) return false;
-    }
     Lanes factor = flight_lane_factor(flight);
     way->ratio = lanes_mul(path->ratio, factor);
     way->scattered = flight->scattered;
     way->carried = float_min(lanes_mean(lanes_mul(path->beta, factor)) / lanes_mean(way->ratio), 1);
     way->scattered_part = (1 - expf(-all * flight_length(reach))) * (mean / all);
+    return way->carried > 0 && way->end > way->begin;
+}
+
+/* Sets how often lights are looked for; false: never. */
+static bool is_looked_at(Path *path)
+{
+    Airway *way = &path->way;
+    if (!way->lights->n) return false;
+    if (way->alone < FEW) {
+        way->alone = 0;
+        if (!any_near(path->tracer->world, way)) return false;
+    }
     way->most_more = path->scatter_pdf < 0 ? MOST_MORE : 1;
     way->share = share_of(way, way->most_more);
-    return way->share > 0 && way->end > way->begin;
+    return way->share > 0;
 }
 
 /* ---- a look ---- */
@@ -174,12 +183,11 @@ typedef struct Look {
 
 static uint32_t dimension(const Path *path, uint32_t number, uint32_t which)
 {
-    enum { STRETCHES = 8, NUMBERS = 4 };
-    return DIM_AIRLIGHT + (path->bounce * STRETCHES + (number < STRETCHES ? number : STRETCHES - 1)) * NUMBERS + which;
+    enum { NUMBERS = 4 };
+    return DIM_AIRLIGHT + airlight_stretch(path, number) * NUMBERS + which;
 }
 
-/* Off the surfaces at both ends by what rounding may take, so that straight rays from there find all that they cross. */
-static double off_ends(const Path *path, double t)
+double airlight_off_ends(const Path *path, double t)
 {
     const Airway *way = &path->way;
     Vec3 place = ray_point(&path->ray, t);
@@ -202,7 +210,7 @@ static bool look_near(const Path *path, double rest, const float place[2], const
     LightPivot pivot = light_pivot(world, emitter, time, rest, place);
     Fall fall;
     if (!fall_about(path, way, emitter, &pivot, &fall)) return false;
-    look->t = off_ends(path, fall_sample(&fall, (double)u[1]));
+    look->t = airlight_off_ends(path, fall_sample(&fall, (double)u[1]));
     Vec3 from = ray_point(&path->ray, look->t);
     light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm, &look->light);
     look->here = way->lights->near * of_tree * share * fall_density(&fall, look->t);
@@ -217,7 +225,7 @@ static bool look_far(const Path *path, const LightChoice *chosen, double rest, c
     float share = share_far(way);
     if (u[0] >= share) return false;
     look->t =
-        off_ends(path, way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin));
+        airlight_off_ends(path, way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin));
     light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0), path->ray.time,
                         rest, place, path->wavelengths.nm, &look->light);
     look->here = share * pass_density(way, look->t);
@@ -232,7 +240,7 @@ static Lanes scattered_by(const Path *path, const Look *look, const Phase *phase
     float pdf = phase_evaluate(phase, vec3f_dot(path->ray.direction, light->direction));
     float by_direction = light->delta ? 0 : pdf;
     float density = look->here * light->pdf_w +
-                    flight_density(&path->way, coefficient, depth) * (look->there * light->pdf_w + by_direction);
+                    airlight_flight_density(&path->way, coefficient, depth) * (look->there * light->pdf_w + by_direction);
     return density > 0 ? lanes_scale(coefficient, pdf / density) : lanes_all(0);
 }
 
@@ -262,11 +270,9 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
     return lanes_mul(sum, left);
 }
 
-void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
-                   uint32_t number)
+static void look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number)
 {
     float choice[2], place[2], u[2];
-    if (!enter(path, flight, medium, uneven, begin, length)) return;
     sampler_2d(&path->sampler, dimension(path, number, 2), u);
     if (u[0] >= path->way.share) return;
     sampler_2d(&path->sampler, dimension(path, number, 0), choice);
@@ -292,13 +298,22 @@ void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool u
     if (arrives) flight_add_light(path, flight, lanes_mul(factor, light));
 }
 
+void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
+                   uint32_t number)
+{
+    if (!enter(path, flight, medium, uneven, begin, length)) return;
+    shaft_look(path, flight, medium, uneven, number);
+    if (is_looked_at(path)) look(path, flight, medium, uneven, number);
+}
+
 /* ---- weights ---- */
 
-void airlight_note(Path *path, const FreeFlight *flight, double t)
+void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t)
 {
     Airway *way = &path->way;
-    if (!(way->share > 0) || t > way->end) return;
-    float density = flight_density(way, flight->coefficient, lanes_sub(flight->scattered, way->scattered));
+    if ((!(way->share > 0) && !(way->shaft > 0)) || t > way->end) return;
+    way->n_media = uneven ? (uint32_t)path->tracer->parts.n : 1;
+    float density = airlight_flight_density(way, flight->coefficient, lanes_sub(flight->scattered, way->scattered));
     way->t = t;
     way->rarity = density > 0 ? 1 / density : 0;
 }
@@ -306,14 +321,14 @@ void airlight_note(Path *path, const FreeFlight *flight, double t)
 float airlight_rival_far(const Path *path)
 {
     const Airway *way = &path->from;
-    return way->rarity > 0 && way->alone > 0 ? way->rarity * share_far(way) * pass_density(way, way->t) : 0;
+    return way->rarity > 0 && way->share > 0 && way->alone > 0 ? way->rarity * share_far(way) * pass_density(way, way->t) : 0;
 }
 
 float airlight_rival_near(const Path *path, uint32_t emitter, Vec3 place)
 {
     const World *world = path->tracer->world;
     const Airway *way = &path->from;
-    if (!(way->rarity > 0)) return 0;
+    if (!(way->rarity > 0) || !(way->share > 0)) return 0;
     float share = share_near(path, way, emitter);
     if (!(share > 0)) return 0;
     LightLine line = line_of(way);

@@ -20,12 +20,25 @@
 
 #include "trace/flight.h"
 
+enum { AIRLIGHT_STRETCHES = 8 };
+
 /* Looks for light on the stretch that the path is about to fly through, from t = begin on; number: of the stretches of this
  * flight. Keeps in path->way what weights need. */
 void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
                    uint32_t number);
 /* The flight was scattered at t, of the last stretch. */
-void airlight_note(Path *path, const FreeFlight *flight, double t);
+void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t);
+/* Which of all the stretches of a path it is, for random numbers. */
+static inline uint32_t airlight_stretch(const Path *path, uint32_t number)
+{
+    return path->bounce * AIRLIGHT_STRETCHES + (number < AIRLIGHT_STRETCHES ? number : AIRLIGHT_STRETCHES - 1);
+}
+/* A place of the stretch, off the surfaces at both ends by what rounding may take, so that straight rays from there find all that
+ * they cross. */
+double airlight_off_ends(const Path *path, double t);
+/* pf(t) where what scatters has this coefficient; depth: since the beginning of the stretch. The mean over the wavelengths, each
+ * by how the path came there with it. */
+float airlight_flight_density(const Airway *way, Lanes coefficient, Lanes depth);
 
 /* q a(t) / pf(t) at the place where the path was scattered last, for light from infinity and for a place on an emitter; 0
  * where it was not on such a stretch. Times p, it competes with c p and s. */

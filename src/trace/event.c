@@ -369,7 +369,7 @@ void path_next_event(Path *path, Event *event)
                                        : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
-            airlight_note(path, &flight, event->t);
+            airlight_note(path, &flight, uneven, event->t);
             bool clear = true;
             if (!cross_passed(tracer, &tracer->list, &event->t, &clear)) event->kind = EVENT_LOST;
             break;

@@ -42,6 +42,7 @@ typedef struct GuideCell {
     uint32_t first_four, n_lobes; /* of its lobes, which lie in fours */
     float share;                  /* how often a probe is to be sent */
     float radiance;               /* of a white surface in the light that the photons bring */
+    float scattered;              /* what media scatter of that, of a volume */
 } GuideCell;
 
 typedef struct Guide Guide;
@@ -100,10 +101,14 @@ typedef struct GuideAt {
     const Guide *guide;
     const GuideCell *cell;
     Vec3f offset; /* of the place in the cell */
-    float share;
+    float share, sent; /* how often probes look from there, and of these the ones that a path sends that is scattered there */
 } GuideAt;
 
 GuideAt guide_find(const Guide *guide, Vec3 place);
+/* Tells of all cells in which media scatter light, and that a line, origin + t direction, goes through from t = begin to `end`. */
+typedef void GuideVisitor(void *context, const GuideCell *cell, double begin, double end);
+void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, double end, GuideVisitor *visit,
+                void *context);
 /* Directions towards lights; u: uniform in [0, 1). */
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2]);
 /* The density of that per steradian. */

@@ -192,7 +192,13 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     cell->low = vec3f_along(cell->low, -1, more);
     cell->high = vec3f_add(cell->high, more);
     cell->share = 0.5f;
-    for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
+    size = vec3f_along(cell->high, -1, cell->low);
+    float volume = size.x * size.y * size.z, in_media = 0;
+    for (uint32_t k = 0; k < n; k++) {
+        flux += photons[k].flux * b->scale;
+        if (vec3f_dot(photons[k].normal, photons[k].normal) == 0) in_media += photons[k].flux * b->scale;
+    }
+    cell->scattered = volume > 0 && isfinite(in_media / volume) ? in_media / volume : 0;
     float area = cell_area(photons, n);
     cell->radiance = area > 0 ? flux / area / SAMPLING_PI : 0;
     fit_lobes(b, i, &(GuidePhotons){.photons = photons, .n = n, .origin = guide_cell_origin(cell)});

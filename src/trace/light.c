@@ -263,6 +263,21 @@ void light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, doubl
     sample->choice = 1;
 }
 
+double light_send_extent(const World *world, uint32_t emitter)
+{
+    const Emitter *e = &world->emitters.emitters[emitter];
+    if (e->kind != EMITTER_LIGHT || !light_is_focused(&world->scene->lights[e->of])) return 0;
+    return light_flat_extent(&world->scene->lights[e->of]);
+}
+
+void light_send(const World *world, uint32_t emitter, double time, const float u[2], const float v[2], Vec3 *origin,
+                Vec3f *direction)
+{
+    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    Affine room;
+    light_flat_send(light, light_place(world, light, time, &room), u, v, origin, direction);
+}
+
 const LightChoice *light_choose(const LightChoices *choices, double *choice)
 {
     uint32_t i = 0;

@@ -40,6 +40,12 @@ void light_sample_choice(const World *world, const LightChoice *chosen, Vec3 fro
 /* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. */
 void light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest, const float u[2],
                           Lanes wavelength_nm, LightSample *sample);
+/* Of an emitter that is flat and shines into a cone: area times projected solid angle of what it shines into, as if it were as
+ * bright to all of that; one that moves as it is at rest. 0 of others. */
+double light_send_extent(const World *world, uint32_t emitter);
+/* A line along which such an emitter shines, all alike. u, v: uniform in [0, 1). */
+void light_send(const World *world, uint32_t emitter, double time, const float u[2], const float v[2], Vec3 *origin,
+                Vec3f *direction);
 /* An entry of the choices, of which there are some; *choice: uniform in [0, 1), and what is left of its digits. */
 const LightChoice *light_choose(const LightChoices *choices, double *choice);
 

@@ -35,6 +35,28 @@ Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const flo
     return affine_point(to_world, local_point(light, u));
 }
 
+double light_flat_extent(const SceneLight *light)
+{
+    Vec3 normal;
+    double sine2 = 1 - light->cos_none * light->cos_none;
+    return find_area(light, &light->to_world, &normal) * (double)SAMPLING_PI * sine2;
+}
+
+void light_flat_send(const SceneLight *light, const Affine *to_world, const float u[2], const float v[2], Vec3 *origin,
+                     Vec3f *direction)
+{
+    Vec3 normal;
+    Vec3f across, beside;
+    float x, y, sine = (float)sqrt(1 - light->cos_none * light->cos_none);
+    find_area(light, to_world, &normal);
+    sampling_disc(v[0], v[1], &x, &y); /* the cone's directions, seen from above */
+    x *= sine, y *= sine;
+    sampling_basis(vec3f_from(normal), &across, &beside);
+    *origin = light_flat_point(light, to_world, u);
+    *direction = vec3f_along(vec3f_scale(across, x), y, beside);
+    *direction = vec3f_along(*direction, sqrtf(float_max(1 - x * x - y * y, 0)), vec3f_from(normal));
+}
+
 /* A rectangle of the light's plane, in its frame. */
 typedef struct Patch {
     double x0, x1, z0, z1;

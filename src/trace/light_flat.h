@@ -7,6 +7,11 @@
 
 /* A point on it, uniform in area. */
 Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const float u[2]);
+/* Its area times the projected solid angle of the cone that it shines into; one that moves as it is at rest. */
+double light_flat_extent(const SceneLight *light);
+/* A line along which it shines, uniform in its area and in the projected solid angle of its cone. */
+void light_flat_send(const SceneLight *light, const Affine *to_world, const float u[2], const float v[2], Vec3 *origin,
+                     Vec3f *direction);
 /* Samples the part of it that may shine at a point; radiance: in relation to that along the normal. */
 void light_flat_sample(const SceneLight *light, const Affine *to_world, Vec3 from, const float u[2],
                        LightSample *sample, float *radiance);

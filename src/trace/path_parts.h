@@ -32,6 +32,8 @@ typedef struct Airway {
     Lanes ratio, scattered; /* at its beginning: the path's ratio, the optical depths that the flight had behind it */
     double t;               /* a place on it where a flight was scattered, */
     float rarity;           /* and 1 / the density of that; 0: there is none */
+    float shaft; /* density of looks for what a guide's cell scatters at a place, over that; 0: there are none. See shaft.h, */
+    uint32_t n_media; /* of those that fill the place at t */
 } Airway;
 
 /* What a path is to know of the guide where it was scattered last, see probe.c. */
@@ -87,7 +89,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     memset(&path->radiance, 0, offsetof(Path, media) - offsetof(Path, radiance));
     memset(path->media.absorption_of, 0, sizeof path->media.absorption_of);
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
-    path->way.share = path->way.rarity = path->from.rarity = 0;
+    path->way.share = path->way.rarity = path->way.shaft = path->from.rarity = 0;
     path->tracer = tracer;
     path->sampler = sampler;
     path->beta = path->ratio = lanes_all(1);
@@ -248,18 +250,25 @@ void path_scatter_in_medium(Path *path, const Event *event);
 
 /* ---- probe.c ---- */
 
-/* The guide of a place where the path is to be scattered, in a medium or not: probes are worth as much as the path carries. In a
- * dense medium there are many such places one after another, of which the first ones count most. */
+/* What part of a guide's probes a place is worth: as much as the path carries; the same for any hero. In a dense medium there are
+ * many such places one after another, of which the first ones count most; and where it is one that is looked at, too, the
+ * part is the same for the whole stretch, way, however the path comes there. */
+static inline float path_probe_part(const Path *path, const Airway *way, bool in_medium)
+{
+    if (UNLIKELY(in_medium && way->shaft > 0)) return way->carried / (float)(1 + path->n_scattered);
+    float part = float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1);
+    return in_medium ? part / (float)(1 + path->n_scattered) : part;
+}
+/* The guide of a place where the path is to be scattered, in a medium or not. */
 static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
 {
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
     GuideAt at = guide_find(guide, place);
-    float part = float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1); /* the same for any hero */
-    if (in_medium) part /= (float)(1 + path->n_scattered);
+    float part = path_probe_part(path, &path->from, in_medium);
     if (UNLIKELY(path->tracer->ledger) && at.share > 0 && !path->again)
         guide_note(path->tracer->ledger, &at, GUIDE_VISIT, part, lanes_mean(path->beta) / lanes_mean(path->ratio));
-    at.share *= part;
+    at.sent = at.share *= part;
     return at;
 }
 /* Whether a probe is to be sent out from there, and whereto. */

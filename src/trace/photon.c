@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "optics/sampling.h"
-#include "trace/path_parts.h"
+#include "trace/photon_start.h"
 
 /* A scattering whose density per steradian is above this sends light on almost as a smooth surface does: it is about that
  * of a roughness of 0.25. */
@@ -17,135 +17,6 @@ enum { BATCH = 256 };
 enum { LOOKS = 24 };
 /* The photons' own random numbers: no pixel of a picture has these coordinates. */
 enum { PHOTON_PIXEL_X = 0x70686f74, PHOTON_PIXEL_Y = 0x6f6e7300 };
-
-/* ---- where photons start ---- */
-
-/* A point of the targets' surfaces, uniform in area. u: uniform in [0, 1)^3. Returns the box. */
-static uint32_t target_point(const PhotonTargets *targets, const float u[3], Vec3 *point, Vec3 *normal)
-{
-    double place = (double)u[2] * targets->cumulative[targets->n - 1];
-    uint32_t chosen = 0;
-    while (chosen + 1 < targets->n && place >= targets->cumulative[chosen]) chosen++;
-    if (chosen) place -= targets->cumulative[chosen - 1];
-    Box3 box = targets->boxes[chosen];
-    Vec3 size = vec3_sub(box.max, box.min);
-    double pair[3] = {size.y * size.z, size.z * size.x, size.x * size.y};
-    int axis = 0;
-    while (axis < 2 && place >= 2 * pair[axis]) place -= 2 * pair[axis++];
-    double side = place >= pair[axis] ? 1 : 0, a = (double)u[0], b = (double)u[1];
-    double at[3][3] = {{side, a, b}, {b, side, a}, {a, b, side}};
-    *point = vec3(box.min.x + at[axis][0] * size.x, box.min.y + at[axis][1] * size.y, box.min.z + at[axis][2] * size.z);
-    double sign = 2 * side - 1;
-    *normal = vec3(axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0);
-    return chosen;
-}
-
-static bool box_holds(const Box3 *box, Vec3 p)
-{
-    return p.x > box->min.x && p.x < box->max.x && p.y > box->min.y && p.y < box->max.y && p.z > box->min.z &&
-           p.z < box->max.z;
-}
-
-/* Whether the line from a point on, up to a length, passes a box's surface. */
-static bool passes_box(const Box3 *box, Vec3 from, Vec3 direction, double length)
-{
-    double enter = -HUGE_VAL, leave = HUGE_VAL;
-    const double origin[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
-    const double low[3] = {box->min.x, box->min.y, box->min.z}, high[3] = {box->max.x, box->max.y, box->max.z};
-    for (int i = 0; i < 3; i++) {
-        bool level = d[i] == 0, within = origin[i] > low[i] && origin[i] < high[i];
-        double a = level ? (within ? -HUGE_VAL : HUGE_VAL) : (low[i] - origin[i]) / d[i];
-        double b = level ? HUGE_VAL : (high[i] - origin[i]) / d[i];
-        enter = fmax(enter, fmin(a, b));
-        leave = fmin(leave, fmax(a, b));
-    }
-    return enter < leave && ((enter > 0 && enter < length) || (leave > 0 && leave < length));
-}
-
-/* The start of a photon: a target's point, and a light that is seen from there. */
-typedef struct Start {
-    Vec3 point, normal; /* of the target's face */
-    double size;        /* of the target */
-    LightSample light;
-    Vec3f turned;       /* zero, or where the light is seen, if the light's direction is another one, beside it */
-    float flux_times_n; /* what all photons together carry, if they all were like this one, by its radiance */
-} Start;
-
-/* A light that is seen from anywhere at all, with its radiance. */
-static void choose_light(const Path *path, Vec3 from, Vec3f normal, LightSample *light)
-{
-    const World *world = path->tracer->world;
-    path_choose_light(path, world_lights(world), from, normal, light);
-    light->radiance = light_sample_radiance(world, light, path->wavelengths.nm);
-}
-
-/* Chooses a start; false: this one gives nothing. */
-static bool choose_start(const PhotonTargets *targets, const Path *path, Start *start)
-{
-    float u[3], more[2];
-    sampler_2d(&path->sampler, DIM_PIXEL, u);
-    sampler_2d(&path->sampler, DIM_LENS, more);
-    u[2] = more[0];
-    uint32_t chosen = target_point(targets, u, &start->point, &start->normal);
-    start->size = vec3_length(vec3_sub(targets->boxes[chosen].max, targets->boxes[chosen].min));
-    choose_light(path, start->point, vec3f(0, 0, 0), &start->light);
-    const LightSample *light = &start->light;
-    if (!(light->pdf_w > 0) || light->delta) return false;
-    Vec3 direction = vec3_from_f(light->direction);
-    double cosine = vec3_dot(direction, start->normal);
-    /* a light outside sends light in, one inside sends it out; each ray starts at one point only */
-    if (cosine < 0 && !(isfinite(light->distance) &&
-                        box_holds(&targets->boxes[chosen], vec3_along(start->point, light->distance, direction))))
-        return false;
-    for (uint32_t i = 0; i < targets->n; i++)
-        if (i != chosen && passes_box(&targets->boxes[i], start->point, direction, light->distance)) return false;
-    double area = targets->cumulative[targets->n - 1];
-    start->flux_times_n = (float)(area * fabs(cosine) / (double)light->pdf_w);
-    return start->flux_times_n > 0 && isfinite(start->flux_times_n);
-}
-
-/* Puts the path's ray at the light, on its way to the start's point, and the hulls around the light into its list. */
-static bool leave_light(Path *path, const Start *start)
-{
-    Tracer *tracer = path->tracer;
-    const CompiledScene *compiled = tracer->world->compiled;
-    Vec3f travel = vec3f_negate(start->light.direction);
-    nest_list_empty(&tracer->list);
-    if (!isfinite(start->light.distance)) {
-        Box3 bounds = rtc_scene_bounds(compiled->rtc);
-        double far = vec3_length(vec3_sub(bounds.max, bounds.min)) +
-                     vec3_length(vec3_sub(start->point, vec3_scale(vec3_add(bounds.min, bounds.max), 0.5)));
-        path->ray = ray_make(vec3_along(start->point, far, vec3_from_f(start->light.direction)), travel);
-    } else if (start->light.glow) {
-        double time = path->ray.time;
-        path->ray =
-            ray_make(vec3_along(start->point, start->light.distance, vec3_from_f(start->light.direction)), travel);
-        path->ray.time = time;
-    } else {
-        bool turned = vec3f_dot(start->turned, start->turned) > 0;
-        Ray look = ray_make(start->point, turned ? start->turned : start->light.direction);
-        look.time = path->ray.time;
-        look.t_max = start->light.distance * (1 + 1e-4);
-        if (!rtc_all(compiled->rtc, &look, false, &tracer->left)) return false;
-        size_t i = 0, one = 1;
-        while (i < tracer->left.n && tracer->left.items[i].object != start->light.object) i++;
-        if (i == tracer->left.n) return false;
-        double time = path->ray.time, distance = tracer->left.items[i].t;
-        rtc_leave(compiled->rtc, &look, &tracer->left.items[i], &one, false, travel, &path->ray);
-        path->ray.time = time;
-        if (turned) { /* beside the light's point, so that it goes to the start's */
-            path->ray =
-                ray_make(vec3_along(start->point, 0.94 * distance, vec3_from_f(start->light.direction)), travel);
-            path->ray.time = time;
-        }
-    }
-    if ((isfinite(start->light.distance) || compiled->n_planes) &&
-        compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits, &tracer->list,
-                          NULL) != STATUS_OK)
-        return false;
-    return !start->light.glow ||
-           media_is_there(compiled, &tracer->world->media, start->light.glow->place, &tracer->list);
-}
 
 /* ---- on the way ---- */
 
@@ -241,15 +112,15 @@ static void in_plane(Vec3f axis, Vec3f direction, double p[2])
 }
 
 /* Follows a photon again, by the same random numbers, from another start; false: it goes another way. */
-static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Start *start, uint32_t way, Photon *photon)
+static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const PhotonStart *start, uint32_t way, Photon *photon)
 {
     Path path = begin_photon(tracer, job->seed, number);
-    if (!leave_light(&path, start)) return false;
+    if (!photon_leave_light(&path, start)) return false;
     path.bounce = 1;
     return follow_photon(&path, 1, photon) && photon->way == way;
 }
 
-static bool find_column(Job *job, Tracer *tracer, const Start *start, double step, const Photon *photon, Column *column)
+static bool find_column(Job *job, Tracer *tracer, const PhotonStart *start, double step, const Photon *photon, Column *column)
 {
     Photon other;
     if (!follow_other(job, tracer, photon->number, start, photon->way, &other)) return false;
@@ -264,7 +135,7 @@ static bool find_column(Job *job, Tracer *tracer, const Start *start, double ste
 
 /* In which directions the light is seen from the start's point: mean and covariance, in the plane at its direction. Parts
  * of one object count as one light. */
-static void look_at_light(const Path *path, const Start *start, double mean[2], double spread[3])
+static void look_at_light(const Path *path, const PhotonStart *start, double mean[2], double spread[3])
 {
     const LightSample *light = &start->light;
     double n = 0, p[2], sums[5] = {0};
@@ -272,7 +143,7 @@ static void look_at_light(const Path *path, const Start *start, double mean[2], 
         Path look = *path;
         look.sampler = sampler_make_alone(path->sampler.pixel, PHOTON_PIXEL_X, path->sampler.index_reversed, i);
         LightSample other;
-        choose_light(&look, start->point, vec3f(0, 0, 0), &other);
+        photon_choose_light(&look, start->emitter, start->point, vec3f(0, 0, 0), &other);
         if (!(other.pdf_w > 0) || other.delta || other.object != light->object || other.glow != light->glow ||
             vec3f_dot(other.direction, light->direction) < 0.9f ||
             lanes_mean(other.radiance) < 0.25f * lanes_mean(light->radiance))
@@ -348,19 +219,19 @@ static void condition(const Column *columns, int n, const double shift[2], Photo
 
 /* One of a photon's neighbours; tried to both sides, and then nearer. turn: which axis, of places and then of directions.
  * false: all of them go another way. */
-static bool find_neighbour(Job *job, Path *path, const Start *start, int axis, double step, const Photon *photon,
+static bool find_neighbour(Job *job, Path *path, const PhotonStart *start, int axis, double step, const Photon *photon,
                            Column *column)
 {
     const double range = 0.1; /* of the target's size: how far the first order is taken to hold */
     const double steps[] = {1, -1, 1.0 / 16, -1.0 / 16};
     Vec3f tangent[2];
     for (size_t i = 0; i < COUNT_OF(steps); i++) {
-        Start other = *start;
+        PhotonStart other = *start;
         double by = steps[i] * step, unit = 1;
         if (axis < 2) { /* another place, the same light's point */
             sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
             other.point = vec3_along(start->point, by * start->size, vec3_from_f(tangent[axis]));
-            choose_light(path, other.point, vec3f(0, 0, 0), &other.light);
+            photon_choose_light(path, start->emitter, other.point, vec3f(0, 0, 0), &other.light);
             if (other.light.object != start->light.object || other.light.glow != start->light.glow ||
                 vec3f_dot(other.light.direction, start->light.direction) < 0.98f)
                 continue;
@@ -378,7 +249,7 @@ static bool find_neighbour(Job *job, Path *path, const Start *start, int axis, d
 /* Finds the photon's neighbours by following four more from starts near by: I.e., its differentials, after L. Schjoth, J.
  * R. Frisvad, K. Erleben, J. Sporring, "Photon Differentials", GRAPHITE (2007). Where one goes another way, nothing is
  * known. */
-static void find_neighbours(Job *job, Path *path, const Start *start, Photon *photon)
+static void find_neighbours(Job *job, Path *path, const PhotonStart *start, Photon *photon)
 {
     const double near = 5e-4; /* of the target's size */
     Column columns[5];
@@ -409,13 +280,12 @@ static void find_neighbours(Job *job, Path *path, const Start *start, Photon *ph
 }
 
 /* Where photon `number` starts, and its path there; false: it gives nothing. */
-static bool start_photon(Job *job, Tracer *tracer, uint32_t number, Path *path, Start *start)
+static bool start_photon(Job *job, Tracer *tracer, uint32_t number, Path *path, PhotonStart *start)
 {
     *path = begin_photon(tracer, job->seed, number);
-    *start = (Start){.turned = {0, 0, 0}};
-    if (!choose_start(job->targets, path, start)) return false;
+    if (!photon_choose_start(job->targets, path, start)) return false;
     float radiance = lanes_mean(start->light.radiance);
-    if (!(radiance > job->threshold) || !leave_light(path, start)) return false;
+    if (!(radiance > job->threshold) || !photon_leave_light(path, start)) return false;
     path->bounce = 1;
     path->beta = lanes_scale(start->light.radiance, 1 / radiance);
     return true;
@@ -428,7 +298,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
     for (uint32_t i = batch * BATCH; i < end; i++) {
         uint32_t number = job->first + i;
         Path path;
-        Start start;
+        PhotonStart start;
         Photon *photon = &job->photons[i];
         *photon = (Photon){.flux = 0};
         if (is_stopped(job)) continue;
@@ -450,10 +320,10 @@ static void look_around_one(void *context, uint32_t i, unsigned worker)
     Photon *photon = &job->photons[job->which[i]];
     Tracer *tracer = &job->tracers[worker];
     Path path = begin_photon(tracer, job->seed, photon->number);
-    Start start = {.turned = {0, 0, 0}};
+    PhotonStart start = {.turned = {0, 0, 0}};
     photon->lobe = 1;
     tracer->counters.rays += LOOKS / 2; /* about what they take */
-    if (choose_start(job->targets, &path, &start)) find_neighbours(job, &path, &start, photon);
+    if (photon_choose_start(job->targets, &path, &start)) find_neighbours(job, &path, &start, photon);
 }
 
 /* Runs a task of the job's; *rays: how many it took. */
@@ -508,8 +378,8 @@ float photon_flux(const World *world, const PhotonTargets *targets)
     double flux = 0;
     for (uint32_t i = 0; i < PROBES; i++) {
         Path path = begin_photon(&tracer, 0, i);
-        Start start = {.turned = {0, 0, 0}};
-        if (choose_start(targets, &path, &start))
+        PhotonStart start = {.turned = {0, 0, 0}};
+        if (photon_choose_start(targets, &path, &start))
             flux += (double)(lanes_mean(start.light.radiance) * start.flux_times_n);
     }
     tracer_clear(&tracer);
@@ -522,7 +392,7 @@ float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float thresh
     Box3 bounds = rtc_scene_bounds(tracer->world->compiled->rtc);
     Vec3 from = vec3_from_f(place);
     LightSample light;
-    choose_light(&path, from, normal, &light);
+    photon_choose_light(&path, EMITTER_NONE, from, normal, &light);
     float cosine = vec3f_dot(normal, normal) > 0 ? vec3f_dot(light.direction, normal) : 1;
     if (!(light.pdf_w > 0) || light.delta || !(cosine > 0)) return 0;
     /* started off the surface by what may be too much for a picture */

@@ -30,15 +30,18 @@ typedef struct Photon {
     uint32_t lobe;   /* 1: photons_look_around was here */
 } Photon;
 
-/* Boxes around all that bends or mirrors light. */
+/* Boxes around all that bends or mirrors light, and the lamps that shine into a cone alone. */
 enum { PHOTON_TARGETS = 64 };
 typedef struct PhotonTargets {
     Box3 boxes[PHOTON_TARGETS];
     double cumulative[PHOTON_TARGETS]; /* area of this and all before */
     uint32_t n;
+    double beams; /* photon_beam_power of all emitters */
 } PhotonTargets;
 
 void photon_targets(const World *world, PhotonTargets *targets);
+/* What an emitter sends into a cone: 0 of one that is not flat or shines to all of one side. */
+double photon_beam_power(const World *world, uint32_t emitter);
 
 /* What lights send through all targets' surfaces, as the mean of the wavelengths; nothing is in the way. */
 float photon_flux(const World *world, const PhotonTargets *targets);

@@ -1,4 +1,4 @@
-/* photon_targets.c - boxes around all that bends or mirrors light, for photons to be sent to.
+/* photon_targets.c - boxes around all that bends or mirrors light, for photons to be sent to, and the lamps that shine into a cone.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/path_parts.h"
 #include "trace/photon.h"
@@ -82,11 +82,21 @@ static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
         if (!box3_is_empty(cells[i])) targets->boxes[targets->n++] = cells[i];
 }
 
+double photon_beam_power(const World *world, uint32_t emitter)
+{
+    const double extent = light_send_extent(world, emitter);
+    if (!(extent > 0)) return 0;
+    const Spectrum *radiance = &world->scene->lights[world->emitters.emitters[emitter].of].radiance;
+    return extent * (double)lanes_mean(spectrum_at(radiance, lanes(430, 500, 580, 660)));
+}
+
 void photon_targets(const World *world, PhotonTargets *targets)
 {
     Box3 all = box3_empty(), box;
     bool many = false;
     targets->n = 0;
+    targets->beams = 0;
+    for (uint32_t i = 0; i < world->emitters.n; i++) targets->beams += photon_beam_power(world, i);
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
         if (!target_of(world, i, &box)) continue;
         all = box3_union(all, box);

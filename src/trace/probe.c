@@ -25,11 +25,11 @@ enum { FIRST_BOUNCE = 1 << 24 };
 
 bool path_ask_guide(const Path *path, const GuideAt *guide, Vec3f *direction)
 {
-    if (LIKELY(guide->share == 0)) return false;
+    if (LIKELY(guide->sent == 0)) return false;
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_GUIDE)), v[2];
-    if (u >= guide->share) return false;
+    if (u >= guide->sent) return false;
     sampler_2d(&path->sampler, DIM_PROBES + path->bounce, v);
-    *direction = guide_sample(guide, u / guide->share, v);
+    *direction = guide_sample(guide, u / guide->sent, v);
     return true;
 }
 

@@ -28,6 +28,7 @@ enum {
     DIM_INDICES = 0x48000000, /* 1: which wavelengths' indices a sample's paths take, see sample.c */
     DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
+    DIM_SHAFTS = 0x68000000, /* of looks for it where photons were scattered, see shaft.c */
     DIM_PROBES = 0x70000000, /* 2 for each bounce: the direction of a probe, see probe.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */

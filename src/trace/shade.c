@@ -3,6 +3,7 @@
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
 #include "trace/airlight.h"
+#include "trace/shaft.h"
 
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
 {
@@ -200,6 +201,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     double time = path->ray.time;
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     GuideAt guide = path_guide(path, position, true);
+    guide.share += shaft_rival(path, &guide);
     Vec3f direction;
     if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, direction));
