@@ -15,14 +15,14 @@ void guide_free(Guide *guide)
     free(guide);
 }
 
-GuideAt guide_find(const Guide *guide, Vec3 place)
+GuideAt guide_find(const Guide *guide, Vec3 place, GuideColors colors)
 {
     Vec3f p = vec3f_from(place);
     const GuideCell *cell = &guide->cells[guide_leaf(guide, p)];
     if (p.x < cell->low.x || p.y < cell->low.y || p.z < cell->low.z || p.x > cell->high.x || p.y > cell->high.y ||
         p.z > cell->high.z)
         return (GuideAt){.share = 0};
-    return (GuideAt){guide, cell, vec3f_along(p, -1, guide_cell_origin(cell)), cell->share, cell->share};
+    return (GuideAt){guide, cell, vec3f_along(p, -1, guide_cell_origin(cell)), colors, cell->share, cell->share};
 }
 
 typedef struct Walk {
@@ -40,8 +40,8 @@ static void walk_cell(const Walk *walk, const GuideCell *cell, double begin, dou
         double d = walk->direction[i], a = (double)low[i] - walk->origin[i], b = (double)high[i] - walk->origin[i];
         if (d == 0 && (a > 0 || b < 0)) return;
         if (d == 0) continue;
-        begin = fmax(begin, fmin(a / d, b / d));
-        end = fmin(end, fmax(a / d, b / d));
+        begin = double_max(begin, double_min(a / d, b / d));
+        end = double_min(end, double_max(a / d, b / d));
     }
     if (begin < end) walk->visit(walk->context, cell, begin, end);
 }
@@ -59,7 +59,7 @@ static void walk_node(const Walk *walk, const GuideNode *node, double begin, dou
         walk_node(walk, &children[above], begin, end);
         return;
     }
-    double between = fmin(fmax(to / d, begin), end);
+    double between = double_min(double_max(to / d, begin), end);
     walk_node(walk, &children[above], begin, between);
     walk_node(walk, &children[then_above], between, end);
 }
@@ -73,15 +73,39 @@ void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, d
 
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2])
 {
-    return guide_sample_lobes(at->guide->fours + at->cell->first_four, at->cell->n_lobes, at->offset, u, v);
+    float color = at->colors.first;
+    if (color != at->colors.second) {
+        bool second = u >= 0.5f;
+        if (second) color = at->colors.second;
+        u = 2 * u - (float)second;
+    }
+    GuidePlace place = {at->offset, color};
+    return guide_sample_lobes(at->guide->fours + at->cell->first_four, at->cell->n_lobes, place, u, v);
 }
 
 float guide_pdf(const GuideAt *at, Vec3f direction)
 {
-    return guide_lobes_pdf(at->guide->fours + at->cell->first_four, at->cell->n_lobes, at->offset, direction);
+    const GuideFour *fours = at->guide->fours + at->cell->first_four;
+    GuidePlace place = {at->offset, at->colors.first};
+    float pdf = guide_lobes_pdf(fours, at->cell->n_lobes, place, direction);
+    if (at->colors.first == at->colors.second) return pdf;
+    place.color = at->colors.second;
+    return 0.5f * (pdf + guide_lobes_pdf(fours, at->cell->n_lobes, place, direction));
 }
 
 float guide_threshold(const Guide *guide)
 {
     return guide->threshold;
+}
+
+float guide_most_looks(const Guide *guide)
+{
+    return guide->most_looks;
+}
+
+void guide_shares_are_set(Guide *guide)
+{
+    guide->most_looks = 0;
+    for (uint32_t i = 0; i < guide->n_cells; i++)
+        if (guide->cells[i].scattered > 0) guide->most_looks = float_max(guide->most_looks, guide->cells[i].looks);
 }

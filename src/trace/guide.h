@@ -40,9 +40,10 @@
 typedef struct GuideCell {
     Vec3f low, high;              /* around its photons, and a little more */
     uint32_t first_four, n_lobes; /* of its lobes, which lie in fours */
-    float share;                  /* how often a probe is to be sent */
+    float share, looks;           /* how often a probe is to be sent by what is scattered there, and by looks along paths */
     float radiance;               /* of a white surface in the light that the photons bring */
-    float scattered;              /* what media scatter of that, of a volume */
+    float scattered;              /* what media scatter of that, of a volume: */
+    float color, color_spread;    /* of what color it is, in the mean, and the standard deviation of that */
 } GuideCell;
 
 typedef struct Guide Guide;
@@ -96,19 +97,28 @@ void guide_search_write(const GuideSearch *search, bool (*write)(void *context, 
 ATTR_NODISCARD bool guide_search_read(GuideBytes parts[GUIDE_PARTS], GuideSearch **search);
 
 void guide_free(Guide *guide); /* NULL is fine */
+/* Light that is bent by glass that disperses goes another way by each wavelength. A sample's light is bent by the wavelengths of these
+ * two (guide_color), so that directions are chosen for one of them, or for the other. Both the same: for that. */
+typedef struct GuideColors {
+    float first, second;
+} GuideColors;
+
 /* The guide at a place. share 0: there is none. */
 typedef struct GuideAt {
     const Guide *guide;
     const GuideCell *cell;
     Vec3f offset; /* of the place in the cell */
+    GuideColors colors;
     float share, sent; /* how often probes look from there, and of these the ones that a path sends that is scattered there */
 } GuideAt;
 
-GuideAt guide_find(const Guide *guide, Vec3 place);
+GuideAt guide_find(const Guide *guide, Vec3 place, GuideColors colors);
 /* Tells of all cells in which media scatter light, and that a line, origin + t direction, goes through from t = begin to `end`. */
 typedef void GuideVisitor(void *context, const GuideCell *cell, double begin, double end);
 void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, double end, GuideVisitor *visit,
                 void *context);
+/* How often looks along paths send probes at most, of all cells. */
+float guide_most_looks(const Guide *guide);
 /* Directions towards lights; u: uniform in [0, 1). */
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2]);
 /* The density of that per steradian. */
@@ -117,10 +127,10 @@ float guide_pdf(const GuideAt *at, Vec3f direction);
 float guide_threshold(const Guide *guide);
 
 /* What paths note of a guide that is tried out (see guide_try.c): that they came to a place (amount: the part of its share
- * that counts there, ratio: what the path carries), that a probe was sent (amount: its rays, ratio: what the place scatters of its
+ * that counts there, ratio: what the path carries), or passed one in a medium (amount: likewise), that a probe was sent (amount: its rays, ratio: what the place scatters of its
  * light, over a white surface that faces it), and what was found of the
  * light that probes look for (amount: luminance; ratio: of the densities by which probes and the path itself find it). */
-typedef enum GuideRecordKind { GUIDE_VISIT, GUIDE_SENT, GUIDE_FOUND } GuideRecordKind;
+typedef enum GuideRecordKind { GUIDE_VISIT, GUIDE_LOOK, GUIDE_SENT, GUIDE_FOUND } GuideRecordKind;
 typedef struct GuideLedger GuideLedger;
 void guide_note(GuideLedger *ledger, const GuideAt *at, GuideRecordKind kind, float amount, float ratio);
 

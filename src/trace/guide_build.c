@@ -173,6 +173,25 @@ static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
     guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);
 }
 
+/* What media scatter in the cell, and its color. */
+static void find_scattered(GuideCell *cell, const Photon *photons, uint32_t n, float scale)
+{
+    const float at_least = 0.05f; /* that few photons do not say that there are no others */
+    Vec3f size = vec3f_along(cell->high, -1, cell->low);
+    float volume = size.x * size.y * size.z, sum = 0, of_color = 0, of_square = 0;
+    for (uint32_t k = 0; k < n; k++) {
+        const Photon *photon = &photons[k];
+        if (vec3f_dot(photon->normal, photon->normal) > 0) continue;
+        sum += photon->flux;
+        of_color += photon->flux * photon->color;
+        of_square += photon->flux * photon->color * photon->color;
+    }
+    cell->scattered = volume > 0 && isfinite(sum * scale / volume) ? sum * scale / volume : 0;
+    if (!(cell->scattered > 0)) return;
+    cell->color = of_color / sum;
+    cell->color_spread = sqrtf(float_max(of_square / sum - cell->color * cell->color, 0)) + at_least;
+}
+
 static void fit_cell(void *context, uint32_t i, unsigned worker)
 {
     (void)worker;
@@ -191,14 +210,9 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     Vec3f more = vec3f(margin, margin, margin);
     cell->low = vec3f_along(cell->low, -1, more);
     cell->high = vec3f_add(cell->high, more);
-    cell->share = 0.5f;
-    size = vec3f_along(cell->high, -1, cell->low);
-    float volume = size.x * size.y * size.z, in_media = 0;
-    for (uint32_t k = 0; k < n; k++) {
-        flux += photons[k].flux * b->scale;
-        if (vec3f_dot(photons[k].normal, photons[k].normal) == 0) in_media += photons[k].flux * b->scale;
-    }
-    cell->scattered = volume > 0 && isfinite(in_media / volume) ? in_media / volume : 0;
+    cell->share = cell->looks = 0.5f;
+    for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
+    find_scattered(cell, photons, n, b->scale);
     float area = cell_area(photons, n);
     cell->radiance = area > 0 ? flux / area / SAMPLING_PI : 0;
     fit_lobes(b, i, &(GuidePhotons){.photons = photons, .n = n, .origin = guide_cell_origin(cell)});
@@ -232,6 +246,7 @@ Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, G
     if (status == STATUS_OK) {
         pool_run(pool, guide->n_cells, fit_cell, &b);
         gather_lobes(&b);
+        guide_shares_are_set(guide);
         *out = guide;
     } else {
         free(b.fours);
@@ -252,8 +267,8 @@ static float surface_pdf(const Photon *photon)
 
 static float cell_pdf(const Guide *guide, const GuideCell *cell, const Photon *photon)
 {
-    Vec3f offset = vec3f_along(photon->position, -1, guide_cell_origin(cell));
-    return guide_lobes_pdf(guide->fours + cell->first_four, cell->n_lobes, offset, photon->from);
+    GuidePlace place = {vec3f_along(photon->position, -1, guide_cell_origin(cell)), photon->color};
+    return guide_lobes_pdf(guide->fours + cell->first_four, cell->n_lobes, place, photon->from);
 }
 
 float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon)

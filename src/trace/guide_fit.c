@@ -23,16 +23,23 @@ enum { HELD_TO = 48 };
  * sheets through one glass were seen 0.17 apart, and the fainter one was asked for all of the light. */
 #define ONE_SHEET 0.1f
 
+/* Where a photon is, in its cell. */
+static GuidePlace place_of(const Photon *photon, Vec3f origin)
+{
+    return (GuidePlace){vec3f_along(photon->position, -1, origin), photon->color};
+}
+
 static GuideLobe lobe_of_photon(const Photon *photon, Vec3f origin)
 {
-    GuideLobe lobe = {.axis = photon->from, .weight = 0};
+    GuideLobe lobe = {.axis = photon->from, .weight = 0, .color = photon->color};
     Vec3f offset = vec3f_along(photon->position, -1, origin);
     sampling_basis(lobe.axis, &lobe.x, &lobe.y);
     if (photon->spread[0] > 0) {
         const float floor = NARROWEST * NARROWEST;
         lobe.slope_x = photon->slope[0], lobe.slope_y = photon->slope[1];
-        lobe.mean_x = photon->mean[0] - vec3f_dot(lobe.slope_x, offset);
-        lobe.mean_y = photon->mean[1] - vec3f_dot(lobe.slope_y, offset);
+        lobe.hue_x = photon->hue[0], lobe.hue_y = photon->hue[1], lobe.hue_bend = photon->hue_bend;
+        lobe.mean_x = photon->mean[0] - vec3f_dot(lobe.slope_x, offset) - lobe.hue_x * photon->color;
+        lobe.mean_y = photon->mean[1] - vec3f_dot(lobe.slope_y, offset) - lobe.hue_y * photon->color;
         lobe.xx = photon->spread[0] + floor, lobe.xy = photon->spread[1], lobe.yy = photon->spread[2] + floor;
     } else {
         lobe.xx = lobe.yy = UNKNOWN * UNKNOWN;
@@ -86,13 +93,13 @@ typedef struct Sheet {
     uint32_t n;
 } Sheet;
 
-/* How far a direction is from the lobe's mean at a place, from the cell's origin: squared, in the plane. */
-static float apart_squared(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
+/* How far a direction is from the lobe's mean at a place: squared, in the plane. */
+static float apart_squared(const GuideLobe *lobe, GuidePlace place, Vec3f direction)
 {
     float p[2];
     in_plane(lobe, direction, p);
-    float a = p[0] - lobe->mean_x - vec3f_dot(lobe->slope_x, offset);
-    float b = p[1] - lobe->mean_y - vec3f_dot(lobe->slope_y, offset);
+    float a = p[0] - lobe->mean_x - vec3f_dot(lobe->slope_x, place.offset) - lobe->hue_x * place.color;
+    float b = p[1] - lobe->mean_y - vec3f_dot(lobe->slope_y, place.offset) - lobe->hue_y * place.color;
     return a * a + b * b;
 }
 
@@ -100,7 +107,7 @@ static float apart_squared(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
 static bool is_foretold(const Photon *photon, const Photon *known, const GuideLobe *lobe, Vec3f origin)
 {
     return photon->way == known->way &&
-           apart_squared(lobe, vec3f_along(photon->position, -1, origin), photon->from) < ONE_SHEET * ONE_SHEET;
+           apart_squared(lobe, place_of(photon, origin), photon->from) < ONE_SHEET * ONE_SHEET;
 }
 
 /* Brings known photons of one sheet together, each behind the one of its way that tells most narrowly. Returns how many sheets
@@ -135,10 +142,10 @@ static uint32_t best_lobe_for(const GuidePhotons *cell, const GuideLobe *lobes, 
 {
     uint32_t best = cell->n_known;
     float least = ONE_SHEET * ONE_SHEET;
-    Vec3f offset = vec3f_along(photon->position, -1, cell->origin);
+    GuidePlace place = place_of(photon, cell->origin);
     for (uint32_t i = 0; i < cell->n_known; i++) {
         if (cell->known[i].photon->way != photon->way) continue;
-        float apart = apart_squared(&lobes[i], offset, photon->from);
+        float apart = apart_squared(&lobes[i], place, photon->from);
         if (apart < least) least = apart, best = i;
     }
     return best;
@@ -206,6 +213,11 @@ void guide_borrow(GuidePhotons *cell, const Photon *others, uint32_t n)
 
 /* ---- a cell's lobes ---- */
 
+static float wrong_by_color(const GuideLobe *lobe, float color)
+{
+    return lobe->hue_bend * (color - lobe->color) * (color - lobe->color);
+}
+
 /* How wrong lobe number `self` is by what others of its sheet, of which there are some, say that stand near by. Where light is
  * folded, as beside the bright lines under waves, several sheets of it lie over each other whose directions do not tell them
  * apart, and most of the others are of another one: the second least of six is of the lobe's own. It is then taken for
@@ -221,11 +233,13 @@ static float bend_by_lobes(const GuideLobe *lobes, const GuideFour *fours, const
         Vec3f there = lobes[i].place, away = vec3f_along(there, -1, lobes[self].place);
         float distance = float_max(vec3f_dot(away, away), 1e-12f * size);
         if (n_near == NEAREST && distance >= distances[NEAREST - 1]) continue;
-        Vec3f mine = guide_lobe_mean(fours, self, there), other = guide_lobe_mean(fours, i, there);
+        GuidePlace place = {there, lobes[i].color};
+        Vec3f mine = guide_lobe_mean(fours, self, place), other = guide_lobe_mean(fours, i, place);
         uint32_t k = n_near < NEAREST ? n_near++ : NEAREST - 1;
         for (; k > 0 && distances[k - 1] > distance; k--) distances[k] = distances[k - 1], bends[k] = bends[k - 1];
         distances[k] = distance;
-        bends[k] = vec3f_length(vec3f_along(mine, -1, other)) / distance;
+        float apart = vec3f_length(vec3f_along(mine, -1, other)) - wrong_by_color(&lobes[self], place.color);
+        bends[k] = float_max(apart, 0) / distance;
     }
     for (uint32_t i = 0; i < n_near; i++) {
         second = float_min(second, float_max(least, bends[i]));
@@ -246,9 +260,11 @@ static float bend_by_photons(const GuidePhotons *cell, const GuideLobe *lobes, c
     for (uint32_t i = 0; i < sheet->n; i++) {
         const Photon *photon = sheet->photons[i];
         if (photon->number == cell->known[self].photon->number) continue;
-        Vec3f there = vec3f_along(photon->position, -1, cell->origin), away = vec3f_along(there, -1, lobe->place);
+        GuidePlace there = place_of(photon, cell->origin);
+        Vec3f away = vec3f_along(there.offset, -1, lobe->place);
         float beyond = float_max(apart_squared(lobe, there, photon->from) - 2 * (lobe->xx + lobe->yy), 0);
-        float bend = sqrtf(beyond) / float_max(vec3f_dot(away, away), 1e-12f * size);
+        float apart = float_max(sqrtf(beyond) - wrong_by_color(lobe, photon->color), 0);
+        float bend = apart / float_max(vec3f_dot(away, away), 1e-12f * size);
         uint32_t k = n++;
         for (; k > 0 && bends[k - 1] > bend; k--) bends[k] = bends[k - 1];
         bends[k] = bend;

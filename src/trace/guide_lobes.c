@@ -51,6 +51,10 @@ void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
         lanes_set(&four->xy, lane, lobe->xy);
         lanes_set(&four->yy, lane, lobe->yy);
         lanes_set(&four->bend, lane, lobe->bend);
+        lanes_set(&four->color, lane, lobe->color);
+        lanes_set(&four->hue_x, lane, lobe->hue_x);
+        lanes_set(&four->hue_y, lane, lobe->hue_y);
+        lanes_set(&four->hue_bend, lane, lobe->hue_bend);
         four->weight[lane] = lobe->weight;
         four->cumulative[lane] = lobe->cumulative;
         four->n_sheet[lane] = lobe->n_sheet;
@@ -82,11 +86,12 @@ static Lanes dots_with(const LanesVec3 *a, Vec3f b)
 }
 
 /* The lobes' errors, and one over their spreads with that: of the fours with the lobes first .. end - 1. */
-static void look_at_fours(const GuideFour *fours, uint32_t first, uint32_t end, Vec3f offset, CellParts *parts)
+static void look_at_fours(const GuideFour *fours, uint32_t first, uint32_t end, GuidePlace place, CellParts *parts)
 {
     for (uint32_t i = first / LANES; i < guide_fours_of(end); i++) {
-        LanesVec3 away = from_each(&fours[i].place, offset);
-        Lanes error = lanes_mul(fours[i].bend, dots(&away, &away));
+        LanesVec3 away = from_each(&fours[i].place, place.offset);
+        Lanes error = lanes_mul(fours[i].bend, dots(&away, &away)), hue = lanes_sub(lanes_all(place.color), fours[i].color);
+        error = lanes_add(error, lanes_mul(fours[i].hue_bend, lanes_mul(hue, hue)));
         error = lanes_mul(error, error);
         Lanes spread = lanes_add(lanes_scale(lanes_add(fours[i].xx, fours[i].yy), 0.5f), error);
         lanes_store(error, parts->error + LANES * i);
@@ -107,10 +112,12 @@ static float choose_near(float nearness[], uint32_t n)
 /* ---- means and spreads at a place ---- */
 
 /* The mean directions of four lobes. */
-static LanesVec3 means_of(const GuideFour *four, Vec3f offset)
+static LanesVec3 means_of(const GuideFour *four, GuidePlace place)
 {
-    Lanes px = lanes_add(four->mean_x, dots_with(&four->slope_x, offset));
-    Lanes py = lanes_add(four->mean_y, dots_with(&four->slope_y, offset));
+    Lanes px = lanes_add(four->mean_x, dots_with(&four->slope_x, place.offset));
+    Lanes py = lanes_add(four->mean_y, dots_with(&four->slope_y, place.offset));
+    px = lanes_add(px, lanes_scale(four->hue_x, place.color));
+    py = lanes_add(py, lanes_scale(four->hue_y, place.color));
     Lanes square = lanes_add(lanes_mul(px, px), lanes_mul(py, py));
     if (UNLIKELY(lanes_max(square) > FARTHEST_MEAN)) {
         Lanes shrink = lanes_sqrt(lanes_div(lanes_all(FARTHEST_MEAN), lanes_greater(square, lanes_all(FARTHEST_MEAN))));
@@ -129,9 +136,9 @@ static Vec3f vector_in(const LanesVec3 *four, int lane)
     return (Vec3f){lanes_get(four->x, lane), lanes_get(four->y, lane), lanes_get(four->z, lane)};
 }
 
-Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, Vec3f offset)
+Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, GuidePlace place)
 {
-    LanesVec3 means = means_of(&fours[lobe / LANES], offset);
+    LanesVec3 means = means_of(&fours[lobe / LANES], place);
     return vector_in(&means, (int)(lobe % LANES));
 }
 
@@ -171,13 +178,13 @@ static FourSpreads spreads_of(const GuideFour *four, Lanes error)
 
 /* ---- sampling ---- */
 
-static Vec3f sample_lobe(const GuideFour *fours, uint32_t lobe, float error, Vec3f offset, const float v[2])
+static Vec3f sample_lobe(const GuideFour *fours, uint32_t lobe, float error, GuidePlace place, const float v[2])
 {
     const GuideFour *four = &fours[lobe / LANES];
     const int lane = (int)(lobe % LANES);
     FourSpreads spreads = spreads_of(four, lanes_all(error));
     float xx = lanes_get(spreads.xx, lane), xy = lanes_get(spreads.xy, lane);
-    Vec3f mean = guide_lobe_mean(fours, lobe, offset), of_lobe = vector_in(&four->x, lane);
+    Vec3f mean = guide_lobe_mean(fours, lobe, place), of_lobe = vector_in(&four->x, lane);
     Vec3f x = vec3f_normalize(vec3f_along(of_lobe, -vec3f_dot(of_lobe, mean), mean)), y = vec3f_cross(mean, x);
     bool tail = v[0] >= DISC_PART;
     float p, q, stretch = DISC;
@@ -197,7 +204,7 @@ static Vec3f sample_lobe(const GuideFour *fours, uint32_t lobe, float error, Vec
     return vec3f_normalize(vec3f_along(direction, b * sine, y));
 }
 
-Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float u, const float v[2])
+Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, GuidePlace place, float u, const float v[2])
 {
     CellParts parts;
     uint32_t first = 0, n_sheet;
@@ -205,7 +212,7 @@ Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float
     while (n_sheet = fours[first / LANES].n_sheet[first % LANES],
            first + n_sheet < n && u >= fours[first / LANES].cumulative[first % LANES])
         before = fours[first / LANES].cumulative[first % LANES], first += n_sheet;
-    look_at_fours(fours, first, first + n_sheet, offset, &parts);
+    look_at_fours(fours, first, first + n_sheet, place, &parts);
     uint32_t chosen = first;
     if (n_sheet > 1) {
         float sum = choose_near(parts.nearness + first, n_sheet);
@@ -217,16 +224,16 @@ Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float
             part -= parts.nearness[chosen];
         }
     }
-    return sample_lobe(fours, chosen, parts.error[chosen], offset, v);
+    return sample_lobe(fours, chosen, parts.error[chosen], place, v);
 }
 
 /* ---- densities ---- */
 
 /* The densities of four lobes; 0 where their weight is 0. */
-static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, Vec3f offset, Vec3f direction)
+static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, GuidePlace place, Vec3f direction)
 {
     const Lanes none = lanes_all(0);
-    LanesVec3 mean = means_of(four, offset);
+    LanesVec3 mean = means_of(four, place);
     Lanes cosine = dots_with(&mean, direction);
     /* the square of the largest spread is less than the sum of both */
     const float farthest = 0.5f * (REACH * TAIL_WIDER) * (REACH * TAIL_WIDER);
@@ -258,11 +265,11 @@ static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, Vec3f o
     return lanes_mul(weight, lanes_div(lanes_add(disc, tail), area));
 }
 
-float guide_lobes_pdf(const GuideFour *fours, uint32_t n, Vec3f offset, Vec3f direction)
+float guide_lobes_pdf(const GuideFour *fours, uint32_t n, GuidePlace place, Vec3f direction)
 {
     CellParts parts;
     Lanes sum = lanes_all(0);
-    look_at_fours(fours, 0, n, offset, &parts);
+    look_at_fours(fours, 0, n, place, &parts);
     for (uint32_t i = n; i % LANES != 0; i++) parts.nearness[i] = 0;
     for (uint32_t first = 0, n_sheet; first < n; first += n_sheet) {
         n_sheet = fours[first / LANES].n_sheet[first % LANES];
@@ -272,7 +279,7 @@ float guide_lobes_pdf(const GuideFour *fours, uint32_t n, Vec3f offset, Vec3f di
     for (uint32_t i = 0; i < n; i += LANES) {
         Lanes weight = lanes_load(parts.nearness + i);
         if (lanes_zero(weight)) continue;
-        sum = lanes_add(sum, densities(&fours[i / LANES], weight, lanes_load(parts.error + i), offset, direction));
+        sum = lanes_add(sum, densities(&fours[i / LANES], weight, lanes_load(parts.error + i), place, direction));
     }
     return lanes_sum(sum);
 }

@@ -7,7 +7,13 @@
 #include "base/lanes.h"
 #include "base/vec3.h"
 
-/* Directions about a mean that depends linearly on the place. Directions near the axis are points of a plane by Lambert's
+/* A place, from the cell's origin, and the color by which light was bent that comes there, see guide_color. */
+typedef struct GuidePlace {
+    Vec3f offset;
+    float color;
+} GuidePlace;
+
+/* Directions about a mean that depends linearly on the place and the color. Directions near the axis are points of a plane by Lambert's
  * azimuthal projection, which keeps areas, so that densities per area are densities per steradian. The lobe is the wider, and
  * counts the less, the further away its place is. */
 typedef struct GuideLobe {
@@ -18,8 +24,10 @@ typedef struct GuideLobe {
     Vec3f place;            /* where it was found, from the cell's origin; the nearest lobe of a sheet knows best */
     Vec3f axis, x, y;       /* a right-handed frame */
     Vec3f slope_x, slope_y; /* of the mean in the plane, by the place */
-    float mean_x, mean_y;   /* at the cell's origin */
+    float mean_x, mean_y;   /* at the cell's origin, of color 0 */
     float xx, xy, yy;       /* spread about the mean, at its place */
+    float color, hue_x, hue_y; /* of its light; slope of the mean by the color */
+    float hue_bend;         /* how wrong it is for other colors: angle by the square of the difference */
 } GuideLobe;
 
 enum {
@@ -36,7 +44,7 @@ typedef struct LanesVec3 {
 /* Four of a cell's lobes, one after another, in a lane each: so they are asked for directions and densities. */
 typedef struct GuideFour {
     LanesVec3 place, axis, x, y, slope_x, slope_y;
-    Lanes mean_x, mean_y, xx, xy, yy, bend;
+    Lanes mean_x, mean_y, xx, xy, yy, bend, color, hue_x, hue_y, hue_bend;
     float weight[LANES], cumulative[LANES];
     uint32_t n_sheet[LANES];
 } GuideFour;
@@ -49,12 +57,12 @@ static inline uint32_t guide_fours_of(uint32_t n)
 /* Lays n >= 1 lobes of a cell into as many. */
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours);
 
-/* The mean direction of one of a cell's lobes at a place, from the cell's origin. */
-Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, Vec3f offset);
+/* The mean direction of one of a cell's lobes at a place. */
+Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, GuidePlace place);
 
 /* A direction of a cell's n <= GUIDE_CELL_LOBES lobes at a place, and the density of that per steradian. u: uniform in [0, 1);
  * v: in [0, 1)^2. */
-Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, Vec3f offset, float u, const float v[2]);
-float guide_lobes_pdf(const GuideFour *fours, uint32_t n, Vec3f offset, Vec3f direction);
+Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, GuidePlace place, float u, const float v[2]);
+float guide_lobes_pdf(const GuideFour *fours, uint32_t n, GuidePlace place, Vec3f direction);
 
 #endif

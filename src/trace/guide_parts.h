@@ -22,6 +22,7 @@ struct Guide {
     uint32_t *begins; /* of each cell's photons, as guide_build has sorted them; the last is the end of all */
     uint32_t *visits; /* how often paths came to each cell while it was tried out; NULL: it was not */
     float threshold;  /* see guide_threshold */
+    float most_looks; /* of any cell */
 };
 
 static inline Vec3f guide_cell_origin(const GuideCell *cell)
@@ -42,6 +43,11 @@ static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
         node = guide->nodes + node->first + (guide_coordinate(p, node->axis) >= node->split);
     return node->first;
 }
+
+/* ---- guide.c ---- */
+
+/* To be told when cells' shares were set. */
+void guide_shares_are_set(Guide *guide);
 
 /* ---- guide_try.c ---- */
 

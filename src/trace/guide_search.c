@@ -30,6 +30,7 @@
 #define LEAST_PROMISE 10.0
 /* How often probes are sent at least: few are enough to keep what was not met on trial from making fireflies. */
 #define LEAST_SHARE 0.03f
+#define LEAST_LOOKS 0.01f
 /* Rays for the guide, as a part of the picture's; and what it may take of the smallest picture. */
 #define RAYS_PART 0.06
 #define FEWEST_RAYS 200000.0
@@ -305,9 +306,11 @@ static Status try_rounds(GuideSearch *search, Error *error)
         begin_rounds(search);
         return STATUS_OK;
     }
+    bool looks = guide_most_looks(search->guide) > 0;
     for (uint32_t i = 0; i < search->guide->n_cells; i++) {
-        float *share = &search->guide->cells[i].share;
-        *share = float_max(*share, LEAST_SHARE);
+        GuideCell *cell = &search->guide->cells[i];
+        cell->share = float_max(cell->share, LEAST_SHARE);
+        if (looks) cell->looks = float_max(cell->looks, LEAST_LOOKS);
     }
     end_search(search, search->settings->always || facts->worth.gain > LEAST_USE);
     return STATUS_OK;

@@ -21,9 +21,12 @@
 #include "optics/sampling.h"
 #include "trace/guide_parts.h"
 
-enum { SPOT_PATHS = 16, N_SHARES = 7, HALVES = 2 };
-static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1};
-enum { EVEN = 4, TRIED = 5 }; /* of these, in all cells: that is judged for all, and while it is tried out */
+enum { SPOT_PATHS = 16, HALVES = 2 };
+/* How often probes are sent by paths that are scattered in a cell, and for each of these how often by looks along paths, over that. */
+enum { N_SHARES = 7, N_LOOKS = 3, N_CHOICES = N_SHARES * N_LOOKS };
+static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1}, looks[N_LOOKS] = {0, 0.25f, 1};
+/* Of these choices, in all cells: what is judged for all, without looks and with, and what is tried out. */
+enum { EVEN = 4 * N_LOOKS, EVEN_LOOKS = EVEN + 2, TRIED = 5 * N_LOOKS + 2 };
 
 /* What a probe takes besides its rays, and looking up a place: in rays. */
 #define PROBE_COST 1.0
@@ -41,15 +44,17 @@ typedef struct Record {
     uint32_t path, cell;
     GuideRecordKind kind;
     float amount, ratio;
+    float of_looks; /* the part of the ratio that is that of looks */
 } Record;
 
 /* What paths do in a part of the guide. */
 typedef struct Tally {
     uint32_t cell, n_found, visits;
-    double weight, sent, rays; /* how often probes would be sent if all shares were 1; those sent, and their rays */
+    double weight, look_weight; /* how often probes would be sent if all shares were 1, by paths scattered there and by looks; */
+    double sent, rays;          /* those sent, and their rays */
     double carried;            /* squares of what the paths carried there */
     double returned;           /* and of what part of the light of a white surface went back along them, of those sent */
-    double saved[N_SHARES];    /* of the squares, over having no guide */
+    double saved[N_CHOICES];   /* of the squares, over having no guide */
 } Tally;
 
 struct GuideLedger {
@@ -87,7 +92,19 @@ void guide_note(GuideLedger *ledger, const GuideAt *at, GuideRecordKind kind, fl
         ledger->out_of_memory = true;
         return;
     }
-    ledger->records[ledger->n++] = (Record){ledger->path, (uint32_t)(at->cell - at->guide->cells), kind, amount, ratio};
+    float of_looks = at->share > 0 ? float_max(1 - at->sent / at->share, 0) : 0;
+    ledger->records[ledger->n++] =
+        (Record){ledger->path, (uint32_t)(at->cell - at->guide->cells), kind, amount, ratio, of_looks};
+}
+
+static double share_of(int choice)
+{
+    return (double)shares[choice / N_LOOKS];
+}
+
+static double looks_of(int choice)
+{
+    return share_of(choice) * (double)looks[choice % N_LOOKS];
 }
 
 /* ---- paths ---- */
@@ -116,6 +133,10 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
         tally->weight += amount;
         tally->carried += ratio * ratio * by_brightness;
         break;
+    case GUIDE_LOOK:
+        tally->visits++;
+        tally->look_weight += amount;
+        break;
     case GUIDE_SENT:
         tally->sent++;
         tally->rays += amount;
@@ -124,8 +145,9 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
     case GUIDE_FOUND:
         if (!isfinite(amount) || !isfinite(ratio)) break;
         tally->n_found++;
-        for (int k = 1; k < N_SHARES; k++) {
-            double r = ratio * (double)shares[k] / (double)shares[TRIED];
+        for (int k = N_LOOKS; k < N_CHOICES; k++) {
+            double looked = (double)record->of_looks,
+                   r = ratio * ((1 - looked) * share_of(k) / share_of(TRIED) + looked * looks_of(k) / looks_of(TRIED));
             tally->saved[k] += amount * amount * by_brightness * (1 + ratio) * r / (1 + r);
         }
         break;
@@ -170,11 +192,12 @@ static void tally_add(Tally *sum, const Tally *more)
     sum->n_found += more->n_found;
     sum->visits += more->visits;
     sum->weight += more->weight;
+    sum->look_weight += more->look_weight;
     sum->sent += more->sent;
     sum->rays += more->rays;
     sum->carried += more->carried;
     sum->returned += more->returned;
-    for (int k = 0; k < N_SHARES; k++) sum->saved[k] += more->saved[k];
+    for (int k = 0; k < N_CHOICES; k++) sum->saved[k] += more->saved[k];
 }
 
 static void sum_spots(Tryout *trial)
@@ -212,6 +235,18 @@ static double probe_cost(const Tally *tally)
     return PROBE_COST + (tally->sent > 0 ? tally->rays / tally->sent : 0);
 }
 
+static void set_shares(GuideCell *cell, int choice)
+{
+    cell->share = (float)share_of(choice);
+    cell->looks = (float)looks_of(choice);
+}
+
+/* How many would be sent. */
+static double probes_of(const Tally *tally, int choice)
+{
+    return tally->weight * share_of(choice) + tally->look_weight * looks_of(choice);
+}
+
 /* ---- shares ---- */
 
 /* How variance and work change for all. */
@@ -224,9 +259,8 @@ static int best_share(const Tally *tally, Toll toll)
 {
     int best = 0;
     double most = 0;
-    for (int k = 1; k < N_SHARES; k++) {
-        double worth =
-            tally->saved[k] / toll.variance - tally->weight * (double)shares[k] * probe_cost(tally) / toll.work;
+    for (int k = N_LOOKS; k < N_CHOICES; k++) {
+        double worth = tally->saved[k] / toll.variance - probes_of(tally, k) * probe_cost(tally) / toll.work;
         if (worth > most) most = worth, best = k;
     }
     return best;
@@ -252,7 +286,7 @@ static Toll change_of(const Tryout *trial, int half)
     for (uint32_t i = 0; i < trial->guide->n_cells; i++) {
         const Tally *tally = &trial->cells[half][i];
         change.variance -= tally->saved[trial->chosen[i]];
-        change.work += tally->weight * (double)shares[trial->chosen[i]] * cost + VISIT_COST * tally->visits;
+        change.work += probes_of(tally, trial->chosen[i]) * cost + VISIT_COST * tally->visits;
     }
     return change;
 }
@@ -321,8 +355,14 @@ static double gain_of(Toll without, Toll first, Toll second)
  * 5e3 to 5e7.) */
 static void trust_photons(Tryout *trial, GuideWorth *worth)
 {
-    for (uint32_t i = 0; i < trial->guide->n_cells; i++) trial->chosen[i] = N_SHARES - 1;
+    for (uint32_t i = 0; i < trial->guide->n_cells; i++) trial->chosen[i] = N_CHOICES - 1;
     worth->gain = fmax(worth->gain, EVEN_TRUST * worth->promise);
+}
+
+static double gain_of_even(Tryout *trial, int choice, Toll without)
+{
+    for (uint32_t i = 0; i < trial->guide->n_cells; i++) trial->chosen[i] = choice;
+    return gain_of(without, change_of(trial, 0), change_of(trial, 1));
 }
 
 static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, GuideWorth *worth)
@@ -332,10 +372,9 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     double seen;
     sum_spots(trial);
     /* one share for all takes no luck for a gain; but in part, where it is little that was found of great brightness */
-    for (uint32_t i = 0; i < guide->n_cells; i++) trial->chosen[i] = EVEN;
     Tally all = sum_node(trial, 0, both);
     Toll without = balance_without(trial, &all, 1);
-    double even = gain_of(without, change_of(trial, 0), change_of(trial, 1));
+    double even = fmax(gain_of_even(trial, EVEN, without), gain_of_even(trial, EVEN_LOOKS, without));
     /* nor do shares of which one half chooses what the other one judges */
     choose_shares(trial, first);
     Toll change = change_of(trial, 1);
@@ -346,9 +385,10 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     if (all.n_found == 0 && seen > GUIDE_GREAT_PROMISE * without.variance) trust_photons(trial, worth);
     worth->rays_per_path = without.work / trial->paths;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
-        guide->cells[i].share = shares[trial->chosen[i]];
+        set_shares(&guide->cells[i], trial->chosen[i]);
         guide->visits[i] = trial->cells[0][i].visits + trial->cells[1][i].visits;
     }
+    guide_shares_are_set(guide);
 }
 
 static bool prepare(Tryout *trial, unsigned n_threads)
@@ -398,7 +438,8 @@ Status guide_try(Guide *guide, const World *world, const GuideSettings *settings
     bool out_of_memory = !prepare(&trial, n_threads);
     if (!out_of_memory) {
         trial.world.guide = guide;
-        for (uint32_t i = 0; i < guide->n_cells; i++) guide->cells[i].share = shares[TRIED];
+        for (uint32_t i = 0; i < guide->n_cells; i++) set_shares(&guide->cells[i], TRIED);
+        guide_shares_are_set(guide);
         for (unsigned i = 0; i < n_threads; i++) trial.tracers[i].ledger = &trial.ledgers[i];
         pool_run(pool, trial.n_spots, look_at_spot, &trial);
         for (unsigned i = 0; i < n_threads; i++) {

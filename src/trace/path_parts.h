@@ -32,8 +32,9 @@ typedef struct Airway {
     Lanes ratio, scattered; /* at its beginning: the path's ratio, the optical depths that the flight had behind it */
     double t;               /* a place on it where a flight was scattered, */
     float rarity;           /* and 1 / the density of that; 0: there is none */
-    float shaft; /* density of looks for what a guide's cell scatters at a place, over that; 0: there are none. See shaft.h, */
-    uint32_t n_media; /* of those that fill the place at t */
+    float shaft;            /* see shaft.h: how often looks would be sent if all shares were 1; 0: there are none; */
+    double shaft_all;       /* what the guide's cells scatter on the stretch; < 0: not known yet; */
+    uint32_t n_media;       /* and what fills the place, t */
 } Airway;
 
 /* What a path is to know of the guide where it was scattered last, see probe.c. */
@@ -75,6 +76,7 @@ typedef struct Path {
     bool looks;           /* for light that media scatter towards it */
     bool bent_apart;      /* it has come to a boundary where each of its wavelengths would go on in another way, */
     bool again;           /* and this is the second path of its sample: see sample.c */
+    GuideColors colors;   /* of the wavelengths by which glass bends its sample's light; any where none disperses */
     int index_lane;       /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
     uint32_t n_scattered; /* in media, so far */
     uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
@@ -264,7 +266,7 @@ static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
 {
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
-    GuideAt at = guide_find(guide, place);
+    GuideAt at = guide_find(guide, place, path->colors);
     float part = path_probe_part(path, &path->from, in_medium);
     if (UNLIKELY(path->tracer->ledger) && at.share > 0 && !path->again)
         guide_note(path->tracer->ledger, &at, GUIDE_VISIT, part, lanes_mean(path->beta) / lanes_mean(path->ratio));

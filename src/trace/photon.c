@@ -111,19 +111,24 @@ static void in_plane(Vec3f axis, Vec3f direction, double p[2])
     p[1] = (double)(stretch * vec3f_dot(y, direction));
 }
 
-/* Follows a photon again, by the same random numbers, from another start; false: it goes another way. */
-static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const PhotonStart *start, uint32_t way, Photon *photon)
+/* Follows a photon again, by the same random numbers, from another start and in another color; false: it goes another way. */
+static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const PhotonStart *start, double more_color,
+                         uint32_t way, Photon *photon)
 {
     Path path = begin_photon(tracer, job->seed, number);
+    float nm = lanes_get(path.wavelengths.nm, 0);
+    if (more_color != 0) lanes_set(&path.wavelengths.nm, 0, guide_wavelength(guide_color(nm) + (float)more_color));
     if (!photon_leave_light(&path, start)) return false;
     path.bounce = 1;
     return follow_photon(&path, 1, photon) && photon->way == way;
 }
 
-static bool find_column(Job *job, Tracer *tracer, const PhotonStart *start, double step, const Photon *photon, Column *column)
+/* more_color: by how much the other's color is another one; 0: it is its start. */
+static bool find_column(Job *job, Tracer *tracer, const PhotonStart *start, double more_color, double step,
+                        const Photon *photon, Column *column)
 {
     Photon other;
-    if (!follow_other(job, tracer, photon->number, start, photon->way, &other)) return false;
+    if (!follow_other(job, tracer, photon->number, start, more_color, photon->way, &other)) return false;
     in_plane(photon->from, other.from, column->direction);
     Vec3 moved = vec3_sub(vec3_from_f(other.position), vec3_from_f(photon->position));
     column->place[0] = moved.x / step;
@@ -241,7 +246,7 @@ static bool find_neighbour(Job *job, Path *path, const PhotonStart *start, int a
             other.light.direction = vec3f_normalize(vec3f_along(start->light.direction, (float)by, tangent[axis - 2]));
             other.turned = start->light.direction;
         }
-        if (find_column(job, path->tracer, &other, by / unit, photon, column)) return true;
+        if (find_column(job, path->tracer, &other, 0, by / unit, photon, column)) return true;
     }
     return false;
 }
@@ -279,6 +284,34 @@ static void find_neighbours(Job *job, Path *path, const PhotonStart *start, Phot
     condition(columns, n, shift, photon);
 }
 
+/* How the direction in which the light is seen from a place depends on the color by which glass bends it, from what its slopes by
+ * the place are. */
+static void find_hue(Job *job, Path *path, const PhotonStart *start, Photon *photon)
+{
+    const double step = 0.04;     /* some 10 nm */
+    const float unknown = 0.5f; /* it goes another way, as most of the others may, too */
+    Column more, less;
+    if (!job->world->disperses || !(photon->spread[0] > 0)) return;
+    bool is_more = find_column(job, path->tracer, start, step, step, photon, &more),
+         is_less = find_column(job, path->tracer, start, -step, -step, photon, &less);
+    photon->hue_bend = unknown;
+    if (!is_more && !is_less) return;
+    if (!is_more) more = less;
+    if (!is_less) less = more;
+    double bends[2];
+    for (int k = 0; k < 2; k++) {
+        double of_place[3] = {(double)photon->slope[k].x, (double)photon->slope[k].y, (double)photon->slope[k].z};
+        double up = more.direction[k], down = less.direction[k];
+        for (int i = 0; i < 3; i++) up -= of_place[i] * more.place[i], down -= of_place[i] * less.place[i];
+        photon->hue[k] = (float)(0.5 * (up + down));
+        bends[k] = (up - down) / (2 * step);
+    }
+    if (is_more && is_less) photon->hue_bend = (float)hypot(bends[0], bends[1]);
+    if (isfinite(photon->hue[0] + photon->hue[1] + photon->hue_bend)) return;
+    photon->hue[0] = photon->hue[1] = 0;
+    photon->hue_bend = unknown;
+}
+
 /* Where photon `number` starts, and its path there; false: it gives nothing. */
 static bool start_photon(Job *job, Tracer *tracer, uint32_t number, Path *path, PhotonStart *start)
 {
@@ -307,6 +340,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         if (follow_photon(&path, radiance * start.flux_times_n, photon)) {
             photon->radiance = radiance;
             photon->number = number;
+            photon->color = guide_color(lanes_get(path.wavelengths.nm, 0));
         } else {
             photon->flux = 0;
         }
@@ -323,7 +357,9 @@ static void look_around_one(void *context, uint32_t i, unsigned worker)
     PhotonStart start = {.turned = {0, 0, 0}};
     photon->lobe = 1;
     tracer->counters.rays += LOOKS / 2; /* about what they take */
-    if (photon_choose_start(job->targets, &path, &start)) find_neighbours(job, &path, &start, photon);
+    if (!photon_choose_start(job->targets, &path, &start)) return;
+    find_neighbours(job, &path, &start, photon);
+    find_hue(job, &path, &start, photon);
 }
 
 /* Runs a task of the job's; *rays: how many it took. */

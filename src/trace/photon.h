@@ -13,6 +13,16 @@
 #include "base/pool.h"
 #include "trace/path.h"
 
+/* What bends light is nearly linear in this (A. L. Cauchy): the square of the wave number, 1 at 500 nm. */
+static inline float guide_color(float wavelength_nm)
+{
+    return 500 / wavelength_nm * (500 / wavelength_nm);
+}
+static inline float guide_wavelength(float color)
+{
+    return 500 / sqrtf(color);
+}
+
 /* Where light that has come through a smooth boundary, or off a mirror, is scattered; and what its neighbours would be
  * like, in the plane that touches the sphere of directions at `from`, in the frame that sampling_basis makes of that. The
  * light is seen from a place near by in directions about mean + slope * (place - position). */
@@ -25,6 +35,9 @@ typedef struct Photon {
     float mean[2];
     Vec3f slope[2];
     float spread[3]; /* covariance about the mean: xx, xy, yy; 0: nothing is known */
+    float color;     /* of the light by which it was bent, see guide_color */
+    float hue[2];    /* and how the mean at a place changes with that, as far as to first order; */
+    float hue_bend;  /* away from that it does with the square of the color, in radians */
     uint32_t number; /* of all that were followed */
     uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
     uint32_t lobe;   /* 1: photons_look_around was here */

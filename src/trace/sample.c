@@ -120,19 +120,29 @@ static WavelengthSample choose_wavelengths(const World *world, const PixelSample
     return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
+/* Both for either of the two paths: where they are one up to a boundary, so are the probes that it has sent. */
+static GuideColors colors_of(const World *world, const WavelengthSample *wavelengths, IndexLanes lanes)
+{
+    if (LIKELY(!world->guide) || !world->disperses) return (GuideColors){0, 0};
+    if (lanes.first < 0) lanes.first = lanes.second = 0; /* the hero alone */
+    return (GuideColors){guide_color(lanes_get(wavelengths->nm, lanes.first)),
+                         guide_color(lanes_get(wavelengths->nm, lanes.second))};
+}
+
 /* What became of the ray from the camera. */
 typedef enum CameraRay { RAY_MET, RAY_ESCAPED, RAY_NONE } CameraRay;
 
 /* fork: where the second path is to begin; NULL: this is the second one. */
 static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
-                             const WavelengthSample *wavelengths, int index_lane, PathFork *fork, Path *path)
+                             const WavelengthSample *wavelengths, IndexLanes lanes, PathFork *fork, Path *path)
 {
     const World *world = tracer->world;
     path_init(path, tracer, pixel->sampler);
     path->looks = world->seeks_airlight;
     path->decision.of_pixel = LIKELY(!world->trial.choices_apart);
     path->wavelengths = *wavelengths;
-    path->index_lane = index_lane;
+    path->index_lane = fork ? lanes.first : lanes.second;
+    path->colors = colors_of(world, wavelengths, lanes);
     path->again = !fork;
     path->fork = fork;
     float lens[2] = {0, 0};
@@ -191,14 +201,14 @@ static Lanes follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
 
 /* The second path of a sample. What is told of a sample besides its light is of the first one. */
 static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
-                          const WavelengthSample *wavelengths, int index_lane, PathFork *fork)
+                          const WavelengthSample *wavelengths, IndexLanes lanes, PathFork *fork)
 {
-    if (LIKELY(fork->kept)) return follow_fork(tracer, fork, index_lane);
+    if (LIKELY(fork->kept)) return follow_fork(tracer, fork, lanes.second);
     Path path;
     uint32_t seen = tracer->seen;
     bool notes_sight = tracer->notes_sight;
     tracer->notes_sight = false;
-    (void)follow_path(tracer, pixel, point, wavelengths, index_lane, NULL, &path);
+    (void)follow_path(tracer, pixel, point, wavelengths, lanes, NULL, &path);
     tracer->notes_sight = notes_sight;
     tracer->seen = seen;
     return path.radiance;
@@ -219,11 +229,11 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     Path path;
     PathFork fork;
     fork.kept = false;
-    CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes.first, &fork, &path);
+    CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes, &fork, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
         path.radiance =
-            share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes.second, &fork), lanes);
+            share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork), lanes);
     *alpha = ray == RAY_MET || (ray == RAY_ESCAPED && world->scene->environment) ? 1 : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {

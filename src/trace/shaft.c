@@ -16,12 +16,28 @@ typedef struct Shaft {
     double begin, end;
     double all; /* of all cells so far */
     double u;   /* uniform in [0, 1): what the choice has left of its number */
+    GuideColors colors;
 } Shaft;
+
+/* How much more light of a color there is in a cell than of others. */
+static float of_color(const GuideCell *cell, float color)
+{
+    const float all = 0.35f, least = 0.05f; /* the spread of all colors */
+    float off = (color - cell->color) / cell->color_spread, fall = 1 / (1 + off * off);
+    return least + all / cell->color_spread * fall * fall;
+}
+
+/* What a cell scatters of light that is bent by these wavelengths. */
+static float scattered_of(const GuideCell *cell, GuideColors colors)
+{
+    if (colors.first == colors.second) return cell->scattered * (colors.first > 0 ? of_color(cell, colors.first) : 1);
+    return cell->scattered * 0.5f * (of_color(cell, colors.first) + of_color(cell, colors.second));
+}
 
 static void consider(void *context, const GuideCell *cell, double begin, double end)
 {
     Shaft *shaft = context;
-    double amount = (double)cell->scattered * (end - begin);
+    double amount = (double)scattered_of(cell, shaft->colors) * (end - begin);
     if (!(amount > 0)) return;
     shaft->all += amount;
     double part = amount / shaft->all;
@@ -40,22 +56,22 @@ static uint32_t dimension(const Path *path, uint32_t number, uint32_t which)
     return DIM_SHAFTS + 2 * airlight_stretch(path, number) + which;
 }
 
-/* What is at the place in front of the path: the coefficient of what scatters it, and what comes to there of what the path carries.
- * Of several media one is chosen, each as often. False: nothing scatters there. */
+/* A place in front of the path: what scatters it there, and what comes to there of what the path carries. */
 typedef struct ShaftPlace {
     const Phase *phase;
     Lanes coefficient, depth, left; /* depth: as in airlight.h, of what flights are sure to be scattered by */
-    uint32_t n_media;
 } ShaftPlace;
 
-static bool look_at_place(Path *path, uint32_t medium, bool uneven, double t, float which, ShaftPlace *place)
+/* Of several media at the place one is chosen, each as often; *which: uniform in [0, 1), and what that leaves of it. False: nothing
+ * scatters there. */
+static bool look_at_place(Path *path, uint32_t medium, bool uneven, double t, double *which, ShaftPlace *place)
 {
     Tracer *tracer = path->tracer;
-    const Airway *way = &path->way;
+    Airway *way = &path->way;
     if (!uneven) {
         const SceneMedium *m = &tracer->world->scene->media[medium];
         place->phase = &m->phase;
-        place->n_media = 1;
+        way->n_media = 1;
         place->coefficient = spectrum_at(&m->scattering, path->wavelengths.nm);
         place->depth = lanes_scale(place->coefficient, flight_length(t - way->begin));
         place->left = flight_attenuation(flight_depth(path, medium, t - way->begin));
@@ -63,13 +79,22 @@ static bool look_at_place(Path *path, uint32_t medium, bool uneven, double t, fl
     }
     uint32_t n_drawn = 1U << 31; /* numbers of its own */
     place->left = flight_transmit(path, &path->ray, &tracer->list, way->begin, t, &n_drawn, &place->depth);
-    place->n_media = (uint32_t)tracer->parts.n;
-    if (lanes_zero(place->left) || !place->n_media) return false;
-    uint32_t i = (uint32_t)(which * (float)place->n_media);
-    const FlightPart *part = &tracer->parts.items[i < place->n_media ? i : place->n_media - 1];
+    way->n_media = (uint32_t)tracer->parts.n;
+    if (lanes_zero(place->left) || !way->n_media) return false;
+    double choice = *which * way->n_media;
+    uint32_t i = choice < way->n_media ? (uint32_t)choice : way->n_media - 1;
+    const FlightPart *part = &tracer->parts.items[i];
+    *which = choice - i;
     place->phase = &part->medium->phase;
     place->coefficient = lanes_scale(part->scattering, flight_part_density(part, t));
     return !lanes_zero(place->coefficient);
+}
+
+/* The density of looks for a place of a cell. */
+static float look_density(const Path *path, const Airway *way, const GuideCell *cell)
+{
+    float part = (float)((double)scattered_of(cell, path->colors) / way->shaft_all);
+    return way->shaft * cell->looks * part / (float)way->n_media;
 }
 
 /* The path becomes as if it had been scattered at the place, a probe is sent, and it becomes what it was. */
@@ -86,12 +111,26 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     path->beta = lanes_mul(path->beta, lanes_scale(place->coefficient, 1 / density));
     path->ratio = path->way.ratio;
     path->bounce = LOOKS + airlight_stretch(path, number);
-    guide->share += path->way.shaft * guide->cell->scattered / (density * (float)place->n_media) * guide->cell->share;
+    guide->sent *= path_probe_part(path, &path->way, true); /* by flights that are scattered there */
+    guide->share = guide->sent + look_density(path, &path->way, guide->cell) / density;
     float pdf = phase_evaluate(place->phase, vec3f_dot(path->ray.direction, direction));
     path_send_probe(path, guide, NULL, false, ray_point(&path->ray, t), direction, lanes_all(pdf), pdf);
     path->beta = beta;
     path->ratio = ratio;
     path->bounce = bounce;
+}
+
+/* Chooses a cell of the stretch, and a place there; false: there is none. Sets what all cells scatter there. */
+static bool choose_place(const Path *path, Airway *way, double u, float v, GuideAt *at, double *t)
+{
+    const Guide *guide = path->tracer->world->guide;
+    Shaft shaft = {.u = u, .colors = path->colors};
+    guide_walk(guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
+    way->shaft_all = shaft.all;
+    if (!(shaft.all > 0)) return false;
+    *t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
+    *at = guide_find(guide, ray_point(&path->ray, *t), path->colors);
+    return at->cell == shaft.cell; /* but for rounding */
 }
 
 void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number)
@@ -100,29 +139,22 @@ void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool unev
     Airway *way = &path->way;
     const Guide *guide = tracer->world->guide;
     if (!guide || path->probing.is_probe || path->n_scattered > MOST_SCATTERED || way->alone < LEAST_ALONE) return;
-    float u[2], v[2];
-    Shaft shaft = {.u = (double)sampler_3d(&path->sampler, dimension(path, number, 0), u) * 0x1p-32};
-    guide_walk(guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
-    if (!(shaft.all > 0)) return;
-    float part = way->carried * way->alone / (float)(1 + path->n_scattered);
-    way->shaft = part / (float)shaft.all;
-    if (!(way->shaft > 0) || !isfinite(way->shaft)) {
-        way->shaft = 0;
-        return;
-    }
-    double t = airlight_off_ends(path, shaft.begin + (double)u[0] * (shaft.end - shaft.begin));
-    GuideAt at = guide_find(guide, ray_point(&path->ray, t));
-    if (at.cell != shaft.cell) return;
-    if (UNLIKELY(tracer->ledger) && at.share > 0 && !path->again) guide_note(tracer->ledger, &at, GUIDE_VISIT, part, 0);
-    float often = at.share * part;
+    float u[2], v[2], part = way->carried * way->alone / (float)(1 + path->n_scattered), most = guide_most_looks(guide);
+    if (!(most > 0)) return;
+    way->shaft = part;
+    way->shaft_all = -1;
+    double which = (double)sampler_3d(&path->sampler, dimension(path, number, 0), u) * 0x1p-32, t;
+    if (LIKELY(!tracer->ledger) && u[1] >= most * part) return;
+    GuideAt at;
+    if (!choose_place(path, way, which, u[0], &at, &t)) return;
+    if (UNLIKELY(tracer->ledger) && !path->again) guide_note(tracer->ledger, &at, GUIDE_LOOK, part, 0);
+    float often = at.cell->looks * part;
     if (u[1] >= often) return;
-    u[1] /= often;
+    double rest = (double)u[1] / (double)often;
     ShaftPlace place;
     sampler_2d(&path->sampler, dimension(path, number, 1), v);
-    if (!look_at_place(path, medium, uneven, t, u[1], &place)) return;
-    if (place.n_media > 1) u[1] = u[1] * (float)place.n_media - floorf(u[1] * (float)place.n_media);
-    Vec3f direction = guide_sample(&at, float_min(u[1], 0x1.fffffep-1f), v);
-    at.share *= path_probe_part(path, way, true); /* of the probes of a flight that is scattered there */
+    if (!look_at_place(path, medium, uneven, t, &rest, &place)) return;
+    Vec3f direction = guide_sample(&at, float_min((float)rest, 0x1.fffffep-1f), v);
     if (!path_turn_aside(tracer, &t)) {
         tracer->out_of_memory = true;
         return;
@@ -131,9 +163,14 @@ void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool unev
     path_turn_back(tracer);
 }
 
-float shaft_rival(const Path *path, const GuideAt *guide)
+float shaft_rival(Path *path, const GuideAt *guide)
 {
-    const Airway *way = &path->from;
-    if (!(way->rarity > 0) || !(way->shaft > 0) || !guide->cell) return 0;
-    return way->rarity * way->shaft * guide->cell->scattered * guide->cell->share / (float)way->n_media;
+    Airway *way = &path->from;
+    if (!(way->rarity > 0) || !(way->shaft > 0) || !guide->cell || !(guide->cell->scattered > 0)) return 0;
+    if (way->shaft_all < 0) {
+        Shaft shaft = {.u = 0, .colors = path->colors};
+        guide_walk(guide->guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
+        way->shaft_all = shaft.all;
+    }
+    return way->shaft_all > 0 ? way->rarity * look_density(path, way, guide->cell) : 0;
 }

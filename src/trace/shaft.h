@@ -27,6 +27,6 @@
  * what weights need. */
 void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number);
 /* How often looks find a place of the guide where a flight was scattered last, over how often flights do. */
-float shaft_rival(const Path *path, const GuideAt *guide);
+float shaft_rival(Path *path, const GuideAt *guide);
 
 #endif
