@@ -98,6 +98,11 @@ float guide_threshold(const Guide *guide)
     return guide->threshold;
 }
 
+double guide_bright(const Guide *guide)
+{
+    return guide->bright;
+}
+
 float guide_most_looks(const Guide *guide)
 {
     return guide->most_looks;

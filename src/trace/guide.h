@@ -119,6 +119,8 @@ void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, d
                 void *context);
 /* How often looks along paths send probes at most, of all cells. */
 float guide_most_looks(const Guide *guide);
+/* Along lines on which the cells scatter less than this, looks are fewer in proportion. */
+double guide_bright(const Guide *guide);
 /* Directions towards lights; u: uniform in [0, 1). */
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2]);
 /* The density of that per steradian. */
@@ -127,7 +129,8 @@ float guide_pdf(const GuideAt *at, Vec3f direction);
 float guide_threshold(const Guide *guide);
 
 /* What paths note of a guide that is tried out (see guide_try.c): that they came to a place (amount: the part of its share
- * that counts there, ratio: what the path carries), or passed one in a medium (amount: likewise), that a probe was sent (amount: its rays, ratio: what the place scatters of its
+ * that counts there, ratio: what the path carries), or passed one in a medium (amount: likewise; ratio: what all
+ * cells scatter on its way), that a probe was sent (amount: its rays, ratio: what the place scatters of its
  * light, over a white surface that faces it), and what was found of the
  * light that probes look for (amount: luminance; ratio: of the densities by which probes and the path itself find it). */
 typedef enum GuideRecordKind { GUIDE_VISIT, GUIDE_LOOK, GUIDE_SENT, GUIDE_FOUND } GuideRecordKind;

@@ -160,6 +160,7 @@ static bool take_parts(GuideSearch *search, GuideBytes parts[GUIDE_PARTS])
         !take(&parts[PART_CELLS], counts.cells * sizeof *guide->cells, &guide->cells) ||
         !take(&parts[PART_FOURS], counts.fours * sizeof *guide->fours, &guide->fours))
         return false;
+    guide->bright = facts->worth.bright;
     guide_shares_are_set(guide);
     if (done) return guide_can_be(guide, 0, true);
     survey->n_nodes = counts.survey_nodes, survey->n_cells = counts.survey_cells;

@@ -23,6 +23,7 @@ struct Guide {
     uint32_t *visits; /* how often paths came to each cell while it was tried out; NULL: it was not */
     float threshold;  /* see guide_threshold */
     float most_looks; /* of any cell */
+    double bright;    /* see guide_bright */
 };
 
 static inline Vec3f guide_cell_origin(const GuideCell *cell)
@@ -59,6 +60,7 @@ typedef struct GuideWorth {
     double
         promise; /* what photons say of the variance that it could take away, roughly and at most: of that without it */
     double rays_per_path; /* without it */
+    double bright; /* what the cells scatter along a bright line through them: that of lines, weighted by itself; 0: no line */
     uint64_t rays;        /* that this took */
 } GuideWorth;
 

@@ -23,8 +23,8 @@
 
 enum { SPOT_PATHS = 16, HALVES = 2 };
 /* How often probes are sent by paths that are scattered in a cell, and for each of these how often by looks along paths, over that. */
-enum { N_SHARES = 7, N_LOOKS = 3, N_CHOICES = N_SHARES * N_LOOKS };
-static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1}, looks[N_LOOKS] = {0, 0.25f, 1};
+enum { N_SHARES = 7, N_LOOKS = 4, N_CHOICES = N_SHARES * N_LOOKS };
+static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1}, looks[N_LOOKS] = {0, 0.25f, 1, 4};
 /* Of these choices, in all cells: what is judged for all, without looks and with, and what is tried out. */
 enum { EVEN = 4 * N_LOOKS, EVEN_LOOKS = EVEN + 2, TRIED = 5 * N_LOOKS + 2 };
 
@@ -35,6 +35,10 @@ enum { EVEN = 4 * N_LOOKS, EVEN_LOOKS = EVEN + 2, TRIED = 5 * N_LOOKS + 2 };
 #define LEAST_FOUND 24
 /* A single path's relative square is not counted higher: lone bright samples are spread in the picture. */
 #define MOST_SQUARE 1e4
+/* What is left of the variance of the tried paths, if all of it is that of probes, and these are sent as often as can be. */
+#define LEAST_LEFT 0.5
+/* Lines are bright on which there is this much of what there is on them, weighted by itself. */
+#define BRIGHT_PART 0.25
 /* The part that is trusted of what one share for all cells gains. */
 #define EVEN_TRUST 0.5
 /* As adapt_noise has it: absolute errors where it is darker than this. */
@@ -52,6 +56,7 @@ typedef struct Tally {
     uint32_t cell, n_found, visits;
     double weight, look_weight; /* how often probes would be sent if all shares were 1, by paths scattered there and by looks; */
     double sent, rays;          /* those sent, and their rays */
+    double lines, lines_squared; /* what all cells scatter on the lines of the looks */
     double carried;            /* squares of what the paths carried there */
     double returned;           /* and of what part of the light of a white surface went back along them, of those sent */
     double saved[N_CHOICES];   /* of the squares, over having no guide */
@@ -136,6 +141,8 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
     case GUIDE_LOOK:
         tally->visits++;
         tally->look_weight += amount;
+        tally->lines += ratio;
+        tally->lines_squared += ratio * ratio;
         break;
     case GUIDE_SENT:
         tally->sent++;
@@ -193,6 +200,8 @@ static void tally_add(Tally *sum, const Tally *more)
     sum->visits += more->visits;
     sum->weight += more->weight;
     sum->look_weight += more->look_weight;
+    sum->lines += more->lines;
+    sum->lines_squared += more->lines_squared;
     sum->sent += more->sent;
     sum->rays += more->rays;
     sum->carried += more->carried;
@@ -310,7 +319,7 @@ static void choose_shares(Tryout *trial, const bool wanted[HALVES])
         for (int h = 0; h < HALVES; h++) {
             if (!wanted[h]) continue;
             Toll change = change_of(trial, h);
-            toll.variance = fmax(toll.variance + scale * change.variance, 1e-6 * without.variance);
+            toll.variance = fmax(toll.variance + scale * change.variance, LEAST_LEFT * trial->variance);
             toll.work += scale * change.work;
         }
     }
@@ -341,11 +350,11 @@ static double promised(const Tryout *trial, const Photon *photons, uint32_t foll
 /* ---- all of it ---- */
 
 /* By how much the product of variance and work falls. */
-static double gain_of(Toll without, Toll first, Toll second)
+static double gain_of(const Tryout *trial, Toll without, Toll first, Toll second)
 {
     double variance = without.variance + first.variance + second.variance,
            work = without.work + first.work + second.work;
-    return without.variance * without.work / (fmax(variance, 1e-6 * without.variance) * work);
+    return without.variance * without.work / (fmax(variance, LEAST_LEFT * trial->variance) * work);
 }
 
 /* A rainbow on a few hundred pixels is met by some ten of the trial's paths, and what photons tell of each of its colours is found
@@ -362,7 +371,7 @@ static void trust_photons(Tryout *trial, GuideWorth *worth)
 static double gain_of_even(Tryout *trial, int choice, Toll without)
 {
     for (uint32_t i = 0; i < trial->guide->n_cells; i++) trial->chosen[i] = choice;
-    return gain_of(without, change_of(trial, 0), change_of(trial, 1));
+    return gain_of(trial, without, change_of(trial, 0), change_of(trial, 1));
 }
 
 static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, GuideWorth *worth)
@@ -379,11 +388,12 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     choose_shares(trial, first);
     Toll change = change_of(trial, 1);
     choose_shares(trial, second);
-    worth->gain = fmax(EVEN_TRUST * even, gain_of(without, change_of(trial, 0), change));
+    worth->gain = fmax(EVEN_TRUST * even, gain_of(trial, without, change_of(trial, 0), change));
     choose_shares(trial, both);
     worth->promise = promised(trial, photons, followed, &seen) / without.variance;
     if (all.n_found == 0 && seen > GUIDE_GREAT_PROMISE * without.variance) trust_photons(trial, worth);
     worth->rays_per_path = without.work / trial->paths;
+    worth->bright = all.lines > 0 ? BRIGHT_PART * all.lines_squared / all.lines : 0;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
         set_shares(&guide->cells[i], trial->chosen[i]);
         guide->visits[i] = trial->cells[0][i].visits + trial->cells[1][i].visits;

@@ -9,6 +9,8 @@
 #define MOST_SCATTERED 1
 /* Nor are those through which less than this part of all flights comes: flights are scattered often enough there. */
 #define LEAST_ALONE 0.05f
+/* Looks on one stretch. */
+#define MOST_TRIES 4
 
 /* The stretch within a guide's cell that was chosen so far, and what the cells have to scatter on all of it. */
 typedef struct Shaft {
@@ -49,11 +51,6 @@ static void consider(void *context, const GuideCell *cell, double begin, double 
     } else {
         shaft->u = (shaft->u - part) / (1 - part);
     }
-}
-
-static uint32_t dimension(const Path *path, uint32_t number, uint32_t which)
-{
-    return DIM_SHAFTS + 2 * airlight_stretch(path, number) + which;
 }
 
 /* A place in front of the path: what scatters it there, and what comes to there of what the path carries. */
@@ -110,7 +107,7 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     path->beta = lanes_mul(path->beta, lanes_mul(flight_lane_factor(flight), arrived));
     path->beta = lanes_mul(path->beta, lanes_scale(place->coefficient, 1 / density));
     path->ratio = path->way.ratio;
-    path->bounce = LOOKS + airlight_stretch(path, number);
+    path->bounce = LOOKS + number;
     guide->sent *= path_probe_part(path, &path->way, true); /* by flights that are scattered there */
     guide->share = guide->sent + look_density(path, &path->way, guide->cell) / density;
     float pdf = phase_evaluate(place->phase, vec3f_dot(path->ray.direction, direction));
@@ -121,46 +118,65 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
 }
 
 /* Chooses a cell of the stretch, and a place there; false: there is none. Sets what all cells scatter there. */
-static bool choose_place(const Path *path, Airway *way, double u, float v, GuideAt *at, double *t)
+static bool choose_place(const Path *path, Airway *way, double u, float v, GuideAt *at, double *t, double *all)
 {
     const Guide *guide = path->tracer->world->guide;
     Shaft shaft = {.u = u, .colors = path->colors};
     guide_walk(guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
-    way->shaft_all = shaft.all;
+    way->shaft_all = double_max(shaft.all, guide_bright(guide));
+    *all = shaft.all;
     if (!(shaft.all > 0)) return false;
     *t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
     *at = guide_find(guide, ray_point(&path->ray, *t), path->colors);
     return at->cell == shaft.cell; /* but for rounding */
 }
 
-void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number)
+/* One look; tries: of how many on the stretch. */
+static void look_once(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number,
+                      uint32_t tries, float part, GuideAt *at, double t, float u)
+{
+    Tracer *tracer = path->tracer;
+    float v[2], often = at->cell->looks * part / (float)tries;
+    if (u >= often) return;
+    double rest = (double)u / (double)often;
+    ShaftPlace place;
+    sampler_2d(&path->sampler, DIM_SHAFTS + 2 * number + 1, v);
+    if (!look_at_place(path, medium, uneven, t, &rest, &place)) return;
+    Vec3f direction = guide_sample(at, float_min((float)rest, 0x1.fffffep-1f), v);
+    if (!path_turn_aside(tracer, &t)) {
+        tracer->out_of_memory = true;
+        return;
+    }
+    send_from(path, flight, &place, at, t, direction, number);
+    path_turn_back(tracer);
+}
+
+void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t stretch)
 {
     Tracer *tracer = path->tracer;
     Airway *way = &path->way;
     const Guide *guide = tracer->world->guide;
     if (!guide || path->probing.is_probe || path->n_scattered > MOST_SCATTERED || way->alone < LEAST_ALONE) return;
-    float u[2], v[2], part = way->carried * way->alone / (float)(1 + path->n_scattered), most = guide_most_looks(guide);
+    float u[2], part = way->carried * way->alone / (float)(1 + path->n_scattered), most = guide_most_looks(guide);
     if (!(most > 0)) return;
     way->shaft = part;
     way->shaft_all = -1;
-    double which = (double)sampler_3d(&path->sampler, dimension(path, number, 0), u) * 0x1p-32, t;
-    if (LIKELY(!tracer->ledger) && u[1] >= most * part) return;
-    GuideAt at;
-    if (!choose_place(path, way, which, u[0], &at, &t)) return;
-    if (UNLIKELY(tracer->ledger) && !path->again) guide_note(tracer->ledger, &at, GUIDE_LOOK, part, 0);
-    float often = at.cell->looks * part;
-    if (u[1] >= often) return;
-    double rest = (double)u[1] / (double)often;
-    ShaftPlace place;
-    sampler_2d(&path->sampler, dimension(path, number, 1), v);
-    if (!look_at_place(path, medium, uneven, t, &rest, &place)) return;
-    Vec3f direction = guide_sample(&at, float_min((float)rest, 0x1.fffffep-1f), v);
-    if (!path_turn_aside(tracer, &t)) {
-        tracer->out_of_memory = true;
-        return;
+    for (uint32_t i = 0, tries = 1; i < tries; i++) {
+        uint32_t number = MOST_TRIES * airlight_stretch(path, stretch) + i;
+        double which = (double)sampler_3d(&path->sampler, DIM_SHAFTS + 2 * number, u) * 0x1p-32, t, all;
+        if (i == 0 && LIKELY(!tracer->ledger) && u[1] >= most * part) return; /* by then there is one try */
+        GuideAt at;
+        bool found = choose_place(path, way, which, u[0], &at, &t, &all);
+        if (!(all > 0)) return;
+        if (i == 0) {
+            part *= (float)(all / way->shaft_all);
+            tries = part * most <= 1 ? 1 : part * most >= MOST_TRIES ? MOST_TRIES : (uint32_t)ceilf(part * most);
+        }
+        if (!found) continue;
+        if (UNLIKELY(tracer->ledger) && !path->again)
+            guide_note(tracer->ledger, &at, GUIDE_LOOK, part / (float)tries, (float)all);
+        look_once(path, flight, medium, uneven, number, tries, part, &at, t, u[1]);
     }
-    send_from(path, flight, &place, &at, t, direction, number);
-    path_turn_back(tracer);
 }
 
 float shaft_rival(Path *path, const GuideAt *guide)
@@ -170,7 +186,7 @@ float shaft_rival(Path *path, const GuideAt *guide)
     if (way->shaft_all < 0) {
         Shaft shaft = {.u = 0, .colors = path->colors};
         guide_walk(guide->guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
-        way->shaft_all = shaft.all;
+        way->shaft_all = double_max(shaft.all, guide_bright(guide->guide));
     }
     return way->shaft_all > 0 ? way->rarity * look_density(path, way, guide->cell) : 0;
 }
