@@ -148,7 +148,7 @@ static void look_at_light(const Path *path, const PhotonStart *start, double mea
         Path look = *path;
         look.sampler = sampler_make_alone(path->sampler.pixel, PHOTON_PIXEL_X, path->sampler.index_reversed, i);
         LightSample other;
-        photon_choose_light(&look, start->emitter, start->point, vec3f(0, 0, 0), &other);
+        photon_choose_light(&look, start, start->point, vec3f(0, 0, 0), &other);
         if (!(other.pdf_w > 0) || other.delta || other.object != light->object || other.glow != light->glow ||
             vec3f_dot(other.direction, light->direction) < 0.9f ||
             lanes_mean(other.radiance) < 0.25f * lanes_mean(light->radiance))
@@ -236,7 +236,7 @@ static bool find_neighbour(Job *job, Path *path, const PhotonStart *start, int a
         if (axis < 2) { /* another place, the same light's point */
             sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
             other.point = vec3_along(start->point, by * start->size, vec3_from_f(tangent[axis]));
-            photon_choose_light(path, start->emitter, other.point, vec3f(0, 0, 0), &other.light);
+            photon_choose_light(path, start, other.point, vec3f(0, 0, 0), &other.light);
             if (other.light.object != start->light.object || other.light.glow != start->light.glow ||
                 vec3f_dot(other.light.direction, start->light.direction) < 0.98f)
                 continue;
@@ -428,7 +428,7 @@ float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float thresh
     Box3 bounds = rtc_scene_bounds(tracer->world->compiled->rtc);
     Vec3 from = vec3_from_f(place);
     LightSample light;
-    photon_choose_light(&path, EMITTER_NONE, from, normal, &light);
+    photon_choose_light(&path, NULL, from, normal, &light);
     float cosine = vec3f_dot(normal, normal) > 0 ? vec3f_dot(light.direction, normal) : 1;
     if (!(light.pdf_w > 0) || light.delta || !(cosine > 0)) return 0;
     /* started off the surface by what may be too much for a picture */

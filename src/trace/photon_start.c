@@ -8,6 +8,8 @@
 
 /* Where there are such lamps, half the photons are theirs. */
 #define BEAMS_PART 0.5
+/* The part of a lamp that may shine at a place is a disc of which a square is sampled. */
+enum { ATTEMPTS = 6 };
 
 /* ---- boxes ---- */
 
@@ -82,15 +84,16 @@ static Vec3 face_at(const Box3 *box, Vec3 p)
 
 /* ---- starts ---- */
 
-void photon_choose_light(const Path *path, uint32_t emitter, Vec3 from, Vec3f normal, LightSample *light)
+void photon_choose_light(const Path *path, const PhotonStart *start, Vec3 from, Vec3f normal, LightSample *light)
 {
     const World *world = path->tracer->world;
-    if (emitter == EMITTER_NONE) {
+    if (!start || start->emitter == EMITTER_NONE) {
         path_choose_light(path, world_lights(world), from, normal, light);
     } else {
+        enum { APART = 1 << 20 }; /* from the numbers of the way */
         float u[2];
-        sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
-        light_sample_emitter(world, emitter, from, path->ray.time, 0, u, path->wavelengths.nm, light);
+        sampler_2d(&path->sampler, sampler_dimension(APART + start->attempt, DIM_LIGHT), u);
+        light_sample_emitter(world, start->emitter, from, path->ray.time, 0, u, path->wavelengths.nm, light);
     }
     light->radiance = light_sample_radiance(world, light, path->wavelengths.nm);
 }
@@ -102,7 +105,7 @@ static bool start_at_box(const PhotonTargets *targets, const Path *path, const f
     uint32_t chosen = target_point(targets, u, &start->point, &start->normal);
     start->size = box_size(&targets->boxes[chosen]);
     start->emitter = EMITTER_NONE;
-    photon_choose_light(path, start->emitter, start->point, vec3f(0, 0, 0), &start->light);
+    photon_choose_light(path, start, start->point, vec3f(0, 0, 0), &start->light);
     const LightSample *light = &start->light;
     if (!(light->pdf_w > 0) || light->delta) return false;
     if (light->emitter != EMITTER_NONE && light_send_extent(world, light->emitter) > 0) return false; /* has its own */
@@ -156,7 +159,11 @@ static bool start_at_lamp(const PhotonTargets *targets, const Path *path, double
     start->point = vec3_along(origin, nearest, vec3_from_f(direction));
     start->normal = face_at(&targets->boxes[chosen], start->point);
     start->size = box_size(&targets->boxes[chosen]);
-    photon_choose_light(path, start->emitter, start->point, vec3f(0, 0, 0), &start->light);
+    start->light.pdf_w = 0;
+    for (start->attempt = 0; start->attempt < ATTEMPTS; start->attempt++) {
+        photon_choose_light(path, start, start->point, vec3f(0, 0, 0), &start->light);
+        if (start->light.pdf_w > 0) break;
+    }
     start->flux_times_n = (float)(light_send_extent(world, start->emitter) / part);
     return start->light.pdf_w > 0;
 }

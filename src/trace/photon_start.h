@@ -10,7 +10,8 @@
 typedef struct PhotonStart {
     Vec3 point, normal; /* of the target's face */
     double size;        /* of the target */
-    uint32_t emitter;   /* that it was sent from; EMITTER_NONE: the light was chosen among all */
+    uint32_t emitter;   /* that it was sent from; EMITTER_NONE: the light was chosen among all; */
+    uint32_t attempt;   /* and with which of the path's numbers for that a place on it was found */
     LightSample light;
     Vec3f turned;       /* zero, or where the light is seen, if the light's direction is another one, beside it */
     float flux_times_n; /* what all photons together carry, if they all were like this one, by its radiance */
@@ -18,9 +19,9 @@ typedef struct PhotonStart {
 
 /* Chooses a start; false: this one gives nothing. */
 bool photon_choose_start(const PhotonTargets *targets, const Path *path, PhotonStart *start);
-/* A light that is seen from a point, by the path's random numbers for that: an emitter, or of EMITTER_NONE any at all; with its
- * radiance. */
-void photon_choose_light(const Path *path, uint32_t emitter, Vec3 from, Vec3f normal, LightSample *light);
+/* A light that is seen from a point, with its radiance: the start's emitter, if it has one, by the same random numbers as there; else
+ * any at all. start NULL: any. */
+void photon_choose_light(const Path *path, const PhotonStart *start, Vec3 from, Vec3f normal, LightSample *light);
 /* Puts the path's ray at the light, on its way to the start's point, and the hulls around the light into its list. */
 bool photon_leave_light(Path *path, const PhotonStart *start);
 

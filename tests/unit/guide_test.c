@@ -19,6 +19,7 @@ static float dice(void)
 {
     return (float)hash_to_unit(hash_u64(dice_state++));
 }
+static const GuidePlace origin; /* of a cell, of no color */
 static float dice_between(float low, float high)
 {
     return low + (high - low) * dice();
@@ -36,8 +37,12 @@ static Photon random_photon(void)
     photon.spread[0] = a * a * c * c + b * b * s * s;
     photon.spread[1] = (a * a - b * b) * c * s;
     photon.spread[2] = a * a * s * s + b * b * c * c;
-    for (int i = 0; i < 2; i++)
+    photon.color = dice_between(.4f, 1.7f);
+    for (int i = 0; i < 2; i++) {
         photon.slope[i] = vec3f(dice_between(-.3f, .3f), dice_between(-.3f, .3f), dice_between(-.3f, .3f));
+        photon.hue[i] = dice_between(-.2f, .2f);
+    }
+    photon.hue_bend = dice_between(0, .03f);
     return photon;
 }
 
@@ -68,19 +73,19 @@ static GuideFour alone(const GuideLobe *lobe)
     guide_lay_in_fours(&one, 1, &four);
     return four;
 }
-static Vec3f lobe_sample(const GuideLobe *lobe, Vec3f offset, const float v[2])
+static Vec3f lobe_sample(const GuideLobe *lobe, GuidePlace place, const float v[2])
 {
     GuideFour four = alone(lobe);
-    return guide_sample_lobes(&four, 1, offset, 0, v);
+    return guide_sample_lobes(&four, 1, place, 0, v);
 }
-static float lobe_pdf(const GuideLobe *lobe, Vec3f offset, Vec3f direction)
+static float lobe_pdf(const GuideLobe *lobe, GuidePlace place, Vec3f direction)
 {
     GuideFour four = alone(lobe);
-    return guide_lobes_pdf(&four, 1, offset, direction);
+    return guide_lobes_pdf(&four, 1, place, direction);
 }
 
 /* The mean direction of many samples, and how far from it the farthest is, in that plane. */
-static double reach_of(const GuideLobe *lobe, Vec3f offset, Vec3f *mean)
+static double reach_of(const GuideLobe *lobe, GuidePlace place, Vec3f *mean)
 {
     enum { SAMPLES = 400 };
     Vec3 sum = vec3(0, 0, 0);
@@ -88,7 +93,7 @@ static double reach_of(const GuideLobe *lobe, Vec3f offset, Vec3f *mean)
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < SAMPLES; i++) {
             const float v[2] = {((float)i + .5f) / SAMPLES, hash_to_unit_f(reverse_bits((uint32_t)i))};
-            Vec3f direction = lobe_sample(lobe, offset, v);
+            Vec3f direction = lobe_sample(lobe, place, v);
             if (pass == 0)
                 sum = vec3_add(sum, vec3_from_f(direction));
             else
@@ -117,27 +122,28 @@ static void densities(void **state)
         GuideLobe lobes[GUIDE_CELL_LOBES];
         assert_int_equal(fit(&photon, 1, 1, vec3f(0, 0, 0), lobes), 2); /* its own, and one around all */
         const GuideLobe *lobe = &lobes[trial % 2];
-        Vec3f mean = {0, 0, 0}, offset = vec3f(dice(), dice(), dice());
-        double reach = reach_of(lobe, offset, &mean), expected[RINGS][SECTORS] = {{0}}, sum = 0;
+        Vec3f mean = {0, 0, 0};
+        GuidePlace place = {vec3f(dice(), dice(), dice()), dice_between(.4f, 1.7f)};
+        double reach = reach_of(lobe, place, &mean), expected[RINGS][SECTORS] = {{0}}, sum = 0;
         int counted[RINGS][SECTORS] = {{0}};
         for (int i = 0; i < RINGS * FINE; i++)
             for (int k = 0; k < SECTORS * FINE; k++) {
                 double part = 2 * pi / (SECTORS * FINE), step = reach / (RINGS * FINE), r = (i + .5) * step;
-                double p = (double)lobe_pdf(lobe, offset, at_plane(mean, r, (k + .5) * part)) * r * step * part;
+                double p = (double)lobe_pdf(lobe, place, at_plane(mean, r, (k + .5) * part)) * r * step * part;
                 expected[i / FINE][k / FINE] += p;
                 sum += p;
             }
         worst_integral = fmax(worst_integral, fabs(sum - 1));
         for (int i = 0; i < SAMPLES; i++) {
             const float v[2] = {dice(), dice()};
-            Vec3f direction = lobe_sample(lobe, offset, v), x, y;
+            Vec3f direction = lobe_sample(lobe, place, v), x, y;
             sampling_basis(mean, &x, &y);
             double r = chord(mean, direction);
             double angle = atan2((double)vec3f_dot(y, direction), (double)vec3f_dot(x, direction));
             int ring = (int)(r / reach * RINGS),
                 sector = (int)((angle < 0 ? angle + 2 * pi : angle) / (2 * pi) * SECTORS);
-            assert_true(lobe_pdf(lobe, offset, direction) > 0);
-            counted[ring < RINGS ? ring : RINGS - 1][sector < SECTORS ? sector : SECTORS - 1]++;
+            assert_true(lobe_pdf(lobe, place, direction) > 0);
+            if (ring < RINGS) counted[ring][sector < SECTORS ? sector : SECTORS - 1]++;
         }
         for (int i = 0; i < RINGS; i++)
             for (int k = 0; k < SECTORS; k++) {
@@ -187,15 +193,15 @@ static void sheets(void **state)
     assert_true(lobes[n - 1].weight > 1.f / N && lobes[n - 1].weight < .3f);
     for (uint32_t i = 0; i + 1 < n; i++) assert_true(lobes[i].bend >= 0 && isfinite(lobes[i].bend));
     /* of the mixture's samples, each lobe's density over the mixture's is one on the mean */
-    Vec3f offset = vec3f(.2f, 0, -.3f);
+    GuidePlace place = {vec3f(.2f, 0, -.3f), 1};
     double sums[KNOWN + 1] = {0}, squares[KNOWN + 1] = {0};
     for (int i = 0; i < SAMPLES; i++) {
         const float v[2] = {dice(), dice()};
-        Vec3f direction = guide_sample_lobes(fours, n, offset, dice(), v);
-        float mixture = guide_lobes_pdf(fours, n, offset, direction);
+        Vec3f direction = guide_sample_lobes(fours, n, place, dice(), v);
+        float mixture = guide_lobes_pdf(fours, n, place, direction);
         assert_true(mixture > 0);
         for (uint32_t k = 0; k < n; k++) {
-            double ratio = (double)(lobe_pdf(&lobes[k], offset, direction) / mixture);
+            double ratio = (double)(lobe_pdf(&lobes[k], place, direction) / mixture);
             sums[k] += ratio / SAMPLES, squares[k] += ratio * ratio / SAMPLES;
         }
     }
@@ -215,13 +221,13 @@ static void folds(void **state)
     uint32_t n = fit(photons, 2, 2, vec3f(0, 0, 0), lobes);
     lobes[0].bend = lobes[1].bend = 0;
     guide_lay_in_fours(lobes, n, fours);
-    float sure = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), vec3f(0, 1, 0)),
-          less = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), vec3f(.08f, .9968f, 0));
+    float sure = guide_lobes_pdf(fours, n, origin, vec3f(0, 1, 0)),
+          less = guide_lobes_pdf(fours, n, origin, vec3f(.08f, .9968f, 0));
     printf("    densities of a sure lobe and of one a fifth as sure: %.3g and %.3g, of both alone %.3g and %.3g\n",
-           (double)sure, (double)less, (double)lobe_pdf(&lobes[0], vec3f(0, 0, 0), vec3f(0, 1, 0)),
-           (double)lobe_pdf(&lobes[1], vec3f(0, 0, 0), vec3f(.08f, .9968f, 0)));
-    assert_true(less > 5e-3f * lobe_pdf(&lobes[1], vec3f(0, 0, 0), vec3f(.08f, .9968f, 0)));
-    assert_true(sure > .7f * lobe_pdf(&lobes[0], vec3f(0, 0, 0), vec3f(0, 1, 0)));
+           (double)sure, (double)less, (double)lobe_pdf(&lobes[0], origin, vec3f(0, 1, 0)),
+           (double)lobe_pdf(&lobes[1], origin, vec3f(.08f, .9968f, 0)));
+    assert_true(less > 5e-3f * lobe_pdf(&lobes[1], origin, vec3f(.08f, .9968f, 0)));
+    assert_true(sure > .7f * lobe_pdf(&lobes[0], origin, vec3f(0, 1, 0)));
 }
 
 /* How wrong a lobe is at a place is told by noisy means, and may be far too much: what it foretells has to be asked for all the same,
@@ -232,7 +238,8 @@ static void doubts(void **state)
     Photon photon = {.from = {0, 1, 0}, .flux = 1, .spread = {9e-6f, 0, 9e-6f}};
     GuideLobe lobes[GUIDE_CELL_LOBES];
     (void)fit(&photon, 1, 1, vec3f(0, 0, 0), lobes);
-    const Vec3f away = vec3f(1, 0, 0), foretold = vec3f(0, 1, 0), other = vec3f(.2f, .9798f, 0);
+    const GuidePlace away = {vec3f(1, 0, 0), 0};
+    const Vec3f foretold = vec3f(0, 1, 0), other = vec3f(.2f, .9798f, 0);
     lobes[0].bend = 0;
     float sure = lobe_pdf(&lobes[0], away, foretold);
     lobes[0].bend = .2f; /* radians, at a distance of 1 */
@@ -252,18 +259,18 @@ static void sides(void **state)
     Photon photons[3] = {{.from = {0, 1, 0}, .flux = 1, .spread = {1e-8f, 0, 1e-8f}},
                          {.from = {0, .8f, .6f}, .flux = 3, .spread = {1e-4f, 0, 1e-4f}},
                          {.from = {0, 1, 0}, .flux = 1, .spread = {1e-8f, 0, 1e-8f}}};
-    const Vec3f middle = vec3f(0, 0, 0), ways[] = {photons[0].from, photons[1].from};
+    const Vec3f ways[] = {photons[0].from, photons[1].from};
     const float expected[] = {.4f, .6f};
     GuideLobe lobes[GUIDE_CELL_LOBES];
     GuideFour fours[GUIDE_CELL_FOURS];
-    uint32_t n = fit(photons, 3, 3, middle, lobes);
+    uint32_t n = fit(photons, 3, 3, origin.offset, lobes);
     assert_int_equal(lobes[0].n_sheet, 2);
     assert_int_equal(lobes[2].n_sheet, 1);
     for (uint32_t i = 0; i + 1 < n; i++) lobes[i].bend = 0;
     guide_lay_in_fours(lobes, n, fours);
     for (int i = 0; i < 2; i++) {
-        float alone_there = lobe_pdf(&lobes[2 * i], middle, ways[i]);
-        assert_true(guide_lobes_pdf(fours, n, middle, ways[i]) > .8f * expected[i] * alone_there);
+        float alone_there = lobe_pdf(&lobes[2 * i], origin, ways[i]);
+        assert_true(guide_lobes_pdf(fours, n, origin, ways[i]) > .8f * expected[i] * alone_there);
     }
 }
 
@@ -294,7 +301,7 @@ static void borrowed(void **state)
     GuideFour fours[GUIDE_CELL_FOURS];
     uint32_t n = guide_fit(&cell, lobes);
     guide_lay_in_fours(lobes, n, fours);
-    float before = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), much);
+    float before = guide_lobes_pdf(fours, n, origin, much);
     guide_borrow(&cell, others, OTHERS);
     assert_int_equal(cell.n_known, 4);
     for (uint32_t i = 1; i < cell.n_known; i++) {
@@ -303,8 +310,8 @@ static void borrowed(void **state)
     }
     n = guide_fit(&cell, lobes);
     guide_lay_in_fours(lobes, n, fours);
-    float of_much = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), much);
-    float of_little = guide_lobes_pdf(fours, n, vec3f(0, 0, 0), little);
+    float of_much = guide_lobes_pdf(fours, n, origin, much);
+    float of_little = guide_lobes_pdf(fours, n, origin, little);
     printf("    density of what is unknown %.3g, as it is borrowed %.3g; of what is known %.3g\n", (double)before,
            (double)of_much, (double)of_little);
     assert_true(of_much > 50 * before && of_much > 7 * of_little && of_little > .05f * of_much);
@@ -413,11 +420,162 @@ static void flux(void **state)
     fixture_clear(&scene);
 }
 
+
+/* Light that a prism parts goes another way by each color: what one photon knows of its own says where the others' goes. */
+static void hues(void **state)
+{
+    (void)state;
+    enum { N = 4000, LOOKED = 300 };
+    static uint32_t chosen[N];
+    Fixture scene;
+    Pool *pool;
+    Error error;
+    World world;
+    fixture_compile(&scene,
+                    "meniscus 1.0 unit cm medium flint { ior = cauchy(1.6, .012)  state = solid }\n"
+                    "prism { interior = flint  outline = [<-8, 0>, <8, 0>, <0, 13.8>]  from = -5  to = 5 }\n"
+                    "box { from = <30, -50, -50>  to = <31, 50, 50>  surface = surface { albedo = .5 } }\n"
+                    "box { from = <-50, -50, -31>  to = <50, 50, -30>  surface = surface { albedo = .5 } }\n"
+                    "light { shape = disc  radius = .5  from = <-46, 0, -6>  to = <-2.6, 0, 5>  angle = .2  power = 1 }\n"
+                    "camera { from = <0, 90, 60>  to = <0, 0, 0> }\n",
+                    1);
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
+    PhotonTargets targets;
+    photon_targets(&world, &targets);
+    assert_true(targets.beams > 0);
+    Photon *photons = calloc(N, sizeof *photons);
+    PhotonSource source = {.world = &world, .targets = &targets, .seed = 1};
+    uint64_t rays = 0;
+    assert_int_equal(photons_trace(&source, 0, N, pool, photons, &rays, &error), STATUS_OK);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < N; i++)
+        if (photons[i].flux > 0 && n < LOOKED) chosen[n++] = i;
+    assert_int_equal(n, LOOKED);
+    assert_int_equal(photons_look_around(&source, photons, chosen, n, pool, &rays, &error), STATUS_OK);
+    double without = 0, with = 0, bound = 0;
+    int n_pairs = 0;
+    for (uint32_t i = 0; i + 1 < n; i++) {
+        const Photon *a = &photons[chosen[i]], *b = &photons[chosen[i + 1]];
+        if (a->way != b->way || !(a->spread[0] > 0) || a->hue_bend > .4f) continue;
+        GuideLobe lobes[GUIDE_CELL_LOBES];
+        GuideFour fours[GUIDE_CELL_FOURS];
+        Photon alone = *a;
+        uint32_t n_lobes = fit(&alone, 1, 1, a->position, lobes);
+        guide_lay_in_fours(lobes, n_lobes, fours);
+        GuidePlace there = {vec3f_along(b->position, -1, a->position), b->color}, same = there;
+        same.color = a->color;
+        with += chord(guide_lobe_mean(fours, 0, there), b->from);
+        without += chord(guide_lobe_mean(fours, 0, same), b->from);
+        bound += (double)(a->hue_bend * (a->color - b->color) * (a->color - b->color));
+        n_pairs++;
+    }
+    printf("    %d pairs of photons behind a prism: one's direction is %.3g radians from what the other says without "
+           "hues, %.3g with; wrong by %.3g, as it says\n",
+           n_pairs, without / n_pairs, with / n_pairs, bound / n_pairs);
+    assert_true(n_pairs > LOOKED / 3 && without > .01 * n_pairs);
+    assert_true(with < .2 * without && with < bound + .003 * n_pairs);
+    free(photons);
+    pool_free(pool);
+    world_clear(&world);
+    fixture_clear(&scene);
+}
+
+/* Of a lamp that shines into a cone, all of which comes to the glass, what starts is what it sends: each place of it to each
+ * direction alike. */
+static void beams(void **state)
+{
+    (void)state;
+    Fixture scene;
+    Error error;
+    World world;
+    fixture_compile(&scene,
+                    FIXTURE_MEDIA
+                    "box { interior = glass  from = <-30, -30, -30>  to = <30, 30, 30>  rotate(y, 20) }\n"
+                    "light { shape = disc  radius = 2  from = <60, 50, 100>  to = <0, 0, 0>  angle = 3deg  blend = 0  radiance = 7 }\n"
+                    "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n",
+                    1);
+    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
+    PhotonTargets targets;
+    photon_targets(&world, &targets);
+    double sine = sin(1.5 * pi / 180), extent = pi * 4 * pi * sine * sine; /* m^2 sr */
+    double flux = (double)photon_flux(&world, &targets), power = 0;
+    for (uint32_t i = 0; i < world.emitters.n; i++) power += photon_beam_power(&world, i);
+    printf("    of a lamp that sends %.5g into its cone, photons carry %.5g\n", 7 * extent, flux);
+    assert_near(targets.beams, power, 1e-9);
+    assert_near(power / (7 * extent), 1, .1); /* its white is a spectrum */
+    assert_near(flux / power, 1, .05);
+    world_clear(&world);
+    fixture_clear(&scene);
+}
+
+typedef struct Visit {
+    const Guide *guide;
+    Vec3 origin, direction;
+    double along;
+    int n_wrong;
+} Visit;
+
+static void visit(void *context, const GuideCell *cell, double begin, double end)
+{
+    Visit *visits = context;
+    assert_true(begin < end && cell->scattered > 0);
+    visits->along += end - begin;
+    for (int i = 1; i < 8; i++) {
+        Vec3 place = vec3_along(visits->origin, begin + (end - begin) * i / 8, visits->direction);
+        visits->n_wrong += guide_find(visits->guide, place, (GuideColors){0, 0}).cell != cell;
+    }
+}
+
+/* Along lines through smoke all cells are met, each where it is. */
+static void walks(void **state)
+{
+    (void)state;
+    enum { N = 4000, LINES = 500, STEPS = 4000 };
+    Pool *pool;
+    Error error;
+    Guide *guide;
+    Photon *photons = calloc(N, sizeof *photons);
+    for (int i = 0; i < N; i++) {
+        photons[i] = random_photon();
+        photons[i].lobe = 1;
+        if (i % 5 == 0) photons[i].position.y = 0, photons[i].normal = vec3f(0, 1, 0); /* on a floor */
+        if (i % 7 == 0) photons[i].position = vec3f(dice(), .5f + .01f * dice(), .5f);  /* a thin beam */
+    }
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    double worst = 0;
+    int n_wrong = 0;
+    for (int i = 0; i < LINES; i++) {
+        Visit visits = {.guide = guide,
+                        .origin = vec3(3 * (double)dice() - 1, 3 * (double)dice() - 1, 3 * (double)dice() - 1),
+                        .direction = vec3_from_f(sampling_sphere(dice(), dice()))};
+        if (i % 10 == 0) visits.direction = vec3(0, i % 20 ? 1 : -1, 0);
+        double begin = .5 * (double)dice(), end = begin + 2 * (double)dice(), along = 0;
+        guide_walk(guide, visits.origin, visits.direction, begin, end, visit, &visits);
+        for (int k = 0; k < STEPS; k++) {
+            double t = begin + (end - begin) * (k + .5) / STEPS;
+            GuideAt at = guide_find(guide, vec3_along(visits.origin, t, visits.direction), (GuideColors){0, 0});
+            along += at.cell && at.cell->scattered > 0 ? (end - begin) / STEPS : 0;
+        }
+        worst = fmax(worst, fabs(along - visits.along));
+        n_wrong += visits.n_wrong;
+    }
+    printf("    %d lines through %u cells: lengths within %.2g of those by steps, %d places in another cell\n", LINES,
+           guide->n_cells, worst, n_wrong);
+    assert_int_equal(n_wrong, 0);
+    assert_true(worst < .02);
+    guide_free(guide);
+    pool_free(pool);
+    free(photons);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities), cmocka_unit_test(sheets),   cmocka_unit_test(folds),  cmocka_unit_test(doubts),
         cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(levels), cmocka_unit_test(flux),
+        cmocka_unit_test(hues),      cmocka_unit_test(beams),    cmocka_unit_test(walks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
