@@ -28,8 +28,9 @@ static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1}, 
 /* Of these choices, in all cells: what is judged for all, without looks and with, and what is tried out. */
 enum { EVEN = 4 * N_LOOKS, EVEN_LOOKS = EVEN + 2, TRIED = 5 * N_LOOKS + 2 };
 
-/* What a probe takes besides its rays, and looking up a place: in rays. */
+/* What a probe takes besides its rays, a look to find its place, and looking up a place: in rays. */
 #define PROBE_COST 1.0
+#define LOOK_COST 1.0
 #define VISIT_COST 0.05
 /* Where less is known of a part of the guide, it does as the larger one that it lies in. */
 #define LEAST_FOUND 24
@@ -250,10 +251,10 @@ static void set_shares(GuideCell *cell, int choice)
     cell->looks = (float)looks_of(choice);
 }
 
-/* How many would be sent. */
-static double probes_of(const Tally *tally, int choice)
+/* What all would take that are sent from there. */
+static double cost_of(const Tally *tally, double of_probe, int choice)
 {
-    return tally->weight * share_of(choice) + tally->look_weight * looks_of(choice);
+    return tally->weight * share_of(choice) * of_probe + tally->look_weight * looks_of(choice) * (of_probe + LOOK_COST);
 }
 
 /* ---- shares ---- */
@@ -269,7 +270,7 @@ static int best_share(const Tally *tally, Toll toll)
     int best = 0;
     double most = 0;
     for (int k = N_LOOKS; k < N_CHOICES; k++) {
-        double worth = tally->saved[k] / toll.variance - probes_of(tally, k) * probe_cost(tally) / toll.work;
+        double worth = tally->saved[k] / toll.variance - cost_of(tally, probe_cost(tally), k) / toll.work;
         if (worth > most) most = worth, best = k;
     }
     return best;
@@ -295,7 +296,7 @@ static Toll change_of(const Tryout *trial, int half)
     for (uint32_t i = 0; i < trial->guide->n_cells; i++) {
         const Tally *tally = &trial->cells[half][i];
         change.variance -= tally->saved[trial->chosen[i]];
-        change.work += probes_of(tally, trial->chosen[i]) * cost + VISIT_COST * tally->visits;
+        change.work += cost_of(tally, cost, trial->chosen[i]) + VISIT_COST * tally->visits;
     }
     return change;
 }
