@@ -224,8 +224,8 @@ static bool look_far(const Path *path, const LightChoice *chosen, double rest, c
     const Airway *way = &path->way;
     float share = share_far(way);
     if (u[0] >= share) return false;
-    look->t =
-        airlight_off_ends(path, way->begin + sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin));
+    double along = sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin);
+    look->t = airlight_off_ends(path, way->begin + along);
     light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0), path->ray.time,
                         rest, place, path->wavelengths.nm, &look->light);
     look->here = share * pass_density(way, look->t);
@@ -239,8 +239,8 @@ static Lanes scattered_by(const Path *path, const Look *look, const Phase *phase
     const LightSample *light = &look->light;
     float pdf = phase_evaluate(phase, vec3f_dot(path->ray.direction, light->direction));
     float by_direction = light->delta ? 0 : pdf;
-    float density = look->here * light->pdf_w +
-                    airlight_flight_density(&path->way, coefficient, depth) * (look->there * light->pdf_w + by_direction);
+    float by_flight = airlight_flight_density(&path->way, coefficient, depth);
+    float density = look->here * light->pdf_w + by_flight * (look->there * light->pdf_w + by_direction);
     return density > 0 ? lanes_scale(coefficient, pdf / density) : lanes_all(0);
 }
 
@@ -321,7 +321,8 @@ void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t)
 float airlight_rival_far(const Path *path)
 {
     const Airway *way = &path->from;
-    return way->rarity > 0 && way->share > 0 && way->alone > 0 ? way->rarity * share_far(way) * pass_density(way, way->t) : 0;
+    if (!(way->rarity > 0) || !(way->share > 0) || !(way->alone > 0)) return 0;
+    return way->rarity * share_far(way) * pass_density(way, way->t);
 }
 
 float airlight_rival_near(const Path *path, uint32_t emitter, Vec3 place)

@@ -40,7 +40,7 @@
 typedef struct GuideCell {
     Vec3f low, high;              /* around its photons, and a little more */
     uint32_t first_four, n_lobes; /* of its lobes, which lie in fours */
-    float share, looks;           /* how often a probe is to be sent by what is scattered there, and by looks along paths */
+    float share, looks;           /* how often to send a probe: by what is scattered there, and by looks along paths */
     float radiance;               /* of a white surface in the light that the photons bring */
     float scattered;              /* what media scatter of that, of a volume: */
     float color, color_spread;    /* of what color it is, in the mean, and the standard deviation of that */
@@ -109,7 +109,7 @@ typedef struct GuideAt {
     const GuideCell *cell;
     Vec3f offset; /* of the place in the cell */
     GuideColors colors;
-    float share, sent; /* how often probes look from there, and of these the ones that a path sends that is scattered there */
+    float share, sent; /* how often probes look from there; and those that a path sends which is scattered there */
 } GuideAt;
 
 GuideAt guide_find(const Guide *guide, Vec3 place, GuideColors colors);

@@ -90,7 +90,8 @@ static void look_at_fours(const GuideFour *fours, uint32_t first, uint32_t end, 
 {
     for (uint32_t i = first / LANES; i < guide_fours_of(end); i++) {
         LanesVec3 away = from_each(&fours[i].place, place.offset);
-        Lanes error = lanes_mul(fours[i].bend, dots(&away, &away)), hue = lanes_sub(lanes_all(place.color), fours[i].color);
+        Lanes hue = lanes_sub(lanes_all(place.color), fours[i].color);
+        Lanes error = lanes_mul(fours[i].bend, dots(&away, &away));
         error = lanes_add(error, lanes_mul(fours[i].hue_bend, lanes_mul(hue, hue)));
         error = lanes_mul(error, error);
         Lanes spread = lanes_add(lanes_scale(lanes_add(fours[i].xx, fours[i].yy), 0.5f), error);

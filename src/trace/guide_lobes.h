@@ -17,17 +17,17 @@ typedef struct GuidePlace {
  * azimuthal projection, which keeps areas, so that densities per area are densities per steradian. The lobe is the wider, and
  * counts the less, the further away its place is. */
 typedef struct GuideLobe {
-    float cumulative;       /* share of the cell's light, of this lobe's sheet and those before */
-    float weight;           /* of its sheet */
-    uint32_t n_sheet;       /* how many lobes the sheet has, from its first on */
-    float bend;             /* how wrong it is for places away from its own: angle by the square of the distance */
-    Vec3f place;            /* where it was found, from the cell's origin; the nearest lobe of a sheet knows best */
-    Vec3f axis, x, y;       /* a right-handed frame */
-    Vec3f slope_x, slope_y; /* of the mean in the plane, by the place */
-    float mean_x, mean_y;   /* at the cell's origin, of color 0 */
-    float xx, xy, yy;       /* spread about the mean, at its place */
+    float cumulative;          /* share of the cell's light, of this lobe's sheet and those before */
+    float weight;              /* of its sheet */
+    uint32_t n_sheet;          /* how many lobes the sheet has, from its first on */
+    float bend;                /* how wrong it is for places away from its own: angle by the square of the distance */
+    Vec3f place;               /* where it was found, from the cell's origin; the nearest lobe of a sheet knows best */
+    Vec3f axis, x, y;          /* a right-handed frame */
+    Vec3f slope_x, slope_y;    /* of the mean in the plane, by the place */
+    float mean_x, mean_y;      /* at the cell's origin, of color 0 */
+    float xx, xy, yy;          /* spread about the mean, at its place */
     float color, hue_x, hue_y; /* of its light; slope of the mean by the color */
-    float hue_bend;         /* how wrong it is for other colors: angle by the square of the difference */
+    float hue_bend;            /* how wrong it is for other colors: angle by the square of the difference */
 } GuideLobe;
 
 enum {

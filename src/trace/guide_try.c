@@ -55,12 +55,12 @@ typedef struct Record {
 /* What paths do in a part of the guide. */
 typedef struct Tally {
     uint32_t cell, n_found, visits;
-    double weight, look_weight; /* how often probes would be sent if all shares were 1, by paths scattered there and by looks; */
+    double weight, look_weight; /* how many probes there would be if all shares were 1: by what is scattered, by looks; */
     double sent, rays;          /* those sent, and their rays */
     double lines, lines_squared; /* what all cells scatter on the lines of the looks */
-    double carried;            /* squares of what the paths carried there */
-    double returned;           /* and of what part of the light of a white surface went back along them, of those sent */
-    double saved[N_CHOICES];   /* of the squares, over having no guide */
+    double carried;              /* squares of what the paths carried there */
+    double returned;         /* and of what part of the light of a white surface went back along them, of those sent */
+    double saved[N_CHOICES]; /* of the squares, over having no guide */
 } Tally;
 
 struct GuideLedger {

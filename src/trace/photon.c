@@ -288,7 +288,7 @@ static void find_neighbours(Job *job, Path *path, const PhotonStart *start, Phot
  * the place are. */
 static void find_hue(Job *job, Path *path, const PhotonStart *start, Photon *photon)
 {
-    const double step = 0.04;     /* some 10 nm */
+    const double step = 0.04;   /* some 10 nm */
     const float unknown = 0.5f; /* it goes another way, as most of the others may, too */
     Column more, less;
     if (!job->world->disperses || !(photon->spread[0] > 0)) return;

@@ -232,8 +232,7 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes, &fork, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
-        path.radiance =
-            share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork), lanes);
+        path.radiance = share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork), lanes);
     *alpha = ray == RAY_MET || (ray == RAY_ESCAPED && world->scene->environment) ? 1 : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {

@@ -113,6 +113,46 @@ static const struct {
            "= .1 }\n"
            "camera { from = <0, 60, 200>  to = <0, 28, 0>  fov = 5deg }\n",
      300, 300},
+    {"smoke in the cone of light behind a ball of glass",
+     MEDIA "medium smoke { ior = 1  scattering = <.003, .004, .006>  absorption = .002  phase = hg(.3)  state = gas }\n"
+           "box { interior = smoke  from = <-100, -60, -100>  to = <100, 100, 100> }\n"
+           "sphere { interior = glass  center = <0, 30, 0>  radius = 12 }\n"
+           "light { shape = \"sphere\"  from = <0, 90, 0>  radius = 10  radiance = 50 }\n"
+           "camera { from = <150, 20, 60>  to = <0, 9, 0>  fov = .001deg }\n",
+     1000, 16000},
+    {"a beam through flint, in two kinds of smoke that vary and mix",
+     MEDIA "def f(p) = max(0, noise(p / 8mm) + .4) def g(p) = max(0, 1 - length(p - <0, -20mm, 0>) / 60mm)\n"
+           "medium grey { mixes = true  scattering = .02  phase = hg(.3)\n"
+           "  density = volume { function = f  from = vec3(-80)  to = vec3(80) } }\n"
+           "medium blue { mixes = true  scattering = <.01, .02, .06>  absorption = .01  phase = rayleigh()\n"
+           "  density = volume { function = g  from = vec3(-80)  to = vec3(80) } }\n"
+           "box { interior = grey  from = vec3(-80)  to = vec3(80) }\n"
+           "box { interior = blue  from = <-60, -70, -70>  to = <60, 60, 60> }\n"
+           "sphere { interior = lead  center = <0, 20, 0>  radius = 14 }\n"
+           "light { shape = disc  radius = 9  from = <60, 110, 0>  to = <0, 20, 0>  angle = 25  radiance = 90 }\n"
+           "camera { from = <150, 20, 60>  to = <-8, 0, 0>  fov = .001deg }\n",
+     1000, 16000},
+    {"the sun in a pool of thin milk, past a ball of glass and a bubble",
+     MEDIA "medium milk { ior = 1.33  scattering = .004  phase = hg(.6)\n"
+           "  absorption = <.004, .002, .001>  state = liquid }\n"
+           "ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
+           "light { shape = \"distant\"  from = <.5, 1, .2>  to = <0, 0, 0>  angle = 8deg  power = 5 }\n"
+           "box { interior = milk  from = <-300, -1, -300>  to = <300, 60, 300> }\n"
+           "sphere { interior = glass  center = <0, 60, 0>  radius = 25 }\n"
+           "sphere { interior = air  center = <10, 30, 8>  radius = 9 }\n"
+           "camera { from = <-80, 200, 120>  to = <0, 0, 0>  fov = .001deg }\n",
+     500, 6000},
+    /* no lamp is seen straight from what scatters */
+    {"broth in a glass under a lamp, with haze in a bubble",
+     MEDIA "medium haze { ior = 1  scattering = .02 }\n"
+           "medium broth { ior = 1.34  scattering = <.01, .006, .003>  phase = hg(.5)  absorption = <.001, .004, .01>\n"
+           "  state = liquid }\n"
+           "cylinder { interior = glass  from = <0, 0, 0>  to = <0, 60, 0>  radius = 20 }\n"
+           "cylinder { interior = broth  from = <0, 4, 0>  to = <0, 61, 0>  radius = 18 }\n"
+           "sphere { interior = haze  center = <3, 30, 2>  radius = 7 }\n"
+           "light { shape = \"sphere\"  from = <60, 90, 30>  radius = 6  radiance = 50 } environment { color = .02 }\n"
+           "camera { from = <-30, 60, 140>  to = <0, 25, 0>  fov = .001deg }\n",
+     600, 6000},
     /* little of the light is the photons', and most comes by several bounces */
     {"between a floor and a mirror that lets half through",
      MEDIA "ground { surface = surface { albedo = .8 } }\n"

@@ -420,7 +420,6 @@ static void flux(void **state)
     fixture_clear(&scene);
 }
 
-
 /* Light that a prism parts goes another way by each color: what one photon knows of its own says where the others' goes. */
 static void hues(void **state)
 {
@@ -431,14 +430,15 @@ static void hues(void **state)
     Pool *pool;
     Error error;
     World world;
-    fixture_compile(&scene,
-                    "meniscus 1.0 unit cm medium flint { ior = cauchy(1.6, .012)  state = solid }\n"
-                    "prism { interior = flint  outline = [<-8, 0>, <8, 0>, <0, 13.8>]  from = -5  to = 5 }\n"
-                    "box { from = <30, -50, -50>  to = <31, 50, 50>  surface = surface { albedo = .5 } }\n"
-                    "box { from = <-50, -50, -31>  to = <50, 50, -30>  surface = surface { albedo = .5 } }\n"
-                    "light { shape = disc  radius = .5  from = <-46, 0, -6>  to = <-2.6, 0, 5>  angle = .2  power = 1 }\n"
-                    "camera { from = <0, 90, 60>  to = <0, 0, 0> }\n",
-                    1);
+    fixture_compile(
+        &scene,
+        "meniscus 1.0 unit cm medium flint { ior = cauchy(1.6, .012)  state = solid }\n"
+        "prism { interior = flint  outline = [<-8, 0>, <8, 0>, <0, 13.8>]  from = -5  to = 5 }\n"
+        "box { from = <30, -50, -50>  to = <31, 50, 50>  surface = surface { albedo = .5 } }\n"
+        "box { from = <-50, -50, -31>  to = <50, 50, -30>  surface = surface { albedo = .5 } }\n"
+        "light { shape = disc  radius = .5  from = <-46, 0, -6>  to = <-2.6, 0, 5>  angle = .2  power = 1 }\n"
+        "camera { from = <0, 90, 60>  to = <0, 0, 0> }\n",
+        1);
     assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
     assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
     PhotonTargets targets;
@@ -490,10 +490,10 @@ static void beams(void **state)
     Error error;
     World world;
     fixture_compile(&scene,
-                    FIXTURE_MEDIA
-                    "box { interior = glass  from = <-30, -30, -30>  to = <30, 30, 30>  rotate(y, 20) }\n"
-                    "light { shape = disc  radius = 2  from = <60, 50, 100>  to = <0, 0, 0>  angle = 3deg  blend = 0  radiance = 7 }\n"
-                    "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n",
+                    FIXTURE_MEDIA "box { interior = glass  from = <-30, -30, -30>  to = <30, 30, 30>  rotate(y, 20) }\n"
+                                  "light { shape = disc  radius = 2  from = <60, 50, 100>  to = <0, 0, 0>  angle = "
+                                  "3deg  blend = 0  radiance = 7 }\n"
+                                  "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n",
                     1);
     assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
     PhotonTargets targets;
@@ -540,7 +540,7 @@ static void walks(void **state)
         photons[i] = random_photon();
         photons[i].lobe = 1;
         if (i % 5 == 0) photons[i].position.y = 0, photons[i].normal = vec3f(0, 1, 0); /* on a floor */
-        if (i % 7 == 0) photons[i].position = vec3f(dice(), .5f + .01f * dice(), .5f);  /* a thin beam */
+        if (i % 7 == 0) photons[i].position = vec3f(dice(), .5f + .01f * dice(), .5f); /* a thin beam */
     }
     assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
     assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
