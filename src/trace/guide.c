@@ -15,14 +15,14 @@ void guide_free(Guide *guide)
     free(guide);
 }
 
-GuideAt guide_find(const Guide *guide, Vec3 place, GuideColors colors)
+GuideAt guide_find(const Guide *guide, Vec3 place, float color)
 {
     Vec3f p = vec3f_from(place);
     const GuideCell *cell = &guide->cells[guide_leaf(guide, p)];
     if (p.x < cell->low.x || p.y < cell->low.y || p.z < cell->low.z || p.x > cell->high.x || p.y > cell->high.y ||
         p.z > cell->high.z)
         return (GuideAt){.share = 0};
-    return (GuideAt){guide, cell, vec3f_along(p, -1, guide_cell_origin(cell)), colors, cell->share, cell->share};
+    return (GuideAt){guide, cell, vec3f_along(p, -1, guide_cell_origin(cell)), color, cell->share, cell->share};
 }
 
 typedef struct Walk {
@@ -73,24 +73,14 @@ void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, d
 
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2])
 {
-    float color = at->colors.first;
-    if (color != at->colors.second) {
-        bool second = u >= 0.5f;
-        if (second) color = at->colors.second;
-        u = 2 * u - (float)second;
-    }
-    GuidePlace place = {at->offset, color};
+    GuidePlace place = {at->offset, at->color};
     return guide_sample_lobes(at->guide->fours + at->cell->first_four, at->cell->n_lobes, place, u, v);
 }
 
 float guide_pdf(const GuideAt *at, Vec3f direction)
 {
-    const GuideFour *fours = at->guide->fours + at->cell->first_four;
-    GuidePlace place = {at->offset, at->colors.first};
-    float pdf = guide_lobes_pdf(fours, at->cell->n_lobes, place, direction);
-    if (at->colors.first == at->colors.second) return pdf;
-    place.color = at->colors.second;
-    return 0.5f * (pdf + guide_lobes_pdf(fours, at->cell->n_lobes, place, direction));
+    GuidePlace place = {at->offset, at->color};
+    return guide_lobes_pdf(at->guide->fours + at->cell->first_four, at->cell->n_lobes, place, direction);
 }
 
 float guide_threshold(const Guide *guide)

@@ -44,6 +44,7 @@ typedef struct GuideCell {
     float radiance;               /* of a white surface in the light that the photons bring */
     float scattered;              /* what media scatter of that, of a volume: */
     float color, color_spread;    /* of what color it is, in the mean, and the standard deviation of that */
+    uint32_t parts_colors;        /* 1: it comes from other places by other colors */
 } GuideCell;
 
 typedef struct Guide Guide;
@@ -97,22 +98,21 @@ void guide_search_write(const GuideSearch *search, bool (*write)(void *context, 
 ATTR_NODISCARD bool guide_search_read(GuideBytes parts[GUIDE_PARTS], GuideSearch **search);
 
 void guide_free(Guide *guide); /* NULL is fine */
-/* Light that is bent by glass that disperses goes another way by each wavelength. A sample's light is bent by the wavelengths of these
- * two (guide_color), so that directions are chosen for one of them, or for the other. Both the same: for that. */
-typedef struct GuideColors {
-    float first, second;
-} GuideColors;
-
 /* The guide at a place. share 0: there is none. */
 typedef struct GuideAt {
     const Guide *guide;
     const GuideCell *cell;
     Vec3f offset; /* of the place in the cell */
-    GuideColors colors;
+    float color;  /* by which the light that is looked for is bent, see guide_color */
     float share, sent; /* how often probes look from there; and those that a path sends which is scattered there */
 } GuideAt;
 
-GuideAt guide_find(const Guide *guide, Vec3 place, GuideColors colors);
+GuideAt guide_find(const Guide *guide, Vec3 place, float color);
+/* Whether directions there depend on the color. */
+static inline bool guide_parts_colors(const GuideAt *at)
+{
+    return at->cell->parts_colors;
+}
 /* Tells of all cells in which media scatter light, and that a line, origin + t direction, goes through from t = begin to `end`. */
 typedef void GuideVisitor(void *context, const GuideCell *cell, double begin, double end);
 void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, double end, GuideVisitor *visit,

@@ -168,6 +168,10 @@ static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
     begin = begin > FARTHEST_LENDER ? begin - FARTHEST_LENDER : 0;
     end = n_all - end > FARTHEST_LENDER ? end + FARTHEST_LENDER : n_all;
     guide_borrow(photons, b->known + begin, end - begin);
+    for (uint32_t k = 0; k < photons->n_known; k++) {
+        const Photon *known = photons->known[k].photon;
+        if (known->hue[0] != 0 || known->hue[1] != 0) cell->parts_colors = 1;
+    }
     GuideLobe lobes[GUIDE_CELL_LOBES];
     cell->n_lobes = guide_fit(photons, lobes);
     guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);

@@ -76,7 +76,8 @@ typedef struct Path {
     bool looks;           /* for light that media scatter towards it */
     bool bent_apart;      /* it has come to a boundary where each of its wavelengths would go on in another way, */
     bool again;           /* and this is the second path of its sample: see sample.c */
-    GuideColors colors;   /* of the wavelengths by which glass bends its sample's light; any where none disperses */
+    float color; /* of the wavelength by whose indices glass bends it, see guide_color; 0 where nobody asks */
+    float colors[2];      /* those of both paths of its sample */
     int index_lane;       /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
     uint32_t n_scattered; /* in media, so far */
     uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
@@ -266,15 +267,21 @@ static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
 {
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
-    GuideAt at = guide_find(guide, place, path->colors);
+    GuideAt at = guide_find(guide, place, path->color);
     float part = path_probe_part(path, &path->from, in_medium);
     if (UNLIKELY(path->tracer->ledger) && at.share > 0 && !path->again)
         guide_note(path->tracer->ledger, &at, GUIDE_VISIT, part, lanes_mean(path->beta) / lanes_mean(path->ratio));
     at.sent = at.share *= part;
     return at;
 }
+/* What comes now depends on the guide's directions, which may be others for the second path of the sample: it begins at the camera
+ * then, unless it parted from this one before. */
+static inline void path_is_guided(Path *path, const GuideAt *guide)
+{
+    path->bent_apart = path->bent_apart || guide_parts_colors(guide);
+}
 /* Whether a probe is to be sent out from there, and whereto. */
-bool path_ask_guide(const Path *path, const GuideAt *guide, Vec3f *direction);
+bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction);
 /* Sends it, from the event's surfaces (through them, or back) or from a place in a medium (event NULL). scattered: what is
  * scattered from there, times the cosine; pdf_w: the density of the path's own choice, as a mean of the wavelengths. */
 void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool through, Vec3 place, Vec3f direction,

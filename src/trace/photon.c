@@ -289,6 +289,7 @@ static void find_neighbours(Job *job, Path *path, const PhotonStart *start, Phot
 static void find_hue(Job *job, Path *path, const PhotonStart *start, Photon *photon)
 {
     const double step = 0.04;   /* some 10 nm */
+    const float slight = 1e-4f; /* nothing, but for rounding */
     const float unknown = 0.5f; /* it goes another way, as most of the others may, too */
     Column more, less;
     if (!job->world->disperses || !(photon->spread[0] > 0)) return;
@@ -307,9 +308,10 @@ static void find_hue(Job *job, Path *path, const PhotonStart *start, Photon *pho
         bends[k] = (up - down) / (2 * step);
     }
     if (is_more && is_less) photon->hue_bend = (float)hypot(bends[0], bends[1]);
-    if (isfinite(photon->hue[0] + photon->hue[1] + photon->hue_bend)) return;
+    bool known = isfinite(photon->hue[0] + photon->hue[1] + photon->hue_bend);
+    if (known && fabsf(photon->hue[0]) + fabsf(photon->hue[1]) > slight) return;
     photon->hue[0] = photon->hue[1] = 0;
-    photon->hue_bend = unknown;
+    photon->hue_bend = known ? 0 : unknown;
 }
 
 /* Where photon `number` starts, and its path there; false: it gives nothing. */

@@ -23,11 +23,12 @@
 /* A probe's events are numbered beyond those of all paths, so that it has random numbers of its own. */
 enum { FIRST_BOUNCE = 1 << 24 };
 
-bool path_ask_guide(const Path *path, const GuideAt *guide, Vec3f *direction)
+bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction)
 {
     if (LIKELY(guide->sent == 0)) return false;
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_GUIDE)), v[2];
     if (u >= guide->sent) return false;
+    path_is_guided(path, guide);
     sampler_2d(&path->sampler, DIM_PROBES + path->bounce, v);
     *direction = guide_sample(guide, u / guide->sent, v);
     return true;
@@ -40,6 +41,7 @@ float path_weigh_probing(Path *path, float radiance)
     bool bright = path->scatter_pdf >= 0 || radiance > guide_threshold(probing->guide.guide);
     probing->found = probing->bent && bright;
     if (!probing->found) return probing->is_probe ? 0 : 1;
+    path_is_guided(path, &probing->guide);
     if (probing->part < 0)
         probing->part =
             sampling_balance(probing->density, probing->guide.share * guide_pdf(&probing->guide, probing->direction));

@@ -120,13 +120,14 @@ static WavelengthSample choose_wavelengths(const World *world, const PixelSample
     return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
-/* Both for either of the two paths: where they are one up to a boundary, so are the probes that it has sent. */
-static GuideColors colors_of(const World *world, const WavelengthSample *wavelengths, IndexLanes lanes)
+static void set_colors(Path *path, IndexLanes lanes)
 {
-    if (LIKELY(!world->guide) || !world->disperses) return (GuideColors){0, 0};
+    const World *world = path->tracer->world;
+    if (LIKELY(!world->guide) || !world->disperses) return;
     if (lanes.first < 0) lanes.first = lanes.second = 0; /* the hero alone */
-    return (GuideColors){guide_color(lanes_get(wavelengths->nm, lanes.first)),
-                         guide_color(lanes_get(wavelengths->nm, lanes.second))};
+    path->colors[0] = guide_color(lanes_get(path->wavelengths.nm, lanes.first));
+    path->colors[1] = guide_color(lanes_get(path->wavelengths.nm, lanes.second));
+    path->color = path->colors[path->again];
 }
 
 /* What became of the ray from the camera. */
@@ -142,8 +143,8 @@ static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoin
     path->decision.of_pixel = LIKELY(!world->trial.choices_apart);
     path->wavelengths = *wavelengths;
     path->index_lane = fork ? lanes.first : lanes.second;
-    path->colors = colors_of(world, wavelengths, lanes);
     path->again = !fork;
+    set_colors(path, lanes);
     path->fork = fork;
     float lens[2] = {0, 0};
     if (world->camera.lens_radius > 0) sampler_2d(&path->sampler, DIM_LENS, lens);
@@ -188,6 +189,7 @@ static Lanes follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
     Path *path = &fork->path;
     path->index_lane = index_lane;
     path->again = true;
+    path->color = path->colors[1];
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
     nest_list_swap(&tracer->list, &tracer->forked);
     tracer->hits.n = 0;

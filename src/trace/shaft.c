@@ -18,7 +18,7 @@ typedef struct Shaft {
     double begin, end;
     double all; /* of all cells so far */
     double u;   /* uniform in [0, 1): what the choice has left of its number */
-    GuideColors colors;
+    const float *colors; /* of both paths of the sample, so that both look at the same places */
 } Shaft;
 
 /* How much more light of a color there is in a cell than of others. */
@@ -30,10 +30,10 @@ static float of_color(const GuideCell *cell, float color)
 }
 
 /* What a cell scatters of light that is bent by these wavelengths. */
-static float scattered_of(const GuideCell *cell, GuideColors colors)
+static float scattered_of(const GuideCell *cell, const float colors[2])
 {
-    if (colors.first == colors.second) return cell->scattered * (colors.first > 0 ? of_color(cell, colors.first) : 1);
-    return cell->scattered * 0.5f * (of_color(cell, colors.first) + of_color(cell, colors.second));
+    if (!cell->parts_colors) return cell->scattered;
+    return cell->scattered * 0.5f * (of_color(cell, colors[0]) + of_color(cell, colors[1]));
 }
 
 static void consider(void *context, const GuideCell *cell, double begin, double end)
@@ -127,7 +127,7 @@ static bool choose_place(const Path *path, Airway *way, double u, float v, Guide
     *all = shaft.all;
     if (!(shaft.all > 0)) return false;
     *t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
-    *at = guide_find(guide, ray_point(&path->ray, *t), path->colors);
+    *at = guide_find(guide, ray_point(&path->ray, *t), path->color);
     return at->cell == shaft.cell; /* but for rounding */
 }
 
@@ -142,6 +142,7 @@ static void look_once(Path *path, const FreeFlight *flight, uint32_t medium, boo
     ShaftPlace place;
     sampler_2d(&path->sampler, DIM_SHAFTS + 2 * number + 1, v);
     if (!look_at_place(path, medium, uneven, t, &rest, &place)) return;
+    path_is_guided(path, at);
     Vec3f direction = guide_sample(at, float_min((float)rest, 0x1.fffffep-1f), v);
     if (!path_turn_aside(tracer, &t)) {
         tracer->out_of_memory = true;

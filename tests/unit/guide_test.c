@@ -19,7 +19,7 @@ static float dice(void)
 {
     return (float)hash_to_unit(hash_u64(dice_state++));
 }
-static const GuidePlace origin; /* of a cell, of no color */
+static const GuidePlace at_origin; /* of a cell, of no color */
 static float dice_between(float low, float high)
 {
     return low + (high - low) * dice();
@@ -221,13 +221,13 @@ static void folds(void **state)
     uint32_t n = fit(photons, 2, 2, vec3f(0, 0, 0), lobes);
     lobes[0].bend = lobes[1].bend = 0;
     guide_lay_in_fours(lobes, n, fours);
-    float sure = guide_lobes_pdf(fours, n, origin, vec3f(0, 1, 0)),
-          less = guide_lobes_pdf(fours, n, origin, vec3f(.08f, .9968f, 0));
+    float sure = guide_lobes_pdf(fours, n, at_origin, vec3f(0, 1, 0)),
+          less = guide_lobes_pdf(fours, n, at_origin, vec3f(.08f, .9968f, 0));
     printf("    densities of a sure lobe and of one a fifth as sure: %.3g and %.3g, of both alone %.3g and %.3g\n",
-           (double)sure, (double)less, (double)lobe_pdf(&lobes[0], origin, vec3f(0, 1, 0)),
-           (double)lobe_pdf(&lobes[1], origin, vec3f(.08f, .9968f, 0)));
-    assert_true(less > 5e-3f * lobe_pdf(&lobes[1], origin, vec3f(.08f, .9968f, 0)));
-    assert_true(sure > .7f * lobe_pdf(&lobes[0], origin, vec3f(0, 1, 0)));
+           (double)sure, (double)less, (double)lobe_pdf(&lobes[0], at_origin, vec3f(0, 1, 0)),
+           (double)lobe_pdf(&lobes[1], at_origin, vec3f(.08f, .9968f, 0)));
+    assert_true(less > 5e-3f * lobe_pdf(&lobes[1], at_origin, vec3f(.08f, .9968f, 0)));
+    assert_true(sure > .7f * lobe_pdf(&lobes[0], at_origin, vec3f(0, 1, 0)));
 }
 
 /* How wrong a lobe is at a place is told by noisy means, and may be far too much: what it foretells has to be asked for all the same,
@@ -263,14 +263,14 @@ static void sides(void **state)
     const float expected[] = {.4f, .6f};
     GuideLobe lobes[GUIDE_CELL_LOBES];
     GuideFour fours[GUIDE_CELL_FOURS];
-    uint32_t n = fit(photons, 3, 3, origin.offset, lobes);
+    uint32_t n = fit(photons, 3, 3, at_origin.offset, lobes);
     assert_int_equal(lobes[0].n_sheet, 2);
     assert_int_equal(lobes[2].n_sheet, 1);
     for (uint32_t i = 0; i + 1 < n; i++) lobes[i].bend = 0;
     guide_lay_in_fours(lobes, n, fours);
     for (int i = 0; i < 2; i++) {
-        float alone_there = lobe_pdf(&lobes[2 * i], origin, ways[i]);
-        assert_true(guide_lobes_pdf(fours, n, origin, ways[i]) > .8f * expected[i] * alone_there);
+        float alone_there = lobe_pdf(&lobes[2 * i], at_origin, ways[i]);
+        assert_true(guide_lobes_pdf(fours, n, at_origin, ways[i]) > .8f * expected[i] * alone_there);
     }
 }
 
@@ -301,7 +301,7 @@ static void borrowed(void **state)
     GuideFour fours[GUIDE_CELL_FOURS];
     uint32_t n = guide_fit(&cell, lobes);
     guide_lay_in_fours(lobes, n, fours);
-    float before = guide_lobes_pdf(fours, n, origin, much);
+    float before = guide_lobes_pdf(fours, n, at_origin, much);
     guide_borrow(&cell, others, OTHERS);
     assert_int_equal(cell.n_known, 4);
     for (uint32_t i = 1; i < cell.n_known; i++) {
@@ -310,8 +310,8 @@ static void borrowed(void **state)
     }
     n = guide_fit(&cell, lobes);
     guide_lay_in_fours(lobes, n, fours);
-    float of_much = guide_lobes_pdf(fours, n, origin, much);
-    float of_little = guide_lobes_pdf(fours, n, origin, little);
+    float of_much = guide_lobes_pdf(fours, n, at_origin, much);
+    float of_little = guide_lobes_pdf(fours, n, at_origin, little);
     printf("    density of what is unknown %.3g, as it is borrowed %.3g; of what is known %.3g\n", (double)before,
            (double)of_much, (double)of_little);
     assert_true(of_much > 50 * before && of_much > 7 * of_little && of_little > .05f * of_much);
@@ -523,7 +523,7 @@ static void visit(void *context, const GuideCell *cell, double begin, double end
     visits->along += end - begin;
     for (int i = 1; i < 8; i++) {
         Vec3 place = vec3_along(visits->origin, begin + (end - begin) * i / 8, visits->direction);
-        visits->n_wrong += guide_find(visits->guide, place, (GuideColors){0, 0}).cell != cell;
+        visits->n_wrong += guide_find(visits->guide, place, 0).cell != cell;
     }
 }
 
@@ -555,7 +555,7 @@ static void walks(void **state)
         guide_walk(guide, visits.origin, visits.direction, begin, end, visit, &visits);
         for (int k = 0; k < STEPS; k++) {
             double t = begin + (end - begin) * (k + .5) / STEPS;
-            GuideAt at = guide_find(guide, vec3_along(visits.origin, t, visits.direction), (GuideColors){0, 0});
+            GuideAt at = guide_find(guide, vec3_along(visits.origin, t, visits.direction), 0);
             along += at.cell && at.cell->scattered > 0 ? (end - begin) / STEPS : 0;
         }
         worst = fmax(worst, fabs(along - visits.along));
