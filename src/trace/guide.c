@@ -4,10 +4,14 @@
 
 #include "trace/guide_parts.h"
 
+/* What a direction is taken to have at least along each axis, so that nothing is divided by 0. */
+#define LEVEL 1e-30
+
 void guide_free(Guide *guide)
 {
     if (!guide) return;
     free(guide->nodes);
+    free(guide->boxes);
     free(guide->cells);
     free(guide->fours);
     free(guide->begins);
@@ -27,48 +31,46 @@ GuideAt guide_find(const Guide *guide, Vec3 place, float color)
 
 typedef struct Walk {
     const Guide *guide;
-    double origin[3], direction[3];
+    double origin[3], inverse[3]; /* of the direction */
     GuideVisitor *visit;
     void *context;
 } Walk;
 
-static void walk_cell(const Walk *walk, const GuideCell *cell, double begin, double end)
+/* Cuts a stretch of the line to a box, which may be of nothing; false: nothing is left. */
+static inline bool cut_to_box(const Walk *walk, const GuideBox *box, double *begin, double *end)
 {
-    const float low[3] = {cell->low.x, cell->low.y, cell->low.z}, high[3] = {cell->high.x, cell->high.y, cell->high.z};
-    if (!(cell->scattered > 0)) return;
+    if (box->low[0] > box->high[0]) return false;
     for (int i = 0; i < 3; i++) {
-        double d = walk->direction[i], a = (double)low[i] - walk->origin[i], b = (double)high[i] - walk->origin[i];
-        if (d == 0 && (a > 0 || b < 0)) return;
-        if (d == 0) continue;
-        begin = double_max(begin, double_min(a / d, b / d));
-        end = double_min(end, double_max(a / d, b / d));
+        double a = ((double)box->low[i] - walk->origin[i]) * walk->inverse[i],
+               b = ((double)box->high[i] - walk->origin[i]) * walk->inverse[i];
+        *begin = double_max(*begin, double_min(a, b));
+        *end = double_min(*end, double_max(a, b));
     }
-    if (begin < end) walk->visit(walk->context, cell, begin, end);
+    return *begin < *end;
 }
 
-static void walk_node(const Walk *walk, const GuideNode *node, double begin, double end)
+static void walk_node(const Walk *walk, uint32_t number, double begin, double end)
 {
+    const Guide *guide = walk->guide;
+    const GuideNode *node = &guide->nodes[number];
+    if (!cut_to_box(walk, &guide->boxes[number], &begin, &end)) return;
     if (node->axis == GUIDE_LEAF) {
-        walk_cell(walk, &walk->guide->cells[node->first], begin, end);
+        walk->visit(walk->context, &guide->cells[node->first], begin, end);
         return;
     }
-    const GuideNode *children = walk->guide->nodes + node->first;
-    double to = (double)node->split - walk->origin[node->axis], d = walk->direction[node->axis];
-    bool above = begin * d >= to, then_above = end * d >= to;
-    if (above == then_above) {
-        walk_node(walk, &children[above], begin, end);
-        return;
-    }
-    double between = double_min(double_max(to / d, begin), end);
-    walk_node(walk, &children[above], begin, between);
-    walk_node(walk, &children[then_above], between, end);
+    double inverse = walk->inverse[node->axis], at = ((double)node->split - walk->origin[node->axis]) * inverse;
+    bool last_above = inverse > 0;
+    if (begin < at) walk_node(walk, node->first + !last_above, begin, double_min(at, end));
+    if (end > at) walk_node(walk, node->first + last_above, double_max(at, begin), end);
 }
 
 void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, double end, GuideVisitor *visit,
                 void *context)
 {
-    Walk walk = {guide, {origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, visit, context};
-    walk_node(&walk, guide->nodes, begin, end);
+    const double d[3] = {direction.x, direction.y, direction.z};
+    Walk walk = {.guide = guide, .origin = {origin.x, origin.y, origin.z}, .visit = visit, .context = context};
+    for (int i = 0; i < 3; i++) walk.inverse[i] = 1 / (fabs(d[i]) > LEVEL ? d[i] : LEVEL);
+    walk_node(&walk, 0, begin, end);
 }
 
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2])
@@ -103,4 +105,31 @@ void guide_shares_are_set(Guide *guide)
     guide->most_looks = 0;
     for (uint32_t i = 0; i < guide->n_cells; i++)
         if (guide->cells[i].scattered > 0) guide->most_looks = float_max(guide->most_looks, guide->cells[i].looks);
+}
+
+static GuideBox box_of_leaf(const GuideCell *cell)
+{
+    GuideBox box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    if (cell->scattered > 0)
+        box = (GuideBox){{cell->low.x, cell->low.y, cell->low.z}, {cell->high.x, cell->high.y, cell->high.z}};
+    return box;
+}
+
+Status guide_set_boxes(Guide *guide, Error *error)
+{
+    guide->boxes = malloc(guide->n_nodes * sizeof *guide->boxes);
+    if (!guide->boxes) return fail_memory(error, guide->n_nodes * sizeof *guide->boxes, "caustics");
+    for (uint32_t number = guide->n_nodes; number-- > 0;) { /* children first */
+        const GuideNode *node = &guide->nodes[number];
+        if (node->axis == GUIDE_LEAF) {
+            guide->boxes[number] = box_of_leaf(&guide->cells[node->first]);
+            continue;
+        }
+        const GuideBox *a = &guide->boxes[node->first], *b = a + 1;
+        for (int i = 0; i < 3; i++) {
+            guide->boxes[number].low[i] = float_min(a->low[i], b->low[i]);
+            guide->boxes[number].high[i] = float_max(a->high[i], b->high[i]);
+        }
+    }
+    return STATUS_OK;
 }

@@ -236,6 +236,7 @@ static void gather_lobes(Builder *b)
     }
     GuideFour *fewer = realloc(b->fours, guide->n_fours * sizeof *fewer);
     guide->fours = fewer ? fewer : b->fours;
+    b->fours = NULL;
     GuideNode *nodes = realloc(guide->nodes, guide->n_nodes * sizeof *nodes);
     guide->nodes = nodes ? nodes : guide->nodes;
 }
@@ -251,6 +252,9 @@ Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, G
         pool_run(pool, guide->n_cells, fit_cell, &b);
         gather_lobes(&b);
         guide_shares_are_set(guide);
+        status = guide_set_boxes(guide, error);
+    }
+    if (status == STATUS_OK) {
         *out = guide;
     } else {
         free(b.fours);

@@ -124,6 +124,13 @@ static bool guide_can_be(const Guide *guide, uint64_t n_photons, bool done)
     return guide->begins[guide->n_cells] <= n_photons;
 }
 
+/* What follows from the bytes is there, too. */
+static bool is_made_whole(Guide *guide, uint64_t n_photons, bool done)
+{
+    Error error;
+    return guide_can_be(guide, n_photons, done) && guide_set_boxes(guide, &error) == STATUS_OK;
+}
+
 static bool facts_can_be(const GuideFacts *facts)
 {
     return facts->step > GUIDE_STEP_BEGIN && facts->step <= GUIDE_STEP_DONE && facts->followed <= GUIDE_MOST_PHOTONS &&
@@ -162,7 +169,7 @@ static bool take_parts(GuideSearch *search, GuideBytes parts[GUIDE_PARTS])
         return false;
     guide->bright = facts->worth.bright;
     guide_shares_are_set(guide);
-    if (done) return guide_can_be(guide, 0, true);
+    if (done) return is_made_whole(guide, 0, true);
     survey->n_nodes = counts.survey_nodes, survey->n_cells = counts.survey_cells;
     search->capacity = facts->n;
     if (!take(&parts[PART_LANDED], facts->n * sizeof *search->landed, &search->landed) ||
@@ -171,7 +178,7 @@ static bool take_parts(GuideSearch *search, GuideBytes parts[GUIDE_PARTS])
         !take(&parts[PART_SURVEY_VISITS], counts.survey_cells * sizeof *survey->visits, &survey->visits) ||
         (counts.has_visits && !take(&parts[PART_VISITS], counts.cells * sizeof *guide->visits, &guide->visits)))
         return false;
-    return guide_can_be(guide, facts->n, false) && nodes_can_be(survey->nodes, survey->n_nodes, survey->n_cells);
+    return is_made_whole(guide, facts->n, false) && nodes_can_be(survey->nodes, survey->n_nodes, survey->n_cells);
 }
 
 bool guide_search_read(GuideBytes parts[GUIDE_PARTS], GuideSearch **search)

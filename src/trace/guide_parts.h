@@ -14,8 +14,14 @@ typedef struct GuideNode {
 } GuideNode;
 enum { GUIDE_LEAF = 3 };
 
+/* Around what media scatter in a part of the tree, for lines that pass it by. */
+typedef struct GuideBox {
+    float low[3], high[3];
+} GuideBox;
+
 struct Guide {
     GuideNode *nodes;
+    GuideBox *boxes; /* of the nodes */
     GuideCell *cells;
     GuideFour *fours;
     uint32_t n_nodes, n_cells, n_lobes, n_fours;
@@ -49,6 +55,8 @@ static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
 
 /* To be told when cells' shares were set. */
 void guide_shares_are_set(Guide *guide);
+/* Sets the nodes' boxes, when the cells are there. STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_set_boxes(Guide *guide, Error *error);
 
 /* ---- guide_try.c ---- */
 
