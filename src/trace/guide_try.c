@@ -38,8 +38,10 @@ enum { EVEN = 4 * N_LOOKS, EVEN_LOOKS = EVEN + 2, TRIED = 5 * N_LOOKS + 2 };
 #define MOST_SQUARE 1e4
 /* What is left of the variance of the tried paths, if all of it is that of probes, and these are sent as often as can be. */
 #define LEAST_LEFT 0.5
-/* Lines are bright on which there is this much of what there is on them, weighted by itself. */
+/* Lines are bright on which cells scatter this much of what they do on lines in the mean, weighted by itself; or so much that the
+ * line is not dark. */
 #define BRIGHT_PART 0.25
+#define NOT_DARK (4 * (double)SAMPLING_PI * DARK)
 /* The part that is trusted of what one share for all cells gains. */
 #define EVEN_TRUST 0.5
 /* As adapt_noise has it: absolute errors where it is darker than this. */
@@ -394,7 +396,7 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     worth->promise = promised(trial, photons, followed, &seen) / without.variance;
     if (all.n_found == 0 && seen > GUIDE_GREAT_PROMISE * without.variance) trust_photons(trial, worth);
     worth->rays_per_path = without.work / trial->paths;
-    worth->bright = all.lines > 0 ? BRIGHT_PART * all.lines_squared / all.lines : 0;
+    worth->bright = all.lines > 0 ? fmin(BRIGHT_PART * all.lines_squared / all.lines, NOT_DARK) : 0;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
         set_shares(&guide->cells[i], trial->chosen[i]);
         guide->visits[i] = trial->cells[0][i].visits + trial->cells[1][i].visits;

@@ -75,6 +75,10 @@ static void compare(const char *what, const char *text, Pool *pool)
     "meniscus 1.0 unit mm medium glass { ior = 1.5 state = solid } medium water { ior = 1.33 state = liquid } "        \
     "ground { surface = surface { albedo = .6 } } environment { color = .2 } "
 #define SUN "light { shape = \"distant\" from = <.5, 1, .2> to = <0, 0, 0> angle = .53deg power = 5 } "
+#define FLINT "medium flint { ior = cauchy(1.6, .012) state = solid } "
+#define SMOKE                                                                                                          \
+    "medium smoke { ior = 1 scattering = .0004 absorption = .00002 phase = hg(.2) state = gas } "                      \
+    "box { interior = smoke from = <-700, -600, -600> to = <800, 600, 1000> } "
 
 void bench_caustics(void)
 {
@@ -105,6 +109,23 @@ void bench_caustics(void)
                       "cylinder { interior = air from = <0, 30, 0> to = <0, 41, 0> radius = 12 } "
                       "sphere { interior = air center = <2, 20, 3> radius = 3 } "
                       "camera { from = <0, 120, 150> to = <-10, 8, 0> fov = 28 }",
+            one);
+    compare("a rainbow of the sun on a floor",
+            START SUN FLINT "prism { interior = flint outline = [<-20, 0>, <20, 0>, <0, 34.6>] from = -60 to = 60 "
+                            "rotate(x, -90) rotate(z, -120) translate(<60, 200, 0>) } "
+                            "camera { from = <-30, 230, 260> to = <-30, 0, 0> fov = 34 }",
+            one);
+    compare("a beam in smoke, behind a prism",
+            "meniscus 1.0 unit mm environment { color = .002 } " SMOKE FLINT
+            "prism { interior = flint outline = [<-80, 0>, <80, 0>, <0, 138>] from = -50 to = 50 rotate(x, -90) } "
+            "light { shape = disc radius = 7 from = <-400, -170, 0> to = <-40, 69, 0> angle = 1 power = .15 } "
+            "camera { from = <0, 20, 900> to = <270, -70, 0> fov = 12 expect = [smoke] }",
+            one);
+    compare("smoke behind a ball of glass",
+            "meniscus 1.0 unit mm environment { color = .002 } medium glass { ior = 1.5 state = solid } " SMOKE
+            "sphere { interior = glass radius = 80 } "
+            "light { shape = disc radius = 50 from = <-500, 300, 0> to = <0, 0, 0> angle = 2 power = .5 } "
+            "camera { from = <0, 0, 900> to = <150, -90, 0> fov = 14 expect = [smoke] }",
             one);
     pool_free(one);
 }
