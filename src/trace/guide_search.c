@@ -360,7 +360,7 @@ Status guide_search_run(GuideSearch *search, const World *world, const GuideSett
     Status status = STATUS_OK;
     if (search->facts.step != GUIDE_STEP_DONE) {
         PhotonTargets targets;
-        photon_targets(world, &targets);
+        TRY(photon_targets(world, &targets, error));
         search->settings = settings;
         search->pool = pool;
         search->start_s = clock_now_s();
@@ -370,6 +370,7 @@ Status guide_search_run(GuideSearch *search, const World *world, const GuideSett
         search->settings = NULL;
         search->pool = NULL;
         search->source = (PhotonSource){0};
+        photon_targets_clear(&targets);
     }
     const Guide *guide = guide_search_result(search);
     *stats = (GuideStats){.followed = search->facts.followed};

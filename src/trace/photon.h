@@ -43,18 +43,25 @@ typedef struct Photon {
     uint32_t lobe;   /* 1: photons_look_around was here */
 } Photon;
 
-/* Boxes around all that bends or mirrors light, and the lamps that shine into a cone alone. */
+/* An emitter that is flat and shines into a cone. */
+typedef struct PhotonLamp {
+    uint32_t emitter;
+    double power; /* of this and all before */
+} PhotonLamp;
+
+/* Boxes around all that bends or mirrors light, and lamps that have photons of their own. */
 enum { PHOTON_TARGETS = 64 };
 typedef struct PhotonTargets {
     Box3 boxes[PHOTON_TARGETS];
     double cumulative[PHOTON_TARGETS]; /* area of this and all before */
     uint32_t n;
-    double beams; /* photon_beam_power of all emitters */
+    PhotonLamp *lamps;
+    size_t n_lamps;
 } PhotonTargets;
 
-void photon_targets(const World *world, PhotonTargets *targets);
-/* What an emitter sends into a cone: 0 of one that is not flat or shines to all of one side. */
-double photon_beam_power(const World *world, uint32_t emitter);
+/* STATUS_NOMEM. */
+ATTR_NODISCARD Status photon_targets(const World *world, PhotonTargets *targets, Error *error);
+void photon_targets_clear(PhotonTargets *targets);
 
 /* What lights send through all targets' surfaces, as the mean of the wavelengths; nothing is in the way. */
 float photon_flux(const World *world, const PhotonTargets *targets);

@@ -122,20 +122,20 @@ static bool start_at_box(const PhotonTargets *targets, const Path *path, const f
     return true;
 }
 
-/* The lamp that a number in [0, 1) stands for, among those that shine into a cone, by their power; *part: its probability. */
-static uint32_t choose_lamp(const World *world, const PhotonTargets *targets, double u, double *part)
+/* The lamp that a number in [0, 1) stands for, by their power; *part: its probability. */
+static uint32_t choose_lamp(const PhotonTargets *targets, double u, double *part)
 {
-    uint32_t chosen = EMITTER_NONE;
-    double sum = 0;
-    for (uint32_t i = 0; i < world->emitters.n; i++) {
-        double power = photon_beam_power(world, i);
-        if (!(power > 0)) continue;
-        chosen = i;
-        *part = power / targets->beams;
-        sum += power;
-        if (u * targets->beams < sum) break;
+    const double all = targets->lamps[targets->n_lamps - 1].power;
+    size_t low = 0, high = targets->n_lamps - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (u * all < targets->lamps[middle].power)
+            high = middle;
+        else
+            low = middle + 1;
     }
-    return chosen;
+    *part = (targets->lamps[low].power - (low ? targets->lamps[low - 1].power : 0)) / all;
+    return targets->lamps[low].emitter;
 }
 
 /* Where light that a lamp sends into its cone comes to the boxes. What is there of it is seen from the point as by any other
@@ -145,8 +145,8 @@ static bool start_at_lamp(const PhotonTargets *targets, const Path *path, double
 {
     const World *world = path->tracer->world;
     double part = 0, nearest = HUGE_VAL;
-    start->emitter = choose_lamp(world, targets, which, &part);
-    if (start->emitter == EMITTER_NONE) return false;
+    start->emitter = choose_lamp(targets, which, &part);
+    if (!(part > 0)) return false;
     Vec3 origin;
     Vec3f direction;
     light_send(world, start->emitter, path->ray.time, u, v, &origin, &direction);
@@ -171,7 +171,7 @@ static bool start_at_lamp(const PhotonTargets *targets, const Path *path, double
 bool photon_choose_start(const PhotonTargets *targets, const Path *path, PhotonStart *start)
 {
     float u[3], more[2];
-    double of_beams = targets->beams > 0 ? BEAMS_PART : 0;
+    double of_beams = targets->n_lamps > 0 ? BEAMS_PART : 0;
     sampler_2d(&path->sampler, DIM_PIXEL, u);
     double which = (double)sampler_3d(&path->sampler, DIM_LENS, more) * 0x1p-32;
     u[2] = more[0];

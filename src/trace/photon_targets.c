@@ -1,7 +1,12 @@
 /* photon_targets.c - boxes around all that bends or mirrors light, for photons to be sent to, and the lamps that shine into a cone.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "trace/path_parts.h"
 #include "trace/photon.h"
+
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "optics/color.h"
+#include "trace/path_parts.h"
 
 /* Whether light is bent at its surface; the media around are not known yet, so that the world's stands for them. */
 static bool bends(const World *world, uint32_t medium)
@@ -82,21 +87,33 @@ static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
         if (!box3_is_empty(cells[i])) targets->boxes[targets->n++] = cells[i];
 }
 
-double photon_beam_power(const World *world, uint32_t emitter)
+static Status find_lamps(const World *world, PhotonTargets *targets, Error *error)
 {
-    const double extent = light_send_extent(world, emitter);
-    if (!(extent > 0)) return 0;
-    const Spectrum *radiance = &world->scene->lights[world->emitters.emitters[emitter].of].radiance;
-    return extent * (double)lanes_mean(spectrum_at(radiance, lanes(430, 500, 580, 660)));
+    size_t capacity = 0;
+    double sum = 0;
+    for (uint32_t i = 0; i < world->emitters.n; i++) {
+        const double extent = light_send_extent(world, i);
+        if (!(extent > 0)) continue;
+        sum += extent * fmax(spectrum_luminance(&world->scene->lights[world->emitters.emitters[i].of].radiance), 0);
+        if (!array_reserve(&targets->lamps, &capacity, targets->n_lamps + 1, sizeof *targets->lamps))
+            return fail_memory(error, (targets->n_lamps + 1) * sizeof *targets->lamps, "photons");
+        targets->lamps[targets->n_lamps++] = (PhotonLamp){i, sum};
+    }
+    return STATUS_OK;
 }
 
-void photon_targets(const World *world, PhotonTargets *targets)
+void photon_targets_clear(PhotonTargets *targets)
+{
+    free(targets->lamps);
+}
+
+Status photon_targets(const World *world, PhotonTargets *targets, Error *error)
 {
     Box3 all = box3_empty(), box;
     bool many = false;
     targets->n = 0;
-    targets->beams = 0;
-    for (uint32_t i = 0; i < world->emitters.n; i++) targets->beams += photon_beam_power(world, i);
+    targets->lamps = NULL;
+    targets->n_lamps = 0;
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
         if (!target_of(world, i, &box)) continue;
         all = box3_union(all, box);
@@ -114,4 +131,5 @@ void photon_targets(const World *world, PhotonTargets *targets)
         sum += box_area(targets->boxes[i]);
         targets->cumulative[i] = sum;
     }
+    return find_lamps(world, targets, error);
 }
