@@ -377,7 +377,7 @@ Status guide_search_run(GuideSearch *search, const World *world, const GuideSett
     if (!guide) return status;
     stats->landed = search->facts.n;
     stats->lobes = guide->n_lobes;
-    stats->bytes =
-        guide->n_nodes * sizeof(GuideNode) + guide->n_cells * sizeof(GuideCell) + guide->n_fours * sizeof(GuideFour);
+    stats->bytes = guide->n_nodes * (sizeof(GuideNode) + sizeof(GuideBox)) + guide->n_cells * sizeof(GuideCell) +
+                   guide->n_fours * sizeof(GuideFour);
     return status;
 }

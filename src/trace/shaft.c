@@ -16,8 +16,8 @@
 typedef struct Shaft {
     const GuideCell *cell;
     double begin, end;
-    double all; /* of all cells so far */
-    double u;   /* uniform in [0, 1): what the choice has left of its number */
+    double all;          /* of all cells so far */
+    double u;            /* uniform in [0, 1): what the choice has left of its number */
     const float *colors; /* of both paths of the sample, so that both look at the same places */
 } Shaft;
 

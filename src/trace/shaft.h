@@ -14,9 +14,10 @@
  *     this                          q a(t) g       q a(t): looking at all, and choosing t
  * over pf(t) that is s + (r + q a(t) / pf(t)) g: so that to the weights it is as if probes were sent more often.
  *
- * Photons that are gathered along the whole of a beam (W. Jarosz, D. Nowrouzezahrai, I. Sadeghi, H. W. Jensen, "A Comprehensive
- * Theory of Volumetric Radiance Estimation Using Photon Points and Beams", ACM TOG 30(1) (2011)) find as much with less noise,
- * but blurred by their radius; here they only say where to look.
+ * There are as many looks as there is light on the stretch, up to four where the line is bright, and as they pay (guide_try.c).
+ * Beams of photons, gathered along all of their way ([JNSJ11], named in full in src/README.md), have less noise, but are
+ * blurred by their radius; here photons only say where to look. Measured, over probes alone: the squared error of smoke behind
+ * a ball of glass a tenth after equal time, of water that scatters a little everywhere nothing.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SHAFT_H
 #define MEN_SHAFT_H
