@@ -145,4 +145,5 @@ void report_warnings(const CompiledScene *compiled, Diag *diag)
     warn_of_hidden(compiled, diag);
     report_lost_lights(compiled, diag);
     report_endless(compiled, diag);
+    report_small_volumes(compiled, diag);
 }

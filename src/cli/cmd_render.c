@@ -192,6 +192,7 @@ static void warn_of_light(void *context)
     RenderRun *run = context;
     report_lost_lights(run->input.compiled, &run->input.diag);
     report_endless(run->input.compiled, &run->input.diag);
+    report_small_volumes(run->input.compiled, &run->input.diag);
 }
 
 /* The input's scene is at the frame. */

@@ -233,21 +233,27 @@ const Volume *build_volume(Builder *b, const EvalNode *node, const char *propert
     if (!prop || b->only_shapes) return NULL;
     Scene *scene = b->scene;
     bool found;
-    uint32_t *row = build_row_of(b, &b->volumes, prop->as.node, SCENE_NONE, &found);
+    const EvalNode *volume_node = prop->as.node;
+    uint32_t *row = build_row_of(b, &b->volumes, volume_node, SCENE_NONE, &found);
     if (found) return *row == SCENE_NONE ? NULL : scene->volumes[*row];
     uint32_t capacity = b->volumes_capacity;
     scene->volumes =
         room_for_one(b->arena, scene->volumes, scene->n_volumes, &b->volumes_capacity, sizeof *scene->volumes);
     scene->volume_places =
         room_for_one(b->arena, scene->volume_places, scene->n_volumes, &capacity, sizeof *scene->volume_places);
-    Volume *volume = later ? stand_in() : make_volume(b, prop->as.node, property);
+    Volume *volume = later ? stand_in() : make_volume(b, volume_node, property);
     if (!volume) {
         if (later) arena_fail(b->arena);
         return NULL;
     }
     *row = scene->n_volumes;
-    scene->volume_places[*row] = (SceneVolumePlace){
-        .to_frame = prop->as.node->transform, .motion = SCENE_NONE, .content = content_of(b, prop->as.node)};
+    scene->volume_places[*row] =
+        (SceneVolumePlace){.to_frame = volume_node->transform,
+                           .motion = SCENE_NONE,
+                           .content = content_of(b, volume_node),
+                           .span = volume_node->span,
+                           .from_file = eval_prop(volume_node, "file") != NULL,
+                           .has_box = eval_prop(volume_node, "from") && eval_prop(volume_node, "to")};
     scene->volumes[scene->n_volumes++] = volume;
     return volume;
 }

@@ -84,6 +84,9 @@ typedef struct SceneVolumePlace {
     Affine to_frame;
     uint32_t motion;  /* of that, as SceneFrame's */
     uint64_t content; /* of all that its values come from */
+    Span span;
+    bool from_file;
+    bool has_box; /* both corners of a function's box are written, and not taken by default */
 } SceneVolumePlace;
 
 /* Along what the scratches of a brushed metal run: circles about the y axis of the object's shape, or one of its axes. */

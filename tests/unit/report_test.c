@@ -470,6 +470,61 @@ static void wide_gaps_are_mistakes_of_liquids_only(void **state)
     }
 }
 
+/* Smoke of a function whose box was forgotten; at all times of the shutter. */
+static void small_volumes_are_told_of(void **state)
+{
+    (void)state;
+#define SMOKE(box) "medium smoke { mixes = true  scattering = 1  density = volume { function = f " box " } } "
+#define WRITTEN SMOKE("from = vec3(-2)  to = vec3(2)")
+    static const struct {
+        const char *scene;
+        bool told;
+    } cases[] = {
+        {SMOKE("") "sphere { interior = smoke  radius = 3 }", false},
+        {SMOKE("") "sphere { interior = smoke  radius = 4 }", true},
+        {SMOKE("") "sphere { interior = smoke  scale(80) }", false},
+        {SMOKE("") "group { scale(80)  box { interior = smoke  size = vec3(2)  translate(<9, 9, 9>) } }", false},
+        {SMOKE("") "sphere { interior = smoke  center = <9, 0, 0> }", true},
+        {SMOKE("translate(<9, 0, 0>)") "sphere { interior = smoke  center = <9, 0, 0> }", false},
+        {SMOKE("scale(80)  rotate(y, 45)") "box { interior = smoke  size = vec3(160) }", false},
+        {SMOKE("scale(<.1, 9, .1>)  align(y, vec3(1))") /* a thin volume along a rod that stands askew */
+         "cylinder { interior = smoke  from = vec3(-5)  to = vec3(5)  radius = .1 }",
+         false},
+        {SMOKE("scale = 0") "sphere { interior = smoke  radius = 80 }", false},
+        {WRITTEN "sphere { interior = smoke  radius = 19 }", false},
+        {WRITTEN "sphere { interior = smoke  radius = 21 }", true},
+        {SMOKE("to = <2, 2, 2>") "sphere { interior = smoke  radius = 19 }", true},
+        /* what has no end, and a half of a ball that is cut off */
+        {SMOKE("") "plane { interior = smoke }", false},
+        {SMOKE("") "world { medium = medium { ior = 1  scattering = 1  density = volume { function = f } } } "
+                   "sphere { interior = smoke }",
+         false},
+        {SMOKE("") "intersection { sphere { radius = 80 }  plane { }  interior = smoke }", true},
+        {SMOKE("") "difference { box { size = vec3(2) }  sphere { radius = .5 }  interior = smoke  scale(80) }", false},
+        {SMOKE("") "sphere { interior = smoke  radius = 80  translate(<clock, 0, 0>) }", true},
+        {WRITTEN "sphere { interior = smoke  radius = 3  translate(<900 * clock, 0, 0>) }", false},
+        {WRITTEN "sphere { interior = smoke  radius = 3  center = <900 * clock, 0, 0> }", false},
+        {WRITTEN "union { sphere { }  sphere { radius = 3 }  interior = smoke  translate(<900 * clock, 0, 0>) }",
+         false},
+        {SMOKE("translate(<0, 9 - 18 * clock, 0>)") "sphere { interior = smoke }", false},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char scene[1500];
+        snprintf(scene, sizeof scene,
+                 "meniscus 1.0 unit mm def f(p) = 1 + noise(p) %s camera { from = <0, 0, 1000>  to = <0, 0, 0> "
+                 "shutter = 360deg  shutter_steps = 2 } environment { } animation { frames = 2 }",
+                 cases[i].scene);
+        Fixture f;
+        fixture_compile(&f, scene, 1);
+        report_warnings(f.compiled, &f.diag);
+        if ((fixture_find(&f, D_SMALL_VOLUME) != NULL) != cases[i].told) {
+            fixture_print(&f);
+            fail_msg("%s", cases[i].scene);
+        }
+        fixture_clear(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -489,6 +544,7 @@ int main(void)
         cmocka_unit_test(what_may_be_seen_is_not_enclosed),
         cmocka_unit_test(cameras_see_what_they_are_in),
         cmocka_unit_test(wide_gaps_are_mistakes_of_liquids_only),
+        cmocka_unit_test(small_volumes_are_told_of),
     };
     return cmocka_run_group_tests_name("report", tests, NULL, NULL);
 }
