@@ -67,7 +67,8 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
             target->has_unknown = true; /* settle reports what it all comes from */
         } else if (!prop) {
             evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
-            report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text);
+            report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text,
+                                    stmt->as.prop.value);
             evaluator->diag->chain = NULL;
             target->has_unknown = true;
         }
@@ -260,7 +261,8 @@ static void apply_override(Evaluator *evaluator, Override *override, Target *tar
     const PropType *prop = schema_prop(target->type, override->prop);
     override->used = true;
     if (!prop) {
-        if (!override->reported) report_unknown_property(evaluator->diag, override->prop_span, target->type, override->prop);
+        if (!override->reported)
+            report_unknown_property(evaluator->diag, override->prop_span, target->type, override->prop, override->expr);
         override->reported = true;
         return;
     }

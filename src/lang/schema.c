@@ -65,17 +65,46 @@ const char *with_article(Arena *arena, const char *name)
     return arena_format(arena, "%s %s", vowel ? "an" : "a", name);
 }
 
-void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name)
+/* What a property takes in place of a word of another program, be it in capital letters; NULL: nothing that is known. */
+static const char *choice_meant(Arena *arena, const PropType *type, const char *word)
+{
+    char *small = arena_copy_text(arena, word, strlen(word));
+    for (char *at = small; *at; at++)
+        if (*at >= 'A' && *at <= 'Z') *at = (char)(*at - 'A' + 'a');
+    const char *meant = choice_allows(type->choices, small) ? small : habit_choice(type->name, small);
+    return meant && choice_allows(type->choices, meant) ? meant : NULL;
+}
+
+/* The word that an expression consists of, if it is one. */
+static const char *word_of(const Expr *expr)
+{
+    if (expr->kind == EXPR_NAME) return expr->as.name.symbol->text;
+    bool variable = expr->kind == EXPR_GLOBAL || expr->kind == EXPR_LOCAL || expr->kind == EXPR_OUTER;
+    return variable ? expr->as.variable.symbol->text : NULL;
+}
+
+static const char *word_or_text(const Expr *value)
+{
+    bool text = value && value->kind == EXPR_CONSTANT && value->as.constant.value.kind == VALUE_STRING;
+    return text ? value->as.constant.value.as.text : value ? word_of(value) : NULL;
+}
+
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value)
 {
     const char **words = ARENA_ARRAY(diag->arena, const char *, type->n_props);
     for (size_t i = 0; i < type->n_props; i++) words[i] = type->props[i].name;
     Diagnostic *report = diag_report(diag, D_UNKNOWN_PROPERTY, span, "'%s' has no property '%s'", type->name, name);
-    const char *other;
-    for (unsigned i = 0; (other = habit_property(type->name, name, i)); i++)
-        if (schema_prop(type, arena_copy_text(diag->arena, other, strcspn(other, " ")))) {
-            diag_hint(diag, report, "write: %s", habit_assignment(diag->arena, other, "..."));
-            return;
-        }
+    const char *other, *word = word_or_text(value);
+    for (unsigned i = 0; (other = habit_property(type->name, name, i)); i++) {
+        const PropType *prop = schema_prop(type, arena_copy_text(diag->arena, other, strcspn(other, " ")));
+        if (!prop) continue;
+        bool chooses = prop->kind == PROP_CHOICE && !strchr(other, '=');
+        const char *choice = word && chooses ? choice_meant(diag->arena, prop, word) : NULL;
+        diag_hint(diag, report, "write: %s%s%s", habit_assignment(diag->arena, other, choice ? choice : "..."),
+                  chooses && !choice ? ", which is " : "",
+                  chooses && !choice ? choice_text(diag->arena, prop->choices) : "");
+        return;
+    }
     const char *advice = habit_advice(type->name, name);
     if (advice) {
         diag_hint(diag, report, "%s", advice);
@@ -451,8 +480,8 @@ static bool check_choice(const Check *check, const char *word, EvalProp *prop)
         size_t n = choice_words(evaluator->arena, type->choices, words, MAX_CHOICES);
         Diagnostic *report = eval_error(evaluator, check->expr, D_UNKNOWN_CHOICE, "'%s' is %s, not '%s'", type->name,
                                         choice_text(evaluator->arena, type->choices), word);
-        const char *other = habit_choice(type->name, word);
-        if (other && choice_allows(type->choices, other))
+        const char *other = choice_meant(evaluator->arena, type, word);
+        if (other)
             diag_hint(evaluator->diag, report, "write: %s", other);
         else
             diag_suggest(evaluator->diag, report, word, words, n);
@@ -706,14 +735,6 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
     case PROP_NODES: break;
     }
     return check_node_list(check, value, prop);
-}
-
-/* The word that an expression consists of, if it is one. */
-static const char *word_of(const Expr *expr)
-{
-    if (expr->kind == EXPR_NAME) return expr->as.name.symbol->text;
-    bool variable = expr->kind == EXPR_GLOBAL || expr->kind == EXPR_LOCAL || expr->kind == EXPR_OUTER;
-    return variable ? expr->as.variable.symbol->text : NULL;
 }
 
 /* A list that may hold bare words: those of the choices are strings, whatever else bears the name. */

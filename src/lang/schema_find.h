@@ -4,6 +4,7 @@
 #define MEN_SCHEMA_FIND_H
 
 #include "diag/diag.h"
+#include "lang/ast.h"
 #include "lang/schema.h"
 
 const NodeType *schema_node(const Schema *schema, const char *name);
@@ -19,8 +20,9 @@ const char *choice_text(Arena *arena, const char *choices);
 const char *schema_bounds_text(Arena *arena, const PropType *type);
 /* "a number", "the name of a function ...": what a property takes */
 const char *prop_kind_text(Arena *arena, const PropType *type);
-/* Reports an unknown property with the nearest one. */
-void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name);
+/* Reports an unknown property with the nearest one, and with the value (may be NULL) that this takes where another word is
+ * one for it. */
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value);
 
 /* "sphere" -> "a sphere", "environment" -> "an environment" */
 const char *with_article(Arena *arena, const char *name);
