@@ -177,6 +177,9 @@ static Stmt *parse_bind(Parser *parser)
         parse_names_together(parser, stmt->as.bind.name);
         return NULL;
     }
+    const char *word = stmt->as.bind.variable ? "var" : "let", *value = stmt->as.bind.variable ? "0" : "...";
+    if (parse_declared_change(parser, stmt->as.bind.name, word)) return NULL;
+    stmt->as.bind.name->is_variable |= stmt->as.bind.variable;
     if (parser->token.kind == TOKEN_CHANGE) {
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "':=' changes a var that is declared already");
@@ -184,7 +187,6 @@ static Stmt *parse_bind(Parser *parser)
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "write: let %s = ...", parser->token.as.symbol->text);
     }
-    const char *word = stmt->as.bind.variable ? "var" : "let", *value = stmt->as.bind.variable ? "0" : "...";
     const char *whole = arena_format(parser->arena, "%s %s = %s", word, stmt->as.bind.name->text, value);
     if (parse_no_value(parser, "'=' behind the name", whole)) return NULL;
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;

@@ -348,25 +348,79 @@ bool parse_function_habit(Parser *parser, Path path)
 
 /* ---- a name, and something that cannot follow it ---- */
 
-static bool parse_change(Parser *parser, Path path)
+/* Of "+=", "++" and their like, at the first character: the second one; TOKEN_END: it is none of them. */
+static Token second_of_change(const Parser *parser)
 {
     TokenKind kind = parser->token.kind;
-    if (kind != TOKEN_PLUS && kind != TOKEN_MINUS && kind != TOKEN_STAR && kind != TOKEN_SLASH) return false;
+    Token none = {.kind = TOKEN_END};
+    if (kind != TOKEN_PLUS && kind != TOKEN_MINUS && kind != TOKEN_STAR && kind != TOKEN_SLASH) return none;
     Token next = peek(parser);
     bool one = next.kind == kind && (kind == TOKEN_PLUS || kind == TOKEN_MINUS);
-    if (next.begin != parser->token.end || (!one && next.kind != TOKEN_ASSIGN)) return false;
-    if (path.n > 1) {
-        parse_member_change(parser, path);
-        return true;
+    return next.begin == parser->token.end && (one || next.kind == TOKEN_ASSIGN) ? next : none;
+}
+
+/* Whether a value would be torn apart behind that sign. */
+static bool needs_brackets(char sign, ExprKind kind)
+{
+    if (kind >= EXPR_EQUAL && kind <= EXPR_RANGE) return true;
+    if (kind == EXPR_ADD || kind == EXPR_SUBTRACT) return sign != '+';
+    return sign == '/' && kind >= EXPR_MULTIPLY && kind <= EXPR_MODULO;
+}
+
+/* "(a + b)", and not "(a) + (b)" */
+static bool is_in_brackets(const char *text)
+{
+    int depth = 0;
+    for (const char *at = text; *at; at++) {
+        depth += (*at == '(') - (*at == ')');
+        if (depth == 0) return at > text && !at[1];
     }
-    const char *name = quote(parser, path.span.begin, path.span.end);
+    return false;
+}
+
+/* What "+=" adds, for behind a sign. */
+static const char *read_operand(Parser *parser, char sign)
+{
+    uint32_t begin = parser->token.begin;
+    const Expr *operand = parse_expr(parser);
+    const char *text = quote(parser, begin, consumed_end(parser));
+    bool whole = !needs_brackets(sign, operand->kind) || is_in_brackets(text);
+    return whole ? text : arena_format(parser->arena, "(%s)", text);
+}
+
+/* At the first character, next being the second; word: what declares a name and stands before it, or NULL. */
+static void read_change(Parser *parser, const Symbol *symbol, Token next, const char *word)
+{
+    const char *name = symbol->text;
+    bool one = next.kind == parser->token.kind;
     char sign = parser->lexer.text[parser->token.begin];
     Span span = {parser->lexer.source, parser->token.begin, next.end};
     Diagnostic *report = report_at(parser, span, "there is no '%c%c' here", sign, one ? sign : '=');
     consume(parser);
     consume(parser);
-    const char *value = one ? "1" : quote_read(parser, parse_expr);
-    diag_hint(parser->diag, report, "write: %s := %s %c %s", name, name, sign, value);
+    const char *value = one ? "1" : read_operand(parser, sign);
+    const char *without = word ? arena_format(parser->arena, ", without '%s'", word) : "";
+    const char *declared =
+        symbol->is_variable ? "" : arena_format(parser->arena, ", and var %s = ... where it is declared", name);
+    diag_hint(parser->diag, report, "write: %s := %s %c %s%s%s", name, name, sign, value, without, declared);
+}
+
+static bool parse_change(Parser *parser, Path path)
+{
+    Token next = second_of_change(parser);
+    if (next.kind == TOKEN_END) return false;
+    if (path.n > 1)
+        parse_member_change(parser, path);
+    else
+        read_change(parser, path.names[0], next, NULL);
+    return true;
+}
+
+bool parse_declared_change(Parser *parser, const Symbol *name, const char *word)
+{
+    Token next = second_of_change(parser);
+    if (next.kind == TOKEN_END) return false;
+    read_change(parser, name, next, word);
     return true;
 }
 

@@ -22,6 +22,7 @@ Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
 void parse_bare_block(Parser *parser, Block *block);
 /* let a, b = 1, 2 at the comma, behind the first name */
 void parse_names_together(Parser *parser, const Symbol *first);
+bool parse_declared_change(Parser *parser, const Symbol *name, const char *word); /* let n += 1, behind the name */
 /* Behind a name that is declared, without a value: "var n" */
 bool parse_no_value(Parser *parser, const char *expected, const char *hint);
 /* def f(x): number = ... and def f(x) -> number = ..., behind the parameters, at what tells the type */

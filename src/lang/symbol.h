@@ -3,6 +3,7 @@
 #ifndef MEN_SYMBOL_H
 #define MEN_SYMBOL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,6 +18,7 @@ struct Symbol {
     uint32_t hash, length;
     int keyword; /* the TokenKind of a keyword, 0 for a name */
     SymbolUse declared;
+    bool is_variable;        /* the same of a var */
     struct Binding *binding; /* the innermost declaration that is visible while names are resolved */
     const char *text;
     struct Diagnostic *unknown; /* the report that nothing of that name is visible, and how often it was added to */
