@@ -334,22 +334,27 @@ static Stmt *parse_ifs(Parser *parser)
     return first;
 }
 
-/* '1:9' and 'of' are read as they are meant */
-static void parse_loop_source(Parser *parser, Stmt *stmt)
+/* '1:9' and 'of' are read as they are meant; returns what is written here, for a hint. bare: there are no brackets, of which
+ * the caller's hint says all. */
+static const char *parse_loop_source(Parser *parser, Stmt *stmt, bool bare)
 {
-    bool of =
-        parser->token.kind == TOKEN_COLON || (parser->token.kind == TOKEN_NAME && peek(parser).kind != TOKEN_ASSIGN);
-    if (!expect(parser, TOKEN_IN, "behind the name of the loop") && of) {
+    bool of = parser->token.kind == TOKEN_COLON || (bare && parser->token.kind == TOKEN_ASSIGN) ||
+              (parser->token.kind == TOKEN_NAME && peek(parser).kind != TOKEN_ASSIGN);
+    Diagnostic *report = NULL;
+    if (!consume_if(parser, TOKEN_IN) && !parser->panic)
+        report = expected_error(parser, "'in' behind the name of the loop");
+    if (report && of) {
         parser->panic = false;
         consume(parser);
     }
+    uint32_t begin = parser->token.begin;
     stmt->as.loop.source = parse_expr(parser);
-    if (parser->panic || parser->token.kind != TOKEN_COLON) return;
-    Diagnostic *report = expected_error(parser, "'..'");
-    diag_hint(parser->diag, report, "a range is written 1..9");
-    parser->panic = false;
-    consume(parser);
-    parse_expr(parser);
+    if (parser->panic) return "...";
+    const char *range = parse_range_habit(parser, begin, bare, !bare && !report);
+    if (!range) range = quote(parser, begin, consumed_end(parser));
+    if (report && !bare)
+        diag_hint(parser->diag, report, "write: for (%s in %s) { ... }", stmt->as.loop.name->text, range);
+    return range;
 }
 
 /* "(" name "in" expr ")" */
@@ -364,12 +369,11 @@ static void parse_loop_head(Parser *parser, Stmt *stmt)
     parser->no_blocks |= bare;
     parse_loop_type(parser);
     if (expect_name(parser, "for the loop", &stmt->as.loop.name, &stmt->as.loop.name_span)) {
-        parse_loop_source(parser, stmt);
+        const char *source = parse_loop_source(parser, stmt, bare);
         if (!parser->panic) parse_loop_step(parser);
         if (!bare && parser->token.kind == TOKEN_COMMA) parse_second_variable(parser, stmt->as.loop.name->text);
         if (report && !parser->panic)
-            diag_hint(parser->diag, report, "write: for (%s) { ... }",
-                      quote(parser, stmt->as.loop.name_span.begin, consumed_end(parser)));
+            diag_hint(parser->diag, report, "write: for (%s in %s) { ... }", stmt->as.loop.name->text, source);
         if (bare)
             consume_if(parser, TOKEN_PAREN_CLOSE);
         else

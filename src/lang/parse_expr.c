@@ -198,7 +198,9 @@ static Expr *parse_elem(Parser *parser)
         expect_name(parser, "of the loop", &expr->as.each.name, &expr->as.each.name_span);
         expect(parser, TOKEN_IN, "behind the name of the loop");
     }
+    uint32_t source = parser->token.begin;
     expr->as.each.source = parse_expr(parser);
+    if (each && !parser->panic) parse_range_habit(parser, source, false, true);
     expect_close(parser, TOKEN_PAREN_CLOSE, opening, "')'");
     parser->brackets--;
     expr->as.each.body = parse_elem(parser);

@@ -215,6 +215,8 @@ static void value_behind_name(Parser *parser, Path path)
         n++;
     }
     if (parser->panic) return;
+    if (pattern && strstr(pattern, "@*") && n == 3 && !strchr(value, '<')) /* center 1, 2, 3 */
+        value = arena_format(parser->arena, "<%s>", value);
     if (call && n == 3) /* translate 1, 2, 3 */
         diag_hint(parser->diag, report, "write: %s(<%s>)", word, value);
     else if (call)

@@ -37,6 +37,9 @@ void parse_loop_type(Parser *parser);     /* at what stands there otherwise: "in
 void parse_loop_step(Parser *parser);     /* behind a range: "step 2" */
 /* for (x in a, y in b), at the comma: read to its end and reported; else nothing. */
 void parse_second_variable(Parser *parser, const char *first);
+/* "1 to 9" and "1:9" in a loop, behind the first, which is from begin on; with steps, "1..9 step 2", too, behind the 9. They
+ * are read to the end, and returned as they are written here; NULL: it is none of them. */
+const char *parse_range_habit(Parser *parser, uint32_t begin, bool with_steps, bool reports);
 void parse_three_points(Parser *parser, const Expr *first); /* at the '..' behind that: "1...5" */
 
 /* -- expressions (parse_habits_expr.c) -- */

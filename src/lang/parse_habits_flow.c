@@ -95,6 +95,17 @@ static uint32_t end_of_bracket(const Token *tokens, size_t n)
     return end;
 }
 
+/* "5 step 2" as it is written here, up to that ')' */
+static const char *last_and_step(Parser *parser, const Token *tokens, size_t n)
+{
+    uint32_t end = end_of_bracket(tokens, n);
+    for (size_t i = 1; i + 1 < n && tokens[i].begin < end; i++)
+        if (tokens[i].kind == TOKEN_NAME && strcmp(tokens[i].as.symbol->text, "step") == 0)
+            return arena_format(parser->arena, "%s by %s", quote(parser, tokens[0].begin, tokens[i - 1].end),
+                                quote(parser, tokens[i + 1].begin, end));
+    return quote(parser, tokens[0].begin, end);
+}
+
 /* for (int i = 0; i < 10; i++), behind the '(' */
 bool parse_counting_loop(Parser *parser)
 {
@@ -102,7 +113,8 @@ bool parse_counting_loop(Parser *parser)
     Look look;
     look_from(parser, &look);
     Token name = parser->token, next = lexer_next(&look.lexer);
-    if (name.kind == TOKEN_NAME && next.kind == TOKEN_NAME) {
+    bool has_type = name.kind == TOKEN_NAME || name.kind == TOKEN_LET || name.kind == TOKEN_VAR;
+    if (has_type && next.kind == TOKEN_NAME) {
         name = next;
         next = lexer_next(&look.lexer);
     }
@@ -121,10 +133,10 @@ bool parse_counting_loop(Parser *parser)
     size_t a = semicolons[0], b = semicolons[1];
     const char *variable = name.as.symbol->text,
                *hint = arena_format(parser->arena, "for (%s in 1..10) { ... }", variable);
-    if (n_semicolons == 0 && to + 1 < n) /* i = 1 to 5 */
+    if (n_semicolons == 0 && to + 1 < n) /* i = 1 to 5 step 2 */
         hint = arena_format(parser->arena, "for (%s in %s..%s) { ... }", variable,
                             quote(parser, tokens[0].begin, tokens[to - 1].end),
-                            quote(parser, tokens[to + 1].begin, end_of_bracket(tokens + to + 1, n - to - 1)));
+                            last_and_step(parser, tokens + to + 1, n - to - 1));
     if (n > 4 && tokens[0].kind == TOKEN_BRACKET_OPEN && tokens[2].kind == TOKEN_COLON) /* i = [0:5] */
         hint = arena_format(parser->arena, "for (%s in %s..%s) { ... }", variable,
                             quote(parser, tokens[1].begin, tokens[1].end), quote(parser, tokens[3].begin, tokens[3].end));
@@ -160,10 +172,12 @@ void parse_second_variable(Parser *parser, const char *first)
 
 void parse_loop_type(Parser *parser)
 {
-    if (parser->token.kind != TOKEN_NAME || !habit_is_type(parser->token.as.symbol->text)) return;
+    bool binds = parser->token.kind == TOKEN_LET || parser->token.kind == TOKEN_VAR;
+    if (!binds && (parser->token.kind != TOKEN_NAME || !habit_is_type(parser->token.as.symbol->text))) return;
     Token next = peek(parser);
     if (next.kind != TOKEN_NAME) return;
-    Diagnostic *report = report_at(parser, token_span(parser), "the name of a loop has no type in front of it");
+    Diagnostic *report = report_at(parser, token_span(parser), "the name of a loop has no %s in front of it",
+                                   binds ? token_text(parser->token.kind) : "type");
     diag_hint(parser->diag, report, "write: for (%s in ...) { ... }", next.as.symbol->text);
     consume(parser);
 }
@@ -176,6 +190,35 @@ void parse_loop_step(Parser *parser)
     consume(parser);
     const char *step = quote_read(parser, parse_expr);
     if (!parser->panic) diag_hint(parser->diag, report, "write: by %s", step);
+}
+
+/* How a range goes on behind a word of other languages; NULL: it does not. */
+static const char *range_points(const Parser *parser)
+{
+    if (parser->token.kind == TOKEN_COLON) return "..";
+    if (parser->token.kind != TOKEN_NAME) return NULL;
+    const char *word = parser->token.as.symbol->text;
+    if (habit_is_one_of("to upto thru through", word)) return "..";
+    return habit_is_one_of("until till", word) ? "..<" : NULL;
+}
+
+const char *parse_range_habit(Parser *parser, uint32_t begin, bool with_steps, bool reports)
+{
+    const char *points = range_points(parser), *range = quote(parser, begin, consumed_end(parser));
+    if (!points && !(with_steps && at_word(parser, "step"))) return NULL;
+    Diagnostic *report = reports ? expected_error(parser, "'..'") : NULL;
+    parser->panic = false;
+    if (points) {
+        consume(parser);
+        range = arena_format(parser->arena, "%s%s%s", range, points, quote_read(parser, parse_expr));
+    }
+    if (!parser->panic && (parser->token.kind == TOKEN_BY || at_word(parser, "step"))) {
+        consume(parser);
+        range = arena_format(parser->arena, "%s by %s", range, quote_read(parser, parse_expr));
+    }
+    if (report && !parser->panic) diag_hint(parser->diag, report, "write: %s", range);
+    if (report && parser->panic) diag_hint(parser->diag, report, "a range is written 1..9");
+    return range;
 }
 
 void parse_three_points(Parser *parser, const Expr *first)
