@@ -94,7 +94,9 @@ static Status find_lamps(const World *world, PhotonTargets *targets, Error *erro
     for (uint32_t i = 0; i < world->emitters.n; i++) {
         const double extent = light_send_extent(world, i);
         if (!(extent > 0)) continue;
-        sum += extent * fmax(spectrum_luminance(&world->scene->lights[world->emitters.emitters[i].of].radiance), 0);
+        double power = extent * spectrum_luminance(&world->scene->lights[world->emitters.emitters[i].of].radiance);
+        if (!(power > 0)) continue;
+        sum += power;
         if (!array_reserve(&targets->lamps, &capacity, targets->n_lamps + 1, sizeof *targets->lamps))
             return fail_memory(error, (targets->n_lamps + 1) * sizeof *targets->lamps, "photons");
         targets->lamps[targets->n_lamps++] = (PhotonLamp){i, sum};
@@ -131,5 +133,7 @@ Status photon_targets(const World *world, PhotonTargets *targets, Error *error)
         sum += box_area(targets->boxes[i]);
         targets->cumulative[i] = sum;
     }
-    return find_lamps(world, targets, error);
+    Status status = find_lamps(world, targets, error);
+    if (status != STATUS_OK) photon_targets_clear(targets);
+    return status;
 }
