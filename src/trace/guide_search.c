@@ -313,6 +313,7 @@ static Status try_rounds(GuideSearch *search, Error *error)
         cell->share = float_max(cell->share, LEAST_SHARE);
         if (looks) cell->looks = float_max(cell->looks, LEAST_LOOKS);
     }
+    guide_shares_are_set(search->guide);
     end_search(search, search->settings->always || facts->worth.gain > LEAST_USE);
     return STATUS_OK;
 }
