@@ -111,11 +111,6 @@ typedef struct GuideAt {
 } GuideAt;
 
 GuideAt guide_find(const Guide *guide, Vec3 place, float color);
-/* Whether directions there depend on the color. */
-static inline bool guide_parts_colors(const GuideAt *at)
-{
-    return at->cell->parts_colors;
-}
 /* Tells of all cells in which media scatter light, and that a line, origin + t direction, goes through from t = begin to `end`. */
 typedef void GuideVisitor(void *context, const GuideCell *cell, double begin, double end);
 void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, double end, GuideVisitor *visit,

@@ -278,7 +278,7 @@ static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
  * then, unless it parted from this one before. */
 static inline void path_is_guided(Path *path, const GuideAt *guide)
 {
-    path->bent_apart = path->bent_apart || guide_parts_colors(guide);
+    path->bent_apart = path->bent_apart || guide->cell->parts_colors;
 }
 /* Whether a probe is to be sent out from there, and whereto. */
 bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction);

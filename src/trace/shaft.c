@@ -117,17 +117,24 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     path->bounce = bounce;
 }
 
-/* Chooses a cell of the stretch, and a place there; false: there is none. Sets what all cells scatter there. */
-static bool choose_place(const Path *path, Airway *way, double u, float v, GuideAt *at, double *t, double *all)
+/* Goes through the cells of a stretch, and chooses one of them by u; sets what all scatter there. */
+static Shaft walk_along(const Path *path, Airway *way, double u)
 {
     const Guide *guide = path->tracer->world->guide;
     Shaft shaft = {.u = u, .colors = path->colors};
     guide_walk(guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
     way->shaft_all = double_max(shaft.all, guide_bright(guide));
+    return shaft;
+}
+
+/* Chooses a cell of the stretch, and a place there; false: there is none. Sets what all cells scatter there. */
+static bool choose_place(const Path *path, Airway *way, double u, float v, GuideAt *at, double *t, double *all)
+{
+    Shaft shaft = walk_along(path, way, u);
     *all = shaft.all;
     if (!(shaft.all > 0)) return false;
     *t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
-    *at = guide_find(guide, ray_point(&path->ray, *t), path->color);
+    *at = guide_find(path->tracer->world->guide, ray_point(&path->ray, *t), path->color);
     return at->cell == shaft.cell; /* but for rounding */
 }
 
@@ -184,10 +191,6 @@ float shaft_rival(Path *path, const GuideAt *guide)
 {
     Airway *way = &path->from;
     if (!(way->rarity > 0) || !(way->shaft > 0) || !guide->cell || !(guide->cell->scattered > 0)) return 0;
-    if (way->shaft_all < 0) {
-        Shaft shaft = {.u = 0, .colors = path->colors};
-        guide_walk(guide->guide, way->origin, vec3_from_f(way->direction), way->begin, way->end, consider, &shaft);
-        way->shaft_all = double_max(shaft.all, guide_bright(guide->guide));
-    }
+    if (way->shaft_all < 0) (void)walk_along(path, way, 0);
     return way->shaft_all > 0 ? way->rarity * look_density(path, way, guide->cell) : 0;
 }
