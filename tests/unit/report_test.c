@@ -410,6 +410,19 @@ static void what_may_be_seen_is_not_enclosed(void **state)
     }
 }
 
+/* Whether a scene is reported with that code. */
+static void expect_told(const char *scene, void (*report)(const CompiledScene *, Diag *), DiagCode code, bool told)
+{
+    Fixture f;
+    fixture_compile(&f, scene, 1);
+    report(f.compiled, &f.diag);
+    if ((fixture_find(&f, code) != NULL) != told) {
+        fixture_print(&f);
+        fail_msg("%s", scene);
+    }
+    fixture_clear(&f);
+}
+
 /* A picture plane that goes through the object shows what is in it, and so does a lens that reaches into it. */
 static void cameras_see_what_they_are_in(void **state)
 {
@@ -430,18 +443,11 @@ static void cameras_see_what_they_are_in(void **state)
         {"camera { from = <0, 0, 30> to = <0, 0, 0> } camera other { from = <4, 0, 0> to = <0, 0, 0> }", false},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        Fixture f;
         char scene[1200];
         snprintf(scene, sizeof scene,
                  "meniscus 1.0 unit mm box a { size = <9, 9, 9>" OPAQUE "} sphere b {" OPAQUE "} environment { } %s",
                  cases[i].camera);
-        fixture_compile(&f, scene, 1);
-        report_remarks(f.compiled, &f.diag);
-        if ((fixture_find(&f, D_ENCLOSED_OBJECT) != NULL) != cases[i].enclosed) {
-            fixture_print(&f);
-            fail_msg("%s", cases[i].camera);
-        }
-        fixture_clear(&f);
+        expect_told(scene, report_remarks, D_ENCLOSED_OBJECT, cases[i].enclosed);
     }
 }
 
@@ -514,14 +520,7 @@ static void small_volumes_are_told_of(void **state)
                  "meniscus 1.0 unit mm def f(p) = 1 + noise(p) %s camera { from = <0, 0, 1000>  to = <0, 0, 0> "
                  "shutter = 360deg  shutter_steps = 2 } environment { } animation { frames = 2 }",
                  cases[i].scene);
-        Fixture f;
-        fixture_compile(&f, scene, 1);
-        report_warnings(f.compiled, &f.diag);
-        if ((fixture_find(&f, D_SMALL_VOLUME) != NULL) != cases[i].told) {
-            fixture_print(&f);
-            fail_msg("%s", cases[i].scene);
-        }
-        fixture_clear(&f);
+        expect_told(scene, report_warnings, D_SMALL_VOLUME, cases[i].told);
     }
 }
 
