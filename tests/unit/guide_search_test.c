@@ -107,7 +107,8 @@ static void pieces(void **state)
     assert_int_equal(a->n_lobes, b->n_lobes);
     assert_true(a->threshold == b->threshold);
     assert_memory_equal(a->nodes, b->nodes, a->n_nodes * sizeof *a->nodes);
-    for (uint32_t i = 0; i < a->n_cells; i++) /* by which looks are left out before it is known of which cell they are */
+    /* looks are left out by it before it is known of which cell they are */
+    for (uint32_t i = 0; i < a->n_cells; i++)
         assert_true(a->cells[i].scattered == 0 || a->cells[i].looks <= guide_most_looks(a));
     assert_memory_equal(a->cells, b->cells, a->n_cells * sizeof *a->cells);
     assert_memory_equal(a->fours, b->fours, a->n_fours * sizeof *a->fours);
