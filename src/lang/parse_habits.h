@@ -9,17 +9,12 @@
 /* -- statements (parse_habits.c) -- */
 bool parse_value_habit(Parser *parser); /* a value where a statement should begin */
 bool parse_comma_habit(Parser *parser);
-bool parse_brace_habit(Parser *parser);
 bool parse_name_habit(Parser *parser, Path path);  /* behind a path that nothing of the grammar follows */
 bool parse_lone_word(Parser *parser, Path path);   /* "break", behind it */
-bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
 void parse_two_names(Parser *parser, Path path);   /* behind the first, at the second; no '{' follows */
 bool parse_function_habit(Parser *parser, Path path); /* "f(x) = ...", at the '=' */
 void parse_member_change(Parser *parser, Path path); /* "a.x := 5", behind the path */
 void parse_unquoted_file(Parser *parser, const char *word); /* behind 'use' or 'include', where a string should stand */
-/* Behind the head of a def of that text, without '=' or '{'; reports: that has not been said. NULL: it was a block. */
-Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
-void parse_bare_block(Parser *parser, Block *block);
 /* let a, b = 1, 2 at the comma, behind the first name */
 void parse_names_together(Parser *parser, const Symbol *first);
 bool parse_declared_change(Parser *parser, const Symbol *name, const char *word); /* let n += 1, behind the name */
@@ -27,6 +22,17 @@ bool parse_declared_change(Parser *parser, const Symbol *name, const char *word)
 bool parse_no_value(Parser *parser, const char *expected, const char *hint);
 /* def f(x): number = ... and def f(x) -> number = ..., behind the parameters, at what tells the type */
 void parse_result_type(Parser *parser, const char *head);
+
+/* -- blocks (parse_habits_block.c) -- */
+bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
+bool parse_brace_habit(Parser *parser); /* a block without anything in front of it, or a '{' too many */
+/* Behind the head of a def of that text, without '=' or '{'; reports: that has not been said. NULL: it was a block. */
+Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
+/* Behind 'if (...)' and the like, where the '{' is missing: the block up to its '}' or 'end', or one statement. */
+void parse_bare_block(Parser *parser, Block *block);
+bool lacks_opening_brace(Parser *parser); /* whether there is a '}' too many up to the end of the text */
+/* What stands in a block whose '{' is missing, and its '}'; node: whose it is, or NULL. */
+void block_without_opening(Parser *parser, const char *node);
 
 /* -- loops and choices (parse_habits_flow.c) -- */
 bool parse_foreach(Parser *parser); /* at a word: "foreach" is taken for a 'for', which is then the next token */
