@@ -46,8 +46,8 @@ typedef struct GuideCell {
     float share, looks;           /* how often to send a probe: by what is scattered there, and by looks along paths */
     float radiance;               /* of a white surface in the light that the photons bring */
     float scattered;              /* what media scatter of that, of a volume: */
-    float color, color_spread;    /* of what color it is, in the mean, and the standard deviation of that */
-    uint32_t parts_colors;        /* 1: it comes from other places by other colors */
+    float color, color_spread;    /* of what colour it is, in the mean, and the standard deviation of that */
+    uint32_t parts_colors;        /* 1: it comes from other places by other colours */
 } GuideCell;
 
 typedef struct Guide Guide;

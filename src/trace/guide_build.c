@@ -177,7 +177,7 @@ static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
     guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);
 }
 
-/* What media scatter in the cell, and its color. */
+/* What media scatter in the cell, and its colour. */
 static void find_scattered(GuideCell *cell, const Photon *photons, uint32_t n, float scale)
 {
     const float at_least = 0.05f; /* that few photons do not say that there are no others */

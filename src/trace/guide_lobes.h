@@ -7,15 +7,15 @@
 #include "base/lanes.h"
 #include "base/vec3.h"
 
-/* A place, from the cell's origin, and the color by which light was bent that comes there, see guide_color. */
+/* A place, from the cell's origin, and the colour by which light was bent that comes there, see guide_color. */
 typedef struct GuidePlace {
     Vec3f offset;
     float color;
 } GuidePlace;
 
-/* Directions about a mean that depends linearly on the place and the color. Directions near the axis are points of a plane by Lambert's
- * azimuthal projection, which keeps areas, so that densities per area are densities per steradian. The lobe is the wider, and
- * counts the less, the further away its place is. */
+/* Directions about a mean that depends linearly on the place and the colour. Directions near the axis are points of a plane by
+ * Lambert's azimuthal projection, which keeps areas, so that densities per area are densities per steradian. The lobe is the
+ * wider, and counts the less, the further away its place is. */
 typedef struct GuideLobe {
     float cumulative;          /* share of the cell's light, of this lobe's sheet and those before */
     float weight;              /* of its sheet */
@@ -24,10 +24,10 @@ typedef struct GuideLobe {
     Vec3f place;               /* where it was found, from the cell's origin; the nearest lobe of a sheet knows best */
     Vec3f axis, x, y;          /* a right-handed frame */
     Vec3f slope_x, slope_y;    /* of the mean in the plane, by the place */
-    float mean_x, mean_y;      /* at the cell's origin, of color 0 */
+    float mean_x, mean_y;      /* at the cell's origin, of colour 0 */
     float xx, xy, yy;          /* spread about the mean, at its place */
-    float color, hue_x, hue_y; /* of its light; slope of the mean by the color */
-    float hue_bend;            /* how wrong it is for other colors: angle by the square of the difference */
+    float color, hue_x, hue_y; /* of its light; slope of the mean by the colour */
+    float hue_bend;            /* how wrong it is for other colours: angle by the square of the difference */
 } GuideLobe;
 
 enum {

@@ -111,7 +111,7 @@ static void in_plane(Vec3f axis, Vec3f direction, double p[2])
     p[1] = (double)(stretch * vec3f_dot(y, direction));
 }
 
-/* Follows a photon again, by the same random numbers, from another start and in another color; false: it goes another way. */
+/* Follows a photon again, by the same random numbers, from another start and in another colour; false: it goes another way. */
 static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const PhotonStart *start, double more_color,
                          uint32_t way, Photon *photon)
 {
@@ -123,7 +123,7 @@ static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Photon
     return follow_photon(&path, 1, photon) && photon->way == way;
 }
 
-/* more_color: by how much the other's color is another one; 0: it is its start. */
+/* more_color: by how much the other's colour is another one; 0: it is its start. */
 static bool find_column(Job *job, Tracer *tracer, const PhotonStart *start, double more_color, double step,
                         const Photon *photon, Column *column)
 {
@@ -284,7 +284,7 @@ static void find_neighbours(Job *job, Path *path, const PhotonStart *start, Phot
     condition(columns, n, shift, photon);
 }
 
-/* How the direction in which the light is seen from a place depends on the color by which glass bends it, from what its slopes by
+/* How the direction in which the light is seen from a place depends on the colour by which glass bends it, from what its slopes by
  * the place are. */
 static void find_hue(Job *job, Path *path, const PhotonStart *start, Photon *photon)
 {

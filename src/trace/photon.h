@@ -37,7 +37,7 @@ typedef struct Photon {
     float spread[3]; /* covariance about the mean: xx, xy, yy; 0: nothing is known */
     float color;     /* of the light by which it was bent, see guide_color */
     float hue[2];    /* and how the mean at a place changes with that, as far as to first order; */
-    float hue_bend;  /* away from that it does with the square of the color, in radians */
+    float hue_bend;  /* away from that it does with the square of the colour, in radians */
     uint32_t number; /* of all that were followed */
     uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
     uint32_t lobe;   /* 1: photons_look_around was here */

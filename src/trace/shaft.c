@@ -21,10 +21,10 @@ typedef struct Shaft {
     const float *colors; /* of both paths of the sample, so that both look at the same places */
 } Shaft;
 
-/* How much more light of a color there is in a cell than of others. */
+/* How much more light of a colour there is in a cell than of others. */
 static float of_color(const GuideCell *cell, float color)
 {
-    const float all = 0.35f, least = 0.05f; /* the spread of all colors */
+    const float all = 0.35f, least = 0.05f; /* the spread of all colours */
     float off = (color - cell->color) / cell->color_spread, fall = 1 / (1 + off * off);
     return least + all / cell->color_spread * fall * fall;
 }

@@ -19,7 +19,7 @@ static float dice(void)
 {
     return (float)hash_to_unit(hash_u64(dice_state++));
 }
-static const GuidePlace at_origin; /* of a cell, of no color */
+static const GuidePlace at_origin; /* of a cell, of no colour */
 static float dice_between(float low, float high)
 {
     return low + (high - low) * dice();
@@ -421,7 +421,7 @@ static void flux(void **state)
     fixture_clear(&scene);
 }
 
-/* Light that a prism parts goes another way by each color: what one photon knows of its own says where the others' goes. */
+/* Light that a prism parts goes another way by each colour: what one photon knows of its own says where the others' goes. */
 static void hues(void **state)
 {
     (void)state;
