@@ -157,4 +157,9 @@ static inline Box3 box3_intersection(Box3 a, Box3 b)
 /* The box around the image of b. */
 Box3 affine_box(const Affine *a, Box3 b);
 
+typedef struct Ball {
+    Vec3 centre;
+    double radius;
+} Ball;
+
 #endif

@@ -41,11 +41,6 @@ typedef struct Enclosures {
     uint64_t pairs_left;
 } Enclosures;
 
-typedef struct Ball {
-    Vec3 centre;
-    double radius;
-} Ball;
-
 /* ---- a ball and an object ---- */
 
 static const Known *know(Enclosures *e, uint32_t number)

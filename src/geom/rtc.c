@@ -230,7 +230,7 @@ static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double 
 /* A ball is met where it is, without a frame. */
 static bool consider_ball(Query *query, uint32_t object)
 {
-    RtcBall ball = rtc_ball(query->scene, &query->scene->objects[object], query->ray->time);
+    Ball ball = rtc_ball(query->scene, &query->scene->objects[object], query->ray->time);
     PieceCrossings crossings;
     piece_cross_ball(ball.radius, vec3_sub(query->origin, ball.centre), query->direction, query->pieces_from,
                      double_min(query->ray->t_max, query->reach), &crossings);

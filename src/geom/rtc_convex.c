@@ -192,9 +192,9 @@ RtcConvex *rtc_convex_make(const RtcScene *scene, uint32_t object)
     return NULL;
 }
 
-RtcBall rtc_convex_ball(const RtcConvex *convex)
+Ball rtc_convex_ball(const RtcConvex *convex)
 {
-    return (RtcBall){convex->centre, convex->radius};
+    return (Ball){convex->centre, convex->radius};
 }
 
 bool rtc_convex_is_apart(const RtcConvex *convex, const Vec3 *points, uint32_t n, double margin)
@@ -239,7 +239,7 @@ bool rtc_convex_is_off(const RtcConvex *convex, Vec3 point)
     return true;
 }
 
-bool rtc_convex_is_within(const RtcConvex *convex, const RtcBall *ball, double margin)
+bool rtc_convex_is_within(const RtcConvex *convex, const Ball *ball, double margin)
 {
     Vec3 centre = vec3_sub(ball->centre, convex->centre);
     for (uint32_t i = 0; i < 3 * convex->n_triangles; i++)

@@ -17,7 +17,7 @@ RtcConvex *rtc_convex_make(const RtcScene *scene, uint32_t object);
 void rtc_convex_trim(RtcConvex *convex);
 void rtc_convex_free(RtcConvex *convex);
 /* Around it. */
-RtcBall rtc_convex_ball(const RtcConvex *convex);
+Ball rtc_convex_ball(const RtcConvex *convex);
 /* Whether the plane of one of its faces has all points on its other side, by more than `margin`. */
 bool rtc_convex_is_apart(const RtcConvex *convex, const Vec3 *points, uint32_t n, double margin);
 /* Whether it is on one side of a plane; normal: unit. Where it is not farther from it than `margin`, it touches what is in the
@@ -25,7 +25,7 @@ bool rtc_convex_is_apart(const RtcConvex *convex, const Vec3 *points, uint32_t n
 bool rtc_convex_note_plane(RtcConvex *convex, Vec3 normal, Vec3 place, double margin);
 /* Whether a point of it is farther from all that it touches than that margin. */
 bool rtc_convex_is_off(const RtcConvex *convex, Vec3 point);
-bool rtc_convex_is_within(const RtcConvex *convex, const RtcBall *ball, double margin);
+bool rtc_convex_is_within(const RtcConvex *convex, const Ball *ball, double margin);
 
 /* The face by which a line from within leaves it, as far as float tells; NULL: none. Its triangles, by their primitives. */
 typedef struct RtcFace {

@@ -20,7 +20,7 @@ typedef struct Asked {
     const RtcScene *scene;
     uint32_t object;
     RtcConvex *convex; /* NULL: a ball */
-    RtcBall ball;      /* it, or around it, with the margin */
+    Ball ball;         /* it, or around it, with the margin */
     double margin;
     uint32_t n; /* primitives asked about so far */
     bool lone;
@@ -41,7 +41,7 @@ static double distance_to_box(struct RTCBounds box, Vec3 p)
 }
 
 /* Whether a convex mesh keeps away from a ball's surface, */
-static bool is_apart_from_ball(const Asked *asked, const RtcBall *ball)
+static bool is_apart_from_ball(const Asked *asked, const Ball *ball)
 {
     return rtc_convex_is_apart(asked->convex, &ball->centre, 1, ball->radius + asked->margin) ||
            rtc_convex_is_within(asked->convex, ball, asked->margin);
@@ -70,7 +70,7 @@ static struct RTCBounds box_of_part(const RtcPieceSet *set, uint32_t primitive)
 static bool is_away_from_ball(const Asked *asked, uint32_t object)
 {
     if (object == asked->object) return true;
-    RtcBall ball = rtc_ball(asked->scene, &asked->scene->objects[object], 0);
+    Ball ball = rtc_ball(asked->scene, &asked->scene->objects[object], 0);
     if (asked->convex) return is_apart_from_ball(asked, &ball);
     return keeps_away(asked, fabs(vec3_length(vec3_sub(ball.centre, asked->ball.centre)) - ball.radius));
 }
@@ -147,7 +147,7 @@ static void ask_others(Asked *asked)
 }
 
 /* Whether nothing reaches into an object; ball: around it. */
-static bool find_lone(const RtcScene *scene, uint32_t object, RtcConvex *convex, RtcBall ball)
+static bool find_lone(const RtcScene *scene, uint32_t object, RtcConvex *convex, Ball ball)
 {
     double scale = double_max(scene->reach, vec3_max_abs(ball.centre) + ball.radius),
            margin = MARGIN * TRUSTED_ULPS * UNIT_ROUNDING * scale;
@@ -218,5 +218,5 @@ bool rtc_cross_lone_mesh(Query *query, uint32_t object)
 
 bool rtc_is_away(const RtcScene *scene, Vec3 centre, double radius)
 {
-    return !scene->n_keys && find_lone(scene, RTC_NO_OBJECT, NULL, (RtcBall){centre, radius});
+    return !scene->n_keys && find_lone(scene, RTC_NO_OBJECT, NULL, (Ball){centre, radius});
 }

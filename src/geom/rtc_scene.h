@@ -70,12 +70,6 @@ typedef struct RtcPlaced {
 enum { RTC_LINE = 64 };
 _Static_assert(sizeof(RtcPlaced) <= RTC_LINE, "an object is one line of memory");
 
-/* A ball in the world. */
-typedef struct RtcBall {
-    Vec3 centre;
-    double radius;
-} RtcBall;
-
 /* A piece of a solid that is no ball: all that a ray has to know that does not meet it, for of many little is in the cache. */
 typedef struct RtcPiece {
     uint32_t object, piece;
@@ -217,11 +211,11 @@ static inline Vec3 rtc_ball_centre(const RtcScene *scene, const RtcPlaced *objec
 {
     return UNLIKELY(object->moves) ? affine_between(object->keys, scene->n_keys, time).t : object->place;
 }
-static inline RtcBall rtc_ball(const RtcScene *scene, const RtcPlaced *object, double time)
+static inline Ball rtc_ball(const RtcScene *scene, const RtcPlaced *object, double time)
 {
-    if (LIKELY(!object->moves)) return (RtcBall){object->place, object->radius};
+    if (LIKELY(!object->moves)) return (Ball){object->place, object->radius};
     Affine to_world = affine_between(object->keys, scene->n_keys, time);
-    return (RtcBall){to_world.t, to_world.m[0][0] * object->solid->pieces[0].r0};
+    return (Ball){to_world.t, to_world.m[0][0] * object->solid->pieces[0].r0};
 }
 
 /* Finds how large the coordinates are, of the scene and from place to place: reach, piece_reach and grain; once all meshes are

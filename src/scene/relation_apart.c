@@ -121,11 +121,6 @@ static bool stands_still(const Finder *f, uint32_t hull, Still *still)
     return true;
 }
 
-typedef struct Ball {
-    Vec3 centre;
-    double radius;
-} Ball;
-
 static Ball ball_around(const Finder *f, uint32_t hull)
 {
     Box3 bounds = f->compiled->hull_bounds[hull];

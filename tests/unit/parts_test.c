@@ -129,14 +129,9 @@ static void parts_in_contact_overlap_from_within_only(void **state)
     expect_parts(joined(box(o, one), box(vec3(.25, .25, .25), vec3(.75, .75, .75))), 2, 2, 1, 2);
 }
 
-typedef struct Ball {
-    Vec3 center;
-    double radius;
-} Ball;
-
 static double distance(const Ball *a, const Ball *b)
 {
-    return vec3_length(vec3_sub(a->center, b->center));
+    return vec3_length(vec3_sub(a->centre, b->centre));
 }
 
 /* Whether it neither nearly touches another from outside nor from within, where it matters how round a mesh is. */
@@ -163,7 +158,7 @@ static void heaps_of_balls_come_out_as_their_centers_say(void **state)
             for (int k = 0; k < 4; k++) r[k] = hash_to_unit(seed = hash_u64(seed + 1));
             balls[n] = (Ball){vec3_scale(vec3(r[0], r[1], r[2]), 3 + round), 0.1 + r[3] * r[3] * 1.5};
             if (!is_clear(balls, n, &balls[n])) continue;
-            Mesh *ball = sphere(balls[n].center, balls[n].radius, 3);
+            Mesh *ball = sphere(balls[n].centre, balls[n].radius, 3);
             mesh = n++ ? joined(mesh, ball) : ball;
         }
         uint32_t overlapping = 0, within = 0;
