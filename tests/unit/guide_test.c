@@ -349,32 +349,48 @@ static void levels(void **state)
     free(photons);
 }
 
+/* A scene whose photons are followed. */
+typedef struct Lit {
+    Fixture scene;
+    World world;
+    PhotonTargets targets;
+    PhotonSource source;
+} Lit;
+
+static void lit_make(Lit *lit, const char *text)
+{
+    fixture_compile(&lit->scene, text, 1);
+    assert_int_equal(world_init(&lit->world, lit->scene.compiled, 0, 100, false, NULL, &lit->scene.error), STATUS_OK);
+    assert_int_equal(photon_targets(&lit->world, &lit->targets, &lit->scene.error), STATUS_OK);
+    lit->source = (PhotonSource){.world = &lit->world, .targets = &lit->targets, .seed = 1};
+}
+
+static void lit_clear(Lit *lit)
+{
+    photon_targets_clear(&lit->targets);
+    world_clear(&lit->world);
+    fixture_clear(&lit->scene);
+}
+
 /* What lands behind a slab in the sun is what comes to it, less what is reflected. */
 static void flux(void **state)
 {
     (void)state;
     enum { N = 40000, LOOKED = 1000 };
     static uint32_t landed_ones[N];
-    Fixture scene;
+    Lit lit;
     Pool *pool;
     Error error;
-    World world;
-    fixture_compile(&scene,
-                    FIXTURE_MEDIA
-                    "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n"
-                    "ground { surface = surface { albedo = .5 } } camera { from = <0, 10, 300>  to = <0, 0, 0> }\n"
-                    "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n",
-                    1);
+    lit_make(&lit, FIXTURE_MEDIA
+             "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n"
+             "ground { surface = surface { albedo = .5 } } camera { from = <0, 10, 300>  to = <0, 0, 0> }\n"
+             "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n");
     assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
-    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
-    PhotonTargets targets;
-    assert_int_equal(photon_targets(&world, &targets, &error), STATUS_OK);
-    assert_int_equal(targets.n, 1);
+    assert_int_equal(lit.targets.n, 1);
     Photon *photons = calloc(N, sizeof *photons), *again = calloc(N, sizeof *again);
-    PhotonSource source = {.world = &world, .targets = &targets, .seed = 1};
     uint64_t rays = 0;
-    assert_int_equal(photons_trace(&source, 0, N, pool, photons, &rays, &error), STATUS_OK);
-    double landed = 0, sent = (double)photon_flux(&world, &targets), square = 0;
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, &rays, &error), STATUS_OK);
+    double landed = 0, sent = (double)photon_flux(&lit.world, &lit.targets), square = 0;
     int n_landed = 0, n_known = 0;
     for (int i = 0; i < N; i++) {
         double flux = (double)photons[i].flux;
@@ -387,7 +403,7 @@ static void flux(void **state)
         landed_ones[n_landed - 1] = (uint32_t)i;
     }
     assert_true(rays >= N);
-    assert_int_equal(photons_look_around(&source, photons, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_look_around(&lit.source, photons, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
     for (int i = 0; i < LOOKED; i++) {
         const Photon *photon = &photons[landed_ones[i]];
         n_known += photon->lobe && photon->spread[0] > 0 && photon->spread[0] < 1e-4f;
@@ -399,26 +415,24 @@ static void flux(void **state)
     /* the same in two parts, by another number of threads */
     Pool *alone;
     assert_int_equal(pool_new(1, &alone, &error), STATUS_OK);
-    assert_int_equal(photons_trace(&source, 0, 1000, alone, again, &rays, &error), STATUS_OK);
-    assert_int_equal(photons_trace(&source, 1000, N - 1000, alone, again + 1000, &rays, &error), STATUS_OK);
-    assert_int_equal(photons_look_around(&source, again, landed_ones, LOOKED, alone, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, 1000, alone, again, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 1000, N - 1000, alone, again + 1000, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_look_around(&lit.source, again, landed_ones, LOOKED, alone, &rays, &error), STATUS_OK);
     assert_memory_equal(photons, again, N * sizeof *photons);
     /* after a stop there is nothing more to wait for */
     volatile sig_atomic_t stop = 1;
-    source.stop = &stop;
+    lit.source.stop = &stop;
     rays = 0;
-    assert_int_equal(photons_look_around(&source, again, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_look_around(&lit.source, again, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
     assert_memory_equal(photons, again, N * sizeof *photons);
-    assert_int_equal(photons_trace(&source, 0, N, pool, again, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, again, &rays, &error), STATUS_OK);
     for (int i = 0; i < N; i++) assert_true(again[i].flux == 0);
     assert_int_equal(rays, 0);
-    photon_targets_clear(&targets);
     free(photons);
     free(again);
     pool_free(alone);
     pool_free(pool);
-    world_clear(&world);
-    fixture_clear(&scene);
+    lit_clear(&lit);
 }
 
 /* Light that a prism parts goes another way by each colour: what one photon knows of its own says where the others' goes. */
@@ -427,33 +441,26 @@ static void hues(void **state)
     (void)state;
     enum { N = 4000, LOOKED = 300 };
     static uint32_t chosen[N];
-    Fixture scene;
+    Lit lit;
     Pool *pool;
     Error error;
-    World world;
-    fixture_compile(
-        &scene,
-        "meniscus 1.0 unit cm medium flint { ior = cauchy(1.6, .012)  state = solid }\n"
-        "prism { interior = flint  outline = [<-8, 0>, <8, 0>, <0, 13.8>]  from = -5  to = 5 }\n"
-        "box { from = <30, -50, -50>  to = <31, 50, 50>  surface = surface { albedo = .5 } }\n"
-        "box { from = <-50, -50, -31>  to = <50, 50, -30>  surface = surface { albedo = .5 } }\n"
-        "light { shape = disc  radius = .5  from = <-46, 0, -6>  to = <-2.6, 0, 5>  angle = .2  power = 1 }\n"
-        "camera { from = <0, 90, 60>  to = <0, 0, 0> }\n",
-        1);
+    lit_make(&lit,
+             "meniscus 1.0 unit cm medium flint { ior = cauchy(1.6, .012)  state = solid }\n"
+             "prism { interior = flint  outline = [<-8, 0>, <8, 0>, <0, 13.8>]  from = -5  to = 5 }\n"
+             "box { from = <30, -50, -50>  to = <31, 50, 50>  surface = surface { albedo = .5 } }\n"
+             "box { from = <-50, -50, -31>  to = <50, 50, -30>  surface = surface { albedo = .5 } }\n"
+             "light { shape = disc  radius = .5  from = <-46, 0, -6>  to = <-2.6, 0, 5>  angle = .2  power = 1 }\n"
+             "camera { from = <0, 90, 60>  to = <0, 0, 0> }\n");
     assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
-    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
-    PhotonTargets targets;
-    assert_int_equal(photon_targets(&world, &targets, &error), STATUS_OK);
-    assert_int_equal(targets.n_lamps, 1);
+    assert_int_equal(lit.targets.n_lamps, 1);
     Photon *photons = calloc(N, sizeof *photons);
-    PhotonSource source = {.world = &world, .targets = &targets, .seed = 1};
     uint64_t rays = 0;
-    assert_int_equal(photons_trace(&source, 0, N, pool, photons, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, &rays, &error), STATUS_OK);
     uint32_t n = 0;
     for (uint32_t i = 0; i < N; i++)
         if (photons[i].flux > 0 && n < LOOKED) chosen[n++] = i;
     assert_int_equal(n, LOOKED);
-    assert_int_equal(photons_look_around(&source, photons, chosen, n, pool, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_look_around(&lit.source, photons, chosen, n, pool, &rays, &error), STATUS_OK);
     double without = 0, with = 0, bound = 0;
     int n_pairs = 0;
     for (uint32_t i = 0; i + 1 < n; i++) {
@@ -476,11 +483,9 @@ static void hues(void **state)
            n_pairs, without / n_pairs, with / n_pairs, bound / n_pairs);
     assert_true(n_pairs > LOOKED / 3 && without > .01 * n_pairs);
     assert_true(with < .2 * without && with < bound + .003 * n_pairs);
-    photon_targets_clear(&targets);
     free(photons);
     pool_free(pool);
-    world_clear(&world);
-    fixture_clear(&scene);
+    lit_clear(&lit);
 }
 
 /* Of a lamp that shines into a cone, all of which comes to the glass, what starts is what it sends: each place of it to each
@@ -488,27 +493,18 @@ static void hues(void **state)
 static void beams(void **state)
 {
     (void)state;
-    Fixture scene;
-    Error error;
-    World world;
-    fixture_compile(&scene,
-                    FIXTURE_MEDIA "box { interior = glass  from = <-30, -30, -30>  to = <30, 30, 30>  rotate(y, 20) }\n"
-                                  "light { shape = disc  radius = 2  from = <60, 50, 100>  to = <0, 0, 0>  angle = "
-                                  "3deg  blend = 0  radiance = 7 }\n"
-                                  "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n",
-                    1);
-    assert_int_equal(world_init(&world, scene.compiled, 0, 100, false, NULL, &error), STATUS_OK);
-    PhotonTargets targets;
-    assert_int_equal(photon_targets(&world, &targets, &error), STATUS_OK);
+    Lit lit;
+    lit_make(&lit, FIXTURE_MEDIA "box { interior = glass  from = <-30, -30, -30>  to = <30, 30, 30>  rotate(y, 20) }\n"
+                                 "light { shape = disc  radius = 2  from = <60, 50, 100>  to = <0, 0, 0>\n"
+                                 "  angle = 3deg  blend = 0  radiance = 7 }\n"
+                                 "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n");
     double sine = sin(1.5 * pi / 180), extent = pi * 4 * pi * sine * sine; /* m^2 sr */
-    double flux = (double)photon_flux(&world, &targets);
+    double flux = (double)photon_flux(&lit.world, &lit.targets);
     printf("    of a lamp that sends %.5g into its cone, photons carry %.5g\n", 7 * extent, flux);
-    assert_int_equal(targets.n_lamps, 1);
-    assert_near(targets.lamps->power / (7 * extent), 1, .01);
+    assert_int_equal(lit.targets.n_lamps, 1);
+    assert_near(lit.targets.lamps->power / (7 * extent), 1, .01);
     assert_near(flux / (7 * extent), 1, .05); /* a mean over the wavelengths */
-    photon_targets_clear(&targets);
-    world_clear(&world);
-    fixture_clear(&scene);
+    lit_clear(&lit);
 }
 
 typedef struct Visit {
