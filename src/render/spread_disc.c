@@ -1,0 +1,359 @@
+/* spread_disc.c - how far a sample is spread by pixels, and what each of these gets.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "render/spread_maps.h"
+
+#include <stdlib.h>
+
+/* Measured on the examples, by the error against pictures of many samples, by dots that are left (bench fireflies), and by
+ * eye: what is spread too near makes discs of the same brightness; too little, dots. */
+
+/* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
+ * away many, else their discs would be seen: of samples of one colour, as dispersion makes them, the more by how much sooner a
+ * haze of that is seen. Without that a diamond had clouds of violet and green. */
+enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
+/* Pixels around a sample, for what they have of comparable ones. */
+enum { BESIDE = 2 };
+/* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
+#define UNSEEN 0.1
+#define FAINT 0.25
+/* A haze of one colour is seen sooner than a grey one: how much sooner, for each unit of tint. */
+#define TINTED 6.0
+/* Of what a usual pixel gets, the part that a black one does. */
+#define TO_BLACK (1 / 6.0)
+/* Of a disc's reach: how far the middle of what it gives may be off its own where it counts as whole, the rest being seen less
+ * than the texture that it is then found in, and how well an edge is found; and what an edge leaves of a disc at least. */
+#define WHOLE 0.02
+#define EDGE_FOUND 0.005
+#define LEAST_LEFT 0.5
+
+/* How much of a sample each of n pixels from `first` on gets, in relation to others, were it beside it. */
+static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint32_t n, double *restrict weights)
+{
+    const uint32_t *t0 = looks->things[0] + first, *t1 = looks->things[1] + first, *t2 = looks->things[2] + first;
+    const float *s0 = looks->shares[0] + first, *s1 = looks->shares[1] + first, *s2 = looks->shares[2] + first;
+    const float *plain = looks->plain + first;
+    const uint32_t thing = lone->thing;
+    const double black = lone->black, slope = lone->slope;
+    for (uint32_t i = 0; i < n; i++) {
+        float first_share = s0[i], second_share = s1[i], third_share = s2[i]; /* read in any case: no jumps */
+        float share = t2[i] == thing ? third_share : 0;
+        share = t1[i] == thing ? second_share : share;
+        share = t0[i] == thing ? first_share : share;
+        double light = black + slope * (double)plain[i];
+        weights[i] = (double)share * (light < 1 ? light : 1);
+    }
+}
+_Static_assert(BRIGHT_THINGS == 3, "the things that are asked for");
+
+static double weight_of(const Looks *looks, const Lone *lone, size_t pixel)
+{
+    double weight;
+    weights_of(looks, lone, pixel, 1, &weight);
+    return weight;
+}
+
+double spread_reference(const Maps *maps, uint32_t x, uint32_t y)
+{
+    const uint32_t *area = maps->area;
+    float most = maps->looks.around[place_in(area, x, y)];
+    for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
+        for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++)
+            most = fmaxf(most, maps->looks.plain[place_in(area, u, v)]);
+    return (double)most;
+}
+
+/* The pixel's samples that are comparable to it, as far as they are kept. */
+static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
+{
+    const Looks *looks = &maps->looks;
+    const float *lights = looks->lights[pixel];
+    uint32_t seen = looks->seen[pixel], thing = 0, alike = 0;
+    if (looks->brightest[pixel] < lone->least) return 0;
+    while (thing < BRIGHT_THINGS && !(looks->things[thing][pixel] == lone->thing && looks->shares[thing][pixel] > 0))
+        thing++;
+    if (thing == BRIGHT_THINGS) return 0;
+    for (int i = 0; i < BRIGHT_KEPT && lights[i] >= lone->least; i++, seen >>= 2) alike += (seen & 3) == thing;
+    return alike;
+}
+
+/* The same of pixels of a row, until they are enough. */
+static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, uint32_t enough)
+{
+    size_t pixel = place_in(maps->area, span->x0, y);
+    uint32_t alike = 0;
+    for (uint32_t x = span->x0; x < span->x1 && alike < enough; x++, pixel++)
+        if (UNLIKELY(maps->looks.brightest[pixel] >= lone->least)) alike += count_alike(maps, lone, pixel);
+    return alike;
+}
+
+/* How far from grey: 0 is grey, 1.4 the light of one primary; more is that of one wavelength. */
+static double tint_of(const double rgb[3], double light)
+{
+    double mean = (rgb[0] + rgb[1] + rgb[2]) / 3, apart = 0;
+    for (int c = 0; c < 3; c++) apart += (rgb[c] - mean) * (rgb[c] - mean);
+    return sqrt(apart / 3) / light;
+}
+
+/* What near pixels have of samples that are comparable to one, besides itself: the light of each, in their mean. Where all have
+ * some, as of a faint reflection, it counts with what is plain for how dark a pixel is: that alone may be next to nothing, in
+ * places, and what a pixel has more of that than others says nothing. */
+static double usual_beside(const Maps *maps, const Lone *lone)
+{
+    Square square = square_around(lone, BESIDE);
+    Span span = {square.x0, square.x1};
+    uint32_t alike = 0, pixels = (square.x1 - square.x0) * (square.y1 - square.y0);
+    for (uint32_t y = square.y0; y < square.y1; y++) alike += count_alike_of(maps, lone, &span, y, UINT32_MAX);
+    return alike > 1 ? lone->light * (alike - 1) / (pixels - 1) : 0;
+}
+
+Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept)
+{
+    const BrightPixel *pixel = bright_at(maps, x, y);
+    double n = film_pixel(maps->film, x, y)->n, reference = spread_reference(maps, x, y);
+    float light = bright_light(pixel->rgb[kept]);
+    Lone lone = {.x = x,
+                 .y = y,
+                 .thing = pixel->things[bright_seen(pixel, kept)],
+                 .light = (double)light / n,
+                 .reference = reference,
+                 .least = light * ALIKE};
+    const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
+    if (box) lone.box = *box;
+    for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
+    lone.seen = lone.light * (1 + TINTED * tint_of(lone.rgb, lone.light));
+    return lone;
+}
+
+void spread_find_shares(const Maps *maps, Lone *lone)
+{
+    double beside = usual_beside(maps, lone), together = lone->reference + beside;
+    lone->black = together > 0 ? TO_BLACK + (1 - TO_BLACK) * beside / together : 1;
+    lone->slope = together > 0 ? (1 - TO_BLACK) / together : 0;
+}
+
+/* Columns to both sides of a sample that a disc and its square hold in a row of pixels; < 0: none. */
+static int half_width(int dy, int radius)
+{
+    double left = end_of(radius) - (double)dy * dy;
+    return left < 0 ? -1 : (int)sqrt(left);
+}
+
+/* What of a row is within `outer` columns of a sample, and not within `inner`, on either side; inner -1: all on the first. */
+static void find_spans(const Square *square, const Lone *lone, int inner, int outer, Span spans[2])
+{
+    uint32_t x = lone->x, reach = (uint32_t)outer, done = (uint32_t)(inner + 1);
+    uint32_t x0 = x > square->x0 + reach ? x - reach : square->x0;
+    uint32_t x1 = square->x1 - x > reach ? x + reach + 1 : square->x1;
+    spans[0] = (Span){x0, inner < 0 ? x1 : x - x0 >= done ? x - done + 1 : x0};
+    spans[1] = (Span){inner >= 0 && x1 - x > done ? x + done : x1, x1};
+}
+
+static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, Around *sums)
+{
+    double weights[2 * SPREAD_FARTHEST + 1], dy = (double)y - lone->y;
+    if (span->x0 >= span->x1) return;
+    size_t first = place_in(maps->area, span->x0, y);
+    weights_of(&maps->looks, lone, first, span->x1 - span->x0, weights);
+    Around sum = {0};
+    double dx = (double)span->x0 - lone->x;
+    for (uint32_t i = 0; i < span->x1 - span->x0; i++, dx++) {
+        double distance = dx * dx + dy * dy, weight = weights[i];
+        double light = weight * (double)maps->looks.plain[first + i];
+        sum.weights += weight;
+        sum.light += light;
+        sum.weights_by_distance += weight * distance;
+        sum.light_by_distance += light * distance;
+        sum.middle[0] += weight * dx;
+        sum.middle_by_distance[0] += weight * distance * dx;
+    }
+    sums->weights += sum.weights;
+    sums->light += sum.light;
+    sums->weights_by_distance += sum.weights_by_distance;
+    sums->light_by_distance += sum.light_by_distance;
+    sums->middle[0] += sum.middle[0];
+    sums->middle_by_distance[0] += sum.middle_by_distance[0];
+    sums->middle[1] += sum.weights * dy;
+    sums->middle_by_distance[1] += sum.weights_by_distance * dy;
+}
+
+/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough. */
+static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, uint32_t enough, Around *sums)
+{
+    Square square = square_around(lone, outer);
+    for (uint32_t y = square.y0; y < square.y1; y++) {
+        int dy = abs((int)y - (int)lone->y);
+        Span discs[2], squares[2];
+        find_spans(&square, lone, half_width(dy, inner), half_width(dy, outer), discs);
+        find_spans(&square, lone, dy > inner ? -1 : inner, outer, squares);
+        for (int side = 0; side < 2; side++) {
+            sum_span(maps, lone, &discs[side], y, sums);
+            if (sums->alike < enough)
+                sums->alike += count_alike_of(maps, lone, &squares[side], y, enough - sums->alike);
+        }
+    }
+}
+
+/* A disc of radius 1, weighted by nearness, of which an edge cuts all beyond a distance from its middle, 0 to 1: what is left, and
+ * how far the middle of that is from the disc's. */
+static double left_of_edge(double distance, double *middle)
+{
+    double squared = 1 - distance * distance, root = sqrt(squared);
+    double left = asin(1) / 2 + distance * squared * root / 3 + (distance * root + asin(distance)) / 2;
+    *middle = 4 / 15.0 * squared * squared * root / left;
+    return left / asin(1);
+}
+
+/* Where a thing or the picture ends within a disc, pixels there would get less than others: they are in fewer discs, though each
+ * of those that are cut gives more to what is left of it. So a disc is folded at the edge, as if the sample had an image behind
+ * it: what is even stays so, to a straight edge. The edge is where it has to be for the middle of what the disc gives to be where
+ * it is; through the sample itself, where that is not enough: nothing is folded then, as in the middle of what is small.
+ * The part of the disc that is left. */
+static double find_image(const Around *sums, int radius, Way *way)
+{
+    double end = end_of(radius), reach = sqrt(end), middle[2], near = 0, far = 1, beside;
+    for (int i = 0; i < 2; i++) middle[i] = (sums->middle[i] - sums->middle_by_distance[i] / end) / way->weights;
+    double away = sqrt(middle[0] * middle[0] + middle[1] * middle[1]) / reach;
+    left_of_edge(0, &beside);
+    way->mirrored = away > WHOLE && away < beside;
+    if (!way->mirrored) return away > WHOLE ? LEAST_LEFT : 1;
+    while (far - near > EDGE_FOUND) {
+        double distance = (near + far) / 2;
+        left_of_edge(distance, &beside);
+        *(beside > away ? &near : &far) = distance;
+    }
+    for (int i = 0; i < 2; i++) way->image[i] = (float)(-2 * near * middle[i] / away);
+    return left_of_edge(near, &beside);
+}
+
+double spread_own_weight(const Maps *maps, const Lone *lone)
+{
+    return weight_of(&maps->looks, lone, place_in(maps->area, lone->x, lone->y));
+}
+
+int spread_next_radius(int radius)
+{
+    return radius + 1 + radius / 2;
+}
+
+uint32_t spread_enough(const Lone *lone, int radius)
+{
+    return (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH * lone->seen / lone->light);
+}
+
+bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, Way *way, double *alone)
+{
+    double end = end_of(radius);
+    uint32_t enough = spread_enough(lone, radius);
+    way->weights = sums->weights - sums->weights_by_distance / end;
+    double plain = (sums->light - sums->light_by_distance / end) / way->weights;
+    *alone = lone->seen * own / (way->weights * fmin(lone->reference, plain));
+    bool unseen = sums->alike * *alone <= UNSEEN;
+    if (!unseen && sums->alike < LEAST_LEFT * enough) return false;
+    double left = find_image(sums, radius, way);
+    return unseen || sums->alike >= left * enough;
+}
+
+int spread_farthest(const Around *sums, int radius, double alone, Way *way)
+{
+    if (alone > FAINT) return 0;
+    (void)find_image(sums, radius, way);
+    return radius;
+}
+
+/* How far a sample is spread, and what pixels get together. */
+static int find_radius(const Maps *maps, const Lone *lone, Way *way)
+{
+    Around sums = {0};
+    int radius = -1, most = spread_by_cells(&lone->box) ? SPREAD_NEAR : SPREAD_FARTHEST;
+    double alone = 0, own = spread_own_weight(maps, lone);
+    for (int next = 1; next <= most; next = spread_next_radius(next)) {
+        look_farther(maps, lone, radius, next, spread_enough(lone, next), &sums);
+        radius = next;
+        if (spread_ends(lone, &sums, radius, own, way, &alone)) return radius;
+    }
+    way->far = most < SPREAD_FARTHEST;
+    return way->far ? radius : spread_farthest(&sums, radius, alone, way);
+}
+
+/* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
+ * their squared mean, which is the usual rate. Each pixel's rate is then to be taken for the mean of a gamma distribution given
+ * its count, see crowd: a thin line or a point stays as sharp as it was found, and what is scattered evenly becomes even.
+ * Farther away other things than chance make counts differ.
+ * Samples that nearly are enough, and differ in number so little that it is not seen, as where strata find a reflection equally
+ * often, stay: from half to three quarters of enough, and from twice to once what is not seen, less and less of them goes. Else
+ * pixels beside one that has enough would keep theirs and get those of others: what is even would get uneven. */
+static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
+{
+    double n = 0, n_squared = 0, found = 0, products = 0, squares = 0, pixels = 0;
+    Square square = square_around(lone, way->radius);
+    for (uint32_t y = square.y0; y < square.y1; y++)
+        for (uint32_t x = square.x0; x < square.x1; x++) {
+            if (!(weight_of(&maps->looks, lone, place_in(maps->area, x, y)) > 0)) continue;
+            double samples = film_pixel(maps->film, x, y)->n,
+                   alike = count_alike(maps, lone, place_in(maps->area, x, y));
+            pixels++;
+            n += samples;
+            n_squared += samples * samples;
+            found += alike;
+            products += samples * alike;
+            squares += alike * alike;
+        }
+    /* of (alike - usual * samples)^2 over pixels, what is beyond the variance of chance, usual * samples */
+    way->usual = found / n;
+    double apart = squares - 2 * way->usual * products + way->usual * way->usual * n_squared;
+    way->crowding = fmax(apart - found, 0) / (way->usual * way->usual * n_squared);
+    double enough = found / pixels / few_of((uint32_t)(n / pixels));
+    double seen = sqrt(fmax(apart, 0) / pixels) * lone->light / (lone->reference + found / pixels * lone->light);
+    way->part = 1 - fmin(fmax(4 * enough - 2, 0), 1) * fmin(fmax(2 - seen / UNSEEN, 0), 1);
+}
+
+/* The rate of a pixel in relation to the usual one. */
+static double crowd(const Maps *maps, const Lone *lone, const Way *way, uint32_t x, uint32_t y)
+{
+    double expected = way->usual * film_pixel(maps->film, x, y)->n;
+    return (1 + way->crowding * count_alike(maps, lone, place_in(maps->area, x, y))) / (1 + way->crowding * expected);
+}
+
+Span spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
+{
+    Square square = square_around(lone, way->radius);
+    Span spans[2];
+    double dy = (double)y - lone->y;
+    find_spans(&square, lone, -1, half_width(abs((int)y - (int)lone->y), way->radius), spans);
+    uint32_t x0 = spans[0].x0, n = spans[0].x1 - x0;
+    weights_of(&maps->looks, lone, place_in(maps->area, x0, y), n, weights);
+    double dx = (double)x0 - lone->x;
+    if (way->mirrored)
+        for (uint32_t i = 0; i < n; i++, dx++)
+            weights[i] *= nearness(dx * dx + dy * dy, way->radius) + nearness_of_image(way, dx, dy);
+    else
+        for (uint32_t i = 0; i < n; i++, dx++) weights[i] *= nearness(dx * dx + dy * dy, way->radius);
+    for (uint32_t i = 0; way->crowding > 0 && i < n; i++)
+        if (weights[i] > 0) weights[i] *= crowd(maps, lone, way, x0 + i, y);
+    return spans[0];
+}
+
+Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way)
+{
+    Lone lone = spread_lone(maps, way->x, y, way->kept);
+    lone.black = way->black;
+    lone.slope = way->slope;
+    for (int c = 0; c < 3; c++) lone.rgb[c] *= way->part;
+    return lone;
+}
+
+void spread_find_way(const Maps *maps, const Lone *lone, Way *way)
+{
+    int radius = find_radius(maps, lone, way);
+    way->radius = (uint8_t)radius;
+    if (way->far) return;
+    if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
+    if (radius == 0 || (!(way->crowding > 0) && !way->mirrored)) return;
+    way->weights = 0;
+    Square square = square_around(lone, radius);
+    for (uint32_t y = square.y0; y < square.y1; y++) {
+        double weights[2 * SPREAD_FARTHEST + 1];
+        Span span = spread_weights_of_row(maps, lone, way, y, weights);
+        for (uint32_t i = 0; i < span.x1 - span.x0; i++) way->weights += weights[i];
+    }
+}

@@ -1,0 +1,517 @@
+/* spread_far.c - samples that are spread far over things that are large: by cells of four times four pixels, as what comes of
+ * them hardly differs from one cell to the next. They are most of the work otherwise, as a disc has the square of its radius.
+ * Each cell has a point at its middle. What a pixel gets is between what is found for the points around it, which makes it
+ * smooth (bilinear interpolation); and what counts for a point is what pixels add to it by these same parts, so that all that a
+ * sample gives is what pixels get together, to rounding.
+ * How pixels share in a sample by their own light depends on its reference: that is taken to be the nearest power of the square root
+ * of two, its level, so that those of one level and thing have the same weights for all cells.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <stdlib.h>
+
+#include "render/spread_maps.h"
+
+enum { SIDE = 4, CHUNK = 16 /* samples that a thread takes at once */, BAND = 4 /* rows of cells */, LEVELS = 200 };
+
+/* What comes of samples of one level, at a cell's point. */
+typedef struct Gift {
+    double even[3], usual[3]; /* for each share, and for each share times usual(): see below */
+    double squares[3];        /* of the square of the standard error, for the square of a share, by powers of usual() */
+} Gift;
+
+/* Of the box around a thing. */
+typedef struct Cells {
+    const Maps *maps;
+    uint32_t thing;
+    ThingBox box;
+    uint32_t width, height;   /* in cells */
+    double scale;             /* of light, by the level */
+    const FarSample *samples; /* of the level */
+    size_t n_samples;
+    /* Of each cell: its pixels' shares in the thing, and these times usual(); and both times what is plain there */
+    double *even, *usual, *even_light, *usual_light;
+    /* Those samples that the thing's pixels keep, the brightest first: of cell i from first[i] up to but without first[i + 1] */
+    size_t *first;
+    float *lights;
+    Gift *gifts;
+} Cells;
+
+/* Which points a row or column of pixels is between: one + part * (other - one). */
+typedef struct Between {
+    uint32_t one, other;
+    double part;
+} Between;
+
+static Between between(uint32_t offset, uint32_t n)
+{
+    uint32_t other = (offset + SIDE / 2) / SIDE, one = other > 0 ? other - 1 : 0;
+    return (Between){one, other < n ? other : n - 1, ((offset + SIDE / 2) % SIDE + 0.5) / SIDE};
+}
+
+static double usual(const Cells *cells, double plain)
+{
+    double light = plain * cells->scale;
+    return light < 1 ? light : 1;
+}
+
+static double share_of(const Cells *cells, size_t pixel)
+{
+    const Looks *looks = &cells->maps->looks;
+    for (int k = 0; k < BRIGHT_THINGS; k++)
+        if (looks->things[k][pixel] == cells->thing && looks->shares[k][pixel] > 0)
+            return (double)looks->shares[k][pixel];
+    return 0;
+}
+
+/* ---- what cells have ---- */
+
+static void add_pixels(const Cells *cells, uint32_t y, double part, uint32_t row)
+{
+    const ThingBox *box = &cells->box;
+    size_t pixel = place_in(cells->maps->area, box->x0, y), first = (size_t)row * cells->width;
+    for (uint32_t x = 0; x < box->x1 - box->x0; x++, pixel++) {
+        double share = part * share_of(cells, pixel), plain = (double)cells->maps->looks.plain[pixel];
+        if (!(share > 0)) continue;
+        Between columns = between(x, cells->width);
+        const size_t at[2] = {first + columns.one, first + columns.other};
+        const double parts[2] = {share * (1 - columns.part), share * columns.part};
+        double by_usual = usual(cells, plain);
+        for (int k = 0; k < 2; k++) {
+            cells->even[at[k]] += parts[k];
+            cells->usual[at[k]] += parts[k] * by_usual;
+            cells->even_light[at[k]] += parts[k] * plain;
+            cells->usual_light[at[k]] += parts[k] * by_usual * plain;
+        }
+    }
+}
+
+static void add_up_row(void *context, uint32_t row, unsigned worker)
+{
+    const Cells *cells = context;
+    double *const sums[] = {cells->even, cells->usual, cells->even_light, cells->usual_light};
+    uint32_t height = cells->box.y1 - cells->box.y0;
+    (void)worker;
+    for (size_t k = 0; k < 4; k++)
+        for (uint32_t i = 0; i < cells->width; i++) sums[k][(size_t)row * cells->width + i] = 0;
+    for (uint32_t y = row > 0 ? row * SIDE - SIDE / 2 : 0; y < height && y < row * SIDE + SIDE + SIDE / 2; y++) {
+        Between rows = between(y, cells->height);
+        double part = (rows.one == row ? 1 - rows.part : 0) + (rows.other == row ? rows.part : 0);
+        add_pixels(cells, cells->box.y0 + y, part, row);
+    }
+}
+
+/* The lights of a pixel's samples of the thing; how many. lights: NULL, or room for them. */
+static uint32_t lights_of_pixel(const Cells *cells, uint32_t x, uint32_t y, float *lights)
+{
+    const BrightPixel *pixel = bright_at(cells->maps, x, y);
+    uint32_t seen = find_thing(pixel, cells->thing), n = 0;
+    for (int i = 0; seen < BRIGHT_THINGS && i < BRIGHT_KEPT; i++) {
+        float light = bright_light(pixel->rgb[i]);
+        if (bright_seen(pixel, i) != seen || !(light > 0)) continue;
+        if (lights) lights[n] = light;
+        n++;
+    }
+    return n;
+}
+
+static int brighter_first(const void *left, const void *right)
+{
+    const float *a = left, *b = right;
+    return (*a < *b) - (*a > *b);
+}
+
+static size_t lights_of_cell(const Cells *cells, uint32_t column, uint32_t row, float *lights)
+{
+    const ThingBox *box = &cells->box;
+    uint32_t x0 = box->x0 + column * SIDE, y0 = box->y0 + row * SIDE;
+    size_t n = 0;
+    for (uint32_t y = y0; y < y0 + SIDE && y < box->y1; y++)
+        for (uint32_t x = x0; x < x0 + SIDE && x < box->x1; x++)
+            n += lights_of_pixel(cells, x, y, lights ? lights + n : NULL);
+    if (lights) qsort(lights, n, sizeof *lights, brighter_first);
+    return n;
+}
+
+static void count_lights_of_row(void *context, uint32_t row, unsigned worker)
+{
+    const Cells *cells = context;
+    (void)worker;
+    for (uint32_t i = 0; i < cells->width; i++)
+        cells->first[(size_t)row * cells->width + i + 1] = lights_of_cell(cells, i, row, NULL);
+}
+
+static void list_lights_of_row(void *context, uint32_t row, unsigned worker)
+{
+    const Cells *cells = context;
+    (void)worker;
+    for (uint32_t i = 0; i < cells->width; i++)
+        (void)lights_of_cell(cells, i, row, cells->lights + cells->first[(size_t)row * cells->width + i]);
+}
+
+/* Of a cell. */
+static uint32_t count_brighter(const Cells *cells, size_t cell, float least)
+{
+    const float *lights = cells->lights + cells->first[cell];
+    size_t low = 0, high = cells->first[cell + 1] - cells->first[cell];
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (lights[middle] >= least)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return (uint32_t)low;
+}
+
+/* ---- how far samples go ---- */
+
+static double point_x(const Cells *cells, uint32_t column)
+{
+    return cells->box.x0 + column * SIDE + (SIDE - 1) / 2.0;
+}
+
+static double point_y(const Cells *cells, uint32_t row)
+{
+    return cells->box.y0 + row * SIDE + (SIDE - 1) / 2.0;
+}
+
+/* The cells of one axis whose points are within a reach of a place: counted from where the box begins. */
+static Span points_within(double place, double reach, uint32_t box_begins, uint32_t n)
+{
+    double first = box_begins + (SIDE - 1) / 2.0;
+    double from = ceil((place - reach - first) / SIDE), to = floor((place + reach - first) / SIDE) + 1;
+    return (Span){(uint32_t)fmin(fmax(from, 0), n), (uint32_t)fmin(fmax(to, 0), n)};
+}
+
+/* Cells of a row, to both sides of a sample: within the outer reach, and not within the inner; < 0: there is none. */
+static void find_columns(const Cells *cells, const Lone *lone, double inner, double outer, Span spans[2])
+{
+    Span all = points_within(lone->x, outer, cells->box.x0, cells->width), within = {0, 0};
+    if (inner >= 0) within = points_within(lone->x, inner, cells->box.x0, cells->width);
+    bool split = within.x0 < within.x1;
+    spans[0] = (Span){all.x0, split ? within.x0 : all.x1};
+    spans[1] = (Span){split ? within.x1 : all.x1, all.x1};
+}
+
+static double weight_of_cell(const Cells *cells, const Lone *lone, size_t cell)
+{
+    return lone->black * cells->even[cell] + (1 - lone->black) * cells->usual[cell];
+}
+
+static void sum_cells(const Cells *cells, const Lone *lone, uint32_t row, Span span, Around *sums)
+{
+    double dy = point_y(cells, row) - lone->y, dx = point_x(cells, span.x0) - lone->x;
+    size_t cell = (size_t)row * cells->width + span.x0;
+    for (uint32_t i = span.x0; i < span.x1; i++, cell++, dx += SIDE) {
+        double weight = weight_of_cell(cells, lone, cell), distance = dx * dx + dy * dy;
+        double light = lone->black * cells->even_light[cell] + (1 - lone->black) * cells->usual_light[cell];
+        sums->weights += weight;
+        sums->light += light;
+        sums->weights_by_distance += weight * distance;
+        sums->light_by_distance += light * distance;
+        sums->middle[0] += weight * dx;
+        sums->middle[1] += weight * dy;
+        sums->middle_by_distance[0] += weight * distance * dx;
+        sums->middle_by_distance[1] += weight * distance * dy;
+    }
+}
+
+static double half_of_row(double dy, double reach)
+{
+    double left = reach * reach - dy * dy;
+    return left < 0 ? -1 : sqrt(left);
+}
+
+/* From one disc, and its square, to a larger one. inner < 0: there is none. What is alike is counted until it is enough. */
+static void look_farther(const Cells *cells, const Lone *lone, double inner, double outer, uint32_t enough,
+                         Around *sums)
+{
+    Span rows = points_within(lone->y, outer, cells->box.y0, cells->height);
+    for (uint32_t row = rows.x0; row < rows.x1; row++) {
+        double dy = point_y(cells, row) - lone->y;
+        Span discs[2], squares[2];
+        find_columns(cells, lone, inner < 0 ? -1 : half_of_row(dy, inner), half_of_row(dy, outer), discs);
+        find_columns(cells, lone, fabs(dy) > inner ? -1 : inner, outer, squares);
+        for (int side = 0; side < 2; side++) {
+            sum_cells(cells, lone, row, discs[side], sums);
+            for (uint32_t i = squares[side].x0; i < squares[side].x1 && sums->alike < enough; i++)
+                sums->alike += count_brighter(cells, (size_t)row * cells->width + i, lone->least);
+        }
+    }
+}
+
+/* What a point has of a sample's disc. */
+static double nearness_of_point(const Way *way, double dx, double dy)
+{
+    double near = nearness(dx * dx + dy * dy, way->radius);
+    return way->mirrored ? near + nearness_of_image(way, dx, dy) : near;
+}
+
+/* Cells of a row that a sample's disc holds. */
+static Span columns_of(const Cells *cells, const Lone *lone, const Way *way, uint32_t row)
+{
+    double half = half_of_row(point_y(cells, row) - lone->y, way->radius + 0.5);
+    return half < 0 ? (Span){0, 0} : points_within(lone->x, half, cells->box.x0, cells->width);
+}
+
+static Span rows_of(const Cells *cells, const Lone *lone, const Way *way)
+{
+    return points_within(lone->y, way->radius + 0.5, cells->box.y0, cells->height);
+}
+
+static double weights_of_disc(const Cells *cells, const Lone *lone, const Way *way)
+{
+    Span rows = rows_of(cells, lone, way);
+    double weights = 0;
+    for (uint32_t row = rows.x0; row < rows.x1; row++) {
+        Span columns = columns_of(cells, lone, way, row);
+        double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
+        for (uint32_t i = columns.x0; i < columns.x1; i++, dx += SIDE)
+            weights += weight_of_cell(cells, lone, (size_t)row * cells->width + i) * nearness_of_point(way, dx, dy);
+    }
+    return weights;
+}
+
+static Way *way_of(const Maps *maps, const FarSample *sample)
+{
+    return &maps->rows[sample->row].ways[sample->way];
+}
+
+static void find_way(const Cells *cells, const FarSample *sample)
+{
+    const Maps *maps = cells->maps;
+    Way *way = way_of(maps, sample);
+    Lone lone = spread_lone(maps, way->x, maps->area[1] + sample->row, way->kept);
+    lone.black = way->black;
+    lone.slope = way->slope;
+    Around sums = {0};
+    double alone = 0, own = spread_own_weight(maps, &lone);
+    int radius = -1, ends = 0;
+    for (int next = spread_next_radius(SPREAD_NEAR); next <= SPREAD_FARTHEST && !ends;
+         next = spread_next_radius(next)) {
+        look_farther(cells, &lone, radius < 0 ? -1 : radius + 0.5, next + 0.5, spread_enough(&lone, next), &sums);
+        radius = next;
+        if (spread_ends(&lone, &sums, radius, own, way, &alone)) ends = radius;
+    }
+    way->radius = (uint8_t)(ends ? ends : spread_farthest(&sums, radius, alone, way));
+    if (way->radius > 0 && way->mirrored) way->weights = weights_of_disc(cells, &lone, way);
+}
+
+static void find_ways_of_chunk(void *context, uint32_t index, unsigned worker)
+{
+    const Cells *cells = context;
+    size_t first = (size_t)index * CHUNK;
+    (void)worker;
+    for (size_t i = first; i < first + CHUNK && i < cells->n_samples; i++) find_way(cells, &cells->samples[i]);
+}
+
+/* ---- what comes of them ---- */
+
+static void give_to_row(const Cells *cells, const Lone *lone, const Way *way, uint32_t row)
+{
+    Span columns = columns_of(cells, lone, way, row);
+    double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
+    double black = lone->black, rest = 1 - black, squared = spread_squared_luminance(lone->rgb);
+    Gift *gift = &cells->gifts[(size_t)row * cells->width + columns.x0];
+    for (uint32_t i = columns.x0; i < columns.x1; i++, gift++, dx += SIDE) {
+        double part = nearness_of_point(way, dx, dy) / way->weights, square = part * part * squared;
+        for (int c = 0; c < 3; c++) {
+            gift->even[c] += black * part * lone->rgb[c];
+            gift->usual[c] += rest * part * lone->rgb[c];
+        }
+        gift->squares[0] += black * black * square;
+        gift->squares[1] += 2 * black * rest * square;
+        gift->squares[2] += rest * rest * square;
+    }
+}
+
+static void give_to_band(void *context, uint32_t index, unsigned worker)
+{
+    const Cells *cells = context;
+    const Maps *maps = cells->maps;
+    uint32_t from = index * BAND, to = from + BAND < cells->height ? from + BAND : cells->height;
+    (void)worker;
+    for (size_t i = (size_t)from * cells->width; i < (size_t)to * cells->width; i++) cells->gifts[i] = (Gift){0};
+    for (size_t i = 0; i < cells->n_samples; i++) {
+        const FarSample *sample = &cells->samples[i];
+        const Way *way = way_of(maps, sample);
+        if (!(way->part > 0)) continue;
+        Lone lone = spread_lone_on_way(maps, maps->area[1] + sample->row, way);
+        Span rows = rows_of(cells, &lone, way);
+        for (uint32_t row = rows.x0 > from ? rows.x0 : from; row < rows.x1 && row < to; row++)
+            give_to_row(cells, &lone, way, row);
+    }
+}
+
+static double mixed(double a, double b, double part)
+{
+    return a + (b - a) * part;
+}
+
+static Gift gift_between(const Gift *a, const Gift *b, double part)
+{
+    Gift gift;
+    for (int c = 0; c < 3; c++) {
+        gift.even[c] = mixed(a->even[c], b->even[c], part);
+        gift.usual[c] = mixed(a->usual[c], b->usual[c], part);
+        gift.squares[c] = mixed(a->squares[c], b->squares[c], part);
+    }
+    return gift;
+}
+
+static void take_gifts(void *context, uint32_t index, unsigned worker)
+{
+    const Cells *cells = context;
+    const Maps *maps = cells->maps;
+    const ThingBox *box = &cells->box;
+    Between rows = between(index, cells->height);
+    const Gift *one = cells->gifts + (size_t)rows.one * cells->width,
+               *other = cells->gifts + (size_t)rows.other * cells->width;
+    size_t pixel = place_in(maps->area, box->x0, box->y0 + index);
+    (void)worker;
+    for (uint32_t x = 0; x < box->x1 - box->x0; x++, pixel++) {
+        double share = share_of(cells, pixel), by_usual = usual(cells, (double)maps->looks.plain[pixel]);
+        if (!(share > 0)) continue;
+        Between columns = between(x, cells->width);
+        Gift left = gift_between(&one[columns.one], &other[columns.one], rows.part);
+        Gift right = gift_between(&one[columns.other], &other[columns.other], rows.part);
+        Gift gift = gift_between(&left, &right, columns.part);
+        SpreadPixel *to = &maps->pixels[pixel];
+        for (int c = 0; c < 3; c++) to->rgb[c] += share * (gift.even[c] + by_usual * gift.usual[c]);
+        to->given += share * share * (gift.squares[0] + by_usual * (gift.squares[1] + by_usual * gift.squares[2]));
+    }
+}
+
+/* ---- by things and levels ---- */
+
+static int order(const void *left, const void *right)
+{
+    const FarSample *a = left, *b = right;
+    if (a->thing != b->thing) return a->thing < b->thing ? -1 : 1;
+    if (a->level != b->level) return a->level < b->level ? -1 : 1;
+    if (a->row != b->row) return a->row < b->row ? -1 : 1;
+    return a->way < b->way ? -1 : a->way > b->way;
+}
+
+/* The power of the square root of two that is nearest to what is usual where a sample is. */
+static int level_of(double reference)
+{
+    return reference > 0 ? (int)fmin(fmax(rint(2 * log2(reference)), -LEVELS), LEVELS) : -LEVELS;
+}
+
+static bool list_samples(const Maps *maps, FarSamples *far)
+{
+    size_t n = 0;
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (size_t i = 0; i < maps->rows[y].n; i++) n += maps->rows[y].ways[i].far;
+    if (n == 0) return true;
+    far->samples = malloc(n * sizeof *far->samples);
+    if (!far->samples) return false;
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (size_t i = 0; i < maps->rows[y].n; i++) {
+            const Way *way = &maps->rows[y].ways[i];
+            if (!way->far) continue;
+            const BrightPixel *pixel = bright_at(maps, way->x, maps->area[1] + y);
+            double reference = spread_reference(maps, way->x, maps->area[1] + y);
+            far->samples[far->n++] = (FarSample){.thing = pixel->things[bright_seen(pixel, way->kept)],
+                                                 .level = level_of(reference),
+                                                 .row = y,
+                                                 .way = (uint32_t)i};
+        }
+    qsort(far->samples, far->n, sizeof *far->samples, order);
+    return true;
+}
+
+static void clear_cells(Cells *cells)
+{
+    free(cells->even);
+    free(cells->usual);
+    free(cells->even_light);
+    free(cells->usual_light);
+    free(cells->first);
+    free(cells->lights);
+    free(cells->gifts);
+    *cells = (Cells){0};
+}
+
+static bool list_lights(Cells *cells)
+{
+    size_t n = (size_t)cells->width * cells->height;
+    cells->first = calloc(n + 1, sizeof *cells->first);
+    if (!cells->first) return false;
+    pool_run(cells->maps->pool, cells->height, count_lights_of_row, cells);
+    for (size_t i = 0; i < n; i++) cells->first[i + 1] += cells->first[i];
+    cells->lights = malloc((cells->first[n] + 1) * sizeof *cells->lights);
+    if (!cells->lights) return false;
+    pool_run(cells->maps->pool, cells->height, list_lights_of_row, cells);
+    return true;
+}
+
+/* What is needed to find ways, or to give. */
+static bool make_cells(Cells *cells, const Maps *maps, uint32_t thing, bool to_find)
+{
+    const ThingBox *box = thing_boxes_find(&maps->boxes, thing);
+    if (!box) return false;
+    *cells = (Cells){.maps = maps,
+                     .thing = thing,
+                     .box = *box,
+                     .width = (box->x1 - box->x0 + SIDE - 1) / SIDE,
+                     .height = (box->y1 - box->y0 + SIDE - 1) / SIDE};
+    size_t n = (size_t)cells->width * cells->height;
+    if (!to_find) return (cells->gifts = malloc(n * sizeof *cells->gifts)) != NULL;
+    double **sums[] = {&cells->even, &cells->usual, &cells->even_light, &cells->usual_light};
+    bool ready = true;
+    for (size_t k = 0; k < 4; k++) ready = (*sums[k] = malloc(n * sizeof(double))) != NULL && ready;
+    return ready && list_lights(cells);
+}
+
+static void find_ways_of_level(Cells *cells)
+{
+    Pool *pool = cells->maps->pool;
+    pool_run(pool, cells->height, add_up_row, cells);
+    pool_run(pool, (uint32_t)((cells->n_samples + CHUNK - 1) / CHUNK), find_ways_of_chunk, cells);
+}
+
+static void give_of_level(Cells *cells)
+{
+    Pool *pool = cells->maps->pool;
+    pool_run(pool, (cells->height + BAND - 1) / BAND, give_to_band, cells);
+    pool_run(pool, cells->box.y1 - cells->box.y0, take_gifts, cells);
+}
+
+static bool for_levels(const Maps *maps, const FarSamples *far, bool to_find, void (*use)(Cells *cells))
+{
+    Cells cells = {0};
+    bool good = true;
+    for (size_t i = 0, end; i < far->n && good; i = end) {
+        const FarSample *sample = &far->samples[i];
+        for (end = i;
+             end < far->n && far->samples[end].thing == sample->thing && far->samples[end].level == sample->level;)
+            end++;
+        if (i == 0 || sample->thing != sample[-1].thing) {
+            clear_cells(&cells);
+            good = make_cells(&cells, maps, sample->thing, to_find);
+        }
+        cells.scale = exp2(-sample->level / 2.0);
+        cells.samples = sample;
+        cells.n_samples = end - i;
+        if (good) use(&cells);
+    }
+    clear_cells(&cells);
+    return good;
+}
+
+bool spread_far_find(const Maps *maps, FarSamples *far)
+{
+    return list_samples(maps, far) && for_levels(maps, far, true, find_ways_of_level);
+}
+
+bool spread_far_give(const Maps *maps, const FarSamples *far)
+{
+    return for_levels(maps, far, false, give_of_level);
+}
+
+void spread_far_clear(FarSamples *far)
+{
+    free(far->samples);
+    *far = (FarSamples){0};
+}
