@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/noise.h"
 
+#include <stdbool.h>
+
 #include "base/hash.h"
 
 /* "noise" in ASCII */
@@ -26,17 +28,50 @@ static double fade(double t)
     return t * t * t * (t * (t * 6 - 15) + 10);
 }
 
+/* Cells in space that a thread asked for lately: places that are asked for one after the other mostly lie in the same few, by as
+ * many octaves of noise as there are. */
+enum { CELLS_KEPT = 256 };
+typedef struct KeptCell {
+    double cell[3], values[8];
+} KeptCell;
+
+static const double *values_in_space(const double *cell)
+{
+    static _Thread_local KeptCell kept[CELLS_KEPT];
+    uint64_t x = (uint64_t)(int64_t)cell[0], y = (uint64_t)(int64_t)cell[1], z = (uint64_t)(int64_t)cell[2];
+    KeptCell *place = &kept[(x + 7 * y + 49 * z) % CELLS_KEPT];
+    bool is_kept = place->cell[0] == cell[0] && place->cell[1] == cell[1] && place->cell[2] == cell[2];
+    if (!is_kept || place->values[0] == 0) { /* as places begin, or by a rare chance */
+        for (int i = 0; i < 3; i++) place->cell[i] = cell[i];
+        corner_values(cell, 3, place->values);
+    }
+    return place->values;
+}
+
+/* floor(), of coordinates */
+static double whole_below(double x)
+{
+    double whole = (double)(int64_t)x;
+    return whole > x ? whole - 1 : whole;
+}
+
 double noise_value(const double *point, unsigned n)
 {
     double cell[3], weight[3], values[8];
     for (unsigned i = 0; i < n; i++) {
-        cell[i] = floor(point[i]);
+        cell[i] = whole_below(point[i]);
         weight[i] = fade(point[i] - cell[i]);
     }
-    corner_values(cell, n, values);
+    const double *corners = values;
+    if (n == 3)
+        corners = values_in_space(cell);
+    else
+        corner_values(cell, n, values);
     for (unsigned i = 0, left = 1U << n; i < n; i++) {
         left /= 2;
-        for (unsigned k = 0; k < left; k++) values[k] = values[2 * k] + (values[2 * k + 1] - values[2 * k]) * weight[i];
+        for (unsigned k = 0; k < left; k++)
+            values[k] = corners[2 * k] + (corners[2 * k + 1] - corners[2 * k]) * weight[i];
+        corners = values;
     }
     return values[0];
 }

@@ -51,18 +51,26 @@ typedef struct Sample {
     float distance;      /* found; HUGE_VALF: nothing can be said */
 } Sample;
 
+/* Of the points of a layer. */
+typedef struct Layer {
+    double *values;
+    uint8_t *inside;    /* 1 where these are above 0, else 0 */
+    uint32_t *vertices; /* on the edges that begin at a point: [point][direction] */
+} Layer;
+
 /* A point of the grid counts from 0 in the layer around, so that 1 .. n are the field's. */
 typedef struct Marcher {
     const ImplicitField *field;
     Lattice lattice;
-    size_t width, height;  /* of a layer with what is around it */
-    double *values[2];     /* of layer k and k + 1 */
-    uint32_t *vertices[2]; /* on the edges that begin at a point: [point][direction] */
+    size_t width, height; /* of a layer with what is around it */
+    Layer layers[2];      /* k and k + 1 */
     Blocks blocks;
     double *row;
     uint8_t *wanted; /* of the row */
     Grower grower;
-    Crossing *crossings; /* of the layer at hand */
+    struct Cube *cubes; /* of the layer at hand: those that the surface crosses, */
+    size_t n_cubes, cubes_capacity;
+    Crossing *crossings; /* and where it crosses their edges */
     size_t n_crossings, crossings_capacity;
     double most_change; /* of the function, along an edge that is crossed */
     Sample *samples;
@@ -76,7 +84,7 @@ typedef struct Marcher {
 
 static double corner_value(const Marcher *marcher, size_t i, size_t j, unsigned layer)
 {
-    return marcher->values[layer][j * marcher->width + i];
+    return marcher->layers[layer].values[j * marcher->width + i];
 }
 
 static Vec3 grid_point(const Marcher *marcher, size_t i, size_t j, size_t k)
@@ -279,7 +287,7 @@ static void take_sample(Marcher *marcher, size_t index, Asker *asker)
 
 /* ---- tetrahedra ---- */
 
-/* A corner of the cube at hand, one bit per axis; the corners of a tetrahedron are nested, as the numbers of a way
+/* Corners are numbers with one bit per axis; the corners of a tetrahedron are nested, as the numbers of a way
  * from 0 to 7. */
 typedef struct Cube {
     size_t i, j, k; /* of corner 0 */
@@ -302,7 +310,7 @@ static uint32_t *edge_place(const Marcher *marcher, const Cube *cube, unsigned o
 {
     unsigned low = one & other, direction = one ^ other;
     size_t i = cube->i + (low & 1), j = cube->j + (low >> 1 & 1);
-    return &marcher->vertices[low >> 2][(j * marcher->width + i) * EDGES_PER_POINT + direction];
+    return &marcher->layers[low >> 2].vertices[(j * marcher->width + i) * EDGES_PER_POINT + direction];
 }
 
 static double value_at_corner(const Marcher *marcher, const Cube *cube, unsigned corner)
@@ -477,12 +485,12 @@ static void march_cube(Marcher *marcher, const Cube *cube)
 /* ---- layers ---- */
 
 /* Layer k of the grid with what is around it, into the place `at`. */
-static void fill_layer(Marcher *marcher, size_t k, unsigned at)
+static void fill_layer(Marcher *marcher, size_t k, Layer *layer)
 {
-    size_t n_points = marcher->width * marcher->height;
-    double *values = marcher->values[at];
-    memset(marcher->vertices[at], 0xff, n_points * EDGES_PER_POINT * sizeof *marcher->vertices[at]);
-    for (size_t i = 0; i < n_points; i++) values[i] = -1;
+    size_t width = marcher->width, n_points = width * marcher->height;
+    memset(layer->vertices, 0xff, n_points * EDGES_PER_POINT * sizeof *layer->vertices);
+    memset(layer->inside, 0, n_points);
+    for (size_t i = 0; i < n_points; i++) layer->values[i] = -1;
     if (k == 0 || k > marcher->lattice.n[2]) return;
     const uint8_t *wanted = marcher->blocks.sides ? marcher->wanted : NULL;
     if (wanted) blocks_of_layer(&marcher->blocks, &marcher->lattice, (uint32_t)(k - 1), marcher->wanted, marcher->row);
@@ -490,28 +498,55 @@ static void fill_layer(Marcher *marcher, size_t k, unsigned at)
         marcher->stopped = true;
         return;
     }
-    for (size_t j = 0; j < marcher->lattice.n[1]; j++)
-        memcpy(values + (j + 1) * marcher->width + 1, marcher->row + j * marcher->lattice.n[0],
-               marcher->lattice.n[0] * sizeof *values);
+    for (size_t j = 0; j < marcher->lattice.n[1]; j++) {
+        const double *from = marcher->row + j * marcher->lattice.n[0];
+        size_t to = (j + 1) * width + 1;
+        memcpy(layer->values + to, from, marcher->lattice.n[0] * sizeof *from);
+        for (size_t i = 0; i < marcher->lattice.n[0]; i++) layer->inside[to + i] = from[i] > 0;
+    }
 }
 
-static void for_crossed_cubes(Marcher *marcher, size_t k, void (*use)(Marcher *marcher, const Cube *cube))
+/* Whether all of the eight cubes from one on are on one side: cubes, say of a row of n points, at four rows of their corners. */
+static bool are_eight_apart(const uint8_t *const rows[4], size_t i)
 {
-    for (size_t j = 0; j + 1 < marcher->height; j++)
-        for (size_t i = 0; i + 1 < marcher->width; i++) {
-            const double *low = marcher->values[0] + j * marcher->width + i,
-                         *high = marcher->values[1] + j * marcher->width + i;
-            size_t w = marcher->width;
-            int n = (low[0] > 0) + (low[1] > 0) + (low[w] > 0) + (low[w + 1] > 0) + (high[0] > 0) + (high[1] > 0) +
-                    (high[w] > 0) + (high[w + 1] > 0);
-            if (n > 0 && n < 8) use(marcher, &(Cube){i, j, k});
+    uint64_t any = 0, all = UINT64_MAX;
+    uint8_t any_behind = 0, all_behind = 1;
+    for (int r = 0; r < 4; r++) {
+        uint64_t eight;
+        memcpy(&eight, rows[r] + i, sizeof eight);
+        any |= eight;
+        all &= eight;
+        any_behind |= rows[r][i + 8];
+        all_behind &= rows[r][i + 8];
+    }
+    return (any == 0 && !any_behind) || (all == 0x0101010101010101U && all_behind);
+}
+
+/* Notes the cubes of a row that the surface crosses, and where it crosses their edges. */
+static void note_row(Marcher *marcher, size_t j, size_t k)
+{
+    size_t w = marcher->width, at = j * w;
+    const uint8_t *low = marcher->layers[0].inside + at, *high = marcher->layers[1].inside + at;
+    const uint8_t *const rows[4] = {low, low + w, high, high + w};
+    for (size_t i = 0; i + 1 < w && !marcher->grower.out_of_memory; i++) {
+        while (i + 8 < w && are_eight_apart(rows, i)) i += 8;
+        int n = 0;
+        for (int r = 0; r < 4 && i + 1 < w; r++) n += rows[r][i] + rows[r][i + 1];
+        if (n == 0 || n == 8) continue;
+        if (!ARRAY_ROOM(marcher->cubes, marcher->cubes_capacity, marcher->n_cubes)) {
+            marcher->grower.out_of_memory = true;
+            return;
         }
+        Cube cube = {i, j, k};
+        marcher->cubes[marcher->n_cubes++] = cube;
+        note_crossings(marcher, &cube);
+    }
 }
 
 static void march_layer(Marcher *marcher, size_t k)
 {
-    marcher->n_crossings = 0;
-    for_crossed_cubes(marcher, k, note_crossings);
+    marcher->n_crossings = marcher->n_cubes = 0;
+    for (size_t j = 0; j + 1 < marcher->height; j++) note_row(marcher, j, k);
     if (marcher->grower.out_of_memory) return;
     marcher->most_change = 0;
     for (size_t i = 0; i < marcher->n_crossings; i++) {
@@ -519,18 +554,20 @@ static void march_layer(Marcher *marcher, size_t k)
         marcher->most_change = fmax(marcher->most_change, crossing->inner_value - crossing->outer_value);
     }
     ask_all(marcher, marcher->n_crossings, place_crossing);
-    if (!marcher->stopped) for_crossed_cubes(marcher, k, march_cube);
+    for (size_t i = 0; i < marcher->n_cubes && !marcher->stopped; i++) march_cube(marcher, &marcher->cubes[i]);
 }
 
 static void clear_marcher(Marcher *marcher)
 {
     for (int i = 0; i < 2; i++) {
-        free(marcher->values[i]);
-        free(marcher->vertices[i]);
+        free(marcher->layers[i].values);
+        free(marcher->layers[i].inside);
+        free(marcher->layers[i].vertices);
     }
     blocks_clear(&marcher->blocks);
     free(marcher->row);
     free(marcher->wanted);
+    free(marcher->cubes);
     free(marcher->crossings);
     free(marcher->samples);
     free(marcher->jumps);
@@ -540,26 +577,25 @@ static void clear_marcher(Marcher *marcher)
 static Status march(Marcher *marcher, Error *error)
 {
     size_t n_points = marcher->width * marcher->height;
+    bool ready = true;
     for (int i = 0; i < 2; i++) {
-        marcher->values[i] = malloc(n_points * sizeof(double));
-        marcher->vertices[i] = malloc(n_points * EDGES_PER_POINT * sizeof(uint32_t));
+        Layer *layer = &marcher->layers[i];
+        layer->values = malloc(n_points * sizeof *layer->values);
+        layer->inside = malloc(n_points);
+        layer->vertices = malloc(n_points * EDGES_PER_POINT * sizeof *layer->vertices);
+        ready = ready && layer->values && layer->inside && layer->vertices;
     }
     marcher->row = malloc(n_points * sizeof(double));
     marcher->wanted = malloc(n_points);
-    if (!marcher->values[0] || !marcher->values[1] || !marcher->vertices[0] || !marcher->vertices[1] || !marcher->row ||
-        !marcher->wanted)
-        return fail_memory(error, n_points * 100, "an implicit surface");
+    if (!ready || !marcher->row || !marcher->wanted) return fail_memory(error, n_points * 100, "an implicit surface");
     TRY(blocks_make(marcher->field, &marcher->lattice, marcher->pool, &marcher->blocks, error));
-    fill_layer(marcher, 0, 0);
+    fill_layer(marcher, 0, &marcher->layers[0]);
     for (size_t k = 0; k <= marcher->lattice.n[2] && !marcher->stopped; k++) {
-        fill_layer(marcher, k + 1, 1);
+        fill_layer(marcher, k + 1, &marcher->layers[1]);
         march_layer(marcher, k);
-        double *values = marcher->values[0];
-        uint32_t *vertices = marcher->vertices[0];
-        marcher->values[0] = marcher->values[1];
-        marcher->vertices[0] = marcher->vertices[1];
-        marcher->values[1] = values;
-        marcher->vertices[1] = vertices;
+        Layer done = marcher->layers[0];
+        marcher->layers[0] = marcher->layers[1];
+        marcher->layers[1] = done;
     }
     ask_all(marcher, marcher->n_samples, take_sample);
     return STATUS_OK;

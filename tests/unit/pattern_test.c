@@ -123,6 +123,43 @@ static void noise_is_as_specified(void **state)
                 1e-15);
 }
 
+static double specified_value_at(const double *whole, unsigned n)
+{
+    uint64_t h = 0x6e6f697365U;
+    for (unsigned i = 0; i < n; i++) h = hash_u64(h ^ (uint64_t)(int64_t)whole[i]);
+    return 2 * hash_to_unit(h) - 1;
+}
+
+/* Mixed along the last axis by what is found for both of its whole numbers; x is mixed first. */
+static double specified_value(const double *point, double *whole, unsigned n, unsigned axes)
+{
+    if (axes == 0) return specified_value_at(whole, n);
+    unsigned axis = axes - 1;
+    double low = floor(point[axis]), t = point[axis] - low;
+    whole[axis] = low;
+    double a = specified_value(point, whole, n, axis);
+    whole[axis] = low + 1;
+    double b = specified_value(point, whole, n, axis);
+    return a + (b - a) * (t * t * t * (t * (t * 6 - 15) + 10));
+}
+
+/* However places follow one another: near ones, ones that lie far apart, in cells of the same place in what is kept, too. */
+static void values_are_as_specified(void **state)
+{
+    (void)state;
+    Dice dice = {11};
+    for (int i = 0; i < 100000; i++) {
+        static const double reaches[] = {0.9, 3, 40, 1e4, 1e9, 1e15};
+        Vec3 p = dice_point(&dice, reaches[i % 6]);
+        if (i % 5 == 0) p.x = floor(p.x);
+        if (i % 7 == 0) p = vec3(-0.0, 256 * dice_below(&dice, 9) - 1024.0, 0.5 - (i & 1));
+        for (unsigned n = 1; n <= 3; n++) {
+            double point[3] = {p.x, p.y, p.z}, whole[3];
+            assert_near(noise_value(point, n), specified_value(point, whole, n, n), 0);
+        }
+    }
+}
+
 /* What is continuous does not jump. */
 static void smooth_patterns_are_continuous(void **state)
 {
@@ -340,6 +377,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(patterns_are_within_0_and_1),
         cmocka_unit_test(noise_is_as_specified),
+        cmocka_unit_test(values_are_as_specified),
         cmocka_unit_test(smooth_patterns_are_continuous),
         cmocka_unit_test(patterns_repeat),
         cmocka_unit_test(parts_are_as_they_should),
