@@ -345,7 +345,7 @@ Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way)
 void spread_find_way(const Maps *maps, const Lone *lone, Way *way)
 {
     int radius = find_radius(maps, lone, way);
-    way->radius = (uint8_t)radius;
+    way->radius = (uint16_t)radius;
     if (way->far) return;
     if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
     if (radius == 0 || (!(way->crowding > 0) && !way->mirrored)) return;

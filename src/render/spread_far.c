@@ -292,7 +292,7 @@ static void find_way(const Cells *cells, const FarSample *sample)
         radius = next;
         if (spread_ends(&lone, &sums, radius, own, way, &alone)) ends = radius;
     }
-    way->radius = (uint8_t)(ends ? ends : spread_farthest(&sums, radius, alone, way));
+    way->radius = (uint16_t)(ends ? ends : spread_farthest(&sums, radius, alone, way));
     if (way->radius > 0 && way->mirrored) way->weights = weights_of_disc(cells, &lone, way);
 }
 

@@ -13,7 +13,7 @@
 /* A pixel that has so many that are alike has found what it shows; of few samples a part of them is enough. */
 enum { FEW = 8, FEW_PART = 4 };
 /* Pixels from a sample to the last that get of it, at most. */
-enum { SPREAD_FARTHEST = 209 };
+enum { SPREAD_FARTHEST = 472 };
 /* Up to which radius a sample is spread by pixels, where its thing is seen in so many or more; in less always. */
 enum { SPREAD_NEAR = 26, SPREAD_CELLS_FROM = 6400 };
 
@@ -31,7 +31,8 @@ typedef struct Looks {
 /* Where a sample goes. */
 typedef struct Way {
     uint32_t x;
-    uint8_t kept, radius;   /* which of its pixel's it is; 0: it stays */
+    uint8_t kept;           /* which of its pixel's it is */
+    uint16_t radius;        /* 0: it stays */
     bool mirrored;          /* at an edge that cuts its disc: see find_image */
     bool far;               /* it goes by cells: see spread_far.c */
     float image[2];         /* from the sample to its image behind that edge, in columns and rows */

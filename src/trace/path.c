@@ -148,12 +148,30 @@ ATTR_COLD static void look_ahead(const Path *path)
 
 /* The object that an event is at; what scatters in front of all objects is one more, and what does behind boundaries alone
  * more than that, by its medium: wax in a clear oil is seen apart from the oil, though the glass around both is met first. */
+static uint32_t scattered_by(const World *world, uint32_t medium, bool first)
+{
+    return world->scene->n_objects + (first ? 0 : 1 + medium);
+}
+
 static uint32_t seen_first(const World *world, const Event *event, bool first)
 {
-    if (event->kind == EVENT_SCATTER) return world->scene->n_objects + (first ? 0 : 1 + event->medium);
+    if (event->kind == EVENT_SCATTER) return scattered_by(world, event->medium, first);
     if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return SCENE_NONE;
     const ObjectLook *look = &world->looks[event->hit.object];
     return look->light != SCENE_NONE ? SCENE_NONE : look->whole;
+}
+
+/* Light that was looked for, and found, on the way to what is met first, was scattered there; so what the path met is not what such a
+ * sample shows. */
+static void next_event_noting(Path *path, Event *event, bool first)
+{
+    const World *world = path->tracer->world;
+    Lanes before = path->radiance;
+    path_next_event(path, event);
+    float found = lanes_mean(lanes_sub(path->radiance, before));
+    if (!(found > path->in_front)) return;
+    path->in_front = found;
+    path->scatters_in_front = scattered_by(world, event->medium, first);
 }
 
 /* What an event does to a path that does not end there for good. Returns whether it goes on. */
@@ -180,7 +198,10 @@ static bool follow(Path *path, bool first)
     if (UNLIKELY(first && tracer->notes_sight && world->scatters)) look_ahead(path);
     for (;; first = false) {
         Event event;
-        path_next_event(path, &event);
+        if (UNLIKELY(clear && path->looks))
+            next_event_noting(path, &event, first);
+        else
+            path_next_event(path, &event);
         if (textured) path_reach(path, &event);
         if (first || (clear && event.kind == EVENT_SCATTER)) tracer->seen = seen_first(world, &event, first);
         clear = clear && event.kind == EVENT_BOUNDARY;
@@ -214,7 +235,9 @@ void path_follow(Path *path)
 
 bool path_follow_from_camera(Path *path)
 {
-    return follow(path, true);
+    bool met = follow(path, true);
+    if (UNLIKELY(path_shows_front(path))) path->tracer->seen = path->scatters_in_front;
+    return met;
 }
 
 void path_follow_from_event(Path *path, Event *event)

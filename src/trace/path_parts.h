@@ -70,17 +70,19 @@ typedef struct Path {
     Decision decision; /* at the next boundary */
     uint32_t bounce;   /* events so far: each has random numbers of its own */
     float cone_width,
-        cone_spread;      /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
-    bool cone_bent;       /* it has gone through a boundary, or off a mirror */
-    bool straight;        /* media do not scatter it: it only looks what is there */
-    bool looks;           /* for light that media scatter towards it */
-    bool bent_apart;      /* it has come to a boundary where each of its wavelengths would go on in another way, */
-    bool again;           /* and this is the second path of its sample: see sample.c */
-    float color; /* of the wavelength by whose indices glass bends it, see guide_color; 0 where nobody asks */
-    float colors[2];      /* those of both paths of its sample */
-    int index_lane;       /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
-    uint32_t n_scattered; /* in media, so far */
-    uint32_t n_counted;   /* of the events, the ones that the scene's limit counts: not scattering within media */
+        cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
+    bool cone_bent;  /* it has gone through a boundary, or off a mirror */
+    bool straight;   /* media do not scatter it: it only looks what is there */
+    bool looks;      /* for light that media scatter towards it */
+    bool bent_apart; /* it has come to a boundary where each of its wavelengths would go on in another way, */
+    bool again;      /* and this is the second path of its sample: see sample.c */
+    float color;     /* of the wavelength by whose indices glass bends it, see guide_color; 0 where nobody asks */
+    float colors[2]; /* those of both paths of its sample */
+    int index_lane;  /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
+    float in_front;  /* the most light that was looked for, and found, on a stretch in front of what it meets first, */
+    uint32_t scatters_in_front; /* and the number of what scatters there, see Tracer.seen */
+    uint32_t n_scattered;       /* in media, so far */
+    uint32_t n_counted;         /* of the events, the ones that the scene's limit counts: not scattering within media */
     PathMedia media;
     PathProbing probing;
     Airway way, from; /* the present stretch; and the one that the path was scattered on last, if it was in a medium */
@@ -102,6 +104,12 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->index_lane = -1;
     path->fork = NULL;
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
+}
+
+/* Whether most of its light is from what scatters in front. */
+static inline bool path_shows_front(const Path *path)
+{
+    return path->in_front > 0.5f * lanes_mean(path->radiance);
 }
 
 /* A lane that is denser than the hero at every event would leave the range of float in the end. Only the quotient of

@@ -201,9 +201,10 @@ static Lanes follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
     return path->radiance;
 }
 
-/* The second path of a sample. What is told of a sample besides its light is of the first one. */
+/* The second path of a sample. What is told of a sample besides its light is of the first one; but what it shows is what scatters
+ * in front, if this one has more light than the first, from there. */
 static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
-                          const WavelengthSample *wavelengths, IndexLanes lanes, PathFork *fork)
+                          const WavelengthSample *wavelengths, IndexLanes lanes, PathFork *fork, const Path *first)
 {
     if (LIKELY(fork->kept)) return follow_fork(tracer, fork, lanes.second);
     Path path;
@@ -212,7 +213,7 @@ static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint p
     tracer->notes_sight = false;
     (void)follow_path(tracer, pixel, point, wavelengths, lanes, NULL, &path);
     tracer->notes_sight = notes_sight;
-    tracer->seen = seen;
+    if (!(path_shows_front(&path) && lanes_mean(path.radiance) > lanes_mean(first->radiance))) tracer->seen = seen;
     return path.radiance;
 }
 
@@ -234,7 +235,8 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes, &fork, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
-        path.radiance = share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork), lanes);
+        path.radiance =
+            share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork, &path), lanes);
     *alpha = ray == RAY_MET || (ray == RAY_ESCAPED && world->scene->environment) ? 1 : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
