@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of one sample: one that chose among several ways may say more than 1. */
+#define MOST_REFLECTED 4.0f
+
 Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error)
 {
     size_t n = (size_t)width * height, size = n * (sizeof(BrightPixel) + (slice ? sizeof(BrightSlice) : 0));
@@ -69,12 +72,19 @@ static void insert(uint32_t *items, int at, uint32_t item)
     items[at] = item;
 }
 
-void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
+static void add_reflected(BrightPixel *pixel, float reflected)
+{
+    pixel->reflected += (uint32_t)lrintf(fminf(reflected, MOST_REFLECTED) * BRIGHT_REFLECTED);
+    pixel->n_reflected++;
+}
+
+void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, float reflected)
 {
     if (thing == BRIGHT_NOTHING) return;
     size_t i = (size_t)y * film->width + x;
     BrightPixel *pixel = &film->pixels[i];
     uint32_t seen = count_seen(pixel, thing, 1);
+    if (reflected >= 0) add_reflected(pixel, reflected);
     if (UNLIKELY(film->slices != NULL) && !tally_add(&film->slices[i].things, thing, 1)) film->out_of_memory = true;
     if (LIKELY(!(bright_light(rgb) > pixel->least))) return;
     int at = keep(pixel, rgb, seen);
@@ -147,6 +157,8 @@ bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y
         BrightSlice *own = film->slices ? &film->slices[i] : NULL;
         for (uint32_t k = 0; k < slice->things.n; k++)
             (void)count_seen(&film->pixels[i], slice->things.items[k].id, slice->things.items[k].n);
+        film->pixels[i].reflected += next->pixels[from].reflected;
+        film->pixels[i].n_reflected += next->pixels[from].n_reflected;
         join_kept(&film->pixels[i], own ? own->kept : NULL, &next->pixels[from], slice->kept);
         if (own && !tally_join(&own->things, &slice->things)) return false;
     }

@@ -13,11 +13,14 @@
 enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
 /* What is never apart: nothing at all, and lights, which are seen as they are. */
 #define BRIGHT_NOTHING UINT32_MAX
+/* Of a reflectance of 1. */
+#define BRIGHT_REFLECTED 256.0f
 typedef struct BrightPixel {
     float rgb[BRIGHT_KEPT][3];                             /* the brightest first; black: none */
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
     float least;                                           /* light of the last one of those */
     uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
+    uint32_t reflected, n_reflected; /* what samples say of the reflectance, in sum, by BRIGHT_REFLECTED; how many do */
 } BrightPixel;
 
 /* How bright a sample is taken to be: as dots of all colours are seen. Samples of few wavelengths have negative parts. */
@@ -47,8 +50,15 @@ typedef struct BrightFilm {
 ATTR_NODISCARD Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error);
 void bright_film_clear(BrightFilm *film);
 void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y); /* as film_forget_row */
-/* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. A pixel belongs to one thread at a time. */
-void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing);
+/* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. reflected: the part of the light that it says is reflected
+ * there, in the mean of a pixel's samples; < 0: it says nothing. A pixel belongs to one thread at a time. */
+void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, float reflected);
+/* What is reflected in a pixel, in the mean; 1 where nothing is known. */
+static inline float bright_reflectance(const BrightPixel *pixel)
+{
+    return pixel->n_reflected ? (float)pixel->reflected / (BRIGHT_REFLECTED * (float)pixel->n_reflected) : 1;
+}
+
 /* Rows as bytes, and joining two, as film_save_row and its like have it; also of films without pixels. next: of a film that
  * does not begin with the first sample. false from joining when memory ends. */
 void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);

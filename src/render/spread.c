@@ -81,13 +81,15 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
         Looks *looks = &maps->looks;
         const FilmPixel *pixel = film_pixel(maps->film, x, y);
         const BrightPixel *bright = bright_at(maps, x, y);
+        float reflectance = reflectance_at(maps, x, y);
         looks->plain[i] = (float)light_of(pixel, bright);
+        looks->lit[i] = looks->plain[i] / reflectance;
         looks->brightest[i] = bright_light(bright->rgb[0]);
         looks->seen[i] = (uint16_t)bright->seen;
         for (int k = 0; k < BRIGHT_KEPT; k++) looks->lights[i][k] = bright_light(bright->rgb[k]);
         for (int k = 0; k < BRIGHT_THINGS && bright->counts[k] && pixel->n; k++) {
             looks->things[k][i] = bright->things[k];
-            looks->shares[k][i] = (float)bright->counts[k] / (float)pixel->n;
+            looks->shares[k][i] = reflectance * (float)bright->counts[k] / (float)pixel->n;
         }
         maps->rows[index].light += light_of(pixel, NULL);
     }
@@ -198,8 +200,8 @@ static bool maps_init(Maps *maps)
 {
     size_t n = (size_t)maps->width * maps->height;
     Looks *looks = &maps->looks;
-    float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2],
-                        &looks->plain,     &looks->around,    &looks->brightest};
+    float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2], &looks->plain,
+                        &looks->around,    &looks->brightest, &looks->lit,       &looks->lit_around};
     bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
     for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
     ready = (looks->lights = calloc(n, sizeof *looks->lights)) != NULL && ready;
@@ -219,6 +221,8 @@ static void maps_clear(Maps *maps)
     }
     free(looks->plain);
     free(looks->around);
+    free(looks->lit);
+    free(looks->lit_around);
     free(looks->brightest);
     free(looks->lights);
     free(looks->seen);
@@ -241,7 +245,9 @@ static bool look(Maps *maps)
     float *scratch = calloc((size_t)maps->width * maps->height, sizeof *scratch);
     if (!scratch) return false;
     pool_run(maps->pool, maps->height, look_at_row, maps);
-    mean_around(maps->looks.plain, maps->width, maps->height, AROUND, scratch, maps->looks.around, maps->pool);
+    Looks *looks = &maps->looks;
+    mean_around(looks->plain, maps->width, maps->height, AROUND, scratch, looks->around, maps->pool);
+    mean_around(looks->lit, maps->width, maps->height, AROUND, scratch, looks->lit_around, maps->pool);
     free(scratch);
     return find_boxes(maps);
 }
@@ -291,7 +297,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     maps_clear(&maps);
     if (good) return STATUS_OK;
     spread_clear(spread);
-    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 4 + BRIGHT_KEPT) * sizeof(float)),
+    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 6 + BRIGHT_KEPT) * sizeof(float)),
                        "single bright samples");
 }
 

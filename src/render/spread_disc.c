@@ -31,7 +31,7 @@ static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint3
 {
     const uint32_t *t0 = looks->things[0] + first, *t1 = looks->things[1] + first, *t2 = looks->things[2] + first;
     const float *s0 = looks->shares[0] + first, *s1 = looks->shares[1] + first, *s2 = looks->shares[2] + first;
-    const float *plain = looks->plain + first;
+    const float *lit = looks->lit + first;
     const uint32_t thing = lone->thing;
     const double black = lone->black, slope = lone->slope;
     for (uint32_t i = 0; i < n; i++) {
@@ -39,7 +39,7 @@ static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint3
         float share = t2[i] == thing ? third_share : 0;
         share = t1[i] == thing ? second_share : share;
         share = t0[i] == thing ? first_share : share;
-        double light = black + slope * (double)plain[i];
+        double light = black + slope * (double)lit[i];
         weights[i] = (double)share * (light < 1 ? light : 1);
     }
 }
@@ -52,14 +52,25 @@ static double weight_of(const Looks *looks, const Lone *lone, size_t pixel)
     return weight;
 }
 
-double spread_reference(const Maps *maps, uint32_t x, uint32_t y)
+/* The most of a map at the pixels next to one, and of its mean around. */
+static double most_beside(const Maps *maps, const float *map, const float *around, uint32_t x, uint32_t y)
 {
     const uint32_t *area = maps->area;
-    float most = maps->looks.around[place_in(area, x, y)];
+    float most = around[place_in(area, x, y)];
     for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
         for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++)
-            most = fmaxf(most, maps->looks.plain[place_in(area, u, v)]);
+            most = fmaxf(most, map[place_in(area, u, v)]);
     return (double)most;
+}
+
+double spread_reference(const Maps *maps, uint32_t x, uint32_t y)
+{
+    return most_beside(maps, maps->looks.plain, maps->looks.around, x, y);
+}
+
+double spread_usual_light(const Maps *maps, uint32_t x, uint32_t y)
+{
+    return most_beside(maps, maps->looks.lit, maps->looks.lit_around, x, y);
 }
 
 /* The pixel's samples that are comparable to it, as far as they are kept. */
@@ -109,13 +120,14 @@ static double usual_beside(const Maps *maps, const Lone *lone)
 Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept)
 {
     const BrightPixel *pixel = bright_at(maps, x, y);
-    double n = film_pixel(maps->film, x, y)->n, reference = spread_reference(maps, x, y);
+    double n = film_pixel(maps->film, x, y)->n;
     float light = bright_light(pixel->rgb[kept]);
     Lone lone = {.x = x,
                  .y = y,
                  .thing = pixel->things[bright_seen(pixel, kept)],
                  .light = (double)light / n,
-                 .reference = reference,
+                 .reference = spread_reference(maps, x, y),
+                 .lit = spread_usual_light(maps, x, y),
                  .least = light * ALIKE};
     const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
     if (box) lone.box = *box;
@@ -126,7 +138,8 @@ Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept)
 
 void spread_find_shares(const Maps *maps, Lone *lone)
 {
-    double beside = usual_beside(maps, lone), together = lone->reference + beside;
+    double reflectance = (double)reflectance_at(maps, lone->x, lone->y);
+    double beside = usual_beside(maps, lone) / reflectance, together = lone->lit + beside;
     lone->black = together > 0 ? TO_BLACK + (1 - TO_BLACK) * beside / together : 1;
     lone->slope = together > 0 ? (1 - TO_BLACK) / together : 0;
 }

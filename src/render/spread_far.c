@@ -3,7 +3,7 @@
  * Each cell has a point at its middle. What a pixel gets is between what is found for the points around it, which makes it
  * smooth (bilinear interpolation); and what counts for a point is what pixels add to it by these same parts, so that all that a
  * sample gives is what pixels get together, to rounding.
- * How pixels share in a sample by their own light depends on its reference: that is taken to be the nearest power of the square root
+ * How pixels share in a sample depends on how much light is usual where it is: that is taken to be the nearest power of the square root
  * of two, its level, so that those of one level and thing have the same weights for all cells.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
@@ -47,9 +47,9 @@ static Between between(uint32_t offset, uint32_t n)
     return (Between){one, other < n ? other : n - 1, ((offset + SIDE / 2) % SIDE + 0.5) / SIDE};
 }
 
-static double usual(const Cells *cells, double plain)
+static double usual(const Cells *cells, double lit)
 {
-    double light = plain * cells->scale;
+    double light = lit * cells->scale;
     return light < 1 ? light : 1;
 }
 
@@ -74,7 +74,7 @@ static void add_pixels(const Cells *cells, uint32_t y, double part, uint32_t row
         Between columns = between(x, cells->width);
         const size_t at[2] = {first + columns.one, first + columns.other};
         const double parts[2] = {share * (1 - columns.part), share * columns.part};
-        double by_usual = usual(cells, plain);
+        double by_usual = usual(cells, (double)cells->maps->looks.lit[pixel]);
         for (int k = 0; k < 2; k++) {
             cells->even[at[k]] += parts[k];
             cells->usual[at[k]] += parts[k] * by_usual;
@@ -369,7 +369,7 @@ static void take_gifts(void *context, uint32_t index, unsigned worker)
     size_t pixel = place_in(maps->area, box->x0, box->y0 + index);
     (void)worker;
     for (uint32_t x = 0; x < box->x1 - box->x0; x++, pixel++) {
-        double share = share_of(cells, pixel), by_usual = usual(cells, (double)maps->looks.plain[pixel]);
+        double share = share_of(cells, pixel), by_usual = usual(cells, (double)maps->looks.lit[pixel]);
         if (!(share > 0)) continue;
         Between columns = between(x, cells->width);
         Gift left = gift_between(&one[columns.one], &other[columns.one], rows.part);
@@ -392,10 +392,10 @@ static int order(const void *left, const void *right)
     return a->way < b->way ? -1 : a->way > b->way;
 }
 
-/* The power of the square root of two that is nearest to what is usual where a sample is. */
-static int level_of(double reference)
+/* The power of the square root of two that is nearest to what light is usual where a sample is. */
+static int level_of(double usual_light)
 {
-    return reference > 0 ? (int)fmin(fmax(rint(2 * log2(reference)), -LEVELS), LEVELS) : -LEVELS;
+    return usual_light > 0 ? (int)fmin(fmax(rint(2 * log2(usual_light)), -LEVELS), LEVELS) : -LEVELS;
 }
 
 static bool list_samples(const Maps *maps, FarSamples *far)
@@ -411,9 +411,9 @@ static bool list_samples(const Maps *maps, FarSamples *far)
             const Way *way = &maps->rows[y].ways[i];
             if (!way->far) continue;
             const BrightPixel *pixel = bright_at(maps, way->x, maps->area[1] + y);
-            double reference = spread_reference(maps, way->x, maps->area[1] + y);
+            double usual_light = spread_usual_light(maps, way->x, maps->area[1] + y);
             far->samples[far->n++] = (FarSample){.thing = pixel->things[bright_seen(pixel, way->kept)],
-                                                 .level = level_of(reference),
+                                                 .level = level_of(usual_light),
                                                  .row = y,
                                                  .way = (uint32_t)i};
         }

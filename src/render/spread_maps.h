@@ -20,10 +20,13 @@ enum { SPREAD_NEAR = 26, SPREAD_CELLS_FROM = 6400 };
 /* What is asked of pixels again and again, each kind together, so that rows of pixels are gone through fast. */
 typedef struct Looks {
     uint32_t *things[BRIGHT_THINGS];
-    float *shares[BRIGHT_THINGS]; /* of a pixel's samples, those that saw each; 0: no such thing */
-    float *plain;                 /* its light, see bright_light, without the samples that have few like them there */
-    float *around;                /* the mean of that around it */
-    float *brightest;             /* of its samples, as far as they are kept; */
+    float
+        *shares[BRIGHT_THINGS]; /* of a pixel's samples, those that saw each, times its reflectance; 0: no such thing */
+    float *plain;               /* its light, see bright_light, without the samples that have few like them there */
+    float *around;              /* the mean of that around it */
+    float *lit;                 /* what is plain, over its reflectance: how much light there is; */
+    float *lit_around;          /* and the mean of that around it */
+    float *brightest;           /* of its samples, as far as they are kept; */
     float (*lights)[BRIGHT_KEPT]; /* all of these, the brightest first, */
     uint16_t *seen;               /* and what they saw, as bright_seen() has it */
 } Looks;
@@ -77,6 +80,15 @@ static inline const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_
     return &maps->bright->pixels[(size_t)y * maps->bright->width + x];
 }
 
+/* A part of the light that comes to a pixel that is reflected at least, as it is taken here: what is black has some skin. */
+#define LEAST_REFLECTED 0.02f
+
+static inline float reflectance_at(const Maps *maps, uint32_t x, uint32_t y)
+{
+    float reflectance = bright_reflectance(bright_at(maps, x, y));
+    return reflectance > LEAST_REFLECTED ? reflectance : LEAST_REFLECTED;
+}
+
 /* A sample on its way. */
 typedef struct Lone {
     uint32_t x, y, thing;
@@ -84,7 +96,8 @@ typedef struct Lone {
     double seen;          /* its light, as a haze of it is seen */
     double
         reference; /* what is usual there: the most of what is plain: the brightest pixel next to it, the mean around */
-    double black, slope; /* what a pixel gets by its own light: black + slope * light, but 1 at most */
+    double lit;    /* as the reference, how much light is usual */
+    double black, slope; /* what a pixel gets by how much light it has: black + slope * lit, but 1 at most */
     float least;         /* of comparable samples */
     ThingBox box;        /* where the thing is seen: nothing is to be found beyond it */
 } Lone;
@@ -167,8 +180,9 @@ static inline double spread_squared_luminance(const double rgb[3])
 
 /* ---- spread_disc.c ---- */
 
-/* What is usual at a pixel: see Lone. */
+/* What is usual at a pixel, see Lone: of what is plain, and of how much light there is. */
 double spread_reference(const Maps *maps, uint32_t x, uint32_t y);
+double spread_usual_light(const Maps *maps, uint32_t x, uint32_t y);
 /* A sample, but for how pixels share in it. */
 Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept);
 void spread_find_shares(const Maps *maps, Lone *lone);

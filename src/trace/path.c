@@ -188,6 +188,22 @@ static inline bool pass_event(Path *path, Event *event)
     return survives(path);
 }
 
+static float carried_by(const Path *path)
+{
+    return lanes_mean(path->beta) / lanes_mean(path->ratio);
+}
+
+/* Whoever shares out single bright samples wants to know where a texture is dark. */
+static bool pass_noting(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    float before = carried_by(path);
+    bool goes_on = pass_event(path, event);
+    if (tracer->world->looks[event->hit.object].light == SCENE_NONE && before > 0)
+        tracer->reflected = goes_on ? carried_by(path) / before : 0;
+    return goes_on;
+}
+
 /* Returns whether the first ray met anything. */
 static bool follow(Path *path, bool first)
 {
@@ -204,6 +220,7 @@ static bool follow(Path *path, bool first)
             path_next_event(path, &event);
         if (textured) path_reach(path, &event);
         if (first || (clear && event.kind == EVENT_SCATTER)) tracer->seen = seen_first(world, &event, first);
+        bool notes = textured && clear && event.kind == EVENT_OPAQUE;
         clear = clear && event.kind == EVENT_BOUNDARY;
         if (UNLIKELY(first && tracer->notes_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
@@ -224,7 +241,7 @@ static bool follow(Path *path, bool first)
             return true;
         }
         if (event.kind == EVENT_SCATTER && path->probing.is_probe) return true;
-        if (!pass_event(path, &event)) return true;
+        if (UNLIKELY(notes) ? !pass_noting(path, &event) : !pass_event(path, &event)) return true;
     }
 }
 

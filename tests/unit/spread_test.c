@@ -27,10 +27,15 @@ static void begin(Films *films)
     assert_int_equal(bright_film_init(&films->bright, false, SIDE, SIDE, &error), STATUS_OK);
 }
 
-static void add(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
+static void add_reflected(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, float reflected)
 {
     (void)film_add(&films->film, x, y, rgb, thing != BRIGHT_NOTHING);
-    bright_film_add(&films->bright, x, y, rgb, thing);
+    bright_film_add(&films->bright, x, y, rgb, thing, reflected);
+}
+
+static void add(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
+{
+    add_reflected(films, x, y, rgb, thing, -1);
 }
 
 static uint32_t left_and_right(uint32_t x)
@@ -567,6 +572,43 @@ static void edges_get_as_much_from_far(void **state)
     bright_film_clear(&films.bright);
 }
 
+/* A wall of two colours on which nothing shines but what one sample finds: what it shares out goes by what is reflected, near and
+ * far, and whether or not there is some other light. */
+static void what_is_reflected_counts(void **state)
+{
+    (void)state;
+    const float reflected[2] = {0.1f, 0.6f};
+    for (int k = 0; k < 4; k++) {
+        Error error;
+        Films films;
+        float lit = k % 2 ? 0.2f : 0, bright = k / 2 ? 900 : lit > 0 ? 60 : 4;
+        double gains[2] = {0};
+        uint32_t pixels[2] = {0};
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
+                uint32_t x = at % LARGE, y = at / LARGE;
+                float some = reflected[(x / 3 + y / 3) % 2], light = lit * some;
+                if (lit == 0 && hash_to_unit(hash_u64((uint64_t)at << 32 | i)) < 0.02) light = bright * some;
+                add_reflected(&films, x, y, (float[]){light, light, light}, 1, (float)(i % 4) * some / 1.5f);
+            }
+        if (lit > 0) add_reflected(&films, LARGE / 2, LARGE / 2, (float[]){bright, bright, bright}, 1, -1);
+        resolve_large(&films);
+        assert_true(films.way.samples > 0);
+        for (uint32_t y = LARGE / 4; y < LARGE - LARGE / 4; y++)
+            for (uint32_t x = LARGE / 4; x < LARGE - LARGE / 4; x++) {
+                if (lit > 0 && x == LARGE / 2 && y == LARGE / 2) continue;
+                int light = (x / 3 + y / 3) % 2;
+                size_t to = (size_t)y * LARGE + x;
+                gains[light] += lit > 0 ? films.way.pixels[to].rgb[0] : (double)films.spread.pixels[5 * to];
+                pixels[light]++;
+            }
+        assert_near(gains[0] / pixels[0] / (gains[1] / pixels[1]), 1 / 6.0, 0.03);
+        end(&films);
+    }
+}
+
 /* Many of all brightnesses, on three things that overlap: nothing is lost, and any number of threads gives the same. */
 static void much_goes_far(void **state)
 {
@@ -744,6 +786,7 @@ int main(void)
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(what_goes_far_arrives),
         cmocka_unit_test(edges_get_as_much_from_far),
+        cmocka_unit_test(what_is_reflected_counts),
         cmocka_unit_test(much_goes_far),
         cmocka_unit_test(order_and_area),
         cmocka_unit_test(rendered),
