@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "render/around.h"
@@ -13,8 +14,8 @@
 
 /* What a sample adds to its pixel, over what is there without, that is not to be seen yet. */
 #define STANDS_OUT 0.2
-/* Pixels around, for what is usual there. */
-enum { AROUND = 2 };
+/* Pixels around, for what is usual there, and for which colour. */
+enum { AROUND = 2, COLORS_AROUND = 8 };
 /* A pixel is a hole by what it has less than this one of those next to it, counted from the darkest: holes may be two or three
  * in a row, and what is beside an edge is none. */
 enum { HOLE_RANK = 3 };
@@ -86,6 +87,8 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
         looks->lit[i] = looks->plain[i] / reflectance;
         looks->brightest[i] = bright_light(bright->rgb[0]);
         looks->seen[i] = (uint16_t)bright->seen;
+        for (int c = 0; c < 3; c++)
+            looks->colors[c][i] = pixel->n ? (float)((double)pixel->rgb[c] * FILM_UNIT / pixel->n) : 0;
         for (int k = 0; k < BRIGHT_KEPT; k++) looks->lights[i][k] = bright_light(bright->rgb[k]);
         for (int k = 0; k < BRIGHT_THINGS && bright->counts[k] && pixel->n; k++) {
             looks->things[k][i] = bright->things[k];
@@ -201,7 +204,8 @@ static bool maps_init(Maps *maps)
     size_t n = (size_t)maps->width * maps->height;
     Looks *looks = &maps->looks;
     float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2], &looks->plain,
-                        &looks->around,    &looks->brightest, &looks->lit,       &looks->lit_around};
+                        &looks->around,    &looks->brightest, &looks->lit,       &looks->lit_around,
+                        &looks->colors[0], &looks->colors[1], &looks->colors[2]};
     bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
     for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
     ready = (looks->lights = calloc(n, sizeof *looks->lights)) != NULL && ready;
@@ -223,6 +227,7 @@ static void maps_clear(Maps *maps)
     free(looks->around);
     free(looks->lit);
     free(looks->lit_around);
+    for (int c = 0; c < 3; c++) free(looks->colors[c]);
     free(looks->brightest);
     free(looks->lights);
     free(looks->seen);
@@ -242,14 +247,23 @@ static bool find_boxes(Maps *maps)
 
 static bool look(Maps *maps)
 {
-    float *scratch = calloc((size_t)maps->width * maps->height, sizeof *scratch);
-    if (!scratch) return false;
-    pool_run(maps->pool, maps->height, look_at_row, maps);
     Looks *looks = &maps->looks;
-    mean_around(looks->plain, maps->width, maps->height, AROUND, scratch, looks->around, maps->pool);
-    mean_around(looks->lit, maps->width, maps->height, AROUND, scratch, looks->lit_around, maps->pool);
+    uint32_t width = maps->width, height = maps->height;
+    size_t n = (size_t)width * height;
+    float *scratch = calloc(n, sizeof *scratch), *mean = calloc(n, sizeof *mean);
+    bool ready = scratch && mean;
+    if (ready) {
+        pool_run(maps->pool, height, look_at_row, maps);
+        mean_around(looks->plain, width, height, AROUND, scratch, looks->around, maps->pool);
+        mean_around(looks->lit, width, height, AROUND, scratch, looks->lit_around, maps->pool);
+    }
+    for (int c = 0; ready && c < 3; c++) {
+        mean_around(looks->colors[c], width, height, COLORS_AROUND, scratch, mean, maps->pool);
+        memcpy(looks->colors[c], mean, n * sizeof *mean);
+    }
     free(scratch);
-    return find_boxes(maps);
+    free(mean);
+    return ready && find_boxes(maps);
 }
 
 static bool find_ways(Maps *maps, FarSamples *far)
@@ -297,7 +311,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     maps_clear(&maps);
     if (good) return STATUS_OK;
     spread_clear(spread);
-    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 6 + BRIGHT_KEPT) * sizeof(float)),
+    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 9 + BRIGHT_KEPT) * sizeof(float)),
                        "single bright samples");
 }
 

@@ -8,15 +8,16 @@
  * eye: what is spread too near makes discs of the same brightness; too little, dots. */
 
 /* Comparable samples that hold a neighbourhood up: next to a sample few, which are parts of one small bright thing; farther
- * away many, else their discs would be seen: of samples of one colour, as dispersion makes them, the more by how much sooner a
- * haze of that is seen. Without that a diamond had clouds of violet and green. */
+ * away more, so many for each pixel of the radius, and in the end many, else their discs would be seen: of samples of another
+ * colour than what is around, as dispersion makes them, the more by how much sooner a haze of that is seen. Without that a diamond
+ * had clouds of violet and green. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
 /* Pixels around a sample, for what they have of comparable ones. */
 enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
 #define FAINT 0.25
-/* A haze of one colour is seen sooner than a grey one: how much sooner, for each unit of tint. */
+/* A haze of another colour is seen sooner than one of the same: how much sooner, for each unit of tint. */
 #define TINTED 6.0
 /* Of what a usual pixel gets, the part that a black one does. */
 #define TO_BLACK (1 / 6.0)
@@ -97,12 +98,18 @@ static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *s
     return alike;
 }
 
-/* How far from grey: 0 is grey, 1.4 the light of one primary; more is that of one wavelength. */
-static double tint_of(const double rgb[3], double light)
+/* How far a sample's colour is from that of all light around: 0 is the same, 1.4 the light of one primary in grey; more is that
+ * of one wavelength. What all around is lit by has no tint. */
+static double tint_of(const Maps *maps, const Lone *lone)
 {
-    double mean = (rgb[0] + rgb[1] + rgb[2]) / 3, apart = 0;
-    for (int c = 0; c < 3; c++) apart += (rgb[c] - mean) * (rgb[c] - mean);
-    return sqrt(apart / 3) / light;
+    size_t pixel = place_in(maps->area, lone->x, lone->y);
+    double around[3], sum = 0, apart = 0;
+    for (int c = 0; c < 3; c++) sum += around[c] = fmax((double)maps->looks.colors[c][pixel], 0);
+    for (int c = 0; c < 3; c++) {
+        double usual = sum > 0 ? 3 * around[c] / sum : 1, off = lone->rgb[c] / lone->light - usual;
+        apart += off * off;
+    }
+    return sqrt(apart / 3);
 }
 
 /* What near pixels have of samples that are comparable to one, besides itself: the light of each, in their mean. Where all have
@@ -132,7 +139,7 @@ Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept)
     const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
     if (box) lone.box = *box;
     for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
-    lone.seen = lone.light * (1 + TINTED * tint_of(lone.rgb, lone.light));
+    lone.seen = lone.light * (1 + TINTED * tint_of(maps, &lone));
     return lone;
 }
 
@@ -250,7 +257,9 @@ int spread_next_radius(int radius)
 
 uint32_t spread_enough(const Lone *lone, int radius)
 {
-    return (uint32_t)(radius <= NEAR ? radius * NEAR_ENOUGH : FAR_ENOUGH * lone->seen / lone->light);
+    int enough = radius * NEAR_ENOUGH;
+    if (radius <= NEAR) return (uint32_t)enough;
+    return (uint32_t)((enough < FAR_ENOUGH ? enough : FAR_ENOUGH) * lone->seen / lone->light);
 }
 
 bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, Way *way, double *alone)

@@ -24,6 +24,7 @@ typedef struct Looks {
         *shares[BRIGHT_THINGS]; /* of a pixel's samples, those that saw each, times its reflectance; 0: no such thing */
     float *plain;               /* its light, see bright_light, without the samples that have few like them there */
     float *around;              /* the mean of that around it */
+    float *colors[3];           /* the mean of all light around it, in each channel; */
     float *lit;                 /* what is plain, over its reflectance: how much light there is; */
     float *lit_around;          /* and the mean of that around it */
     float *brightest;           /* of its samples, as far as they are kept; */

@@ -609,6 +609,33 @@ static void what_is_reflected_counts(void **state)
     }
 }
 
+/* Where all is lit by one colour, a sample of that colour goes as far as a grey one does in grey. */
+static void what_all_is_lit_by_is_no_tint(void **state)
+{
+    (void)state;
+    static const float lights[2][3] = {{0.1f, 0.1f, 0.1f}, {0.27f, 0.02f, 0.01f}};
+    double farthest[2] = {0};
+    for (int k = 0; k < 2; k++) {
+        Error error;
+        Films films;
+        float bright[3];
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) add(&films, at % LARGE, at / LARGE, lights[k], 1);
+        for (int c = 0; c < 3; c++) bright[c] = 2000 * lights[k][c];
+        add(&films, LARGE / 2, LARGE / 2, bright, 1);
+        resolve_large(&films);
+        assert_int_equal(films.way.samples, 1);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            if (films.way.pixels[at].rgb[0] > 0)
+                farthest[k] = fmax(farthest[k], hypot(at % LARGE - LARGE / 2.0, at / LARGE - LARGE / 2.0));
+        end(&films);
+    }
+    assert_true(farthest[0] > 20);
+    assert_near(farthest[1], farthest[0], 1e-9);
+}
+
 /* Many of all brightnesses, on three things that overlap: nothing is lost, and any number of threads gives the same. */
 static void much_goes_far(void **state)
 {
@@ -787,6 +814,7 @@ int main(void)
         cmocka_unit_test(what_goes_far_arrives),
         cmocka_unit_test(edges_get_as_much_from_far),
         cmocka_unit_test(what_is_reflected_counts),
+        cmocka_unit_test(what_all_is_lit_by_is_no_tint),
         cmocka_unit_test(much_goes_far),
         cmocka_unit_test(order_and_area),
         cmocka_unit_test(rendered),
