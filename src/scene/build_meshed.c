@@ -197,6 +197,16 @@ static double largest_number(const double *numbers, size_t n)
     return largest;
 }
 
+/* A 10,000th of how far a path reaches: a tenth of a pixel of a picture of all of it. But what is thick is looked at from near, and
+ * a thread is still to be round: a 1000th of its size at least, and a 100th at most. */
+static double sweep_tolerance(const Vec3 *path, size_t n, double size)
+{
+    Box3 box = box3_empty();
+    for (size_t i = 0; i < n; i++) box = box3_add_point(box, path[i]);
+    double reach = n > 0 ? vec3_max_abs(vec3_sub(box.max, box.min)) : 0;
+    return fmin(fmax(reach / 10000, size / 1000), size / 100);
+}
+
 static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)
 {
     const EvalProp *path = eval_prop(node, "path"), *radius = eval_prop(node, "radius"),
@@ -215,7 +225,6 @@ static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
     double size = largest_number(shape.scales, shape.n_scales);
     if (prop) size *= extent_of(prop);
     if (!(size > 0)) return fail(error, STATUS_SCENE, "a sweep of radius 0 has no volume");
-    shape.tolerance = tolerance_of(node, size / 1000);
     size_t n = path->as.list.n;
     if (n > 1000000) return fail(error, STATUS_SCENE, "a path of %zu points is too long; the limit is 1000000", n);
     Vec3 *points = ARENA_ARRAY(b->arena, Vec3, n);
@@ -225,6 +234,7 @@ static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
     }
     shape.path = points;
     shape.n_path = n;
+    shape.tolerance = tolerance_of(node, sweep_tolerance(points, n, size));
     Status status = STATUS_OK;
     if (prop) {
         ContourKind kind = contour_kind(eval_word(node, "outline_curve"));

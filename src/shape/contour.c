@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "shape/smooth.h"
+
 static const double degree = 3.14159265358979323846 / 180;
 enum { MAX_STEPS = 4096, DEGREES_PER_STEP = 5 };
 
@@ -102,11 +104,19 @@ void pen_end(Pen *pen)
     if (!outline2_end_loop(outline)) pen->failed = true;
 }
 
-/* The curve from p[1] to p[2] of a Catmull-Rom spline, with Bezier's controls. */
-static void draw_spline_step(Pen *pen, const Point2 p[4])
+static double time_between(Point2 a, Point2 b)
 {
-    Point2 control1 = {p[1].x + (p[2].x - p[0].x) / 6, p[1].y + (p[2].y - p[0].y) / 6};
-    Point2 control2 = {p[2].x - (p[3].x - p[1].x) / 6, p[2].y - (p[3].y - p[1].y) / 6};
+    return smooth_time(hypot(b.x - a.x, b.y - a.y));
+}
+
+/* The smooth curve from p[1] to p[2], with Bezier's controls. */
+static void draw_smooth_step(Pen *pen, const Point2 p[4])
+{
+    double t[3] = {time_between(p[0], p[1]), time_between(p[1], p[2]), time_between(p[2], p[3])};
+    Point2 control1 = {p[1].x + smooth_velocity(p[0].x, p[1].x, p[2].x, t[0], t[1]) / 3,
+                       p[1].y + smooth_velocity(p[0].y, p[1].y, p[2].y, t[0], t[1]) / 3};
+    Point2 control2 = {p[2].x + smooth_velocity(p[3].x, p[2].x, p[1].x, t[2], t[1]) / 3, /* backwards */
+                       p[2].y + smooth_velocity(p[3].y, p[2].y, p[1].y, t[2], t[1]) / 3};
     pen_cubic(pen, control1, control2, p[2]);
 }
 
@@ -127,7 +137,7 @@ Status contour_draw(Pen *pen, ContourKind kind, const double *xy, size_t n, Erro
         pen->source = source + (uint32_t)i;
         const Point2 around[4] = {AT(i + n - 1), AT(i), AT(i + 1), AT(i + 2)};
         if (kind == CONTOUR_LINEAR) pen_line(pen, AT(i + 1));
-        if (kind == CONTOUR_CUBIC) draw_spline_step(pen, around);
+        if (kind == CONTOUR_CUBIC) draw_smooth_step(pen, around);
         if (kind == CONTOUR_BEZIER) pen_cubic(pen, AT(i + 1), AT(i + 2), AT(i + 3));
     }
     pen_end(pen);

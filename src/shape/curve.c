@@ -3,14 +3,11 @@
  * Every cubic piece is replaced by biarcs, two arcs that meet each other and the curve's ends with one tangent, halved
  * until they keep within a tolerance of it. So the solid is made of a few parts of tori, and its surface is smooth by
  * itself: the normals are those of the surface, and no shading has to hide any edges.
- *
- * Smooth curves are Catmull and Rom's with centripetal parameters (C. Yuksel, S. Schaefer, J. Keyser, "Parameterization
- * and applications of Catmull-Rom curves", Computer-Aided Design 43, 2011), which have no loops or cusps within a
- * piece.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
 #include "shape/outline.h"
+#include "shape/smooth.h"
 
 enum {
     MAX_POINTS = 100000,
@@ -154,13 +151,11 @@ static bool add_cubic(const Curve *curve, const Cubic *cubic, int depth)
 
 /* ---- from points to cubic pieces ---- */
 
-/* The velocity at `here` of the smooth curve through three points, for a piece that takes time 1 to `after`. */
-static Dir2 smooth_velocity(Dir2 before, Dir2 here, Dir2 after)
+static Dir2 velocity_at(Dir2 before, Dir2 here, Dir2 after)
 {
-    double s = sqrt(dir2_distance(before, here)), t = sqrt(dir2_distance(here, after));
-    double r = (here.r - before.r) / s - (after.r - before.r) / (s + t) + (after.r - here.r) / t;
-    double y = (here.y - before.y) / s - (after.y - before.y) / (s + t) + (after.y - here.y) / t;
-    return (Dir2){t * r, t * y};
+    double since = smooth_time(dir2_distance(before, here)), until = smooth_time(dir2_distance(here, after));
+    return (Dir2){smooth_velocity(before.r, here.r, after.r, since, until),
+                  smooth_velocity(before.y, here.y, after.y, since, until)};
 }
 
 static bool both_on_axis(Dir2 a, Dir2 b)
@@ -178,7 +173,7 @@ static Cubic smooth_piece(const Dir2 *points, const bool *corner, uint32_t n, ui
     if (cubic.straight) return cubic;
     if (p.r == 0) before = (Dir2){-q.r, q.y};
     if (q.r == 0) after = (Dir2){-p.r, p.y};
-    Dir2 u = smooth_velocity(before, p, q), v = smooth_velocity(after, q, p); /* v: backwards */
+    Dir2 u = velocity_at(before, p, q), v = velocity_at(after, q, p); /* v: backwards */
     if (corner[i]) u = (Dir2){1.5 * (q.r - p.r) + 0.5 * v.r, 1.5 * (q.y - p.y) + 0.5 * v.y};
     if (corner[k]) v = (Dir2){1.5 * (p.r - q.r) + 0.5 * u.r, 1.5 * (p.y - q.y) + 0.5 * u.y};
     cubic.p[1] = (Dir2){p.r + u.r / 3, p.y + u.y / 3};

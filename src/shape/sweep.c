@@ -7,6 +7,7 @@
 
 #include "base/array.h"
 #include "shape/meshed.h"
+#include "shape/smooth.h"
 
 static const double degree = 3.14159265358979323846 / 180;
 /* How far a side is bent, of its length. */
@@ -54,19 +55,46 @@ static double path_scale(const SweepShape *shape, size_t i)
     return shape->scales[shape->closed ? i % shape->n_path : i];
 }
 
-/* The Catmull-Rom spline through four values, between the second and the third. */
-static void spline_at(double a, double b, double c, double d, double t, double *value, double *slope)
+/* A piece of the path, between the second and the third of four points. */
+typedef struct Piece {
+    Vec3 p[4];
+    double times[3]; /* from each to the next, see smooth.h */
+    Vec3 start, end; /* the velocities there */
+} Piece;
+
+/* The velocities of a value that has these four ones, at the piece's ends. */
+static void piece_velocities(const double times[3], const double values[4], double *start, double *end)
 {
-    double m0 = 0.5 * (c - a), m1 = 0.5 * (d - b), e = 3 * (c - b) - 2 * m0 - m1, f = m0 + m1 - 2 * (c - b);
-    *value = b + t * (m0 + t * (e + t * f));
-    *slope = m0 + t * (2 * e + 3 * f * t);
+    *start = smooth_velocity(values[0], values[1], values[2], times[0], times[1]);
+    *end = -smooth_velocity(values[3], values[2], values[1], times[2], times[1]);
 }
 
-static void spline_vector(const Vec3 p[4], double t, Vec3 *value, Vec3 *slope)
+static Piece piece_from(const SweepShape *shape, size_t i)
 {
-    spline_at(p[0].x, p[1].x, p[2].x, p[3].x, t, &value->x, &slope->x);
-    spline_at(p[0].y, p[1].y, p[2].y, p[3].y, t, &value->y, &slope->y);
-    spline_at(p[0].z, p[1].z, p[2].z, p[3].z, t, &value->z, &slope->z);
+    Piece piece;
+    for (size_t k = 0; k < 4; k++) piece.p[k] = path_point(shape, i + k);
+    const Vec3 *p = piece.p;
+    for (size_t k = 0; k < 3; k++) piece.times[k] = smooth_time(vec3_length(vec3_sub(p[k + 1], p[k])));
+    piece_velocities(piece.times, (double[]){p[0].x, p[1].x, p[2].x, p[3].x}, &piece.start.x, &piece.end.x);
+    piece_velocities(piece.times, (double[]){p[0].y, p[1].y, p[2].y, p[3].y}, &piece.start.y, &piece.end.y);
+    piece_velocities(piece.times, (double[]){p[0].z, p[1].z, p[2].z, p[3].z}, &piece.start.z, &piece.end.z);
+    return piece;
+}
+
+/* Hermite's cubic from a to b, with these velocities at its ends. */
+static double hermite(double a, double b, double start, double end, double t, double *velocity)
+{
+    double e = 3 * (b - a) - 2 * start - end, f = start + end - 2 * (b - a);
+    *velocity = start + t * (2 * e + 3 * f * t);
+    return a + t * (start + t * (e + t * f));
+}
+
+static Vec3 piece_at(const Piece *piece, double t, Vec3 *velocity)
+{
+    const Vec3 *a = &piece->p[1], *b = &piece->p[2], *start = &piece->start, *end = &piece->end;
+    return vec3(hermite(a->x, b->x, start->x, end->x, t, &velocity->x),
+                hermite(a->y, b->y, start->y, end->y, t, &velocity->y),
+                hermite(a->z, b->z, start->z, end->z, t, &velocity->z));
 }
 
 static double angle_between(Vec3 a, Vec3 b)
@@ -124,12 +152,11 @@ static Status cut_sides(const SweepShape *shape, Outline2 *cut, Outline2 *hollow
     return fine ? STATUS_OK : fail_memory(error, cut->n_points * sizeof *cut->points, "a sweep");
 }
 
-static unsigned steps_of(const SweepShape *shape, const Vec3 p[4], double twist)
+static unsigned steps_of(const SweepShape *shape, const Piece *piece, double twist)
 {
     double steps = twist != 0 ? fabs(twist) / twist_step(shape) : 0;
     if (shape->smooth) {
-        Vec3 m0 = vec3_scale(vec3_sub(p[2], p[0]), 0.5), m1 = vec3_scale(vec3_sub(p[3], p[1]), 0.5),
-             chord = vec3_sub(p[2], p[1]);
+        Vec3 m0 = piece->start, m1 = piece->end, chord = vec3_sub(piece->p[2], piece->p[1]);
         /* second derivatives at both ends, between which they go straight */
         Vec3 first = vec3_sub(vec3_scale(chord, 6), vec3_add(vec3_scale(m0, 4), vec3_scale(m1, 2)));
         Vec3 last = vec3_sub(vec3_add(vec3_scale(m0, 2), vec3_scale(m1, 4)), vec3_scale(chord, 6));
@@ -179,19 +206,20 @@ static Status walk_path(SweepMaker *maker, Error *error)
     for (size_t i = 0; i < n_pieces; i++)
         total += vec3_length(vec3_sub(path_point(shape, i + 2), path_point(shape, i + 1)));
     for (size_t i = 0; i < n_pieces; i++) {
-        Vec3 p[4] = {path_point(shape, i), path_point(shape, i + 1), path_point(shape, i + 2),
-                     path_point(shape, i + 3)};
-        double s0 = path_scale(shape, i), s1 = path_scale(shape, i + 1), ignored;
+        const Piece piece = piece_from(shape, i);
+        const Vec3 *p = piece.p;
+        double s0 = path_scale(shape, i), s1 = path_scale(shape, i + 1), start, end, ignored;
         double before = i || shape->closed ? path_scale(shape, i ? i - 1 : shape->n_path - 1) : 2 * s0 - s1;
         double behind = i + 2 < shape->n_path || shape->closed ? path_scale(shape, i + 2) : 2 * s1 - s0;
-        unsigned n = steps_of(shape, p, maker->twist * vec3_length(vec3_sub(p[2], p[1])) / total);
+        piece_velocities(piece.times, (double[]){before, s0, s1, behind}, &start, &end);
+        unsigned n = steps_of(shape, &piece, maker->twist * vec3_length(vec3_sub(p[2], p[1])) / total);
         for (unsigned k = i ? 1 : 0; k <= n; k++) {
             double t = (double)k / n, scale = s0 + t * (s1 - s0);
             Vec3 at = vec3_along(p[1], t, vec3_sub(p[2], p[1])), slope = vec3_sub(p[2], p[1]);
             if (k == n) at = p[2];
             if (shape->smooth) {
-                spline_vector(p, t, &at, &slope);
-                spline_at(before, s0, s1, behind, t, &scale, &ignored);
+                at = piece_at(&piece, t, &slope);
+                scale = hermite(s0, s1, start, end, t, &ignored);
             }
             if (scale < 0) scale = 0; /* the spline can swing below where radii are 0 */
             double speed = vec3_length(slope);

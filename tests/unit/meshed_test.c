@@ -179,6 +179,44 @@ static void twisted_ends_do_not_cross(void **state)
     }
 }
 
+/* Points may lie unevenly: two long legs and a half circle of short steps between them make a tube, and an outline, without kinks. */
+static void uneven_points_make_smooth_curves(void **state)
+{
+    (void)state;
+#define U_TURN "[<-2, 0, 0>] + [for (i in 0..6) <2 * cos(180 - 30 * i), 10 + 2 * sin(180 - 30 * i), 0>] + [<2, 0, 0>]"
+    check_volume("sweep { interior = glass radius = .2 path = " U_TURN " }", pi * 0.04 * (20 + 2 * pi), 0.01, 8);
+#undef U_TURN
+    check_volume("prism { interior = glass curve = cubic to = 1 outline = [<-2, -10>] + "
+                 "[for (i in 0..6) <2 * cos(180 - 30 * i), 10 + 2 * sin(180 - 30 * i)>] + "
+                 "[for (i in 0..6) <2 * cos(30 * i), -10 - 2 * sin(30 * i)>] }",
+                 80 + 4 * pi, 0.03, 8);
+}
+
+/* A thread has few triangles, a tube that is as thick as it is long has many; said by their tolerances. */
+static void threads_have_few_triangles(void **state)
+{
+    (void)state;
+    static const struct {
+        double radius, tolerance;
+    } cases[] = {{.04, .0004}, {.5, .002}, {10, .01}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        uint32_t n[2];
+        for (int said = 0; said < 2; said++) {
+            Fixture f;
+            char text[1024], tolerance[64] = "";
+            if (said) snprintf(tolerance, sizeof tolerance, "tolerance = %g", cases[i].tolerance);
+            snprintf(text, sizeof text,
+                     M "sweep { interior = glass radius = %g %s path = [<0, 0, 0>, <10, 2, 0>, <20, 0, 0>] }" V,
+                     cases[i].radius, tolerance);
+            fixture_good(&f, text);
+            n[said] = f.scene->shapes[f.scene->objects[0].shape].mesh->n_triangles;
+            fixture_clear(&f);
+        }
+        assert_int_equal(n[0], n[1]);
+        assert_true(i > 0 || n[0] < 5000); /* 22,000 by a 1000th of the radius */
+    }
+}
+
 static void sweeps_that_cannot_be(void **state)
 {
     (void)state;
@@ -465,6 +503,8 @@ int main(void)
         cmocka_unit_test(prisms_that_cannot_be),
         cmocka_unit_test(sweeps),
         cmocka_unit_test(twisted_ends_do_not_cross),
+        cmocka_unit_test(uneven_points_make_smooth_curves),
+        cmocka_unit_test(threads_have_few_triangles),
         cmocka_unit_test(sweeps_that_cannot_be),
         cmocka_unit_test(sweeps_of_all_kinds),
         cmocka_unit_test(superellipsoids),
