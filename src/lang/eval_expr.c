@@ -162,24 +162,6 @@ static void compose_transforms(Evaluator *evaluator, const Value *a, const Value
     *result = (Value){.kind = VALUE_TRANSFORM, .as.transform = both};
 }
 
-/* Both plain doubles of one kind: copied as a whole. */
-static bool join_plain(Evaluator *evaluator, const Value *a, const Value *b, Value *result)
-{
-    if (a->kind != VALUE_LIST || b->kind != VALUE_LIST || a->as.list->element == VALUE_NONE ||
-        a->as.list->element != b->as.list->element)
-        return false;
-    const List *first = a->as.list, *second = b->as.list;
-    List *both = ARENA_NEW(evaluator->arena, List);
-    size_t n_first = first->n * first->width, n_second = second->n * first->width;
-    double *numbers = ARENA_ARRAY(evaluator->arena, double, n_first + n_second);
-    if (n_first) memcpy(numbers, first->numbers, n_first * sizeof *numbers);
-    if (n_second) memcpy(numbers + n_first, second->numbers, n_second * sizeof *numbers);
-    *both = (List){.n = first->n + second->n, .element = first->element, .width = first->width, .depth = 1,
-                    .numbers = numbers};
-    *result = (Value){.kind = VALUE_LIST, .as.list = both};
-    return true;
-}
-
 static void join_lists(Evaluator *evaluator, const Expr *expr, const Value *a, const Value *b, Value *result)
 {
     ListBuilder builder = {.arena = evaluator->arena};
@@ -188,7 +170,8 @@ static void join_lists(Evaluator *evaluator, const Expr *expr, const Value *a, c
         result->kind = VALUE_POISON;
         return;
     }
-    if (join_plain(evaluator, a, b, result)) return;
+    bool lists = a->kind == VALUE_LIST && b->kind == VALUE_LIST;
+    if (lists && list_join(evaluator->arena, a->as.list, b->as.list, result)) return;
     for (const Value *list = a; list; list = list == a ? b : NULL) {
         size_t n = value_count(list);
         for (size_t i = 0; i < n && eval_step(evaluator, expr->span); i++) {

@@ -106,6 +106,54 @@ Value list_builder_finish(ListBuilder *builder)
     return (Value){.kind = VALUE_LIST, .as.list = list};
 }
 
+/* What lists that begin alike have in common. */
+typedef struct ListRoom {
+    size_t used, capacity;
+} ListRoom;
+
+static size_t element_size(const List *list)
+{
+    return list->element == VALUE_NONE ? sizeof(Value) : list->width * sizeof(double);
+}
+
+/* Room for n elements, and twice as many for a list that has been joined before. */
+static char *make_room(Arena *arena, const List *list, size_t n, ListRoom **room)
+{
+    *room = ARENA_NEW(arena, ListRoom);
+    (*room)->capacity = list->room ? 2 * n : n;
+    size_t size = (*room)->capacity * element_size(list);
+    return list->element == VALUE_NONE ? (char *)ARENA_ARRAY(arena, Value, (*room)->capacity)
+                                       : (char *)ARENA_ARRAY(arena, double, size / sizeof(double));
+}
+
+static const void *elements_of(const List *list)
+{
+    return list->element == VALUE_NONE ? (const void *)list->items : (const void *)list->numbers;
+}
+
+bool list_join(Arena *arena, const List *a, const List *b, Value *both)
+{
+    if (a->n == 0 || b->n == 0 || a->element != b->element) return false;
+    size_t size = element_size(a), n = a->n + b->n;
+    ListRoom *room = a->room;
+    bool goes_on = room && room->used == a->n && room->capacity >= n;
+    char *elements = goes_on ? (char *)(uintptr_t)elements_of(a) : make_room(arena, a, n, &room);
+    if (!goes_on) memcpy(elements, elements_of(a), a->n * size);
+    memcpy(elements + a->n * size, elements_of(b), b->n * size);
+    room->used = n;
+    List *list = ARENA_NEW(arena, List);
+    *list = *a;
+    list->n = n;
+    if (b->depth > list->depth) list->depth = b->depth;
+    if (a->element == VALUE_NONE)
+        list->items = (const Value *)(void *)elements;
+    else
+        list->numbers = (const double *)(void *)elements;
+    list->room = room;
+    *both = (Value){.kind = VALUE_LIST, .as.list = list};
+    return true;
+}
+
 /* ---- records ---- */
 
 static const RecordType record_types[RECORD_COUNT] = {

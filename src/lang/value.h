@@ -76,6 +76,7 @@ struct List {
     unsigned depth;    /* of lists within lists: 1 when there are none; what walks over values relies on its limit */
     const double *numbers;
     const Value *items;
+    struct ListRoom *room; /* where they lie, with room for more; NULL: as many as there are */
 };
 
 static inline Value value_number(double x) { return (Value){.kind = VALUE_NUMBER, .as.number = x}; }
@@ -112,6 +113,10 @@ const char *value_describe(Arena *arena, const Value *value);
 /* The elements of a list or range. */
 size_t value_count(const Value *value);
 Value value_element(const Value *value, size_t index);
+
+/* The elements of both, which must be plain doubles of one kind or items; else false. What is behind the first one's, where nobody
+ * else went on, is written there: a list that grows by an element at a time takes time and memory in proportion to its length. */
+bool list_join(Arena *arena, const List *a, const List *b, Value *both);
 
 /* A list that grows; begun zeroed. Plain doubles as long as the elements allow. */
 typedef struct ListBuilder {

@@ -465,10 +465,33 @@ static void test_memory_of_loops(void **state)
     run_close(&run);
 }
 
+/* A list that grows by an element at a time takes memory in proportion to its length; and is never changed: what begins with it
+ * goes its own way. */
+static void test_lists_that_grow(void **state)
+{
+    (void)state;
+    static const char *const elements[] = {"i", "<i, 0, 0>", "[i]", "translate(i * x)", "\"a\""};
+    for (size_t k = 0; k < COUNT_OF(elements); k++) {
+        Run run;
+        Buf text = {0};
+        buf_format(&text, "var l = [] for (i in 0..<20000) { l := l + [%s] } print(len(l))", elements[k]);
+        run_text(&run, buf_text(&text));
+        expect_fine(&run);
+        assert_string_equal(buf_text(&run.result.printed), "20000\n");
+        assert_true(run.arena.total < 40000000);
+        run_close(&run);
+        buf_clear(&text);
+    }
+    expect_printed("let (a = [1, 2] + [3], b = a + [4], c = a + [5], d = b + [6], e = b + [7, 8], f = a + a) [a, b, c, d, e, f]",
+                   "[[1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [1, 2, 3, 4, 6], [1, 2, 3, 4, 7, 8], [1, 2, 3, 1, 2, 3]]");
+    expect_printed("let (a = [[1]] + [[2]], b = a + [[3]], c = a + [4], d = b + [[[5]]], e = b + [x]) [a, b, c, d, len(e)]",
+                   "[[[1], [2]], [[1], [2], [3]], [[1], [2], 4], [[1], [2], [3], [[5]]], 4]");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whisky),          cmocka_unit_test(test_aquarium),
+        cmocka_unit_test(test_lists_that_grow), cmocka_unit_test(test_whisky),          cmocka_unit_test(test_aquarium),
         cmocka_unit_test(test_soda),            cmocka_unit_test(test_instances),
         cmocka_unit_test(test_transforms), cmocka_unit_test(test_kept_transforms),      cmocka_unit_test(test_defaults_and_none),
         cmocka_unit_test(test_default_texts),   cmocka_unit_test(test_macros),
