@@ -74,6 +74,15 @@ void motion_of_map(Finder *f, uint32_t *motion, const Affine *first, const Affin
     for (uint32_t k = f->key; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *then;
 }
 
+/* Cells of a height field stay cut as they were at first, whatever its heights have come to. */
+static void keep_diagonals(const Mesh *mesh, Mesh *then)
+{
+    if (mesh->grid_columns == 0 || mesh->grid_columns != then->grid_columns || mesh->n_vertices != then->n_vertices ||
+        mesh->n_triangles != then->n_triangles)
+        return;
+    memcpy(then->triangles, mesh->triangles, mesh->n_triangles * sizeof *mesh->triangles);
+}
+
 /* An object whose shape is another one by now. A mesh is taken over from the last key. */
 static void change_shape(Finder *f, const SceneObject *object, uint32_t then)
 {
@@ -83,6 +92,7 @@ static void change_shape(Finder *f, const SceneObject *object, uint32_t then)
     f->shape_then[object->shape] = then;
     if (shape->mesh_end || (meshes && !last)) return;
     if (scene_shape_hash(shape) == scene_shape_hash(other)) return;
+    if (meshes) keep_diagonals(shape->mesh, other->mesh);
     if (meshes && mesh_same_triangles(shape->mesh, other->mesh)) {
         shape->mesh_end = other->mesh;
         other->mesh = NULL;

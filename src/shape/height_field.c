@@ -125,6 +125,7 @@ Status mesh_make_height_field(const float *heights, uint32_t n_x, uint32_t n_z, 
     add_side(&maker, n_x - 1, 0, 0, 1, n_z, bottom, vec3(1, 0, 0), centre);
     add_side(&maker, n_x - 1, n_z - 1, -1, 0, n_x, bottom, vec3(0, 0, 1), centre);
     add_side(&maker, 0, n_z - 1, 0, -1, n_z, bottom, vec3(-1, 0, 0), centre);
+    maker.mesh->grid_columns = n_x;
     *mesh = maker.mesh;
     return STATUS_OK;
 }

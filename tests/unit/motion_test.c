@@ -56,6 +56,28 @@ static void without_a_shutter_nothing_moves(void **state)
     fixture_clear(&scene);
 }
 
+/* Cells of a height field are cut by their heights; as it moves, they stay as they were cut at first. */
+static void height_fields_deform(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA
+                 "height_field { interior = glass  base = -5  size = <3, 1, 3> "
+                 "heights = [for (j in 0..5) [for (i in 0..5) cos(90 * i + 70 * j + 500 * clock)]] }" HALF);
+    const SceneShape *shape = &scene.scene->shapes[scene.scene->objects[0].shape];
+    assert_non_null(shape->mesh_end);
+    assert_int_equal(scene.diag.n_warnings, 0);
+    assert_true(mesh_same_triangles(shape->mesh, shape->mesh_end));
+    assert_near((double)shape->mesh->positions[0].y, 1, 1e-6);
+    assert_near((double)shape->mesh_end->positions[0].y, cos(250 * 3.14159265358979 / 180), 1e-6);
+    fixture_clear(&scene);
+    fixture_good(&scene, FIXTURE_MEDIA "height_field { interior = glass  base = -5  size = <3, 1, 3> "
+                                       "heights = [for (j in 0..5) [for (i in 0..(clock > 0 ? 2 : 5)) 1]] }" HALF);
+    assert_null(scene.scene->shapes[scene.scene->objects[0].shape].mesh_end);
+    assert_int_equal(scene.diag.n_warnings, 1);
+    fixture_clear(&scene);
+}
+
 static void meshes_deform_and_cones_do_not(void **state)
 {
     (void)state;
@@ -79,14 +101,18 @@ static void other_values_stay_and_are_told(void **state)
 {
     (void)state;
 #define BALL(surface) "sphere ball { surface = surface { " surface " } } environment { } "
-#define CLOUD(volume) "medium m { ior = 1  absorption = 1  density = " volume " } sphere { interior = m } environment { } "
+#define CLOUD(volume)                                                                                                  \
+    "medium m { ior = 1  absorption = 1  density = " volume " } sphere { interior = m } environment { } "
     static const struct {
         const char *text, *told; /* a part of the message; NULL: there is none */
     } cases[] = {
         {"medium m { ior = 1 + clock } sphere { interior = m } environment { }", "medium m"},
-        {"medium m { ior = 1 + clock } sphere { interior = m } if (clock > .1) { sphere { interior = glass  center = <9, 0, 0> } }"
-         "medium n { ior = 2 } environment { }", "medium m"},
-        {"sphere { interior = clock < .2 ? glass : ice } sphere { interior = glass  center = <9, 0, 0> } environment { }",
+        {"medium m { ior = 1 + clock } sphere { interior = m } if (clock > .1) { sphere { interior = glass  center = "
+         "<9, 0, 0> } }"
+         "medium n { ior = 2 } environment { }",
+         "medium m"},
+        {"sphere { interior = clock < .2 ? glass : ice } sphere { interior = glass  center = <9, 0, 0> } environment { "
+         "}",
          "medium"},
         {"if (clock < .2) { sphere { interior = glass } } else { sphere { interior = glass } } environment { }", NULL},
         {"sphere ball { interior = glass  priority = clock < .2 ? 1 : 2 } environment { }", "the priority of ball"},
@@ -105,17 +131,23 @@ static void other_values_stay_and_are_told(void **state)
         {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", "what shines of light"},
         {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp.ies\"  shape = point  power = 1 }",
          "the turn about its own axis of light"},
-        {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp_quarter.ies\"  shape = point  power = 1 }", NULL},
-        {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }", "the environment"},
+        {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp_quarter.ies\"  shape = point  power = "
+         "1 }",
+         NULL},
+        {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }",
+         "the environment"},
         {"sphere { interior = glass } environment { color = .5 + clock }", "the environment"},
         {"sphere { interior = glass } environment { rotate(y, 90 * clock) }", "the environment"},
         {"def f(p) = 1 + clock " CLOUD("volume { function = f }"), "the density of m"},
         {"def f(p) = 1 " CLOUD("volume { function = f  cells = 8 + 8 * clock }"), "the density of m"},
         {"def f(p) = 1 " CLOUD("volume { function = f  scale = 1 + clock }"), "the density of m"},
-        {"def f(p) = 999 medium m { ior = 1  emission = blackbody(1500)  temperature = volume { function = f  scale = 1 + clock } }"
-         "sphere { interior = m } environment { }", "the temperature of m"},
+        {"def f(p) = 999 medium m { ior = 1  emission = blackbody(1500)  temperature = volume { function = f  scale = "
+         "1 + clock } }"
+         "sphere { interior = m } environment { }",
+         "the temperature of m"},
         /* what is blurred is no change */
-        {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f  translate(<clock, 0, 0>) } }"
+        {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f  translate(<clock, 0, 0>) } "
+         "}"
          "sphere { interior = m  center = <clock, 0, 0> }"
          "sphere { surface = surface { albedo = noise { } }  center = <clock, 0, 0> }"
          "sphere { surface = surface { ior = 1.5  roughness = gradient { phase = clock  to = clock } } }"
@@ -124,7 +156,9 @@ static void other_values_stay_and_are_told(void **state)
          NULL},
         {"def f(p) = max(0, .5 + .3 * sin(90 * p.x + clock)) " BALL("albedo = f"), NULL},
         /* nor is what comes or goes */
-        {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { }", NULL},
+        {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { "
+         "}",
+         NULL},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
@@ -142,8 +176,8 @@ static void shapes_that_come_back_are_told(void **state)
 {
     (void)state;
     Fixture scene;
-    fixture_good(&scene, FIXTURE_MEDIA "cone { interior = ice  to = <0, 5 + sin(720 * clock), 0> }"
-                 CAMERA("shutter = 180deg  shutter_steps = 4") "environment { }");
+    fixture_good(&scene, FIXTURE_MEDIA "cone { interior = ice  to = <0, 5 + sin(720 * clock), 0> }" CAMERA(
+                             "shutter = 180deg  shutter_steps = 4") "environment { }");
     assert_non_null(fixture_find(&scene, D_SHAPE_CHANGES));
     fixture_clear(&scene);
 }
@@ -154,9 +188,11 @@ static void textures_are_where_their_node_is(void **state)
 {
     (void)state;
     Fixture scene;
-    fixture_good(&scene, FIXTURE_MEDIA "let s = surface { albedo = noise { } }"
-                 "sphere { surface = s } sphere { surface = s  center = <clock, 0, 0> }"
-                 "sphere { surface = s  center = <2 * clock, 0, 0> } sphere { surface = s  rotate(y, 100 * clock) }" HALF);
+    fixture_good(
+        &scene, FIXTURE_MEDIA
+        "let s = surface { albedo = noise { } }"
+        "sphere { surface = s } sphere { surface = s  center = <clock, 0, 0> }"
+        "sphere { surface = s  center = <2 * clock, 0, 0> } sphere { surface = s  rotate(y, 100 * clock) }" HALF);
     const Scene *s = scene.scene;
     for (uint32_t i = 0; i < 4; i++) {
         const Affine *keys = scene_motion(s, s->texture_frames[s->objects[i].texture_frame].motion);
@@ -172,8 +208,9 @@ static void numbers_of_textures_are_between_keys(void **state)
     (void)state;
     Fixture scene;
     fixture_good(&scene, FIXTURE_MEDIA "def f(p) = max(0, p.x + clock) "
-                 "sphere { radius = .3  surface = surface { albedo = f } } sphere { surface = surface { albedo = gradient { from = clock  to = 1 } } }"
-                 CAMERA("shutter = 180deg  shutter_steps = 1") "environment { }");
+                                       "sphere { radius = .3  surface = surface { albedo = f } } sphere { surface = "
+                                       "surface { albedo = gradient { from = clock  to = 1 } } }" CAMERA(
+                                           "shutter = 180deg  shutter_steps = 1") "environment { }");
     const Scene *s = scene.scene;
     assert_int_equal(s->n_keys, 2);
     TexturePlace at = {.object = {0.2, 0, 0}, .object_normal = {0, 1, 0}, .time = 0.5};
@@ -200,7 +237,8 @@ static void hanging_lamps_turn_as_they_are_turned(void **state)
 {
     (void)state;
     Fixture scene;
-    fixture_good(&scene, FIXTURE_MEDIA "light { from = 0 * y  to = -y  size = <3, 1>  rotate(y, 360 * clock)  translate(9 * y) }"
+    fixture_good(&scene, FIXTURE_MEDIA
+                 "light { from = 0 * y  to = -y  size = <3, 1>  rotate(y, 360 * clock)  translate(9 * y) }"
                  "light { from = 9 * y  to = 9 * y + <max(0, clock - .25), -1, 0>  size = <3, 1> }" HALF);
     const Affine *about = keys_of(&scene, 0), *later = keys_of(&scene, 1);
     assert_near(vec3_length(vec3_sub(first_axis(&about[1]), vec3(0, 0, -1))), 0, 1e-12);
@@ -222,8 +260,9 @@ static void programs_are_aligned(void **state)
     const ProgramStep other[] = {{.op = PROGRAM_MULTIPLY, .to = 11, .a = 1, .b = 9},
                                  {.op = PROGRAM_ADD, .to = 12, .a = 11, .b = 10}};
     const double one[] = {2}, two[] = {2, 6};
-    const Program a = {one, alike, 1, 2, 12, 1, {11}}, b = {two, apart, 2, 2, 13, 1, {12}}, c = {two, other, 2, 2, 13, 1, {12}};
-    const Program *pair[] = {&a, &b}, *odd[] = {&a, &c}, *const *aligned;
+    const Program a = {one, alike, 1, 2, 12, 1, {11}}, b = {two, apart, 2, 2, 13, 1, {12}},
+                  c = {two, other, 2, 2, 13, 1, {12}};
+    const Program *pair[] = {&a, &b}, *odd[] = {&a, &c}, *const * aligned;
     const double inputs[PROGRAM_INPUTS] = {3};
     double value;
     Arena arena;
@@ -388,6 +427,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(places_follow_the_clock),
         cmocka_unit_test(without_a_shutter_nothing_moves),
+        cmocka_unit_test(height_fields_deform),
         cmocka_unit_test(meshes_deform_and_cones_do_not),
         cmocka_unit_test(other_values_stay_and_are_told),
         cmocka_unit_test(shapes_that_come_back_are_told),
