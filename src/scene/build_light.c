@@ -1,19 +1,15 @@
-/* build_light.c - lights and the environment.
+/* build_light.c - lights.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/hash.h"
 #include "lang/schema_find.h"
-#include "optics/sky.h"
 #include "scene/build_parts.h"
 
 static const double pi = 3.14159265358979323846;
-static const double suns_angle = 0.53;   /* degrees, the whole disc */
 static const double usual_spot = 45;     /* degrees */
 static const double least_angle = 0.001; /* degrees: the cosine is to tell it from none */
-static const double brightest_sky = 1e20;
 static const double degree = 3.14159265358979323846 / 180;
 
 static Vec3 column(const Affine *map, int i)
@@ -196,7 +192,7 @@ static bool place_area_light(Builder *b, const EvalNode *node, SceneLight *light
     return true;
 }
 
-static void add_light(Builder *b, const SceneLight *light)
+void build_add_light(Builder *b, const SceneLight *light)
 {
     Scene *scene = b->scene;
     scene->lights = room_for_one(b->arena, scene->lights, scene->n_lights, &b->lights_capacity, sizeof *light);
@@ -236,7 +232,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
                     angle->as.number, least_angle);
         return;
     }
-    double half_angle = (angle ? angle->as.number : suns_angle) / 2 * degree;
+    double half_angle = (angle ? angle->as.number : BUILD_SUNS_ANGLE) / 2 * degree;
     if (angle && light.kind != LIGHT_DISTANT) set_cone(node, &light, angle->as.number);
     light.to_world = rigid_frame(to_world, &frame);
     light.towards = vec3_scale(column(&light.to_world, 1), -1);
@@ -265,144 +261,5 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         light.radiance = spectrum_constant(0);
     else if (!build_emission(b, node, "color", radiance_factor(b, node, &light, half_angle), &light.radiance))
         return;
-    add_light(b, &light);
-}
-
-/* ---- the environment ---- */
-
-/* Radiance must be a number, not negative, and far from the end of float's range. */
-static bool check_pixels(Builder *b, Span span, const char *name, const float *rgb, uint32_t width, uint32_t height)
-{
-    size_t n = (size_t)width * height * 3;
-    for (size_t i = 0; i < n; i++) {
-        if (rgb[i] >= 0 && rgb[i] <= 1e30f) continue;
-        diag_report(b->diag, D_IMAGE_INVALID, span, "'%s' cannot light a scene: the %s of pixel %zu,%zu is %g", name,
-                    i % 3 == 0   ? "red"
-                    : i % 3 == 1 ? "green"
-                                 : "blue",
-                    i / 3 % width, i / 3 / width, (double)rgb[i]);
-        return false;
-    }
-    return true;
-}
-
-static void environment_from_image(Builder *b, const EvalNode *node, const EvalProp *image)
-{
-    const char *path = eval_find_file(&b->eval_options, b->diag, image->span, image->as.text);
-    if (!path) return;
-    build_note_file(b, path);
-    float *rgb = NULL;
-    uint32_t width = 0, height = 0;
-    Error error;
-    double strength = eval_number(node, "strength");
-    Status status = b->options->load_image ? b->options->load_image(b->options->load_image_context, path, NULL, &rgb,
-                                                                    &width, &height, &error)
-                                           : fail(&error, STATUS_INPUT, "images cannot be read here");
-    if (status != STATUS_OK && status != STATUS_NOMEM) {
-        diag_report(b->diag, D_IMAGE_INVALID, image->span, "%s", error.text);
-    } else if (status == STATUS_OK && (width == 0 || height == 0)) {
-        diag_report(b->diag, D_IMAGE_INVALID, image->span, "'%s' has no pixels", path);
-    } else if (status == STATUS_OK && check_pixels(b, image->span, path, rgb, width, height)) {
-        status = environment_new_image(rgb, width, height, strength, &b->scene->environment, &error);
-        uint32_t size[2] = {width, height};
-        b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
-        b->environment_hash = hash_bulk(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
-        b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
-    }
-    free(rgb);
-    if (status == STATUS_NOMEM) build_succeeded(b, status, &error, image->span);
-}
-
-static void environment_from_color(Builder *b, const EvalNode *node)
-{
-    Spectrum radiance;
-    double strength = eval_number(node, "strength");
-    if (!build_emission(b, node, "color", strength, &radiance)) return;
-    Error error;
-    Status status = environment_new_constant(&radiance, &b->scene->environment, &error);
-    if (!build_succeeded(b, status, &error, node->span)) return;
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
-        float value = spectrum_at_one(&radiance, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM));
-        b->environment_hash = hash_bytes(&value, sizeof value, b->environment_hash);
-    }
-}
-
-/* The disc of the sun, of which `sun` is the irradiance. */
-static void add_sun(Builder *b, const EvalNode *node, double elevation, const float *sun)
-{
-    Scene *scene = b->scene;
-    double half_angle = 0.5 * suns_angle * degree, sine = sin(half_angle);
-    SceneLight light = {.kind = LIGHT_DISTANT,
-                        .span = build_author_place(b, node),
-                        .object = SCENE_NONE,
-                        .motion = SCENE_NONE,
-                        .to_world = affine_identity(),
-                        .cos_angle = cos(half_angle)};
-    float *table = ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES);
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)sun[i] / (pi * sine * sine));
-    light.radiance = (Spectrum){.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
-    /* the environment's map is a rotation: its transpose turns back */
-    light.towards = affine_normal(&scene->world_to_environment, vec3(0, sin(elevation), cos(elevation)));
-    light.name = build_name(b, node, "sun");
-    add_light(b, &light);
-}
-
-static void environment_from_sky(Builder *b, const EvalNode *node)
-{
-    Scene *scene = b->scene;
-    Vec3 ground = eval_vector(node, "ground");
-    double rgb[3] = {ground.x, ground.y, ground.z}, azimuth = eval_number(node, "azimuth") * degree;
-    Spectrum albedo = spectrum_from_reflectance(rgb);
-    SkyModel model = {eval_number(node, "elevation") * degree, eval_number(node, "turbidity"), &albedo,
-                      eval_number(node, "strength"), b->options->pool};
-    if (model.strength > brightest_sky) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "strength"),
-                    "a sky %g times as bright as day is beyond what can be rendered", model.strength);
-        return;
-    }
-    /* the sky has its sun over +z; turned by the azimuth it is where it should be */
-    Affine turn = {{{cos(azimuth), 0, -sin(azimuth)}, {0, 1, 0}, {sin(azimuth), 0, cos(azimuth)}}, {0, 0, 0}};
-    scene->world_to_environment = affine_compose(&turn, &scene->world_to_environment);
-    float sun[SPECTRUM_SAMPLES] = {0};
-    Error error;
-    bool overcast = strcmp(eval_word(node, "sky"), "overcast") == 0;
-    if (overcast && model.elevation < 0) {
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "elevation"),
-                    "the sun is %g degrees below the horizon: an overcast sky has no twilight",
-                    -model.elevation / degree);
-        return;
-    }
-    Status status = overcast ? sky_new_overcast(&model, &scene->environment, &error)
-                             : sky_new(&model, &scene->environment, sun, &error);
-    if (!build_succeeded(b, status, &error, node->span)) return;
-    double key[] = {overcast, model.elevation, model.turbidity, model.strength, rgb[0], rgb[1], rgb[2]};
-    b->environment_hash = hash_bytes(key, sizeof key, b->environment_hash);
-    if (!overcast && model.elevation > 0 && model.strength > 0 && eval_truth(node, "disc"))
-        add_sun(b, node, model.elevation, sun);
-}
-
-void build_environment(Builder *b, const EvalNode *node)
-{
-    static const char *const of_sky[] = {"elevation", "ground"}, *const of_clear[] = {"azimuth", "turbidity", "disc"};
-    const EvalProp *image = eval_prop(node, "image");
-    double scale = affine_even_scale(&node->transform, 1e-6);
-    bool one = build_exclude(b, node, "color", "image");
-    one = build_exclude(b, node, "color", "sky") && one;
-    if (!build_exclude(b, node, "image", "sky") || !one) return;
-    if (fabs(scale - 1) > 1e-6 || affine_determinant(&node->transform) < 0 ||
-        !affine_invert(&node->transform, &b->scene->world_to_environment)) {
-        diag_report(b->diag, D_SINGULAR_TRANSFORM, node->span, "an environment can only be rotated");
-        return;
-    }
-    b->scene->world_to_environment.t = vec3(0, 0, 0);
-    bool clear = eval_prop(node, "sky") && strcmp(eval_word(node, "sky"), "clear") == 0;
-    for (size_t i = 0; i < COUNT_OF(of_sky) && !eval_prop(node, "sky"); i++)
-        build_needs(b, node, of_sky[i], "without sky = clear or overcast");
-    for (size_t i = 0; i < COUNT_OF(of_clear) && !clear; i++) build_needs(b, node, of_clear[i], "without sky = clear");
-    if (eval_prop(node, "sky"))
-        environment_from_sky(b, node);
-    else if (image)
-        environment_from_image(b, node, image);
-    else
-        environment_from_color(b, node);
+    build_add_light(b, &light);
 }

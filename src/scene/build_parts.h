@@ -326,8 +326,10 @@ void build_isosurface(Builder *b, const EvalNode *node, const Affine *to_world);
 /* build_text.c */
 void build_text(Builder *b, const EvalNode *node, const Affine *to_world);
 
-/* build_light.c, build_view.c */
+/* build_light.c, build_environment.c, build_view.c */
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world);
+#define BUILD_SUNS_ANGLE 0.53 /* degrees, the whole disc */
+void build_add_light(Builder *b, const SceneLight *light);
 /* build_profile.c: a light's profile, from the file that the property names; false after reporting. */
 bool build_profile(Builder *b, const EvalProp *prop, SceneLight *light);
 void build_environment(Builder *b, const EvalNode *node);

@@ -130,6 +130,9 @@ static void lights_on_a_floor(void **state)
          NULL},
         {"environment of 1: pi", TRUTH_WHITE_SKY, TRUTH_PI, NULL},
         /* integral over the hemisphere of (a + b sin^4 e) sin e: pi a + 2 pi b / 6 */
+        {"environment by a function: its integral",
+         "def zenith(p) = .2 + 3 * max(p.y, 0) ^ 4 environment { function = zenith }",
+         TRUTH_PI * 0.2 + 2 * TRUTH_PI * 3 / 6, NULL},
         {"environment from an image: its integral", TRUTH_SKY, TRUTH_PI * 0.2 + 2 * TRUTH_PI * 3 / 6, bright_zenith},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {

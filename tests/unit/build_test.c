@@ -481,6 +481,46 @@ static void environments_are_colours_or_images(void **state)
     }
 }
 
+static void environments_are_functions(void **state)
+{
+    (void)state;
+    Fixture f;
+    uint64_t hash[2];
+    for (int i = 0; i < 2; i++) {
+        char text[1000];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm def sky(p, normal) = rgb(1 + p.x, 2 + p.y, 3 + %d * p.z + max(0, normal.z)) def even(x, y, z) = 2 "
+                 "environment { function = sky  strength = 2 } camera { from = <0, 0, 1> }",
+                 i);
+        fixture_build(&f, text, &(SceneOptions){0});
+        assert_int_equal(f.status, STATUS_OK);
+        hash[i] = f.scene->hash;
+        assert_int_equal(environment_width(f.scene->environment), 2048);
+        for (int k = 0; k < 200; k++) {
+            double y = (k + 0.5) / 100 - 1, turn = 2.4 * k, r = sqrt(1 - y * y), x = r * cos(turn), z = r * sin(turn);
+            double wanted = 2 * (0.2126 * (1 + x) + 0.7152 * (2 + y) + 0.0722 * (3 + i * z + fmax(0, -z)));
+            double found = (double)environment_luminance(f.scene->environment, vec3f((float)x, (float)y, (float)z));
+            assert_near(found / wanted, 1, 0.003);
+        }
+        fixture_clear(&f);
+    }
+    assert_true(hash[0] != hash[1]);
+    static const struct {
+        const char *text;
+        DiagCode code;
+    } refused[] = {{"function = low", D_VALUE_OUT_OF_RANGE},          {"function = nothing", D_VALUE_OUT_OF_RANGE},
+                   {"function = good  color = 1", D_CONFLICTING_PROPERTIES}, {"function = good  sky = clear", D_CONFLICTING_PROPERTIES},
+                   {"resolution = 64", D_CONFLICTING_PROPERTIES},     {"color = good", D_WRONG_TYPE},
+                   {"function = good  resolution = 8", D_VALUE_OUT_OF_RANGE}};
+    for (size_t i = 0; i < COUNT_OF(refused); i++) {
+        char text[1000];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm def good(p) = 1 + p.x def low(p) = p.y def nothing(p) = 1 / max(0, p.y) "
+                 "environment { %s } camera { from = <0, 0, 1> }", refused[i].text);
+        fixture_refused(text, refused[i].code);
+    }
+}
+
 /* ---- cameras, film, render ---- */
 
 static void cameras_look_where_they_should(void **state)
@@ -713,6 +753,7 @@ int main(void)
         cmocka_unit_test(lights_shine_where_they_are_told),
         cmocka_unit_test(wrong_lights_are_refused),
         cmocka_unit_test(environments_are_colours_or_images),
+        cmocka_unit_test(environments_are_functions),
         cmocka_unit_test(cameras_look_where_they_should),
         cmocka_unit_test(settings_reach_the_scene),
         cmocka_unit_test(things_have_names),
