@@ -21,7 +21,7 @@ enum { SPREAD_NEAR = 26, SPREAD_CELLS_FROM = 6400 };
 typedef struct Looks {
     uint32_t *things[BRIGHT_THINGS];
     float
-        *shares[BRIGHT_THINGS]; /* of a pixel's samples, those that saw each, times its reflectance; 0: no such thing */
+        *shares[BRIGHT_THINGS]; /* those of a pixel's samples that saw each, times its reflectance; 0: no such thing */
     float *plain;               /* its light, see bright_light, without the samples that have few like them there */
     float *around;              /* the mean of that around it */
     float *colors[3];           /* the mean of all light around it, in each channel; */
@@ -95,12 +95,11 @@ typedef struct Lone {
     uint32_t x, y, thing;
     double light, rgb[3]; /* as parts of its pixel's mean */
     double seen;          /* its light, as a haze of it is seen */
-    double
-        reference; /* what is usual there: the most of what is plain: the brightest pixel next to it, the mean around */
-    double lit;    /* as the reference, how much light is usual */
-    double black, slope; /* what a pixel gets by how much light it has: black + slope * lit, but 1 at most */
-    float least;         /* of comparable samples */
-    ThingBox box;        /* where the thing is seen: nothing is to be found beyond it */
+    double reference;     /* what is usual there: the most of the brightest plain pixel next to it, the mean around */
+    double lit;           /* how much light is: the same of that */
+    double black, slope;  /* what a pixel gets by how much light it has: black + slope * lit, but 1 at most */
+    float least;          /* of comparable samples */
+    ThingBox box;         /* where the thing is seen: nothing is to be found beyond it */
 } Lone;
 
 /* Columns of a row of pixels: from x0 up to but without x1. */
@@ -210,7 +209,7 @@ Span spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, u
 /* One that goes by cells. */
 typedef struct FarSample {
     uint32_t thing;
-    int level;         /* of its reference */
+    int level;         /* by how much light is usual where it is */
     uint32_t row, way; /* of the maps, and of the row */
 } FarSample;
 
