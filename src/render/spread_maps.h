@@ -20,14 +20,13 @@ enum { SPREAD_NEAR = 26, SPREAD_CELLS_FROM = 6400 };
 /* What is asked of pixels again and again, each kind together, so that rows of pixels are gone through fast. */
 typedef struct Looks {
     uint32_t *things[BRIGHT_THINGS];
-    float
-        *shares[BRIGHT_THINGS]; /* those of a pixel's samples that saw each, times its reflectance; 0: no such thing */
-    float *plain;               /* its light, see bright_light, without the samples that have few like them there */
-    float *around;              /* the mean of that around it */
-    float *colors[3];           /* the mean of all light around it, in each channel; */
-    float *lit;                 /* what is plain, over its reflectance: how much light there is; */
-    float *lit_around;          /* and the mean of that around it */
-    float *brightest;           /* of its samples, as far as they are kept; */
+    float *shares[BRIGHT_THINGS]; /* of its samples, those that saw each, times its reflectance; 0: none */
+    float *plain;                 /* its light, see bright_light, without the samples that have few like them there */
+    float *around;                /* the mean of that around it */
+    float *colors[3];             /* the mean of all light around it, in each channel; */
+    float *lit;                   /* what is plain, over its reflectance: how much light there is; */
+    float *lit_around;            /* and the mean of that around it */
+    float *brightest;             /* of its samples, as far as they are kept; */
     float (*lights)[BRIGHT_KEPT]; /* all of these, the brightest first, */
     uint16_t *seen;               /* and what they saw, as bright_seen() has it */
 } Looks;
