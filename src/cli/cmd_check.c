@@ -8,7 +8,7 @@
 #include "cli/check_slice.h"
 #include "cli/commands.h"
 #include "cli/other_frames.h"
-#include "cli/scene_input.h"
+#include "cli/viewpoint.h"
 #include "trace/path.h"
 
 enum { NUMBER_SIZE = 32 };
@@ -83,17 +83,16 @@ static void print_json(void *context)
     buf_clear(&diagnostics);
 }
 
-/* The line of sight through the middle of a pixel. */
-static Status look_through_pixel(Check *check, Error *error)
+/* The line of sight through the middle of a pixel of the picture that the options ask for. */
+static Status look_through_pixel(Check *check, uint32_t camera_row, uint32_t width, uint32_t height, Error *error)
 {
-    const Scene *scene = check->input.scene;
     const uint32_t *at = check->pixel;
-    if (at[0] >= scene->film.width || at[1] >= scene->film.height)
+    if (at[0] >= width || at[1] >= height)
         return fail(error, STATUS_USAGE, "option '--pixel': %u,%u is no pixel of the picture, 0,0 to %u,%u", at[0], at[1],
-                    (unsigned)scene->film.width - 1, (unsigned)scene->film.height - 1);
-    FilmPoint point = {at[0] + 0.5, at[1] + 0.5, scene->film.width, scene->film.height};
+                    (unsigned)width - 1, (unsigned)height - 1);
+    FilmPoint point = {at[0] + 0.5, at[1] + 0.5, width, height};
     const float middle[2] = {0.5f, 0.5f};
-    SceneCamera camera = scene->cameras[0];
+    SceneCamera camera = check->input.scene->cameras[camera_row];
     NestList list;
     nest_list_init(&list);
     Status status = compiled_stand(check->input.compiled, &camera, &list, NULL, error);
@@ -106,6 +105,15 @@ static Status look_through_pixel(Check *check, Error *error)
     return sight_line_find(check->input.compiled, &ray, &check->sight, error);
 }
 
+/* What --camera, --size and --scale say is looked at whether --pixel asks for it or not. */
+static Status look(Check *check, Error *error)
+{
+    uint32_t camera, width, height;
+    TRY(viewpoint_size(&check->input, &width, &height, error));
+    TRY(viewpoint_camera(&check->input, &camera, error));
+    return check->pixel ? look_through_pixel(check, camera, width, height, error) : STATUS_OK;
+}
+
 /* Everything that can be wrong with the input's frame. */
 static Status examine_frame(Check *check, Error *error)
 {
@@ -113,7 +121,7 @@ static Status examine_frame(Check *check, Error *error)
     scene_input_print_said(&check->input);
     TRY(status);
     TRY(scene_input_compile(&check->input, check->pool, error));
-    if (check->pixel && !check->built) TRY(look_through_pixel(check, error));
+    if (!check->built) TRY(look(check, error));
     if (check->slice.wanted) TRY(check_slice_make(&check->slice, check->input.compiled, check->pool, error));
     if (!check->built) TRY(scene_input_guard(&check->input, print_report, check, error));
     check->error = error;

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "cli/render_run.h"
+#include "cli/viewpoint.h"
 #include "optics/color.h"
 
 static double per_million(uint64_t n, uint64_t of)
@@ -128,11 +129,14 @@ static void warn_of_black(const RenderRun *run)
 {
     if (run->n_rendered || run->stats.samples == 0 || diag_has(&run->input.diag, D_NO_LIGHT) || !is_black(&run->image))
         return;
-    const SceneFilm *film = &run->input.scene->film;
+    const RenderSettings *settings = &run->settings;
+    Buf view = {0};
+    viewpoint_add_options(&run->input, settings->width, settings->height, &view);
     talk_warning(run->talk,
                  "all of the picture is black: the camera is inside of an opaque object, or no light comes to what it looks at, "
-                 "or is found by so few samples; 'meniscus check %s --pixel %u,%u' says what is in front of it",
-                 run->input.path, (unsigned)film->width / 2, (unsigned)film->height / 2);
+                 "or is found by so few samples; 'meniscus check %s%s --pixel %u,%u' says what is in front of it",
+                 run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
+    buf_clear(&view);
 }
 
 void render_warn(const RenderRun *run)

@@ -1,35 +1,14 @@
 /* render_settings.c - how to render: what the scene says, and what options say instead.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "cli/render_run.h"
-
-enum { LARGEST_SIDE = 65536 };
+#include "cli/viewpoint.h"
 
 static uint32_t count_of(const Options *options, OptionKey key, uint32_t otherwise)
 {
     return option_given(options, key) ? options->values[key].whole[0] : otherwise;
-}
-
-static Status merge_size(RenderRun *run, Error *error)
-{
-    const Options *options = run->options;
-    const SceneFilm *film = &run->input.scene->film;
-    const uint32_t *given = options->values[OPTION_SIZE].whole;
-    bool sized = option_given(options, OPTION_SIZE);
-    uint32_t *sides[2] = {&run->settings.width, &run->settings.height};
-    uint32_t wanted[2] = {sized ? given[0] : film->width, sized ? given[1] : film->height};
-    double scale = option_given(options, OPTION_SCALE) ? options->values[OPTION_SCALE].number : 1;
-    for (int i = 0; i < 2; i++) {
-        double side = fmax(1, floor(wanted[i] * scale + 0.5));
-        if (side > LARGEST_SIDE)
-            return fail(error, STATUS_USAGE, "option '--scale': a %s of %.0f pixels is beyond %d",
-                        i ? "height" : "width", side, LARGEST_SIDE);
-        *sides[i] = (uint32_t)side;
-    }
-    return STATUS_OK;
 }
 
 static Status merge_crop(RenderRun *run, Error *error)
@@ -40,41 +19,6 @@ static Status merge_crop(RenderRun *run, Error *error)
     if (settings->crop[2] <= settings->width && settings->crop[3] <= settings->height) return STATUS_OK;
     return fail(error, STATUS_USAGE, "option '--crop': %u,%u is outside of the picture of %u x %u", settings->crop[2],
                 settings->crop[3], settings->width, settings->height);
-}
-
-typedef struct CameraReport {
-    SceneInput *input;
-    const char *wanted;
-} CameraReport;
-
-static void report_camera(void *context)
-{
-    CameraReport *report = context;
-    Diag *diag = &report->input->diag;
-    const Scene *scene = report->input->scene;
-    const char **names = ARENA_ARRAY(diag->arena, const char *, scene->n_cameras + 1);
-    size_t n = 0;
-    for (uint32_t i = 0; i < scene->n_cameras; i++)
-        if (scene->cameras[i].name) names[n++] = scene->cameras[i].name;
-    Diagnostic *diagnostic =
-        diag_report_nowhere(diag, D_UNKNOWN_CAMERA, "--camera: the scene has no camera '%s'", report->wanted);
-    diag_suggest_or_list(diag, diagnostic, report->wanted, names, n, "cameras");
-}
-
-static Status merge_camera(RenderRun *run, Error *error)
-{
-    const Scene *scene = run->input.scene;
-    const char *wanted = option_text(run->options, OPTION_CAMERA, NULL);
-    if (!wanted) return STATUS_OK;
-    for (uint32_t i = 0; i < scene->n_cameras; i++)
-        if (scene->cameras[i].name && strcmp(scene->cameras[i].name, wanted) == 0) {
-            run->settings.camera = i;
-            return STATUS_OK;
-        }
-    CameraReport report = {&run->input, wanted};
-    TRY(scene_input_guard(&run->input, report_camera, &report, error));
-    error->text[0] = 0;
-    return STATUS_SCENE;
 }
 
 /* The names of all that there is, for a message. */
@@ -159,8 +103,8 @@ Status render_settings_merge(RenderRun *run, Error *error)
         return fail(error, STATUS_USAGE, "option '--caustics': there is no choice '%s'", caustics);
     TRY(merge_range(run, error));
     TRY(merge_aovs(run, error));
-    TRY(merge_size(run, error));
+    TRY(viewpoint_size(&run->input, &run->settings.width, &run->settings.height, error));
     TRY(merge_crop(run, error));
     TRY(render_merge_pixel(run, error));
-    return merge_camera(run, error);
+    return viewpoint_camera(&run->input, &run->settings.camera, error);
 }

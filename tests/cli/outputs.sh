@@ -431,6 +431,8 @@ run render black.mns -o black.png
 exits 0
 says err "warning: all of the picture is black: the camera is inside of an opaque object"
 matches err "'meniscus check black.mns --pixel [0-9]+,[0-9]+'"
+run render black.mns -o black.png --size 10x6
+says err "'meniscus check black.mns --size 10x6 --pixel 5,3'"
 there black.png
 run render black.mns -o black.exr -q --log-format json
 matches err '"warning".*all of the picture is black'

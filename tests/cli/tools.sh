@@ -259,6 +259,19 @@ matches out '^ +90.0 mm +pond +entered in silence: pane is on top, by state of m
 run check sight.mns --pixel 9,0
 exits 2
 says err "no pixel of the picture, 0,0 to 8,8"
+run check sight.mns --pixel 9,0 --size 18x12
+exits 0
+says out "Along the line, which starts in air"
+run check sight.mns --pixel 18,0 --scale 2
+exits 2
+says err "no pixel of the picture, 0,0 to 17,17"
+{ cat sight.mns; echo 'camera below { from = <0, 0, -25>  to = <0, 0, -90>  fov = 10deg }'; } > two.mns
+run check two.mns --pixel 4,4 --camera below
+exits 0
+matches out '^ +5.00 mm +wall +opaque$'
+run check two.mns --pixel 4,4 --camera belwo
+exits 3
+says err "did you mean 'below'?"
 sed 's/^camera .*/camera { projection = fisheye  from = <0, 0, 100>  to = <0, 0, 0> }/' sight.mns > round.mns
 run check round.mns --pixel 0,0
 exits 2

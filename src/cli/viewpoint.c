@@ -1,0 +1,71 @@
+/* viewpoint.c - see viewpoint.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <string.h>
+
+#include "cli/viewpoint.h"
+
+enum { LARGEST_SIDE = 65536 };
+
+Status viewpoint_size(const SceneInput *input, uint32_t *width, uint32_t *height, Error *error)
+{
+    const Options *options = input->options;
+    const SceneFilm *film = &input->scene->film;
+    const uint32_t *given = options->values[OPTION_SIZE].whole;
+    bool sized = option_given(options, OPTION_SIZE);
+    uint32_t *sides[2] = {width, height};
+    uint32_t wanted[2] = {sized ? given[0] : film->width, sized ? given[1] : film->height};
+    double scale = option_given(options, OPTION_SCALE) ? options->values[OPTION_SCALE].number : 1;
+    for (int i = 0; i < 2; i++) {
+        double side = fmax(1, floor(wanted[i] * scale + 0.5));
+        if (side > LARGEST_SIDE)
+            return fail(error, STATUS_USAGE, "option '--scale': a %s of %.0f pixels is beyond %d",
+                        i ? "height" : "width", side, LARGEST_SIDE);
+        *sides[i] = (uint32_t)side;
+    }
+    return STATUS_OK;
+}
+
+typedef struct CameraReport {
+    SceneInput *input;
+    const char *wanted;
+} CameraReport;
+
+static void report_camera(void *context)
+{
+    CameraReport *report = context;
+    Diag *diag = &report->input->diag;
+    const Scene *scene = report->input->scene;
+    const char **names = ARENA_ARRAY(diag->arena, const char *, scene->n_cameras + 1);
+    size_t n = 0;
+    for (uint32_t i = 0; i < scene->n_cameras; i++)
+        if (scene->cameras[i].name) names[n++] = scene->cameras[i].name;
+    Diagnostic *diagnostic =
+        diag_report_nowhere(diag, D_UNKNOWN_CAMERA, "--camera: the scene has no camera '%s'", report->wanted);
+    diag_suggest_or_list(diag, diagnostic, report->wanted, names, n, "cameras");
+}
+
+Status viewpoint_camera(SceneInput *input, uint32_t *camera, Error *error)
+{
+    const Scene *scene = input->scene;
+    const char *wanted = option_text(input->options, OPTION_CAMERA, NULL);
+    *camera = 0;
+    if (!wanted) return STATUS_OK;
+    for (uint32_t i = 0; i < scene->n_cameras; i++)
+        if (scene->cameras[i].name && strcmp(scene->cameras[i].name, wanted) == 0) {
+            *camera = i;
+            return STATUS_OK;
+        }
+    CameraReport report = {input, wanted};
+    TRY(scene_input_guard(input, report_camera, &report, error));
+    error->text[0] = 0;
+    return STATUS_SCENE;
+}
+
+void viewpoint_add_options(const SceneInput *input, uint32_t width, uint32_t height, Buf *out)
+{
+    const char *camera = option_text(input->options, OPTION_CAMERA, NULL);
+    if (camera) buf_format(out, " --camera %s", camera);
+    if (option_given(input->options, OPTION_SIZE) || option_given(input->options, OPTION_SCALE))
+        buf_format(out, " --size %ux%u", (unsigned)width, (unsigned)height);
+}
