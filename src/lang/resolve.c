@@ -423,7 +423,9 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
                 resolve_expr(resolver, item);
         }
     } else {
+        resolver->word_prop = words ? prop : NULL;
         resolve_expr(resolver, value);
+        resolver->word_prop = NULL;
     }
     if (misplaced) stmt->kind = STMT_EMPTY;
 }

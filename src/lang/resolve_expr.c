@@ -250,6 +250,26 @@ static bool known_to_be_unknown(Resolver *resolver, Symbol *symbol, Span span)
     return true;
 }
 
+/* The property of a choice that has the word: the one whose value is resolved, else the first that there is; NULL: none. */
+static const PropType *choice_with(const Resolver *resolver, const char *word)
+{
+    const PropType *sought = resolver->word_prop;
+    if (sought && choice_allows(sought->choices, word)) return sought;
+    for (size_t i = 0; i < resolver->schema->n_nodes; i++)
+        for (size_t k = 0; k < resolver->schema->nodes[i].n_props; k++) {
+            const PropType *prop = &resolver->schema->nodes[i].props[k];
+            bool chooses = prop->kind == PROP_CHOICE || (prop->kind == PROP_STRINGS && prop->choices);
+            if (chooses && choice_allows(prop->choices, word)) return prop;
+        }
+    return NULL;
+}
+
+static void hint_at_word(Resolver *resolver, Diagnostic *report, const PropType *prop, const char *word)
+{
+    diag_hint(resolver->diag, report, "write: \"%s\"; the words of a choice stand without quotes only right behind '=', %s = %s",
+              word, prop->name, word);
+}
+
 static void resolve_name(Resolver *resolver, Expr *expr)
 {
     Symbol *symbol = expr->as.name.symbol;
@@ -276,14 +296,21 @@ static void resolve_name(Resolver *resolver, Expr *expr)
     if (known_to_be_unknown(resolver, symbol, expr->span)) return;
     Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->span, "unknown name '%s'", symbol->text);
     symbol->unknown = report;
-    if (builtin_find(symbol->text))
+    const PropType *choice = choice_with(resolver, symbol->text);
+    if (choice && choice == resolver->word_prop)
+        hint_at_word(resolver, report, choice, symbol->text);
+    else if (builtin_find(symbol->text))
         diag_hint(resolver->diag, report, "'%s' is a function: write '%s(...)'", symbol->text, symbol->text);
     else if (unit_of(symbol->text, symbol->length) && symbol->length > 1) /* 5 / cm; single letters are names, too */
         diag_hint(resolver->diag, report, "a unit stands behind a number: 1%s", symbol->text);
     else if (schema_node(resolver->schema, symbol->text)) /* let s = sphere ball { ... } */
         diag_hint(resolver->diag, report, "write: %s { ... }, as a value without a name of its own", symbol->text);
-    else if (!note_later_declaration(resolver, report, symbol))
-        suggest_visible(resolver, report, symbol, false, false);
+    else if (!note_later_declaration(resolver, report, symbol)) {
+        if (choice && !habit_word(symbol->text))
+            hint_at_word(resolver, report, choice, symbol->text);
+        else
+            suggest_visible(resolver, report, symbol, false, false);
+    }
 }
 
 /* ---- members ---- */

@@ -274,7 +274,10 @@ void build_sweep(Builder *b, const EvalNode *node, const Affine *to_world)
         build_needs(b, node, "twist", "without an outline");
         build_needs(b, node, "up", "without an outline");
     }
-    if (eval_truth(node, "closed")) build_needs(b, node, "ends", "on a closed path");
+    Diagnostic *report = eval_truth(node, "closed") ? build_needs(b, node, "ends", "on a closed path") : NULL;
+    if (report)
+        diag_hint(b->diag, report, "leave it out; where 'closed' is computed: ends = closed ? none : \"%s\"",
+                  eval_prop(node, "ends")->as.text);
     build_made(b, node, to_world, make_sweep, "", 0);
 }
 
