@@ -374,16 +374,33 @@ static void resolve_function_prop(Resolver *resolver, const PropType *prop, Expr
         diag_hint(resolver->diag, symbol->unknown, "write: def %s(x, y, z) = ..., further up", symbol->text);
 }
 
-/* The name of a function, most likely meant for a pattern, where all is of one colour. */
+/* The property of the node that another one wants, by which it takes a function: density = volume { function = f }; NULL:
+ * none. */
+static const PropType *function_within(const Resolver *resolver, const PropType *prop)
+{
+    const NodeType *wanted =
+        prop && prop->kind == PROP_NODE && prop->choices ? schema_node(resolver->schema, prop->choices) : NULL;
+    for (size_t i = 0; wanted && i < wanted->n_props; i++)
+        if (wanted->props[i].kind == PROP_FUNCTION) return &wanted->props[i];
+    return NULL;
+}
+
+/* The name of a function, most likely meant for a pattern, where all is of one colour, or for a node that takes one. */
 static bool report_pattern(Resolver *resolver, const NodeType *type, const PropType *prop, Expr *value)
 {
     const char *pattern = prop ? habit_pattern(type->name, prop->name) : NULL;
+    const PropType *within = function_within(resolver, prop);
     const Symbol *symbol = value->kind == EXPR_NAME ? value->as.name.symbol : NULL;
     Binding *binding = symbol ? symbol->binding : NULL;
-    if (!pattern || !binding || binding->kind != BINDING_DEF || !binding->def->body) return false;
-    Diagnostic *report = diag_report(resolver->diag, D_WRONG_TYPE, value->span,
-                                     "'%s' is a function, and '%s' the same everywhere", symbol->text, prop->name);
-    diag_hint(resolver->diag, report, "%s", habit_fill(resolver->arena, pattern, symbol->text));
+    if ((!pattern && !within) || !binding || binding->kind != BINDING_DEF || !binding->def->body) return false;
+    const char *wants = pattern ? "the same everywhere" : arena_format(resolver->arena, "wants a %s", prop->choices);
+    Diagnostic *report = diag_report(resolver->diag, D_WRONG_TYPE, value->span, "'%s' is a function, and '%s' %s",
+                                     symbol->text, prop->name, wants);
+    if (pattern)
+        diag_hint(resolver->diag, report, "%s", habit_fill(resolver->arena, pattern, symbol->text));
+    else
+        diag_hint(resolver->diag, report, "write: %s = %s { %s = %s }", prop->name, prop->choices, within->name,
+                  symbol->text);
     binding_use(binding);
     value->kind = EXPR_POISON;
     return true;

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/array.h"
 #include "base/buf.h"
@@ -93,8 +94,39 @@ static bool hint_at_library(Resolver *resolver, Diagnostic *report, const char *
     return false;
 }
 
+static void suggest_word(Resolver *resolver, Diagnostic *report, const char *word)
+{
+    diag_hint(resolver->diag, report, "did you mean '%s'?", word);
+    Binding *binding = symbol_of(resolver->symbols, word, strlen(word))->binding;
+    if (binding) binding_use(binding); /* that nothing uses it would be the same mistake */
+    if (binding && binding->has_span && binding->span.source == report->span.source)
+        diag_note(resolver->diag, report, binding->span, "'%s' is declared here", word);
+}
+
+/* The visible value whose name differs in nothing but the case of its letters; NULL: none, or several. */
+static const char *same_but_case(const Resolver *resolver, const char *wrong)
+{
+    const char *found = NULL;
+    Words words = visible_words(resolver, false, false);
+    for (size_t i = 0; i < words.n; i++) {
+        if (strcasecmp(words.items[i], wrong) != 0) continue;
+        if (found) {
+            found = NULL;
+            break;
+        }
+        found = words.items[i];
+    }
+    free(words.items);
+    return found;
+}
+
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes)
 {
+    const char *same = functions || nodes ? NULL : same_but_case(resolver, wrong->text);
+    if (same) {
+        suggest_word(resolver, report, same);
+        return;
+    }
     const char *node = nodes ? habit_node(wrong->text) : NULL, *word = nodes ? NULL : habit_word(wrong->text);
     bool vague = node && strstr(node, "use \"std/"); /* of a file, and not which of its macros */
     if ((!node || vague) && (functions || nodes) && hint_at_library(resolver, report, wrong->text, false)) return;
@@ -105,13 +137,7 @@ void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong
     Words words = visible_words(resolver, functions, nodes);
     const char *nearest = suggest_nearest(wrong->text, words.items, words.n);
     free(words.items);
-    if (nearest) {
-        diag_hint(resolver->diag, report, "did you mean '%s'?", nearest);
-        Binding *binding = symbol_of(resolver->symbols, nearest, strlen(nearest))->binding;
-        if (binding) binding_use(binding); /* that nothing uses it would be the same mistake */
-        if (binding && binding->has_span && binding->span.source == report->span.source)
-            diag_note(resolver->diag, report, binding->span, "'%s' is declared here", nearest);
-    }
+    if (nearest) suggest_word(resolver, report, nearest);
     if (!report->hint && !functions) suggest_later(resolver, report, wrong);
     if (!report->hint && !functions) hint_at_library(resolver, report, wrong->text, true);
 }

@@ -287,6 +287,16 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
     if (kind == PROP_VECTORS3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
 }
 
+/* A term's only number, most likely. */
+static void hint_term(const Check *check, double number, Diagnostic *report)
+{
+    Diag *diag = check->evaluator->diag;
+    const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
+    const char *hint = owner ? habit_measure(owner->name, check->type->name, UNIT_NONE) : NULL;
+    const char *text = fabs(number) < 1 ? number_text(diag->arena, number) : "...";
+    if (hint) diag_hint(diag, report, "%s", habit_fill(diag->arena, hint, text));
+}
+
 /* How a value of the wanted kind is written, where that is not plain from its name. */
 static void hint_form(const Check *check, const Value *value, Diagnostic *report)
 {
@@ -300,6 +310,7 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
     }
     if (kind == PROP_VECTOR3 && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
     if (kind == PROP_VECTOR3 && number) hint_measure(check, UNIT_NONE, report);
+    if (kind == PROP_TERM && number) hint_term(check, value->as.number, report);
     if (report->hint) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
         const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";

@@ -341,7 +341,9 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
         else if (thin)
             diag_hint(b->diag, report, "leave 'interior' out: on both sides of what is thin is what it stands in");
         else if (!shines)
-            diag_hint(b->diag, report, "transmission = .5 makes it half clear and half painted, 0 all painted");
+            diag_hint(b->diag, report,
+                      "opaque is what has no interior: interior = none, where a prototype has one; transmission = .5 "
+                      "makes it half clear and half painted, 0 all painted");
         break;
     }
     if (node->n_props > 0) return;
